@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# What every target of ours is compiled with. The baseline is x86-64-v2; hot kernels dispatch above it (core/simd.hpp).
+add_library(tyndall_options INTERFACE)
+target_compile_options(tyndall_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -march=x86-64-v2
+    $<$<CONFIG:Release>:-O3> -fno-math-errno -ffp-contract=off)
+target_include_directories(tyndall_options INTERFACE "${CMAKE_SOURCE_DIR}/native")
+# GLM's experimental headers stay off; its warnings are not ours.
+target_compile_definitions(tyndall_options INTERFACE GLM_FORCE_EXPLICIT_CTOR GLM_FORCE_XYZW_ONLY)
+
+# tyndall_room(NAME LINKS a b ...): a static library from all .cpp files below the current folder.
+function(tyndall_room name)
+    cmake_parse_arguments(ROOM "" "" "LINKS" ${ARGN})
+    file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
+    if(sources)
+        add_library(tyndall_${name} STATIC ${sources})
+        target_link_libraries(tyndall_${name} PUBLIC tyndall_options ${ROOM_LINKS})
+    else()
+        add_library(tyndall_${name} INTERFACE)
+        target_link_libraries(tyndall_${name} INTERFACE tyndall_options ${ROOM_LINKS})
+    endif()
+endfunction()

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A scene-linear image that shading looks up, with Blender's extension and interpolation rules.
+#pragma once
+#include "core/math.hpp"
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tyndall {
+enum class TextureExtension : std::uint8_t { Repeat = 0, Extend = 1, Clip = 2, Mirror = 3 };
+enum class TextureInterpolation : std::uint8_t { Closest = 0, Linear = 1 };
+
+struct Texture {
+    std::string name;
+    std::uint32_t width = 0, height = 0;
+    /// width * height * 4 bytes or floats (exactly one is filled), rows bottom to top; alpha unassociated.
+    std::vector<std::uint8_t> bytes; ///< sRGB-encoded when is_srgb.
+    std::vector<float> floats;
+    bool is_srgb = true;
+    bool has_alpha = false; ///< False: alpha is 1 everywhere.
+    TextureExtension extension = TextureExtension::Repeat;
+    TextureInterpolation interpolation = TextureInterpolation::Linear;
+
+    /// Colour (scene-linear, as Cycles reads the node's Color output) and alpha at uv; throws nothing.
+    [[nodiscard]] vec4 lookup(vec2 uv) const;
+};
+} // namespace tyndall

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which parts of a view ray a light reaches: one interface, three ways to answer (exact strip, epipolar raster, shadow
+// map), each with a documented error. The scattering integrals know nothing of how the intervals were found.
+#pragma once
+#include "light_shafts/light_shafts.hpp"
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace tyndall::light_shafts {
+/// A lit part of a view ray, as distances from its origin; intervals of a ray rise and do not overlap.
+struct LitInterval {
+    float near_m, far_m;
+    Rgb transmittance{1.0f}; ///< Of the transparent surfaces between it and the light, per channel.
+};
+/// Lit intervals of consecutive rays in compressed rows.
+struct LitRows {
+    std::vector<std::uint32_t> first{0}; ///< Ray r owns intervals[first[r] .. first[r + 1]).
+    std::vector<LitInterval> intervals;
+    void clear() {
+        first.assign(1, 0);
+        intervals.clear();
+    }
+    void end_ray() { first.push_back(static_cast<std::uint32_t>(intervals.size())); }
+};
+
+class Visibility {
+public:
+    Visibility() = default;
+    Visibility(const Visibility&) = delete;
+    Visibility& operator=(const Visibility&) = delete;
+    virtual ~Visibility() = default;
+
+    /// Appends the lit intervals of each ray within its finite [near_m, far_m]. Safe to call from many threads, each
+    /// with its own `rows`.
+    virtual void lit_intervals(std::span<const ViewRay> rays, LitRows& rows) const = 0;
+    /// What was built, what was skipped, which occluders had to fall back.
+    [[nodiscard]] virtual const Statistics& statistics() const = 0;
+};
+
+/// Prepares visibility of one light sample for `rays` (finite, clipped to the media) of `view`.
+using MakeVisibility = std::unique_ptr<Visibility>(const Scene& scene, const View& view, const LightSample& light,
+                                                   std::span<const ViewRay> rays, const Config& config,
+                                                   Progress& progress);
+MakeVisibility make_exact_strip; // exact_strip.cpp
+MakeVisibility make_epipolar;    // epipolar.cpp
+MakeVisibility make_shadow_map;  // shadow_map.cpp
+} // namespace tyndall::light_shafts

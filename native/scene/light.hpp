@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Lights with Blender's units, already converted to radiometric ones by the sync; positions are in the scene's space.
+#pragma once
+#include "core/math.hpp"
+#include <cstdint>
+#include <string>
+
+namespace tyndall {
+enum class LightKind : std::uint8_t { Sun = 0, Point = 1, Spot = 2 };
+
+/// How a spot fades between its inner and outer cone: the running Blender's Cycles decides.
+enum class SpotFalloff : std::uint8_t {
+    Blender3 = 0, ///< Up to 3.x, see light.cpp.
+    Blender4 = 1, ///< From 4.0 on.
+};
+/// How a point or spot light with a radius emits: a disc that faces each receiver (3.x) or a sphere (4.x).
+enum class LightBody : std::uint8_t { FacingDisc = 0, Sphere = 1 };
+
+struct Light {
+    std::string name;
+    LightKind kind = LightKind::Sun;
+    Rgb strength{1.0f};  ///< Sun: irradiance on a plane that faces it, W/m^2. Point, spot: radiant intensity, W/sr.
+    vec3 position{0.0f}; ///< Point, spot.
+    vec3 towards_light{0, 0, 1};      ///< Sun: unit vector to its centre.
+    vec3 spot_axis{0, 0, -1};         ///< Spot: unit vector along which it shines.
+    float half_angle_rad = 0.0f;      ///< Sun: angular radius, [0, pi/2].
+    float radius_m = 0.0f;            ///< Point, spot: [0, 1e6].
+    float spot_half_angle_rad = 0.7f; ///< Spot: half of Blender's cone angle.
+    float spot_blend = 0.0f;          ///< Spot: [0, 1].
+    SpotFalloff spot_falloff = SpotFalloff::Blender4;
+    LightBody body = LightBody::Sphere;
+    mat3 light_from_world_directions{1.0f}; ///< Spot: rotation and scale that Cycles 4 applies before the cone test.
+    bool casts_shadow = true;
+    bool lights_surfaces = true;
+    bool scatters_in_media = true;
+    bool is_camera_visible = false; ///< Cycles 4 draws lights with a size where the artist enables camera rays.
+};
+
+/// A light without a size: one stratum of a Light. The mean over the strata of one light is the light.
+struct LightSample {
+    bool is_directional = true;
+    vec3 towards_light{0, 0, 1};   ///< Directional: unit vector to the light.
+    vec3 position{0.0f};           ///< Local: where it stands.
+    Rgb strength{1.0f};            ///< Irradiance, W/m^2, or intensity, W/sr, before shaping; its share of the light.
+    vec3 emission_normal{0.0f};    ///< Local: intensity falls with max(0, cos) around it; zero vector: isotropic.
+    const Light* spot = nullptr;   ///< Local: shaped by this spot's cone; the light must outlive the sample.
+    std::uint32_t light_index = 0; ///< Into Scene::lights; lights of the world follow after the last one.
+    bool casts_shadow = true;
+};
+
+/// Spot attenuation towards a unit direction that leaves the light, [0, 1]; 1 for other kinds. Follows light.spot_falloff.
+[[nodiscard]] float spot_attenuation(const Light& light, const vec3& from_light);
+/// Intensity of a local sample towards a unit direction that leaves it, W/sr: strength, cosine lobe and spot together.
+[[nodiscard]] Rgb intensity_w_per_sr(const LightSample& sample, const vec3& from_light);
+/// The stratum of `light` at `u` in [0, 1)^2; its strength is that of the whole light. A light of size 0 ignores u.
+[[nodiscard]] LightSample sample_light(const Light& light, std::uint32_t light_index, vec2 u);
+} // namespace tyndall

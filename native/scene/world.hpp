@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Light from infinitely far away: one radiance, or an equirectangular image of it, importance-sampled by luminance.
+#pragma once
+#include "core/math.hpp"
+#include "scene/light.hpp"
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tyndall {
+/// Equirectangular radiance image in Blender's convention, rows bottom to top, as Image.pixels delivers it.
+struct EnvironmentImage {
+    std::string name;
+    std::uint32_t width = 0, height = 0;
+    std::vector<Rgb> pixels; ///< width * height, scene-linear.
+};
+
+class World {
+public:
+    World() = default;
+    /// Radiance is `radiance` times the image, if there is one. Throws InvalidInput that names the world.
+    World(std::string name, Rgb radiance, std::shared_ptr<const EnvironmentImage> image = nullptr,
+          mat3 image_from_world = mat3(1.0f));
+
+    [[nodiscard]] bool is_black() const;
+    [[nodiscard]] Rgb radiance(const vec3& unit_direction) const;
+    struct DirectionSample {
+        vec3 direction; ///< Unit, towards the world.
+        float pdf_per_sr;
+        Rgb radiance;
+    };
+    [[nodiscard]] DirectionSample sample(vec2 u) const;
+    [[nodiscard]] float pdf_per_sr(const vec3& unit_direction) const;
+    [[nodiscard]] const std::string& name() const { return name_; }
+
+private:
+    std::string name_;
+    Rgb radiance_{0.0f};
+    std::shared_ptr<const EnvironmentImage> image_;
+    mat3 image_from_world_{1.0f};
+    std::vector<float> row_cdf_;    ///< height + 1
+    std::vector<float> column_cdf_; ///< height rows of width + 1
+};
+} // namespace tyndall

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a surface does with light, at one point: the interface that the node compiler of later work fills.
+#pragma once
+#include "core/math.hpp"
+#include "image/texture.hpp"
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tyndall {
+/// Where a shading point lies: what a node program may read.
+struct ShadingPoint {
+    vec3 position{0.0f};
+    vec3 geometric_normal{0, 0, 1};
+    vec3 shading_normal{0, 0, 1}; ///< On the side of the ray.
+    std::uint32_t mesh_index = 0, triangle = 0;
+    vec2 barycentrics{0.0f};
+    bool is_backface = false;
+};
+
+/// Closures of one point. Weights already carry mix factors; diffuse + transparent need not add up to 1.
+struct SurfaceClosures {
+    Rgb diffuse_albedo{0.0f};
+    Rgb transparent{0.0f}; ///< Share that passes straight through.
+    Rgb emission{0.0f};    ///< Radiance.
+};
+
+/// One operation of a surface program. Registers hold an Rgb; scalars have three equal channels.
+struct SurfaceOp {
+    enum class Code : std::uint8_t {
+        Constant = 0,     ///< register[out] = value
+        Texture = 1,      ///< register[out] = image colour at uv map `texture_uv` through `uv_matrix`
+        TextureAlpha = 2, ///< the same image's alpha
+        Multiply = 3,     ///< a * b
+        Add = 4,          ///< a + b
+        Subtract = 5,     ///< a - b
+        Mix = 6,          ///< a + (b - a) * clamp(c)
+        Clamp = 7,        ///< clamp a to [0, 1]
+        Average = 8,      ///< (r + g + b) / 3 of a, Blender's colour to value
+        Backfacing = 9,   ///< 1 on back faces, else 0
+    };
+    Code code = Code::Constant;
+    std::uint16_t out = 0, a = 0, b = 0, c = 0;
+    std::uint16_t texture = 0;    ///< Into Material::textures.
+    std::uint16_t texture_uv = 0; ///< Into Material::uv_map_names.
+    Rgb value{0.0f};
+    glm::mat3 uv_matrix{1.0f}; ///< Mapping node, applied to (u, v, 1).
+};
+
+struct Material {
+    std::string name;
+    std::vector<SurfaceOp> program; ///< Empty: the three results below are constants of `constant`.
+    std::uint16_t diffuse_register = 0, transparent_register = 0, emission_register = 0;
+    SurfaceClosures constant{.diffuse_albedo = Rgb(0.8f), .transparent = Rgb(0.0f), .emission = Rgb(0.0f)};
+    std::vector<std::shared_ptr<const Texture>> textures;
+    std::vector<std::string> uv_map_names; ///< An empty name: the active one.
+    std::int32_t medium_index = -1; ///< Into SceneDescription::media: the medium inside the closed mesh; -1: none.
+    bool has_surface = true;        ///< False: no surface shader; light and view pass (a fog box).
+
+    [[nodiscard]] bool is_constant() const { return program.empty(); }
+};
+} // namespace tyndall

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A participating medium, as Blender's volume shaders describe it; one Blender unit is one metre.
+#pragma once
+#include "core/math.hpp"
+#include <string>
+#include <vector>
+
+namespace tyndall {
+/// Scattering with one phase function. A medium made of several scatter nodes has several lobes.
+struct ScatterLobe {
+    Rgb sigma_s_per_m{0.0f};  ///< Scattering coefficient per channel, [0, 1e6].
+    float asymmetry_g = 0.0f; ///< Henyey-Greenstein, (-1, 1); positive scatters forward.
+};
+
+struct Medium {
+    std::string name; ///< Of the material or world, for reports.
+    std::vector<ScatterLobe> lobes;
+    Rgb sigma_a_per_m{0.0f};        ///< Absorption coefficient per channel, [0, 1e6].
+    Rgb emission_w_per_m3_sr{0.0f}; ///< Emitted radiance per metre.
+
+    [[nodiscard]] Rgb sigma_s_per_m() const {
+        Rgb sum{0.0f};
+        for (const ScatterLobe& lobe : lobes)
+            sum += lobe.sigma_s_per_m;
+        return sum;
+    }
+    [[nodiscard]] Rgb sigma_t_per_m() const { return sigma_s_per_m() + sigma_a_per_m; }
+};
+} // namespace tyndall

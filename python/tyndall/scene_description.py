@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scene as plain arrays: what the Blender side writes and the native side reads. Knows neither.
+
+Spaces: right-handed, +Z up, metres; one Blender unit is one metre, always. Matrices are float64 ``(4, 4)`` numpy arrays
+indexed ``[row, column]`` that multiply column vectors. Colours are scene-linear Rec. 709.
+Objects that carry a ``key`` are kept by the native session: the same key in the next frame promises the same content,
+so nothing is sent again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+Rgb = tuple[float, float, float]
+FloatArray = NDArray[np.float32]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Mesh:
+    """Triangles in object space. Normals and UVs are per corner of a triangle."""
+
+    key: str
+    name: str
+    positions: FloatArray  #: (vertices, 3), metres.
+    triangles: NDArray[np.uint32]  #: (triangles, 3), into positions.
+    material_slots: NDArray[np.uint16] | None = None  #: (triangles,); None: all 0.
+    corner_normals: FloatArray | None = None  #: (triangles, 3, 3), unit; None: flat shading.
+    uv_maps: tuple[tuple[str, FloatArray], ...] = ()  #: Name and (triangles, 3, 2); the active one first.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Instances:
+    """Every placement of one mesh that shares a material assignment and flags."""
+
+    mesh: Mesh
+    world_from_object: NDArray[np.float64]  #: (count, 4, 4), affine, may mirror.
+    object_names: tuple[str, ...]  #: count names, for reports.
+    materials: tuple[int, ...]  #: Per material slot, into SceneDescription.materials.
+    is_camera_visible: bool = True
+    casts_shadow: bool = True
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Image:
+    """Pixels as Blender's ``Image.pixels`` orders them: rows bottom to top, RGBA, alpha unassociated."""
+
+    key: str
+    name: str
+    pixels: NDArray[np.uint8] | FloatArray  #: (height, width, 4); uint8 is encoded as is_srgb says, float is scene-linear.
+    is_srgb: bool = True
+    has_alpha: bool = False
+
+
+class Extension(IntEnum):
+    REPEAT = 0
+    EXTEND = 1
+    CLIP = 2
+    MIRROR = 3
+
+
+class Interpolation(IntEnum):
+    CLOSEST = 0
+    LINEAR = 1
+
+
+class Code(IntEnum):
+    """Operations of a surface program; native/shading/material.hpp says what each computes."""
+
+    CONSTANT = 0
+    TEXTURE = 1
+    TEXTURE_ALPHA = 2
+    MULTIPLY = 3
+    ADD = 4
+    SUBTRACT = 5
+    MIX = 6
+    CLAMP = 7
+    AVERAGE = 8
+    BACKFACING = 9
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TextureUse:
+    """One image as one node uses it."""
+
+    image: Image
+    extension: Extension = Extension.REPEAT
+    interpolation: Interpolation = Interpolation.LINEAR
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SurfaceOp:
+    """One step of a surface program: ``register[out] = code(register[a], register[b], register[c])``."""
+
+    code: Code
+    out: int
+    a: int = 0
+    b: int = 0
+    c: int = 0
+    texture: int = 0  #: Into Material.textures.
+    uv_map: int = 0  #: Into Material.uv_maps.
+    value: Rgb = (0.0, 0.0, 0.0)
+    uv_matrix: tuple[float, ...] = (1, 0, 0, 0, 1, 0, 0, 0, 1)  #: 3x3, row by row, applied to (u, v, 1).
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Material:
+    """A surface program with three results, or three constants; and the medium inside, if any."""
+
+    name: str
+    has_surface: bool = True  #: False: light and view pass through (a fog box).
+    diffuse: Rgb = (0.8, 0.8, 0.8)  #: Constants, used while ``program`` is empty.
+    transparent: Rgb = (0.0, 0.0, 0.0)
+    emission: Rgb = (0.0, 0.0, 0.0)
+    program: tuple[SurfaceOp, ...] = ()
+    diffuse_register: int = 0
+    transparent_register: int = 0
+    emission_register: int = 0
+    textures: tuple[TextureUse, ...] = ()
+    uv_maps: tuple[str, ...] = ()  #: Names the program reads; "" is the active one.
+    medium: int = -1  #: Into SceneDescription.media; -1: none.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ScatterLobe:
+    """Scattering with one Henyey-Greenstein phase function."""
+
+    sigma_s_per_m: Rgb
+    asymmetry_g: float = 0.0  #: (-1, 1); positive scatters forward.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Medium:
+    """A homogeneous participating medium."""
+
+    name: str
+    lobes: tuple[ScatterLobe, ...] = ()
+    sigma_a_per_m: Rgb = (0.0, 0.0, 0.0)
+    emission_w_per_m3_sr: Rgb = (0.0, 0.0, 0.0)
+
+
+class LightKind(IntEnum):
+    SUN = 0
+    POINT = 1
+    SPOT = 2
+
+
+class SpotFalloff(IntEnum):
+    BLENDER_3 = 0
+    BLENDER_4 = 1
+
+
+class LightBody(IntEnum):
+    FACING_DISC = 0
+    SPHERE = 1
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Light:
+    """A light in radiometric units."""
+
+    name: str
+    kind: LightKind
+    strength: Rgb  #: Sun: irradiance on a plane that faces it, W/m^2. Point and spot: radiant intensity, W/sr.
+    world_from_light: NDArray[np.float64]  #: (4, 4); the light shines along its -Z; scale shapes a spot's cone.
+    half_angle_rad: float = 0.0  #: Sun: angular radius.
+    radius_m: float = 0.0
+    spot_half_angle_rad: float = 0.7
+    spot_blend: float = 0.0
+    spot_falloff: SpotFalloff = SpotFalloff.BLENDER_4
+    body: LightBody = LightBody.SPHERE
+    casts_shadow: bool = True
+    lights_surfaces: bool = True
+    scatters_in_media: bool = True
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class World:
+    """Radiance from infinity: a colour, times an equirectangular image if there is one."""
+
+    name: str = "World"
+    radiance: Rgb = (0.0, 0.0, 0.0)
+    image: Image | None = None
+    image_from_world: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))  #: (3, 3) rotation.
+    medium: int = -1  #: Into SceneDescription.media: fills all space; -1: none.
+
+
+class CameraKind(IntEnum):
+    PERSPECTIVE = 0
+    ORTHOGRAPHIC = 1
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Camera:
+    """Sensor fit, shift and pixel aspect are already resolved into the window."""
+
+    kind: CameraKind
+    world_from_camera: NDArray[np.float64]  #: (4, 4), no scale; looks along -Z.
+    window: tuple[float, float, float, float]  #: Left, right, bottom, top: at 1 m (perspective) or in metres.
+    clip_m: tuple[float, float]  #: Near and far, along -Z.
+    size_px: tuple[int, int]  #: Width and height of the full frame.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SceneDescription:
+    """Everything but the camera. Equal keys of meshes and images mean equal content."""
+
+    instances: tuple[Instances, ...] = ()
+    materials: tuple[Material, ...] = ()
+    media: tuple[Medium, ...] = ()
+    lights: tuple[Light, ...] = ()
+    world: World = field(default_factory=World)
+    reports: tuple[str, ...] = ()  #: What the exporter replaced or left out, one line each, naming the culprit.
