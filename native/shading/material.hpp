@@ -50,11 +50,11 @@ struct SurfaceOp {
 
 struct Material {
     std::string name;
-    std::vector<SurfaceOp> program; ///< Empty: the three results below are constants of `constant`.
+    std::vector<SurfaceOp> program = {}; ///< Empty: the three results below are constants of `constant`.
     std::uint16_t diffuse_register = 0, transparent_register = 0, emission_register = 0;
     SurfaceClosures constant{.diffuse_albedo = Rgb(0.8f), .transparent = Rgb(0.0f), .emission = Rgb(0.0f)};
-    std::vector<std::shared_ptr<const Texture>> textures;
-    std::vector<std::string> uv_map_names; ///< An empty name: the active one.
+    std::vector<std::shared_ptr<const Texture>> textures = {};
+    std::vector<std::string> uv_map_names = {}; ///< An empty name: the active one.
     std::int32_t medium_index = -1; ///< Into SceneDescription::media: the medium inside the closed mesh; -1: none.
     bool has_surface = true;        ///< False: no surface shader; light and view pass (a fog box).
 

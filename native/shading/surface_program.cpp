@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "shading/surface_program.hpp"
+#include "core/errors.hpp"
+#include <array>
+#include <cstdint>
+
+namespace tyndall {
+namespace {
+using Code = SurfaceOp::Code;
+using Registers = std::array<Rgb, surface_register_count>;
+
+bool is_finite(const Rgb& value) { return std::isfinite(value.x) && std::isfinite(value.y) && std::isfinite(value.z); }
+
+std::uint64_t bit(std::uint16_t index) { return std::uint64_t{1} << index; }
+
+/// The registers that the operation reads.
+std::uint64_t inputs(const SurfaceOp& op) {
+    switch (op.code) {
+    case Code::Multiply:
+    case Code::Add:
+    case Code::Subtract:
+        return bit(op.a) | bit(op.b);
+    case Code::Mix:
+        return bit(op.a) | bit(op.b) | bit(op.c);
+    case Code::Clamp:
+    case Code::Average:
+        return bit(op.a);
+    case Code::Constant:
+    case Code::Texture:
+    case Code::TextureAlpha:
+    case Code::Backfacing:
+        return 0;
+    }
+    return 0;
+}
+
+vec4 texture_value(const SurfaceOp& op, const Material& material, std::span<const vec2> uvs) {
+    const vec3 uv = op.uv_matrix * vec3(uvs[op.texture_uv], 1.0f);
+    return material.textures[op.texture]->lookup(vec2(uv));
+}
+
+Rgb result_of(const SurfaceOp& op, const Registers& registers, const Material& material, const ShadingPoint& point,
+              std::span<const vec2> uvs) {
+    const Rgb& a = registers[op.a];
+    const Rgb& b = registers[op.b];
+    switch (op.code) {
+    case Code::Constant:
+        return op.value;
+    case Code::Texture:
+        return Rgb(texture_value(op, material, uvs));
+    case Code::TextureAlpha:
+        return Rgb(texture_value(op, material, uvs).w);
+    case Code::Multiply:
+        return a * b;
+    case Code::Add:
+        return a + b;
+    case Code::Subtract:
+        return a - b;
+    case Code::Mix:
+        return a + (b - a) * glm::clamp(registers[op.c], 0.0f, 1.0f);
+    case Code::Clamp:
+        return glm::clamp(a, 0.0f, 1.0f);
+    case Code::Average:
+        return Rgb((a.x + a.y + a.z) * (1.0f / 3.0f));
+    case Code::Backfacing:
+        return Rgb(point.is_backface ? 1.0f : 0.0f);
+    }
+    return Rgb(0.0f);
+}
+
+/// Operations that the registers in `wanted` depend on, as a mask by operation; programs of more than 64 run whole.
+std::uint64_t live_operations(const Material& material, std::uint64_t wanted) {
+    if (material.program.size() > 64)
+        return ~std::uint64_t{0};
+    std::uint64_t live = 0;
+    for (std::size_t index = material.program.size(); index-- > 0;) {
+        const SurfaceOp& op = material.program[index];
+        if ((wanted & bit(op.out)) == 0)
+            continue;
+        live |= std::uint64_t{1} << index;
+        wanted = (wanted & ~bit(op.out)) | inputs(op);
+    }
+    return live;
+}
+
+/// A surface neither creates nor removes light that passes: [0, 1]. The comparison's order turns a NaN into 0.
+Rgb share(const Rgb& value) {
+    const auto channel = [](float x) { return x > 0.0f ? std::min(x, 1.0f) : 0.0f; };
+    return {channel(value.x), channel(value.y), channel(value.z)};
+}
+Rgb non_negative(const Rgb& value) {
+    const auto channel = [](float x) { return x > 0.0f ? x : 0.0f; };
+    return {channel(value.x), channel(value.y), channel(value.z)};
+}
+} // namespace
+
+void validate(const Material& material) {
+    const auto check_register = [&](std::uint16_t index) {
+        require(index < surface_register_count, "material \"", material.name, "\" uses register ", index, " of ",
+                surface_register_count);
+    };
+    check_register(material.diffuse_register);
+    check_register(material.transparent_register);
+    check_register(material.emission_register);
+    const SurfaceClosures& constant = material.constant;
+    require(is_finite(constant.diffuse_albedo) && is_finite(constant.transparent) && is_finite(constant.emission),
+            "material \"", material.name, "\" has a colour that is not finite");
+    for (const SurfaceOp& op : material.program) {
+        for (const std::uint16_t index : {op.out, op.a, op.b, op.c})
+            check_register(index);
+        require(is_finite(op.value), "material \"", material.name, "\" has a value that is not finite");
+        if (op.code != Code::Texture && op.code != Code::TextureAlpha)
+            continue;
+        require(op.texture < material.textures.size() && material.textures[op.texture] != nullptr, "material \"",
+                material.name, "\" reads texture ", op.texture, " of ", material.textures.size());
+        require(op.texture_uv < material.uv_map_names.size(), "material \"", material.name, "\" reads UV map ",
+                op.texture_uv, " of ", material.uv_map_names.size());
+    }
+}
+
+SurfaceClosures evaluate(const Material& material, const ShadingPoint& point, std::span<const vec2> uvs) {
+    if (material.is_constant())
+        return material.constant;
+    Registers registers{};
+    for (const SurfaceOp& op : material.program)
+        registers[op.out] = result_of(op, registers, material, point, uvs);
+    return {.diffuse_albedo = non_negative(registers[material.diffuse_register]),
+            .transparent = share(registers[material.transparent_register]),
+            .emission = non_negative(registers[material.emission_register])};
+}
+
+Rgb evaluate_transparent(const Material& material, const ShadingPoint& point, std::span<const vec2> uvs) {
+    if (material.is_constant())
+        return material.constant.transparent;
+    Registers registers{};
+    std::uint64_t live = live_operations(material, bit(material.transparent_register));
+    for (const SurfaceOp& op : material.program) {
+        if ((live & 1) != 0)
+            registers[op.out] = result_of(op, registers, material, point, uvs);
+        live = (live >> 1) | (std::uint64_t{1} << 63); // Past 64 operations all run.
+    }
+    return share(registers[material.transparent_register]);
+}
+
+bool is_opaque_everywhere(const Material& material) {
+    if (!material.has_surface)
+        return false;
+    if (material.is_constant())
+        return material.constant.transparent == Rgb(0.0f);
+    // Only a register that ends as a constant is known without a point; 0 is also what an unwritten one holds.
+    Rgb last{0.0f};
+    bool is_known = true;
+    for (const SurfaceOp& op : material.program)
+        if (op.out == material.transparent_register) {
+            is_known = op.code == Code::Constant;
+            last = op.value;
+        }
+    return is_known && last == Rgb(0.0f);
+}
+} // namespace tyndall

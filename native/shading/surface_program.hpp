@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Evaluation of a material's surface program at a point: a short list of operations on colour registers.
+#pragma once
+#include "shading/material.hpp"
+#include <span>
+
+namespace tyndall {
+/// Registers a program may name: 0 to 63, so that the live ones fit into one word.
+inline constexpr std::size_t surface_register_count = 64;
+
+/// Throws InvalidInput that names the material: a register, texture or UV map out of range, a non-finite constant.
+void validate(const Material& material);
+
+/// The three closures of a validated material. uvs[i] is the value of material.uv_map_names[i] at the point.
+[[nodiscard]] SurfaceClosures evaluate(const Material& material, const ShadingPoint& point, std::span<const vec2> uvs);
+
+/// SurfaceClosures::transparent alone: runs only the operations that it depends on, for shadow rays.
+[[nodiscard]] Rgb evaluate_transparent(const Material& material, const ShadingPoint& point, std::span<const vec2> uvs);
+
+/// No light passes, whatever the program reads: shadow rays may stop without looking.
+[[nodiscard]] bool is_opaque_everywhere(const Material& material);
+} // namespace tyndall
