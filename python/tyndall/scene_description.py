@@ -50,12 +50,16 @@ class Image:
 
     key: str
     name: str
-    pixels: NDArray[np.uint8] | FloatArray  #: (height, width, 4); uint8 is encoded as is_srgb says, float is scene-linear.
+    pixels: (
+        NDArray[np.uint8] | FloatArray
+    )  #: (height, width, 4); uint8 is encoded as is_srgb says, float is scene-linear.
     is_srgb: bool = True
     has_alpha: bool = False
 
 
 class Extension(IntEnum):
+    """What lies outside of an image, in Blender's words."""
+
     REPEAT = 0
     EXTEND = 1
     CLIP = 2
@@ -63,6 +67,8 @@ class Extension(IntEnum):
 
 
 class Interpolation(IntEnum):
+    """How texels become a colour between their centres."""
+
     CLOSEST = 0
     LINEAR = 1
 
@@ -143,17 +149,23 @@ class Medium:
 
 
 class LightKind(IntEnum):
+    """Where a light sends its light from."""
+
     SUN = 0
     POINT = 1
     SPOT = 2
 
 
 class SpotFalloff(IntEnum):
+    """How a spot fades towards its cone, which changed between Blender 3 and 4."""
+
     BLENDER_3 = 0
     BLENDER_4 = 1
 
 
 class LightBody(IntEnum):
+    """The shape of a point or spot light that has a radius."""
+
     FACING_DISC = 0
     SPHERE = 1
 
@@ -189,6 +201,8 @@ class World:
 
 
 class CameraKind(IntEnum):
+    """How view rays leave the camera."""
+
     PERSPECTIVE = 0
     ORTHOGRAPHIC = 1
 
