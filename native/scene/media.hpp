@@ -8,13 +8,15 @@
 #include <vector>
 
 namespace tyndall {
-/// The media at a place, by index into SceneDescription::media, ascending, each once.
+/// The media at a place, by index into SceneDescription::media, ascending. A medium in which two overlapping objects
+/// stand is there twice: their coefficients add, as in Cycles.
 struct MediumSet {
-    static constexpr std::size_t capacity = 12; ///< Deeper overlaps keep the first 12 and are counted.
+    static constexpr std::size_t capacity = 12; ///< Deeper overlaps keep the first 12 entered.
     std::array<std::uint16_t, capacity> media{};
     std::uint8_t count = 0;
     [[nodiscard]] bool is_empty() const { return count == 0; }
     bool operator==(const MediumSet&) const = default;
+    void insert(std::uint16_t medium);
 };
 
 struct MediumSegment {
@@ -22,7 +24,23 @@ struct MediumSegment {
     MediumSet set;
 };
 
+/// One instance's share of a medium: the triangles of a closed mesh whose material carries it.
+struct MediumBoundary {
+    std::uint32_t instance = 0; ///< Into SceneDescription::instances.
+    std::uint16_t medium = 0;   ///< Into SceneDescription::media.
+    bool is_box = false;        ///< The mesh is the axis-aligned box of its bounds in object space: a fog box.
+    bool is_inside_out = false; ///< Its triangles are wound inwards (negative volume); undone in all answers.
+    mat4 object_from_world{1.0f};
+    Bounds3 object_bounds;
+};
+
+/// Medium of a mesh's material slot in one of its instances; -1: none.
+[[nodiscard]] std::int32_t medium_of_slot(const SceneDescription& description, const Instance& instance,
+                                          std::uint16_t slot);
+
 /// The media of a scene with an Embree scene of their boundaries. Immutable; safe from any thread.
+/// A medium is where the winding number of its boundary is positive, so that meshes may overlap themselves; an open
+/// mesh bounds the half of a ray behind its front faces. Normals may point either way.
 class Media {
 public:
     Media(const Scene& scene, const Progress& progress);
@@ -33,12 +51,17 @@ public:
     [[nodiscard]] bool is_empty() const;  ///< No medium with a non-zero coefficient or emission.
     [[nodiscard]] Bounds3 bounds() const; ///< Of the bounded media; empty without one.
     [[nodiscard]] bool fills_world() const;
+    /// Into SceneDescription::media; -1 where the world has none, or one without any coefficient.
+    [[nodiscard]] std::int32_t world_medium_index() const;
+    [[nodiscard]] std::span<const MediumBoundary> boundaries() const;
+    [[nodiscard]] const Scene& scene() const { return scene_; }
 
     /// Appends the segments of the ray that lie in at least one medium, near to far.
     void segments(const Ray& ray, std::vector<MediumSegment>& segments) const;
     /// exp(-optical depth) of [near_m, far_m] of the ray, per channel.
     [[nodiscard]] Rgb transmittance(const Ray& ray) const;
-    /// Radiance that the media emit along the ray towards its origin, attenuated.
+    /// Radiance that the media emit along the ray towards its origin, attenuated. An endless segment that emits in a
+    /// channel without extinction has no finite answer: that channel of it adds nothing.
     [[nodiscard]] Rgb emission(const Ray& ray) const;
 
     [[nodiscard]] Rgb sigma_t_per_m(const MediumSet& set) const;
@@ -52,4 +75,10 @@ private:
     struct Boundaries;
     std::unique_ptr<const Boundaries> boundaries_;
 };
+
+/// Distances at which a ray's line enters and leaves an axis-aligned box; near > far where it misses.
+struct BoxInterval {
+    float near_m, far_m;
+};
+[[nodiscard]] BoxInterval clip_to_box(const Bounds3& box, const vec3& origin, const vec3& direction);
 } // namespace tyndall

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Media along a ray, from every crossing of the ray with the media's boundaries.
+// Based on: the winding number of closed curves; Cycles' volume stack for the meaning of overlaps.
+// Differs:  Cycles shoots an extra ray to learn which media hold the camera, and forgets an object that is entered
+//           twice. Here one query gives all crossings to infinity; a closed mesh ends outside, which tells the start.
+// Bound:    an axis-aligned box costs three slabs and no query; other meshes one Embree query for all of them.
+#include "scene/media.hpp"
+#include "scene/medium_crossings.hpp"
+#include "volume/phase_function.hpp"
+#include <algorithm>
+
+namespace tyndall {
+void MediumSet::insert(std::uint16_t medium) {
+    if (count == capacity)
+        return;
+    std::size_t place = count++;
+    for (; place > 0 && media[place - 1] > medium; --place)
+        media[place] = media[place - 1];
+    media[place] = medium;
+}
+
+BoxInterval clip_to_box(const Bounds3& box, const vec3& origin, const vec3& direction) {
+    BoxInterval inside{-std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity()};
+    for (int axis = 0; axis < 3; ++axis) {
+        if (direction[axis] == 0.0f) { // the slab's quotients would be NaN on its face
+            if (origin[axis] < box.min[axis] || origin[axis] > box.max[axis])
+                return {1.0f, -1.0f};
+            continue;
+        }
+        const float a = (box.min[axis] - origin[axis]) / direction[axis];
+        const float b = (box.max[axis] - origin[axis]) / direction[axis];
+        inside.near_m = std::max(inside.near_m, std::min(a, b));
+        inside.far_m = std::min(inside.far_m, std::max(a, b));
+    }
+    return inside;
+}
+
+struct Media::Boundaries {
+    std::vector<MediumBoundary> all;
+    Bounds3 bounds;
+    std::int32_t world_medium = -1;
+    std::vector<Rgb> sigma_t_per_m, sigma_s_per_m; ///< Per medium of the scene.
+    std::vector<std::uint32_t> boxes;              ///< Into all.
+    std::unique_ptr<const MediumCrossings> meshes; ///< Of the boundaries that are not boxes; null without one.
+};
+
+static bool acts(const Medium& medium) {
+    return medium.sigma_t_per_m() != Rgb(0.0f) || medium.emission_w_per_m3_sr != Rgb(0.0f);
+}
+
+Media::Media(const Scene& scene, const Progress& progress) : scene_(scene) {
+    auto boundaries = std::make_unique<Boundaries>();
+    const SceneDescription& description = scene.description();
+    for (const Medium& medium : description.media) {
+        boundaries->sigma_t_per_m.push_back(medium.sigma_t_per_m());
+        boundaries->sigma_s_per_m.push_back(medium.sigma_s_per_m());
+    }
+    if (description.world_medium_index >= 0 &&
+        acts(description.media[static_cast<std::size_t>(description.world_medium_index)]))
+        boundaries->world_medium = description.world_medium_index;
+    boundaries->all = find_medium_boundaries(
+        description, [&](std::uint16_t medium) { return acts(description.media[medium]); }, progress);
+    bool has_meshes = false;
+    for (std::uint32_t index = 0; index < boundaries->all.size(); ++index) {
+        const MediumBoundary& boundary = boundaries->all[index];
+        const mat4& world_from_object = description.instances[boundary.instance].world_from_object;
+        for (int corner = 0; corner < 8; ++corner) {
+            const Bounds3& box = boundary.object_bounds;
+            const vec3 point((corner & 1) ? box.max.x : box.min.x, (corner & 2) ? box.max.y : box.min.y,
+                             (corner & 4) ? box.max.z : box.min.z);
+            boundaries->bounds.grow(vec3(world_from_object * vec4(point, 1.0f)));
+        }
+        if (boundary.is_box)
+            boundaries->boxes.push_back(index);
+        has_meshes |= !boundary.is_box;
+    }
+    if (has_meshes)
+        boundaries->meshes = std::make_unique<const MediumCrossings>(scene, boundaries->all, progress);
+    boundaries_ = std::move(boundaries);
+}
+Media::~Media() = default;
+
+bool Media::is_empty() const { return boundaries_->all.empty() && !fills_world(); }
+Bounds3 Media::bounds() const { return boundaries_->bounds; }
+bool Media::fills_world() const { return boundaries_->world_medium >= 0; }
+std::int32_t Media::world_medium_index() const { return boundaries_->world_medium; }
+std::span<const MediumBoundary> Media::boundaries() const { return boundaries_->all; }
+
+static BoxInterval inside_box(const MediumBoundary& boundary, const Ray& ray) {
+    return clip_to_box(boundary.object_bounds, vec3(boundary.object_from_world * vec4(ray.origin, 1.0f)),
+                       vec3(boundary.object_from_world * vec4(ray.direction, 0.0f)));
+}
+
+/// Walks the sorted crossings with one winding number per boundary, and emits a segment wherever the set changes.
+static void sweep(std::vector<MediumCrossing>& crossings, std::span<const MediumBoundary> boundaries,
+                  std::int32_t world_medium, const Ray& ray, std::vector<MediumSegment>& segments) {
+    std::stable_sort(crossings.begin(), crossings.end(),
+                     [](const MediumCrossing& a, const MediumCrossing& b) { return a.distance_m < b.distance_m; });
+    struct Winding {
+        std::uint32_t boundary;
+        std::int32_t number;
+    };
+    thread_local std::vector<Winding> windings;
+    windings.clear();
+    const auto winding_of = [&](std::uint32_t boundary) -> Winding& {
+        for (Winding& winding : windings)
+            if (winding.boundary == boundary)
+                return winding;
+        return windings.emplace_back(Winding{boundary, 0});
+    };
+    for (const MediumCrossing& crossing : crossings)
+        winding_of(crossing.boundary).number -= crossing.winding_step;
+    for (Winding& winding : windings) // a closed mesh ends at 0; an open one that faces the ray starts there
+        winding.number = std::max(winding.number, 0);
+
+    float from_m = ray.near_m;
+    const auto emit_until = [&](float to_m) {
+        to_m = std::min(to_m, ray.far_m);
+        if (!(to_m > from_m))
+            return;
+        MediumSet set;
+        if (world_medium >= 0)
+            set.insert(static_cast<std::uint16_t>(world_medium));
+        for (const Winding& winding : windings)
+            if (winding.number > 0)
+                set.insert(boundaries[winding.boundary].medium);
+        if (!set.is_empty()) {
+            if (!segments.empty() && segments.back().far_m == from_m && segments.back().set == set)
+                segments.back().far_m = to_m;
+            else
+                segments.push_back({from_m, to_m, set});
+        }
+        from_m = to_m;
+    };
+    for (const MediumCrossing& crossing : crossings) {
+        emit_until(crossing.distance_m);
+        winding_of(crossing.boundary).number += crossing.winding_step;
+    }
+    emit_until(ray.far_m);
+}
+
+void Media::segments(const Ray& ray, std::vector<MediumSegment>& segments) const {
+    const Boundaries& scene = *boundaries_;
+    if (is_empty() || !(ray.near_m < ray.far_m))
+        return;
+    if (scene.all.empty()) {
+        segments.push_back({ray.near_m, ray.far_m, {}});
+        segments.back().set.insert(static_cast<std::uint16_t>(scene.world_medium));
+        return;
+    }
+    if (scene.all.size() == 1 && scene.all[0].is_box && scene.world_medium < 0) {
+        const BoxInterval inside = inside_box(scene.all[0], ray);
+        const float near_m = std::max(inside.near_m, ray.near_m), far_m = std::min(inside.far_m, ray.far_m);
+        if (near_m < far_m) {
+            segments.push_back({near_m, far_m, {}});
+            segments.back().set.insert(scene.all[0].medium);
+        }
+        return;
+    }
+    thread_local std::vector<MediumCrossing> crossings;
+    crossings.clear();
+    for (const std::uint32_t box : scene.boxes)
+        if (const BoxInterval inside = inside_box(scene.all[box], ray);
+            inside.near_m < inside.far_m && inside.far_m > ray.near_m) {
+            crossings.push_back({inside.near_m, box, 1});
+            crossings.push_back({inside.far_m, box, -1});
+        }
+    if (scene.meshes)
+        scene.meshes->append(ray.origin, ray.direction, crossings);
+    // A segment may only join one of the same ray.
+    thread_local std::vector<MediumSegment> own;
+    own.clear();
+    sweep(crossings, scene.all, scene.world_medium, ray, own);
+    segments.insert(segments.end(), own.begin(), own.end());
+}
+
+Rgb Media::transmittance(const Ray& ray) const {
+    thread_local std::vector<MediumSegment> along;
+    along.clear();
+    segments(ray, along);
+    Rgb optical_depth(0.0f);
+    for (const MediumSegment& segment : along) {
+        const Rgb sigma_t = sigma_t_per_m(segment.set);
+        for (int channel = 0; channel < 3; ++channel) // 0 * infinity is not the depth of an endless clear segment
+            if (sigma_t[channel] > 0.0f)
+                optical_depth[channel] += sigma_t[channel] * (segment.far_m - segment.near_m);
+    }
+    return glm::exp(-optical_depth);
+}
+
+Rgb Media::emission(const Ray& ray) const {
+    thread_local std::vector<MediumSegment> along;
+    along.clear();
+    segments(ray, along);
+    Rgb radiance(0.0f), optical_depth(0.0f);
+    for (const MediumSegment& segment : along) {
+        const Rgb sigma_t = sigma_t_per_m(segment.set);
+        Rgb emitted_per_m(0.0f);
+        for (std::size_t index = 0; index < segment.set.count; ++index)
+            emitted_per_m += scene_.description().media[segment.set.media[index]].emission_w_per_m3_sr;
+        const float length_m = segment.far_m - segment.near_m;
+        for (int channel = 0; channel < 3; ++channel) {
+            const float sigma = sigma_t[channel];
+            const float transmittance = std::exp(-optical_depth[channel]);
+            if (sigma > 0.0f) {
+                radiance[channel] += emitted_per_m[channel] * transmittance * -std::expm1(-sigma * length_m) / sigma;
+                optical_depth[channel] += sigma * length_m;
+            } else if (std::isfinite(length_m)) {
+                radiance[channel] += emitted_per_m[channel] * transmittance * length_m;
+            }
+        }
+    }
+    return radiance;
+}
+
+Rgb Media::sigma_t_per_m(const MediumSet& set) const {
+    Rgb sum(0.0f);
+    for (std::size_t index = 0; index < set.count; ++index)
+        sum += boundaries_->sigma_t_per_m[set.media[index]];
+    return sum;
+}
+
+Rgb Media::sigma_s_per_m(const MediumSet& set) const {
+    Rgb sum(0.0f);
+    for (std::size_t index = 0; index < set.count; ++index)
+        sum += boundaries_->sigma_s_per_m[set.media[index]];
+    return sum;
+}
+
+Rgb Media::scatter_per_m_sr(const MediumSet& set, float cosine) const {
+    Rgb sum(0.0f);
+    for (std::size_t index = 0; index < set.count; ++index)
+        for (const ScatterLobe& lobe : scene_.description().media[set.media[index]].lobes)
+            sum += lobe.sigma_s_per_m * henyey_greenstein_per_sr(cosine, lobe.asymmetry_g);
+    return sum;
+}
+} // namespace tyndall

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Henyey-Greenstein phase function: how a medium spreads the light that it scatters once.
+// Based on: Henyey and Greenstein, Diffuse Radiation in the Galaxy, Astrophysical Journal 93, 1941.
+// Differs:  the denominator 1 + g^2 - 2 g cos is written as (1 - |g|)^2 + 2 |g| (1 - sign(g) cos): near the peak of a
+//           narrow lobe the printed form cancels, and at g = 0.999 it is 6 % off in float32.
+// Bound:    one square root and one division.
+#pragma once
+#include "core/math.hpp"
+#include <numbers>
+
+namespace tyndall {
+/// Share of the scattered light per steradian; its integral over all directions is 1.
+/// @param cosine       Between the light's way and the way on, [-1, 1]; 1 is straight on.
+/// @param asymmetry_g  Mean cosine, (-1, 1); positive scatters forward.
+[[nodiscard]] inline float henyey_greenstein_per_sr(float cosine, float asymmetry_g) {
+    const float g = std::abs(asymmetry_g), forward = std::copysign(1.0f, asymmetry_g) * cosine;
+    const float denominator = (1.0f - g) * (1.0f - g) + 2.0f * g * (1.0f - forward);
+    const float peak = (1.0f - g) * (1.0f + g) * 0.25f * std::numbers::inv_pi_v<float>;
+    return peak / (denominator * std::sqrt(denominator));
+}
+} // namespace tyndall
