@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings that are saved in the .blend: ``scene.tyndall``, ``light.tyndall`` and ``view_layer.tyndall``."""
+
+from bpy.props import PointerProperty
+from bpy.types import Light, Scene, ViewLayer
+from bpy.utils import register_class, unregister_class
+
+from .light import TyndallLightSettings
+from .light_shafts import TyndallLightShaftSettings
+from .scene import TyndallSceneSettings
+from .tagging import OVERRIDABLE, tag
+from .view_layer import TyndallViewLayerSettings
+
+#: In the order of registration: a group before the group that points to it.
+CLASSES = (TyndallLightShaftSettings, TyndallSceneSettings, TyndallLightSettings, TyndallViewLayerSettings)
+OWNERS = ((Scene, TyndallSceneSettings), (Light, TyndallLightSettings), (ViewLayer, TyndallViewLayerSettings))
+
+
+def register() -> None:
+    for cls in CLASSES:
+        register_class(cls)
+    for owner, settings in OWNERS:
+        owner.tyndall = PointerProperty(name="Tyndall", type=settings, update=tag, override=OVERRIDABLE)
+
+
+def unregister() -> None:
+    for owner, _settings in OWNERS:
+        del owner.tyndall
+    for cls in reversed(CLASSES):
+        unregister_class(cls)

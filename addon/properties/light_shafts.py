@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``scene.tyndall.shafts``: how light that media scatter is computed. The media themselves are Blender's shaders."""
+
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+from bpy.types import PropertyGroup
+
+from .tagging import OVERRIDABLE, tag
+
+METHODS = (
+    (
+        "EXACT",
+        "Exact",
+        (
+            "Cuts the occluders' triangles with the plane of every view ray and the light: no discretisation at all. "
+            "The slowest; for checking the others, and for finals with few triangles"
+        ),
+        0,
+    ),
+    (
+        "EPIPOLAR",
+        "Epipolar",
+        (
+            "Rasterises the occluders' triangles into slices through the camera and the light, as finely as the error "
+            "target asks for. For finals"
+        ),
+        1,
+    ),
+    (
+        "SHADOW_MAP",
+        "Shadow Map",
+        (
+            "Looks the lit parts of every view ray up in a depth map seen from the light. The fastest; "
+            "edges of shafts are as sharp as the map's resolution"
+        ),
+        2,
+    ),
+)
+
+
+class TyndallLightShaftSettings(PropertyGroup):
+    method: EnumProperty(
+        name="Method",
+        description="How final renders find the lit parts of view rays",
+        items=METHODS,
+        default="EPIPOLAR",
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    viewport_method: EnumProperty(
+        name="Viewport",
+        description="How the rendered viewport finds the lit parts of view rays",
+        items=METHODS,
+        default="SHADOW_MAP",
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    error_target: FloatProperty(
+        name="Error Target",
+        description="Relative error of each light's shafts that the resolution is picked by: "
+        "0.001 is 0.1 %. Half the error costs up to twice the time and memory. Exact has none",
+        min=1e-5,
+        max=0.1,
+        soft_min=1e-4,
+        default=0.001,
+        precision=5,
+        step=0.1,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    resolution: IntProperty(
+        name="Resolution",
+        description="Rows of slices, and texels per side of the depth map. 0 picks it from the error target. "
+        "Memory of the depth map grows with its square: 4096 takes 64 MB per light",
+        min=0,
+        max=16384,
+        soft_max=8192,
+        default=0,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    light_samples: IntProperty(
+        name="Light Samples",
+        description="Points per light that has a radius or an angle: the more, the smoother the penumbrae of its "
+        "shafts. Time grows in proportion. A light without a size always takes one",
+        min=1,
+        max=65536,
+        soft_max=256,
+        default=16,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    world_samples: IntProperty(
+        name="World Samples",
+        description="Directions from which the world's light is scattered by media. Time grows in proportion. "
+        "0: the world lights surfaces only",
+        min=0,
+        max=65536,
+        soft_max=1024,
+        default=64,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    attenuates_light: BoolProperty(
+        name="Attenuate on the Way",
+        description="Media dim light on its way from the lamp to where it is scattered, as in Cycles. Off is faster "
+        "and brighter, and keeps a sun visible in a world filled with a medium, but it is not physical",
+        default=True,
+        update=tag,
+        override=OVERRIDABLE,
+    )

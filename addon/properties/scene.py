@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``scene.tyndall``: sampling, pixel filter, threads, and the groups of the rooms."""
+
+from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.types import PropertyGroup
+
+from .light_shafts import TyndallLightShaftSettings
+from .tagging import OVERRIDABLE, tag
+
+PIXEL_FILTERS = (
+    ("BOX", "Box", "Every sample within the width counts the same. Width 1 px: the average of the pixel", 0),
+    ("GAUSSIAN", "Gaussian", "Soft", 1),
+    ("BLACKMAN_HARRIS", "Blackman-Harris", "Sharp without ringing; the default of Cycles, too", 2),
+)
+
+
+class TyndallSceneSettings(PropertyGroup):
+    pixel_samples: IntProperty(
+        name="Samples",
+        description="Rays per pixel of a final render. 1 looks through pixel centres, without antialiasing. "
+        "Time grows in proportion. Shafts have no noise: 16 smooths edges well",
+        min=1,
+        max=65536,
+        soft_max=256,
+        default=16,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    viewport_samples: IntProperty(
+        name="Viewport Samples",
+        description="Rays per pixel at which the rendered viewport stops. It shows a coarse picture first, "
+        "then one ray per pixel, then adds more",
+        min=1,
+        max=1024,
+        soft_max=64,
+        default=4,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    pixel_filter: EnumProperty(
+        name="Filter",
+        description="How the rays of a pixel and its neighbours are weighted. Costs the same whichever is chosen",
+        items=PIXEL_FILTERS,
+        default="BLACKMAN_HARRIS",
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    filter_width_px: FloatProperty(
+        name="Width",
+        description="Full width of the pixel filter. Wider is softer; 0.01 with one sample shows single rays",
+        min=0.01,
+        max=10.0,
+        soft_min=0.5,
+        soft_max=4.0,
+        default=1.5,
+        precision=2,
+        step=10,
+        subtype="PIXEL",
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    seed: IntProperty(
+        name="Seed",
+        description="Another seed gives another pattern of samples at the same quality. "
+        "The same seed gives the same picture, whatever the number of threads",
+        min=0,
+        max=2**31 - 1,
+        default=0,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    thread_count: IntProperty(
+        name="Threads",
+        description="Threads that render; 0 takes all of the machine. The picture does not depend on it",
+        min=0,
+        max=1024,
+        default=0,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    shafts: PointerProperty(
+        name="Light Shafts",
+        description="How light that media scatter is computed",
+        type=TyndallLightShaftSettings,
+        update=tag,
+        override=OVERRIDABLE,
+    )

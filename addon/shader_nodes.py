@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shader node trees as all versions of Blender have them."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.types import Material, Node, ShaderNodeTree, World
+
+ALWAYS_HAS_NODES = bpy.app.version >= (5, 0, 0)  # there, even reading use_nodes warns that it goes away
+
+
+def shader_tree(owner: Material | World | None) -> ShaderNodeTree | None:
+    """Nodes of a material or a world; None where it does without."""
+    return owner.node_tree if owner and (ALWAYS_HAS_NODES or owner.use_nodes) else None
+
+
+def use_nodes(owner: Material | World) -> ShaderNodeTree:
+    """Switch nodes on where there is a choice."""
+    if not ALWAYS_HAS_NODES:
+        owner.use_nodes = True
+    return owner.node_tree
+
+
+def plugged_in(owner: Material | World | None, socket_name: str) -> Node | None:
+    """Find the node that feeds ``Surface`` or ``Volume`` of the output that Cycles, and so we, render."""
+    tree = shader_tree(owner)
+    output = tree.get_output_node("CYCLES") if tree else None
+    links = output.inputs[socket_name].links if output else ()
+    return links[0].from_node if links else None
