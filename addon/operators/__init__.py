@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What buttons do. Every operator runs in a script, too."""
+
+from bpy.utils import register_class, unregister_class
+
+from . import fog_box, presets, reports
+
+CLASSES = (*fog_box.CLASSES, *reports.CLASSES, *presets.CLASSES)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        unregister_class(cls)

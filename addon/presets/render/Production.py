@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
+
+settings = bpy.context.scene.tyndall
+settings.pixel_samples = 32
+settings.shafts.method = "EPIPOLAR"
+settings.shafts.error_target = 0.0005
+settings.shafts.resolution = 0
+settings.shafts.light_samples = 64
+settings.shafts.world_samples = 256
