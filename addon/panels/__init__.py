@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Our panels in the Properties editor, and which of Blender's own show beside them."""
+
+from bpy.utils import register_class, unregister_class
+
+from . import (
+    light,
+    light_shafts,
+    material,
+    objects,
+    passes,
+    presets,
+    sampling,
+    standard,
+    statistics,
+    unavailable,
+    world,
+)
+
+#: In the order in which they are drawn; a sub-panel after its parent.
+CLASSES = (
+    *unavailable.CLASSES,
+    *presets.CLASSES,
+    *sampling.CLASSES,
+    *light_shafts.CLASSES,
+    *statistics.CLASSES,
+    *passes.CLASSES,
+    *world.CLASSES,
+    *objects.CLASSES,
+    *light.CLASSES,
+    *material.CLASSES,
+)
+
+
+def register() -> None:
+    standard.register()
+    for cls in CLASSES:
+        register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        unregister_class(cls)
+    standard.unregister()

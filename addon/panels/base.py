@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What our panels share: where they appear, and how they show shader nodes and long text."""
+
+from __future__ import annotations
+
+import textwrap
+
+from bpy.types import Context, Material, UILayout, World
+
+from ..shader_nodes import shader_tree
+
+ENGINE = "TYNDALL"
+
+#: Width of a letter of the interface's font at a scale of 1, in pixels: an average over English text.
+_LETTER_WIDTH_PX = 6.5
+
+
+class PropertiesPanel:
+    """A panel of the Properties editor that shows while Tyndall is the scene's render engine."""
+
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    COMPAT_ENGINES = {ENGINE}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return context.engine in cls.COMPAT_ENGINES
+
+
+def draw_node_socket(layout: UILayout, owner: Material | World, socket_name: str) -> bool:
+    """Show what is plugged into a socket of the owner's output node, to be edited in place. False without a socket."""
+    tree = shader_tree(owner)
+    output = tree.get_output_node("CYCLES") if tree else None
+    socket = output.inputs.get(socket_name) if output else None
+    if socket is None:
+        return False
+    layout.template_node_view(tree, output, socket)
+    return True
+
+
+def draw_without_output(layout: UILayout, owner: Material | World, color_name: str = "") -> None:
+    """Show what there is instead of a socket: the way to nodes, and the colour that stands in for them."""
+    if shader_tree(owner):
+        layout.label(text="No output node", icon="ERROR")
+        return
+    layout.prop(owner, "use_nodes", icon="NODETREE")
+    if color_name:
+        layout.prop(owner, color_name)
+
+
+def draw_text(layout: UILayout, context: Context, text: str, icon: str = "NONE") -> None:
+    """Wrap a sentence to the region's width: a label does not wrap, but cuts its middle out."""
+    scale = context.preferences.system.ui_scale
+    letters = max(20, int((context.region.width - 60 * scale) / (_LETTER_WIDTH_PX * scale)))
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for index, line in enumerate(textwrap.wrap(text, letters)):
+        column.label(text=line, icon=icon if index == 0 else ("NONE" if icon == "NONE" else "BLANK1"))

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light properties: Blender's own, and whether media scatter it."""
+
+from __future__ import annotations
+
+from bpy.types import Context, Light, Panel, UILayout
+
+from .base import PropertiesPanel, draw_text
+
+
+def draw_optional(layout: UILayout, light: Light, *names: str) -> None:
+    """Properties that only some versions of Blender have: temperature, exposure and normalize came with 4.5."""
+    for name in names:
+        if name in light.bl_rna.properties:
+            layout.prop(light, name)
+
+
+class LightPanel(PropertiesPanel):
+    bl_context = "data"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return super().poll(context) and context.light is not None
+
+
+class TYNDALL_PT_light(LightPanel, Panel):
+    bl_label = "Light"
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        light = context.light
+        layout.row().prop(light, "type", expand=True)
+        layout.use_property_split = True
+        if light.type == "AREA":
+            draw_text(layout, context, "Area lights are not rendered yet: use a spot or a point light", icon="ERROR")
+            return
+        column = layout.column()
+        draw_optional(column, light, "use_temperature")
+        if getattr(light, "use_temperature", False):
+            column.prop(light, "temperature")
+        column.prop(light, "color")
+        column.prop(light, "energy")
+        draw_optional(column, light, "exposure", "normalize")
+        column = layout.column()
+        if light.type == "SUN":
+            column.prop(light, "angle")
+        else:
+            column.prop(light, "shadow_soft_size", text="Radius")
+            draw_optional(column, light, "use_soft_falloff")
+        column = layout.column(heading="Effect")
+        # Which of the two the engine reads: the switch that Cycles reads in this version.
+        shadow_owner = light.cycles if hasattr(getattr(light, "cycles", None), "cast_shadow") else light
+        column.prop(shadow_owner, "use_shadow" if shadow_owner == light else "cast_shadow", text="Cast Shadow")
+        column.prop(light.tyndall, "scatters_in_media")
+
+
+class TYNDALL_PT_beam_shape(LightPanel, Panel):
+    bl_label = "Beam Shape"
+    bl_parent_id = "TYNDALL_PT_light"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return super().poll(context) and context.light.type == "SPOT"
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        light = context.light
+        layout.prop(light, "spot_size", text="Spot Size")
+        layout.prop(light, "spot_blend", text="Blend", slider=True)
+        layout.prop(light, "show_cone")
+
+
+CLASSES = (TYNDALL_PT_light, TYNDALL_PT_beam_shape)

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""World properties: its light and its medium."""
+
+from __future__ import annotations
+
+from bpy.types import Context, Panel
+
+from ..shader_nodes import plugged_in
+from .base import PropertiesPanel, draw_node_socket, draw_text, draw_without_output
+
+
+class WorldPanel(PropertiesPanel):
+    bl_context = "world"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return super().poll(context) and context.world is not None
+
+
+class TYNDALL_PT_world_surface(WorldPanel, Panel):
+    bl_label = "Surface"
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        world = context.world
+        if not draw_node_socket(layout, world, "Surface"):
+            draw_without_output(layout, world, "color")
+
+
+class TYNDALL_PT_world_volume(WorldPanel, Panel):
+    bl_label = "Volume"
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        if plugged_in(context.world, "Volume"):
+            draw_text(
+                layout,
+                context,
+                "This medium has no bounds: light from a sun or from the world is lost in it before it arrives. "
+                "A fog box around the scene lets it in.",
+                icon="INFO",
+            )
+            layout.operator("tyndall.add_fog_box", text="Turn into a Fog Box").replaces_world_medium = True
+        if not draw_node_socket(layout, context.world, "Volume"):
+            draw_without_output(layout, context.world)
+
+
+CLASSES = (TYNDALL_PT_world_surface, TYNDALL_PT_world_volume)

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tests here run inside Blender: the bpy wheels, or Blender 3.4 in the background."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import bpy
+import pytest
+
+REPOSITORY = Path(__file__).parents[2]
+for folder in (REPOSITORY, REPOSITORY / "tests", REPOSITORY / "python", REPOSITORY / "build/release/python"):
+    if str(folder) not in sys.path:
+        sys.path.append(str(folder))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def registered_addon() -> Iterator[None]:
+    """The add-on of the source tree. A RenderEngine class that is still registered at exit crashes or hangs bpy."""
+    import addon  # noqa: PLC0415  after the path is set
+
+    addon.register()
+    yield
+    addon.unregister()
+
+
+@pytest.fixture
+def scene() -> bpy.types.Scene:
+    """Blender's factory scene: a cube, a point light, a camera and a world; the engine is ours."""
+    bpy.ops.wm.read_factory_settings()
+    bpy.context.scene.render.engine = "TYNDALL"
+    return bpy.context.scene

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What artists see: each panel draws only what exists, and where it means something."""
+
+from __future__ import annotations
+
+import bpy
+import pytest
+from support.recording_layout import drawn
+
+import addon
+from addon import availability, last_render, panels
+from addon.panels.standard import standard_panels
+from addon.shader_nodes import use_nodes
+
+STATISTICS = {
+    "stages": [{"name": "embree", "seconds": 0.0123}, {"name": "light shafts", "seconds": 75.0}],
+    "skipped": [{"what": "world", "reason": "it is black"}],
+    "counts": {"triangles": 1_000_000.0, "lit share": 0.25},
+    "reports": [f"material {index}: Glossy is rendered as Diffuse" for index in range(20)],
+}
+LIGHT_TYPES = ("SUN", "POINT", "SPOT", "AREA")
+
+
+def new_material(name: str = "Material") -> bpy.types.Material:
+    material = bpy.data.materials.new(name)
+    use_nodes(material)
+    return material
+
+
+def test_every_panel_draws_in_the_factory_scene(scene: bpy.types.Scene) -> None:
+    """No panel names a property, an operator or an icon that this version of Blender lacks."""
+    last_render.record(scene.name, STATISTICS)
+    for cls in panels.CLASSES:
+        if cls.__name__ in {"TYNDALL_PT_unavailable", "TYNDALL_PT_render_presets", "TYNDALL_PT_beam_shape"}:
+            continue  # each has a test of its own below
+        light = bpy.data.objects["Light"].data
+        assert drawn(cls, light=light, material=new_material(), world=scene.world), cls.__name__
+
+
+def test_panels_hide_under_another_engine(scene: bpy.types.Scene) -> None:
+    """Cycles users do not meet our settings."""
+    for cls in panels.CLASSES:
+        if cls.__name__ != "TYNDALL_PT_render_presets":
+            with pytest.raises(AssertionError):
+                drawn(cls, engine="CYCLES", light=bpy.data.lights[0], material=new_material(), world=scene.world)
+
+
+@pytest.mark.parametrize("kind", LIGHT_TYPES)
+def test_light_panel_fits_each_type(scene: bpy.types.Scene, kind: str) -> None:
+    """A sun has an angle, other lights have a radius, an area light says that it is not rendered."""
+    light = bpy.data.lights.new("light", kind)
+    shown = drawn(panels.light.TYNDALL_PT_light, light=light)
+    assert ("angle" in shown) == (kind == "SUN")
+    assert ("shadow_soft_size" in shown) == (kind in {"POINT", "SPOT"})
+    assert ("scatters_in_media" in shown) == (kind != "AREA")
+    if kind == "SPOT":
+        assert drawn(panels.light.TYNDALL_PT_beam_shape, light=light)[:2] == ["spot_size", "spot_blend"]
+
+
+def test_world_without_bounds_names_the_remedy(scene: bpy.types.Scene) -> None:
+    """The sun of a world filled with fog is infinitely attenuated; the panel offers a fog box."""
+    assert not any("fog box" in line.lower() for line in drawn(panels.world.TYNDALL_PT_world_volume, world=scene.world))
+    tree = scene.world.node_tree
+    medium = tree.nodes.new("ShaderNodeVolumeScatter")
+    tree.links.new(medium.outputs[0], tree.get_output_node("CYCLES").inputs["Volume"])
+    assert "Turn into a Fog Box" in drawn(panels.world.TYNDALL_PT_world_volume, world=scene.world)
+
+
+def test_a_material_shows_its_surface_and_its_medium(scene: bpy.types.Scene) -> None:
+    """Both sockets of the output node can be edited in place."""
+    material = new_material()
+    assert drawn(panels.material.TYNDALL_PT_material_surface, material=material) == ["node view: Surface"]
+    assert drawn(panels.material.TYNDALL_PT_material_volume, material=material) == ["node view: Volume"]
+    material.node_tree.nodes.clear()
+    assert drawn(panels.material.TYNDALL_PT_material_surface, material=material) == ["No output node"]
+
+
+def test_last_render_shows_what_was_done_skipped_and_replaced(scene: bpy.types.Scene) -> None:
+    """Nothing before a render; then stages with times, reasons, and at most a dozen reports, for the panel's speed."""
+    with pytest.raises(AssertionError):
+        drawn(panels.statistics.TYNDALL_PT_statistics)
+    last_render.record(scene.name, STATISTICS)
+    shown = " ".join(drawn(panels.statistics.TYNDALL_PT_statistics))
+    for text in ("Embree 12.3 ms", "Light shafts 1 min 15 s", "Skipped world: it is black", "... and 8 more"):
+        assert text in shown
+    assert drawn(panels.statistics.TYNDALL_PT_counts) == ["Lit share", "0.25", "Triangles", "1,000,000"]
+
+
+def test_statistics_of_another_file_are_forgotten(scene: bpy.types.Scene) -> None:
+    """Scenes of different files often have the same name."""
+    last_render.record(scene.name, STATISTICS)
+    bpy.ops.wm.read_factory_settings()
+    assert last_render.statistics_of(bpy.context.scene.name) is None
+
+
+@pytest.mark.parametrize(
+    ("error", "advice"),
+    [
+        (ModuleNotFoundError("No module named 'numpy'", name="numpy"), "apt install python3-numpy"),
+        (ImportError("/lib/libc.so.6: version `GLIBC_2.34' not found (required by x.so)"), "lacks GLIBC_2.34"),
+        (
+            ImportError("libfoo.so.3: cannot open shared object file"),
+            "libfoo.so.3 is missing",
+        ),
+        (ModuleNotFoundError("No module named 'tyndall'", name="tyndall"), "zip for this version of Blender"),
+    ],
+)
+def test_a_core_that_does_not_load_says_what_to_do(
+    scene: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch, error: ImportError, advice: str
+) -> None:
+    """The reason stands in the Render properties, in words for an artist."""
+    monkeypatch.setattr(availability, "_why_not", availability.explained(error))
+    assert advice in " ".join(drawn(panels.unavailable.TYNDALL_PT_unavailable))
+
+
+def test_blenders_own_panels_stay(scene: bpy.types.Scene) -> None:
+    """Lens, transform of the output, colour management, material slots; not those of settings that nothing reads."""
+    names = {panel.__name__ for panel in standard_panels()}
+    assert names >= {
+        "DATA_PT_lens",
+        "DATA_PT_camera",
+        "DATA_PT_context_light",
+        "EEVEE_MATERIAL_PT_context_material",
+        "OBJECT_PT_visibility",
+        "RENDER_PT_color_management",
+        "RENDER_PT_format",
+        "RENDER_PT_output",
+        "RENDER_PT_simplify",
+        "VIEWLAYER_PT_layer",
+        "WORLD_PT_context_world",
+    }
+    assert names.isdisjoint({"DATA_PT_light", "RENDER_PT_freestyle", "RENDER_PT_stereoscopy"})
+    for panel in standard_panels():
+        assert "TYNDALL" in panel.COMPAT_ENGINES
+
+
+def test_unregister_leaves_no_trace(scene: bpy.types.Scene) -> None:
+    """Disabling the add-on takes all that it added away; enabling works again."""
+    addon.unregister()
+    try:
+        assert not hasattr(bpy.types.Scene, "tyndall")
+        assert not any("TYNDALL" in getattr(panel, "COMPAT_ENGINES", ()) for panel in standard_panels())
+        assert not hasattr(bpy.types, "TYNDALL_PT_sampling")
+    finally:
+        addon.register()
+    assert bpy.context.scene.tyndall.pixel_samples == 16
+
+
+def test_values_set_by_python_reach_the_dependency_graph(scene: bpy.types.Scene) -> None:
+    """A property without an update callback would tag nothing, and the viewport would not react."""
+    seen: list[bool] = []
+
+    def note(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+        seen.append(depsgraph.id_type_updated("SCENE"))
+
+    groups = (scene.tyndall, scene.tyndall.shafts, bpy.data.lights[0].tyndall, bpy.context.view_layer.tyndall)
+    bpy.app.handlers.depsgraph_update_post.append(note)
+    try:
+        for group in groups:
+            for name, rna in group.bl_rna.properties.items():
+                if rna.type in {"POINTER", "STRING"}:
+                    continue
+                bpy.context.view_layer.update()
+                seen.clear()
+                setattr(group, name, getattr(group, name))
+                bpy.context.view_layer.update()
+                assert seen, f"{group.bl_rna.identifier}.{name} tags nothing"
+    finally:
+        bpy.app.handlers.depsgraph_update_post.remove(note)
