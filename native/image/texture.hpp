@@ -13,15 +13,17 @@ enum class TextureInterpolation : std::uint8_t { Closest = 0, Linear = 1 };
 struct Texture {
     std::string name;
     std::uint32_t width = 0, height = 0;
-    /// width * height * 4 bytes or floats (exactly one is filled), rows bottom to top; alpha unassociated.
-    std::vector<std::uint8_t> bytes; ///< sRGB-encoded when is_srgb.
-    std::vector<float> floats;
+    /// width * height * 4 bytes or floats (exactly one is filled), rows bottom to top; stored with alpha unassociated.
+    std::vector<std::uint8_t> bytes = {}; ///< sRGB-encoded when is_srgb.
+    std::vector<float> floats = {};
     bool is_srgb = true;
     bool has_alpha = false; ///< False: alpha is 1 everywhere.
+    /// The colour stays multiplied by alpha: what Cycles does where nothing is linked to the node's Alpha output.
+    bool is_alpha_associated = false;
     TextureExtension extension = TextureExtension::Repeat;
     TextureInterpolation interpolation = TextureInterpolation::Linear;
 
-    /// Colour (scene-linear, as Cycles reads the node's Color output) and alpha at uv; throws nothing.
+    /// Colour (scene-linear, as Cycles reads the node's Color output) and alpha at uv; magenta without pixels.
     [[nodiscard]] vec4 lookup(vec2 uv) const;
 };
 } // namespace tyndall

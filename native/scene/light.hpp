@@ -13,14 +13,17 @@ enum class SpotFalloff : std::uint8_t {
     Blender3 = 0, ///< Up to 3.x, see light.cpp.
     Blender4 = 1, ///< From 4.0 on.
 };
-/// How a point or spot light with a radius emits: a disc that faces each receiver (3.x) or a sphere (4.x).
+/// How a point or spot light with a radius emits: a disc that faces each receiver (3.x; from 4.2 on "Soft Falloff") or
+/// a sphere.
 enum class LightBody : std::uint8_t { FacingDisc = 0, Sphere = 1 };
 
 struct Light {
     std::string name;
     LightKind kind = LightKind::Sun;
-    Rgb strength{1.0f};  ///< Sun: irradiance on a plane that faces it, W/m^2. Point, spot: radiant intensity, W/sr.
-    vec3 position{0.0f}; ///< Point, spot.
+    /// Sun: irradiance on a plane that faces it, W/m^2 (the sync's share: Cycles 3 gives strength * cos^2 of the half
+    /// angle, Cycles 4 the strength). Point, spot: radiant intensity, W/sr.
+    Rgb strength{1.0f};
+    vec3 position{0.0f};              ///< Point, spot.
     vec3 towards_light{0, 0, 1};      ///< Sun: unit vector to its centre.
     vec3 spot_axis{0, 0, -1};         ///< Spot: unit vector along which it shines.
     float half_angle_rad = 0.0f;      ///< Sun: angular radius, [0, pi/2].
@@ -43,6 +46,7 @@ struct LightSample {
     vec3 position{0.0f};           ///< Local: where it stands.
     Rgb strength{1.0f};            ///< Irradiance, W/m^2, or intensity, W/sr, before shaping; its share of the light.
     vec3 emission_normal{0.0f};    ///< Local: intensity falls with max(0, cos) around it; zero vector: isotropic.
+    float softening_m2 = 0.0f;     ///< Local: irradiance is intensity / (distance^2 + this); see light.cpp.
     const Light* spot = nullptr;   ///< Local: shaped by this spot's cone; the light must outlive the sample.
     std::uint32_t light_index = 0; ///< Into Scene::lights; lights of the world follow after the last one.
     bool casts_shadow = true;
@@ -54,4 +58,8 @@ struct LightSample {
 [[nodiscard]] Rgb intensity_w_per_sr(const LightSample& sample, const vec3& from_light);
 /// The stratum of `light` at `u` in [0, 1)^2; its strength is that of the whole light. A light of size 0 ignores u.
 [[nodiscard]] LightSample sample_light(const Light& light, std::uint32_t light_index, vec2 u);
+/// The same for one receiver: exact at any distance, and without strata that face away. Outside a sphere only; a
+/// receiver inside it gets a sample of the centre.
+[[nodiscard]] LightSample sample_light_towards(const Light& light, std::uint32_t light_index, vec2 u,
+                                               const vec3& receiver);
 } // namespace tyndall

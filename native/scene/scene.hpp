@@ -28,7 +28,7 @@ struct Instance {
 };
 
 struct SceneDescription {
-    dvec3 origin_in_world{0.0};
+    dvec3 origin_in_world{0.0}; ///< What was subtracted from every position; the scene itself never reads it.
     std::vector<std::shared_ptr<const TriangleMesh>> meshes;
     std::vector<Instance> instances;
     std::vector<std::string> object_names;
@@ -50,8 +50,8 @@ struct Hit {
 
 class Scene {
 public:
-    /// Checks indices, drops instances that cannot be drawn (non-finite or singular transform, empty mesh) with a
-    /// report each, commits Embree. Throws InvalidInput and Cancelled.
+    /// Checks indices, drops instances that cannot be drawn (non-finite or singular transform, empty mesh) from the
+    /// description with a report per object, commits Embree. Throws InvalidInput and Cancelled.
     Scene(SceneDescription description, const Progress& progress);
     Scene(const Scene&) = delete;
     Scene& operator=(const Scene&) = delete;
@@ -63,13 +63,22 @@ public:
     [[nodiscard]] const Bounds3& bounds() const { return bounds_; }                 ///< Of all kept instances.
     [[nodiscard]] const Bounds3& surface_bounds() const { return surface_bounds_; } ///< Of those with a surface.
     [[nodiscard]] const Statistics& statistics() const { return statistics_; }
-    [[nodiscard]] RTCScene embree_scene() const { return embree_scene_; } ///< Instance i has geometry id i.
+    [[nodiscard]] RTCScene embree_scene() const {
+        return embree_scene_;
+    } ///< Instance i is geometry i, if it has a surface.
 
     /// Material of a hit triangle.
     [[nodiscard]] const Material& material(std::uint32_t instance, std::uint32_t triangle) const;
     /// Everything a surface program reads at a hit.
     [[nodiscard]] ShadingPoint shading_point(const Ray& ray, const Hit& hit) const;
     [[nodiscard]] SurfaceClosures closures(const Ray& ray, const Hit& hit) const;
+    /// closures().transparent alone, at less cost.
+    [[nodiscard]] Rgb transparency(const Ray& ray, const Hit& hit) const;
+
+    /// The ray that leaves a hit towards a unit direction: its origin is moved off the surface, to the direction's side,
+    /// by just more than the error of its position, so that it never meets the triangle it leaves, nor skips another.
+    [[nodiscard]] Ray leaving_ray(const Hit& hit, const vec3& direction,
+                                  float far_m = std::numeric_limits<float>::infinity()) const;
 
     /// Nearest camera-visible surface. Instances without a surface shader (fog boxes) never answer.
     [[nodiscard]] Hit closest_hit(const Ray& ray) const;
@@ -78,9 +87,22 @@ public:
     [[nodiscard]] Rgb shadow_transmittance(const Ray& ray) const;
 
 private:
+    void validate() const;
+    void drop_unusable_instances();
+    void attach_instances(const Progress& progress);
+    [[nodiscard]] const Material& slot_material(const Instance& instance, std::size_t slot) const;
+
+    /// What a hit reads of its instance.
+    struct Placement {
+        mat3 scene_from_object_normals{1.0f}; ///< Inverse transpose: a normal stays outside under mirroring.
+        mat4 object_from_scene{1.0f};
+    };
     SceneDescription description_;
     Bounds3 bounds_, surface_bounds_;
     Statistics statistics_;
     RTCScene embree_scene_ = nullptr;
+    std::vector<Placement> placements_; ///< Per instance.
+    bool lets_light_pass_ = false;      ///< Some shadow-casting instance is transparent, or has holes.
+    bool has_holes_ = false;            ///< Some camera-visible instance has slots without a surface.
 };
 } // namespace tyndall

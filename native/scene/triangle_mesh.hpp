@@ -14,21 +14,21 @@ class TriangleBvh; // scene/triangle_bvh.hpp: for cuts with planes
 
 struct MeshArrays {
     std::string name;
-    std::vector<vec3> positions;
-    std::vector<uvec3> triangles;
-    std::vector<std::uint16_t> material_slots; ///< Per triangle; empty: all 0.
-    std::vector<vec3> corner_normals;          ///< 3 per triangle; empty: flat. Zero vectors: flat at that corner.
+    std::vector<vec3> positions = {};
+    std::vector<uvec3> triangles = {};
+    std::vector<std::uint16_t> material_slots = {}; ///< Per triangle; empty: all 0.
+    std::vector<vec3> corner_normals = {};          ///< 3 per triangle; empty: flat. Zero vectors: flat at that corner.
     struct UvMap {
         std::string name;
         std::vector<vec2> corner_uvs; ///< 3 per triangle.
     };
-    std::vector<UvMap> uv_maps; ///< The first is the active one for rendering.
+    std::vector<UvMap> uv_maps = {}; ///< The first is the active one for rendering.
 };
 
 class TriangleMesh {
 public:
     /// Drops triangles with a non-finite vertex or zero area and counts them; commits an Embree BVH in object space.
-    /// Throws InvalidInput, naming the mesh, for an index out of range or arrays of wrong length.
+    /// Throws InvalidInput, naming the mesh, for an index out of range or arrays of wrong length; Cancelled.
     TriangleMesh(MeshArrays arrays, const Progress& progress);
     TriangleMesh(const TriangleMesh&) = delete;
     TriangleMesh& operator=(const TriangleMesh&) = delete;
@@ -37,18 +37,22 @@ public:
     [[nodiscard]] const MeshArrays& arrays() const { return arrays_; }
     [[nodiscard]] const Bounds3& bounds() const { return bounds_; }
     [[nodiscard]] std::size_t triangle_count() const { return arrays_.triangles.size(); }
+    /// With a vertex that is not finite or beyond largest_coordinate_m.
     [[nodiscard]] std::size_t non_finite_triangle_count() const { return non_finite_triangle_count_; }
     [[nodiscard]] std::size_t degenerate_triangle_count() const { return degenerate_triangle_count_; }
-    [[nodiscard]] RTCScene embree_scene() const { return embree_scene_; }
+    [[nodiscard]] RTCScene embree_scene() const { return embree_scene_; } ///< Its triangles are geometry 0.
     /// Built when first asked for; safe from any thread.
     [[nodiscard]] const TriangleBvh& cut_bvh(const Progress& progress) const;
 
 private:
+    void drop_unusable_triangles();
+    void build(const Progress& progress);
+
     MeshArrays arrays_;
     Bounds3 bounds_;
     std::size_t non_finite_triangle_count_ = 0, degenerate_triangle_count_ = 0;
     RTCScene embree_scene_ = nullptr;
     mutable std::mutex cut_bvh_mutex_;
-    mutable std::unique_ptr<const TriangleBvh> cut_bvh_;
+    mutable std::shared_ptr<const TriangleBvh> cut_bvh_; ///< Shared, not unique: deleted where the type is unknown.
 };
 } // namespace tyndall

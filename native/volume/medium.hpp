@@ -14,7 +14,7 @@ struct ScatterLobe {
 
 struct Medium {
     std::string name; ///< Of the material or world, for reports.
-    std::vector<ScatterLobe> lobes;
+    std::vector<ScatterLobe> lobes = {};
     Rgb sigma_a_per_m{0.0f};        ///< Absorption coefficient per channel, [0, 1e6].
     Rgb emission_w_per_m3_sr{0.0f}; ///< Emitted radiance per metre.
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs pytest inside Blender's executable, which has neither pytest nor our package on its path.
+r"""Runs pytest inside Blender's executable, which has neither pytest nor our package on its path.
 
-PATH=/usr/bin:/bin blender -b --factory-startup --python-exit-code 1 --python tests/support/pytest_in_blender.py -- ARGUMENTS
+PATH=/usr/bin:/bin blender -b --factory-startup --python-exit-code 1 \
+    --python tests/support/pytest_in_blender.py -- ARGUMENTS
 """
 
 import os

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/camera.hpp"
+#include <algorithm>
+
+namespace tyndall {
+Ray Camera::ray(float x_px, float y_px) const {
+    const float x = glm::mix(window_left, window_right, x_px / static_cast<float>(width_px));
+    const float y = glm::mix(window_bottom, window_top, y_px / static_cast<float>(height_px));
+    if (kind == CameraKind::Orthographic) {
+        // A viewport's orthographic camera clips behind itself, too; a ray's range never begins below 0.
+        const float behind_m = std::min(clip_near_m, 0.0f);
+        return {.origin = vec3(world_from_camera * vec4(x, y, -behind_m, 1.0f)),
+                .direction = glm::normalize(forward()),
+                .near_m = clip_near_m - behind_m,
+                .far_m = clip_far_m - behind_m};
+    }
+    const vec3 through(x, y, -1.0f);
+    const float metres_per_depth = glm::length(through);
+    return {.origin = position(),
+            .direction = glm::normalize(glm::mat3(world_from_camera) * through),
+            .near_m = clip_near_m * metres_per_depth,
+            .far_m = clip_far_m * metres_per_depth};
+}
+} // namespace tyndall

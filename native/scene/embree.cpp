@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/embree.hpp"
+#include "core/errors.hpp"
+#include <string>
+
+namespace tyndall {
+// Embree reports on the thread that made the call, also where a worker failed.
+static thread_local std::string last_message;
+
+static RTCDevice new_device() {
+    const RTCDevice device = rtcNewDevice(nullptr);
+    if (device == nullptr)
+        throw Error("Embree did not start, error " + std::to_string(rtcGetDeviceError(nullptr)));
+    rtcSetDeviceErrorFunction(
+        device, [](void*, RTCError, const char* message) { last_message = message; }, nullptr);
+    return device;
+}
+
+RTCDevice embree_device() {
+    // Never released: at exit TBB's threads may end before our statics do, and Embree's device waits for them.
+    static const RTCDevice device = new_device();
+    return device;
+}
+
+void check_embree(std::string_view what) {
+    const RTCError error = rtcGetDeviceError(embree_device());
+    if (error == RTC_ERROR_NONE)
+        return;
+    if (error == RTC_ERROR_CANCELLED)
+        throw Cancelled();
+    throw Error("Embree: " + std::string(what) + ": " + last_message);
+}
+
+void commit(RTCScene scene, std::string_view what, const Progress& progress) {
+    const auto goes_on = [](void* pointer, double) { return !static_cast<const Progress*>(pointer)->is_cancelled(); };
+    // Embree promises not to change what the pointer shows; the callback only reads it.
+    rtcSetSceneProgressMonitorFunction(scene, goes_on, const_cast<Progress*>(&progress));
+    rtcCommitScene(scene);
+    rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+    check_embree(what);
+}
+} // namespace tyndall

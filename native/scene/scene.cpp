@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a scene is made of and how it comes to stand in Embree; scene_queries.cpp asks it.
+#include "scene/scene.hpp"
+#include "core/errors.hpp"
+#include "scene/embree.hpp"
+#include "scene/instance_masks.hpp"
+#include "shading/surface_program.hpp"
+#include <algorithm>
+#include <map>
+
+namespace tyndall {
+Scene::Scene(SceneDescription description, const Progress& progress) : description_(std::move(description)) {
+    const StageTimer timer(statistics_, "scene");
+    validate();
+    drop_unusable_instances();
+    attach_instances(progress);
+}
+
+Scene::~Scene() { rtcReleaseScene(embree_scene_); }
+
+void Scene::validate() const {
+    const SceneDescription& scene = description_;
+    for (const Instance& instance : scene.instances) {
+        require(instance.name_index < scene.object_names.size(), "an instance asks for object name ",
+                instance.name_index, " of ", scene.object_names.size());
+        const std::string& name = scene.object_names[instance.name_index];
+        require(instance.mesh_index < scene.meshes.size() && scene.meshes[instance.mesh_index] != nullptr, "object '",
+                name, "' asks for mesh ", instance.mesh_index, " of ", scene.meshes.size());
+        require(instance.slot_count > 0, "object '", name, "' has no material slot");
+        require(std::size_t{instance.first_slot_material} + instance.slot_count <= scene.slot_materials.size(),
+                "object '", name, "' asks for slot material ", instance.first_slot_material + instance.slot_count - 1u,
+                " of ", scene.slot_materials.size());
+    }
+    for (const std::uint32_t material : scene.slot_materials)
+        require(material < scene.materials.size(), "a slot asks for material ", material, " of ",
+                scene.materials.size());
+    const auto medium_count = static_cast<std::int32_t>(scene.media.size());
+    for (const Material& material : scene.materials) {
+        tyndall::validate(material);
+        require(material.medium_index >= -1 && material.medium_index < medium_count, "material '", material.name,
+                "' asks for medium ", material.medium_index, " of ", medium_count);
+    }
+    require(scene.world_medium_index >= -1 && scene.world_medium_index < medium_count, "the world asks for medium ",
+            scene.world_medium_index, " of ", medium_count);
+}
+
+/// Why an instance cannot be drawn; nullptr if it can.
+static const char* reason_to_drop(const TriangleMesh& mesh, const mat4& scene_from_object) {
+    if (mesh.triangle_count() == 0)
+        return "its mesh has no usable triangle";
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 3; ++row)
+            if (!(std::abs(scene_from_object[column][row]) < largest_coordinate_m)) // true for a NaN, too
+                return "its transform is not finite";
+    const glm::dmat3 linear{mat3(scene_from_object)};
+    // Relative to the product of the axes' lengths: a crystal of 1e-12 m is no flat object.
+    const double axes = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
+    if (!(std::abs(glm::determinant(linear)) > 1e-12 * axes))
+        return "its transform flattens it (a scale of 0)";
+    return nullptr;
+}
+
+void Scene::drop_unusable_instances() {
+    std::map<std::pair<std::uint32_t, std::string>, std::size_t> dropped_counts; // an object's particles share a line
+    std::erase_if(description_.instances, [&](const Instance& instance) {
+        const char* reason = reason_to_drop(*description_.meshes[instance.mesh_index], instance.world_from_object);
+        if (reason != nullptr)
+            ++dropped_counts[{instance.name_index, reason}];
+        return reason != nullptr;
+    });
+    for (const auto& [object_and_reason, count] : dropped_counts) {
+        const auto& [name_index, reason] = object_and_reason;
+        statistics_.report("object '" + description_.object_names[name_index] + "'" +
+                           (count > 1 ? ", " + std::to_string(count) + " instances," : "") + " left out: " + reason);
+    }
+    for (const auto& mesh : description_.meshes)
+        if (mesh != nullptr && mesh->non_finite_triangle_count() + mesh->degenerate_triangle_count() > 0)
+            statistics_.report("mesh '" + mesh->arrays().name + "': left out " +
+                               std::to_string(mesh->non_finite_triangle_count()) +
+                               " triangles with a vertex that is not finite and " +
+                               std::to_string(mesh->degenerate_triangle_count()) + " without area");
+}
+
+const Material& Scene::slot_material(const Instance& instance, std::size_t slot) const {
+    // A triangle whose slot the object lacks takes the last one, as in Blender.
+    const std::size_t present = std::min<std::size_t>(slot, instance.slot_count - 1u);
+    return description_.materials[description_.slot_materials[instance.first_slot_material + present]];
+}
+
+static Bounds3 transformed(const Bounds3& bounds, const mat4& to_from) {
+    Bounds3 result;
+    for (int corner = 0; corner < 8; ++corner) {
+        const vec3 choice(corner & 1, corner >> 1 & 1, corner >> 2);
+        result.grow(vec3(to_from * vec4(glm::mix(bounds.min, bounds.max, choice), 1.0f)));
+    }
+    return result;
+}
+
+void Scene::attach_instances(const Progress& progress) {
+    const RTCDevice device = embree_device();
+    embree_scene_ = rtcNewScene(device);
+    rtcSetSceneFlags(embree_scene_, traced_scene_flags);
+    placements_.resize(description_.instances.size());
+    for (std::uint32_t index = 0; index < description_.instances.size(); ++index) {
+        const Instance& instance = description_.instances[index];
+        const TriangleMesh& mesh = *description_.meshes[instance.mesh_index];
+        const Bounds3 bounds = transformed(mesh.bounds(), instance.world_from_object);
+        bounds_.grow(bounds);
+        placements_[index].scene_from_object_normals =
+            mat3(glm::transpose(glm::inverse(glm::dmat3(mat3(instance.world_from_object)))));
+        placements_[index].object_from_scene = mat4(glm::inverse(glm::dmat4(instance.world_from_object)));
+
+        std::size_t surface_slots = 0, opaque_slots = 0;
+        for (std::size_t slot = 0; slot < instance.slot_count; ++slot) {
+            const Material& material = slot_material(instance, slot);
+            surface_slots += material.has_surface;
+            opaque_slots += material.has_surface && is_opaque_everywhere(material);
+        }
+        if (surface_slots == 0)
+            continue; // light and view pass: the media have an Embree scene of their own
+        surface_bounds_.grow(bounds);
+        has_holes_ |= instance.is_camera_visible && surface_slots < instance.slot_count;
+        lets_light_pass_ |= instance.casts_shadow && opaque_slots < instance.slot_count;
+
+        const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(geometry, mesh.embree_scene());
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &instance.world_from_object[0][0]);
+        rtcSetGeometryMask(geometry, (instance.is_camera_visible ? camera_mask : 0u) |
+                                         (instance.casts_shadow ? shadow_mask : 0u));
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(embree_scene_, geometry, index);
+        rtcReleaseGeometry(geometry);
+    }
+    try {
+        commit(embree_scene_, "the scene", progress);
+    } catch (...) {
+        rtcReleaseScene(embree_scene_);
+        throw;
+    }
+}
+} // namespace tyndall
