@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/row_query.hpp"
+#include "light_shafts/slope_rows_kernels.hpp"
+#include <algorithm>
+#include <cstring>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "light_shafts/row_query.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace tyndall::light_shafts::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+using namespace slope_rows;
+using Tag = hn::CappedTag<float, 16>;
+static constexpr Tag d;
+
+template <class Mask>
+static HWY_INLINE std::uint32_t bits_of(Mask mask) {
+    alignas(8) std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(d, mask, bytes);
+    std::uint32_t bits;
+    std::memcpy(&bits, bytes, sizeof(bits));
+    return bits & ((1u << hn::Lanes(d)) - 1);
+}
+
+/// Bit i: slope >= values[i], for 16 values. A line without an occluder holds -inf and is lit.
+static HWY_INLINE std::uint32_t at_or_above(hn::Vec<Tag> slope, const float* values) {
+    std::uint32_t bits = 0;
+    for (std::size_t i = 0; i < block_lines; i += hn::Lanes(d))
+        bits |= bits_of(hn::Ge(slope, hn::LoadU(d, values + i))) << i;
+    return bits;
+}
+
+/// Calls toggle(line) wherever lit and dark change, beginning dark; only lines of whole blocks around [first, last].
+template <class Toggle>
+static HWY_INLINE bool scan(const RowView& row, float slope_value, std::int32_t first, std::int32_t last,
+                            const Toggle& toggle) {
+    const auto slope = hn::Set(d, slope_value);
+    const std::int32_t first_block = (first - row.first) / block_lines, last_block = (last - row.first) / block_lines;
+    std::uint32_t is_lit = 0; // 0 or 1
+    for (std::int32_t group = first_block; group <= last_block; group += 16) {
+        const std::uint32_t used = last_block - group >= 15 ? 0xffffu : (1u << (last_block - group + 1)) - 1;
+        const std::uint32_t all_lit = at_or_above(slope, row.highest + group);
+        const std::uint32_t all_dark = ~at_or_above(slope, row.lowest + group);
+        std::uint32_t left = used & ~(is_lit ? all_lit : all_dark);
+        while (left != 0) {
+            const auto block = static_cast<std::uint32_t>(__builtin_ctz(left));
+            const std::int32_t line = row.first + (group + static_cast<std::int32_t>(block)) * block_lines;
+            if ((is_lit ? all_dark : all_lit) >> block & 1) {
+                toggle(line);
+                is_lit ^= 1;
+            } else {
+                const std::uint32_t lit = at_or_above(slope, row.slopes + (line - row.first));
+                for (std::uint32_t changes = (lit ^ (lit << 1 | is_lit)) & 0xffffu; changes != 0; changes &= changes - 1)
+                    toggle(line + __builtin_ctz(changes));
+                is_lit = lit >> 15;
+            }
+            left = used & ~(is_lit ? all_lit : all_dark) & ~((2u << block) - 1);
+        }
+    }
+    return is_lit != 0;
+}
+
+void lit_runs_of(const RowView& row, float slope, std::int32_t first, std::int32_t last,
+                 std::vector<std::int32_t>& borders) {
+    const bool ends_lit = scan(row, slope, first, last, [&](std::int32_t line) { borders.push_back(line); });
+    if (ends_lit)
+        borders.push_back(last + 1);
+}
+
+/// Distance along a ray at which it crosses the light line X.
+struct Crossing {
+    float numerator, numerator_x, denominator, denominator_x;
+    Crossing(const Frame& frame, const PlacedRays& placed, std::size_t i)
+        : numerator(frame.x.at(placed.axial[i], placed.radial[i])), numerator_x(frame.w.at(placed.axial[i], placed.radial[i])),
+          denominator(frame.x.per_axial * placed.axial_per_m[i] + frame.x.per_radial * placed.radial_per_m[i]),
+          denominator_x(frame.w.per_radial * placed.radial_per_m[i]) {}
+    [[nodiscard]] float at(float x) const { return (numerator - x * numerator_x) / (x * denominator_x - denominator); }
+};
+
+static void answer(const Rows& rows, const PlacedRays& placed, std::size_t i, const ViewRay& ray, std::uint32_t index,
+                   LitRows& lit, row_query::Uncovered& uncovered) {
+    const Layout& layout = rows.layout;
+    const Frame& frame = layout.frame;
+    if (!frame.is_parallel &&
+        (frame.is_orthographic ? placed.radial[i] : placed.radial_per_m[i]) < layout.smallest_radius) {
+        uncovered.near_epipole.push_back(index);
+        return;
+    }
+    const std::int32_t slice = nearest_slice(layout, placed.slice_coordinate[i]);
+    if (slice < 0 || slice >= layout.slice_count()) {
+        uncovered.outside.push_back(index);
+        return;
+    }
+    const RowExtent& extent = layout.rows[static_cast<std::size_t>(slice)];
+    const float per_step = 1.0f / layout.line_step;
+    const float near_index = (placed.near_line[i] - layout.first_line) * per_step,
+                far_index = (placed.far_line[i] - layout.first_line) * per_step;
+    // Lines whose centre the ray crosses; its ends belong to the nearest of them: a centre behind the surface where
+    // the ray ends would find that very surface and call it a shadow.
+    auto first = static_cast<std::int32_t>(std::ceil(near_index - 0.5f));
+    auto last = static_cast<std::int32_t>(std::floor(far_index - 0.5f));
+    if (first > last)
+        first = last = static_cast<std::int32_t>(0.5f * (near_index + far_index));
+    last = std::min(last, layout.line_count - 1);
+    first = std::min(first, last);
+    if (!(first >= extent.first && last < extent.end && placed.slope[i] >= extent.smallest_slope)) {
+        uncovered.outside.push_back(index);
+        return;
+    }
+    const Crossing crossing(frame, placed, i);
+    const std::int32_t clip_first = first, clip_last = last;
+    float near_m = 0.0f;
+    bool is_open = false;
+    const auto toggle = [&](std::int32_t line) {
+        if (!is_open)
+            near_m = line <= clip_first ? ray.near_m
+                                        : crossing.at(layout.x_at_edge[static_cast<std::size_t>(line)]);
+        else if (line > clip_first) {
+            const float far_m = line > clip_last ? ray.far_m
+                                                 : crossing.at(layout.x_at_edge[static_cast<std::size_t>(line)]);
+            if (near_m < far_m)
+                lit.intervals.push_back({.near_m = near_m, .far_m = far_m});
+        }
+        is_open = !is_open;
+        if (is_open && line > clip_last)
+            near_m = ray.far_m;
+    };
+    if (scan(rows.row(slice), placed.slope[i], first, last, toggle) && near_m < ray.far_m)
+        lit.intervals.push_back({.near_m = near_m, .far_m = ray.far_m});
+}
+
+void lit_intervals_of(const Rows& rows, const ViewRay* rays, std::size_t count, LitRows& lit,
+                      row_query::Uncovered& uncovered) {
+    PlacedRays placed;
+    for (std::size_t start = 0; start < count; start += PlacedRays::capacity) {
+        const std::size_t block = std::min(PlacedRays::capacity, count - start);
+        place_rays(rows.layout.frame, {rays + start, block}, placed);
+        for (std::size_t i = 0; i < block; ++i) {
+            if (rays[start + i].near_m < rays[start + i].far_m)
+                answer(rows, placed, i, rays[start + i], static_cast<std::uint32_t>(start + i), lit, uncovered);
+            lit.end_ray();
+        }
+    }
+}
+} // namespace tyndall::light_shafts::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tyndall::light_shafts {
+HWY_EXPORT(lit_runs_of);
+HWY_EXPORT(lit_intervals_of);
+} // namespace tyndall::light_shafts
+
+namespace tyndall::light_shafts::row_query {
+void lit_intervals(const slope_rows::Rows& rows, std::span<const ViewRay> rays, LitRows& lit, Uncovered& uncovered) {
+    HWY_DYNAMIC_DISPATCH(lit_intervals_of)(rows, rays.data(), rays.size(), lit, uncovered);
+}
+void lit_runs(const slope_rows::RowView& row, float slope, std::int32_t first, std::int32_t last,
+              std::vector<std::int32_t>& borders) {
+    std::vector<std::int32_t> toggles;
+    HWY_DYNAMIC_DISPATCH(lit_runs_of)(row, slope, first, last, toggles);
+    for (std::size_t i = 0; i + 1 < toggles.size(); i += 2) {
+        const std::int32_t begin = std::max(toggles[i], first), end = std::min(toggles[i + 1], last + 1);
+        if (begin < end) {
+            borders.push_back(begin);
+            borders.push_back(end);
+        }
+    }
+}
+} // namespace tyndall::light_shafts::row_query
+#endif
