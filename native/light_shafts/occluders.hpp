@@ -11,8 +11,8 @@ namespace tyndall::light_shafts {
 /// Consecutive triangles of one instance, all opaque.
 struct OccluderPiece {
     std::uint32_t instance = 0;
-    std::span<const vec3> positions;    ///< In the object's space.
-    std::span<const uvec3> triangles;   ///< At most Occluders::piece_triangles.
+    std::span<const vec3> positions;  ///< In the object's space.
+    std::span<const uvec3> triangles; ///< At most Occluders::piece_triangles.
     const mat4* scene_from_object = nullptr;
 };
 

@@ -53,7 +53,8 @@ static HWY_INLINE bool scan(const RowView& row, float slope_value, std::int32_t 
                 is_lit ^= 1;
             } else {
                 const std::uint32_t lit = at_or_above(slope, row.slopes + (line - row.first));
-                for (std::uint32_t changes = (lit ^ (lit << 1 | is_lit)) & 0xffffu; changes != 0; changes &= changes - 1)
+                for (std::uint32_t changes = (lit ^ (lit << 1 | is_lit)) & 0xffffu; changes != 0;
+                     changes &= changes - 1)
                     toggle(line + __builtin_ctz(changes));
                 is_lit = lit >> 15;
             }
@@ -74,7 +75,8 @@ void lit_runs_of(const RowView& row, float slope, std::int32_t first, std::int32
 struct Crossing {
     float numerator, numerator_x, denominator, denominator_x;
     Crossing(const Frame& frame, const PlacedRays& placed, std::size_t i)
-        : numerator(frame.x.at(placed.axial[i], placed.radial[i])), numerator_x(frame.w.at(placed.axial[i], placed.radial[i])),
+        : numerator(frame.x.at(placed.axial[i], placed.radial[i])),
+          numerator_x(frame.w.at(placed.axial[i], placed.radial[i])),
           denominator(frame.x.per_axial * placed.axial_per_m[i] + frame.x.per_radial * placed.radial_per_m[i]),
           denominator_x(frame.w.per_radial * placed.radial_per_m[i]) {}
     [[nodiscard]] float at(float x) const { return (numerator - x * numerator_x) / (x * denominator_x - denominator); }
@@ -116,11 +118,10 @@ static void answer(const Rows& rows, const PlacedRays& placed, std::size_t i, co
     bool is_open = false;
     const auto toggle = [&](std::int32_t line) {
         if (!is_open)
-            near_m = line <= clip_first ? ray.near_m
-                                        : crossing.at(layout.x_at_edge[static_cast<std::size_t>(line)]);
+            near_m = line <= clip_first ? ray.near_m : crossing.at(layout.x_at_edge[static_cast<std::size_t>(line)]);
         else if (line > clip_first) {
-            const float far_m = line > clip_last ? ray.far_m
-                                                 : crossing.at(layout.x_at_edge[static_cast<std::size_t>(line)]);
+            const float far_m =
+                line > clip_last ? ray.far_m : crossing.at(layout.x_at_edge[static_cast<std::size_t>(line)]);
             if (near_m < far_m)
                 lit.intervals.push_back({.near_m = near_m, .far_m = far_m});
         }

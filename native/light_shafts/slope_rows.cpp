@@ -88,8 +88,8 @@ static std::int32_t place_slices(Layout& layout, const Needs& needs, float slice
         return static_cast<std::int32_t>((needs.highest_slice - layout.first_slice) / layout.slice_step) + 2;
     }
     const auto [first_rad, width_rad] = occupied_wedge(needs.sectors);
-    layout.slices_per_turn = static_cast<std::int32_t>(
-        std::clamp(turn_rad * border / layout.line_step * slices_per_line, 16.0f, 4e6f));
+    layout.slices_per_turn =
+        static_cast<std::int32_t>(std::clamp(turn_rad * border / layout.line_step * slices_per_line, 16.0f, 4e6f));
     layout.slice_step = turn_rad / static_cast<float>(layout.slices_per_turn);
     layout.first_slice = first_rad;
     return std::min(static_cast<std::int32_t>(width_rad / layout.slice_step) + 2, layout.slices_per_turn);
@@ -108,8 +108,8 @@ static void place_lines(Layout& layout, const Needs& needs, std::uint32_t lines)
     }
     layout.line_count = static_cast<std::int32_t>(lines) + 4;
     if (frame.is_angular)
-        layout.line_count = std::min(layout.line_count, static_cast<std::int32_t>((turn_rad / 2 - layout.first_line) /
-                                                                                  layout.line_step));
+        layout.line_count = std::min(layout.line_count,
+                                     static_cast<std::int32_t>((turn_rad / 2 - layout.first_line) / layout.line_step));
     layout.smallest_radius = frame.is_parallel ? 0.0f : near_epipole * needs.largest_radius;
     layout.smallest_radius_cut = starts_at_axis ? 0.25f * layout.line_step : 1e-6f / frame.angle_scale;
     if (frame.is_angular && frame.is_orthographic)
@@ -119,7 +119,8 @@ static void place_lines(Layout& layout, const Needs& needs, std::uint32_t lines)
     layout.x_at_centre.clear();
     layout.x_at_edge.clear();
     for (std::int32_t i = 0; i < padded; ++i)
-        layout.x_at_centre.push_back(frame.x_of_line(line(static_cast<float>(std::min(i, layout.line_count - 1)) + 0.5f)));
+        layout.x_at_centre.push_back(
+            frame.x_of_line(line(static_cast<float>(std::min(i, layout.line_count - 1)) + 0.5f)));
     for (std::int32_t i = 0; i <= layout.line_count; ++i)
         layout.x_at_edge.push_back(frame.x_of_line(line(static_cast<float>(i))));
 }
@@ -216,7 +217,8 @@ Layout make_layout(const Frame& frame, std::span<const ViewRay> rays, const Layo
 }
 
 Rows::Rows(Layout layout_to_keep)
-    : layout(std::move(layout_to_keep)), slopes(static_cast<float*>(::operator new[](layout.sample_count * sizeof(float) + 64, std::align_val_t{64}))) {
+    : layout(std::move(layout_to_keep)),
+      slopes(static_cast<float*>(::operator new[](layout.sample_count * sizeof(float) + 64, std::align_val_t{64}))) {
     // queries read whole vectors of blocks
     const std::size_t blocks = layout.sample_count / block_lines + block_lines;
     lowest = std::make_unique<float[]>(blocks);

@@ -12,31 +12,31 @@
 #include <vector>
 
 namespace tyndall::light_shafts::slope_rows {
-inline constexpr std::int32_t block_lines = 16;  ///< Light lines per block.
-inline constexpr std::int32_t band_slices = 32;  ///< Slices that one thread rasters at a time.
+inline constexpr std::int32_t block_lines = 16; ///< Light lines per block.
+inline constexpr std::int32_t band_slices = 32; ///< Slices that one thread rasters at a time.
 inline constexpr float no_occluder = -std::numeric_limits<float>::infinity();
 inline constexpr float near_epipole = 1.0f / 64; ///< Of the largest radius per metre (or radius) of the view.
 
 /// The lines of a slice that are kept: [first, end), multiples of block_lines; empty rows have first == end.
 struct RowExtent {
     std::int32_t first = 0, end = 0;
-    std::size_t offset = 0;                                       ///< Of line `first` in Rows::slopes.
+    std::size_t offset = 0;                                        ///< Of line `first` in Rows::slopes.
     float smallest_slope = std::numeric_limits<float>::infinity(); ///< Of the view rays: lower occluders do not matter.
 };
 
 struct Layout {
     Frame frame;
-    float first_slice = 0.0f;  ///< Slice coordinate of the centre of slice 0.
-    float slice_step = 1.0f;   ///< Radians or metres.
-    float first_line = 0.0f;   ///< Edge of line 0: metres or radians.
+    float first_slice = 0.0f; ///< Slice coordinate of the centre of slice 0.
+    float slice_step = 1.0f;  ///< Radians or metres.
+    float first_line = 0.0f;  ///< Edge of line 0: metres or radians.
     float line_step = 1.0f;
-    float smallest_radius = 0; ///< Rays with less (per metre, or metres) are too close to the epipole for rows.
-    float smallest_radius_cut = 0; ///< Half-planes begin here, not on their axis, where X is infinite, metres.
+    float smallest_radius = 0;        ///< Rays with less (per metre, or metres) are too close to the epipole for rows.
+    float smallest_radius_cut = 0;    ///< Half-planes begin here, not on their axis, where X is infinite, metres.
     std::int32_t slices_per_turn = 0; ///< 0 where slices are parallel.
     std::int32_t line_count = 0;
     std::vector<RowExtent> rows;
-    std::vector<float> x_at_centre; ///< Per line; line_count of them and padding to a multiple of 16.
-    std::vector<float> x_at_edge;   ///< line_count + 1.
+    std::vector<float> x_at_centre;     ///< Per line; line_count of them and padding to a multiple of 16.
+    std::vector<float> x_at_edge;       ///< line_count + 1.
     std::vector<vec2> slice_directions; ///< Cosine and sine per slice; (1, 0) where slices are parallel.
     std::size_t sample_count = 0;
 
@@ -47,8 +47,8 @@ struct Layout {
 [[nodiscard]] std::int32_t nearest_slice(const Layout& layout, float slice_coordinate);
 
 struct LayoutConfig {
-    std::uint32_t lines = 2048;    ///< Along the longest row, [16, 65536].
-    float slices_per_line = 1.0f;  ///< Density of slices at the far border relative to that of lines.
+    std::uint32_t lines = 2048;   ///< Along the longest row, [16, 65536].
+    float slices_per_line = 1.0f; ///< Density of slices at the far border relative to that of lines.
     std::size_t memory_limit_bytes = std::size_t{2} << 30;
 };
 /// Rows for the rays, which are finite. Throws Cancelled.

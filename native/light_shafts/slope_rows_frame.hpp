@@ -33,10 +33,10 @@ struct FramedRay {
 
 struct Frame {
     vec3 origin{0.0f}, axis{0, 0, 1}, u{1, 0, 0}, v{0, 1, 0}; ///< Right-handed: u, v, axis.
-    bool is_parallel = false;        ///< Slices are v = const; else half-planes around the axis.
-    bool is_angular = false;         ///< Light lines are counted by their angle at the light; else by their r.
-    bool is_orthographic = false;    ///< Of the view.
-    float angle_scale = 0.0f;        ///< X = angle_scale * cot(angle).
+    bool is_parallel = false;     ///< Slices are v = const; else half-planes around the axis.
+    bool is_angular = false;      ///< Light lines are counted by their angle at the light; else by their r.
+    bool is_orthographic = false; ///< Of the view.
+    float angle_scale = 0.0f;     ///< X = angle_scale * cot(angle).
     Linear x{1, 0, 0}, y{0, 1, 0}, w{0, 0, 1}; ///< X = x / w, Y = y / w.
 
     [[nodiscard]] FramedRay place(const ViewRay& ray) const;

@@ -199,9 +199,9 @@ void Cutter::cut() {
     const auto* directions = reinterpret_cast<const float*>(layout_.slice_directions.data());
     const auto pair = hn::Add(slice, slice);
     const V cosine = hn::GatherIndex(d, directions, pair), sine = hn::GatherIndex(d, directions + 1, pair);
-    const V offset = frame.is_parallel ? hn::MulAdd(hn::ConvertTo(d, slice), set(layout_.slice_step),
-                                                    set(layout_.first_slice))
-                                       : hn::Zero(d);
+    const V offset = frame.is_parallel
+                         ? hn::MulAdd(hn::ConvertTo(d, slice), set(layout_.slice_step), set(layout_.first_slice))
+                         : hn::Zero(d);
     for (int c = 0; c < 3; ++c) {
         a[c] = hn::GatherIndex(d, triangles_ + 3 * c, at);
         const V x = hn::GatherIndex(d, triangles_ + 3 * c + 1, at), y = hn::GatherIndex(d, triangles_ + 3 * c + 2, at);

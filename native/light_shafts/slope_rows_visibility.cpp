@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/slope_rows_visibility.hpp"
+#include "light_shafts/row_query.hpp"
+
+namespace tyndall::light_shafts {
+namespace {
+class Unshadowed final : public Visibility {
+public:
+    explicit Unshadowed(Statistics statistics) : statistics_(std::move(statistics)) {}
+    void lit_intervals(std::span<const ViewRay> rays, LitRows& lit) const override {
+        for (const ViewRay& ray : rays) {
+            if (ray.near_m < ray.far_m)
+                lit.intervals.push_back({.near_m = ray.near_m, .far_m = ray.far_m});
+            lit.end_ray();
+        }
+    }
+    [[nodiscard]] const Statistics& statistics() const override { return statistics_; }
+
+private:
+    Statistics statistics_;
+};
+
+class ExactInstead final : public Visibility {
+public:
+    ExactInstead(std::unique_ptr<Visibility> exact, const std::string& why) : exact_(std::move(exact)) {
+        statistics_ = exact_->statistics();
+        statistics_.report(why);
+    }
+    void lit_intervals(std::span<const ViewRay> rays, LitRows& lit) const override { exact_->lit_intervals(rays, lit); }
+    [[nodiscard]] const Statistics& statistics() const override { return statistics_; }
+
+private:
+    std::unique_ptr<Visibility> exact_;
+    Statistics statistics_;
+};
+} // namespace
+
+std::unique_ptr<Visibility> make_unshadowed(Statistics statistics) {
+    return std::make_unique<Unshadowed>(std::move(statistics));
+}
+std::unique_ptr<Visibility> fall_back_to_exact(const Preparation& preparation, const std::string& why) {
+    return std::make_unique<ExactInstead>(preparation.exact(), why);
+}
+
+RowsVisibility::RowsVisibility(const Preparation& preparation, slope_rows::Rows rows, Statistics statistics)
+    : scene_(preparation.scene), view_(preparation.view), light_(preparation.light), config_(preparation.config),
+      rows_(std::move(rows)), statistics_(std::move(statistics)) {}
+
+const Visibility& RowsVisibility::exact() const {
+    std::call_once(exact_once_, [this] {
+        Progress progress;
+        exact_ = make_exact_strip(scene_, view_, light_, {}, config_, progress);
+    });
+    return *exact_;
+}
+
+void RowsVisibility::lit_intervals(std::span<const ViewRay> rays, LitRows& lit) const {
+    thread_local row_query::Uncovered uncovered;
+    uncovered.near_epipole.clear();
+    uncovered.outside.clear();
+    const std::size_t first_row = lit.first.size() - 1, first_interval = lit.intervals.size();
+    row_query::lit_intervals(rows_, rays, lit, uncovered);
+    near_epipole_count_ += uncovered.near_epipole.size();
+    outside_count_ += uncovered.outside.size();
+    if (uncovered.near_epipole.empty() && uncovered.outside.empty())
+        return;
+    // Rebuild the rows of this call with the exact answers between; such calls are rare.
+    std::vector<ViewRay> exact_rays;
+    std::vector<std::int32_t> exact_row(rays.size(), -1);
+    for (const auto* indices : {&uncovered.near_epipole, &uncovered.outside})
+        for (const std::uint32_t ray : *indices) {
+            exact_row[ray] = static_cast<std::int32_t>(exact_rays.size());
+            exact_rays.push_back(rays[ray]);
+        }
+    LitRows exact_lit;
+    exact().lit_intervals(exact_rays, exact_lit);
+    const std::vector<LitInterval> from_rows(lit.intervals.begin() + static_cast<std::ptrdiff_t>(first_interval),
+                                             lit.intervals.end());
+    const std::vector<std::uint32_t> offsets(lit.first.begin() + static_cast<std::ptrdiff_t>(first_row),
+                                             lit.first.end());
+    lit.intervals.resize(first_interval);
+    lit.first.resize(first_row + 1);
+    const auto append = [&](const std::vector<LitInterval>& from, std::size_t begin, std::size_t end) {
+        lit.intervals.insert(lit.intervals.end(), from.begin() + static_cast<std::ptrdiff_t>(begin),
+                             from.begin() + static_cast<std::ptrdiff_t>(end));
+    };
+    for (std::size_t ray = 0; ray < rays.size(); ++ray) {
+        if (exact_row[ray] >= 0) {
+            const auto row = static_cast<std::size_t>(exact_row[ray]);
+            append(exact_lit.intervals, exact_lit.first[row], exact_lit.first[row + 1]);
+        } else
+            append(from_rows, offsets[ray] - first_interval, offsets[ray + 1] - first_interval);
+        lit.end_ray();
+    }
+}
+} // namespace tyndall::light_shafts

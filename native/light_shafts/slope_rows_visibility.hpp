@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Visibility from slope rows, however they were filled; the few rays that rows cannot answer go to the exact strip.
+#pragma once
+#include "light_shafts/slope_rows.hpp"
+#include <atomic>
+#include <mutex>
+
+namespace tyndall::light_shafts {
+struct Preparation {
+    const Scene& scene;
+    const View& view;
+    const LightSample& light;
+    std::span<const ViewRay> rays;
+    const Config& config;
+    Progress& progress;
+    [[nodiscard]] std::unique_ptr<Visibility> exact() const {
+        return make_exact_strip(scene, view, light, rays, config, progress);
+    }
+};
+
+class RowsVisibility final : public Visibility {
+public:
+    /// `scene` must outlive this. The exact strip is built when the first ray needs it.
+    RowsVisibility(const Preparation& preparation, slope_rows::Rows rows, Statistics statistics);
+    void lit_intervals(std::span<const ViewRay> rays, LitRows& lit) const override;
+    [[nodiscard]] const Statistics& statistics() const override { return statistics_; }
+    [[nodiscard]] const slope_rows::Rows& rows() const { return rows_; }
+    /// Rays answered by the exact strip so far: too close to the epipole, or beyond the prepared rows.
+    [[nodiscard]] std::size_t near_epipole_count() const { return near_epipole_count_; }
+    [[nodiscard]] std::size_t outside_count() const { return outside_count_; }
+
+private:
+    const Visibility& exact() const;
+
+    const Scene& scene_;
+    View view_;
+    LightSample light_;
+    Config config_;
+    slope_rows::Rows rows_;
+    Statistics statistics_;
+    mutable std::once_flag exact_once_;
+    mutable std::unique_ptr<Visibility> exact_;
+    mutable std::atomic<std::size_t> near_epipole_count_ = 0, outside_count_ = 0;
+};
+
+/// Every ray is lit all along: the light casts no shadow, or nothing stops it.
+[[nodiscard]] std::unique_ptr<Visibility> make_unshadowed(Statistics statistics);
+/// The exact strip, with a report of why.
+[[nodiscard]] std::unique_ptr<Visibility> fall_back_to_exact(const Preparation& preparation, const std::string& why);
+} // namespace tyndall::light_shafts

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/parallel.hpp"
+#include "light_shafts/row_query.hpp"
+#include "light_shafts/slope_rows_raster.hpp"
+#include "support/shaft_oracle.hpp"
+#include <algorithm>
+#include <doctest/doctest.h>
+#include <hwy/targets.h>
+#include <string>
+
+using namespace tyndall;
+using namespace tyndall::light_shafts;
+using support::TriangleSoup;
+
+namespace {
+/// A view, a light and what stands between.
+struct Setting {
+    std::string name;
+    View view;
+    LightSample light;
+    vec3 towards{0, 1, 0}; ///< The middle of a perspective view.
+    float scale_m = 1.0f;  ///< Size of everything.
+    vec3 centre{0.0f};     ///< Of the soup.
+};
+
+LightSample sun(const vec3& towards_light) {
+    LightSample light;
+    light.towards_light = glm::normalize(towards_light);
+    return light;
+}
+LightSample lamp(const vec3& position) {
+    LightSample light;
+    light.is_directional = false;
+    light.position = position;
+    return light;
+}
+View perspective(const vec3& position) { return {.position = position}; }
+View orthographic(const vec3& direction) { return {.is_orthographic = true, .direction = glm::normalize(direction)}; }
+
+std::vector<ViewRay> make_rays(const Setting& setting, int side) {
+    std::vector<ViewRay> rays;
+    const vec3 forward = setting.view.is_orthographic ? setting.view.direction : glm::normalize(setting.towards);
+    const auto [right, up] = orthonormal_basis(forward);
+    support::SceneRandom random(7);
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(side) - 0.5f;
+            const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(side) - 0.5f;
+            const float far_m = setting.scale_m * random.uniform(6.0f, 12.0f);
+            if (setting.view.is_orthographic)
+                rays.push_back({setting.centre + setting.scale_m * (6.0f * (u * right + v * up) - 5.0f * forward),
+                                forward, 0.0f, far_m});
+            else
+                rays.push_back({setting.view.position, glm::normalize(forward + 0.9f * (u * right + v * up)),
+                                0.01f * setting.scale_m, far_m});
+        }
+    return rays;
+}
+
+struct Soup {
+    TriangleSoup soup;
+    mat4 identity{1.0f};
+    Occluders occluders;
+    explicit Soup(TriangleSoup triangles) : soup(std::move(triangles)) {
+        occluders.pieces.push_back({0, soup.positions, soup.triangles, &identity});
+        occluders.triangle_count = soup.triangles.size();
+    }
+};
+
+slope_rows::Rows make_rows(const Setting& setting, const Soup& soup, std::span<const ViewRay> rays,
+                           std::uint32_t lines) {
+    Progress progress;
+    const auto frame = slope_rows::make_frame(setting.view, setting.light);
+    REQUIRE(frame.has_value());
+    slope_rows::Rows rows(slope_rows::make_layout(*frame, rays, {.lines = lines}, progress));
+    slope_rows::raster(rows, slope_rows::bin_triangles(rows.layout, soup.occluders, progress), progress);
+    return rows;
+}
+
+struct Comparison {
+    double relative_rmse = 0.0, bias = 0.0;
+    std::size_t compared = 0, near_epipole = 0, outside = 0;
+};
+Comparison compare(const Setting& setting, const Soup& soup, std::span<const ViewRay> rays, std::uint32_t lines) {
+    const slope_rows::Rows rows = make_rows(setting, soup, rays, lines);
+    LitRows lit;
+    row_query::Uncovered uncovered;
+    row_query::lit_intervals(rows, rays, lit, uncovered);
+    std::vector<bool> is_skipped(rays.size());
+    for (const std::uint32_t ray : uncovered.near_epipole)
+        is_skipped[ray] = true;
+    Comparison result{.near_epipole = uncovered.near_epipole.size(), .outside = uncovered.outside.size()};
+    double square_sum = 0.0, difference_sum = 0.0, truth_sum = 0.0;
+    for (std::size_t r = 0; r < rays.size(); ++r) {
+        if (is_skipped[r])
+            continue;
+        double length_m = 0.0;
+        for (std::uint32_t i = lit.first[r]; i < lit.first[r + 1]; ++i)
+            length_m += double{lit.intervals[i].far_m} - double{lit.intervals[i].near_m};
+        const double truth_m = support::marched_lit_length_m(soup.soup, setting.light, rays[r], 400);
+        square_sum += (length_m - truth_m) * (length_m - truth_m);
+        difference_sum += length_m - truth_m;
+        truth_sum += truth_m;
+        ++result.compared;
+    }
+    const auto count = static_cast<double>(result.compared);
+    result.relative_rmse = std::sqrt(square_sum / count) / (truth_sum / count);
+    result.bias = difference_sum / truth_sum;
+    return result;
+}
+
+std::vector<Setting> settings() {
+    const vec3 eye(0, -6, 0.5f);
+    std::vector<Setting> all{
+        {"perspective, sun from the side", perspective(eye), sun({1, 0.3f, 1})},
+        {"perspective, sun in the picture", perspective(eye), sun({0.1f, 1, 0.15f})},
+        {"perspective, sun in the back", perspective(eye), sun({0.1f, -1, 0.15f})},
+        {"perspective, lamp aside", perspective(eye), lamp({4, 1, 3})},
+        {"perspective, lamp in the picture", perspective(eye), lamp({0.4f, 0.5f, 0.3f})},
+        {"perspective, lamp behind the camera", perspective(eye), lamp({1, -9, 2})},
+        {"orthographic, sun from the side", orthographic({0, 1, 0}), sun({1, 0.3f, 1})},
+        {"orthographic, sun across", orthographic({0, 1, 0}), sun({1, 0, 0})},
+        {"orthographic, lamp in the picture", orthographic({0, 1, 0}), lamp({0.4f, 0.5f, 0.3f})},
+        {"orthographic, lamp behind", orthographic({0, 1, 0}), lamp({0.4f, 9.0f, 0.3f})},
+    };
+    return all;
+}
+} // namespace
+
+TEST_CASE("slope rows converge to brute force at first order, for every light and camera") {
+    const Soup soup(support::make_soup(60, 3.0f, 0.8f, vec3(0.0f), 3));
+    for (const Setting& setting : settings()) {
+        CAPTURE(setting.name);
+        const auto rays = make_rays(setting, 40);
+        const Comparison coarse = compare(setting, soup, rays, 128), fine = compare(setting, soup, rays, 1024);
+        CHECK(fine.outside == 0);
+        CHECK(fine.near_epipole < rays.size() / 50);
+        CHECK(fine.relative_rmse < 0.02);
+        CHECK(fine.relative_rmse < 0.35 * coarse.relative_rmse);
+    }
+}
+
+TEST_CASE("the bits of slope rows do not depend on the number of threads") {
+    const Soup soup(support::make_soup(3000, 3.0f, 0.2f, vec3(0.0f), 5));
+    const Setting setting = settings().front();
+    const auto rays = make_rays(setting, 40);
+    const slope_rows::Rows one = with_threads(1, [&] { return make_rows(setting, soup, rays, 256); });
+    const slope_rows::Rows two = with_threads(2, [&] { return make_rows(setting, soup, rays, 256); });
+    REQUIRE(one.layout.sample_count == two.layout.sample_count);
+    CHECK(std::equal(one.slopes.get(), one.slopes.get() + one.layout.sample_count, two.slopes.get()));
+}
+
+TEST_CASE("every SIMD target fills the same rows, save for samples at the ends of segments") {
+    const Soup soup(support::make_soup(300, 3.0f, 0.4f, vec3(0.0f), 6));
+    for (const Setting& setting : {settings()[0], settings()[3], settings()[6], settings()[8]}) {
+        CAPTURE(setting.name);
+        const auto rays = make_rays(setting, 40);
+        const slope_rows::Rows best = make_rows(setting, soup, rays, 512);
+        for (const auto target : {HWY_SSSE3, HWY_SSE4, HWY_AVX2, HWY_AVX3}) {
+            CAPTURE(hwy::TargetName(target));
+            if (!(hwy::SupportedTargets() & target))
+                continue;
+            hwy::SetSupportedTargetsForTest(target);
+            const slope_rows::Rows forced = make_rows(setting, soup, rays, 512);
+            hwy::SetSupportedTargetsForTest(0);
+            REQUIRE(forced.layout.rows.size() == best.layout.rows.size());
+            std::size_t different = 0, compared = 0;
+            for (std::size_t s = 0; s < best.layout.rows.size(); ++s) {
+                const auto a = best.row(static_cast<std::int32_t>(s)), b = forced.row(static_cast<std::int32_t>(s));
+                for (std::int32_t i = std::max(a.first, b.first); i < std::min(a.end, b.end); ++i, ++compared) {
+                    const float x = a.slopes[i - a.first], y = b.slopes[i - b.first];
+                    different += x != y && !(std::abs(x - y) <= 1e-4f * (1.0f + std::abs(x)));
+                }
+            }
+            // Fused multiply-adds round differently: an end within 1e-6 of a line's centre may fall on its other side.
+            CHECK(compared > best.layout.sample_count / 2);
+            CHECK(different < compared / 2000);
+        }
+    }
+}
+
+TEST_CASE("blocks of 16 answer as the lines one by one do") {
+    support::SceneRandom random(9);
+    constexpr std::int32_t line_count = 1024;
+    std::vector<float> slopes(line_count), lowest(line_count / 16 + 16), highest(line_count / 16 + 16);
+    for (const float change : {0.001f, 0.02f, 0.5f}) {
+        float value = 0.0f;
+        for (float& slope : slopes)
+            slope = value = random.uniform() < change ? random.uniform(-1.0f, 1.0f) : value;
+        for (std::size_t block = 0; block < line_count / 16; ++block) {
+            const auto begin = slopes.begin() + static_cast<std::ptrdiff_t>(block) * 16;
+            lowest[block] = *std::min_element(begin, begin + 16);
+            highest[block] = *std::max_element(begin, begin + 16);
+        }
+        const slope_rows::RowView row{slopes.data(), lowest.data(), highest.data(), 0, line_count};
+        for (int trial = 0; trial < 200; ++trial) {
+            const float slope = random.uniform(-1.1f, 1.1f);
+            const auto first = static_cast<std::int32_t>(random.uniform(0.0f, 1000.0f));
+            const std::int32_t last =
+                first + static_cast<std::int32_t>(random.uniform(0.0f, 1023.0f - static_cast<float>(first)));
+            std::vector<std::int32_t> expected, borders;
+            for (std::int32_t i = first; i <= last; ++i) {
+                const bool is_lit = slope >= slopes[static_cast<std::size_t>(i)];
+                if (is_lit != (expected.size() % 2 == 1))
+                    expected.push_back(i);
+            }
+            if (expected.size() % 2 == 1)
+                expected.push_back(last + 1);
+            row_query::lit_runs(row, slope, first, last, borders);
+            CHECK(borders == expected);
+        }
+    }
+}
