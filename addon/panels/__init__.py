@@ -4,6 +4,7 @@
 from bpy.utils import register_class, unregister_class
 
 from . import (
+    film,
     light,
     light_shafts,
     material,
@@ -11,6 +12,7 @@ from . import (
     passes,
     presets,
     sampling,
+    simplify,
     standard,
     statistics,
     unavailable,
@@ -23,6 +25,8 @@ CLASSES = (
     *presets.CLASSES,
     *sampling.CLASSES,
     *light_shafts.CLASSES,
+    *film.CLASSES,
+    *simplify.CLASSES,
     *statistics.CLASSES,
     *passes.CLASSES,
     *world.CLASSES,

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import bpy
 from bpy.types import Context, Light, Panel, UILayout
 
 from .base import PropertiesPanel, draw_text
@@ -48,9 +49,11 @@ class TYNDALL_PT_light(LightPanel, Panel):
             column.prop(light, "shadow_soft_size", text="Radius")
             draw_optional(column, light, "use_soft_falloff")
         column = layout.column(heading="Effect")
-        # Which of the two the engine reads: the switch that Cycles reads in this version.
-        shadow_owner = light.cycles if hasattr(getattr(light, "cycles", None), "cast_shadow") else light
-        column.prop(shadow_owner, "use_shadow" if shadow_owner == light else "cast_shadow", text="Cast Shadow")
+        # The switch that Cycles reads in this version, as the sync does.
+        if bpy.app.version >= (4, 2, 0):
+            column.prop(light, "use_shadow", text="Cast Shadow")
+        elif hasattr(light, "cycles"):
+            column.prop(light.cycles, "cast_shadow", text="Cast Shadow")
         column.prop(light.tyndall, "scatters_in_media")
 
 
@@ -71,4 +74,22 @@ class TYNDALL_PT_beam_shape(LightPanel, Panel):
         layout.prop(light, "show_cone")
 
 
-CLASSES = (TYNDALL_PT_light, TYNDALL_PT_beam_shape)
+class TYNDALL_PT_light_nodes(LightPanel, Panel):
+    bl_label = "Nodes"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header(self, context: Context) -> None:
+        self.layout.prop(context.light, "use_nodes", text="")
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        light = context.light
+        output = light.node_tree.get_output_node("CYCLES") if light.use_nodes and light.node_tree else None
+        if output:
+            layout.template_node_view(light.node_tree, output, output.inputs["Surface"])
+        else:
+            layout.label(text="Emission nodes would multiply power and colour", icon="INFO")
+
+
+CLASSES = (TYNDALL_PT_light, TYNDALL_PT_beam_shape, TYNDALL_PT_light_nodes)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Object properties: which rays see an object."""
+"""Object properties: which rays see an object, and what a light lights."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from bpy.types import Context, Panel
 
 from .base import PropertiesPanel
 
-GEOMETRY_TYPES = frozenset({"MESH", "CURVE", "SURFACE", "META", "FONT", "EMPTY"})
+SEEN_TYPES = frozenset({"MESH", "CURVE", "SURFACE", "META", "FONT", "EMPTY", "LIGHT"})
 
 
 class TYNDALL_PT_ray_visibility(PropertiesPanel, Panel):
@@ -17,14 +17,18 @@ class TYNDALL_PT_ray_visibility(PropertiesPanel, Panel):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return super().poll(context) and context.object is not None and context.object.type in GEOMETRY_TYPES
+        return super().poll(context) and context.object is not None and context.object.type in SEEN_TYPES
 
     def draw(self, context: Context) -> None:
         layout = self.layout
         layout.use_property_split = True
         column = layout.column()
-        column.prop(context.object, "visible_camera", text="Camera", toggle=False)
-        column.prop(context.object, "visible_shadow", text="Shadow", toggle=False)
+        if context.object.type == "LIGHT":
+            column.prop(context.object, "visible_diffuse", text="Surfaces", toggle=False)
+            column.prop(context.object, "visible_volume_scatter", text="Media", toggle=False)
+        else:
+            column.prop(context.object, "visible_camera", text="Camera", toggle=False)
+            column.prop(context.object, "visible_shadow", text="Shadow", toggle=False)
 
 
 CLASSES = (TYNDALL_PT_ray_visibility,)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Render properties: samples, pixel filter, film and threads."""
+"""Render properties: samples and pixel filter."""
 
 from __future__ import annotations
 
@@ -44,31 +44,4 @@ class TYNDALL_PT_pixel_filter(PropertiesPanel, Panel):
         layout.prop(settings, "filter_width_px")
 
 
-class TYNDALL_PT_film(PropertiesPanel, Panel):
-    bl_label = "Film"
-    bl_context = "render"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        layout.prop(context.scene.render, "film_transparent", text="Transparent")
-
-
-class TYNDALL_PT_performance(PropertiesPanel, Panel):
-    bl_label = "Performance"
-    bl_context = "render"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        settings = context.scene.tyndall
-        layout.prop(settings, "thread_count")
-        if settings.thread_count == 0:
-            layout.label(text="All threads of this machine", icon="INFO")
-
-
-CLASSES = (TYNDALL_PT_sampling, TYNDALL_PT_pixel_filter, TYNDALL_PT_film, TYNDALL_PT_performance)
+CLASSES = (TYNDALL_PT_sampling, TYNDALL_PT_pixel_filter)

@@ -36,6 +36,7 @@ LEFT_OUT_PREFIXES = (
     "DATA_PT_lightprobe_",
     "MATERIAL_PT_freestyle",
     "RENDER_PT_freestyle",
+    "RENDER_PT_simplify",  # ours: Simplify
     "RENDER_PT_stereoscopy",
     "VIEWLAYER_PT_freestyle",
 )

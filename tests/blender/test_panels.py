@@ -125,7 +125,6 @@ def test_blenders_own_panels_stay(scene: bpy.types.Scene) -> None:
         "RENDER_PT_color_management",
         "RENDER_PT_format",
         "RENDER_PT_output",
-        "RENDER_PT_simplify",
         "VIEWLAYER_PT_layer",
         "WORLD_PT_context_world",
     }

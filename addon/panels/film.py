@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Render properties: film and threads."""
+
+from __future__ import annotations
+
+from bpy.types import Context, Panel
+
+from .base import PropertiesPanel
+
+
+class TYNDALL_PT_film(PropertiesPanel, Panel):
+    bl_label = "Film"
+    bl_context = "render"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(context.scene.render, "film_transparent", text="Transparent")
+
+
+class TYNDALL_PT_performance(PropertiesPanel, Panel):
+    bl_label = "Performance"
+    bl_context = "render"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.scene.tyndall
+        layout.prop(settings, "thread_count")
+        if settings.thread_count == 0:
+            layout.label(text="All threads of this machine", icon="INFO")
+
+
+CLASSES = (TYNDALL_PT_film, TYNDALL_PT_performance)
