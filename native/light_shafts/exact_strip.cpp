@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// EXACT visibility: the parts of a view ray that a light reaches, without any discretisation. See strip_kernel.hpp.
+#include "light_shafts/exact_strip.hpp"
+#include "core/parallel.hpp"
+#include "light_shafts/partial_shadow.hpp"
+#include "scene/triangle_bvh.hpp"
+#include "shading/surface_program.hpp"
+
+namespace tyndall::light_shafts {
+static Occlusion occlusion_of(const Material& material) {
+    if (!material.has_surface)
+        return Occlusion::None;
+    if (material.is_constant()) {
+        if (material.constant.transparent == Rgb(1.0f))
+            return Occlusion::None;
+        return material.constant.transparent == Rgb(0.0f) ? Occlusion::Opaque : Occlusion::Partial;
+    }
+    return is_opaque_everywhere(material) ? Occlusion::Opaque : Occlusion::Partial;
+}
+
+StripScene make_strip_scene(const Scene& scene, const Progress& progress) {
+    const SceneDescription& description = scene.description();
+    StripScene strip;
+    std::vector<Bounds3> boxes;
+    for (std::uint32_t index = 0; index < description.instances.size(); ++index) {
+        const Instance& instance = description.instances[index];
+        const TriangleMesh& mesh = *description.meshes[instance.mesh_index];
+        if (!instance.casts_shadow || mesh.triangle_count() == 0)
+            continue;
+        std::vector<Occlusion> slots(std::max<std::size_t>(instance.slot_count, 1));
+        for (std::size_t slot = 0; slot < slots.size(); ++slot)
+            slots[slot] =
+                occlusion_of(description.materials[description.slot_materials[instance.first_slot_material + slot]]);
+        if (std::ranges::all_of(slots, [](Occlusion occlusion) { return occlusion == Occlusion::None; }))
+            continue;
+        if (std::ranges::all_of(slots, [](Occlusion occlusion) { return occlusion == Occlusion::Opaque; }))
+            slots.clear();
+        strip.meshes.push_back({.bvh = &mesh.cut_bvh(progress),
+                                .world_from_object = instance.world_from_object,
+                                .occlusion_of_slot = std::move(slots),
+                                .slot_of_triangle = &mesh.arrays().material_slots,
+                                .instance = index});
+        Bounds3& box = boxes.emplace_back();
+        for (int corner = 0; corner < 8; ++corner) {
+            const auto& [min, max] = mesh.bounds();
+            const vec3 point((corner & 1) ? max.x : min.x, (corner & 2) ? max.y : min.y, (corner & 4) ? max.z : min.z);
+            box.grow(vec3(instance.world_from_object * vec4(point, 1.0f)));
+        }
+        const vec3 reach = glm::max(glm::abs(box.min), glm::abs(box.max));
+        strip.top_reach = glm::max(strip.top_reach, reach);
+        box.min -= 4e-7f * reach, box.max += 4e-7f * reach; // what the product above may have rounded away
+    }
+    if (boxes.size() > 2)
+        strip.top = WideBvh(rtcGetSceneDevice(scene.embree_scene()), boxes, 1, progress);
+    return strip;
+}
+
+StripRay strip_ray(const ViewRay& ray, const LightSample& light) {
+    if (light.is_directional) {
+        const DirectionalPlane plane = plane_towards(ray.origin, ray.direction, light.towards_light);
+        return {.coordinates = plane.coordinates,
+                .cotangent = static_cast<float>(plane.cosine / plane.sine),
+                .near_m = ray.near_m,
+                .far_m = ray.far_m};
+    }
+    const LocalPlane plane = plane_through(ray.origin, ray.direction, light.position);
+    return {.coordinates = plane.coordinates,
+            .is_local = true,
+            .light_x = static_cast<float>(plane.light_x),
+            .light_y = static_cast<float>(plane.light_y),
+            .near_m = ray.near_m,
+            .far_m = ray.far_m};
+}
+
+namespace {
+class ExactStrip final : public Visibility {
+public:
+    ExactStrip(const Scene& scene, const LightSample& light, std::shared_ptr<const StripScene> strip)
+        : scene_(scene), light_(light), strip_(std::move(strip)) {
+        if (strip_->meshes.empty())
+            statistics_.skip("exact strip", "nothing casts a shadow");
+    }
+
+    void lit_intervals(std::span<const ViewRay> rays, LitRows& rows) const override {
+        thread_local StripShadows shadows;
+        thread_local std::vector<PartialShadow> partial;
+        for (const ViewRay& ray : rays) {
+            if (!light_.casts_shadow || strip_->meshes.empty()) {
+                if (ray.near_m < ray.far_m)
+                    rows.intervals.push_back({.near_m = ray.near_m, .far_m = ray.far_m});
+                rows.end_ray();
+                continue;
+            }
+            const StripRay strip = strip_ray(ray, light_);
+            find_shadows(*strip_, strip, shadows);
+            partial.clear();
+            for (const PartialCut& cut : shadows.partial)
+                append_partial_shadows(scene_, strip_->meshes[cut.mesh], cut, strip, partial);
+            append_lit_intervals(shadows.opaque, partial, rows.intervals);
+            rows.end_ray();
+        }
+    }
+    [[nodiscard]] const Statistics& statistics() const override { return statistics_; }
+
+private:
+    const Scene& scene_;
+    LightSample light_;
+    std::shared_ptr<const StripScene> strip_;
+    Statistics statistics_;
+};
+} // namespace
+
+std::unique_ptr<Visibility> make_exact_strip(const Scene& scene, const View&, const LightSample& light,
+                                             std::span<const ViewRay>, const Config&, Progress& progress) {
+    return std::make_unique<ExactStrip>(scene, light,
+                                        std::make_shared<const StripScene>(make_strip_scene(scene, progress)));
+}
+} // namespace tyndall::light_shafts

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// EXACT visibility: what the strip kernel needs of a scene, a view ray and a light.
+#pragma once
+#include "light_shafts/strip_kernel.hpp"
+#include "light_shafts/visibility.hpp"
+
+namespace tyndall::light_shafts {
+/// The scene's occluders. Meshes and hierarchies belong to the scene, which must outlive the result. Throws Cancelled.
+[[nodiscard]] StripScene make_strip_scene(const Scene& scene, const Progress& progress);
+[[nodiscard]] StripRay strip_ray(const ViewRay& ray, const LightSample& light);
+} // namespace tyndall::light_shafts

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/partial_shadow.hpp"
+#include <algorithm>
+#include <array>
+
+namespace tyndall::light_shafts {
+namespace {
+/// A triangle's cut between the ray and the light, with barycentric coordinates (of the second and third corner).
+struct BarycentricCut {
+    CutSegment<double> segment;
+    dvec2 from, to;
+};
+
+bool cut_between_ray_and_light(const PlaneCoordinates<double>& plane, const dvec3 (&corners)[3], const StripRay& ray,
+                               BarycentricCut& cut) {
+    constexpr dvec2 barycentrics[3] = {dvec2(0, 0), dvec2(1, 0), dvec2(0, 1)};
+    // Heights in the kernel's precision might disagree on the side of a corner; a disagreement moves nothing visible.
+    double height[3];
+    int above = 0;
+    for (int corner = 0; corner < 3; ++corner) {
+        height[corner] = plane.height(corners[corner]);
+        above |= (height[corner] >= 0.0) << corner;
+    }
+    if (above == 0 || above == 7)
+        return false;
+    const int lone = above == 1 || above == 6 ? 0 : above == 2 || above == 5 ? 1 : 2;
+    struct End {
+        double x, y;
+        dvec2 at;
+    };
+    const auto end_towards = [&](int other) -> End {
+        const double share = height[lone] / (height[lone] - height[other]);
+        const dvec3 point = corners[lone] + share * (corners[other] - corners[lone]);
+        return {plane.x(point), plane.y(point),
+                barycentrics[lone] + share * (barycentrics[other] - barycentrics[lone])};
+    };
+    End a = end_towards((lone + 1) % 3), b = end_towards((lone + 2) % 3);
+    const double top = ray.is_local ? double{ray.light_y} * (1.0 - 1e-6) : std::numeric_limits<double>::infinity();
+    if (std::max(a.y, b.y) <= 0.0 || std::min(a.y, b.y) >= top)
+        return false;
+    const auto clip = [](End& end, const End& other, double y) {
+        const double share = (y - end.y) / (other.y - end.y);
+        end = {end.x + share * (other.x - end.x), y, end.at + share * (other.at - end.at)};
+    };
+    if (a.y < 0.0)
+        clip(a, b, 0.0);
+    if (b.y < 0.0)
+        clip(b, a, 0.0);
+    if (a.y > top)
+        clip(a, b, top);
+    if (b.y > top)
+        clip(b, a, top);
+    cut = {{a.x, a.y, b.x, b.y}, a.at, b.at};
+    return true;
+}
+
+/// Where the light casts a point of the plane onto the ray.
+double onto_ray(const StripRay& ray, double x, double y) {
+    return ray.is_local ? x + y * (x - double{ray.light_x}) / (double{ray.light_y} - y) : x - double{ray.cotangent} * y;
+}
+
+/// Shares of the way from one end of the cut to the other at which it crosses the borders of texels.
+void append_texel_borders(const Material& material, const MeshArrays& mesh, std::uint32_t triangle,
+                          const BarycentricCut& cut, std::vector<double>& borders) {
+    constexpr double most_borders = 1024.0;
+    for (const SurfaceOp& op : material.program) {
+        if (op.code != SurfaceOp::Code::Texture && op.code != SurfaceOp::Code::TextureAlpha)
+            continue;
+        const std::string& name = material.uv_map_names[op.texture_uv];
+        const auto map =
+            name.empty() ? mesh.uv_maps.begin() : std::ranges::find(mesh.uv_maps, name, &MeshArrays::UvMap::name);
+        if (map == mesh.uv_maps.end())
+            continue;
+        const vec2* corner = &map->corner_uvs[std::size_t{3} * triangle];
+        const auto texel_at = [&](const dvec2& at) {
+            const dvec2 uv =
+                dvec2(corner[0]) + at.x * dvec2(corner[1] - corner[0]) + at.y * dvec2(corner[2] - corner[0]);
+            const dvec3 mapped = glm::dmat3(op.uv_matrix) * dvec3(uv, 1.0);
+            const Texture& texture = *material.textures[op.texture];
+            // Linear interpolation bends at the centres of texels, unfiltered lookup jumps at their borders.
+            const double shift = texture.interpolation == TextureInterpolation::Linear ? 0.5 : 0.0;
+            return dvec2(mapped.x * texture.width - shift, mapped.y * texture.height - shift);
+        };
+        const dvec2 from = texel_at(cut.from), to = texel_at(cut.to);
+        if (!std::isfinite(from.x + from.y + to.x + to.y))
+            continue;
+        const double crossed = std::abs(to.x - from.x) + std::abs(to.y - from.y);
+        if (crossed > most_borders) {
+            for (double step = 1.0; step < most_borders; ++step)
+                borders.push_back(step / most_borders);
+            continue;
+        }
+        for (int axis = 0; axis < 2; ++axis) {
+            const double low = std::min(from[axis], to[axis]), high = std::max(from[axis], to[axis]);
+            for (double border = std::floor(low) + 1.0; border < high; ++border)
+                borders.push_back((border - from[axis]) / (to[axis] - from[axis]));
+        }
+    }
+}
+} // namespace
+
+void append_partial_shadows(const Scene& scene, const StripMesh& mesh, const PartialCut& cut, const StripRay& ray,
+                            std::vector<PartialShadow>& shadows) {
+    const Instance& instance = scene.description().instances[mesh.instance];
+    const MeshArrays& arrays = scene.description().meshes[instance.mesh_index]->arrays();
+    const Material& material = scene.material(mesh.instance, cut.triangle);
+    if (material.is_constant()) {
+        shadows.push_back({cut.near_m, cut.far_m, material.constant.transparent});
+        return;
+    }
+    const uvec3& triangle = arrays.triangles[cut.triangle];
+    const dvec3 corners[3] = {dvec3(arrays.positions[triangle.x]), dvec3(arrays.positions[triangle.y]),
+                              dvec3(arrays.positions[triangle.z])};
+    BarycentricCut at;
+    if (!cut_between_ray_and_light(ray.coordinates.in_object(instance.world_from_object), corners, ray, at))
+        return;
+    thread_local std::vector<double> borders;
+    borders.assign({0.0, 1.0});
+    append_texel_borders(material, arrays, cut.triangle, at, borders);
+    std::ranges::sort(borders);
+    const glm::dmat4 world_from_object(instance.world_from_object);
+    const dvec3 from_x = dvec3(ray.coordinates.x.direction), from_y = dvec3(ray.coordinates.y.direction);
+    for (std::size_t border = 1; border < borders.size(); ++border) {
+        const double first = borders[border - 1], last = borders[border], middle = 0.5 * (first + last);
+        if (!(first < last))
+            continue;
+        const auto x = [&](double share) { return at.segment.x0 + share * (at.segment.x1 - at.segment.x0); };
+        const auto y = [&](double share) { return at.segment.y0 + share * (at.segment.y1 - at.segment.y0); };
+        const double a = onto_ray(ray, x(first), y(first)), b = onto_ray(ray, x(last), y(last));
+        const dvec2 barycentrics = at.from + middle * (at.to - at.from);
+        // The shadow ray's own direction, from the ray's point to the light: a material may tell front from back.
+        const double lit_x = onto_ray(ray, x(middle), y(middle));
+        const dvec3 towards_light = (x(middle) - lit_x) * from_x + y(middle) * from_y;
+        const dvec3 edge1 = dvec3(world_from_object * glm::dvec4(corners[1] - corners[0], 0.0));
+        const dvec3 edge2 = dvec3(world_from_object * glm::dvec4(corners[2] - corners[0], 0.0));
+        const double length = glm::length(towards_light);
+        const Ray shadow_ray{.origin = vec3(0.0f),
+                             .direction = length > 0.0 ? vec3(towards_light / length) : vec3(from_y),
+                             .near_m = 0.0f};
+        const Hit hit{.distance_m = 0.0f,
+                      .instance = mesh.instance,
+                      .triangle = cut.triangle,
+                      .barycentrics = vec2(barycentrics),
+                      .geometric_normal = glm::normalize(vec3(glm::cross(edge1, edge2)))};
+        shadows.push_back({static_cast<float>(std::min(a, b)), static_cast<float>(std::max(a, b)),
+                           scene.transparency(shadow_ray, hit)});
+    }
+}
+
+namespace {
+/// Appends [near, far], cut at the ends of the partial shadows that overlap it.
+void append_dimmed(float near_m, float far_m, std::span<const PartialShadow> partial, std::vector<LitInterval>& lit) {
+    thread_local std::vector<float> ends;
+    ends.assign({near_m, far_m});
+    for (const PartialShadow& shadow : partial)
+        for (const float end : {shadow.near_m, shadow.far_m})
+            if (near_m < end && end < far_m)
+                ends.push_back(end);
+    std::ranges::sort(ends);
+    for (std::size_t end = 1; end < ends.size(); ++end) {
+        if (!(ends[end - 1] < ends[end]))
+            continue;
+        Rgb transmittance(1.0f);
+        for (const PartialShadow& shadow : partial) {
+            if (shadow.near_m > ends[end - 1])
+                break; // sorted by near end
+            if (shadow.far_m >= ends[end])
+                transmittance *= shadow.transmittance;
+        }
+        if (transmittance == Rgb(0.0f))
+            continue;
+        if (!lit.empty() && end > 1 && lit.back().far_m == ends[end - 1] && lit.back().transmittance == transmittance)
+            lit.back().far_m = ends[end];
+        else
+            lit.push_back({ends[end - 1], ends[end], transmittance});
+    }
+}
+} // namespace
+
+void append_lit_intervals(const ShadowUnion& opaque, std::vector<PartialShadow>& partial,
+                          std::vector<LitInterval>& lit) {
+    if (opaque.is_complete())
+        return;
+    // Triangle and place break ties: the order of products must not depend on the order of traversal.
+    std::ranges::sort(partial, [](const PartialShadow& a, const PartialShadow& b) {
+        return std::tie(a.near_m, a.far_m, a.transmittance.x, a.transmittance.y, a.transmittance.z) <
+               std::tie(b.near_m, b.far_m, b.transmittance.x, b.transmittance.y, b.transmittance.z);
+    });
+    float from_m = opaque.open_near_m();
+    const auto append = [&](float to_m) {
+        if (!(from_m < to_m))
+            return;
+        if (partial.empty())
+            lit.push_back({.near_m = from_m, .far_m = to_m});
+        else
+            append_dimmed(from_m, to_m, partial, lit);
+    };
+    for (const ShadowInterval& shadow : opaque.intervals()) {
+        append(shadow.near_m);
+        from_m = shadow.far_m;
+    }
+    append(opaque.open_far_m());
+}
+} // namespace tyndall::light_shafts
