@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's images as pixels, read once per change."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+from tyndall.scene_description import Image
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from .reports import Reports
+
+MAGENTA = (1.0, 0.0, 1.0)  #: What Cycles draws for a missing image.
+_SRGB = {"sRGB"}
+_LINEAR = {"Linear", "Linear Rec.709", "Non-Color", "Raw", "Generic Data"}
+
+
+class ImageReader:
+    """Keeps what it read: the same key in the next frame is the same image."""
+
+    def __init__(self) -> None:
+        self._kept: dict[str, Image] = {}
+        self._used: set[str] = set()
+
+    def start_frame(self) -> None:
+        self._used.clear()
+
+    def end_frame(self) -> None:
+        """Forgets the images that this frame did not use."""
+        self._kept = {key: image for key, image in self._kept.items() if key in self._used}
+
+    def read(self, image: bpy.types.Image | None, reports: Reports, culprit: str) -> Image | None:
+        """None for an image that cannot be had, with a report."""
+        if image is None:
+            reports.add(culprit, "an image node without an image is magenta")
+            return None
+        original = image.original
+        if original.size[0] * original.size[1] == 0:
+            reports.add(culprit, f'image "{original.name}" is missing ({_place(original)}): magenta')
+            return None
+        if original.source in {"SEQUENCE", "MOVIE"}:
+            reports.add(culprit, f'image "{original.name}" is a {original.source.lower()}: its first frame is drawn')
+        elif original.source == "TILED":
+            reports.add(culprit, f'image "{original.name}" has tiles: the first is drawn everywhere')
+        space = original.colorspace_settings.name
+        if not original.is_float and space not in _SRGB | _LINEAR:
+            reports.add(culprit, f'image "{original.name}": colour space {space} is read as sRGB')
+        key = _key(original)
+        if key not in self._kept:
+            self._kept[key] = _read_pixels(original, key)
+        self._used.add(key)
+        return self._kept[key]
+
+
+def _place(image: bpy.types.Image) -> str:
+    return image.filepath or image.source.lower()
+
+
+def _key(image: bpy.types.Image) -> str:
+    """Changes when the pixels do: files by their time, painted and generated images by their pixels."""
+    parts: list[object] = [image.name_full, image.filepath, *image.size, image.colorspace_settings.name, image.alpha_mode]
+    if image.source == "GENERATED" or image.is_dirty:
+        parts.append(hashlib.sha256(memoryview(_floats(image)).cast("B")).hexdigest())
+    elif image.packed_file:
+        parts.append(image.packed_file.size)
+    else:
+        path = Path(bpy.path.abspath(image.filepath, library=image.library))
+        parts.append(path.stat().st_mtime_ns if path.is_file() else 0)
+    return repr(parts)
+
+
+def _floats(image: bpy.types.Image) -> NDArray[np.float32]:
+    """(height, width, 4), whatever the channels; Blender loads the pixels if it must."""
+    width, height = image.size
+    stored = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(stored)
+    stored = stored.reshape(height, width, image.channels)
+    if image.channels == 4:
+        return stored
+    pixels = np.ones((height, width, 4), np.float32)
+    pixels[..., :3] = stored[..., :3] if image.channels == 3 else stored[..., :1]
+    if image.channels == 2:
+        pixels[..., 3] = stored[..., 1]
+    return pixels
+
+
+def _read_pixels(image: bpy.types.Image, key: str) -> Image:
+    floats = _floats(image)
+    has_alpha = image.alpha_mode != "NONE" and bool((floats[..., 3] < 1.0).any())
+    if not image.is_float:
+        return Image(
+            key=key,
+            name=image.name,
+            pixels=np.rint(np.clip(floats, 0.0, 1.0) * 255.0).astype(np.uint8),
+            is_srgb=image.colorspace_settings.name not in _LINEAR,
+            has_alpha=has_alpha,
+        )
+    if has_alpha and image.alpha_mode != "CHANNEL_PACKED":  # Blender keeps float pixels multiplied with alpha
+        alpha = floats[..., 3:]
+        np.divide(floats[..., :3], alpha, out=floats[..., :3], where=alpha > 0.0)
+    return Image(key=key, name=image.name, pixels=floats, is_srgb=False, has_alpha=has_alpha)

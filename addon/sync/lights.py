@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's lights in radiometric units, as the Cycles of the running version reads them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+from tyndall.scene_description import Light, LightBody, LightKind, SpotFalloff
+
+from .light_nodes import emission_of_light
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from .instances import Placement
+    from .reports import Reports
+
+_IS_BLENDER_4 = bpy.app.version >= (4, 0, 0)
+#: Cycles' lights of P watts radiate P / 4 watts per square metre and steradian times their projected area, which is
+#: pi r^2 per 1 / (pi r^2): P / (4 pi^2) watts per steradian. Checked against Cycles in tests/blender/test_lights.py.
+_INTENSITY_PER_WATT = 1.0 / (4.0 * math.pi**2)
+
+
+def read_lights(
+    placement: Placement, world_from_light: NDArray[np.float32], reports: Reports
+) -> Iterator[Light]:
+    """One light per matrix of ``world_from_light`` (count, 4, 4)."""
+    thing, data = placement.source, placement.source.data
+    name = placement.object_name
+    if data.type == "AREA":
+        reports.add(f'Light "{name}"', "left out: area lights are not supported yet")
+        return
+    if getattr(thing, "light_linking", None) and (
+        thing.light_linking.receiver_collection or thing.light_linking.blocker_collection
+    ):
+        reports.add(f'Light "{name}"', "lights everything: light linking is not supported")
+    strength = _strength(data, reports, name)
+    radius_m = 0.0 if data.type == "SUN" else data.shadow_soft_size
+    for matrix in world_from_light:
+        yield Light(
+            name=name,
+            kind=LightKind[data.type],
+            strength=tuple(float(channel) for channel in strength),
+            world_from_light=matrix.astype(np.float64),
+            half_angle_rad=data.angle / 2 if data.type == "SUN" else 0.0,
+            radius_m=radius_m,
+            spot_half_angle_rad=data.spot_size / 2 if data.type == "SPOT" else 0.0,
+            spot_blend=data.spot_blend if data.type == "SPOT" else 0.0,
+            spot_falloff=SpotFalloff.BLENDER_4 if _IS_BLENDER_4 else SpotFalloff.BLENDER_3,
+            body=_body(data),
+            casts_shadow=_casts_shadow(data),
+            lights_surfaces=thing.visible_diffuse,
+            scatters_in_media=thing.visible_volume_scatter and data.tyndall.scatters_in_media,
+        )
+
+
+def _strength(data: bpy.types.Light, reports: Reports, name: str) -> NDArray[np.float64]:
+    """Sun: irradiance, W/m^2; others: radiant intensity, W/sr."""
+    strength = np.array(data.color) * data.energy * emission_of_light(data, reports, f'Light "{name}"')
+    if hasattr(data, "exposure"):  # from 4.5 on
+        strength *= 2.0**data.exposure
+        if data.use_temperature:
+            strength *= np.array(data.temperature_color)
+        if not data.normalize:
+            strength *= _emitting_measure(data)
+    return strength if data.type == "SUN" else strength * _INTENSITY_PER_WATT
+
+
+def _emitting_measure(data: bpy.types.Light) -> float:
+    """What the strength of a light that is not normalised is multiplied by, as in Cycles."""
+    if data.type == "SUN":
+        return math.pi * math.sin(min(data.angle / 2, math.pi / 2)) ** 2 or 1.0
+    return math.pi * data.shadow_soft_size**2 or 1.0
+
+
+def _body(data: bpy.types.Light) -> LightBody:
+    """4.0 made lights spheres; from 4.1 on, soft falloff, which is the default, brings the disc of 3.x back."""
+    if _IS_BLENDER_4 and not getattr(data, "use_soft_falloff", False):
+        return LightBody.SPHERE
+    return LightBody.FACING_DISC
+
+
+def _casts_shadow(data: bpy.types.Light) -> bool:
+    if bpy.app.version >= (4, 2, 0):
+        return data.use_shadow
+    return data.cycles.cast_shadow if hasattr(data, "cycles") else True

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's materials: a surface program and the medium inside."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from tyndall.scene_description import Material, Medium
+
+from .node_graph import output_input
+from .surface_nodes import Shares, read_surface
+from .value_nodes import Domain, ValueReader
+from .volume_nodes import read_volume
+
+if TYPE_CHECKING:
+    import bpy
+
+    from .images import ImageReader
+    from .reports import Reports
+
+
+class MaterialReader:
+    """The materials and media of one frame, each read once; indices are those of the scene description."""
+
+    def __init__(self, reports: Reports, images: ImageReader) -> None:
+        self.materials: list[Material] = []
+        self.media: list[Medium] = []
+        self._reports = reports
+        self._images = images
+        self._index_of: dict[bpy.types.Material | None, int] = {}
+
+    def index(self, material: bpy.types.Material | None) -> int:
+        """None is an empty slot: Blender's default grey."""
+        if material not in self._index_of:
+            self._index_of[material] = len(self.materials)
+            self.materials.append(self._read(material))
+        return self._index_of[material]
+
+    def add_medium(self, medium: Medium | None) -> int:
+        if medium is None:
+            return -1
+        self.media.append(medium)
+        return len(self.media) - 1
+
+    def _read(self, material: bpy.types.Material | None) -> Material:
+        if material is None:
+            return Material(name="no material")
+        if not material.use_nodes or material.node_tree is None:
+            red, green, blue, _ = material.diffuse_color
+            return Material(name=material.name, diffuse=(red, green, blue))
+        surface, volume = (output_input(material.node_tree, name) for name in ("Surface", "Volume"))
+        has_volume = volume is not None and volume.is_connected()
+        medium = self.add_medium(read_volume(self._values(material, Domain.CONSTANT), volume, material.name)) if has_volume else -1
+        if has_volume and not surface.is_connected():
+            return Material(name=material.name, has_surface=False, medium=medium)
+        values = self._values(material, Domain.SURFACE)
+        shares = Shares() if surface is None else read_surface(values, surface)  # without an output: black, as in Cycles
+        self._note_displacement(material, values)
+        results = (shares.diffuse, shares.transparent, shares.emission)
+        return values.program.material(material.name, results, medium=medium)
+
+    def _values(self, material: bpy.types.Material, domain: Domain) -> ValueReader:
+        return ValueReader(f'Material "{material.name}"', self._reports, self._images, domain)
+
+    def _note_displacement(self, material: bpy.types.Material, values: ValueReader) -> None:
+        displacement = output_input(material.node_tree, "Displacement")
+        if displacement is not None and displacement.is_connected():
+            values.note("displacement is not drawn")

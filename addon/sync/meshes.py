@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Evaluated Blender meshes to plain triangle arrays, by bulk reads only.
+
+``foreach_get`` is 20 to 60 times faster where the array's type is the one that Blender stores: hence uint32 for indices,
+and attributes by name where a version has them (measured: 0.16 s against 0.003 s for a million triangles).
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+from tyndall.scene_description import Mesh
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from .reports import Reports
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _StoredMesh:
+    """A mesh as Blender stores it: triangles are expanded only after the key has said that the content is new."""
+
+    name: str
+    positions: NDArray[np.float32]  #: (vertices, 3)
+    vertex_of_corner: NDArray[np.uint32]  #: (corners,)
+    corners: NDArray[np.uint32]  #: (triangles, 3), into vertex_of_corner.
+    slots: NDArray[np.uint16] | None  #: (triangles,); None: all 0.
+    vertex_normals: NDArray[np.float32] | None = None  #: (vertices, 3)
+    corner_normals: NDArray[np.float32] | None = None  #: (corners, 3); neither: flat.
+    is_flat: NDArray[np.bool_] | None = None  #: (triangles,): those that use no normals; None: no triangle is.
+    uv_maps: tuple[tuple[str, NDArray[np.float32]], ...] = ()  #: Names and (corners, 2), the active one first.
+
+    def key(self) -> str:
+        """Changes with the content and with nothing else, so it outlives a depsgraph that is built anew every frame."""
+        arrays = (self.positions, self.vertex_of_corner, self.corners, self.slots, self.vertex_normals)
+        arrays += (self.corner_normals, self.is_flat, *(uvs for _, uvs in self.uv_maps))
+        shape = [(None if array is None else array.shape) for array in arrays], [name for name, _ in self.uv_maps]
+        digest = hashlib.sha256(repr(shape).encode())
+        for array in arrays:
+            if array is not None and array.size:
+                digest.update(memoryview(np.ascontiguousarray(array)).cast("B"))
+        return digest.hexdigest()
+
+    def expand(self, key: str) -> Mesh:
+        return Mesh(
+            key=key,
+            name=self.name,
+            positions=self.positions,
+            triangles=self.vertex_of_corner[self.corners],
+            material_slots=self.slots,
+            corner_normals=self._expanded_normals(),
+            uv_maps=tuple((name, uvs[self.corners]) for name, uvs in self.uv_maps),
+        )
+
+    def _expanded_normals(self) -> NDArray[np.float32] | None:
+        if self.corner_normals is not None:
+            normals = self.corner_normals[self.corners]
+        elif self.vertex_normals is not None:
+            normals = self.vertex_normals[self.vertex_of_corner[self.corners]]
+        else:
+            return None
+        if self.is_flat is not None:
+            normals[self.is_flat] = 0.0  # a zero vector says: flat at this corner
+        return normals
+
+
+def read_mesh(mesh: bpy.types.Mesh, reports: Reports, kept: dict[str, Mesh]) -> Mesh | None:
+    """Triangles of an evaluated mesh; the one in ``kept`` if its content is the same; None without a triangle.
+
+    Non-finite values are passed on: the native side drops those triangles and counts them. Indices out of range, which
+    a damaged file may hold and which crash other engines, take the whole mesh out, with a report.
+    """
+    stored = _read_stored(mesh, reports)
+    if stored is None:
+        return None
+    key = stored.key()
+    if key not in kept:
+        kept[key] = stored.expand(key)
+    return kept[key]
+
+
+def _read_stored(mesh: bpy.types.Mesh, reports: Reports) -> _StoredMesh | None:
+    vertex_count, corner_count = len(mesh.vertices), len(mesh.loops)
+    if len(mesh.polygons) == 0 or vertex_count == 0:
+        return None
+    vertex_of_corner = _corner_vertices(mesh)
+    if vertex_of_corner.max(initial=0) >= vertex_count:  # before Blender's own triangulation follows the index
+        reports.add(f'Mesh "{mesh.name}"', "left out: a face uses a vertex that does not exist")
+        return None
+    mesh.calc_loop_triangles()
+    triangle_count = len(mesh.loop_triangles)
+    if triangle_count == 0:
+        return None
+    corners = _read(mesh.loop_triangles, "loops", (triangle_count, 3), np.uint32)
+    if corners.max() >= corner_count:
+        reports.add(f'Mesh "{mesh.name}"', "left out: a face uses a corner that does not exist")
+        return None
+    polygon_of_triangle = _polygon_of_triangle(mesh, triangle_count)
+    return _StoredMesh(
+        name=mesh.name,
+        positions=_positions(mesh),
+        vertex_of_corner=vertex_of_corner,
+        corners=corners,
+        slots=_slots(mesh, polygon_of_triangle),
+        uv_maps=_uv_maps(mesh),
+        **_normals(mesh, polygon_of_triangle),
+    )
+
+
+def _read(collection: Any, name: str, shape: tuple[int, ...], dtype: Any) -> NDArray[Any]:
+    array = np.empty(shape, dtype)
+    collection.foreach_get(name, array.reshape(-1))
+    return array
+
+
+def _attribute(mesh: bpy.types.Mesh, name: str) -> Any:
+    """The attribute's elements, or None. Versions before 3.5 to 4.1 keep the same values elsewhere."""
+    attribute = mesh.attributes.get(name)
+    return None if attribute is None else attribute.data
+
+
+def _positions(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
+    shape = (len(mesh.vertices), 3)
+    position = _attribute(mesh, "position")
+    if position is not None and len(position) == shape[0]:
+        return _read(position, "vector", shape, np.float32)
+    return _read(mesh.vertices, "co", shape, np.float32)
+
+
+def _corner_vertices(mesh: bpy.types.Mesh) -> NDArray[np.uint32]:
+    shape = (len(mesh.loops),)
+    corner_vertex = _attribute(mesh, ".corner_vert")
+    if corner_vertex is not None:
+        return _read(corner_vertex, "value", shape, np.int32).view(np.uint32)
+    return _read(mesh.loops, "vertex_index", shape, np.uint32)
+
+
+def _polygon_of_triangle(mesh: bpy.types.Mesh, triangle_count: int) -> NDArray[np.int64] | None:
+    """Polygons in order give ``corners - 2`` triangles each; None: every polygon is a triangle."""
+    if triangle_count == len(mesh.polygons):
+        return None
+    corner_counts = _read(mesh.polygons, "loop_total", (len(mesh.polygons),), np.uint32).astype(np.int64)
+    return np.repeat(np.arange(len(corner_counts)), np.maximum(corner_counts - 2, 0))
+
+
+def _per_triangle(per_polygon: NDArray[Any], polygon_of_triangle: NDArray[np.int64] | None) -> NDArray[Any]:
+    return per_polygon if polygon_of_triangle is None else per_polygon[polygon_of_triangle]
+
+
+def _slots(mesh: bpy.types.Mesh, polygon_of_triangle: NDArray[np.int64] | None) -> NDArray[np.uint16] | None:
+    if len(mesh.materials) <= 1:
+        return None
+    if bpy.app.version >= (3, 5, 0):
+        stored = _attribute(mesh, "material_index")
+        if stored is None:
+            return None
+        slots = _read(stored, "value", (len(mesh.polygons),), np.int32)
+    else:
+        slots = _read(mesh.polygons, "material_index", (len(mesh.polygons),), np.int32)
+    if not slots.any():
+        return None
+    slots = np.clip(slots, 0, len(mesh.materials) - 1)  # as Cycles does
+    return _per_triangle(slots.astype(np.uint16), polygon_of_triangle)
+
+
+def _normals(mesh: bpy.types.Mesh, polygon_of_triangle: NDArray[np.int64] | None) -> dict[str, NDArray[Any] | None]:
+    """The fields of _StoredMesh that say how the mesh is smoothed; none of them for a flat one."""
+    if bpy.app.version >= (4, 1, 0):
+        if mesh.normals_domain == "FACE":
+            return {}
+        if mesh.normals_domain == "POINT":
+            return {"vertex_normals": _read(mesh.vertex_normals, "vector", (len(mesh.vertices), 3), np.float32)}
+        return {"corner_normals": _read(mesh.corner_normals, "vector", (len(mesh.loops), 3), np.float32)}
+    if mesh.use_auto_smooth:
+        mesh.calc_normals_split()
+        return {"corner_normals": _read(mesh.loops, "normal", (len(mesh.loops), 3), np.float32)}
+    is_flat = ~_read(mesh.polygons, "use_smooth", (len(mesh.polygons),), np.bool_)
+    if is_flat.all():
+        return {}
+    return {
+        "vertex_normals": _read(mesh.vertex_normals, "vector", (len(mesh.vertices), 3), np.float32),
+        "is_flat": _per_triangle(is_flat, polygon_of_triangle) if is_flat.any() else None,
+    }
+
+
+def _uv_maps(mesh: bpy.types.Mesh) -> tuple[tuple[str, NDArray[np.float32]], ...]:
+    shape = (len(mesh.loops), 2)
+    layers = sorted(mesh.uv_layers, key=lambda layer: not layer.active_render)  # stable: the others keep their order
+    if bpy.app.version >= (3, 5, 0):
+        return tuple((layer.name, _read(layer.uv, "vector", shape, np.float32)) for layer in layers)
+    return tuple((layer.name, _read(layer.data, "uv", shape, np.float32)) for layer in layers)

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shader node trees as one flat graph: links followed through groups, reroutes and muted nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import bpy
+
+if TYPE_CHECKING:
+    from bpy.types import Node, NodeSocket, NodeTree
+
+_MAX_STEPS = 1000  #: Links followed in a row; a loop ends here, and counts as unconnected.
+
+
+@dataclass(frozen=True)
+class Socket:
+    """A socket and the group nodes that one entered to reach its tree, outermost first."""
+
+    socket: NodeSocket
+    groups: tuple[Node, ...] = ()
+
+    @property
+    def node(self) -> Node:
+        return self.socket.node
+
+    def input(self, name: str) -> Socket | None:
+        """An input of this socket's node by identifier, which no language changes; None in a version without it."""
+        for socket in self.node.inputs:
+            if socket.identifier == name and not socket.is_unavailable:
+                return Socket(socket, self.groups)
+        return None
+
+    def inputs(self) -> list[Socket]:
+        return [Socket(socket, self.groups) for socket in self.node.inputs if not socket.is_unavailable]
+
+    def is_connected(self) -> bool:
+        return self.source().socket.is_output
+
+    def source(self) -> Socket:
+        """What feeds this input: an output of a node that computes, or the input whose own value counts."""
+        at = self
+        for _ in range(_MAX_STEPS):
+            following = _step(at)
+            if following is None:
+                return at
+            at = following
+        return self
+
+
+def output_input(tree: NodeTree | None, name: str) -> Socket | None:
+    """The input of the tree's active output for Cycles; None without one."""
+    output = tree and tree.get_output_node("CYCLES")
+    return output and Socket(output.inputs[name])
+
+
+def _step(at: Socket) -> Socket | None:
+    """One link, group border, reroute or muted node further up; None where something computes or has a value."""
+    if not at.socket.is_output:
+        links = [link for link in at.socket.links if not link.is_muted]
+        return Socket(links[0].from_socket, at.groups) if links else None
+    node = at.node
+    if node.mute:
+        return _through_muted(at)
+    if node.type == "REROUTE":
+        return Socket(node.inputs[0], at.groups)
+    if node.type == "GROUP" and node.node_tree:
+        return _into_group(at)
+    if node.type == "GROUP_INPUT" and at.groups:
+        *outer, group = at.groups
+        inputs = [socket for socket in group.inputs if socket.identifier == at.socket.identifier]
+        return Socket(inputs[0], tuple(outer)) if inputs else None
+    return None
+
+
+def _through_muted(at: Socket) -> Socket | None:
+    for link in at.node.internal_links:
+        if link.to_socket == at.socket:
+            return Socket(link.from_socket, at.groups)
+    return None
+
+
+def _into_group(at: Socket) -> Socket | None:
+    outputs = [node for node in at.node.node_tree.nodes if isinstance(node, bpy.types.NodeGroupOutput)]
+    active = [node for node in outputs if node.is_active_output] or outputs
+    for socket in active[0].inputs if active else ():
+        if socket.identifier == at.socket.identifier:
+            return Socket(socket, (*at.groups, at.node))
+    return None

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Builds surface programs: constants fold, equal operations merge, registers are reused once they are read.
+
+A value is a colour that is known now, an ``Rgb`` tuple, or a ``Term`` that is known at each point. Numbers are colours
+with three equal channels.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from tyndall.scene_description import Code, Material, Rgb, SurfaceOp, TextureUse
+
+BLACK: Rgb = (0.0, 0.0, 0.0)
+WHITE: Rgb = (1.0, 1.0, 1.0)
+_LUMINANCE: Rgb = (0.2126729, 0.7151522, 0.0721750)  #: Of Rec. 709, as Cycles turns a colour into a number.
+_READS = {
+    Code.CONSTANT: "",
+    Code.TEXTURE: "",
+    Code.TEXTURE_ALPHA: "",
+    Code.BACKFACING: "",
+    Code.CLAMP: "a",
+    Code.AVERAGE: "a",
+    Code.MULTIPLY: "ab",
+    Code.ADD: "ab",
+    Code.SUBTRACT: "ab",
+    Code.MIX: "abc",
+}
+
+
+@dataclass(frozen=True)
+class Term:
+    """The result of an operation, by its place in the program."""
+
+    place: int
+
+
+Value = Rgb | Term
+
+
+def grey(number: float) -> Rgb:
+    return (number, number, number)
+
+
+class Program:
+    def __init__(self) -> None:
+        self._ops: list[SurfaceOp] = []  # `out` is the place: registers come last
+        self._places: dict[tuple[object, ...], Term] = {}
+        self._textures: list[TextureUse] = []
+        self._uv_maps: list[str] = []
+
+    def texture(self, use: TextureUse, uv_map: str, uv_matrix: tuple[float, ...], *, alpha: bool = False) -> Value:
+        """The colour, or the alpha, of an image at the 3x3 ``uv_matrix`` times (u, v, 1)."""
+        index = next((i for i, known in enumerate(self._textures) if _same_use(known, use)), len(self._textures))
+        if index == len(self._textures):
+            self._textures.append(use)
+        if uv_map not in self._uv_maps:
+            self._uv_maps.append(uv_map)
+        code = Code.TEXTURE_ALPHA if alpha else Code.TEXTURE
+        return self._op(code, texture=index, uv_map=self._uv_maps.index(uv_map), uv_matrix=uv_matrix)
+
+    def backfacing(self) -> Value:
+        return self._op(Code.BACKFACING)
+
+    def multiply(self, a: Value, b: Value) -> Value:
+        if isinstance(a, Term) and not isinstance(b, Term):
+            a, b = b, a
+        if not isinstance(a, Term):
+            if not isinstance(b, Term):
+                return _each(lambda x, y: x * y, a, b)
+            if a == BLACK:
+                return BLACK
+            if a == WHITE:
+                return b
+        return self._op(Code.MULTIPLY, a, b)
+
+    def add(self, a: Value, b: Value) -> Value:
+        if a == BLACK:
+            return b
+        if b == BLACK:
+            return a
+        if not isinstance(a, Term) and not isinstance(b, Term):
+            return _each(lambda x, y: x + y, a, b)
+        return self._op(Code.ADD, a, b)
+
+    def subtract(self, a: Value, b: Value) -> Value:
+        if b == BLACK:
+            return a
+        if not isinstance(a, Term) and not isinstance(b, Term):
+            return _each(lambda x, y: x - y, a, b)
+        return self._op(Code.SUBTRACT, a, b)
+
+    def complement(self, a: Value) -> Value:
+        return self.subtract(WHITE, a)
+
+    def mix(self, a: Value, b: Value, share_of_b: Value) -> Value:
+        """``a + (b - a) * share_of_b``, with the share clamped to [0, 1]."""
+        if not isinstance(share_of_b, Term):
+            share = self.clamp(share_of_b)
+            return self.add(self.multiply(a, self.complement(share)), self.multiply(b, share))
+        return a if a == b else self._op(Code.MIX, a, b, share_of_b)
+
+    def clamp(self, a: Value) -> Value:
+        if not isinstance(a, Term):
+            return tuple(min(max(channel, 0.0), 1.0) for channel in a)
+        return self._op(Code.CLAMP, a)
+
+    def average(self, a: Value) -> Value:
+        """A vector as a number."""
+        return self._op(Code.AVERAGE, a) if isinstance(a, Term) else grey(sum(a) / 3.0)
+
+    def luminance(self, a: Value) -> Value:
+        """A colour as a number."""
+        return self.average(self.multiply(a, tuple(3.0 * share for share in _LUMINANCE)))
+
+    def channel(self, a: Value, index: int) -> Value:
+        mask = [0.0, 0.0, 0.0]
+        mask[index] = 3.0
+        return self.average(self.multiply(a, tuple(mask))) if isinstance(a, Term) else grey(a[index])
+
+    def combine(self, channels: list[Value]) -> Value:
+        masks = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+        result: Value = BLACK
+        for channel, mask in zip(channels, masks, strict=True):
+            result = self.add(result, self.multiply(channel, mask))
+        return result
+
+    def material(self, name: str, results: tuple[Value, Value, Value], **fields: object) -> Material:
+        """``results`` are diffuse, transparent and emission; constants if all three are known now."""
+        diffuse, transparent, emission = results
+        if not any(isinstance(result, Term) for result in results):
+            return Material(name=name, diffuse=diffuse, transparent=transparent, emission=emission, **fields)
+        terms = [result if isinstance(result, Term) else self._constant(result) for result in results]
+        ops, registers = _allocate_registers(self._ops, [term.place for term in terms])
+        return Material(
+            name=name,
+            program=ops,
+            diffuse_register=registers[0],
+            transparent_register=registers[1],
+            emission_register=registers[2],
+            textures=tuple(self._textures),
+            uv_maps=tuple(self._uv_maps),
+            **fields,
+        )
+
+    def _constant(self, value: Rgb) -> Term:
+        return self._op(Code.CONSTANT, value=value)
+
+    def _op(self, code: Code, *operands: Value, **fields: object) -> Term:
+        terms = [operand if isinstance(operand, Term) else self._constant(operand) for operand in operands]
+        key = (code, *terms, *sorted(fields.items()))
+        if key not in self._places:
+            places = dict(zip("abc", (term.place for term in terms), strict=False))
+            self._places[key] = Term(len(self._ops))
+            self._ops.append(SurfaceOp(code=code, out=len(self._ops), **places, **fields))
+        return self._places[key]
+
+
+def _each(function, a: Rgb, b: Rgb) -> Rgb:
+    return tuple(function(x, y) for x, y in zip(a, b, strict=True))
+
+
+def _same_use(a: TextureUse, b: TextureUse) -> bool:
+    return (a.image.key, a.extension, a.interpolation) == (b.image.key, b.extension, b.interpolation)
+
+
+def _allocate_registers(ops: list[SurfaceOp], results: list[int]) -> tuple[tuple[SurfaceOp, ...], list[int]]:
+    """Drops operations that no result reads, and gives a register away after its last reader."""
+    needed, last_reader = set(results), {}
+    for place in reversed(range(len(ops))):
+        if place in needed:
+            for operand in _READS[ops[place].code]:
+                read = getattr(ops[place], operand)
+                needed.add(read)
+                last_reader.setdefault(read, place)
+    free, register_count, register_of, kept = [], 0, {}, []
+    for place, op in enumerate(ops):
+        if place not in needed:
+            continue
+        operands = {operand: register_of[getattr(op, operand)] for operand in _READS[op.code]}
+        for read in {getattr(op, operand) for operand in _READS[op.code]}:
+            if last_reader[read] == place and read not in results:
+                free.append(register_of[read])
+        if free:
+            register_of[place] = free.pop()
+        else:
+            register_of[place] = register_count
+            register_count += 1
+        kept.append(replace(op, out=register_of[place], **operands))
+    return tuple(kept), [register_of[place] for place in results]

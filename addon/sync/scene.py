@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A whole depsgraph as a scene description.
+
+One Blender unit is one metre, always. What did not change is not read again: a live depsgraph says which geometry it
+updated; one that is built anew for every frame of an animation cannot, and meshes are told apart by their content.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from tyndall.scene_description import Instances, Light, Mesh, SceneDescription
+
+from .images import ImageReader
+from .instances import Placement, Placements, read_placements
+from .lights import read_lights
+from .materials import MaterialReader
+from .meshes import read_mesh
+from .reports import Reports
+from .worlds import read_world
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from bpy.types import Depsgraph
+
+
+class SceneReader:
+    """Reads frames one after another; keeps meshes and images that the next frame may share."""
+
+    def __init__(self) -> None:
+        self._images = ImageReader()
+        self._meshes: dict[str, Mesh] = {}
+        self._live: dict[int, tuple[Mesh | None, set[int]]] = {}  # by address of the evaluated mesh, while it lives
+        self._live_depsgraph = 0
+        self._stale: set[int] = set()
+
+    def note_updates(self, depsgraph: Depsgraph) -> None:
+        """Call from ``view_update`` and handlers: remembers which geometry changed until the next read."""
+        for update in depsgraph.updates:
+            if update.is_updated_geometry:
+                self._stale.add(update.id.original.as_pointer())
+
+    def read(
+        self, depsgraph: Depsgraph, reports: Reports, poll: Callable[[], None], *, is_live: bool = False
+    ) -> SceneDescription:
+        """Everything that renders. ``poll`` is called every few milliseconds and may raise to stop.
+
+        ``is_live`` promises that ``note_updates`` heard of every update of this depsgraph since the last read of it.
+        """
+        self._forget_stale(depsgraph, is_live=is_live)
+        self._images.start_frame()
+        poll()
+        placements = read_placements(depsgraph, reports, poll)
+        materials = MaterialReader(reports, self._images)
+        instances = self._instances(placements, materials, reports, poll)
+        world, medium = read_world(depsgraph.scene_eval.world, reports, self._images)
+        poll()
+        description = SceneDescription(
+            instances=instances,
+            lights=_lights(placements, reports),
+            world=replace(world, medium=materials.add_medium(medium)),
+            materials=tuple(materials.materials),
+            media=tuple(materials.media),
+            reports=reports.lines(),
+        )
+        self._images.end_frame()
+        self._meshes = {group.mesh.key: group.mesh for group in instances}
+        return description
+
+    def _forget_stale(self, depsgraph: Depsgraph, *, is_live: bool) -> None:
+        if not is_live or depsgraph.as_pointer() != self._live_depsgraph:
+            self._live.clear()
+        else:
+            self._live = {
+                address: (mesh, depends_on)
+                for address, (mesh, depends_on) in self._live.items()
+                if not depends_on & self._stale
+            }
+        self._live_depsgraph = depsgraph.as_pointer() if is_live else 0
+        self._stale.clear()
+
+    def _instances(
+        self, placements: Placements, materials: MaterialReader, reports: Reports, poll: Callable[[], None]
+    ) -> tuple[Instances, ...]:
+        groups = []
+        seen: dict[int, tuple[Mesh | None, set[int]]] = {}
+        for placement in placements.meshes:
+            poll()
+            address = placement.data.as_pointer()
+            if address not in seen:
+                seen[address] = self._live.get(address) or (self._read_mesh(placement, reports), placement.depends_on)
+            mesh = seen[address][0]
+            seen[address] = mesh, seen[address][1] | placement.depends_on
+            if mesh is not None:
+                groups.append(_group(placement, mesh, placements, materials))
+        self._live = seen
+        return tuple(groups)
+
+    def _read_mesh(self, placement: Placement, reports: Reports) -> Mesh | None:
+        return read_mesh(placement.data, reports, self._meshes)
+
+
+def _group(placement: Placement, mesh: Mesh, placements: Placements, materials: MaterialReader) -> Instances:
+    return Instances(
+        mesh=mesh,
+        world_from_object=placements.world_from_object[placement.indices].astype(np.float64),
+        object_names=(placement.object_name,) * len(placement.indices),
+        materials=tuple(materials.index(material) for material in placement.materials),
+        is_camera_visible=placement.is_camera_visible,
+        casts_shadow=placement.casts_shadow,
+    )
+
+
+def _lights(placements: Placements, reports: Reports) -> tuple[Light, ...]:
+    return tuple(
+        light
+        for placement in placements.lights
+        for light in read_lights(placement, placements.world_from_object[placement.indices], reports)
+    )

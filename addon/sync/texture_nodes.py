@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Image and environment textures, and the coordinates they are read at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from mathutils import Euler, Matrix
+from tyndall.scene_description import Extension, Interpolation, TextureUse
+
+from .images import MAGENTA
+from .program import WHITE, Value
+
+if TYPE_CHECKING:
+    from .node_graph import Socket
+    from .value_nodes import ValueReader
+
+_EXTENSIONS = {
+    "REPEAT": Extension.REPEAT,
+    "EXTEND": Extension.EXTEND,
+    "CLIP": Extension.CLIP,
+    "MIRROR": Extension.MIRROR,
+}
+
+
+def image_value(reader: ValueReader, at: Socket) -> Value:
+    """Colour or alpha of an Image Texture node."""
+    node, wants_alpha = at.node, at.socket.identifier == "Alpha"
+    image = reader.images.read(node.image, reader.reports, reader.culprit)
+    if image is None:
+        return WHITE if wants_alpha else MAGENTA
+    if node.projection != "FLAT":
+        reader.note(f'image "{image.name}" is projected flat')
+    place = _coordinates(reader, at)
+    use = TextureUse(
+        image=image,
+        extension=_EXTENSIONS[node.extension],
+        interpolation=Interpolation.CLOSEST if node.interpolation == "Closest" else Interpolation.LINEAR,
+    )
+    # A texture reads (u, v, 1): of the 4x4 matrix the column of z, which is 0, drops out.
+    uv_matrix = tuple(float(place.matrix[row][column]) for row in (0, 1, 3) for column in (0, 1, 3))
+    if wants_alpha:
+        return reader.program.texture(use, place.uv_map, uv_matrix, alpha=True) if image.has_alpha else WHITE
+    colour = reader.program.texture(use, place.uv_map, uv_matrix)
+    uses_alpha = any(socket.identifier == "Alpha" and socket.is_linked for socket in node.outputs)
+    if not image.has_alpha or uses_alpha or node.image.alpha_mode == "CHANNEL_PACKED":
+        return colour
+    # Cycles divides colours by alpha only for nodes whose Alpha output is in use.
+    return reader.program.multiply(colour, reader.program.texture(use, place.uv_map, uv_matrix, alpha=True))
+
+
+def environment_value(reader: ValueReader, at: Socket) -> Value:
+    """The one equirectangular image of a world; the reader keeps image and rotation."""
+    image = reader.images.read(at.node.image, reader.reports, reader.culprit)
+    if image is None:
+        return MAGENTA
+    if at.node.projection != "EQUIRECTANGULAR":
+        reader.note(f'image "{image.name}" is read as equirectangular')
+    place = _coordinates(reader, at)
+    if any(place.matrix[row][3] for row in range(3)):
+        reader.note("the location of a Mapping node is ignored")
+    rotation = np.array(place.matrix)[:3, :3]
+    if reader.environment is not None and reader.environment[0].key != image.key:
+        reader.note(f'a second image, "{image.name}", is left out')
+        return WHITE
+    reader.environment = image, rotation
+    return reader.program.texture(TextureUse(image=image), "", (1, 0, 0, 0, 1, 0, 0, 0, 1))
+
+
+@dataclass(frozen=True)
+class _Coordinates:
+    uv_map: str  #: "": the active one.
+    matrix: Matrix  #: 4x4, from (u, v, 0), or from a direction, to the texture.
+
+
+def _coordinates(reader: ValueReader, at: Socket) -> _Coordinates:
+    """Follows the Vector input to where it starts; Mapping nodes on the way multiply."""
+    matrix = Matrix.Identity(4)
+    source = at.input("Vector").source()
+    while source.socket.is_output and source.node.type == "MAPPING":
+        mapping = _mapping(reader, source)
+        matrix = matrix @ mapping
+        source = source.input("Vector").source()
+    if not source.socket.is_output:
+        return _Coordinates("", matrix)
+    return _Coordinates(_origin(reader, source), matrix)
+
+
+def _origin(reader: ValueReader, source: Socket) -> str:
+    """The UV map that a vector starts from."""
+    node, output = source.node, source.socket.identifier
+    if node.type == "UVMAP":
+        return node.uv_map
+    if node.type == "ATTRIBUTE" and node.attribute_type == "GEOMETRY" and output == "Vector":
+        return node.attribute_name
+    if node.type == "TEX_COORD" and output == "UV":
+        return ""
+    is_direction = node.type == "TEX_COORD" and output in {"Generated", "Object"}
+    is_direction |= node.type == "NEW_GEOMETRY" and output == "Position"
+    if reader.domain.name == "WORLD" and is_direction:
+        return ""
+    label = node.bl_label if node.type != "TEX_COORD" else f"{source.socket.name} coordinates"
+    reader.note(f"{label}: the active UV map is used instead")
+    return ""
+
+
+def _mapping(reader: ValueReader, at: Socket) -> Matrix:
+    node = at.node
+    read = {name: reader.constant_colour(at.input(name)) for name in ("Rotation", "Scale")}
+    location = reader.constant_colour(at.input("Location")) if at.input("Location") else (0.0, 0.0, 0.0)
+    rotation = Euler(read["Rotation"], "XYZ").to_matrix().to_4x4()
+    scale = Matrix.Diagonal((*read["Scale"], 1.0))
+    if node.vector_type == "POINT":
+        return Matrix.Translation(location) @ rotation @ scale
+    if node.vector_type == "VECTOR":
+        return rotation @ scale
+    inverse_scale = Matrix.Diagonal((*(1.0 / value if value else 0.0 for value in read["Scale"]), 1.0))
+    if node.vector_type == "TEXTURE":
+        return inverse_scale @ rotation.transposed() @ Matrix.Translation([-value for value in location])
+    return rotation @ inverse_scale  # a normal; Cycles makes it a unit vector, which directions are read as anyway

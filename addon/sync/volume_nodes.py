@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Volume shaders with constant inputs as homogeneous media, as Cycles reads them.
+
+A varying density is read as 0.5 and other varying inputs as mid grey, with a note: such media come with volume grids.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from tyndall.scene_description import Medium, ScatterLobe
+
+from .blackbody import blackbody
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from .node_graph import Socket
+    from .value_nodes import ValueReader
+
+    Rgb64 = NDArray[np.float64]
+
+_LARGEST_ASYMMETRY = 0.999  #: Cycles, too, keeps away from the limit, at which all light goes straight on.
+
+
+@dataclass(eq=False)
+class _Coefficients:
+    """Sums over the shaders of one volume; each entry (3,), per metre."""
+
+    scatter: list[tuple[Rgb64, float]] = field(default_factory=list)  #: sigma_s and asymmetry.
+    absorption: Rgb64 = field(default_factory=lambda: np.zeros(3))
+    emission: Rgb64 = field(default_factory=lambda: np.zeros(3))
+
+
+def read_volume(reader: ValueReader, at: Socket, name: str) -> Medium | None:
+    """``at`` is the Volume input of an output node; None for a medium that does nothing."""
+    coefficients = _Coefficients()
+    _add(reader, at, 1.0, coefficients)
+    lobes: dict[float, Rgb64] = {}
+    for sigma_s, asymmetry in coefficients.scatter:
+        lobes[asymmetry] = lobes.get(asymmetry, 0.0) + sigma_s
+    if not any(sigma_s.any() for sigma_s in lobes.values()) and not (
+        coefficients.absorption.any() or coefficients.emission.any()
+    ):
+        return None
+    return Medium(
+        name=name,
+        lobes=tuple(ScatterLobe(sigma_s_per_m=_rgb(sigma_s), asymmetry_g=g) for g, sigma_s in lobes.items()),
+        sigma_a_per_m=_rgb(coefficients.absorption),
+        emission_w_per_m3_sr=_rgb(coefficients.emission),
+    )
+
+
+def _rgb(channels: Rgb64) -> tuple[float, float, float]:
+    red, green, blue = (float(channel) for channel in channels)
+    return red, green, blue
+
+
+def _add(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:
+    source = at.source()
+    if weight == 0.0 or not source.socket.is_output:
+        return
+    if source.socket.type != "SHADER":  # a colour in place of a shader glows
+        coefficients.emission += weight * np.array(reader.constant_colour(at))
+        return
+    add = _SHADERS.get(source.node.type)
+    if add is None:
+        reader.unsupported(source, "is not a volume shader: left out")
+        return
+    add(reader, source, weight, coefficients)
+
+
+def _density(reader: ValueReader, at: Socket) -> float:
+    return max(reader.constant(at.input("Density")), 0.0)
+
+
+def _colour(reader: ValueReader, at: Socket, name: str = "Color") -> Rgb64:
+    return np.array(reader.constant_colour(at.input(name)))
+
+
+def _asymmetry(reader: ValueReader, at: Socket) -> float:
+    phase = getattr(at.node, "phase", "HENYEY_GREENSTEIN")
+    if phase != "HENYEY_GREENSTEIN":  # 4.3 added others
+        reader.note(f"phase function {phase.replace('_', ' ').lower()} is read as Henyey-Greenstein")
+        if phase == "RAYLEIGH":
+            return 0.0
+    asymmetry = reader.constant(at.input("Anisotropy"))
+    return min(max(asymmetry, -_LARGEST_ASYMMETRY), _LARGEST_ASYMMETRY)
+
+
+def _scatter(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:
+    sigma_s = weight * _density(reader, at) * _colour(reader, at)
+    coefficients.scatter.append((np.maximum(sigma_s, 0.0), _asymmetry(reader, at)))
+
+
+def _absorption(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:
+    coefficients.absorption += np.maximum(weight * _density(reader, at) * (1.0 - _colour(reader, at)), 0.0)
+
+
+def _principled(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:
+    density, colour = weight * _density(reader, at), _colour(reader, at)
+    coefficients.scatter.append((np.maximum(density * colour, 0.0), _asymmetry(reader, at)))
+    # The square root makes the absorption colour act evenly over its range.
+    kept = np.sqrt(np.maximum(_colour(reader, at, "Absorption Color"), 0.0))
+    coefficients.absorption += density * np.maximum(1.0 - colour, 0.0) * np.maximum(1.0 - kept, 0.0)
+    # Emission does not depend on density.
+    strength = max(reader.constant(at.input("Emission Strength")), 0.0)
+    coefficients.emission += weight * strength * _colour(reader, at, "Emission Color")
+    coefficients.emission += weight * _flame(reader, at)
+
+
+def _flame(reader: ValueReader, at: Socket) -> Rgb64:
+    """Stefan-Boltzmann, in Cycles' units of a millionth, between colour only and the full fourth power."""
+    share = reader.constant(at.input("Blackbody Intensity"))
+    if share <= 0.0:
+        return np.zeros(3)
+    temperature_k = max(reader.constant(at.input("Temperature")), 0.0)
+    radiance = 5.670373e-8 * 1e-6 / math.pi * ((1.0 - share) + share * temperature_k**4)
+    return radiance * _colour(reader, at, "Blackbody Tint") * np.array(blackbody(temperature_k))
+
+
+def _volume_coefficients(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:
+    sigma_s = weight * np.maximum(_colour(reader, at, "Scatter Coefficients"), 0.0)
+    coefficients.scatter.append((sigma_s, _asymmetry(reader, at)))
+    coefficients.absorption += weight * np.maximum(_colour(reader, at, "Absorption Coefficients"), 0.0)
+    coefficients.emission += weight * _colour(reader, at, "Emission Coefficients")
+
+
+def _emission(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:
+    coefficients.emission += weight * reader.constant(at.input("Strength")) * _colour(reader, at)
+
+
+def _mix_shader(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:
+    share, first, second = at.inputs()[:3]
+    share_of_second = min(max(reader.constant(share), 0.0), 1.0)
+    _add(reader, first, weight * (1.0 - share_of_second), coefficients)
+    _add(reader, second, weight * share_of_second, coefficients)
+
+
+def _add_shader(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:
+    for shader in at.inputs()[:2]:
+        _add(reader, shader, weight, coefficients)
+
+
+_SHADERS: dict[str, Callable[[ValueReader, Socket, float, _Coefficients], None]] = {
+    "VOLUME_SCATTER": _scatter,
+    "VOLUME_ABSORPTION": _absorption,
+    "PRINCIPLED_VOLUME": _principled,
+    "VOLUME_COEFFICIENTS": _volume_coefficients,
+    "EMISSION": _emission,
+    "MIX_SHADER": _mix_shader,
+    "ADD_SHADER": _add_shader,
+}
