@@ -10,6 +10,7 @@ Bound:    81 wavelengths.
 from __future__ import annotations
 
 import numpy as np
+
 from tyndall.scene_description import Rgb
 
 _WAVELENGTHS_NM = np.arange(380.0, 781.0, 5.0)

@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from tyndall.scene_description import Camera, CameraKind
 
 if TYPE_CHECKING:
@@ -42,7 +43,9 @@ def read_camera(
     half_width, half_height = size_px[0] / 2, aspect * size_px[1] / 2
     return Camera(
         kind=CameraKind.ORTHOGRAPHIC if is_orthographic else CameraKind.PERSPECTIVE,
-        world_from_camera=without_scale(np.array(thing.matrix_world) if world_from_camera is None else world_from_camera),
+        world_from_camera=without_scale(
+            np.array(thing.matrix_world) if world_from_camera is None else world_from_camera
+        ),
         window=(
             (centre_x - half_width) * metres_per_px,
             (centre_x + half_width) * metres_per_px,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
+
 from tyndall.scene_description import Image
 
 if TYPE_CHECKING:
@@ -64,7 +65,13 @@ def _place(image: bpy.types.Image) -> str:
 
 def _key(image: bpy.types.Image) -> str:
     """Changes when the pixels do: files by their time, painted and generated images by their pixels."""
-    parts: list[object] = [image.name_full, image.filepath, *image.size, image.colorspace_settings.name, image.alpha_mode]
+    parts: list[object] = [
+        image.name_full,
+        image.filepath,
+        *image.size,
+        image.colorspace_settings.name,
+        image.alpha_mode,
+    ]
     if image.source == "GENERATED" or image.is_dirty:
         parts.append(hashlib.sha256(memoryview(_floats(image)).cast("B")).hexdigest())
     elif image.packed_file:
@@ -77,15 +84,15 @@ def _key(image: bpy.types.Image) -> str:
 
 def _floats(image: bpy.types.Image) -> NDArray[np.float32]:
     """(height, width, 4), whatever the channels; Blender loads the pixels if it must."""
-    width, height = image.size
-    stored = np.empty(width * height * image.channels, np.float32)
-    image.pixels.foreach_get(stored)
-    stored = stored.reshape(height, width, image.channels)
-    if image.channels == 4:
+    width, height, channels = image.size[0], image.size[1], image.channels
+    flat = np.empty(width * height * channels, np.float32)
+    image.pixels.foreach_get(flat)
+    stored = flat.reshape(height, width, channels)
+    if channels == len("RGBA"):
         return stored
     pixels = np.ones((height, width, 4), np.float32)
-    pixels[..., :3] = stored[..., :3] if image.channels == 3 else stored[..., :1]
-    if image.channels == 2:
+    pixels[..., :3] = stored[..., :3] if channels == len("RGB") else stored[..., :1]
+    if channels == len("YA"):
         pixels[..., 3] = stored[..., 1]
     return pixels
 

@@ -4,8 +4,8 @@
 The depsgraph yields what is drawn: objects, and instances of collections, particles and geometry nodes, nested ones
 already resolved. Curves, texts and metaballs come twice, as themselves and as the mesh they evaluate to: only items
 whose data is a Mesh count, as in Cycles.
-Reading ``instance.object`` makes a new Python object each time (1.4 us), ``instance.instance_object`` does not: it alone
-names the mesh of an instance, unless that object has geometry nodes, whose instances may be of any mesh.
+Reading ``instance.object`` makes a new Python object each time (1.4 us), ``instance.instance_object`` does not: it
+alone names the mesh of an instance, unless that object has geometry nodes, whose instances may be of any mesh.
 """
 
 from __future__ import annotations

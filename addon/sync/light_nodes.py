@@ -34,8 +34,8 @@ def _emission(reader: ValueReader, at: Socket) -> NDArray[np.float64]:
         return np.zeros(3)
     node_type = source.node.type
     if node_type == "EMISSION":
-        colour = np.array(reader.constant_colour(source.input("Color")))
-        return colour * _strength(reader, source.input("Strength"))
+        colour = np.array(reader.constant_colour(source.input("Color")), np.float64)
+        return np.multiply(colour, _strength(reader, source.input("Strength")))
     if node_type == "ADD_SHADER":
         return sum((_emission(reader, shader) for shader in source.inputs()[:2]), np.zeros(3))
     if node_type == "MIX_SHADER":

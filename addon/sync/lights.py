@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
+
 from tyndall.scene_description import Light, LightBody, LightKind, SpotFalloff
 
 from .light_nodes import emission_of_light
@@ -26,9 +27,7 @@ _IS_BLENDER_4 = bpy.app.version >= (4, 0, 0)
 _INTENSITY_PER_WATT = 1.0 / (4.0 * math.pi**2)
 
 
-def read_lights(
-    placement: Placement, world_from_light: NDArray[np.float32], reports: Reports
-) -> Iterator[Light]:
+def read_lights(placement: Placement, world_from_light: NDArray[np.float32], reports: Reports) -> Iterator[Light]:
     """One light per matrix of ``world_from_light`` (count, 4, 4)."""
     thing, data = placement.source, placement.source.data
     name = placement.object_name
@@ -61,7 +60,9 @@ def read_lights(
 
 def _strength(data: bpy.types.Light, reports: Reports, name: str) -> NDArray[np.float64]:
     """Sun: irradiance, W/m^2; others: radiant intensity, W/sr."""
-    strength = np.array(data.color) * data.energy * emission_of_light(data, reports, f'Light "{name}"')
+    strength: NDArray[np.float64] = (
+        np.array(data.color) * data.energy * emission_of_light(data, reports, f'Light "{name}"')
+    )
     if hasattr(data, "exposure"):  # from 4.5 on
         strength *= 2.0**data.exposure
         if data.use_temperature:

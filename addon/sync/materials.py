@@ -46,15 +46,17 @@ class MaterialReader:
         if material is None:
             return Material(name="no material")
         if not material.use_nodes or material.node_tree is None:
-            red, green, blue, _ = material.diffuse_color
-            return Material(name=material.name, diffuse=(red, green, blue))
+            colour = material.diffuse_color
+            return Material(name=material.name, diffuse=(colour[0], colour[1], colour[2]))
         surface, volume = (output_input(material.node_tree, name) for name in ("Surface", "Volume"))
-        has_volume = volume is not None and volume.is_connected()
-        medium = self.add_medium(read_volume(self._values(material, Domain.CONSTANT), volume, material.name)) if has_volume else -1
-        if has_volume and not surface.is_connected():
-            return Material(name=material.name, has_surface=False, medium=medium)
+        medium = -1
+        if volume is not None and volume.is_connected():
+            medium = self.add_medium(read_volume(self._values(material, Domain.CONSTANT), volume, material.name))
+            if surface is None or not surface.is_connected():
+                return Material(name=material.name, has_surface=False, medium=medium)
         values = self._values(material, Domain.SURFACE)
-        shares = Shares() if surface is None else read_surface(values, surface)  # without an output: black, as in Cycles
+        # Without an output it is black, as in Cycles.
+        shares = Shares() if surface is None else read_surface(values, surface)
         self._note_displacement(material, values)
         results = (shares.diffuse, shares.transparent, shares.emission)
         return values.program.material(material.name, results, medium=medium)

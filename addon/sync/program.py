@@ -7,6 +7,7 @@ with three equal channels.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from tyndall.scene_description import Code, Material, Rgb, SurfaceOp, TextureUse
@@ -102,7 +103,7 @@ class Program:
 
     def clamp(self, a: Value) -> Value:
         if not isinstance(a, Term):
-            return tuple(min(max(channel, 0.0), 1.0) for channel in a)
+            return min(max(a[0], 0.0), 1.0), min(max(a[1], 0.0), 1.0), min(max(a[2], 0.0), 1.0)
         return self._op(Code.CLAMP, a)
 
     def average(self, a: Value) -> Value:
@@ -156,8 +157,8 @@ class Program:
         return self._places[key]
 
 
-def _each(function, a: Rgb, b: Rgb) -> Rgb:
-    return tuple(function(x, y) for x, y in zip(a, b, strict=True))
+def _each(combine: Callable[[float, float], float], a: Rgb, b: Rgb) -> Rgb:
+    return combine(a[0], b[0]), combine(a[1], b[1]), combine(a[2], b[2])
 
 
 def _same_use(a: TextureUse, b: TextureUse) -> bool:
@@ -166,21 +167,24 @@ def _same_use(a: TextureUse, b: TextureUse) -> bool:
 
 def _allocate_registers(ops: list[SurfaceOp], results: list[int]) -> tuple[tuple[SurfaceOp, ...], list[int]]:
     """Drops operations that no result reads, and gives a register away after its last reader."""
-    needed, last_reader = set(results), {}
+    needed = set(results)
+    last_reader: dict[int, int] = {}
     for place in reversed(range(len(ops))):
         if place in needed:
             for operand in _READS[ops[place].code]:
                 read = getattr(ops[place], operand)
                 needed.add(read)
                 last_reader.setdefault(read, place)
-    free, register_count, register_of, kept = [], 0, {}, []
+    free: list[int] = []
+    register_of: dict[int, int] = {}
+    register_count = 0
+    kept = []
     for place, op in enumerate(ops):
         if place not in needed:
             continue
         operands = {operand: register_of[getattr(op, operand)] for operand in _READS[op.code]}
-        for read in {getattr(op, operand) for operand in _READS[op.code]}:
-            if last_reader[read] == place and read not in results:
-                free.append(register_of[read])
+        read_here = {getattr(op, operand) for operand in _READS[op.code]}
+        free += [register_of[read] for read in read_here if last_reader[read] == place and read not in results]
         if free:
             register_of[place] = free.pop()
         else:

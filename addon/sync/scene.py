@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from tyndall.scene_description import Instances, Light, Mesh, SceneDescription
 
 from .images import ImageReader

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from mathutils import Euler, Matrix
+
 from tyndall.scene_description import Extension, Interpolation, TextureUse
 
 from .images import MAGENTA
@@ -92,9 +93,9 @@ def _origin(reader: ValueReader, source: Socket) -> str:
     """The UV map that a vector starts from."""
     node, output = source.node, source.socket.identifier
     if node.type == "UVMAP":
-        return node.uv_map
+        return str(node.uv_map)
     if node.type == "ATTRIBUTE" and node.attribute_type == "GEOMETRY" and output == "Vector":
-        return node.attribute_name
+        return str(node.attribute_name)
     if node.type == "TEX_COORD" and output == "UV":
         return ""
     is_direction = node.type == "TEX_COORD" and output in {"Generated", "Object"}

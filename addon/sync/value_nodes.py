@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import bpy
     import numpy as np
     from numpy.typing import NDArray
+
     from tyndall.scene_description import Image
 
     from .images import ImageReader
@@ -105,11 +106,13 @@ def _default(at: Socket) -> Value:
     value = getattr(at.socket, "default_value", 0.0)
     if isinstance(value, (int, float)):
         return grey(float(value))
-    channels = tuple(value)[:3] if not isinstance(value, str) else ()
-    return tuple(float(channel) for channel in channels) if len(channels) == 3 else BLACK
+    if isinstance(value, str):
+        return BLACK
+    return float(value[0]), float(value[1]), float(value[2])
 
 
-def _rgb(reader: ValueReader, at: Socket) -> Value:
+def _own_value(_reader: ValueReader, at: Socket) -> Value:
+    """RGB and Value nodes keep theirs in their output."""
     return _default(at)
 
 
@@ -236,7 +239,7 @@ def _colour_ramp(reader: ValueReader, at: Socket) -> Value:
     if not isinstance(share, Term):
         colour = tuple(ramp.evaluate(share[0]))
         return grey(colour[3]) if is_alpha else colour[:3]
-    if len(ramp.elements) > 2 or ramp.interpolation != "LINEAR":
+    if len(ramp.elements[1:-1]) or ramp.interpolation != "LINEAR":
         reader.unsupported(at, "is drawn as a straight line between its ends")
     first, last = ramp.elements[0], ramp.elements[-1]
     program = reader.program
@@ -320,8 +323,8 @@ def _bright_contrast(reader: ValueReader, at: Socket) -> Value:
 
 
 _NODES: dict[str, Callable[[ValueReader, Socket], Value]] = {
-    "RGB": _rgb,
-    "VALUE": _rgb,
+    "RGB": _own_value,
+    "VALUE": _own_value,
     "TEX_IMAGE": _image,
     "TEX_ENVIRONMENT": _environment,
     "MIX_RGB": _mix_colour,

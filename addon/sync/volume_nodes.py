@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from tyndall.scene_description import Medium, ScatterLobe
 
 from .blackbody import blackbody
@@ -120,7 +121,8 @@ def _flame(reader: ValueReader, at: Socket) -> Rgb64:
         return np.zeros(3)
     temperature_k = max(reader.constant(at.input("Temperature")), 0.0)
     radiance = 5.670373e-8 * 1e-6 / math.pi * ((1.0 - share) + share * temperature_k**4)
-    return radiance * _colour(reader, at, "Blackbody Tint") * np.array(blackbody(temperature_k))
+    colour: Rgb64 = _colour(reader, at, "Blackbody Tint") * np.array(blackbody(temperature_k))
+    return radiance * colour
 
 
 def _volume_coefficients(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:

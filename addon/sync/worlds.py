@@ -6,7 +6,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from tyndall.scene_description import Code, Material, Medium, World
+
+from tyndall.scene_description import Code, Material, Medium, SurfaceOp, World
 
 from .node_graph import Socket, output_input
 from .program import BLACK, WHITE, Value
@@ -15,9 +16,12 @@ from .volume_nodes import read_volume
 
 if TYPE_CHECKING:
     import bpy
+    from numpy.typing import NDArray
 
     from .images import ImageReader
     from .reports import Reports
+
+    _Register = NDArray[np.float64]
 
 #: Stands for a Sky Texture: the mean colour of a clear sky at noon, about 1 W/(m^2 sr) bright.
 _SKY: Value = (0.30, 0.50, 0.90)
@@ -32,7 +36,10 @@ def read_world(world: bpy.types.World | None, reports: Reports, images: ImageRea
     reader = ValueReader(f'World "{world.name}"', reports, images, Domain.WORLD)
     surface, volume = (output_input(world.node_tree, name) for name in ("Surface", "Volume"))
     background = BLACK if surface is None else _background(reader, surface, WHITE)
-    medium = None if volume is None else read_volume(ValueReader(reader.culprit, reports, images, Domain.CONSTANT), volume, world.name)
+    medium = None
+    if volume is not None:
+        constants = ValueReader(reader.culprit, reports, images, Domain.CONSTANT)
+        medium = read_volume(constants, volume, world.name)
     return _world(reader, world.name, background), medium
 
 
@@ -47,8 +54,8 @@ def _background(reader: ValueReader, at: Socket, weight: Value) -> Value:
         strength = reader.number(source.input("Strength"), 1.0)
         return program.multiply(weight, program.multiply(_colour(reader, source.input("Color")), strength))
     if node_type == "ADD_SHADER":
-        first, second = (_background(reader, shader, weight) for shader in source.inputs()[:2])
-        return program.add(first, second)
+        one, other = (_background(reader, shader, weight) for shader in source.inputs()[:2])
+        return program.add(one, other)
     if node_type == "MIX_SHADER":
         share, first, second = source.inputs()[:3]
         share_of_second = program.clamp(reader.number(share))
@@ -88,20 +95,25 @@ def _evaluate(reader: ValueReader, value: Value, texel: float) -> tuple[float, f
 
 
 def _run(material: Material, texel: float) -> tuple[float, float, float]:
-    registers: dict[int, np.ndarray] = {}
+    registers: dict[int, NDArray[np.float64]] = {}
     for op in material.program:
         a, b, c = (registers.get(register, np.zeros(3)) for register in (op.a, op.b, op.c))
-        registers[op.out] = {
-            Code.CONSTANT: lambda op=op: np.array(op.value),
-            Code.TEXTURE: lambda: np.full(3, texel),
-            Code.TEXTURE_ALPHA: lambda: np.ones(3),
-            Code.MULTIPLY: lambda a=a, b=b: a * b,
-            Code.ADD: lambda a=a, b=b: a + b,
-            Code.SUBTRACT: lambda a=a, b=b: a - b,
-            Code.MIX: lambda a=a, b=b, c=c: a + (b - a) * np.clip(c, 0, 1),
-            Code.CLAMP: lambda a=a: np.clip(a, 0, 1),
-            Code.AVERAGE: lambda a=a: np.full(3, a.mean()),
-            Code.BACKFACING: lambda: np.zeros(3),
-        }[op.code]()
+        registers[op.out] = _result(op, a, b, c, np.full(3, texel))
     red, green, blue = registers[material.diffuse_register]
     return float(red), float(green), float(blue)
+
+
+def _result(op: SurfaceOp, a: _Register, b: _Register, c: _Register, texel: _Register) -> _Register:
+    """What native/shading computes, here for the few operations of a world."""
+    return {
+        Code.CONSTANT: np.array(op.value),
+        Code.TEXTURE: texel,
+        Code.TEXTURE_ALPHA: np.ones(3),
+        Code.MULTIPLY: a * b,
+        Code.ADD: a + b,
+        Code.SUBTRACT: a - b,
+        Code.MIX: a + (b - a) * np.clip(c, 0, 1),
+        Code.CLAMP: np.clip(a, 0, 1),
+        Code.AVERAGE: np.full(3, a.mean()),
+        Code.BACKFACING: np.zeros(3),
+    }[op.code]

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The render engine: what Blender calls, handed on to one module per task.
+
+This package imports the native core; the add-on loads it only where that works.
+"""
+
+from __future__ import annotations
+
+import bpy
+from bpy.types import Depsgraph, RenderEngine, Scene, ViewLayer
+
+from . import final, passes, sessions
+
+
+class TyndallRenderEngine(RenderEngine):
+    bl_idname = "TYNDALL"
+    bl_label = "Tyndall"
+    bl_use_preview = False  # material previews stay with the engines that draw every node
+    bl_use_postprocess = True  # compositor and sequencer
+    bl_use_shading_nodes_custom = False  # otherwise artists lose the standard nodes
+    bl_use_eevee_viewport = True  # material preview shading is EEVEE's
+    bl_use_spherical_stereo = False
+
+    def render(self, depsgraph: Depsgraph) -> None:
+        final.render(self, depsgraph)
+
+    def update_render_passes(self, scene: Scene, view_layer: ViewLayer) -> None:
+        passes.register_passes(self, scene, view_layer)
+
+
+def register() -> None:
+    bpy.utils.register_class(TyndallRenderEngine)
+    sessions.register()
+
+
+def unregister() -> None:
+    sessions.unregister()
+    bpy.utils.unregister_class(TyndallRenderEngine)

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The final render of one view layer of one frame: read Blender's scene, render it natively, deliver the passes.
+
+Whatever happens, Blender gets a frame first and the error after it (see failures.py).
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tyndall import Cancelled, Progress
+
+from .. import last_render
+from ..sync.cameras import read_camera
+from ..sync.reports import Reports
+from . import failures, passes
+from .native_call import NativeCall
+from .sessions import kept_frame
+from .settings import FrameWindow, frame_window, render_config
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from bpy.types import Depsgraph, RenderEngine, RenderResult
+    from tyndall.renderer import Film
+
+    from tyndall.scene_description import Camera, SceneDescription
+
+_POLL_S = 0.05  #: Between two looks at Esc while Blender's scene is read.
+
+
+def render(engine: RenderEngine, depsgraph: Depsgraph) -> None:
+    """What ``RenderEngine.render`` does."""
+    failures.clear()
+    layer_name = depsgraph.view_layer_eval.name
+    # The engine knows the frame's size; the scene's settings may be those of another scene (a compositor's).
+    window = frame_window(depsgraph.scene_eval.render, (engine.resolution_x, engine.resolution_y))
+    result = engine.begin_result(0, 0, *window.region_size_px, layer=layer_name, view=engine.active_view_get())
+    error: str | None = None
+    is_cancelled = False
+    try:
+        _Frame(engine, depsgraph, window, result).render()
+    except Cancelled:
+        is_cancelled = True
+    except Exception as exception:  # noqa: BLE001  whatever it is, the frame is delivered, and the caller told
+        error = _message(exception)
+    engine.end_result(result, cancel=is_cancelled)
+    if error is not None:
+        failures.fail(engine, error)
+
+
+def _message(exception: Exception) -> str:
+    text = str(exception)
+    return f"Tyndall: {text}" if text else f"Tyndall: {type(exception).__name__}"
+
+
+@dataclass(eq=False)
+class _Frame:
+    engine: RenderEngine
+    depsgraph: Depsgraph
+    window: FrameWindow
+    result: RenderResult
+
+    def render(self) -> None:
+        scene, view_layer = self.depsgraph.scene_eval, self.depsgraph.view_layer_eval
+        kept = kept_frame(scene.name, view_layer.name)
+        started = time.perf_counter()
+        self.engine.update_stats("", "Tyndall: reading the scene")
+        reports = Reports()
+        camera = self._camera(reports)
+        description = kept.reader.read(self.depsgraph, reports, self._poll())
+        read_s = time.perf_counter() - started
+        config = render_config(scene, view_layer, self.window)
+
+        def work(progress: Progress, show: Callable[[Film], None]) -> Film:
+            kept.session.update(description, progress)
+            return kept.session.render(camera, config, progress, show)
+
+        film = NativeCall(work).watch(is_cancelled=self.engine.test_break, tick=self._tick)
+        self._show(film)
+        last_render.record(scene.name, _statistics(film, description, read_s))
+        for line in description.reports:
+            self.engine.report({"WARNING"}, f"Tyndall: {line}")
+
+    def _camera(self, reports: Reports) -> Camera:
+        thing = self.depsgraph.scene_eval.camera
+        if thing is None:
+            raise ValueError("the scene has no camera")
+        return read_camera(
+            thing,
+            self.depsgraph.scene_eval.render,
+            self.window.size_px,
+            reports,
+            # Sixteen numbers, column after column.
+            world_from_camera=np.array(self.engine.camera_model_matrix(thing)).reshape(4, 4).T,
+            shift_x=self.engine.camera_shift_x(thing),
+        )
+
+    def _poll(self) -> Callable[[], None]:
+        last = time.monotonic()
+
+        def poll() -> None:
+            nonlocal last
+            if time.monotonic() - last >= _POLL_S:
+                last = time.monotonic()
+                if self.engine.test_break():
+                    raise Cancelled
+
+        return poll
+
+    def _tick(self, progress: Progress, film: Film | None) -> None:
+        self.engine.update_progress(progress.fraction)
+        self.engine.update_stats("", f"Tyndall: {progress.message}{_time_left(progress)}")
+        if film is not None:
+            self._show(film)
+            self.engine.update_result(self.result)
+
+    def _show(self, film: Film) -> None:
+        passes.write(self.result.layers[0], film.planes)
+
+
+def _time_left(progress: Progress) -> str:
+    remaining_s = progress.remaining_s
+    return "" if remaining_s < 1.0 else f", {int(remaining_s) // 60:02d}:{int(remaining_s) % 60:02d} left"
+
+
+def _statistics(film: Film, description: SceneDescription, read_s: float) -> dict[str, object]:
+    statistics = dict(film.statistics)
+    statistics["stages"] = [{"name": "Blender's scene read", "seconds": read_s}, *statistics.get("stages", ())]
+    known = list(statistics.get("reports", ()))
+    statistics["reports"] = known + [line for line in description.reports if line not in known]
+    return statistics

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Render passes: which a view layer asks for, under the names of the running version, and how pixels reach them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from bpy.types import RenderEngine, RenderLayer, Scene, ViewLayer
+    from numpy.typing import NDArray
+
+_HAS_LONG_NAMES = bpy.app.version >= (5, 0, 0)
+
+
+@dataclass(frozen=True)
+class _Pass:
+    plane: str  #: Name in the film.
+    name: str  #: Name in Blender.
+    channels: str
+    kind: str  #: Of its socket: COLOR, VECTOR or VALUE.
+    switch: str  #: Property of the view layer; with a dot, of its Tyndall settings.
+
+
+_PASSES = (
+    _Pass("Combined", "Combined", "RGBA", "COLOR", ""),
+    _Pass("Depth", "Depth", "Z", "VALUE", "use_pass_z"),
+    _Pass("Position", "Position", "XYZ", "VECTOR", "use_pass_position"),
+    _Pass("Normal", "Normal", "XYZ", "VECTOR", "use_pass_normal"),
+    _Pass("DiffCol", "Diffuse Color" if _HAS_LONG_NAMES else "DiffCol", "RGB", "COLOR", "use_pass_diffuse_color"),
+    _Pass("Emit", "Emission" if _HAS_LONG_NAMES else "Emit", "RGB", "COLOR", "use_pass_emit"),
+    _Pass("Shadow", "Shadow", "RGB", "COLOR", "use_pass_shadow"),
+    _Pass("Shafts", "Shafts", "RGB", "COLOR", "tyndall.use_pass_shafts"),
+    _Pass("Shafts Visibility", "Shafts Visibility", "X", "VALUE", "tyndall.use_pass_shafts_visibility"),
+    _Pass("Transmittance", "Transmittance", "RGB", "COLOR", "tyndall.use_pass_transmittance"),
+)
+_PLANE_OF = {render_pass.name: render_pass.plane for render_pass in _PASSES}
+
+
+def register_passes(engine: RenderEngine, scene: Scene, view_layer: ViewLayer) -> None:
+    """Tells Blender which passes a render will have, so that the compositor shows their sockets."""
+    for render_pass in _enabled(view_layer):
+        channels = render_pass.channels
+        engine.register_pass(scene, view_layer, render_pass.name, len(channels), channels, render_pass.kind)
+
+
+def wanted_planes(view_layer: ViewLayer) -> frozenset[str]:
+    """The planes of the film that the view layer's passes show."""
+    return frozenset(render_pass.plane for render_pass in _enabled(view_layer))
+
+
+def write(layer: RenderLayer, planes: Mapping[str, NDArray[np.float32]]) -> None:
+    """Copies planes, (height, width, channels) from bottom to top, into a layer of Blender's result.
+
+    One call for all passes: ``pass.rect = array`` takes 0.9 to 2.2 s for a full HD pass, this takes 0.004 s.
+    """
+    layer.passes.foreach_set("rect", np.concatenate([_pixels(render_pass, planes) for render_pass in layer.passes]))
+
+
+def _pixels(render_pass: bpy.types.RenderPass, planes: Mapping[str, NDArray[np.float32]]) -> NDArray[np.float32]:
+    plane = planes.get(_PLANE_OF.get(render_pass.name, ""))
+    height, width, _ = planes["Combined"].shape
+    if plane is None:  # a pass that another engine left switched on
+        return np.zeros(height * width * render_pass.channels, np.float32)
+    return np.ascontiguousarray(plane, np.float32).reshape(-1)
+
+
+def _enabled(view_layer: ViewLayer) -> list[_Pass]:
+    return [render_pass for render_pass in _PASSES if _is_on(view_layer, render_pass.switch)]
+
+
+def _is_on(view_layer: ViewLayer, switch: str) -> bool:
+    if not switch:
+        return True
+    group, _, name = switch.rpartition(".")
+    owner = getattr(view_layer, group) if group else view_layer
+    return bool(getattr(owner, name, False))

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is kept from one frame of a final render to the next: the native scene, and what was read of Blender's.
+
+One session per scene and view layer. All end with the render, unless the scene asks for persistent data.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.app.handlers import persistent
+from tyndall.renderer import Session
+
+from ..sync.scene import SceneReader
+
+if TYPE_CHECKING:
+    from bpy.types import Scene
+
+
+@dataclass(eq=False)
+class KeptFrame:
+    """The two sides of a sync: keys that the reader promises are keys that the session keeps."""
+
+    reader: SceneReader = field(default_factory=SceneReader)
+    session: Session = field(default_factory=Session)
+
+
+_kept: dict[tuple[str, str], KeptFrame] = {}
+
+
+def kept_frame(scene_name: str, view_layer_name: str) -> KeptFrame:
+    return _kept.setdefault((scene_name, view_layer_name), KeptFrame())
+
+
+def release(scene_name: str) -> None:
+    for key in [key for key in _kept if key[0] == scene_name]:
+        del _kept[key]
+
+
+@persistent
+def _end_of_render(scene: Scene, _: object = None) -> None:
+    if not scene.render.use_persistent_data:
+        release(scene.name)
+
+
+@persistent
+def _before_another_file(_: object = None, __: object = None) -> None:
+    _kept.clear()
+
+
+_HANDLERS = (
+    ("render_complete", _end_of_render),
+    ("render_cancel", _end_of_render),
+    ("load_pre", _before_another_file),
+)
+
+
+def register() -> None:
+    for event, handler in _HANDLERS:
+        getattr(bpy.app.handlers, event).append(handler)
+
+
+def unregister() -> None:
+    for event, handler in _HANDLERS:
+        handlers = getattr(bpy.app.handlers, event)
+        if handler in handlers:
+            handlers.remove(handler)
+    _kept.clear()

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a render is asked for: Blender's settings as a ``RenderConfig``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from tyndall.renderer import RenderConfig, ShaftConfig
+
+from .passes import wanted_planes
+
+if TYPE_CHECKING:
+    from bpy.types import RenderSettings, Scene, ViewLayer
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrameWindow:
+    """The full frame, and the part of it that renders: x from left, y from bottom, in pixels."""
+
+    size_px: tuple[int, int]
+    region_px: tuple[int, int, int, int]  #: x0, y0, x1, y1
+
+    @property
+    def region_size_px(self) -> tuple[int, int]:
+        x0, y0, x1, y1 = self.region_px
+        return x1 - x0, y1 - y0
+
+
+def frame_window(render: RenderSettings, size_px: tuple[int, int]) -> FrameWindow:
+    """The part of a frame inside the border, cut to whole pixels as Blender cuts its buffers: in single precision."""
+    if not render.use_border:
+        return FrameWindow(size_px=size_px, region_px=(0, 0, *size_px))
+    width, height = (np.float32(size) for size in size_px)
+    x0, x1 = (int(np.float32(edge) * width) for edge in (render.border_min_x, render.border_max_x))
+    y0, y1 = (int(np.float32(edge) * height) for edge in (render.border_min_y, render.border_max_y))
+    return FrameWindow(size_px=size_px, region_px=(x0, y0, x1, y1))
+
+
+def render_config(scene: Scene, view_layer: ViewLayer, window: FrameWindow) -> RenderConfig:
+    """The settings of a final render of one view layer."""
+    tyndall, shafts = scene.tyndall, scene.tyndall.shafts
+    return RenderConfig(
+        pixel_samples=tyndall.pixel_samples,
+        pixel_filter=tyndall.pixel_filter,
+        filter_width_px=tyndall.filter_width_px,
+        region_px=window.region_px,
+        film_transparent=scene.render.film_transparent,
+        passes=wanted_planes(view_layer),
+        shafts=ShaftConfig(
+            method=shafts.method,
+            error_target=shafts.error_target,
+            resolution=shafts.resolution,
+            light_samples=shafts.light_samples,
+            world_samples=shafts.world_samples,
+            attenuates_light=shafts.attenuates_light,
+            seed=tyndall.seed,
+        ),
+        seed=tyndall.seed,
+        thread_count=tyndall.thread_count,
+    )
