@@ -7,16 +7,19 @@
 #include <algorithm>
 #include <cstddef>
 #include <tbb/blocked_range.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <vector>
 
 namespace tyndall {
-/// Runs work inside an arena of `thread_count` threads; 0 means all. Never tbb::global_control: where TBB is shared
+/// Runs work inside an arena of at most `thread_count` threads; 0 means all cores. Never tbb::global_control: where TBB is shared
 /// with Blender, that throttles Blender, too.
 template <typename Work>
 auto with_threads(int thread_count, Work&& work) {
-    tbb::task_arena arena(thread_count > 0 ? thread_count : tbb::task_arena::automatic);
+    // TBB prints a warning when it is asked for more threads than there are cores.
+    const int core_count = tbb::info::default_concurrency();
+    tbb::task_arena arena(thread_count > 0 ? std::min(thread_count, core_count) : tbb::task_arena::automatic);
     return arena.execute(std::forward<Work>(work));
 }
 

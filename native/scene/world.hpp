@@ -2,7 +2,7 @@
 // Light from infinitely far away: one radiance, or an equirectangular image of it, importance-sampled by luminance.
 #pragma once
 #include "core/math.hpp"
-#include "scene/light.hpp"
+#include "core/piecewise_constant.hpp"
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,17 +12,18 @@ namespace tyndall {
 struct EnvironmentImage {
     std::string name;
     std::uint32_t width = 0, height = 0;
-    std::vector<Rgb> pixels; ///< width * height, scene-linear.
+    std::vector<Rgb> pixels = {}; ///< width * height, scene-linear.
 };
 
 class World {
 public:
     World() = default;
-    /// Radiance is `radiance` times the image, if there is one. Throws InvalidInput that names the world.
+    /// Radiance is `radiance` times the image, if there is one. Pixels that are not finite are black, as in Cycles.
+    /// Throws InvalidInput that names the world: a radiance that is not finite, an image of another size than it says.
     World(std::string name, Rgb radiance, std::shared_ptr<const EnvironmentImage> image = nullptr,
           mat3 image_from_world = mat3(1.0f));
 
-    [[nodiscard]] bool is_black() const;
+    [[nodiscard]] bool is_black() const { return is_black_; }
     [[nodiscard]] Rgb radiance(const vec3& unit_direction) const;
     struct DirectionSample {
         vec3 direction; ///< Unit, towards the world.
@@ -38,7 +39,7 @@ private:
     Rgb radiance_{0.0f};
     std::shared_ptr<const EnvironmentImage> image_;
     mat3 image_from_world_{1.0f};
-    std::vector<float> row_cdf_;    ///< height + 1
-    std::vector<float> column_cdf_; ///< height rows of width + 1
+    bool is_black_ = true;
+    PiecewiseConstant2d importance_; ///< Of the image's texels; empty without an image.
 };
 } // namespace tyndall

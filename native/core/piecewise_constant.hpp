@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Sampling in proportion to weights, by inverting their cumulative sums: of an interval's cells, of a grid's cells.
+// Based on: Pharr, Jakob, Humphreys, Physically Based Rendering, 4th ed. 2023, sections A.4.7 and A.5.6.
+// Differs:  the PDF is read from the same rounded sums that are inverted, so that it is exactly what is drawn.
+// Bound:    4 bytes per cell; a sample is two binary searches.
+#pragma once
+#include "core/math.hpp"
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tyndall {
+class PiecewiseConstant1d {
+public:
+    PiecewiseConstant1d() = default;
+    /// Weights are finite and not negative; if all are 0, every cell is as likely.
+    explicit PiecewiseConstant1d(std::span<const float> weights);
+
+    struct Sample {
+        std::uint32_t cell;
+        float offset; ///< Within the cell, [0, 1): what is left of u, uniform again.
+    };
+    [[nodiscard]] Sample sample(float u) const;
+    [[nodiscard]] float probability(std::uint32_t cell) const { return sums_[cell + 1] - sums_[cell]; }
+
+private:
+    std::vector<float> sums_; ///< cells + 1, from 0 to 1.
+};
+
+class PiecewiseConstant2d {
+public:
+    PiecewiseConstant2d() = default;
+    /// Weights row by row, rows * columns of them.
+    PiecewiseConstant2d(std::span<const float> weights, std::uint32_t columns);
+
+    struct Sample {
+        std::uint32_t column, row;
+        vec2 offset; ///< Within the cell, [0, 1)^2.
+    };
+    [[nodiscard]] Sample sample(vec2 u) const;
+    [[nodiscard]] float probability(std::uint32_t column, std::uint32_t row) const {
+        return rows_.probability(row) * columns_of_row_[row].probability(column);
+    }
+
+private:
+    PiecewiseConstant1d rows_;
+    std::vector<PiecewiseConstant1d> columns_of_row_;
+};
+} // namespace tyndall
