@@ -24,6 +24,7 @@ public:
           mat3 image_from_world = mat3(1.0f));
 
     [[nodiscard]] bool is_black() const { return is_black_; }
+    [[nodiscard]] bool has_image() const { return image_ != nullptr; }
     [[nodiscard]] Rgb radiance(const vec3& unit_direction) const;
     struct DirectionSample {
         vec3 direction; ///< Unit, towards the world.

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One function per room that adds its part to the module.
+#pragma once
+#include <pybind11/pybind11.h>
+
+namespace tyndall::bindings {
+namespace py = pybind11;
+void bind_core(py::module_& native);
+void bind_materials(py::module_& native);
+void bind_scene(py::module_& native);
+void bind_render(py::module_& native);
+} // namespace tyndall::bindings

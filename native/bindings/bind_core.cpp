@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bindings/bind.hpp"
+#include "core/progress.hpp"
+#include "core/statistics.hpp"
+#include <pybind11/stl.h>
+
+namespace tyndall::bindings {
+using namespace py::literals;
+
+static py::dict to_dict(const Statistics& statistics) {
+    py::list stages, skipped;
+    for (const Statistics::Stage& stage : statistics.stages)
+        stages.append(py::dict("name"_a = stage.name, "seconds"_a = stage.seconds));
+    for (const Statistics::Skipped& entry : statistics.skipped)
+        skipped.append(py::dict("what"_a = entry.what, "reason"_a = entry.reason));
+    py::dict counts;
+    for (const Statistics::Count& count : statistics.counts)
+        counts[py::str(count.name)] = count.value;
+    return py::dict("stages"_a = stages, "skipped"_a = skipped, "counts"_a = counts, "reports"_a = statistics.reports);
+}
+
+void bind_core(py::module_& native) {
+    py::class_<Progress>(native, "Progress", "What a long call tells its caller, and how any thread stops it.")
+        .def(py::init<>())
+        .def("cancel", &Progress::cancel, "Make the call raise Cancelled within 0.25 s.")
+        .def("poll", &Progress::poll, "Raise Cancelled after cancel().")
+        .def("advance_to", &Progress::advance_to, "fraction"_a, "Raise the share that is done; it never goes back.")
+        .def_property_readonly("is_cancelled", &Progress::is_cancelled)
+        .def_property_readonly("fraction", &Progress::fraction, "Share of the job that is done, 0 to 1.")
+        .def_property("message", &Progress::message, &Progress::set_message, "The stage at work.")
+        .def_property_readonly("elapsed_s", &Progress::elapsed_s)
+        .def_property_readonly("remaining_s", &Progress::remaining_s, "Negative while nothing is known yet.");
+    py::class_<Statistics>(native, "Statistics")
+        .def("to_dict", &to_dict, "Stages, skipped, counts and reports as plain lists and dictionaries, for JSON.");
+}
+} // namespace tyndall::bindings

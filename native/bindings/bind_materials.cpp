@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bindings/arrays.hpp"
+#include "bindings/bind.hpp"
+#include "core/errors.hpp"
+#include "shading/surface_program.hpp"
+#include "volume/medium.hpp"
+#include <pybind11/stl.h>
+
+namespace tyndall::bindings {
+using namespace py::literals;
+
+static std::shared_ptr<Texture> make_texture(std::string name, const py::array& pixels, bool is_srgb, bool has_alpha,
+                                             int extension, int interpolation) {
+    auto texture = std::make_shared<Texture>();
+    if (pixels.dtype().kind() == 'u')
+        texture->bytes = to_vector<std::uint8_t, std::uint8_t>(pixels, {-1, -1, 4}, "pixels");
+    else
+        texture->floats = to_vector<float, float>(pixels, {-1, -1, 4}, "pixels");
+    require(pixels.size() > 0, "image \"", name, "\" has no pixels");
+    texture->name = std::move(name);
+    texture->height = static_cast<std::uint32_t>(pixels.shape(0));
+    texture->width = static_cast<std::uint32_t>(pixels.shape(1));
+    texture->is_srgb = is_srgb;
+    texture->has_alpha = has_alpha;
+    texture->extension = static_cast<TextureExtension>(extension);
+    texture->interpolation = static_cast<TextureInterpolation>(interpolation);
+    return texture;
+}
+
+static SurfaceOp make_op(int code, std::uint16_t out, std::uint16_t a, std::uint16_t b, std::uint16_t c,
+                         std::uint16_t texture, std::uint16_t uv_map, const Triple& value,
+                         const std::array<float, 9>& uv_matrix) {
+    return {.code = static_cast<SurfaceOp::Code>(code),
+            .out = out,
+            .a = a,
+            .b = b,
+            .c = c,
+            .texture = texture,
+            .texture_uv = uv_map,
+            .value = to_vec3(value),
+            .uv_matrix = to_matrix<mat3, 3>(uv_matrix.data())};
+}
+
+static Material make_material(std::string name, bool has_surface, const Triple& diffuse, const Triple& transparent,
+                              const Triple& emission, std::vector<SurfaceOp> program, std::uint16_t diffuse_register,
+                              std::uint16_t transparent_register, std::uint16_t emission_register,
+                              const std::vector<std::shared_ptr<Texture>>& textures, std::vector<std::string> uv_maps,
+                              std::int32_t medium) {
+    Material material;
+    material.name = std::move(name);
+    material.program = std::move(program);
+    material.diffuse_register = diffuse_register;
+    material.transparent_register = transparent_register;
+    material.emission_register = emission_register;
+    material.constant = {
+        .diffuse_albedo = to_vec3(diffuse), .transparent = to_vec3(transparent), .emission = to_vec3(emission)};
+    material.textures.assign(textures.begin(), textures.end());
+    material.uv_map_names = std::move(uv_maps);
+    material.medium_index = medium;
+    material.has_surface = has_surface;
+    validate(material);
+    return material;
+}
+
+static Medium make_medium(std::string name, const std::vector<std::pair<Triple, float>>& lobes,
+                          const Triple& sigma_a_per_m, const Triple& emission_w_per_m3_sr) {
+    Medium medium{.name = std::move(name),
+                  .lobes = {},
+                  .sigma_a_per_m = to_vec3(sigma_a_per_m),
+                  .emission_w_per_m3_sr = to_vec3(emission_w_per_m3_sr)};
+    for (const auto& [sigma_s_per_m, asymmetry_g] : lobes)
+        medium.lobes.push_back({.sigma_s_per_m = to_vec3(sigma_s_per_m), .asymmetry_g = asymmetry_g});
+    return medium;
+}
+
+void bind_materials(py::module_& native) {
+    py::class_<Texture, std::shared_ptr<Texture>>(native, "Texture", "An image as one node uses it; keeps a copy.")
+        .def(py::init(&make_texture), "name"_a, "pixels"_a, "is_srgb"_a, "has_alpha"_a, "extension"_a,
+             "interpolation"_a, "pixels: uint8 or float32 (height, width, 4), rows bottom to top.");
+    py::class_<SurfaceOp>(native, "SurfaceOp")
+        .def(py::init(&make_op), "code"_a, "out"_a, "a"_a, "b"_a, "c"_a, "texture"_a, "uv_map"_a, "value"_a,
+             "uv_matrix"_a);
+    py::class_<Material>(native, "Material")
+        .def(py::init(&make_material), "name"_a, "has_surface"_a, "diffuse"_a, "transparent"_a, "emission"_a,
+             "program"_a, "diffuse_register"_a, "transparent_register"_a, "emission_register"_a, "textures"_a,
+             "uv_maps"_a, "medium"_a, "Raises InvalidInput, naming the material, for a program that cannot run.");
+    py::class_<Medium>(native, "Medium")
+        .def(py::init(&make_medium), "name"_a, "lobes"_a, "sigma_a_per_m"_a, "emission_w_per_m3_sr"_a,
+             "lobes: pairs of sigma_s_per_m and asymmetry_g.");
+}
+} // namespace tyndall::bindings

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bindings/arrays.hpp"
+#include "bindings/bind.hpp"
+#include "render/frame.hpp"
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+
+namespace tyndall::bindings {
+using namespace py::literals;
+
+static Camera make_camera(int kind, const py::array& world_from_camera, const std::array<float, 4>& window,
+                          const std::array<float, 2>& clip_m, const std::array<std::uint32_t, 2>& size_px) {
+    return {.kind = static_cast<CameraKind>(kind),
+            .world_from_camera = to_matrix<mat4, 4>(world_from_camera, "world_from_camera"),
+            .window_left = window[0],
+            .window_right = window[1],
+            .window_bottom = window[2],
+            .window_top = window[3],
+            .clip_near_m = clip_m[0],
+            .clip_far_m = clip_m[1],
+            .width_px = size_px[0],
+            .height_px = size_px[1]};
+}
+
+static light_shafts::Config make_shafts(int method, float error_target, std::uint32_t resolution,
+                                        std::uint32_t light_samples, std::uint32_t world_samples, bool attenuates_light,
+                                        std::uint32_t seed) {
+    return {.method = static_cast<light_shafts::Method>(method),
+            .error_target = error_target,
+            .resolution = resolution,
+            .light_samples = light_samples,
+            .world_samples = world_samples,
+            .attenuates_light = attenuates_light,
+            .seed = seed};
+}
+
+static render::FrameConfig make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px,
+                                       const std::optional<std::array<std::uint32_t, 4>>& region_px,
+                                       bool film_transparent, const std::vector<std::string>& passes,
+                                       const light_shafts::Config& shafts, std::uint32_t seed, int thread_count) {
+    render::FrameConfig config{.pixel_samples = pixel_samples,
+                               .pixel_filter = static_cast<render::PixelFilter>(pixel_filter),
+                               .filter_width_px = filter_width_px,
+                               .region = {},
+                               .is_film_transparent = film_transparent,
+                               .passes = {},
+                               .shafts = shafts,
+                               .seed = seed,
+                               .thread_count = thread_count};
+    if (region_px)
+        config.region = render::Region{(*region_px)[0], (*region_px)[1], (*region_px)[2], (*region_px)[3]};
+    for (const std::string& name : passes)
+        config.passes.add(render::pass_named(name));
+    return config;
+}
+
+/// The planes by name, float32 (height, width, channels).
+static py::dict to_planes(render::Film& film) {
+    py::dict planes;
+    for (render::Plane& plane : film.planes) {
+        const render::PassLayout& layout = render::layout(plane.pass);
+        planes[py::str(std::string(layout.name))] =
+            to_numpy(std::move(plane.values), {film.height_px, film.width_px, layout.channel_count});
+    }
+    return planes;
+}
+
+static std::pair<py::dict, Statistics> render_film(const Scene& scene, const Camera& camera,
+                                                   const render::FrameConfig& config, Progress& progress,
+                                                   const std::optional<py::function>& on_update) {
+    render::OnUpdate update;
+    if (on_update)
+        update = [&](render::Film film) {
+            const py::gil_scoped_acquire acquired;
+            (*on_update)(to_planes(film));
+        };
+    render::Film film = without_gil([&] { return render::render(scene, camera, config, progress, update); });
+    return {to_planes(film), std::move(film.statistics)};
+}
+
+void bind_render(py::module_& native) {
+    py::class_<Camera>(native, "Camera")
+        .def(py::init(&make_camera), "kind"_a, "world_from_camera"_a, "window"_a, "clip_m"_a, "size_px"_a,
+             "world_from_camera: float32 (4, 4), relative to the scene's origin.");
+    py::class_<light_shafts::Config>(native, "ShaftConfig")
+        .def(py::init(&make_shafts), "method"_a, "error_target"_a, "resolution"_a, "light_samples"_a, "world_samples"_a,
+             "attenuates_light"_a, "seed"_a);
+    py::class_<render::FrameConfig>(native, "FrameConfig")
+        .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "region_px"_a,
+             "film_transparent"_a, "passes"_a, "shafts"_a, "seed"_a, "thread_count"_a);
+    native.def("render", &render_film, "scene"_a, "camera"_a, "config"_a, "progress"_a, "on_update"_a = py::none(),
+               R"(Planes by name, float32 (height, width, channels), rows bottom to top, and statistics.
+
+on_update is called with the planes so far about twice a second. Releases the GIL. InvalidInput; Cancelled.)");
+}
+} // namespace tyndall::bindings

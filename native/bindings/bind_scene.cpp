@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bindings/arrays.hpp"
+#include "bindings/bind.hpp"
+#include "scene/scene.hpp"
+#include <pybind11/stl.h>
+
+namespace tyndall::bindings {
+using namespace py::literals;
+
+static std::shared_ptr<TriangleMesh> make_mesh(std::string name, const py::array& positions, const py::array& triangles,
+                                               const std::optional<py::array>& material_slots,
+                                               const std::optional<py::array>& corner_normals,
+                                               const std::vector<std::pair<std::string, py::array>>& uv_maps,
+                                               const Progress& progress) {
+    MeshArrays arrays;
+    arrays.name = std::move(name);
+    arrays.positions = to_vector<vec3, float>(positions, {-1, 3}, "positions");
+    arrays.triangles = to_vector<uvec3, std::uint32_t>(triangles, {-1, 3}, "triangles");
+    if (material_slots)
+        arrays.material_slots = to_vector<std::uint16_t, std::uint16_t>(*material_slots, {-1}, "material_slots");
+    if (corner_normals)
+        arrays.corner_normals = to_vector<vec3, float>(*corner_normals, {-1, 3, 3}, "corner_normals");
+    for (const auto& [uv_name, uvs] : uv_maps)
+        arrays.uv_maps.push_back({uv_name, to_vector<vec2, float>(uvs, {-1, 3, 2}, "UV map " + uv_name)});
+    return without_gil([&] { return std::make_shared<TriangleMesh>(std::move(arrays), progress); });
+}
+
+static Light make_light(std::string name, int kind, const Triple& strength, const Triple& position, const Triple& axis,
+                        const py::array& light_from_world_directions, float half_angle_rad, float radius_m,
+                        float spot_half_angle_rad, float spot_blend, int spot_falloff, int body, bool casts_shadow,
+                        bool lights_surfaces, bool scatters_in_media) {
+    Light light;
+    light.name = std::move(name);
+    light.kind = static_cast<LightKind>(kind);
+    light.strength = to_vec3(strength);
+    light.position = to_vec3(position);
+    light.towards_light = -to_vec3(axis);
+    light.spot_axis = to_vec3(axis);
+    light.half_angle_rad = half_angle_rad;
+    light.radius_m = radius_m;
+    light.spot_half_angle_rad = spot_half_angle_rad;
+    light.spot_blend = spot_blend;
+    light.spot_falloff = static_cast<SpotFalloff>(spot_falloff);
+    light.body = static_cast<LightBody>(body);
+    light.light_from_world_directions = to_matrix<mat3, 3>(light_from_world_directions, "light_from_world_directions");
+    light.casts_shadow = casts_shadow;
+    light.lights_surfaces = lights_surfaces;
+    light.scatters_in_media = scatters_in_media;
+    return light;
+}
+
+static World make_world(std::string name, const Triple& radiance, const std::optional<py::array>& pixels,
+                        const py::array& image_from_world) {
+    std::shared_ptr<EnvironmentImage> image;
+    if (pixels) {
+        image = std::make_shared<EnvironmentImage>();
+        image->name = name;
+        image->pixels = to_vector<Rgb, float>(*pixels, {-1, -1, 3}, "pixels");
+        image->height = static_cast<std::uint32_t>(pixels->shape(0));
+        image->width = static_cast<std::uint32_t>(pixels->shape(1));
+    }
+    const mat3 rotation = to_matrix<mat3, 3>(image_from_world, "image_from_world");
+    return without_gil([&] { return World(std::move(name), to_vec3(radiance), std::move(image), rotation); });
+}
+
+namespace {
+/// Placements in parallel arrays, one entry per instance.
+struct InstanceArrays {
+    std::vector<std::uint32_t> mesh_indices, first_slot_materials;
+    std::vector<std::uint16_t> slot_counts;
+    std::vector<std::uint8_t> is_camera_visible, casts_shadow;
+    py::array world_from_object;
+};
+} // namespace
+
+static std::vector<Instance> make_instances(const InstanceArrays& arrays) {
+    const auto count = static_cast<py::ssize_t>(arrays.mesh_indices.size());
+    check_array<float>(arrays.world_from_object, {count, 4, 4}, "world_from_object");
+    const auto* matrices = static_cast<const float*>(arrays.world_from_object.data());
+    std::vector<Instance> instances(arrays.mesh_indices.size());
+    for (std::size_t i = 0; i < instances.size(); ++i)
+        instances[i] = {.mesh_index = arrays.mesh_indices[i],
+                        .world_from_object = to_matrix<mat4, 4>(matrices + 16 * i),
+                        .name_index = static_cast<std::uint32_t>(i),
+                        .first_slot_material = arrays.first_slot_materials[i],
+                        .slot_count = arrays.slot_counts[i],
+                        .is_camera_visible = arrays.is_camera_visible[i] != 0,
+                        .casts_shadow = arrays.casts_shadow[i] != 0};
+    return instances;
+}
+
+static std::shared_ptr<Scene>
+make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::shared_ptr<TriangleMesh>>& meshes,
+           const py::array& mesh_indices, const py::array& world_from_object, std::vector<std::string> object_names,
+           const py::array& first_slot_materials, const py::array& slot_counts, const py::array& is_camera_visible,
+           const py::array& casts_shadow, const py::array& slot_materials, std::vector<Material> materials,
+           std::vector<Medium> media, std::vector<Light> lights, World world, std::int32_t world_medium,
+           const Progress& progress) {
+    const py::ssize_t count = mesh_indices.size();
+    SceneDescription description;
+    description.origin_in_world = {origin_in_world[0], origin_in_world[1], origin_in_world[2]};
+    description.meshes.assign(meshes.begin(), meshes.end());
+    description.instances = make_instances(
+        {.mesh_indices = to_vector<std::uint32_t, std::uint32_t>(mesh_indices, {-1}, "mesh_indices"),
+         .first_slot_materials =
+             to_vector<std::uint32_t, std::uint32_t>(first_slot_materials, {count}, "first_slot_materials"),
+         .slot_counts = to_vector<std::uint16_t, std::uint16_t>(slot_counts, {count}, "slot_counts"),
+         .is_camera_visible = to_vector<std::uint8_t, std::uint8_t>(is_camera_visible, {count}, "is_camera_visible"),
+         .casts_shadow = to_vector<std::uint8_t, std::uint8_t>(casts_shadow, {count}, "casts_shadow"),
+         .world_from_object = world_from_object});
+    description.object_names = std::move(object_names);
+    description.slot_materials = to_vector<std::uint32_t, std::uint32_t>(slot_materials, {-1}, "slot_materials");
+    description.materials = std::move(materials);
+    description.media = std::move(media);
+    description.lights = std::move(lights);
+    description.world = std::move(world);
+    description.world_medium_index = world_medium;
+    return without_gil([&] { return std::make_shared<Scene>(std::move(description), progress); });
+}
+
+void bind_scene(py::module_& native) {
+    py::class_<TriangleMesh, std::shared_ptr<TriangleMesh>>(native, "TriangleMesh",
+                                                            "Triangles with their BVH; keeps a copy of the arrays.")
+        .def(py::init(&make_mesh), "name"_a, "positions"_a, "triangles"_a, "material_slots"_a, "corner_normals"_a,
+             "uv_maps"_a, "progress"_a,
+             R"(positions: float32 (v, 3); triangles: uint32 (t, 3); material_slots: uint16 (t,) or None;
+corner_normals: float32 (t, 3, 3) or None; uv_maps: pairs of name and float32 (t, 3, 2). Releases the GIL.
+TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
+        .def_property_readonly("triangle_count", &TriangleMesh::triangle_count)
+        .def_property_readonly("non_finite_triangle_count", &TriangleMesh::non_finite_triangle_count)
+        .def_property_readonly("degenerate_triangle_count", &TriangleMesh::degenerate_triangle_count)
+        .def_property_readonly("bounds_m", [](const TriangleMesh& mesh) {
+            const Bounds3& box = mesh.bounds();
+            return std::array<Triple, 2>{{{box.min.x, box.min.y, box.min.z}, {box.max.x, box.max.y, box.max.z}}};
+        });
+    py::class_<Light>(native, "Light")
+        .def(py::init(&make_light), "name"_a, "kind"_a, "strength"_a, "position"_a, "axis"_a,
+             "light_from_world_directions"_a, "half_angle_rad"_a, "radius_m"_a, "spot_half_angle_rad"_a, "spot_blend"_a,
+             "spot_falloff"_a, "body"_a, "casts_shadow"_a, "lights_surfaces"_a, "scatters_in_media"_a,
+             "position: relative to the scene's origin; axis: unit vector along which the light shines.");
+    py::class_<World>(native, "World")
+        .def(py::init(&make_world), "name"_a, "radiance"_a, "pixels"_a, "image_from_world"_a,
+             "pixels: float32 (height, width, 3), rows bottom to top, or None; image_from_world: float32 (3, 3).");
+    py::class_<Scene, std::shared_ptr<Scene>>(native, "Scene", "Immutable; safe from any thread.")
+        .def(py::init(&make_scene), "origin_in_world"_a, "meshes"_a, "mesh_indices"_a, "world_from_object"_a,
+             "object_names"_a, "first_slot_materials"_a, "slot_counts"_a, "is_camera_visible"_a, "casts_shadow"_a,
+             "slot_materials"_a, "materials"_a, "media"_a, "lights"_a, "world"_a, "world_medium"_a, "progress"_a,
+             R"(Per instance: mesh_indices and first_slot_materials uint32, slot_counts uint16, is_camera_visible and
+casts_shadow uint8, world_from_object float32 (n, 4, 4) relative to origin_in_world. Releases the GIL.)")
+        .def_property_readonly("statistics", &Scene::statistics);
+}
+} // namespace tyndall::bindings

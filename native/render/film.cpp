@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/film.hpp"
+#include "core/errors.hpp"
+#include <algorithm>
+
+namespace tyndall::render {
+// What Blender and Cycles write where a ray meets nothing.
+static constexpr float background_depth_m = 1e10f;
+
+Pass pass_named(std::string_view name) {
+    std::string names;
+    for (std::size_t index = 0; index < pass_count; ++index) {
+        if (pass_layouts[index].name == name)
+            return static_cast<Pass>(index);
+        names += index == 0 ? "" : ", ";
+        names += pass_layouts[index].name;
+    }
+    refuse("there is no pass \"", name, "\"; there are: ", names);
+}
+
+const Plane* Film::find(Pass pass) const {
+    const auto plane = std::find_if(planes.begin(), planes.end(), [&](const Plane& p) { return p.pass == pass; });
+    return plane == planes.end() ? nullptr : &*plane;
+}
+
+FilmSums::FilmSums(std::uint32_t width_px, std::uint32_t height_px, const PassSet& passes, const dvec3& origin_in_world)
+    : width_px_(width_px), height_px_(height_px), origin_in_world_(origin_in_world) {
+    for (std::size_t index = 0; index < pass_count; ++index)
+        if (passes.has(static_cast<Pass>(index))) {
+            offsets_[index] = stride_;
+            stride_ += pass_layouts[index].channel_count;
+        }
+    if (passes.has(Pass::Shadow)) {
+        shadow_weight_offset_ = stride_;
+        stride_ += 3;
+    }
+    const std::size_t pixel_count = std::size_t{width_px} * height_px;
+    sums_.resize(pixel_count * stride_);
+    sample_counts_.resize(pixel_count);
+}
+
+void FilmSums::add_colour(std::size_t pixel, Pass pass, const Rgb& colour) {
+    if (!wants(pass))
+        return;
+    float* sum = channels(pixel, pass);
+    sum[0] += colour.x;
+    sum[1] += colour.y;
+    sum[2] += colour.z;
+}
+
+void FilmSums::add(std::size_t pixel, const PathSample& sample) {
+    const bool is_first = sample_counts_[pixel]++ == 0;
+    add_colour(pixel, Pass::Combined, sample.radiance);
+    channels(pixel, Pass::Combined)[3] += sample.alpha;
+    if (is_first && wants(Pass::Depth))
+        *channels(pixel, Pass::Depth) = sample.depth_m;
+    if (is_first && sample.depth_m > 0.0f)
+        add_colour(pixel, Pass::Position, vec3(dvec3(sample.position) + origin_in_world_));
+    add_colour(pixel, Pass::Normal, sample.normal);
+    add_colour(pixel, Pass::DiffuseColour, sample.diffuse_colour);
+    add_colour(pixel, Pass::Emission, sample.emission);
+    add_colour(pixel, Pass::Transmittance, sample.transmittance);
+    if (wants(Pass::Shadow)) {
+        add_colour(pixel, Pass::Shadow, sample.lit);
+        float* weight = &sums_[pixel * stride_ + shadow_weight_offset_];
+        for (int channel = 0; channel < 3; ++channel)
+            weight[channel] += sample.unshadowed[channel];
+    }
+}
+
+void FilmSums::add_shafts(std::size_t pixel, const Rgb& radiance, float visibility) {
+    add_colour(pixel, Pass::Combined, radiance);
+    add_colour(pixel, Pass::Shafts, radiance);
+    if (wants(Pass::ShaftsVisibility))
+        *channels(pixel, Pass::ShaftsVisibility) += visibility;
+}
+
+Film FilmSums::resolve() const {
+    Film film{.width_px = width_px_, .height_px = height_px_, .planes = {}, .statistics = {}};
+    const std::size_t pixel_count = sample_counts_.size();
+    for (std::size_t index = 0; index < pass_count; ++index) {
+        if (!offsets_[index])
+            continue;
+        const auto pass = static_cast<Pass>(index);
+        const std::uint32_t channel_count = layout(pass).channel_count;
+        Plane plane{.pass = pass, .values = std::vector<float>(pixel_count * channel_count)};
+        const bool is_of_first_sample = pass == Pass::Depth || pass == Pass::Position;
+        for (std::size_t pixel = 0; pixel < pixel_count; ++pixel) {
+            const std::uint32_t count = sample_counts_[pixel];
+            const float* sum = &sums_[pixel * stride_ + *offsets_[index]];
+            for (std::uint32_t channel = 0; channel < channel_count; ++channel) {
+                float divisor = is_of_first_sample ? 1.0f : static_cast<float>(count);
+                if (pass == Pass::Shadow)
+                    divisor = sums_[pixel * stride_ + shadow_weight_offset_ + channel];
+                float value = divisor > 0.0f ? sum[channel] / divisor : 0.0f;
+                if (pass == Pass::Depth && value == 0.0f && count > 0)
+                    value = background_depth_m;
+                plane.values[pixel * channel_count + channel] = value;
+            }
+        }
+        film.planes.push_back(std::move(plane));
+    }
+    return film;
+}
+} // namespace tyndall::render

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The picture: named float planes, and the sums of samples that they are resolved from.
+#pragma once
+#include "core/math.hpp"
+#include "core/statistics.hpp"
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tyndall::render {
+/// What a plane holds. Colours are mean over the samples; the others follow Cycles, see PathSample.
+enum class Pass : std::uint8_t {
+    Combined = 0,
+    Depth = 1,
+    Normal = 2,
+    Position = 3,
+    DiffuseColour = 4,
+    Emission = 5,
+    Shadow = 6,
+    Shafts = 7,
+    ShaftsVisibility = 8,
+    Transmittance = 9,
+};
+inline constexpr std::size_t pass_count = 10;
+struct PassLayout {
+    std::string_view name; ///< As Blender names the pass.
+    std::uint32_t channel_count;
+};
+inline constexpr std::array<PassLayout, pass_count> pass_layouts{{{"Combined", 4},
+                                                                  {"Depth", 1},
+                                                                  {"Normal", 3},
+                                                                  {"Position", 3},
+                                                                  {"DiffCol", 3},
+                                                                  {"Emit", 3},
+                                                                  {"Shadow", 3},
+                                                                  {"Shafts", 3},
+                                                                  {"Shafts Visibility", 1},
+                                                                  {"Transmittance", 3}}};
+[[nodiscard]] constexpr const PassLayout& layout(Pass pass) { return pass_layouts[static_cast<std::size_t>(pass)]; }
+/// The pass of this name; throws InvalidInput that lists the names there are.
+[[nodiscard]] Pass pass_named(std::string_view name);
+
+/// Passes that a frame computes; Combined always.
+class PassSet {
+public:
+    void add(Pass pass) { bits_ |= bit(pass); }
+    [[nodiscard]] bool has(Pass pass) const { return (bits_ & bit(pass)) != 0; }
+
+private:
+    static constexpr std::uint32_t bit(Pass pass) { return 1u << static_cast<unsigned>(pass); }
+    std::uint32_t bits_ = bit(Pass::Combined);
+};
+
+struct Plane {
+    Pass pass = Pass::Combined;
+    std::vector<float> values; ///< Rows bottom to top; a pixel's channels side by side.
+};
+struct Film {
+    std::uint32_t width_px = 0, height_px = 0;
+    std::vector<Plane> planes; ///< In the order of Pass; those that were asked for.
+    Statistics statistics;
+    [[nodiscard]] const Plane* find(Pass pass) const;
+};
+
+/// What one camera ray brings home.
+struct PathSample {
+    Rgb radiance{0.0f};
+    float alpha = 1.0f;
+    /// Of the first surface that covers at least half of what is behind it, as Cycles' alpha threshold of 0.5 says.
+    float depth_m = 0.0f; ///< Along the camera's -Z; 0: no such surface. The film holds the first sample's.
+    vec3 normal{0.0f};    ///< Shading normal in world space, on the viewer's side; the mean over samples.
+    vec3 position{0.0f};  ///< In the scene's space. The film holds the first sample's, in world space.
+    Rgb diffuse_colour{0.0f}, emission{0.0f}; ///< Through what lies in front.
+    Rgb lit{0.0f}, unshadowed{0.0f};          ///< Irradiance from lights with and without occluders.
+    Rgb transmittance{1.0f};                  ///< Through the media before that surface.
+};
+
+/// Sums of samples. Pixels are independent: threads may add to different ones. Samples of a pixel come in order.
+class FilmSums {
+public:
+    FilmSums(std::uint32_t width_px, std::uint32_t height_px, const PassSet& passes, const dvec3& origin_in_world);
+    [[nodiscard]] bool wants(Pass pass) const { return offsets_[static_cast<std::size_t>(pass)].has_value(); }
+    void add(std::size_t pixel, const PathSample& sample);
+    /// The light shafts of the sample that was added last to this pixel.
+    void add_shafts(std::size_t pixel, const Rgb& radiance, float visibility);
+    /// The film so far; a pixel without a sample is 0.
+    [[nodiscard]] Film resolve() const;
+
+private:
+    [[nodiscard]] float* channels(std::size_t pixel, Pass pass) {
+        return &sums_[pixel * stride_ + *offsets_[static_cast<std::size_t>(pass)]];
+    }
+    void add_colour(std::size_t pixel, Pass pass, const Rgb& colour);
+
+    std::uint32_t width_px_, height_px_;
+    dvec3 origin_in_world_;
+    std::array<std::optional<std::uint32_t>, pass_count> offsets_{};
+    std::uint32_t shadow_weight_offset_ = 0; ///< Of the unshadowed irradiance; the pass is a ratio.
+    std::uint32_t stride_ = 0;
+    std::vector<float> sums_;
+    std::vector<std::uint32_t> sample_counts_;
+};
+} // namespace tyndall::render

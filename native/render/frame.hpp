@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One frame: camera rays, direct light, media and light shafts, put together into a film.
+// Data flow, per sample of all pixels: camera rays -> surfaces with their light -> parts of the rays that lie in media
+//            -> light shafts on all of them at once -> film.
+#pragma once
+#include "light_shafts/light_shafts.hpp"
+#include "render/film.hpp"
+#include "render/pixel_filter.hpp"
+#include "scene/scene.hpp"
+#include <functional>
+#include <optional>
+
+namespace tyndall::render {
+/// Pixels [x0, x1) x [y0, y1) of the full frame, y up.
+struct Region {
+    std::uint32_t x0, y0, x1, y1;
+};
+
+struct FrameConfig {
+    std::uint32_t pixel_samples = 16; ///< [1, 65536]; 1: the pixel's centre, unfiltered.
+    PixelFilter pixel_filter = PixelFilter::BlackmanHarris;
+    float filter_width_px = 1.5f; ///< As in Cycles, [0.01, 10].
+    std::optional<Region> region; ///< None: the full frame. A region's pixels have the full frame's values.
+    bool is_film_transparent = false;
+    PassSet passes;
+    light_shafts::Config shafts;
+    std::uint32_t seed = 0;
+    int thread_count = 0; ///< 0: all.
+};
+
+/// Called about twice a second, and once when the first sample is complete, with the picture so far.
+using OnUpdate = std::function<void(Film)>;
+
+/// Throws InvalidInput, which names the culprit, and Cancelled. The film's bits do not depend on the number of threads.
+[[nodiscard]] Film render(const Scene& scene, const Camera& camera, const FrameConfig& config, Progress& progress,
+                          const OnUpdate& on_update = {});
+} // namespace tyndall::render

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/shadow_terminator.hpp"
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace tyndall::render {
+namespace {
+/// Sine of the angle above the horizon at which the lift begins to fade: Blender's default for every object.
+constexpr float horizon_sine = 0.1f;
+
+/// Share of the full lift, [0, 1].
+float lift_share(float shading_cosine, float geometric_cosine) {
+    const float above_horizon = shading_cosine < horizon_sine ? 0.5f * (geometric_cosine + shading_cosine)
+                                                              : 0.5f * (geometric_cosine + horizon_sine);
+    return std::clamp(2.0f * (1.0f - above_horizon / horizon_sine), 0.0f, 1.0f);
+}
+
+struct SmoothTriangle {
+    std::array<vec3, 3> corners, normals; ///< Object space.
+    vec3 point;
+    std::array<float, 3> barycentrics;
+
+    /// How far the quadratic surface through the corners, at right angles to their normals, lies above the triangle,
+    /// times 2: each edge bulges by what its normals turn along it.
+    [[nodiscard]] float bulge() const {
+        float sum = 0.0f;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::size_t j = (i + 1) % 3;
+            sum += glm::dot(normals[j] - normals[i], corners[j] - corners[i]) * barycentrics[i] * barycentrics[j];
+        }
+        return sum;
+    }
+    /// Height above the point of the lowest of three planes, each at right angles to a corner's normal (times `side`)
+    /// and pushed out until the triangle lies below it.
+    [[nodiscard]] float lowest_envelope(float side) const {
+        float lowest = std::numeric_limits<float>::infinity();
+        for (const vec3& normal : normals) {
+            float highest = 0.0f; // the point itself lies in the triangle
+            for (const vec3& corner : corners)
+                highest = std::max(highest, side * glm::dot(corner - point, normal));
+            lowest = std::min(lowest, highest);
+        }
+        return lowest;
+    }
+};
+} // namespace
+
+vec3 terminator_lift(const Scene& scene, const Hit& hit, const ShadingPoint& point, const vec3& towards_light) {
+    const SceneDescription& description = scene.description();
+    const Instance& instance = description.instances[hit.instance];
+    const MeshArrays& arrays = description.meshes[instance.mesh_index]->arrays();
+    if (arrays.corner_normals.empty())
+        return vec3(0.0f);
+    const vec3 viewed_normal = point.is_backface ? -hit.geometric_normal : hit.geometric_normal;
+    const float share =
+        lift_share(glm::dot(point.shading_normal, towards_light), glm::dot(viewed_normal, towards_light));
+    if (share == 0.0f)
+        return vec3(0.0f);
+    SmoothTriangle triangle;
+    triangle.barycentrics = {1.0f - hit.barycentrics.x - hit.barycentrics.y, hit.barycentrics.x, hit.barycentrics.y};
+    triangle.point = vec3(0.0f);
+    vec3 normal(0.0f);
+    for (int corner = 0; corner < 3; ++corner) {
+        const auto i = static_cast<std::size_t>(corner);
+        triangle.corners[i] = arrays.positions[arrays.triangles[hit.triangle][corner]];
+        triangle.normals[i] = arrays.corner_normals[3 * std::size_t{hit.triangle} + i];
+        if (triangle.normals[i] == vec3(0.0f)) // flat at that corner
+            return vec3(0.0f);
+        triangle.point += triangle.barycentrics[i] * triangle.corners[i];
+        normal += triangle.barycentrics[i] * triangle.normals[i];
+    }
+    const vec3 lift_direction = mat3(instance.world_from_object) * normal;
+    const bool is_outer_side = glm::dot(lift_direction, viewed_normal) > 0.0f;
+    const float height = is_outer_side ? std::max(triangle.lowest_envelope(1.0f), 0.5f * triangle.bulge())
+                                       : std::min(-triangle.lowest_envelope(-1.0f), 0.5f * triangle.bulge());
+    return share * height * lift_direction;
+}
+} // namespace tyndall::render

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A camera ray on its way through transparent surfaces: every layer adds its light, weighted by what lies in front.
+// Differs from Cycles: layers are followed deterministically with their share per channel, not picked at random, so
+//           that a window or a leaf's edge adds no noise. The expected picture is the same.
+#pragma once
+#include "light_shafts/light_shafts.hpp"
+#include "render/direct_light.hpp"
+#include "render/film.hpp"
+
+namespace tyndall::render {
+/// Transparent surfaces that a camera ray may pass before it counts as black.
+inline constexpr std::uint32_t max_layer_count = 256;
+
+/// A stretch of a camera ray between two surfaces, in a medium.
+struct MediumPart {
+    float near_m, far_m; ///< From the camera; far may be infinite.
+    Rgb weight;          ///< Share that the surfaces in front let pass. Media are not in it.
+};
+
+struct ViewPathConfig {
+    bool is_film_transparent = false;   ///< The world is not seen: alpha is what covers it.
+    bool collects_parts = false;        ///< Fill `parts` where there is a medium.
+    bool lights_black_surfaces = false; ///< The Shadow pass needs light on surfaces that show none.
+};
+
+class ViewPath {
+public:
+    ViewPath(const Scene& scene, const Media& media, const DirectLight& light, const Camera& camera,
+             const ViewPathConfig& config)
+        : scene_(scene), media_(media), light_(light), camera_(camera), config_(config) {}
+
+    /// Follows the ray and appends the parts of it that lie in media.
+    [[nodiscard]] PathSample follow(const Ray& camera_ray, PixelSamples& samples, std::vector<MediumPart>& parts) const;
+
+private:
+    const Scene& scene_;
+    const Media& media_;
+    const DirectLight& light_;
+    const Camera& camera_;
+    ViewPathConfig config_;
+};
+} // namespace tyndall::render

@@ -1,0 +1,346 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scene description in native memory: each mesh and image is sent once, by its key; the rest is small."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from hashlib import blake2b
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _native
+from .scene_description import Image, Instances, Light, Material, Medium, Mesh, SceneDescription, TextureUse, World
+
+_BYTE = np.arange(256) / 255.0
+#: IEC 61966-2-1: linear below 0.04045.
+_SRGB_TO_LINEAR = np.where(_BYTE <= 0.04045, _BYTE / 12.92, ((_BYTE + 0.055) / 1.055) ** 2.4).astype(np.float32)  # noqa: PLR2004
+#: What Blender shows where a mesh has no material.
+_DEFAULT_MATERIAL = Material(name="(no material)")
+_Part = TypeVar("_Part")
+
+
+class _Digest(Protocol):
+    def update(self, data: Any, /) -> None: ...  # noqa: ANN401 - anything with a buffer
+
+
+def fingerprint(value: object) -> bytes:
+    """Equal for descriptions that give the same native scene. Meshes and images count by their keys alone."""
+    digest = blake2b(digest_size=16)
+    _feed(digest, value)
+    return digest.digest()
+
+
+def _feed(digest: _Digest, value: object) -> None:
+    if isinstance(value, Mesh | Image):
+        digest.update(f"<{value.key}>".encode())
+    elif isinstance(value, np.ndarray):
+        digest.update(f"{value.dtype}{value.shape}".encode())
+        digest.update(np.ascontiguousarray(value).data)
+    elif isinstance(value, tuple):
+        digest.update(f"({len(value)}:".encode())
+        if value and all(isinstance(item, str) for item in value):
+            digest.update("\0".join(value).encode())
+            return
+        for item in value:
+            _feed(digest, item)
+    elif is_dataclass(value):
+        for entry in fields(value):
+            _feed(digest, getattr(value, entry.name))
+    else:
+        digest.update(f"{value!r};".encode())
+
+
+@dataclass
+class NativeParts:
+    """Native objects that outlive a frame, by key, and how many of them the last update sent or found in place."""
+
+    meshes: dict[str, _native.TriangleMesh] = field(default_factory=dict)
+    textures: dict[tuple[str, int, int], _native.Texture] = field(default_factory=dict)
+    world: tuple[bytes, _native.World] | None = None
+    counts: dict[str, float] = field(default_factory=dict)
+
+    def begin_update(self) -> None:
+        """Set the counts of this update to 0."""
+        self.counts = {
+            "meshes sent": 0,
+            "meshes reused": 0,
+            "images sent": 0,
+            "images reused": 0,
+            "scene rebuilt": 0,
+        }
+
+    def count_all_as_reused(self) -> None:
+        """Nothing has changed: everything is in place."""
+        self.counts["meshes reused"] = len(self.meshes)
+        self.counts["images reused"] = len(self.textures)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BuiltScene:
+    """A native scene, where it lies, and what had to be left out."""
+
+    scene: _native.Scene
+    origin_in_world: NDArray[np.float64]  #: (3,): what native positions are relative to.
+    reports: list[str]
+
+
+def build_scene(description: SceneDescription, parts: NativeParts, progress: _native.Progress) -> BuiltScene:
+    """The native scene; new meshes and images go into ``parts``, those that are gone leave it. Raises Cancelled."""
+    reports = list(description.reports)
+    groups = _build_meshes(description.instances, parts, reports, progress)
+    origin = _origin_in_world(groups, description)
+    materials = _build_materials(description.materials, parts, reports)
+    default_material = len(materials)
+    materials.append(_build_material(_DEFAULT_MATERIAL, []))
+    slots = [group.materials or (default_material,) for group in groups]
+    first_slots = np.cumsum([0, *map(len, slots)])[:-1]
+    lights = _usable(description.lights, lambda light: _build_light(light, origin), "Light", reports)
+    # A medium is pointed to by index: one that cannot be used becomes an empty one.
+    media = [
+        part if part is not None else _build_medium(Medium(name=medium.name))
+        for medium, part in zip(
+            description.media, _built(description.media, _build_medium, "Volume", reports), strict=True
+        )
+    ]
+    counts = [len(group.object_names) for group in groups]
+    mesh_keys = list(dict.fromkeys(group.mesh.key for group in groups))
+    mesh_index = {key: index for index, key in enumerate(mesh_keys)}
+    scene = _native.Scene(
+        origin_in_world=tuple(origin),
+        meshes=[parts.meshes[key] for key in mesh_keys],
+        mesh_indices=_repeated([mesh_index[group.mesh.key] for group in groups], counts, np.uint32),
+        world_from_object=_relative_matrices(groups, origin),
+        object_names=[name for group in groups for name in group.object_names],
+        first_slot_materials=_repeated(first_slots, counts, np.uint32),
+        slot_counts=_repeated([len(slot) for slot in slots], counts, np.uint16),
+        is_camera_visible=_repeated([group.is_camera_visible for group in groups], counts, np.uint8),
+        casts_shadow=_repeated([group.casts_shadow for group in groups], counts, np.uint8),
+        slot_materials=np.array([index for slot in slots for index in slot], dtype=np.uint32),
+        materials=materials,
+        media=media,
+        lights=lights,
+        world=_build_world(description.world, parts, reports),
+        world_medium=description.world.medium,
+        progress=progress,
+    )
+    return BuiltScene(scene=scene, origin_in_world=origin, reports=reports)
+
+
+def _repeated(values: Iterable[int], counts: list[int], dtype: type[np.integer[Any]]) -> NDArray[Any]:
+    return np.repeat(np.array(list(values), dtype=dtype), counts)
+
+
+def _relative_matrices(groups: list[Instances], origin: NDArray[np.float64]) -> NDArray[np.float32]:
+    """(n, 4, 4): the subtraction happens in double precision, so that a scene 60 km out keeps its millimetres."""
+    if not groups:
+        return np.zeros((0, 4, 4), dtype=np.float32)
+    matrices = np.concatenate([group.world_from_object for group in groups]).astype(np.float64)
+    matrices[:, :3, 3] -= origin
+    with np.errstate(over="ignore"):  # what does not fit becomes infinite: the scene drops it with a report
+        return matrices.astype(np.float32)
+
+
+def _origin_in_world(groups: list[Instances], description: SceneDescription) -> NDArray[np.float64]:
+    """The median of the placed objects, in whole metres: outliers do not move it, small motions seldom do."""
+    places = [group.world_from_object[:, :3, 3] for group in groups]
+    if not places:
+        places = [light.world_from_light[None, :3, 3] for light in description.lights]
+    points = np.concatenate(places) if places else np.zeros((0, 3))
+    points = points[np.isfinite(points).all(axis=1)]
+    return np.round(np.median(points, axis=0)) if len(points) else np.zeros(3)
+
+
+def _build_meshes(
+    groups: tuple[Instances, ...], parts: NativeParts, reports: list[str], progress: _native.Progress
+) -> list[Instances]:
+    """Send the meshes that are new; returns the groups whose mesh can be used."""
+    kept: dict[str, _native.TriangleMesh] = {}
+    refused: set[str] = set()
+    for group in groups:
+        mesh = group.mesh
+        if mesh.key in kept or mesh.key in refused:
+            continue
+        if (native := parts.meshes.get(mesh.key)) is not None:
+            parts.counts["meshes reused"] += 1
+        else:
+            progress.message = f"Sending {mesh.name}"
+            try:
+                native = _native.TriangleMesh(
+                    mesh.name,
+                    mesh.positions,
+                    mesh.triangles,
+                    mesh.material_slots,
+                    mesh.corner_normals,
+                    mesh.uv_maps,
+                    progress,
+                )
+            except _native.InvalidInput as error:
+                reports.append(f"{error}: left out")
+                refused.add(mesh.key)
+                continue
+            parts.counts["meshes sent"] += 1
+        kept[mesh.key] = native
+        # What a cancelled update has built serves the next one.
+        parts.meshes[mesh.key] = native
+    parts.meshes = kept
+    return [group for group in groups if group.mesh.key in kept]
+
+
+def _built(sources: Iterable[_Part], build: Callable[[_Part], Any], kind: str, reports: list[str]) -> list[Any | None]:
+    """Each source's native part, or None and a report where it cannot be used."""
+    result: list[Any | None] = []
+    for source in sources:
+        try:
+            _require_finite(source)
+            result.append(build(source))
+        except _native.InvalidInput as error:
+            reports.append(f'{kind} "{getattr(source, "name", "")}" is left out: {error}')
+            result.append(None)
+    return result
+
+
+def _usable(sources: Iterable[_Part], build: Callable[[_Part], Any], kind: str, reports: list[str]) -> list[Any]:
+    return [part for part in _built(sources, build, kind, reports) if part is not None]
+
+
+def _require_finite(part: object, path: str = "") -> None:
+    """Raise InvalidInput that names the first field of a light, medium or world that is not finite."""
+    if isinstance(part, Image):
+        return
+    if is_dataclass(part):
+        for entry in fields(part):
+            _require_finite(getattr(part, entry.name), f"{path}{entry.name}")
+    elif isinstance(part, tuple) and part and is_dataclass(part[0]):
+        for index, item in enumerate(part):
+            _require_finite(item, f"{path}[{index}].")
+    elif isinstance(part, float | tuple | np.ndarray) and not np.isfinite(part).all():
+        raise _native.InvalidInput(f"{path} is not finite")
+
+
+def _build_materials(materials: tuple[Material, ...], parts: NativeParts, reports: list[str]) -> list[_native.Material]:
+    """One per material; one that cannot be used becomes the default grey, with a report."""
+    kept: dict[tuple[str, int, int], _native.Texture] = {}
+
+    def texture(use: TextureUse) -> _native.Texture:
+        key = (use.image.key, int(use.extension), int(use.interpolation))
+        if key not in kept:
+            native = parts.textures.get(key)
+            parts.counts["images sent" if native is None else "images reused"] += 1
+            kept[key] = native if native is not None else _build_texture(use)
+        return kept[key]
+
+    result = []
+    for material in materials:
+        try:
+            result.append(_build_material(material, [texture(use) for use in material.textures]))
+        except _native.InvalidInput as error:
+            reports.append(f'Material "{material.name}" is drawn grey: {error}')
+            result.append(_build_material(replace(_DEFAULT_MATERIAL, name=material.name, medium=material.medium), []))
+    parts.textures = kept
+    return result
+
+
+def _build_texture(use: TextureUse) -> _native.Texture:
+    return _native.Texture(
+        name=use.image.name,
+        pixels=use.image.pixels,
+        is_srgb=use.image.is_srgb,
+        has_alpha=use.image.has_alpha,
+        extension=int(use.extension),
+        interpolation=int(use.interpolation),
+    )
+
+
+def _build_material(material: Material, textures: list[_native.Texture]) -> _native.Material:
+    return _native.Material(
+        name=material.name,
+        has_surface=material.has_surface,
+        diffuse=material.diffuse,
+        transparent=material.transparent,
+        emission=material.emission,
+        program=[
+            _native.SurfaceOp(
+                code=int(op.code),
+                out=op.out,
+                a=op.a,
+                b=op.b,
+                c=op.c,
+                texture=op.texture,
+                uv_map=op.uv_map,
+                value=op.value,
+                uv_matrix=op.uv_matrix,
+            )
+            for op in material.program
+        ],
+        diffuse_register=material.diffuse_register,
+        transparent_register=material.transparent_register,
+        emission_register=material.emission_register,
+        textures=textures,
+        uv_maps=material.uv_maps,
+        medium=material.medium,
+    )
+
+
+def _build_medium(medium: Medium) -> _native.Medium:
+    return _native.Medium(
+        name=medium.name,
+        lobes=[(lobe.sigma_s_per_m, lobe.asymmetry_g) for lobe in medium.lobes],
+        sigma_a_per_m=medium.sigma_a_per_m,
+        emission_w_per_m3_sr=medium.emission_w_per_m3_sr,
+    )
+
+
+def _build_light(light: Light, origin: NDArray[np.float64]) -> _native.Light:
+    rotation_and_scale = light.world_from_light[:3, :3]
+    axis = -rotation_and_scale[:, 2]
+    length = float(np.linalg.norm(axis))
+    if length == 0.0:
+        raise _native.InvalidInput("its matrix has no direction (scale 0)")
+    try:
+        light_from_world = np.linalg.inv(rotation_and_scale)
+    except np.linalg.LinAlgError:
+        raise _native.InvalidInput("its matrix is singular (scale 0)") from None
+    return _native.Light(
+        name=light.name,
+        kind=int(light.kind),
+        strength=light.strength,
+        position=tuple(light.world_from_light[:3, 3] - origin),
+        axis=tuple(axis / length),
+        light_from_world_directions=light_from_world.astype(np.float32),
+        half_angle_rad=light.half_angle_rad,
+        radius_m=light.radius_m,
+        spot_half_angle_rad=light.spot_half_angle_rad,
+        spot_blend=light.spot_blend,
+        spot_falloff=int(light.spot_falloff),
+        body=int(light.body),
+        casts_shadow=light.casts_shadow,
+        lights_surfaces=light.lights_surfaces,
+        scatters_in_media=light.scatters_in_media,
+    )
+
+
+def _build_world(world: World, parts: NativeParts, reports: list[str]) -> _native.World:
+    """The world's sampling tables take a while for a large image: kept as long as the world stays the same."""
+    current = fingerprint(world)
+    if parts.world is None or parts.world[0] != current:
+        usable = _usable([world], _make_world, "World", reports)
+        parts.world = (current, usable[0] if usable else _make_world(World(name=world.name)))
+    return parts.world[1]
+
+
+def _make_world(world: World) -> _native.World:
+    pixels = None
+    if world.image is not None:
+        pixels = world.image.pixels[:, :, :3]
+        if world.image.pixels.dtype == np.uint8:
+            pixels = _SRGB_TO_LINEAR[pixels] if world.image.is_srgb else pixels.astype(np.float32) / 255
+        pixels = np.ascontiguousarray(pixels, dtype=np.float32)
+    return _native.World(
+        name=world.name,
+        radiance=world.radiance,
+        pixels=pixels,
+        image_from_world=world.image_from_world.astype(np.float32),
+    )

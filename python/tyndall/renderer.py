@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders scene descriptions: keeps native objects from frame to frame, so that only what changed is built again."""
+
+from __future__ import annotations
+
+import resource
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _native
+from .native_scene import NativeParts, build_scene, fingerprint
+from .scene_description import Camera, FloatArray, SceneDescription
+
+METHODS = ("EXACT", "EPIPOLAR", "SHADOW_MAP")
+PIXEL_FILTERS = ("BOX", "GAUSSIAN", "BLACKMAN_HARRIS")
+PASSES = (
+    "Combined",
+    "Depth",
+    "Normal",
+    "Position",
+    "DiffCol",
+    "Emit",
+    "Shadow",
+    "Shafts",
+    "Shafts Visibility",
+    "Transmittance",
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShaftConfig:
+    """How light shafts are found; the native side checks the ranges."""
+
+    method: str = "EPIPOLAR"  #: One of METHODS.
+    error_target: float = 0.001  #: Relative error per light that EPIPOLAR picks its resolution by, [1e-5, 0.1].
+    resolution: int = 0  #: Texels per side of rows and maps, [16, 16384]; 0: from error_target.
+    light_samples: int = 16  #: Strata of a light with a size, [1, 65536].
+    world_samples: int = 64  #: Directions of the world's light, [0, 65536]; 0: it does not scatter.
+    attenuates_light: bool = True  #: False: no loss between light and scattering point (Kol 2018, eq. 5.1).
+    seed: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class RenderConfig:
+    """One frame's settings; the native side checks the ranges and raises ``InvalidInput``."""
+
+    pixel_samples: int = 16  #: [1, 65536]; 1: pixel centres.
+    pixel_filter: str = "BLACKMAN_HARRIS"  #: One of PIXEL_FILTERS.
+    filter_width_px: float = 1.5  #: As in Cycles, [0.01, 10].
+    region_px: tuple[int, int, int, int] | None = None  #: x0, y0, x1, y1 in the full frame, y up; None: all of it.
+    film_transparent: bool = False
+    passes: frozenset[str] = frozenset()  #: Names in PASSES; Combined is always there.
+    shafts: ShaftConfig = field(default_factory=ShaftConfig)
+    seed: int = 0
+    thread_count: int = 0  #: 0: all.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Film:
+    """A picture: planes by name, float32 ``(height, width, channels)``, rows bottom to top."""
+
+    planes: dict[str, FloatArray]
+    #: ``stages`` (name, seconds), ``skipped`` (what, reason), ``counts`` (name: number), ``reports`` (lines); for JSON.
+    statistics: dict[str, Any] = field(default_factory=dict)
+
+
+class Session:
+    """A scene in native memory. ``update`` brings it up to date, ``render`` makes a picture of it.
+
+    Not for two threads at once; ``progress.cancel()`` may come from any thread.
+    """
+
+    def __init__(self) -> None:
+        self._parts = NativeParts()
+        self._scene: _native.Scene | None = None
+        self._fingerprint = b""
+        self._origin_in_world: NDArray[np.float64] = np.zeros(3)
+        self._update_seconds = 0.0
+        self._reports: list[str] = []
+
+    @property
+    def statistics(self) -> dict[str, Any]:
+        """What the last update sent, reused and rebuilt, and what it had to leave out."""
+        return {
+            "stages": [{"name": "scene update", "seconds": self._update_seconds}],
+            "skipped": [],
+            "counts": self._parts.counts.copy(),
+            "reports": self._reports.copy(),
+        }
+
+    def update(self, description: SceneDescription, progress: _native.Progress) -> None:
+        """Build what is new in the description; the rest, told by its keys, stays.
+
+        A part that cannot be used is left out with a report that names it. Raises ``Cancelled``, after which the
+        session holds the scene of the last complete update.
+        """
+        start = perf_counter()
+        self._parts.begin_update()
+        current = fingerprint(description)
+        if self._scene is None or current != self._fingerprint:
+            built = build_scene(description, self._parts, progress)
+            self._scene, self._origin_in_world, self._reports = built.scene, built.origin_in_world, built.reports
+            self._fingerprint = current
+            self._parts.counts["scene rebuilt"] = 1
+        else:
+            self._parts.count_all_as_reused()
+        self._update_seconds = perf_counter() - start
+
+    def render(
+        self,
+        camera: Camera,
+        config: RenderConfig,
+        progress: _native.Progress,
+        on_update: Callable[[Film], None] | None = None,
+    ) -> Film:
+        """A picture of the scene as last updated; ``on_update`` gets the picture so far about twice a second.
+
+        Raises ``InvalidInput``, which names the culprit, and ``Cancelled``.
+        """
+        if self._scene is None:
+            raise _native.InvalidInput("there is no scene to render: update the session first")
+        planes, statistics = _native.render(
+            self._scene,
+            _native_camera(camera, self._origin_in_world),
+            _native_config(config),
+            progress,
+            None if on_update is None else lambda so_far: on_update(Film(planes=so_far)),
+        )
+        parts = (self.statistics, self._scene.statistics.to_dict(), statistics.to_dict())
+        merged = _merged(*parts)
+        merged["counts"]["peak memory, MiB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        return Film(planes=planes, statistics=merged)
+
+
+def _merged(*parts: dict[str, Any]) -> dict[str, Any]:
+    counts: dict[str, float] = {}
+    for part in parts:
+        counts |= part["counts"]
+    return {
+        "stages": [stage for part in parts for stage in part["stages"]],
+        "skipped": [entry for part in parts for entry in part["skipped"]],
+        "counts": counts,
+        "reports": list(dict.fromkeys(line for part in parts for line in part["reports"])),
+    }
+
+
+def _index(names: tuple[str, ...], name: str, what: str) -> int:
+    if name not in names:
+        raise _native.InvalidInput(f'{what} is "{name}", not one of {", ".join(names)}')
+    return names.index(name)
+
+
+def _native_camera(camera: Camera, origin_in_world: NDArray[np.float64]) -> _native.Camera:
+    matrix = np.array(camera.world_from_camera, dtype=np.float64)
+    if not np.isfinite(matrix).all():
+        raise _native.InvalidInput("the camera's matrix is not finite")
+    matrix[:3, 3] -= origin_in_world
+    return _native.Camera(
+        kind=int(camera.kind),
+        world_from_camera=matrix.astype(np.float32),
+        window=camera.window,
+        clip_m=camera.clip_m,
+        size_px=camera.size_px,
+    )
+
+
+def _native_config(config: RenderConfig) -> _native.FrameConfig:
+    shafts = asdict(config.shafts) | {"method": _index(METHODS, config.shafts.method, "shafts.method")}
+    return _native.FrameConfig(
+        pixel_samples=config.pixel_samples,
+        pixel_filter=_index(PIXEL_FILTERS, config.pixel_filter, "pixel_filter"),
+        filter_width_px=config.filter_width_px,
+        region_px=config.region_px,
+        film_transparent=config.film_transparent,
+        passes=sorted(config.passes),
+        shafts=_native.ShaftConfig(**shafts),
+        seed=config.seed,
+        thread_count=config.thread_count,
+    )

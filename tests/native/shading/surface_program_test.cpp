@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A surface program is a calculator on colours: each operation is checked against what its name says.
+#include "core/errors.hpp"
+#include "shading/surface_program.hpp"
+#include <doctest/doctest.h>
+#include <limits>
+
+using tyndall::Material;
+using tyndall::Rgb;
+using tyndall::ShadingPoint;
+using tyndall::SurfaceOp;
+using tyndall::vec2;
+using Code = tyndall::SurfaceOp::Code;
+
+namespace {
+SurfaceOp constant(std::uint16_t out, const Rgb& value) { return {.code = Code::Constant, .out = out, .value = value}; }
+
+/// What register 3 holds after registers 0, 1 and 2 were set and `code` ran on them.
+Rgb result_of(Code code, const Rgb& a, const Rgb& b = Rgb(0.0f), const Rgb& c = Rgb(0.0f), bool is_backface = false) {
+    Material material{.name = "calculator"};
+    material.program = {
+        constant(0, a), constant(1, b), constant(2, c), {.code = code, .out = 3, .a = 0, .b = 1, .c = 2}};
+    material.emission_register = 3;
+    ShadingPoint point;
+    point.is_backface = is_backface;
+    return evaluate(material, point, {}).emission;
+}
+
+std::shared_ptr<const tyndall::Texture> half_transparent_texel() {
+    tyndall::Texture texture;
+    texture.name = "leaf";
+    texture.width = texture.height = 1;
+    texture.floats = {0.25f, 0.5f, 0.75f, 0.5f};
+    texture.is_srgb = false;
+    texture.has_alpha = true;
+    return std::make_shared<const tyndall::Texture>(std::move(texture));
+}
+} // namespace
+
+TEST_CASE("each arithmetic operation does what its name says, channel by channel") {
+    const Rgb a(0.5f, 1.0f, 2.0f), b(0.25f, 0.5f, 4.0f);
+    CHECK(result_of(Code::Multiply, a, b) == Rgb(0.125f, 0.5f, 8.0f));
+    CHECK(result_of(Code::Add, a, b) == Rgb(0.75f, 1.5f, 6.0f));
+    CHECK(result_of(Code::Subtract, a, b) == Rgb(0.25f, 0.5f, 0.0f)); // emission is not negative
+    CHECK(result_of(Code::Clamp, a) == Rgb(0.5f, 1.0f, 1.0f));
+    CHECK(result_of(Code::Average, Rgb(1.0f, 2.0f, 6.0f)) == Rgb(3.0f));
+}
+
+TEST_CASE("mix goes from a to b and never beyond") {
+    const Rgb a(1.0f, 2.0f, 3.0f), b(3.0f, 2.0f, 1.0f);
+    CHECK(result_of(Code::Mix, a, b, Rgb(0.0f)) == a);
+    CHECK(result_of(Code::Mix, a, b, Rgb(0.5f)) == Rgb(2.0f));
+    CHECK(result_of(Code::Mix, a, b, Rgb(7.0f)) == b);
+    CHECK(result_of(Code::Mix, a, b, Rgb(-7.0f)) == a);
+}
+
+TEST_CASE("backfacing tells the two sides of a surface apart") {
+    CHECK(result_of(Code::Backfacing, Rgb(5.0f), {}, {}, false) == Rgb(0.0f));
+    CHECK(result_of(Code::Backfacing, Rgb(5.0f), {}, {}, true) == Rgb(1.0f));
+}
+
+TEST_CASE("what passes a surface is a share of the light, even where a program says otherwise") {
+    Material material{.name = "odd"};
+    material.program = {constant(0, Rgb(-1.0f, 0.5f, 3.0f)),
+                        constant(1, Rgb(std::numeric_limits<float>::quiet_NaN(), -1.0f, 3.0f))};
+    material.transparent_register = 0;
+    material.emission_register = 1;
+    CHECK(evaluate(material, {}, {}).transparent == Rgb(0.0f, 0.5f, 1.0f));
+    CHECK(evaluate(material, {}, {}).emission == Rgb(0.0f, 0.0f, 3.0f));
+}
+
+TEST_CASE("an image's colour and alpha arrive in their registers, and a shadow ray reads the same transparency") {
+    Material leaf{.name = "leaf"};
+    leaf.textures = {half_transparent_texel()};
+    leaf.uv_map_names = {""};
+    leaf.program = {constant(0, Rgb(1.0f)),
+                    {.code = Code::TextureAlpha, .out = 1},
+                    {.code = Code::Subtract, .out = 2, .a = 0, .b = 1},
+                    {.code = Code::Texture, .out = 3},
+                    {.code = Code::Multiply, .out = 3, .a = 3, .b = 1}};
+    leaf.transparent_register = 2;
+    leaf.diffuse_register = 3;
+    leaf.emission_register = 4; // never written: black
+    const std::vector<vec2> uvs{vec2(0.5f)};
+    const tyndall::SurfaceClosures closures = evaluate(leaf, {}, uvs);
+    CHECK(closures.transparent == Rgb(0.5f));
+    CHECK(closures.diffuse_albedo == Rgb(0.125f, 0.25f, 0.375f));
+    CHECK(closures.emission == Rgb(0.0f));
+    CHECK(evaluate_transparent(leaf, {}, uvs) == closures.transparent);
+}
+
+TEST_CASE("programs of any length give shadow rays the transparency of the full evaluation") {
+    for (const int length : {1, 62, 63, 64, 65, 200}) {
+        CAPTURE(length);
+        Material material{.name = "long"};
+        material.program = {constant(0, Rgb(0.0f)), constant(1, Rgb(1.0f / 256.0f))};
+        for (int step = 0; step < length; ++step)
+            material.program.push_back({.code = Code::Add, .out = 0, .a = 0, .b = 1});
+        material.transparent_register = 0;
+        CHECK(evaluate_transparent(material, {}, {}) == Rgb(static_cast<float>(length) / 256.0f));
+        CHECK(evaluate(material, {}, {}).transparent == Rgb(static_cast<float>(length) / 256.0f));
+    }
+}
+
+TEST_CASE("a surface is opaque everywhere only if no point can disagree") {
+    Material material;
+    CHECK(is_opaque_everywhere(material));
+    material.constant.transparent = Rgb(0.0f, 0.1f, 0.0f);
+    CHECK_FALSE(is_opaque_everywhere(material));
+    material.program = {constant(0, Rgb(0.0f))};
+    CHECK(is_opaque_everywhere(material));
+    material.program.push_back({.code = Code::TextureAlpha, .out = 0});
+    CHECK_FALSE(is_opaque_everywhere(material));
+    Material fog_box;
+    fog_box.has_surface = false;
+    CHECK_FALSE(is_opaque_everywhere(fog_box));
+}
+
+TEST_CASE("a program that reads beyond its tables is refused by the material's name") {
+    Material material{.name = "Bark"};
+    material.program = {{.code = Code::Texture, .out = 0, .texture = 2}};
+    CHECK_THROWS_WITH_AS(validate(material), "material \"Bark\" reads texture 2 of 0", tyndall::InvalidInput);
+    material.program = {{.code = Code::Add, .out = 64}};
+    CHECK_THROWS_WITH_AS(validate(material), "material \"Bark\" uses register 64 of 64", tyndall::InvalidInput);
+    material.program = {constant(0, Rgb(std::numeric_limits<float>::infinity()))};
+    CHECK_THROWS_AS(validate(material), tyndall::InvalidInput);
+}
