@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs inside Blender's window: plays a session, which is a generator, between the events of Blender's own loop.
+
+blender --factory-startup --python tests/support/window_driver.py -- SESSION.py FOLDER
+A session yields seconds to wait. What it puts into ``window.facts`` arrives in FOLDER/facts.json. Blender ends with it.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+REPOSITORY = Path(__file__).parents[2]
+for folder in (REPOSITORY, REPOSITORY / "tests", REPOSITORY / "python", REPOSITORY / "build/release/python"):
+    sys.path.append(str(folder))
+
+TICK_S = 0.01
+CALM_TICKS = 30
+
+
+class Window:
+    """Hands for a session: areas, screenshots, and a clock that shows for how long the window did not answer."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.facts: dict[str, Any] = {}
+        self._last_tick = time.monotonic()
+        self._longest_gap_s = 0.0
+        self._calm_ticks = 0
+        bpy.app.timers.register(self._tick)
+
+    def _tick(self) -> float:
+        now = time.monotonic()
+        gap_s = now - self._last_tick
+        self._longest_gap_s = max(self._longest_gap_s, gap_s)
+        self._calm_ticks = self._calm_ticks + 1 if gap_s < 10 * TICK_S else 0
+        self._last_tick = now
+        return TICK_S
+
+    def start_watch(self) -> None:
+        """Forget the gaps so far."""
+        self._longest_gap_s, self._last_tick = 0.0, time.monotonic()
+
+    def longest_gap_s(self) -> float:
+        """The longest time since ``start_watch`` in which the window handled no event."""
+        return self._longest_gap_s
+
+    def calm(self) -> Iterator[float]:
+        """Wait until the window answers steadily: drawing on the CPU, Blender compiles shaders for seconds."""
+        self._calm_ticks = 0
+        yield from self.until(lambda: self._calm_ticks >= CALM_TICKS)
+
+    @property
+    def bpy_window(self) -> bpy.types.Window:
+        return bpy.context.window_manager.windows[0]
+
+    def area(self, kind: str) -> bpy.types.Area:
+        """The largest area of a kind: ``VIEW_3D``, ``PROPERTIES``."""
+        areas = [area for area in self.bpy_window.screen.areas if area.type == kind]
+        return max(areas, key=lambda area: area.width * area.height)
+
+    def region(self, kind: str) -> bpy.types.Region:
+        return next(region for region in self.area(kind).regions if region.type == "WINDOW")
+
+    def screenshot(self, name: str) -> Path:
+        """What a person would see: the pixels of the X server."""
+        path = self.folder / f"{name}.png"
+        subprocess.run(["import", "-window", "root", str(path)], check=True)
+        return path
+
+    def until(self, is_so: Callable[[], bool], *, at_most_s: float = 120.0) -> Iterator[float]:
+        """Wait for a condition; ``yield from`` it."""
+        started = time.monotonic()
+        while not is_so():
+            if time.monotonic() - started > at_most_s:
+                raise TimeoutError(f"waited {at_most_s} s in vain")
+            yield 0.02
+
+
+def play(session: Iterator[float], window: Window) -> Callable[[], float | None]:
+    def step() -> float | None:
+        try:
+            return next(session)
+        except StopIteration:
+            finish(window)
+        except Exception:  # noqa: BLE001  the test reads it
+            window.facts["error"] = traceback.format_exc()
+            finish(window)
+        return None
+
+    return step
+
+
+def finish(window: Window) -> None:
+    (window.folder / "facts.json").write_text(json.dumps(window.facts))
+    bpy.ops.wm.quit_blender()
+
+
+def main(session_path: str, folder: str) -> None:
+    import addon  # noqa: PLC0415  after the path is set
+
+    bpy.context.preferences.view.show_splash = False
+    addon.register()
+    spec = importlib.util.spec_from_file_location("session", session_path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    window = Window(Path(folder))
+    bpy.app.timers.register(play(module.session(window), window), first_interval=1.0)
+
+
+if __name__ == "__main__":
+    os.chdir(REPOSITORY)
+    main(*sys.argv[sys.argv.index("--") + 1 :])
