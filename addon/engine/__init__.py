@@ -7,9 +7,9 @@ This package imports the native core; the add-on loads it only where that works.
 from __future__ import annotations
 
 import bpy
-from bpy.types import Depsgraph, RenderEngine, Scene, ViewLayer
+from bpy.types import Context, Depsgraph, RenderEngine, Scene, ViewLayer
 
-from . import final, passes, sessions
+from . import final, passes, sessions, viewport
 
 
 class TyndallRenderEngine(RenderEngine):
@@ -24,6 +24,12 @@ class TyndallRenderEngine(RenderEngine):
     def render(self, depsgraph: Depsgraph) -> None:
         final.render(self, depsgraph)
 
+    def view_update(self, context: Context, depsgraph: Depsgraph) -> None:
+        viewport.view_update(self, context, depsgraph)
+
+    def view_draw(self, context: Context, depsgraph: Depsgraph) -> None:
+        viewport.view_draw(self, context, depsgraph)
+
     def update_render_passes(self, scene: Scene, view_layer: ViewLayer) -> None:
         passes.register_passes(self, scene, view_layer)
 
@@ -31,8 +37,10 @@ class TyndallRenderEngine(RenderEngine):
 def register() -> None:
     bpy.utils.register_class(TyndallRenderEngine)
     sessions.register()
+    viewport.register()
 
 
 def unregister() -> None:
+    viewport.unregister()
     sessions.unregister()
     bpy.utils.unregister_class(TyndallRenderEngine)

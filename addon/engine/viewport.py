@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rendered shading of a 3D viewport: what the engine's ``view_update`` and ``view_draw`` hand on.
+
+Only this thread touches Blender. It reads changes of the scene in slices, hands them to a worker, and draws the
+worker's latest picture; a timer asks for a redraw whenever there is one. The engine object dies when its area changes,
+so nothing but a weak reference points to it.
+"""
+
+from __future__ import annotations
+
+import atexit
+import os
+import time
+import weakref
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+from bpy.types import Context, Depsgraph, RenderEngine
+from tyndall.renderer import Session
+
+from ..sync.reports import Reports
+from ..sync.scene import SceneReader
+from .settings import render_config
+from .viewport_camera import camera_of_view, frame_of_view
+from .viewport_worker import Picture, View, ViewportWorker
+
+if TYPE_CHECKING:
+    from gpu.types import GPUTexture
+
+#: Longest time that reading the scene holds up the window at once; a quarter of a second is what artists bear.
+SLICE_S = 0.15
+#: Between two looks for a new picture.
+POLL_S = 0.02
+
+
+class _SliceOver(Exception):  # noqa: N818  not an error: the rest is read in the next slice
+    pass
+
+
+class Viewport:
+    """What one engine object of one 3D viewport needs. Call ``close`` before it is dropped."""
+
+    def __init__(self, engine: RenderEngine) -> None:
+        self.engine = weakref.ref(engine)
+        self.worker = ViewportWorker(Session())
+        self._reader = SceneReader()
+        self._is_scene_outdated = True
+        self._view: View | None = None
+        self._drawn: Picture | None = None
+        self._texture: GPUTexture | None = None
+
+    def update(self, depsgraph: Depsgraph) -> None:
+        """Note that the scene has changed; it is read when the viewport is drawn."""
+        self._reader.note_updates(depsgraph)
+        self._is_scene_outdated = True
+
+    def draw(self, engine: RenderEngine, context: Context, depsgraph: Depsgraph) -> None:
+        """Hand on what has changed, and draw what there is."""
+        view = _view_of(context, depsgraph)
+        if self._is_scene_outdated:
+            self._read_scene(engine, view, depsgraph)
+        elif not view.is_like(self._view):
+            self.worker.show(view)
+        self._view = view
+        self._draw_picture(engine, context)
+        engine.update_stats("Tyndall", self.worker.status)
+
+    def close(self) -> None:
+        self.worker.close()
+        self._texture = None
+
+    def _read_scene(self, engine: RenderEngine, view: View, depsgraph: Depsgraph) -> None:
+        slice_ends = time.monotonic() + SLICE_S
+
+        def poll() -> None:
+            if time.monotonic() > slice_ends:
+                raise _SliceOver
+
+        try:
+            description = self._reader.read(depsgraph, Reports(), poll, is_live=True)
+        except _SliceOver:
+            engine.tag_redraw()
+        else:
+            self._is_scene_outdated = False
+            self.worker.show(view, description)
+
+    def _draw_picture(self, engine: RenderEngine, context: Context) -> None:
+        import gpu  # there is none without a window
+        from gpu_extras.presets import draw_texture_2d
+
+        picture = self.worker.picture
+        if picture is None:
+            return
+        if picture is not self._drawn:
+            height, width = picture.rgba.shape[:2]
+            pixels = gpu.types.Buffer("FLOAT", width * height * 4, np.ascontiguousarray(picture.rgba).reshape(-1))
+            self._texture = gpu.types.GPUTexture((width, height), format="RGBA32F", data=pixels)
+            self._drawn = picture
+        left, bottom, right, top = picture.bounds
+        region = context.region
+        gpu.state.blend_set("ALPHA_PREMULT")
+        engine.bind_display_space_shader(context.scene)
+        draw_texture_2d(
+            self._texture,
+            (left * region.width, bottom * region.height),
+            (right - left) * region.width,
+            (top - bottom) * region.height,
+        )
+        engine.unbind_display_space_shader()
+        gpu.state.blend_set("NONE")
+
+
+_open: dict[int, Viewport] = {}  # by identity of the engine object
+
+
+def view_update(engine: RenderEngine, _context: Context, depsgraph: Depsgraph) -> None:
+    """What ``RenderEngine.view_update`` does."""
+    _viewport_of(engine).update(depsgraph)
+
+
+def view_draw(engine: RenderEngine, context: Context, depsgraph: Depsgraph) -> None:
+    """What ``RenderEngine.view_draw`` does."""
+    _viewport_of(engine).draw(engine, context, depsgraph)
+
+
+def register() -> None:
+    """Have viewports stopped before Blender ends."""
+    atexit.register(_close_all)  # a thread in native code must not outlive the interpreter
+
+
+def unregister() -> None:
+    atexit.unregister(_close_all)
+    _close_all()
+
+
+def _close_all() -> None:
+    while _open:
+        _open.popitem()[1].close()
+
+
+def _viewport_of(engine: RenderEngine) -> Viewport:
+    viewport = _open.get(id(engine))
+    if viewport is None or viewport.engine() is not engine:
+        viewport = _open[id(engine)] = Viewport(engine)
+        if not bpy.app.timers.is_registered(_tend):
+            bpy.app.timers.register(_tend, first_interval=POLL_S)
+    return viewport
+
+
+def _tend() -> float | None:
+    """Redraw where there is something new, and close what lost its engine; ends itself with the last viewport."""
+    for identity, viewport in list(_open.items()):
+        engine = viewport.engine()
+        if engine is None:
+            del _open[identity]
+            viewport.close()
+        elif viewport.worker.poll():
+            engine.tag_redraw()
+    return POLL_S if _open else None
+
+
+def _view_of(context: Context, depsgraph: Depsgraph) -> View:
+    scene, region = depsgraph.scene_eval, context.region_data
+    frame = frame_of_view(context)
+    config = render_config(scene, depsgraph.view_layer_eval, frame)
+    tyndall = scene.tyndall
+    return View(
+        camera=camera_of_view(np.array(region.window_matrix), np.array(region.view_matrix), frame.size_px),
+        config=replace(
+            config,
+            pixel_samples=tyndall.viewport_samples,
+            passes=frozenset(),
+            shafts=replace(config.shafts, method=tyndall.shafts.viewport_method),
+            # One thread is left to the window.
+            thread_count=tyndall.thread_count or max(1, (os.cpu_count() or 1) - 1),
+        ),
+    )

@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The thread behind a rendered viewport: first a coarse picture, then finer ones, until something changes.
+
+It owns the native session and knows no Blender. The main thread leaves a view here and takes pictures away; neither
+ever waits for a render.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from tyndall.renderer import Film, RenderConfig, Session
+
+from tyndall import Cancelled, Progress
+
+if TYPE_CHECKING:
+    from tyndall.scene_description import Camera, FloatArray, SceneDescription
+
+#: Pixels of the region per pixel of the first pictures, along each side.
+SCALES = (8, 4, 2)
+#: A finer picture that will probably be there within this time is not announced by a coarser one.
+SOON_S = 0.1
+#: A first picture is left to complete, or a moving view would never show one; but not if it takes longer than this.
+PATIENCE_S = 0.5
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class View:
+    """A camera for the whole region, and the settings of the finished picture."""
+
+    camera: Camera
+    config: RenderConfig
+
+    def is_like(self, other: View | None) -> bool:
+        """Whether both show the same picture of the same scene."""
+        return other is not None and self.key() == other.key()
+
+    def key(self) -> tuple[object, ...]:
+        """Everything that the picture depends on."""
+        camera = self.camera
+        place = camera.world_from_camera.tobytes()
+        return place, camera.kind, camera.window, camera.clip_m, camera.size_px, self.config
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Picture:
+    """Something to draw until a better one comes."""
+
+    rgba: FloatArray  #: (height, width, 4), scene-linear, alpha premultiplied, rows bottom to top.
+    bounds: tuple[float, float, float, float]  #: Left, bottom, right, top as shares of the region.
+
+
+def coarser(view: View, scale: int) -> View:
+    """The same view with ``scale`` squared times fewer pixels, one sample in each, and rougher shafts."""
+    config, shafts = view.config, view.config.shafts
+    width, height = (math.ceil(side / scale) for side in view.camera.size_px)
+    region_px = config.region_px
+    if region_px:
+        x0, y0, x1, y1 = region_px
+        region_px = x0 // scale, y0 // scale, math.ceil(x1 / scale), math.ceil(y1 / scale)
+    shafts = replace(
+        shafts,
+        error_target=min(shafts.error_target * scale, 0.1),
+        light_samples=min(shafts.light_samples, 4),
+        world_samples=min(shafts.world_samples, 8),
+    )
+    # Each side is rounded up to whole pixels, so the window grows by the share that they stick out.
+    grown_x, grown_y = width * scale / view.camera.size_px[0], height * scale / view.camera.size_px[1]
+    left, right, bottom, top = view.camera.window
+    window = left, left + (right - left) * grown_x, bottom, bottom + (top - bottom) * grown_y
+    return View(
+        camera=replace(view.camera, size_px=(width, height), window=window),
+        config=replace(config, region_px=region_px, pixel_samples=1, shafts=shafts),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Job:
+    view: View
+    description: SceneDescription | None  #: None: the session has it.
+    progress: Progress
+
+
+class ViewportWorker:
+    """All public methods are for the main thread; they return at once."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session  # the thread's alone from here on
+        self._changed = threading.Condition()
+        self._view: View | None = None
+        self._description: SceneDescription | None = None  # that the session has not seen
+        self._is_outdated = False  # the job at work, by a later one
+        self._is_closed = False
+        self._progress = Progress()  # of the job at work
+        self._patience_ends = 0.0  # before this moment the job at work is left alone
+        self._picture: Picture | None = None
+        self._status = ""
+        self._has_news = False
+        self._thread = threading.Thread(target=self._run, name="tyndall viewport", daemon=True)
+        self._thread.start()
+
+    def show(self, view: View, description: SceneDescription | None = None) -> None:
+        """Ask for a view of the scene, or of a new state of it."""
+        with self._changed:
+            self._view = view
+            self._description = description or self._description
+            self._is_outdated = True
+            self._changed.notify()
+        self.poll()
+
+    def poll(self) -> bool:
+        """Call it often: stops what is outdated. Whether picture or status changed since the last call."""
+        with self._changed:
+            if self._is_outdated and time.monotonic() >= self._patience_ends:
+                self._progress.cancel()
+            has_news, self._has_news = self._has_news, False
+            return has_news
+
+    @property
+    def picture(self) -> Picture | None:
+        """The latest picture, perhaps of the view before."""
+        return self._picture
+
+    @property
+    def status(self) -> str:
+        """What the artist should read: what is being done, or what went wrong."""
+        return self._status
+
+    def close(self) -> None:
+        """Stop the thread and wait for it: as long as the native side takes between two polls."""
+        with self._changed:
+            self._is_closed = True
+            self._progress.cancel()
+            self._changed.notify()
+        self._thread.join()
+
+    def _run(self) -> None:
+        session = self._session
+        finished: View | None = None
+        while (job := self._next_job()) is not None:
+            try:
+                if job.description is not None and self._update(session, job.description, job.progress):
+                    finished = None
+                if not job.view.is_like(finished):
+                    finished = None
+                    self._refine(session, job.view, job.progress)
+                    finished = job.view
+                self._publish(None, "")
+            except Cancelled:
+                finished = None
+            except Exception as error:  # noqa: BLE001  nobody waits for it here: the message goes on the screen
+                finished = None
+                self._publish(None, str(error) or type(error).__name__)
+
+    def _next_job(self) -> _Job | None:
+        """Wait for something to do; None when there will be nothing any more."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._is_outdated or self._is_closed)
+            if self._is_closed:
+                return None
+            self._is_outdated = False
+            description, self._description = self._description, None
+            self._progress = Progress()
+            return _Job(view=self._view, description=description, progress=self._progress)
+
+    def _update(self, session: Session, description: SceneDescription, progress: Progress) -> bool:
+        """Bring the session up to date, never cut short: a moving view does not void it. Whether anything changed."""
+        self._patience_ends = math.inf
+        self._publish(None, "Updating the scene")
+        try:
+            session.update(description, progress)
+        finally:
+            self._patience_ends = 0.0
+        return bool(session.statistics["counts"].get("scene rebuilt", 0))
+
+    def _refine(self, session: Session, view: View, progress: Progress) -> None:
+        """Show one picture after the other, each finer than the last; Cancelled once outdated."""
+        scale = SCALES[0]
+        self._patience_ends = time.monotonic() + PATIENCE_S
+        while scale > 1:
+            started = time.monotonic()
+            rough = coarser(view, scale)
+            film = session.render(rough.camera, rough.config, progress)
+            self._patience_ends = 0.0
+            self._publish(_picture(film, rough, view, scale), f"Rendering 1/{scale}")
+            if self._is_outdated:
+                raise Cancelled
+            scale = _next_scale(scale, seconds=time.monotonic() - started)
+
+        def show_so_far(film: Film) -> None:
+            self._publish(_picture(film, view, view, 1), "Rendering")
+
+        film = session.render(view.camera, view.config, progress, show_so_far)
+        self._publish(_picture(film, view, view, 1), "")
+
+    def _publish(self, picture: Picture | None, status: str) -> None:
+        with self._changed:
+            self._picture = picture or self._picture
+            self._has_news = self._has_news or picture is not None or status != self._status
+            self._status = status
+
+
+def _next_scale(scale: int, *, seconds: float) -> int:
+    """The finest that will be there soon, going by the pixels' cost so far; or else the next finer one."""
+    finer = [finer for finer in (*SCALES, 1) if finer < scale]
+    soon = [finer for finer in finer if seconds * (scale / finer) ** 2 < SOON_S]
+    return min(soon, default=max(finer))
+
+
+def _picture(film: Film, rendered: View, view: View, scale: int) -> Picture:
+    width, height = view.camera.size_px
+    x0, y0, x1, y1 = rendered.config.region_px or (0, 0, *rendered.camera.size_px)
+    return Picture(
+        rgba=film.planes["Combined"],
+        bounds=(x0 * scale / width, y0 * scale / height, x1 * scale / width, y1 * scale / height),
+    )

@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The rendered viewport without its window: what it looks through, and the thread that refines its picture."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import bpy
+import numpy as np
+import pytest
+from tyndall.renderer import Film, RenderConfig, Session
+
+from addon.engine.settings import frame_window, render_config
+from addon.engine.viewport_camera import camera_of_view
+from addon.engine.viewport_worker import SCALES, View, ViewportWorker, coarser
+from addon.sync.cameras import read_camera
+from addon.sync.reports import Reports
+from addon.sync.scene import SceneReader
+from tyndall import Cancelled, Progress
+from tyndall.scene_description import Camera, CameraKind, SceneDescription
+
+SIZES_PX = ((640, 360), (300, 500), (64, 64))
+
+
+def projection_of(camera: bpy.types.Object, size_px: tuple[int, int], pixel_aspect_y: float = 1.0) -> np.ndarray:
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    matrix = camera.calc_matrix_camera(depsgraph, x=size_px[0], y=size_px[1], scale_x=1.0, scale_y=pixel_aspect_y)
+    return np.array(matrix)
+
+
+@pytest.mark.parametrize("size_px", SIZES_PX)
+@pytest.mark.parametrize("fit", ["AUTO", "HORIZONTAL", "VERTICAL"])
+@pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])
+def test_a_camera_view_looks_through_the_camera(
+    scene: bpy.types.Scene, kind: str, fit: str, size_px: tuple[int, int]
+) -> None:
+    """Undoing the viewport's matrix gives the camera that a final render reads from the same object."""
+    thing = scene.camera
+    thing.data.type, thing.data.sensor_fit = kind, fit
+    thing.data.shift_x, thing.data.shift_y = 0.13, -0.21
+    expected = read_camera(thing, scene.render, size_px, Reports())
+    seen = camera_of_view(projection_of(thing, size_px), np.array(thing.matrix_world.normalized().inverted()), size_px)
+    assert seen.kind == expected.kind
+    assert seen.window == pytest.approx(expected.window, rel=1e-5, abs=1e-6)
+    # The far plane hides in the last digits of a float32 matrix: 1e-7 / (near / far) of it.
+    assert seen.clip_m == pytest.approx(expected.clip_m, rel=1e-2)
+    assert seen.world_from_camera == pytest.approx(expected.world_from_camera, abs=1e-5)
+
+
+def test_a_free_orthographic_view_sees_behind_its_centre() -> None:
+    """Its near plane is negative; our camera steps back and sees the same points at the same pixels."""
+    half_width_m, near_m, far_m = 4.0, -1000.0, 1000.0
+    projection = np.diag([1 / half_width_m, 1 / half_width_m, -2 / (far_m - near_m), 1.0])
+    projection[2, 3] = -(far_m + near_m) / (far_m - near_m)
+    camera = camera_of_view(projection, np.eye(4), (100, 100))
+    assert camera.kind == CameraKind.ORTHOGRAPHIC
+    assert camera.window == pytest.approx((-4, 4, -4, 4))
+    assert camera.clip_m == pytest.approx((0, 2000))
+    assert camera.world_from_camera[:3, 3] == pytest.approx((0, 0, 1000))
+
+
+def a_view(width: int = 203, height: int = 101, samples: int = 4) -> View:
+    camera = Camera(
+        kind=CameraKind.PERSPECTIVE,
+        world_from_camera=np.eye(4),
+        window=(-1.0, 1.0, -0.5, 0.5),
+        clip_m=(0.1, 100.0),
+        size_px=(width, height),
+    )
+    return View(camera=camera, config=RenderConfig(pixel_samples=samples))
+
+
+@pytest.mark.parametrize("scale", SCALES)
+def test_a_coarse_picture_covers_whole_blocks_of_pixels(scale: int) -> None:
+    """Its pixels are ``scale`` times as large, from the same corner, so that nothing jumps when the finer one comes."""
+    view = a_view()
+    rough = coarser(view, scale)
+    for axis in (0, 1):
+        low, high = view.camera.window[2 * axis : 2 * axis + 2]
+        rough_low, rough_high = rough.camera.window[2 * axis : 2 * axis + 2]
+        pixel_m = (high - low) / view.camera.size_px[axis]
+        assert rough_low == low
+        assert (rough_high - rough_low) / rough.camera.size_px[axis] == pytest.approx(scale * pixel_m)
+        assert rough_high >= high
+
+
+class PatientSession:
+    """Stands in for a native session: each picture takes as long as a test says, and is told by its size."""
+
+    def __init__(self, seconds_per_picture: Callable[[Camera], float]) -> None:
+        self.seconds_per_picture = seconds_per_picture
+        self.rendered: list[tuple[int, int]] = []
+        self.updates = 0
+        self.is_rebuilt = True
+
+    @property
+    def statistics(self) -> dict[str, dict[str, float]]:
+        return {"counts": {"scene rebuilt": float(self.is_rebuilt)}}
+
+    def update(self, description: SceneDescription, progress: Progress) -> None:
+        self.updates += 1
+
+    def render(self, camera: Camera, config: RenderConfig, progress: Progress, on_update: object = None) -> Film:
+        ends = time.monotonic() + self.seconds_per_picture(camera)
+        while time.monotonic() < ends:
+            if progress.is_cancelled:
+                raise Cancelled
+            time.sleep(0.001)
+        self.rendered.append(camera.size_px)
+        return Film(planes={"Combined": np.full((*camera.size_px[::-1], 4), camera.window[0], np.float32)})
+
+
+@pytest.fixture
+def workers() -> Iterator[Callable[[object], ViewportWorker]]:
+    """Workers that are closed whatever happens, and have then left no thread behind."""
+    made = []
+
+    def make(session: object) -> ViewportWorker:
+        made.append(ViewportWorker(session))
+        return made[-1]
+
+    yield make
+    for worker in made:
+        worker.close()
+    assert not [thread for thread in threading.enumerate() if thread.name == "tyndall viewport"]
+
+
+def wait_until(is_so: Callable[[], bool]) -> None:
+    """Patience for a machine that does other things, too; nothing is measured."""
+    ends = time.monotonic() + 60
+    while not is_so():
+        assert time.monotonic() < ends, "waited in vain"
+        time.sleep(0.002)
+
+
+def is_finished(worker: ViewportWorker, size_px: tuple[int, int]) -> bool:
+    worker.poll()
+    return worker.picture is not None and worker.picture.rgba.shape[1::-1] == size_px and not worker.status
+
+
+def test_pictures_get_finer_until_the_full_one(workers: Callable[[object], ViewportWorker]) -> None:
+    """Slow pictures come in every step; once, and then nothing more is rendered."""
+    session = PatientSession(lambda camera: 0.3 * camera.size_px[0] / 203)
+    worker = workers(session)
+    worker.show(a_view(), SceneDescription())
+    wait_until(lambda: is_finished(worker, (203, 101)))
+    assert session.rendered == [(26, 13), (51, 26), (102, 51), (203, 101)]
+
+
+def test_a_quick_scene_skips_the_steps_between(workers: Callable[[object], ViewportWorker]) -> None:
+    """When the full picture will be there at once, a coarse one would only flicker."""
+    session = PatientSession(lambda _camera: 0.0)
+    worker = workers(session)
+    worker.show(a_view(), SceneDescription())
+    wait_until(lambda: is_finished(worker, (203, 101)))
+    assert session.rendered == [(26, 13), (203, 101)]
+
+
+def test_a_moving_view_shows_coarse_pictures_of_where_it_is(workers: Callable[[object], ViewportWorker]) -> None:
+    """Each move cuts the refinement short, but not the first picture, or a moving view would stay empty."""
+    session = PatientSession(lambda camera: 0.02 if camera.size_px[0] < 100 else 60.0)
+    worker = workers(session)
+    worker.show(a_view(), SceneDescription())
+    shown = set()
+    for step in range(100):
+        time.sleep(0.005)
+        view = a_view()
+        moved = replace(view.camera, window=(-1.0 - step, 1.0, -0.5, 0.5))
+        worker.show(replace(view, camera=moved))
+        if worker.picture is not None:
+            shown.add(float(worker.picture.rgba[0, 0, 0]))
+    assert len(shown) >= 5
+    assert session.updates == 1
+
+
+def test_the_same_scene_and_view_are_not_rendered_again(workers: Callable[[object], ViewportWorker]) -> None:
+    """Selecting an object wakes the viewport up, but changes no picture."""
+    session = PatientSession(lambda _camera: 0.0)
+    worker = workers(session)
+    worker.show(a_view(), SceneDescription())
+    wait_until(lambda: is_finished(worker, (203, 101)))
+    before = len(session.rendered)
+    session.is_rebuilt = False
+    worker.show(a_view(), SceneDescription())
+    wait_until(lambda: session.updates == 2)
+    time.sleep(0.05)
+    assert len(session.rendered) == before
+    session.is_rebuilt = True
+    worker.show(a_view(), SceneDescription())
+    wait_until(lambda: len(session.rendered) > before)
+
+
+def test_an_error_is_shown_and_the_next_view_renders(workers: Callable[[object], ViewportWorker]) -> None:
+    """Nobody waits for the thread's exceptions; the message stands in the viewport instead."""
+
+    def failing(camera: Camera) -> float:
+        if camera.window[0] == -7.0:
+            raise ValueError("the camera stands inside out")
+        return 0.0
+
+    worker = workers(PatientSession(failing))
+    view = a_view()
+    worker.show(replace(view, camera=replace(view.camera, window=(-7.0, 1.0, -0.5, 0.5))), SceneDescription())
+    wait_until(lambda: worker.status == "the camera stands inside out")
+    worker.show(view)
+    wait_until(lambda: is_finished(worker, (203, 101)))
+
+
+def test_closing_cuts_a_long_render_short(workers: Callable[[object], ViewportWorker]) -> None:
+    """An area that is closed in the middle of a render leaves no thread; the fixture looks for one."""
+    worker = workers(PatientSession(lambda _camera: 1e6))
+    worker.show(a_view(), SceneDescription())
+    time.sleep(0.02)
+
+
+def test_the_finished_picture_is_the_final_renders(
+    scene: bpy.types.Scene, workers: Callable[[object], ViewportWorker]
+) -> None:
+    """Bit by bit, with the same camera and settings: coarse pictures leave nothing behind."""
+    bpy.ops.tyndall.add_fog_box()
+    size_px = (160, 90)
+    camera = read_camera(scene.camera, scene.render, size_px, Reports())
+    config = render_config(scene, bpy.context.view_layer, frame_window(scene.render, size_px))
+    config = replace(config, passes=frozenset(), pixel_samples=2)
+    description = SceneReader().read(bpy.context.evaluated_depsgraph_get(), Reports(), lambda: None)
+    worker = workers(Session())
+    worker.show(View(camera=camera, config=config), description)
+    wait_until(lambda: is_finished(worker, size_px))
+    session = Session()
+    session.update(description, Progress())
+    film = session.render(camera, config, Progress())
+    assert math.isfinite(float(film.planes["Combined"].sum()))
+    assert np.array_equal(worker.picture.rgba, film.planes["Combined"])
