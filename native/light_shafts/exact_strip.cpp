@@ -110,9 +110,12 @@ private:
 };
 } // namespace
 
+std::unique_ptr<Visibility> make_exact_strip(const Scene& scene, const LightSample& light,
+                                             std::shared_ptr<const StripScene> strip) {
+    return std::make_unique<ExactStrip>(scene, light, std::move(strip));
+}
 std::unique_ptr<Visibility> make_exact_strip(const Scene& scene, const View&, const LightSample& light,
                                              std::span<const ViewRay>, const Config&, Progress& progress) {
-    return std::make_unique<ExactStrip>(scene, light,
-                                        std::make_shared<const StripScene>(make_strip_scene(scene, progress)));
+    return make_exact_strip(scene, light, std::make_shared<const StripScene>(make_strip_scene(scene, progress)));
 }
 } // namespace tyndall::light_shafts

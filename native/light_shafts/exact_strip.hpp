@@ -7,5 +7,8 @@
 namespace tyndall::light_shafts {
 /// The scene's occluders. Meshes and hierarchies belong to the scene, which must outlive the result. Throws Cancelled.
 [[nodiscard]] StripScene make_strip_scene(const Scene& scene, const Progress& progress);
+/// The same as make_exact_strip of visibility.hpp, for many lights of one scene.
+[[nodiscard]] std::unique_ptr<Visibility> make_exact_strip(const Scene& scene, const LightSample& light,
+                                                           std::shared_ptr<const StripScene> strip);
 [[nodiscard]] StripRay strip_ray(const ViewRay& ray, const LightSample& light);
 } // namespace tyndall::light_shafts

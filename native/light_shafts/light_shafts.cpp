@@ -1,11 +1,264 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Stands in until the integrals land, so that pictures without shafts can be made; says so in the statistics.
 #include "light_shafts/light_shafts.hpp"
+#include "core/parallel.hpp"
+#include "light_shafts/exact_strip.hpp"
+#include "light_shafts/local_scatter.hpp"
+#include "light_shafts/scatter_pieces.hpp"
+#include "light_shafts/scattering_lights.hpp"
+#include "light_shafts/visibility.hpp"
+#include <algorithm>
+#include <optional>
 
 namespace tyndall::light_shafts {
-Result run(const Scene&, const View&, std::span<const ViewRay> rays, const Config&, Progress&) {
-    Result result{std::vector<Rgb>(rays.size(), Rgb(0.0f)), std::vector<float>(rays.size()), {}};
-    result.statistics.skip("light shafts", "the integrals are not built in yet");
+namespace {
+void validate(const Config& config) {
+    require_in(config.error_target, 1e-5f, 0.1f, "error_target");
+    if (config.resolution != 0)
+        require_in(static_cast<float>(config.resolution), 16.0f, 16384.0f, "resolution");
+    require_in(static_cast<float>(config.light_samples), 1.0f, 65536.0f, "light_samples");
+    require_in(static_cast<float>(config.world_samples), 0.0f, 65536.0f, "world_samples");
+}
+
+/// One of n samples: their errors average out, so each may have sqrt(n) times the error.
+Config share_of(const Config& config, std::size_t sample_count) {
+    Config share = config;
+    const float root = std::sqrt(static_cast<float>(sample_count));
+    share.error_target = std::min(0.1f, config.error_target * root);
+    if (config.resolution != 0)
+        share.resolution = std::max(16u, static_cast<std::uint32_t>(static_cast<float>(config.resolution) / root));
+    return share;
+}
+
+/// The stretch of a ray that lies in media, in front of its surface.
+struct MediaRay {
+    ViewRay clipped;
+    float length_in_media_m = 0.0f;
+};
+
+/// Appends the segments of a ray; in the world's medium an endless ray ends where 1e-17 of its light would be left.
+MediaRay clip_to_media(const Media& media, const ViewRay& ray, std::vector<MediumSegment>& segments) {
+    const std::size_t first = segments.size();
+    MediaRay result{.clipped = {ray.origin, ray.direction, ray.near_m, ray.near_m}};
+    if (!(ray.near_m < ray.far_m))
+        return result;
+    media.segments({.origin = ray.origin, .direction = ray.direction, .near_m = ray.near_m, .far_m = ray.far_m},
+                   segments);
+    if (segments.size() == first)
+        return result;
+    if (MediumSegment& last = segments.back(); std::isinf(last.far_m)) {
+        const Rgb sigma_t = media.sigma_t_per_m(last.set);
+        float least = std::numeric_limits<float>::infinity();
+        for (int channel = 0; channel < 3; ++channel)
+            if (sigma_t[channel] > 0.0f)
+                least = std::min(least, sigma_t[channel]);
+        last.far_m = last.near_m + (std::isinf(least) ? 0.0f : 40.0f / least);
+    }
+    result.clipped.near_m = segments[first].near_m;
+    result.clipped.far_m = segments.back().far_m;
+    for (std::size_t segment = first; segment < segments.size(); ++segment)
+        result.length_in_media_m += segments[segment].far_m - segments[segment].near_m;
+    return result;
+}
+
+/// One light sample, ready for rays.
+struct Beam {
+    std::unique_ptr<const Visibility> visibility;
+    std::optional<DirectionalScatter> directional;
+    std::optional<LocalScatter> local;
+};
+struct LightBeams {
+    std::vector<Beam> beams;
+};
+
+/// The rays of a block with their media: found once, used by every light.
+struct Block {
+    std::vector<ViewRay> rays;         ///< Those that meet a medium, clipped to it.
+    std::vector<std::uint32_t> target; ///< Their index in the caller's span.
+    std::vector<float> length_m;
+    std::vector<std::uint32_t> first_segment;
+    std::vector<MediumSegment> segments;
+    std::vector<Rgb> radiance;
+    std::vector<float> lit_length_m, visibility;
+    PieceRows pieces;
+    LitRows lit;
+    LocalScatter::Prepared local;
+
+    [[nodiscard]] std::span<const MediumSegment> segments_of(std::size_t ray) const {
+        return std::span(segments).subspan(first_segment[ray], first_segment[ray + 1] - first_segment[ray]);
+    }
+};
+} // namespace
+
+struct Shafts::Prepared {
+    const Media& media;
+    std::vector<LightBeams> lights;
+    Statistics statistics;
+
+    void gather(std::span<const ViewRay> rays, std::size_t offset, Block& block) const;
+    void add(const Beam& beam, Block& block) const;
+};
+
+Shafts::~Shafts() = default;
+bool Shafts::is_empty() const { return prepared_->lights.empty(); }
+const Statistics& Shafts::statistics() const { return prepared_->statistics; }
+
+Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::span<const ViewRay> rays,
+               const Config& config, Progress& progress)
+    : prepared_(std::make_unique<Prepared>(Prepared{.media = media, .lights = {}, .statistics = {}})) {
+    validate(config);
+    Statistics& statistics = prepared_->statistics;
+    if (media.is_empty()) {
+        statistics.skip("light shafts", "no medium in the scene");
+        return;
+    }
+    const std::vector<ScatteringLight> lights = find_scattering_lights(scene, media, config, statistics);
+    if (lights.empty()) {
+        statistics.skip("light shafts", "no light scatters in a medium");
+        return;
+    }
+    std::vector<ViewRay> clipped(rays.size());
+    parallel_blocks(rays.size(), 4096, progress, [&](std::size_t begin, std::size_t end) {
+        std::vector<MediumSegment> segments;
+        for (std::size_t ray = begin; ray < end; ++ray) {
+            segments.clear();
+            clipped[ray] = clip_to_media(media, rays[ray], segments).clipped;
+        }
+    });
+    std::erase_if(clipped, [](const ViewRay& ray) { return !(ray.near_m < ray.far_m); });
+    if (clipped.empty()) {
+        statistics.skip("light shafts", "no view ray meets a medium");
+        return;
+    }
+    std::shared_ptr<const StripScene> strip;
+    std::size_t beam_count = 0, done = 0;
+    for (const ScatteringLight& light : lights)
+        beam_count += light.samples.size();
+    for (const ScatteringLight& light : lights) {
+        progress.set_message("Light shafts: " + light.name);
+        LightBeams beams;
+        const Config share = share_of(config, light.samples.size());
+        for (const LightSample& sample : light.samples) {
+            progress.poll();
+            Beam beam;
+            if (sample.is_directional)
+                beam.directional.emplace(media, sample, config.attenuates_light);
+            else
+                beam.local.emplace(media, sample, config.attenuates_light);
+            ++done;
+            if (sample.is_directional ? beam.directional->is_black() : beam.local->is_black())
+                continue;
+            switch (config.method) {
+            case Method::Exact:
+                if (!strip) {
+                    const StageTimer timer(statistics, "light shafts: hierarchies for cuts");
+                    strip = std::make_shared<const StripScene>(make_strip_scene(scene, progress));
+                }
+                beam.visibility = make_exact_strip(scene, sample, strip);
+                break;
+            case Method::Epipolar:
+            case Method::ShadowMap: // until the depth map lands, its rows come from the raster, which converges faster
+                beam.visibility = make_epipolar(scene, view, sample, clipped, share, progress);
+                break;
+            }
+            if (done <= 4 || done == beam_count) // a world of 64 directions is told by its ends
+                statistics.append(beam.visibility->statistics());
+            beams.beams.push_back(std::move(beam));
+        }
+        if (beams.beams.empty())
+            statistics.skip("light shafts of " + light.name, "no medium scatters its light");
+        else
+            prepared_->lights.push_back(std::move(beams));
+    }
+    statistics.count("light shafts: light samples", static_cast<double>(beam_count));
+}
+
+void Shafts::Prepared::gather(std::span<const ViewRay> rays, std::size_t offset, Block& block) const {
+    block.rays.clear(), block.target.clear(), block.length_m.clear(), block.segments.clear();
+    block.first_segment.assign(1, 0);
+    for (std::size_t index = 0; index < rays.size(); ++index) {
+        const ViewRay& ray = rays[index];
+        const MediaRay clipped = clip_to_media(media, ray, block.segments);
+        if (!(clipped.clipped.near_m < clipped.clipped.far_m)) {
+            block.segments.resize(block.first_segment.back());
+            continue;
+        }
+        block.rays.push_back(clipped.clipped);
+        block.target.push_back(static_cast<std::uint32_t>(offset + index));
+        block.length_m.push_back(clipped.length_in_media_m);
+        block.first_segment.push_back(static_cast<std::uint32_t>(block.segments.size()));
+    }
+    block.radiance.assign(block.rays.size(), Rgb(0.0f));
+    block.visibility.assign(block.rays.size(), 0.0f);
+}
+
+void Shafts::Prepared::add(const Beam& beam, Block& block) const {
+    if (beam.directional) {
+        block.pieces.clear();
+        for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
+            beam.directional->append_pieces(block.rays[ray], block.segments_of(ray), block.pieces.pieces);
+            block.pieces.end_ray();
+        }
+        beam.visibility->add_scattered(block.rays, block.pieces, block.radiance, block.lit_length_m);
+        return;
+    }
+    block.lit.clear();
+    beam.visibility->lit_intervals(block.rays, block.lit);
+    for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
+        if (block.lit.first[ray] == block.lit.first[ray + 1])
+            continue;
+        const std::span<const MediumSegment> segments = block.segments_of(ray);
+        beam.local->prepare(block.rays[ray], segments, block.local);
+        for (std::uint32_t index = block.lit.first[ray]; index < block.lit.first[ray + 1]; ++index) {
+            const LitInterval& lit = block.lit.intervals[index];
+            block.radiance[ray] += lit.transmittance * beam.local->scattered(block.local, lit.near_m, lit.far_m);
+            const float share = (lit.transmittance.x + lit.transmittance.y + lit.transmittance.z) * (1.0f / 3.0f);
+            for (const MediumSegment& segment : segments)
+                block.lit_length_m[ray] +=
+                    share * std::max(0.0f, std::min(lit.far_m, segment.far_m) - std::max(lit.near_m, segment.near_m));
+        }
+    }
+}
+
+void Shafts::scatter(std::span<const ViewRay> rays, std::span<Rgb> radiance, std::span<float> average_visibility,
+                     const Progress& progress) const {
+    require(radiance.size() == rays.size() && (average_visibility.empty() || average_visibility.size() == rays.size()),
+            "scatter: ", rays.size(), " rays, but room for ", radiance.size(), " results");
+    std::ranges::fill(radiance, Rgb(0.0f));
+    std::ranges::fill(average_visibility, 0.0f);
+    if (is_empty())
+        return;
+    constexpr std::size_t rays_per_block = 256; // their pieces and intervals stay in the first-level cache
+    parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
+        thread_local Block block;
+        prepared_->gather(rays.subspan(begin, end - begin), begin, block);
+        if (block.rays.empty())
+            return;
+        for (const LightBeams& light : prepared_->lights) {
+            block.lit_length_m.assign(block.rays.size(), 0.0f);
+            for (const Beam& beam : light.beams)
+                prepared_->add(beam, block);
+            const float share = 1.0f / static_cast<float>(light.beams.size() * prepared_->lights.size());
+            for (std::size_t ray = 0; ray < block.rays.size(); ++ray)
+                if (block.length_m[ray] > 0.0f)
+                    block.visibility[ray] += share * std::min(1.0f, block.lit_length_m[ray] / block.length_m[ray]);
+        }
+        for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
+            radiance[block.target[ray]] = block.radiance[ray];
+            if (!average_visibility.empty())
+                average_visibility[block.target[ray]] = block.visibility[ray];
+        }
+    });
+}
+
+Result run(const Scene& scene, const View& view, std::span<const ViewRay> rays, const Config& config,
+           Progress& progress) {
+    const Media media(scene, progress);
+    const Shafts shafts(scene, media, view, rays, config, progress);
+    Result result{.radiance = std::vector<Rgb>(rays.size()),
+                  .average_visibility = std::vector<float>(rays.size()),
+                  .statistics = shafts.statistics()};
+    const StageTimer timer(result.statistics, "light shafts: scatter");
+    shafts.scatter(rays, result.radiance, result.average_visibility, progress);
     return result;
 }
 } // namespace tyndall::light_shafts

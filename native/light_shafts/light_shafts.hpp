@@ -7,7 +7,9 @@
 #pragma once
 #include "core/progress.hpp"
 #include "core/statistics.hpp"
+#include "scene/media.hpp"
 #include "scene/scene.hpp"
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -29,9 +31,12 @@ enum class Method : std::uint8_t { Exact = 0, Epipolar = 1, ShadowMap = 2 };
 
 struct Config {
     Method method = Method::Epipolar;
-    float error_target = 0.001f;      ///< Relative error per light that EPIPOLAR picks its resolution by, [1e-5, 0.1].
-    std::uint32_t resolution = 0;     ///< Rows' and map's texels per side, [16, 16384]; 0: from error_target.
-    std::uint32_t light_samples = 16; ///< Strata of a light with a size, [1, 65536]; one without has one.
+    float error_target = 0.001f;  ///< Relative error per light that EPIPOLAR picks its resolution by, [1e-5, 0.1].
+    std::uint32_t resolution = 0; ///< Rows' and map's texels per side, [16, 16384]; 0: from error_target.
+    /// Strata of a light with a size, [1, 65536]; one without has one. The errors of n strata average out: each is
+    /// prepared with sqrt(n) times the error target, or the resolution divided by sqrt(n), which keeps the sum of all
+    /// rows as small as those of one light.
+    std::uint32_t light_samples = 16;
     std::uint32_t world_samples = 64; ///< Directions of the world's light, [0, 65536]; 0: it does not scatter.
     bool attenuates_light = true;     ///< False: eq. 5.1 as printed, no loss between light and scattering point.
     std::uint32_t seed = 0;
@@ -43,7 +48,34 @@ struct Result {
     Statistics statistics;
 };
 
-/// Throws InvalidInput and Cancelled. The result's bits do not depend on the number of threads.
+/// One frame's light shafts, prepared once and asked band by band, pass by pass: what a light needs (its hierarchy or
+/// its slope rows) is built by the constructor. Immutable after that; safe from any thread.
+class Shafts {
+public:
+    /// `rays`: those of the first pass; EPIPOLAR and SHADOW_MAP lay their rows out for them, and answer others of the
+    /// same view by EXACT where the rows do not reach. `scene` and `media` must outlive this. Throws InvalidInput and
+    /// Cancelled.
+    Shafts(const Scene& scene, const Media& media, const View& view, std::span<const ViewRay> rays,
+           const Config& config, Progress& progress);
+    Shafts(const Shafts&) = delete;
+    Shafts& operator=(const Shafts&) = delete;
+    ~Shafts();
+
+    /// No light scatters in any medium: scatter() would answer 0, and need not be called.
+    [[nodiscard]] bool is_empty() const;
+    /// Overwrites, per ray, the radiance (as in Result) and the average visibility, unless its span is empty.
+    void scatter(std::span<const ViewRay> rays, std::span<Rgb> radiance, std::span<float> average_visibility,
+                 const Progress& progress) const;
+    /// Of the preparation: what was built, which lights were skipped and why.
+    [[nodiscard]] const Statistics& statistics() const;
+
+private:
+    struct Prepared;
+    std::unique_ptr<Prepared> prepared_;
+};
+
+/// Prepares and scatters in one call. Throws InvalidInput and Cancelled. The result's bits do not depend on the number
+/// of threads.
 [[nodiscard]] Result run(const Scene& scene, const View& view, std::span<const ViewRay> rays, const Config& config,
                          Progress& progress);
 } // namespace tyndall::light_shafts

@@ -91,12 +91,11 @@ void DirectionalScatter::append_pieces(const ViewRay& ray, std::span<const Mediu
             if (ended < terms.size())
                 to = std::min(to, terms[by_far[ended]].far_m);
             const dvec3 light_depth = light_side.depth_at_zero + from * light_side.depth_per_m;
-            if (source != Rgb(0.0f))
-                pieces.push_back({.near_m = static_cast<float>(from),
-                                  .far_m = static_cast<float>(to),
-                                  .source_per_m = source,
-                                  .depth_at_near = Rgb(camera_depth + glm::max(light_depth, dvec3(0.0))),
-                                  .depth_per_m = Rgb(sigma_t + light_side.depth_per_m)});
+            pieces.push_back({.near_m = static_cast<float>(from),
+                              .far_m = static_cast<float>(to),
+                              .source_per_m = source,
+                              .depth_at_near = Rgb(camera_depth + glm::max(light_depth, dvec3(0.0))),
+                              .depth_per_m = Rgb(sigma_t + light_side.depth_per_m)});
             camera_depth += sigma_t * (to - from);
             from = to;
         }

@@ -36,7 +36,7 @@ public:
 
     /// Nothing is scattered: the light is black, no medium scatters, or a medium without bounds swallows it all.
     [[nodiscard]] bool is_black() const { return is_black_; }
-    /// Appends the pieces of a ray, near to far, within its media `segments` (of Media::segments for the same ray).
+    /// Appends the pieces of a ray, near to far; they cover all its media `segments` (of Media::segments, made finite).
     void append_pieces(const ViewRay& ray, std::span<const MediumSegment> segments,
                        std::vector<ScatterPiece>& pieces) const;
 

@@ -3,6 +3,7 @@
 // map), each with a documented error. The scattering integrals know nothing of how the intervals were found.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
+#include "light_shafts/scatter_pieces.hpp"
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -25,6 +26,17 @@ struct LitRows {
     void end_ray() { first.push_back(static_cast<std::uint32_t>(intervals.size())); }
 };
 
+/// Scatter pieces of consecutive rays in compressed rows.
+struct PieceRows {
+    std::vector<std::uint32_t> first{0}; ///< Ray r owns pieces[first[r] .. first[r + 1]).
+    std::vector<ScatterPiece> pieces;
+    void clear() {
+        first.assign(1, 0);
+        pieces.clear();
+    }
+    void end_ray() { first.push_back(static_cast<std::uint32_t>(pieces.size())); }
+};
+
 class Visibility {
 public:
     Visibility() = default;
@@ -35,6 +47,10 @@ public:
     /// Appends the lit intervals of each ray within its finite [near_m, far_m]. Safe to call from many threads, each
     /// with its own `rows`.
     virtual void lit_intervals(std::span<const ViewRay> rays, LitRows& rows) const = 0;
+    /// Adds to each ray the radiance that its pieces scatter where they are lit, and to lit_length_m the length of the
+    /// lit parts (weighted by the transmittance's mean). By lit_intervals, unless a method fuses the two.
+    virtual void add_scattered(std::span<const ViewRay> rays, const PieceRows& pieces, std::span<Rgb> radiance,
+                               std::span<float> lit_length_m) const;
     /// What was built, what was skipped, which occluders had to fall back.
     [[nodiscard]] virtual const Statistics& statistics() const = 0;
 };

@@ -15,6 +15,7 @@ void append_medium_cuts(const SceneDescription& scene, const MediumBoundary& bou
         const dvec3 points[3] = {dvec3(arrays.positions[corners.x]), dvec3(arrays.positions[corners.y]),
                                  dvec3(arrays.positions[corners.z])};
         if (MediumCut cut; cut_triangle(plane, points, cut.segment)) {
+            cut.point = points[0];
             cut.outward_normal = glm::cross(points[1] - points[0], points[2] - points[0]);
             if (boundary.is_inside_out)
                 cut.outward_normal = -cut.outward_normal;

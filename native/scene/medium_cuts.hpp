@@ -7,6 +7,7 @@
 namespace tyndall {
 struct MediumCut {
     CutSegment<double> segment;
+    dvec3 point;          ///< A corner of the triangle, object space.
     dvec3 outward_normal; ///< Object space, any length; wound inwards or mirrored boundaries are turned.
 };
 

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/scattering_lights.hpp"
+#include "light_shafts/local_scatter.hpp"
+#include "light_shafts/scatter_pieces.hpp"
+#include <algorithm>
+
+namespace tyndall::light_shafts {
+/// Point i of n of the Hammersley set, shifted by the seed; strata in both coordinates at any power of two.
+static vec2 stratum(std::uint32_t index, std::uint32_t count, std::uint32_t seed) {
+    std::uint32_t bits = index;
+    bits = (bits << 16) | (bits >> 16);
+    bits = ((bits & 0x00ff00ffu) << 8) | ((bits & 0xff00ff00u) >> 8);
+    bits = ((bits & 0x0f0f0f0fu) << 4) | ((bits & 0xf0f0f0f0u) >> 4);
+    bits = ((bits & 0x33333333u) << 2) | ((bits & 0xccccccccu) >> 2);
+    bits = ((bits & 0x55555555u) << 1) | ((bits & 0xaaaaaaaau) >> 1);
+    const double radical_inverse = bits * 0x1p-32;
+    // Fractions of golden-ratio multiples: successive seeds give well-spread shifts.
+    const double shift_x = 0.5, shift_y = 0.5 / count;
+    const double x = (index + shift_x) / count + seed * 0.7548776662466927;
+    const double y = radical_inverse + shift_y + seed * 0.5698402909980532;
+    return vec2(std::min(static_cast<float>(x - std::floor(x)), 0x1.fffffep-1f),
+                std::min(static_cast<float>(y - std::floor(y)), 0x1.fffffep-1f));
+}
+
+/// A spot whose cone passes by the sphere around all bounded media.
+static bool misses(const Light& light, const Media& media) {
+    if (light.kind != LightKind::Spot || media.fills_world() || light.spot_falloff != SpotFalloff::Blender3)
+        return false; // from 4.0 on an object's scale may shear the cone
+    const vec3 way = media.bounds().centre() - light.position;
+    const float distance_m = glm::length(way), radius_m = 0.5f * media.bounds().diagonal_m() + light.radius_m;
+    if (distance_m <= radius_m)
+        return false;
+    const float angle_rad = std::acos(std::clamp(glm::dot(way / distance_m, light.spot_axis), -1.0f, 1.0f));
+    return angle_rad > light.spot_half_angle_rad + std::asin(radius_m / distance_m) + 1e-4f;
+}
+
+static bool has_size(const Light& light) {
+    return light.kind == LightKind::Sun ? light.half_angle_rad > 0.0f : light.radius_m > 0.0f;
+}
+
+static bool swallows_all(const Media& media, bool attenuates_light) {
+    LightSample white;
+    return DirectionalScatter(media, white, attenuates_light).is_black() &&
+           !DirectionalScatter(media, white, false).is_black();
+}
+
+std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Media& media, const Config& config,
+                                                    Statistics& statistics) {
+    std::vector<ScatteringLight> lights;
+    constexpr const char* remedy = "the world's medium has no end and swallows it: put the fog into a box";
+    const bool drowns_suns = swallows_all(media, config.attenuates_light);
+    for (std::uint32_t index = 0; index < scene.lights().size(); ++index) {
+        const Light& light = scene.lights()[index];
+        const std::string what = "light shafts of " + light.name;
+        if (!light.scatters_in_media) {
+            statistics.skip(what, "switched off");
+            continue;
+        }
+        if (light.strength == Rgb(0.0f)) {
+            statistics.skip(what, "no strength");
+            continue;
+        }
+        if (light.kind == LightKind::Sun && drowns_suns) {
+            statistics.skip(what, remedy);
+            statistics.report(light.name + ": no light shafts, " + remedy);
+            continue;
+        }
+        if (misses(light, media)) {
+            statistics.skip(what, "its cone does not reach a medium");
+            continue;
+        }
+        ScatteringLight& scattering = lights.emplace_back(ScatteringLight{light.name, {}});
+        const std::uint32_t count = has_size(light) ? config.light_samples : 1;
+        for (std::uint32_t sample = 0; sample < count; ++sample) {
+            scattering.samples.push_back(sample_light(light, index, stratum(sample, count, config.seed)));
+            scattering.samples.back().strength *= 1.0f / static_cast<float>(count);
+        }
+    }
+    const World& world = scene.world();
+    if (world.is_black())
+        return lights;
+    if (config.world_samples == 0 || drowns_suns) {
+        statistics.skip("light shafts of the world", drowns_suns ? remedy : "switched off");
+        return lights;
+    }
+    ScatteringLight& scattering = lights.emplace_back(ScatteringLight{world.name(), {}});
+    for (std::uint32_t sample = 0; sample < config.world_samples; ++sample) {
+        const World::DirectionSample direction = world.sample(stratum(sample, config.world_samples, config.seed));
+        if (!(direction.pdf_per_sr > 0.0f) || direction.radiance == Rgb(0.0f))
+            continue;
+        scattering.samples.push_back(
+            {.is_directional = true,
+             .towards_light = direction.direction,
+             .strength = direction.radiance / (direction.pdf_per_sr * static_cast<float>(config.world_samples)),
+             .light_index = static_cast<std::uint32_t>(scene.lights().size())});
+    }
+    return lights;
+}
+} // namespace tyndall::light_shafts

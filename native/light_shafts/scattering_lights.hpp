@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The lights of a scene as samples without a size, each with its share of the strength; and why others are left out.
+#pragma once
+#include "light_shafts/light_shafts.hpp"
+#include <vector>
+
+namespace tyndall::light_shafts {
+/// Samples of one light (or of the world) whose sum is the light.
+struct ScatteringLight {
+    std::string name;
+    std::vector<LightSample> samples;
+};
+
+/// Lights that can scatter in some medium, in the scene's order, the world last. Reports what is left out and why.
+[[nodiscard]] std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Media& media,
+                                                                  const Config& config, Statistics& statistics);
+} // namespace tyndall::light_shafts
