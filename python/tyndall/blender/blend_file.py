@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A .blend file, opened in this process by bpy, whose frames render with Tyndall."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import bpy
+
+from . import ENGINE, enable, last_statistics
+
+if TYPE_CHECKING:
+    from tyndall.command_line import Settings
+
+_FORMATS = {
+    ".exr": "OPEN_EXR",
+    ".png": "PNG",
+    ".tif": "TIFF",
+    ".tiff": "TIFF",
+    ".jpg": "JPEG",
+    ".jpeg": "JPEG",
+    ".hdr": "HDR",
+    ".webp": "WEBP",
+}
+
+
+class OpenBlendFile:
+    """Raises RuntimeError if the file cannot be opened, ValueError for settings that it cannot take."""
+
+    def __init__(self, path: Path, settings: Settings) -> None:
+        enable()
+        _open(path)
+        self._scene = _chosen_scene(settings.scene)
+        self._multilayer = settings.multilayer
+        self._scene.render.engine = ENGINE
+        self._scene.render.use_persistent_data = True  # from frame to frame, only what changed is sent
+        tyndall = self._scene.tyndall
+        if settings.samples is not None:
+            tyndall.pixel_samples = settings.samples
+        if settings.threads is not None:
+            tyndall.thread_count = settings.threads
+        if settings.method is not None:
+            tyndall.shafts.method = settings.method
+
+    @property
+    def frames(self) -> list[int]:
+        """What renders if nobody says otherwise: the frame that the file was saved at."""
+        return [self._scene.frame_current]
+
+    def render(self, frame: int, path: Path) -> dict[str, Any]:
+        """Write the picture of a frame to exactly this path, and return its statistics. Raises RuntimeError."""
+        self._scene.frame_set(frame)
+        _set_format(self._scene.render.image_settings, path.suffix.lower(), multilayer=self._multilayer)
+        self._scene.render.use_file_extension = False
+        self._scene.render.filepath = str(path)
+        outcome = bpy.ops.render.render(write_still=True, scene=self._scene.name)
+        if "FINISHED" not in outcome:
+            raise KeyboardInterrupt
+        return last_statistics(self._scene.name) or {}
+
+
+def _chosen_scene(name: str | None) -> Any:  # noqa: ANN401  a scene with the add-on's properties
+    if name is None:
+        return bpy.context.scene
+    if name not in bpy.data.scenes:
+        names = ", ".join(f'"{known.name}"' for known in bpy.data.scenes)
+        raise ValueError(f'there is no scene "{name}"; the file has {names}')
+    return bpy.data.scenes[name]
+
+
+def _open(path: Path) -> None:
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
+    except RuntimeError:
+        # Blender raises for warnings, too, such as a missing library, and has then opened the file.
+        if not bpy.data.filepath or Path(bpy.data.filepath).resolve() != path.resolve():
+            raise
+
+
+def _set_format(settings: Any, suffix: str, *, multilayer: bool) -> None:  # noqa: ANN401  enums by version
+    if multilayer and suffix != ".exr":
+        raise RuntimeError("only an .exr holds several layers")
+    if bpy.app.version >= (5, 0, 0):
+        settings.media_type = "MULTI_LAYER_IMAGE" if multilayer else "IMAGE"
+    settings.file_format = "OPEN_EXR_MULTILAYER" if multilayer else _FORMATS[suffix]
+    if suffix == ".exr":
+        settings.color_depth = "32"
