@@ -36,8 +36,10 @@ class ImageReader:
         """Forgets the images that this frame did not use."""
         self._kept = {key: image for key, image in self._kept.items() if key in self._used}
 
-    def read(self, image: bpy.types.Image | None, reports: Reports, culprit: str) -> Image | None:
-        """None for an image that cannot be had, with a report."""
+    def read(
+        self, image: bpy.types.Image | None, reports: Reports, culprit: str, *, associated: bool = False
+    ) -> Image | None:
+        """None for an image that cannot be had, with a report. ``associated``: colours are multiplied with alpha."""
         if image is None:
             reports.add(culprit, "an image node without an image is magenta")
             return None
@@ -52,9 +54,9 @@ class ImageReader:
         space = original.colorspace_settings.name
         if not original.is_float and space not in _SRGB | _LINEAR:
             reports.add(culprit, f'image "{original.name}": colour space {space} is read as sRGB')
-        key = _key(original)
+        key = _key(original, associated=associated)
         if key not in self._kept:
-            self._kept[key] = _read_pixels(original, key)
+            self._kept[key] = _read_pixels(original, key, associated=associated)
         self._used.add(key)
         return self._kept[key]
 
@@ -63,7 +65,7 @@ def _place(image: bpy.types.Image) -> str:
     return image.filepath or image.source.lower()
 
 
-def _key(image: bpy.types.Image) -> str:
+def _key(image: bpy.types.Image, *, associated: bool) -> str:
     """Changes when the pixels do: files by their time, painted and generated images by their pixels."""
     parts: list[object] = [
         image.name_full,
@@ -71,6 +73,7 @@ def _key(image: bpy.types.Image) -> str:
         *image.size,
         image.colorspace_settings.name,
         image.alpha_mode,
+        associated,
     ]
     if image.source == "GENERATED" or image.is_dirty:
         parts.append(hashlib.sha256(memoryview(_floats(image)).cast("B")).hexdigest())
@@ -97,18 +100,22 @@ def _floats(image: bpy.types.Image) -> NDArray[np.float32]:
     return pixels
 
 
-def _read_pixels(image: bpy.types.Image, key: str) -> Image:
+def _read_pixels(image: bpy.types.Image, key: str, *, associated: bool) -> Image:
+    """Blender keeps float pixels multiplied with alpha, others not; Cycles multiplies those while they are encoded."""
     floats = _floats(image)
-    has_alpha = image.alpha_mode != "NONE" and bool((floats[..., 3] < 1.0).any())
-    if not image.is_float:
-        return Image(
-            key=key,
-            name=image.name,
-            pixels=np.rint(np.clip(floats, 0.0, 1.0) * 255.0).astype(np.uint8),
-            is_srgb=image.colorspace_settings.name not in _LINEAR,
-            has_alpha=has_alpha,
-        )
-    if has_alpha and image.alpha_mode != "CHANNEL_PACKED":  # Blender keeps float pixels multiplied with alpha
-        alpha = floats[..., 3:]
+    alpha = floats[..., 3:]
+    has_alpha = image.alpha_mode not in {"NONE", "CHANNEL_PACKED"} and bool((alpha < 1.0).any())
+    if has_alpha and associated and not image.is_float:
+        floats[..., :3] *= alpha
+    if has_alpha and image.is_float and not associated:
         np.divide(floats[..., :3], alpha, out=floats[..., :3], where=alpha > 0.0)
-    return Image(key=key, name=image.name, pixels=floats, is_srgb=False, has_alpha=has_alpha)
+    keeps_alpha = image.alpha_mode != "NONE" and bool((alpha < 1.0).any())
+    if image.is_float:
+        return Image(key=key, name=image.name, pixels=floats, is_srgb=False, has_alpha=keeps_alpha)
+    return Image(
+        key=key,
+        name=image.name,
+        pixels=np.rint(np.clip(floats, 0.0, 1.0) * 255.0).astype(np.uint8),
+        is_srgb=image.colorspace_settings.name not in _LINEAR,
+        has_alpha=keeps_alpha,
+    )

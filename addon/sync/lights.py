@@ -22,9 +22,8 @@ if TYPE_CHECKING:
     from .reports import Reports
 
 _IS_BLENDER_4 = bpy.app.version >= (4, 0, 0)
-#: Cycles' lights of P watts radiate P / 4 watts per square metre and steradian times their projected area, which is
-#: pi r^2 per 1 / (pi r^2): P / (4 pi^2) watts per steradian. Checked against Cycles in tests/blender/test_lights.py.
-_INTENSITY_PER_WATT = 1.0 / (4.0 * math.pi**2)
+#: A point light of P watts sends them evenly into all directions. Checked against Cycles in tests/blender/test_units.py.
+_INTENSITY_PER_WATT = 1.0 / (4.0 * math.pi)
 
 
 def read_lights(placement: Placement, world_from_light: NDArray[np.float32], reports: Reports) -> Iterator[Light]:
@@ -69,14 +68,22 @@ def _strength(data: bpy.types.Light, reports: Reports, name: str) -> NDArray[np.
             strength *= np.array(data.temperature_color)
         if not data.normalize:
             strength *= _emitting_measure(data)
-    return strength if data.type == "SUN" else strength * _INTENSITY_PER_WATT
+    return np.multiply(strength, _irradiance_share(data.angle / 2) if data.type == "SUN" else _INTENSITY_PER_WATT)
 
 
 def _emitting_measure(data: bpy.types.Light) -> float:
-    """What the strength of a light that is not normalised is multiplied by, as in Cycles."""
+    """What multiplies the strength of a light that is not normalised: its projected solid angle, or its area in m^2."""
     if data.type == "SUN":
         return math.pi * math.sin(min(data.angle / 2, math.pi / 2)) ** 2 or 1.0
-    return math.pi * data.shadow_soft_size**2 or 1.0
+    return 4.0 * (math.pi * data.shadow_soft_size**2 or 1.0)
+
+
+def _irradiance_share(half_angle_rad: float) -> float:
+    """Cycles 3.x spreads a sun evenly over a disc at distance 1: the mean cosine over the disc is left."""
+    radius = math.tan(min(half_angle_rad, 1.57))
+    if _IS_BLENDER_4 or radius == 0.0:
+        return 1.0
+    return 2.0 / (math.sqrt(1.0 + radius**2) + 1.0)
 
 
 def _body(data: bpy.types.Light) -> LightBody:

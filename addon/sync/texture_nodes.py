@@ -29,9 +29,13 @@ _EXTENSIONS = {
 def image_value(reader: ValueReader, at: Socket) -> Value:
     """Colour or alpha of an Image Texture node."""
     node, wants_alpha = at.node, at.socket.identifier == "Alpha"
-    image = reader.images.read(node.image, reader.reports, reader.culprit)
+    # Cycles divides colours by alpha only for nodes whose Alpha output is in use.
+    uses_alpha = any(socket.identifier == "Alpha" and socket.is_linked for socket in node.outputs)
+    image = reader.images.read(node.image, reader.reports, reader.culprit, associated=not uses_alpha)
     if image is None:
         return WHITE if wants_alpha else MAGENTA
+    if wants_alpha and not image.has_alpha:
+        return WHITE
     if node.projection != "FLAT":
         reader.note(f'image "{image.name}" is projected flat')
     place = _coordinates(reader, at)
@@ -42,14 +46,7 @@ def image_value(reader: ValueReader, at: Socket) -> Value:
     )
     # A texture reads (u, v, 1): of the 4x4 matrix the column of z, which is 0, drops out.
     uv_matrix = tuple(float(place.matrix[row][column]) for row in (0, 1, 3) for column in (0, 1, 3))
-    if wants_alpha:
-        return reader.program.texture(use, place.uv_map, uv_matrix, alpha=True) if image.has_alpha else WHITE
-    colour = reader.program.texture(use, place.uv_map, uv_matrix)
-    uses_alpha = any(socket.identifier == "Alpha" and socket.is_linked for socket in node.outputs)
-    if not image.has_alpha or uses_alpha or node.image.alpha_mode == "CHANNEL_PACKED":
-        return colour
-    # Cycles divides colours by alpha only for nodes whose Alpha output is in use.
-    return reader.program.multiply(colour, reader.program.texture(use, place.uv_map, uv_matrix, alpha=True))
+    return reader.program.texture(use, place.uv_map, uv_matrix, alpha=wants_alpha)
 
 
 def environment_value(reader: ValueReader, at: Socket) -> Value:

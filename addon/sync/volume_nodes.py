@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import bpy
 import numpy as np
 
 from tyndall.scene_description import Medium, ScatterLobe
@@ -108,10 +109,11 @@ def _principled(reader: ValueReader, at: Socket, weight: float, coefficients: _C
     # The square root makes the absorption colour act evenly over its range.
     kept = np.sqrt(np.maximum(_colour(reader, at, "Absorption Color"), 0.0))
     coefficients.absorption += density * np.maximum(1.0 - colour, 0.0) * np.maximum(1.0 - kept, 0.0)
-    # Emission does not depend on density.
+    # Emission does not depend on density; nor, in 3.x, on the factor of a Mix Shader.
+    emission_weight = weight if bpy.app.version >= (4, 0, 0) else 1.0
     strength = max(reader.constant(at.input("Emission Strength")), 0.0)
-    coefficients.emission += weight * strength * _colour(reader, at, "Emission Color")
-    coefficients.emission += weight * _flame(reader, at)
+    coefficients.emission += emission_weight * strength * _colour(reader, at, "Emission Color")
+    coefficients.emission += emission_weight * _flame(reader, at)
 
 
 def _flame(reader: ValueReader, at: Socket) -> Rgb64:
