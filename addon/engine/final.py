@@ -95,8 +95,7 @@ class _Frame:
             self.depsgraph.scene_eval.render,
             self.window.size_px,
             reports,
-            # Sixteen numbers, column after column.
-            world_from_camera=np.array(self.engine.camera_model_matrix(thing)).reshape(4, 4).T,
+            world_from_camera=np.array(self.engine.camera_model_matrix(thing)),
             shift_x=self.engine.camera_shift_x(thing),
         )
 

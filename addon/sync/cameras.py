@@ -59,7 +59,7 @@ def read_camera(
 
 def without_scale(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     """The 4x4 matrix with unit axes; a zero axis stays zero, and the native side names the camera."""
-    result = matrix.astype(np.float64)
+    result = matrix.astype(np.float64, order="C")
     lengths = np.linalg.norm(result[:3, :3], axis=0)
     result[:3, :3] /= np.where(lengths > 0.0, lengths, 1.0)
     return result

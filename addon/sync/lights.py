@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .reports import Reports
 
 _IS_BLENDER_4 = bpy.app.version >= (4, 0, 0)
-#: A point light of P watts sends them evenly into all directions. Checked against Cycles in tests/blender/test_units.py.
+#: A point light of P watts sends them evenly into all directions; checked against Cycles in the tests.
 _INTENSITY_PER_WATT = 1.0 / (4.0 * math.pi)
 
 
@@ -44,7 +44,7 @@ def read_lights(placement: Placement, world_from_light: NDArray[np.float32], rep
             name=name,
             kind=LightKind[data.type],
             strength=tuple(float(channel) for channel in strength),
-            world_from_light=matrix.astype(np.float64),
+            world_from_light=matrix.astype(np.float64, order="C"),
             half_angle_rad=data.angle / 2 if data.type == "SUN" else 0.0,
             radius_m=radius_m,
             spot_half_angle_rad=data.spot_size / 2 if data.type == "SPOT" else 0.0,

@@ -107,7 +107,7 @@ class SceneReader:
 def _group(placement: Placement, mesh: Mesh, placements: Placements, materials: MaterialReader) -> Instances:
     return Instances(
         mesh=mesh,
-        world_from_object=placements.world_from_object[placement.indices].astype(np.float64),
+        world_from_object=placements.world_from_object[placement.indices].astype(np.float64, order="C"),
         object_names=(placement.object_name,) * len(placement.indices),
         materials=tuple(materials.index(material) for material in placement.materials),
         is_camera_visible=placement.is_camera_visible,
