@@ -13,15 +13,15 @@ enum class SpotFalloff : std::uint8_t {
     Blender3 = 0, ///< Up to 3.x, see light.cpp.
     Blender4 = 1, ///< From 4.0 on.
 };
-/// How a point or spot light with a radius emits: a disc that faces each receiver (3.x; from 4.2 on "Soft Falloff") or
-/// a sphere.
+/// How a light with a size emits. Point and spot: as a sphere, or as a disc that faces each receiver (3.x; "Soft Falloff"
+/// from 4.2 on, which is the default there). Sun: evenly over its cone, or over a flat disc at unit distance (3.x).
 enum class LightBody : std::uint8_t { FacingDisc = 0, Sphere = 1 };
 
 struct Light {
     std::string name;
     LightKind kind = LightKind::Sun;
-    /// Sun: irradiance on a plane that faces it, W/m^2 (the sync's share: Cycles 3 gives strength * cos^2 of the half
-    /// angle, Cycles 4 the strength). Point, spot: radiant intensity, W/sr.
+    /// Sun: irradiance on a plane that faces it, W/m^2; of a flat disc, on planes that each face one stratum. Point, spot:
+    /// radiant intensity, W/sr: Blender's watts / (4 pi).
     Rgb strength{1.0f};
     vec3 position{0.0f};              ///< Point, spot.
     vec3 towards_light{0, 0, 1};      ///< Sun: unit vector to its centre.
@@ -42,11 +42,13 @@ struct Light {
 /// A light without a size: one stratum of a Light. The mean over the strata of one light is the light.
 struct LightSample {
     bool is_directional = true;
-    vec3 towards_light{0, 0, 1};   ///< Directional: unit vector to the light.
-    vec3 position{0.0f};           ///< Local: where it stands.
-    Rgb strength{1.0f};            ///< Irradiance, W/m^2, or intensity, W/sr, before shaping; its share of the light.
-    vec3 emission_normal{0.0f};    ///< Local: intensity falls with max(0, cos) around it; zero vector: isotropic.
-    float softening_m2 = 0.0f;     ///< Local: irradiance is intensity / (distance^2 + this); see light.cpp.
+    vec3 towards_light{0, 0, 1}; ///< Directional: unit vector to the light.
+    vec3 position{0.0f};         ///< Local: where it stands.
+    Rgb strength{1.0f};          ///< Irradiance, W/m^2, or intensity, W/sr, before shaping; its share of the light.
+    vec3 emission_normal{0.0f};  ///< Local: intensity falls with max(0, cos) around it; zero vector: isotropic.
+    /// Local: from position to where the inverse square is measured from, and what is added to the squared distance.
+    vec3 falloff_offset{0.0f};
+    float softening_m2 = 0.0f;
     const Light* spot = nullptr;   ///< Local: shaped by this spot's cone; the light must outlive the sample.
     std::uint32_t light_index = 0; ///< Into Scene::lights; lights of the world follow after the last one.
     bool casts_shadow = true;
@@ -56,6 +58,9 @@ struct LightSample {
 [[nodiscard]] float spot_attenuation(const Light& light, const vec3& from_light);
 /// Intensity of a local sample towards a unit direction that leaves it, W/sr: strength, cosine lobe and spot together.
 [[nodiscard]] Rgb intensity_w_per_sr(const LightSample& sample, const vec3& from_light);
+/// Irradiance per intensity, 1/m^2, that a local sample gives a point that faces it: the inverse square of its distance
+/// to position + falloff_offset, softened.
+[[nodiscard]] float irradiance_per_intensity(const LightSample& sample, const vec3& point);
 /// The stratum of `light` at `u` in [0, 1)^2; its strength is that of the whole light. A light of size 0 ignores u.
 [[nodiscard]] LightSample sample_light(const Light& light, std::uint32_t light_index, vec2 u);
 /// The same for one receiver: exact at any distance, and without strata that face away. Outside a sphere only; a
