@@ -43,6 +43,12 @@ struct Frame {
     /// What counts the light lines: r in metres or the angle in radians; rises along every view ray.
     [[nodiscard]] float line_at(const FramedRay& ray, float distance_m) const;
     [[nodiscard]] float x_of_line(float line) const;
+    /// Unit direction away from a local light along the line at `angle_rad`, in the slice: axial and radial part.
+    [[nodiscard]] vec2 line_direction(float angle_rad) const {
+        return {(is_orthographic ? 1.0f : -1.0f) * std::cos(angle_rad), std::sin(angle_rad)};
+    }
+    /// Where a local light stands on the axis.
+    [[nodiscard]] float light_axial() const { return is_orthographic ? 0.0f : 1.0f / angle_scale; }
 };
 
 /// Nothing where the view and the light span no planes: a light in the camera, a sun along an orthographic view.

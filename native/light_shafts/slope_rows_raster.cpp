@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/slope_rows_raster.hpp"
 #include "core/parallel.hpp"
+#include <algorithm>
 
 namespace tyndall::light_shafts::slope_rows {
 static TriangleSource source_of(const Frame& frame, const OccluderPiece& piece, std::size_t start) {
@@ -39,28 +40,32 @@ static void touch_bands(TaskTriangles& task, std::int32_t first, std::int32_t la
     }
 }
 
-static void place(const Layout& layout, const OccluderPiece& piece, PlacedTriangles& placed, TaskTriangles& task) {
+static void touch(const Layout& layout, const PlacedTriangles& placed, std::size_t count, TaskTriangles& task) {
     const std::int32_t slice_count = layout.slice_count();
-    for (std::size_t start = 0; start < piece.triangles.size(); start += PlacedTriangles::capacity) {
-        const TriangleSource source = source_of(layout.frame, piece, start);
-        place_triangles(layout, source, placed);
-        for (std::size_t i = 0; i < source.count; ++i) {
-            const auto first = static_cast<std::int32_t>(std::max(placed.first_slice[i], -1.0f));
-            const auto last = static_cast<std::int32_t>(std::min(placed.last_slice[i], 1e8f));
-            const std::size_t touch_count = task.touches.size();
-            touch_bands(task, first, last, slice_count);
-            if (layout.slices_per_turn > 0 && last >= layout.slices_per_turn)
-                touch_bands(task, 0, std::min(last - layout.slices_per_turn, first - 1), slice_count);
-            if (task.touches.size() == touch_count)
-                continue;
-            auto& axy = task.triangles.emplace_back();
-            for (std::size_t c = 0; c < 9; ++c)
-                axy[c] = placed.axy[c][i];
-        }
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto first = static_cast<std::int32_t>(std::clamp(placed.first_slice[i], -1.0f, 1e8f));
+        const auto last = static_cast<std::int32_t>(std::clamp(placed.last_slice[i], -1.0f, 1e8f));
+        const std::size_t touch_count = task.touches.size();
+        touch_bands(task, first, last, slice_count);
+        if (layout.slices_per_turn > 0 && last >= layout.slices_per_turn)
+            touch_bands(task, 0, std::min(last - layout.slices_per_turn, first - 1), slice_count);
+        if (task.touches.size() == touch_count)
+            continue;
+        auto& axy = task.triangles.emplace_back();
+        for (std::size_t c = 0; c < 9; ++c)
+            axy[c] = placed.axy[c][i];
     }
 }
 
-BandTriangles bin_triangles(const Layout& layout, const Occluders& occluders, const Progress& progress) {
+BandTriangles bin_triangles(const Layout& layout, const Occluders& occluders, const Progress& progress,
+                            const Placer& placer) {
+    const Placer place =
+        placer ? placer : [&](const OccluderPiece& piece, std::size_t& start, PlacedTriangles& placed) {
+            const TriangleSource source = source_of(layout.frame, piece, start);
+            place_triangles(layout, source, placed);
+            start += source.count;
+            return source.count;
+        };
     const auto band_count = static_cast<std::size_t>((layout.slice_count() + band_slices - 1) / band_slices);
     const std::size_t pieces_per_task = std::max<std::size_t>(4, occluders.pieces.size() / 128);
     std::vector<TaskTriangles> tasks((occluders.pieces.size() + pieces_per_task - 1) / pieces_per_task);
@@ -69,7 +74,8 @@ BandTriangles bin_triangles(const Layout& layout, const Occluders& occluders, co
         task.band_counts.assign(band_count, 0);
         PlacedTriangles placed;
         for (std::size_t p = begin; p < end; ++p)
-            place(layout, occluders.pieces[p], placed, task);
+            for (std::size_t start = 0; start < occluders.pieces[p].triangles.size();)
+                touch(layout, placed, place(occluders.pieces[p], start, placed), task);
     });
     BandTriangles bands;
     bands.first.assign(band_count + 1, 0);

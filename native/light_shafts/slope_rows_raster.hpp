@@ -8,6 +8,7 @@
 #pragma once
 #include "light_shafts/occluders.hpp"
 #include "light_shafts/slope_rows_kernels.hpp"
+#include <functional>
 
 namespace tyndall::light_shafts::slope_rows {
 /// The triangles that can touch each band, ready to be cut.
@@ -18,7 +19,12 @@ struct BandTriangles {
         return std::span(triangles).subspan(first[b], first[b + 1] - first[b]);
     }
 };
-[[nodiscard]] BandTriangles bin_triangles(const Layout& layout, const Occluders& occluders, const Progress& progress);
+/// Puts triangles of the piece, from `start` on, into the layout's coordinates; advances `start` past those it has done
+/// and returns how many it has placed.
+using Placer = std::function<std::size_t(const OccluderPiece& piece, std::size_t& start, PlacedTriangles& placed)>;
+/// Throws Cancelled. Without a placer: as the layout's frame places them.
+[[nodiscard]] BandTriangles bin_triangles(const Layout& layout, const Occluders& occluders, const Progress& progress,
+                                          const Placer& placer = {});
 
 /// Fills all rows. Throws Cancelled.
 void raster(Rows& rows, const BandTriangles& triangles, const Progress& progress);

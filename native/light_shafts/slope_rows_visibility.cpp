@@ -35,11 +35,39 @@ private:
 };
 } // namespace
 
-std::unique_ptr<Visibility> make_unshadowed(Statistics statistics) {
-    return std::make_unique<Unshadowed>(std::move(statistics));
-}
-std::unique_ptr<Visibility> fall_back_to_exact(const Preparation& preparation, const std::string& why) {
-    return std::make_unique<ExactInstead>(preparation.exact(), why);
+PreparedRows prepare_rows(const Preparation& preparation, const slope_rows::LayoutConfig& layout,
+                          const std::string& method) {
+    PreparedRows prepared;
+    const LightSample& light = preparation.light;
+    prepared.occluders = gather_occluders(preparation.scene.description());
+    const bool has_occluder = prepared.occluders.triangle_count > 0 || prepared.occluders.transmitting_material;
+    if (!light.casts_shadow || !has_occluder) {
+        prepared.statistics.skip("slope rows", has_occluder ? "the light casts no shadow" : "no occluder");
+        prepared.instead = std::make_unique<Unshadowed>(std::move(prepared.statistics));
+        return prepared;
+    }
+    std::string why;
+    const auto frame = slope_rows::make_frame(preparation.view, light);
+    if (prepared.occluders.transmitting_material)
+        why = "material " + *prepared.occluders.transmitting_material + " lets light through";
+    else if (!frame)
+        why = light.is_directional ? "the sun shines along the orthographic view" : "the light stands in the camera";
+    if (!why.empty()) {
+        prepared.instead = std::make_unique<ExactInstead>(preparation.exact(), why + ": EXACT instead of " + method);
+        return prepared;
+    }
+    const StageTimer timer(prepared.statistics, "slope rows: layout");
+    prepared.rows = std::make_unique<slope_rows::Rows>(
+        slope_rows::make_layout(*frame, preparation.rays, layout, preparation.progress));
+    const slope_rows::Layout& made = prepared.rows->layout;
+    prepared.statistics.count("slope rows: slices", made.slice_count());
+    prepared.statistics.count("slope rows: lines", made.line_count);
+    prepared.statistics.count("slope rows: bytes", static_cast<double>(prepared.rows->bytes()));
+    if (made.line_count < static_cast<std::int32_t>(layout.lines) && made.slice_count() > 0 && !made.frame.is_angular)
+        prepared.statistics.report("slope rows would exceed " + std::to_string(layout.memory_limit_bytes >> 20) +
+                                   " MiB: " + std::to_string(made.line_count) + " lines instead of " +
+                                   std::to_string(layout.lines));
+    return prepared;
 }
 
 RowsVisibility::RowsVisibility(const Preparation& preparation, slope_rows::Rows rows, Statistics statistics)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Visibility from slope rows, however they were filled; the few rays that rows cannot answer go to the exact strip.
 #pragma once
+#include "light_shafts/occluders.hpp"
 #include "light_shafts/slope_rows.hpp"
 #include <atomic>
 #include <mutex>
@@ -43,8 +44,14 @@ private:
     mutable std::atomic<std::size_t> near_epipole_count_ = 0, outside_count_ = 0;
 };
 
-/// Every ray is lit all along: the light casts no shadow, or nothing stops it.
-[[nodiscard]] std::unique_ptr<Visibility> make_unshadowed(Statistics statistics);
-/// The exact strip, with a report of why.
-[[nodiscard]] std::unique_ptr<Visibility> fall_back_to_exact(const Preparation& preparation, const std::string& why);
+/// What both methods on slope rows begin with.
+struct PreparedRows {
+    std::unique_ptr<Visibility> instead; ///< No rows are needed, or none are possible: this answers.
+    Occluders occluders;
+    std::unique_ptr<slope_rows::Rows> rows; ///< Laid out, not filled.
+    Statistics statistics;
+};
+/// `method` is for reports. Throws Cancelled.
+[[nodiscard]] PreparedRows prepare_rows(const Preparation& preparation, const slope_rows::LayoutConfig& layout,
+                                        const std::string& method);
 } // namespace tyndall::light_shafts

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/parallel.hpp"
 #include "light_shafts/row_query.hpp"
+#include "light_shafts/shadow_map.hpp"
 #include "light_shafts/slope_rows_raster.hpp"
 #include "support/shaft_oracle.hpp"
 #include <algorithm>
@@ -67,13 +68,16 @@ struct Soup {
     }
 };
 
-slope_rows::Rows make_rows(const Setting& setting, const Soup& soup, std::span<const ViewRay> rays,
-                           std::uint32_t lines) {
+slope_rows::Rows make_rows(const Setting& setting, const Soup& soup, std::span<const ViewRay> rays, std::uint32_t lines,
+                           bool from_map = false) {
     Progress progress;
     const auto frame = slope_rows::make_frame(setting.view, setting.light);
     REQUIRE(frame.has_value());
     slope_rows::Rows rows(slope_rows::make_layout(*frame, rays, {.lines = lines}, progress));
-    slope_rows::raster(rows, slope_rows::bin_triangles(rows.layout, soup.occluders, progress), progress);
+    if (from_map)
+        rectify(raster_shadow_map(rows.layout, setting.light, lines, soup.occluders, progress), rows, progress);
+    else
+        slope_rows::raster(rows, slope_rows::bin_triangles(rows.layout, soup.occluders, progress), progress);
     return rows;
 }
 
@@ -81,8 +85,9 @@ struct Comparison {
     double relative_rmse = 0.0, bias = 0.0;
     std::size_t compared = 0, near_epipole = 0, outside = 0;
 };
-Comparison compare(const Setting& setting, const Soup& soup, std::span<const ViewRay> rays, std::uint32_t lines) {
-    const slope_rows::Rows rows = make_rows(setting, soup, rays, lines);
+Comparison compare(const Setting& setting, const Soup& soup, std::span<const ViewRay> rays, std::uint32_t lines,
+                   bool from_map = false) {
+    const slope_rows::Rows rows = make_rows(setting, soup, rays, lines, from_map);
     LitRows lit;
     row_query::Uncovered uncovered;
     row_query::lit_intervals(rows, rays, lit, uncovered);
@@ -209,5 +214,17 @@ TEST_CASE("blocks of 16 answer as the lines one by one do") {
             row_query::lit_runs(row, slope, first, last, borders);
             CHECK(borders == expected);
         }
+    }
+}
+
+TEST_CASE("a depth map, rectified, converges to brute force as well, for every light and camera") {
+    const Soup soup(support::make_soup(60, 3.0f, 0.8f, vec3(0.0f), 3));
+    for (const Setting& setting : settings()) {
+        CAPTURE(setting.name);
+        const auto rays = make_rays(setting, 40);
+        const Comparison coarse = compare(setting, soup, rays, 128, true),
+                         fine = compare(setting, soup, rays, 1024, true);
+        CHECK(fine.relative_rmse < 0.02);
+        CHECK(fine.relative_rmse < 0.35 * coarse.relative_rmse);
     }
 }

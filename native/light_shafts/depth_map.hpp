@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Depth map of a light: per texel the occluder that is nearest to the light. A sun has one parallel map; a local light
+// has perspective faces, one for a narrow spot, up to six of a cube else.
+// Rastered by the kernel of slope rows: a row of texels is a parallel slice, the depth is its slope. In a face the
+// coordinates are x/z, y/z and 1/z, in which planes stay planes.
+// Bound:    4 bytes per texel; one cut per triangle and row of texels.
+#pragma once
+#include "light_shafts/slope_rows_raster.hpp"
+
+namespace tyndall::light_shafts {
+/// Texels are Rows of a parallel layout: slice = y, line = x, slope = depth towards the light.
+struct DepthMap {
+    bool is_perspective = false;
+    vec3 origin{0.0f}, x_axis{1, 0, 0}, y_axis{0, 1, 0}, z_axis{0, 0, 1}; ///< Perspective: z leaves the light.
+    std::unique_ptr<slope_rows::Rows> texels;
+
+    /// Largest depth at the texel that holds (x, y); no_occluder outside. Parallel: metres along z; perspective: 1/z.
+    [[nodiscard]] float depth_at(float x, float y) const {
+        const slope_rows::Layout& layout = texels->layout;
+        const float column = (x - layout.first_line) / layout.line_step;
+        const float row = (y - layout.first_slice) / layout.slice_step + 0.5f;
+        if (!(column >= 0.0f && row >= 0.0f && column < static_cast<float>(layout.line_count) &&
+              row < static_cast<float>(layout.slice_count())))
+            return slope_rows::no_occluder;
+        return texels->row(static_cast<std::int32_t>(row)).slopes[static_cast<std::int32_t>(column)];
+    }
+};
+
+/// The rectangle of a map in its x and y.
+struct MapWindow {
+    vec2 min, max;
+};
+/// Throws Cancelled.
+void raster_depth(DepthMap& map, const MapWindow& window, std::uint32_t resolution, const Occluders& occluders,
+                  const Progress& progress);
+} // namespace tyndall::light_shafts

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/shadow_map.hpp"
+#include "core/parallel.hpp"
+#include "light_shafts/slope_rows_visibility.hpp"
+#include <algorithm>
+#include <numbers>
+
+namespace tyndall::light_shafts {
+using namespace slope_rows;
+
+/// Where the rows' light lines pierce the plane across a sun.
+static MapWindow sun_window(const Layout& layout) {
+    const Frame& frame = layout.frame;
+    MapWindow window{vec2(std::numeric_limits<float>::infinity()), vec2(-std::numeric_limits<float>::infinity())};
+    for (std::size_t s = 0; s < layout.rows.size(); ++s) {
+        const RowExtent& row = layout.rows[s];
+        const float across = frame.is_parallel ? layout.first_slice + static_cast<float>(s) * layout.slice_step : 0.0f;
+        for (const std::int32_t line : {row.first, row.end}) {
+            if (row.first == row.end)
+                continue;
+            const float r = layout.first_line + static_cast<float>(line) * layout.line_step;
+            const vec2 point = r * layout.slice_directions[s] + vec2(0.0f, across);
+            window.min = glm::min(window.min, point);
+            window.max = glm::max(window.max, point);
+        }
+    }
+    const vec2 margin = 0.001f * (window.max - window.min);
+    return {window.min - margin, window.max + margin};
+}
+
+/// A cone that one perspective face can hold, with Cycles' transform of directions doing nothing but turn.
+static bool is_narrow_spot(const LightSample& light) {
+    if (light.spot == nullptr || light.spot->spot_half_angle_rad >= 0.24f * std::numbers::pi_v<float>)
+        return false;
+    const mat3& turn = light.spot->light_from_world_directions;
+    const mat3 product = glm::transpose(turn) * turn;
+    float deviation = 0.0f;
+    for (int c = 0; c < 3; ++c)
+        deviation = std::max(deviation, glm::length(product[c] - mat3(1.0f)[c]));
+    return deviation < 1e-3f;
+}
+
+static DepthMap make_face(const vec3& origin, const vec3& z_axis) {
+    DepthMap face;
+    face.is_perspective = true;
+    face.origin = origin;
+    face.z_axis = z_axis;
+    std::tie(face.x_axis, face.y_axis) = orthonormal_basis(z_axis);
+    return face;
+}
+
+FacePoint face_point(const ShadowMap& map, const vec3& from_light) {
+    FacePoint best;
+    for (const DepthMap& face : map.faces) {
+        const float z = glm::dot(face.z_axis, from_light);
+        if (z > best.z)
+            best = {&face, glm::dot(face.x_axis, from_light) / z, glm::dot(face.y_axis, from_light) / z, z};
+    }
+    return best;
+}
+
+ShadowMap raster_shadow_map(const Layout& layout, const LightSample& light, std::uint32_t resolution,
+                            const Occluders& occluders, const Progress& progress) {
+    ShadowMap map;
+    if (light.is_directional) {
+        DepthMap& face = map.faces.emplace_back();
+        const Frame& frame = layout.frame;
+        face.origin = frame.origin;
+        face.x_axis = frame.u;
+        face.y_axis = frame.v;
+        face.z_axis = frame.axis;
+        raster_depth(face, sun_window(layout), resolution, occluders, progress);
+        return map;
+    }
+    if (is_narrow_spot(light)) {
+        DepthMap& face = map.faces.emplace_back(make_face(light.position, light.spot->spot_axis));
+        const float side = 1.02f * std::tan(light.spot->spot_half_angle_rad);
+        raster_depth(face, {vec2(-side), vec2(side)}, resolution, occluders, progress);
+        return map;
+    }
+    map.is_cube = true;
+    for (const vec3& axis :
+         {vec3(1, 0, 0), vec3(-1, 0, 0), vec3(0, 1, 0), vec3(0, -1, 0), vec3(0, 0, 1), vec3(0, 0, -1)})
+        raster_depth(map.faces.emplace_back(make_face(light.position, axis)), {vec2(-1.0f), vec2(1.0f)}, resolution,
+                     occluders, progress);
+    return map;
+}
+
+static float local_slope(const ShadowMap& map, const Frame& frame, const vec2& slice_direction, float angle_rad) {
+    const vec2 line = frame.line_direction(angle_rad);
+    const vec3 from_light = line.x * frame.axis + line.y * (slice_direction.x * frame.u + slice_direction.y * frame.v);
+    const FacePoint point = face_point(map, from_light);
+    const float inverse_z = point.face == nullptr ? no_occluder : point.face->depth_at(point.x, point.y);
+    if (!(inverse_z > 0.0f))
+        return no_occluder;
+    const float distance_m = 1.0f / (inverse_z * point.z);
+    const float a = frame.light_axial() + distance_m * line.x, r = distance_m * line.y;
+    return frame.y.at(a, r) / frame.w.at(a, r);
+}
+
+static void rectify_row(const ShadowMap& map, Rows& rows, std::size_t slice) {
+    const Layout& layout = rows.layout;
+    const Frame& frame = layout.frame;
+    const RowExtent& extent = layout.rows[slice];
+    const float across = frame.is_parallel ? layout.first_slice + static_cast<float>(slice) * layout.slice_step : 0.0f;
+    const vec2 direction = layout.slice_directions[slice];
+    float* row = rows.slopes.get() + extent.offset;
+    for (std::int32_t i = extent.first; i < extent.end; ++i) {
+        const float line =
+            layout.first_line + (static_cast<float>(std::min(i, layout.line_count - 1)) + 0.5f) * layout.line_step;
+        if (frame.is_angular) {
+            row[i - extent.first] = local_slope(map, frame, direction, line);
+            continue;
+        }
+        const float a = map.faces[0].depth_at(line * direction.x, line * direction.y + across);
+        row[i - extent.first] = a == no_occluder ? no_occluder : frame.y.at(a, line) / frame.w.at(a, line);
+    }
+}
+
+void rectify(const ShadowMap& map, Rows& rows, const Progress& progress) {
+    const auto slice_count = static_cast<std::size_t>(rows.layout.slice_count());
+    parallel_blocks(slice_count, band_slices, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s)
+            rectify_row(map, rows, s);
+        summarise_band(rows, static_cast<std::int32_t>(begin));
+    });
+}
+
+/// As many lines as texels, and a slice per line: the rows then add little to the error of the map.
+static slope_rows::LayoutConfig map_layout_of(const Config& config) {
+    const float texels = config.resolution > 0 ? static_cast<float>(config.resolution) : 30.0f / config.error_target;
+    return {.lines = static_cast<std::uint32_t>(std::clamp(texels, 16.0f, 8192.0f)), .slices_per_line = 1.0f};
+}
+
+std::unique_ptr<Visibility> make_shadow_map(const Scene& scene, const View& view, const LightSample& light,
+                                            std::span<const ViewRay> rays, const Config& config, Progress& progress) {
+    const Preparation preparation{scene, view, light, rays, config, progress};
+    const slope_rows::LayoutConfig layout = map_layout_of(config);
+    PreparedRows prepared = prepare_rows(preparation, layout, "SHADOW_MAP");
+    if (prepared.instead)
+        return std::move(prepared.instead);
+    ShadowMap map;
+    {
+        const StageTimer timer(prepared.statistics, "shadow map: raster");
+        map = raster_shadow_map(prepared.rows->layout, light, layout.lines, prepared.occluders, progress);
+    }
+    {
+        const StageTimer timer(prepared.statistics, "shadow map: rectify");
+        rectify(map, *prepared.rows, progress);
+    }
+    prepared.statistics.count("shadow map: faces", static_cast<double>(map.faces.size()));
+    return std::make_unique<RowsVisibility>(preparation, std::move(*prepared.rows), std::move(prepared.statistics));
+}
+} // namespace tyndall::light_shafts
