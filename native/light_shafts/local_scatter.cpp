@@ -164,6 +164,11 @@ Rgb LocalScatter::source(const Prepared& prepared, const Stretch& stretch, doubl
     Rgb intensity = light_.strength;
     if (light_.spot != nullptr || light_.emission_normal != vec3(0.0f))
         intensity = length > 0.0f ? intensity_w_per_sr(light_, from_light / length) : Rgb(0.0f);
+    if (light_.softening_m2 > 0.0f) { // the strata of a facing disc measure the inverse square from its centre
+        const vec3 from_centre = from_light - light_.falloff_offset;
+        const double softened = x * x + prepared.softened_y * prepared.softened_y; // what the angles divide by
+        intensity *= static_cast<float>(softened / (glm::dot(from_centre, from_centre) + light_.softening_m2));
+    }
     const Rgb transmittance =
         depth.x == depth.y && depth.y == depth.z ? Rgb(std::exp(static_cast<float>(-depth.x))) : glm::exp(Rgb(-depth));
     // The light's way makes the angle's complement with the ray; on to the camera it goes against it.
