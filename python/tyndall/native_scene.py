@@ -16,7 +16,7 @@ from .scene_description import Image, Instances, Light, Material, Medium, Mesh, 
 
 _BYTE = np.arange(256) / 255.0
 #: IEC 61966-2-1: linear below 0.04045.
-_SRGB_TO_LINEAR = np.where(_BYTE <= 0.04045, _BYTE / 12.92, ((_BYTE + 0.055) / 1.055) ** 2.4).astype(np.float32)  # noqa: PLR2004
+_SRGB_TO_LINEAR = np.where(_BYTE <= 0.04045, _BYTE / 12.92, ((_BYTE + 0.055) / 1.055) ** 2.4)  # noqa: PLR2004
 #: What Blender shows where a mesh has no material.
 _DEFAULT_MATERIAL = Material(name="(no material)")
 _Part = TypeVar("_Part")
@@ -140,7 +140,7 @@ def _relative_matrices(groups: list[Instances], origin: NDArray[np.float64]) -> 
     matrices = np.concatenate([group.world_from_object for group in groups]).astype(np.float64)
     matrices[:, :3, 3] -= origin
     with np.errstate(over="ignore"):  # what does not fit becomes infinite: the scene drops it with a report
-        return matrices.astype(np.float32)
+        return matrices.astype(np.float32, order="C")
 
 
 def _origin_in_world(groups: list[Instances], description: SceneDescription) -> NDArray[np.float64]:
@@ -309,7 +309,7 @@ def _build_light(light: Light, origin: NDArray[np.float64]) -> _native.Light:
         strength=light.strength,
         position=tuple(light.world_from_light[:3, 3] - origin),
         axis=tuple(axis / length),
-        light_from_world_directions=light_from_world.astype(np.float32),
+        light_from_world_directions=light_from_world.astype(np.float32, order="C"),
         half_angle_rad=light.half_angle_rad,
         radius_m=light.radius_m,
         spot_half_angle_rad=light.spot_half_angle_rad,
@@ -336,11 +336,11 @@ def _make_world(world: World) -> _native.World:
     if world.image is not None:
         pixels = world.image.pixels[:, :, :3]
         if world.image.pixels.dtype == np.uint8:
-            pixels = _SRGB_TO_LINEAR[pixels] if world.image.is_srgb else pixels.astype(np.float32) / 255
+            pixels = _SRGB_TO_LINEAR[pixels] if world.image.is_srgb else pixels / np.float32(255)
         pixels = np.ascontiguousarray(pixels, dtype=np.float32)
     return _native.World(
         name=world.name,
         radiance=world.radiance,
         pixels=pixels,
-        image_from_world=world.image_from_world.astype(np.float32),
+        image_from_world=world.image_from_world.astype(np.float32, order="C"),
     )

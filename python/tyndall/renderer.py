@@ -162,7 +162,7 @@ def _native_camera(camera: Camera, origin_in_world: NDArray[np.float64]) -> _nat
     matrix[:3, 3] -= origin_in_world
     return _native.Camera(
         kind=int(camera.kind),
-        world_from_camera=matrix.astype(np.float32),
+        world_from_camera=matrix.astype(np.float32, order="C"),
         window=camera.window,
         clip_m=camera.clip_m,
         size_px=camera.size_px,
