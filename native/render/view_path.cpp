@@ -24,12 +24,13 @@ PathSample ViewPath::follow(const Ray& camera_ray, PixelSamples& samples, std::v
             Ray inside = part;
             if (hit.is_hit())
                 inside.far_m = hit.distance_m;
-            result.radiance += through_surfaces * through_media * media_.emission(inside);
+            const Rgb in_front = through_surfaces * through_media;
+            if (config_.collects_parts)
+                parts.push_back({.near_m = inside.near_m, .far_m = inside.far_m, .weight = in_front});
+            result.radiance += in_front * media_.emission(inside);
             through_media *= media_.transmittance(inside);
             if (!has_first_surface)
                 result.transmittance = through_media;
-            if (config_.collects_parts)
-                parts.push_back({.near_m = inside.near_m, .far_m = inside.far_m, .weight = through_surfaces});
         }
         const Rgb throughput = through_surfaces * through_media;
         if (!hit.is_hit()) {

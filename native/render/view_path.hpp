@@ -14,7 +14,7 @@ inline constexpr std::uint32_t max_layer_count = 256;
 /// A stretch of a camera ray between two surfaces, in a medium.
 struct MediumPart {
     float near_m, far_m; ///< From the camera; far may be infinite.
-    Rgb weight;          ///< Share that the surfaces in front let pass. Media are not in it.
+    Rgb weight;          ///< Share that the surfaces and media in front of near_m let pass.
 };
 
 struct ViewPathConfig {
