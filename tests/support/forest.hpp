@@ -36,17 +36,17 @@ private:
     std::uint64_t state_;
 };
 
-/// Leaves of 0.3 m by 0.06 m in 400 ellipsoidal crowns over a square of 100 m; the ground is z = 0, without a triangle.
+/// Leaves of 0.3 m by 0.06 m in 1,350 ellipsoidal crowns over a square of 260 m; the ground is z = 0, without a triangle.
 /// The view of the benchmarks stands at (0, -48, 1.7) and looks along +Y, see forest_camera_position.
 inline TriangleSoup make_forest(std::size_t triangle_count = 1'000'000, std::uint64_t seed = 1) {
     struct Crown {
         vec3 centre, radii;
     };
     SceneRandom random(seed);
-    std::vector<Crown> crowns(400);
+    std::vector<Crown> crowns(1350);
     for (Crown& crown : crowns) {
         const float radius = random.uniform(1.5f, 3.0f), height = random.uniform(2.5f, 5.0f);
-        crown.centre = {random.uniform(-50.0f, 50.0f), random.uniform(-50.0f, 50.0f), random.uniform(7.0f, 13.0f)};
+        crown.centre = {random.uniform(-130.0f, 130.0f), random.uniform(-130.0f, 130.0f), random.uniform(7.0f, 13.0f)};
         crown.radii = {radius, radius, height};
     }
     TriangleSoup soup;
