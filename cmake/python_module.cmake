@@ -21,4 +21,10 @@ function(tyndall_python_module name)
         LINK_DEPENDS "${exports}"
         LIBRARY_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/python/tyndall")
     install(TARGETS ${name} LIBRARY DESTINATION tyndall)
+    if(NOT SKBUILD)
+        # Types for mypy and editors: a product of the build, not committed.
+        add_custom_command(TARGET ${name} POST_BUILD COMMENT "Stubs of ${name}" VERBATIM
+            COMMAND "${CMAKE_COMMAND}" -E env "PYTHONPATH=${CMAKE_BINARY_DIR}/python:${CMAKE_SOURCE_DIR}/python"
+                "${TYNDALL_DEPS}/build/bin/stubgen" -q --include-docstrings -m tyndall.${name} -o "${CMAKE_SOURCE_DIR}/python")
+    endif()
 endfunction()

@@ -1,7 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Brings a Debian 12 to the point where building, testing and packaging work. Says nothing, and needs no network, when
-# nothing is missing. What it makes lies in .deps/: Python environments, and OpenImageIO for C++.
+# nothing is missing. What it makes lies in .deps/: Python environments, and OpenImageIO for C++. --all adds what only
+# the long tests need: bpy 4.2.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -133,4 +134,5 @@ flock 9 # Two runs at once would write into the same environment.
 make_environment build "${build_requirements[@]}"
 make_environment bpy45 bpy==4.5.15 "${bpy_requirements[@]}"
 make_environment bpy50 bpy==5.0.1 "${bpy_requirements[@]}"
+[[ "${1:-}" != --all ]] || make_environment bpy42 bpy==4.2.23 "${bpy_requirements[@]}"
 make_openimageio

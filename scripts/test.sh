@@ -89,12 +89,11 @@ build() { # PRESET
     stage "configure-$1" cmake --preset "$1" && stage "build-$1" cmake --build "build/$1"
 }
 
-scripts/setup.sh || exit 1
+scripts/setup.sh $( ((all)) && echo --all) || exit 1
 tools=.deps/build/bin
 build release || finish
 native_tests release
 
-stage stubs scripts/../$tools/stubgen -q --include-docstrings -o python -m tyndall._native -m tyndall._image_io
 stage layers scripts/check_layers.py
 stage clang-format bash -c 'git ls-files -z -- "*.cpp" "*.hpp" | xargs -0 clang-format --dry-run --Werror'
 stage ruff-check $tools/ruff check
@@ -107,6 +106,7 @@ python_tests bpy-4.5 .deps/bpy45/bin/python -m pytest tests/blender
 python_tests bpy-5.0 .deps/bpy50/bin/python -m pytest tests/blender
 python_tests blender-3.4 env PATH=/usr/bin:/bin blender -b --factory-startup --python-exit-code 1 \
     --python tests/support/pytest_in_blender.py -- tests/blender
+python_tests window .deps/bpy45/bin/python -m pytest tests/window
 stage package scripts/package.sh && python_tests packaging $tools/python -m pytest tests/packaging
 
 if ((all)); then
