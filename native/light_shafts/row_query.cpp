@@ -2,42 +2,21 @@
 #include "light_shafts/row_query.hpp"
 #include "light_shafts/slope_rows_kernels.hpp"
 #include <algorithm>
-#include <cstring>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "light_shafts/row_query.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "light_shafts/row_query_lane-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::light_shafts::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-using namespace slope_rows;
-using Tag = hn::CappedTag<float, 16>;
-static constexpr Tag d;
-
-template <class Mask>
-static HWY_INLINE std::uint32_t bits_of(Mask mask) {
-    alignas(8) std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(d, mask, bytes);
-    std::uint32_t bits;
-    std::memcpy(&bits, bytes, sizeof(bits));
-    return bits & ((1u << hn::Lanes(d)) - 1);
-}
-
-/// Bit i: slope >= values[i], for 16 values. A line without an occluder holds -inf and is lit.
-static HWY_INLINE std::uint32_t at_or_above(hn::Vec<Tag> slope, const float* values) {
-    std::uint32_t bits = 0;
-    for (std::size_t i = 0; i < block_lines; i += hn::Lanes(d))
-        bits |= bits_of(hn::Ge(slope, hn::LoadU(d, values + i))) << i;
-    return bits;
-}
-
 /// Calls toggle(line) wherever lit and dark change, beginning dark; only lines of whole blocks around [first, last].
 template <class Toggle>
 static HWY_INLINE bool scan(const RowView& row, float slope_value, std::int32_t first, std::int32_t last,
                             const Toggle& toggle) {
-    const auto slope = hn::Set(d, slope_value);
+    const auto slope = hn::Set(lines_tag, slope_value);
     const std::int32_t first_block = (first - row.first) / block_lines, last_block = (last - row.first) / block_lines;
     std::uint32_t is_lit = 0; // 0 or 1
     for (std::int32_t group = first_block; group <= last_block; group += 16) {
@@ -86,50 +65,29 @@ static void answer(const Rows& rows, const PlacedRays& placed, std::size_t i, co
                    LitRows& lit, row_query::Uncovered& uncovered) {
     const Layout& layout = rows.layout;
     const Frame& frame = layout.frame;
-    if (!frame.is_parallel &&
-        (frame.is_orthographic ? placed.radial[i] : placed.radial_per_m[i]) < layout.smallest_radius) {
-        uncovered.near_epipole.push_back(index);
-        return;
-    }
-    const std::int32_t slice = nearest_slice(layout, placed.slice_coordinate[i]);
-    if (slice < 0 || slice >= layout.slice_count()) {
-        uncovered.outside.push_back(index);
-        return;
-    }
-    const RowExtent& extent = layout.rows[static_cast<std::size_t>(slice)];
-    const float per_step = 1.0f / layout.line_step;
-    const float near_index = (placed.near_line[i] - layout.first_line) * per_step,
-                far_index = (placed.far_line[i] - layout.first_line) * per_step;
-    // Lines whose centre the ray crosses; its ends belong to the nearest of them: a centre behind the surface where
-    // the ray ends would find that very surface and call it a shadow.
-    auto first = static_cast<std::int32_t>(std::ceil(near_index - 0.5f));
-    auto last = static_cast<std::int32_t>(std::floor(far_index - 0.5f));
-    if (first > last)
-        first = last = static_cast<std::int32_t>(0.5f * (near_index + far_index));
-    last = std::min(last, layout.line_count - 1);
-    first = std::min(first, last);
-    if (!(first >= extent.first && last < extent.end && placed.slope[i] >= extent.smallest_slope)) {
-        uncovered.outside.push_back(index);
+    RowHit hit;
+    const Cover cover = find_row(layout, placed, i, hit);
+    if (cover != Cover::Rows) {
+        (cover == Cover::NearEpipole ? uncovered.near_epipole : uncovered.outside).push_back(index);
         return;
     }
     const Crossing crossing(frame, placed, i);
-    const std::int32_t clip_first = first, clip_last = last;
     float near_m = 0.0f;
     bool is_open = false;
     const auto toggle = [&](std::int32_t line) {
         if (!is_open)
-            near_m = line <= clip_first ? ray.near_m : crossing.at(layout.x_at_edge[static_cast<std::size_t>(line)]);
-        else if (line > clip_first) {
+            near_m = line <= hit.first ? ray.near_m : crossing.at(layout.x_at_edge[static_cast<std::size_t>(line)]);
+        else if (line > hit.first) {
             const float far_m =
-                line > clip_last ? ray.far_m : crossing.at(layout.x_at_edge[static_cast<std::size_t>(line)]);
+                line > hit.last ? ray.far_m : crossing.at(layout.x_at_edge[static_cast<std::size_t>(line)]);
             if (near_m < far_m)
                 lit.intervals.push_back({.near_m = near_m, .far_m = far_m});
         }
         is_open = !is_open;
-        if (is_open && line > clip_last)
+        if (is_open && line > hit.last)
             near_m = ray.far_m;
     };
-    if (scan(rows.row(slice), placed.slope[i], first, last, toggle) && near_m < ray.far_m)
+    if (scan(rows.row(hit.slice), placed.slope[i], hit.first, hit.last, toggle) && near_m < ray.far_m)
         lit.intervals.push_back({.near_m = near_m, .far_m = ray.far_m});
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/slope_rows_visibility.hpp"
-#include "light_shafts/row_query.hpp"
+#include "light_shafts/row_query_scatter.hpp"
+#include <tbb/task_arena.h>
 
 namespace tyndall::light_shafts {
 namespace {
@@ -76,8 +77,12 @@ RowsVisibility::RowsVisibility(const Preparation& preparation, slope_rows::Rows 
 
 const Visibility& RowsVisibility::exact() const {
     std::call_once(exact_once_, [this] {
-        Progress progress;
-        exact_ = make_exact_strip(scene_, view_, light_, {}, config_, progress);
+        // Without the isolation this thread might, while it waits for its own tasks, start another block of rays that
+        // waits for this very flag.
+        tbb::this_task_arena::isolate([this] {
+            Progress progress;
+            exact_ = make_exact_strip(scene_, view_, light_, {}, config_, progress);
+        });
     });
     return *exact_;
 }
@@ -120,5 +125,49 @@ void RowsVisibility::lit_intervals(std::span<const ViewRay> rays, LitRows& lit) 
             append(from_rows, offsets[ray] - first_interval, offsets[ray + 1] - first_interval);
         lit.end_ray();
     }
+}
+
+/// Adds what `visibility` says about some rays of a call.
+static void add_some(const Visibility& visibility, std::span<const std::uint32_t> indices,
+                     std::span<const ViewRay> rays, const PieceRows& pieces, std::span<Rgb> radiance,
+                     std::span<float> lit_length_m, bool by_intervals) {
+    std::vector<ViewRay> some_rays;
+    PieceRows some_pieces;
+    for (const std::uint32_t ray : indices) {
+        some_rays.push_back(rays[ray]);
+        some_pieces.pieces.insert(some_pieces.pieces.end(), pieces.pieces.begin() + pieces.first[ray],
+                                  pieces.pieces.begin() + pieces.first[ray + 1]);
+        some_pieces.end_ray();
+    }
+    std::vector<Rgb> some_radiance(indices.size(), Rgb(0.0f));
+    std::vector<float> some_lengths(indices.size(), 0.0f);
+    if (by_intervals)
+        visibility.Visibility::add_scattered(some_rays, some_pieces, some_radiance, some_lengths);
+    else
+        visibility.add_scattered(some_rays, some_pieces, some_radiance, some_lengths);
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+        radiance[indices[i]] += some_radiance[i];
+        lit_length_m[indices[i]] += some_lengths[i];
+    }
+}
+
+void RowsVisibility::add_scattered(std::span<const ViewRay> rays, const PieceRows& pieces, std::span<Rgb> radiance,
+                                   std::span<float> lit_length_m) const {
+    if (rows_.layout.frame.is_angular) {
+        Visibility::add_scattered(rays, pieces, radiance, lit_length_m);
+        return;
+    }
+    thread_local row_query::Unanswered unanswered;
+    unanswered.near_epipole.clear();
+    unanswered.outside.clear();
+    unanswered.steep.clear();
+    row_query::add_scattered(rows_, rays, pieces, radiance, lit_length_m, unanswered);
+    near_epipole_count_ += unanswered.near_epipole.size();
+    outside_count_ += unanswered.outside.size();
+    for (const auto* indices : {&unanswered.near_epipole, &unanswered.outside})
+        if (!indices->empty())
+            add_some(exact(), *indices, rays, pieces, radiance, lit_length_m, false);
+    if (!unanswered.steep.empty())
+        add_some(*this, unanswered.steep, rays, pieces, radiance, lit_length_m, true);
 }
 } // namespace tyndall::light_shafts

@@ -1,86 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/parallel.hpp"
+#include "core/simd.hpp"
 #include "light_shafts/row_query.hpp"
-#include "light_shafts/shadow_map.hpp"
-#include "light_shafts/slope_rows_raster.hpp"
-#include "support/shaft_oracle.hpp"
+#include "light_shafts/slope_rows.hpp"
+#include "support/shaft_settings.hpp"
 #include <algorithm>
 #include <doctest/doctest.h>
-#include <hwy/targets.h>
-#include <string>
 
 using namespace tyndall;
 using namespace tyndall::light_shafts;
-using support::TriangleSoup;
+using namespace tyndall::support;
 
 namespace {
-/// A view, a light and what stands between.
-struct Setting {
-    std::string name;
-    View view;
-    LightSample light;
-    vec3 towards{0, 1, 0}; ///< The middle of a perspective view.
-    float scale_m = 1.0f;  ///< Size of everything.
-    vec3 centre{0.0f};     ///< Of the soup.
-};
-
-LightSample sun(const vec3& towards_light) {
-    LightSample light;
-    light.towards_light = glm::normalize(towards_light);
-    return light;
-}
-LightSample lamp(const vec3& position) {
-    LightSample light;
-    light.is_directional = false;
-    light.position = position;
-    return light;
-}
-View perspective(const vec3& position) { return {.position = position}; }
-View orthographic(const vec3& direction) { return {.is_orthographic = true, .direction = glm::normalize(direction)}; }
-
-std::vector<ViewRay> make_rays(const Setting& setting, int side) {
-    std::vector<ViewRay> rays;
-    const vec3 forward = setting.view.is_orthographic ? setting.view.direction : glm::normalize(setting.towards);
-    const auto [right, up] = orthonormal_basis(forward);
-    support::SceneRandom random(7);
-    for (int y = 0; y < side; ++y)
-        for (int x = 0; x < side; ++x) {
-            const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(side) - 0.5f;
-            const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(side) - 0.5f;
-            const float far_m = setting.scale_m * random.uniform(6.0f, 12.0f);
-            if (setting.view.is_orthographic)
-                rays.push_back({setting.centre + setting.scale_m * (6.0f * (u * right + v * up) - 5.0f * forward),
-                                forward, 0.0f, far_m});
-            else
-                rays.push_back({setting.view.position, glm::normalize(forward + 0.9f * (u * right + v * up)),
-                                0.01f * setting.scale_m, far_m});
-        }
-    return rays;
-}
-
-struct Soup {
-    TriangleSoup soup;
-    mat4 identity{1.0f};
-    Occluders occluders;
-    explicit Soup(TriangleSoup triangles) : soup(std::move(triangles)) {
-        occluders.pieces.push_back({0, soup.positions, soup.triangles, &identity});
-        occluders.triangle_count = soup.triangles.size();
-    }
-};
-
-slope_rows::Rows make_rows(const Setting& setting, const Soup& soup, std::span<const ViewRay> rays, std::uint32_t lines,
-                           bool from_map = false) {
-    Progress progress;
-    const auto frame = slope_rows::make_frame(setting.view, setting.light);
-    REQUIRE(frame.has_value());
-    slope_rows::Rows rows(slope_rows::make_layout(*frame, rays, {.lines = lines}, progress));
-    if (from_map)
-        rectify(raster_shadow_map(rows.layout, setting.light, lines, soup.occluders, progress), rows, progress);
-    else
-        slope_rows::raster(rows, slope_rows::bin_triangles(rows.layout, soup.occluders, progress), progress);
-    return rows;
-}
-
 struct Comparison {
     double relative_rmse = 0.0, bias = 0.0;
     std::size_t compared = 0, near_epipole = 0, outside = 0;
@@ -102,7 +33,7 @@ Comparison compare(const Setting& setting, const Soup& soup, std::span<const Vie
         double length_m = 0.0;
         for (std::uint32_t i = lit.first[r]; i < lit.first[r + 1]; ++i)
             length_m += double{lit.intervals[i].far_m} - double{lit.intervals[i].near_m};
-        const double truth_m = support::marched_lit_length_m(soup.soup, setting.light, rays[r], 400);
+        const double truth_m = marched_lit_length_m(soup.soup, setting.light, rays[r], 400);
         square_sum += (length_m - truth_m) * (length_m - truth_m);
         difference_sum += length_m - truth_m;
         truth_sum += truth_m;
@@ -114,26 +45,10 @@ Comparison compare(const Setting& setting, const Soup& soup, std::span<const Vie
     return result;
 }
 
-std::vector<Setting> settings() {
-    const vec3 eye(0, -6, 0.5f);
-    std::vector<Setting> all{
-        {"perspective, sun from the side", perspective(eye), sun({1, 0.3f, 1})},
-        {"perspective, sun in the picture", perspective(eye), sun({0.1f, 1, 0.15f})},
-        {"perspective, sun in the back", perspective(eye), sun({0.1f, -1, 0.15f})},
-        {"perspective, lamp aside", perspective(eye), lamp({4, 1, 3})},
-        {"perspective, lamp in the picture", perspective(eye), lamp({0.4f, 0.5f, 0.3f})},
-        {"perspective, lamp behind the camera", perspective(eye), lamp({1, -9, 2})},
-        {"orthographic, sun from the side", orthographic({0, 1, 0}), sun({1, 0.3f, 1})},
-        {"orthographic, sun across", orthographic({0, 1, 0}), sun({1, 0, 0})},
-        {"orthographic, lamp in the picture", orthographic({0, 1, 0}), lamp({0.4f, 0.5f, 0.3f})},
-        {"orthographic, lamp behind", orthographic({0, 1, 0}), lamp({0.4f, 9.0f, 0.3f})},
-    };
-    return all;
-}
 } // namespace
 
 TEST_CASE("slope rows converge to brute force at first order, for every light and camera") {
-    const Soup soup(support::make_soup(60, 3.0f, 0.8f, vec3(0.0f), 3));
+    const Soup soup(make_soup(60, 3.0f, 0.8f, vec3(0.0f), 3));
     for (const Setting& setting : settings()) {
         CAPTURE(setting.name);
         const auto rays = make_rays(setting, 40);
@@ -146,7 +61,7 @@ TEST_CASE("slope rows converge to brute force at first order, for every light an
 }
 
 TEST_CASE("the bits of slope rows do not depend on the number of threads") {
-    const Soup soup(support::make_soup(3000, 3.0f, 0.2f, vec3(0.0f), 5));
+    const Soup soup(make_soup(3000, 3.0f, 0.2f, vec3(0.0f), 5));
     const Setting setting = settings().front();
     const auto rays = make_rays(setting, 40);
     const slope_rows::Rows one = with_threads(1, [&] { return make_rows(setting, soup, rays, 256); });
@@ -156,18 +71,17 @@ TEST_CASE("the bits of slope rows do not depend on the number of threads") {
 }
 
 TEST_CASE("every SIMD target fills the same rows, save for samples at the ends of segments") {
-    const Soup soup(support::make_soup(300, 3.0f, 0.4f, vec3(0.0f), 6));
+    const Soup soup(make_soup(300, 3.0f, 0.4f, vec3(0.0f), 6));
     for (const Setting& setting : {settings()[0], settings()[3], settings()[6], settings()[8]}) {
         CAPTURE(setting.name);
         const auto rays = make_rays(setting, 40);
         const slope_rows::Rows best = make_rows(setting, soup, rays, 512);
-        for (const auto target : {HWY_SSSE3, HWY_SSE4, HWY_AVX2, HWY_AVX3}) {
-            CAPTURE(hwy::TargetName(target));
-            if (!(hwy::SupportedTargets() & target))
-                continue;
-            hwy::SetSupportedTargetsForTest(target);
-            const slope_rows::Rows forced = make_rows(setting, soup, rays, 512);
-            hwy::SetSupportedTargetsForTest(0);
+        for (const SimdTarget target : available_simd_targets()) {
+            CAPTURE(static_cast<int>(target));
+            const slope_rows::Rows forced = [&] {
+                const ForcedSimdTarget force(target);
+                return make_rows(setting, soup, rays, 512);
+            }();
             REQUIRE(forced.layout.rows.size() == best.layout.rows.size());
             std::size_t different = 0, compared = 0;
             for (std::size_t s = 0; s < best.layout.rows.size(); ++s) {
@@ -185,7 +99,7 @@ TEST_CASE("every SIMD target fills the same rows, save for samples at the ends o
 }
 
 TEST_CASE("blocks of 16 answer as the lines one by one do") {
-    support::SceneRandom random(9);
+    SceneRandom random(9);
     constexpr std::int32_t line_count = 1024;
     std::vector<float> slopes(line_count), lowest(line_count / 16 + 16), highest(line_count / 16 + 16);
     for (const float change : {0.001f, 0.02f, 0.5f}) {
@@ -218,7 +132,7 @@ TEST_CASE("blocks of 16 answer as the lines one by one do") {
 }
 
 TEST_CASE("a depth map, rectified, converges to brute force as well, for every light and camera") {
-    const Soup soup(support::make_soup(60, 3.0f, 0.8f, vec3(0.0f), 3));
+    const Soup soup(make_soup(60, 3.0f, 0.8f, vec3(0.0f), 3));
     for (const Setting& setting : settings()) {
         CAPTURE(setting.name);
         const auto rays = make_rays(setting, 40);
