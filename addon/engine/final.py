@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from bpy.types import Depsgraph, RenderEngine, RenderResult
-    from tyndall.renderer import Film
 
+    from tyndall.renderer import Film
     from tyndall.scene_description import Camera, SceneDescription
 
 _POLL_S = 0.05  #: Between two looks at Esc while Blender's scene is read.

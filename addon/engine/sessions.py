@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 from bpy.app.handlers import persistent
+
 from tyndall.renderer import Session
 
 from ..sync.scene import SceneReader

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from tyndall.renderer import RenderConfig, ShaftConfig
 
 from .passes import wanted_planes

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 from bpy.types import Context, Depsgraph, RenderEngine
+
 from tyndall.renderer import Session
 
 from ..sync.reports import Reports

@@ -13,9 +13,8 @@ import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from tyndall.renderer import Film, RenderConfig, Session
-
 from tyndall import Cancelled, Progress
+from tyndall.renderer import Film, RenderConfig, Session
 
 if TYPE_CHECKING:
     from tyndall.scene_description import Camera, FloatArray, SceneDescription

@@ -334,10 +334,11 @@ def _build_world(world: World, parts: NativeParts, reports: list[str]) -> _nativ
 def _make_world(world: World) -> _native.World:
     pixels = None
     if world.image is not None:
-        pixels = world.image.pixels[:, :, :3]
-        if world.image.pixels.dtype == np.uint8:
-            pixels = _SRGB_TO_LINEAR[pixels] if world.image.is_srgb else pixels / np.float32(255)
-        pixels = np.ascontiguousarray(pixels, dtype=np.float32)
+        encoded = world.image.pixels[:, :, :3]
+        linear: NDArray[Any] = encoded
+        if encoded.dtype == np.uint8:
+            linear = _SRGB_TO_LINEAR[encoded] if world.image.is_srgb else encoded / np.float32(255)
+        pixels = np.ascontiguousarray(linear, dtype=np.float32)
     return _native.World(
         name=world.name,
         radiance=world.radiance,

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import bpy
 import pytest
-from support.recording_layout import drawn
 
 import addon
 from addon import availability, last_render, panels
 from addon.panels.standard import standard_panels
 from addon.shader_nodes import use_nodes
+from support.recording_layout import drawn
 
 STATISTICS = {
     "stages": [{"name": "embree", "seconds": 0.0123}, {"name": "light shafts", "seconds": 75.0}],

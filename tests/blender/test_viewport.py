@@ -12,7 +12,6 @@ from dataclasses import replace
 import bpy
 import numpy as np
 import pytest
-from tyndall.renderer import Film, RenderConfig, Session
 
 from addon.engine.settings import frame_window, render_config
 from addon.engine.viewport_camera import camera_of_view
@@ -21,6 +20,7 @@ from addon.sync.cameras import read_camera
 from addon.sync.reports import Reports
 from addon.sync.scene import SceneReader
 from tyndall import Cancelled, Progress
+from tyndall.renderer import Film, RenderConfig, Session
 from tyndall.scene_description import Camera, CameraKind, SceneDescription
 
 SIZES_PX = ((640, 360), (300, 500), (64, 64))
