@@ -20,9 +20,7 @@ if TYPE_CHECKING:
 
 def emission_of_light(light: bpy.types.Light, reports: Reports, culprit: str) -> NDArray[np.float64]:
     """(3,), the colour times strength of constant Emission nodes; 1 for a light without nodes."""
-    if not light.use_nodes or light.node_tree is None:
-        return np.ones(3)
-    surface = output_input(light.node_tree, "Surface")
+    surface = output_input(light.node_tree if light.use_nodes else None, "Surface")
     if surface is None:
         return np.ones(3)
     return _emission(ValueReader(culprit, reports, ImageReader(), Domain.CONSTANT), surface)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from tyndall.scene_description import Material, Medium
 
+from ..shader_nodes import shader_tree
 from .node_graph import output_input
 from .surface_nodes import Shares, read_surface
 from .value_nodes import Domain, ValueReader
@@ -45,10 +46,11 @@ class MaterialReader:
     def _read(self, material: bpy.types.Material | None) -> Material:
         if material is None:
             return Material(name="no material")
-        if not material.use_nodes or material.node_tree is None:
+        tree = shader_tree(material)
+        if tree is None:
             colour = material.diffuse_color
             return Material(name=material.name, diffuse=(colour[0], colour[1], colour[2]))
-        surface, volume = (output_input(material.node_tree, name) for name in ("Surface", "Volume"))
+        surface, volume = (output_input(tree, name) for name in ("Surface", "Volume"))
         medium = -1
         if volume is not None and volume.is_connected():
             medium = self.add_medium(read_volume(self._values(material, Domain.CONSTANT), volume, material.name))
@@ -57,14 +59,15 @@ class MaterialReader:
         values = self._values(material, Domain.SURFACE)
         # Without an output it is black, as in Cycles.
         shares = Shares() if surface is None else read_surface(values, surface)
-        self._note_displacement(material, values)
+        _note_displacement(tree, values)
         results = (shares.diffuse, shares.transparent, shares.emission)
         return values.program.material(material.name, results, medium=medium)
 
     def _values(self, material: bpy.types.Material, domain: Domain) -> ValueReader:
         return ValueReader(f'Material "{material.name}"', self._reports, self._images, domain)
 
-    def _note_displacement(self, material: bpy.types.Material, values: ValueReader) -> None:
-        displacement = output_input(material.node_tree, "Displacement")
-        if displacement is not None and displacement.is_connected():
-            values.note("displacement is not drawn")
+
+def _note_displacement(tree: bpy.types.NodeTree, values: ValueReader) -> None:
+    displacement = output_input(tree, "Displacement")
+    if displacement is not None and displacement.is_connected():
+        values.note("displacement is not drawn")

@@ -9,6 +9,7 @@ import numpy as np
 
 from tyndall.scene_description import Code, Material, Medium, SurfaceOp, World
 
+from ..shader_nodes import shader_tree
 from .node_graph import Socket, output_input
 from .program import BLACK, WHITE, Value
 from .value_nodes import Domain, ValueReader
@@ -31,10 +32,11 @@ def read_world(world: bpy.types.World | None, reports: Reports, images: ImageRea
     """A scene without a world is black. The medium's index is left to the caller."""
     if world is None:
         return World(name="no world"), None
-    if not world.use_nodes or world.node_tree is None:
+    tree = shader_tree(world)
+    if tree is None:
         return World(name=world.name, radiance=tuple(world.color)), None
     reader = ValueReader(f'World "{world.name}"', reports, images, Domain.WORLD)
-    surface, volume = (output_input(world.node_tree, name) for name in ("Surface", "Volume"))
+    surface, volume = (output_input(tree, name) for name in ("Surface", "Volume"))
     background = BLACK if surface is None else _background(reader, surface, WHITE)
     medium = None
     if volume is not None:

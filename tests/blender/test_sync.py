@@ -1,0 +1,367 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the sync makes of Blender's scene: everything that Cycles would draw, once, and where Blender puts it."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from support.small_scenes import (
+    CUBE_CORNERS,
+    CUBE_FACES,
+    add,
+    cube,
+    empty_scene,
+    light,
+    material,
+    mesh,
+    node,
+    placements,
+    plane,
+    read,
+    world_positions,
+)
+
+from addon.sync.reports import Reports
+from addon.sync.scene import SceneReader
+from tyndall.scene_description import LightBody
+
+
+def red_green() -> tuple[bpy.types.Material, bpy.types.Material]:
+    return tuple(
+        material(
+            name, surface=lambda new, _link, colour=colour: node(new, "ShaderNodeBsdfDiffuse", Color=colour).outputs[0]
+        )
+        for name, colour in (("Red", (1, 0, 0, 1)), ("Green", (0, 1, 0, 1)))
+    )
+
+
+def test_triangles_lie_where_blender_puts_them() -> None:
+    """A rotated, mirrored and sheared child keeps its corners; the matrix is [row, column]."""
+    empty_scene()
+    parent, child = cube("Parent"), cube("Child")
+    parent.scale, parent.rotation_euler = (1, 3, -0.5), (0.3, 0.2, 0.1)
+    child.parent, child.location, child.rotation_euler = parent, (1, 2, 3), (0.5, 0.6, 0.7)
+    (group,) = placements(read(), "Child")
+    expected = [child.matrix_world @ vertex.co for vertex in child.data.vertices]
+    assert world_positions(group)[0] == pytest.approx(np.array(expected), abs=1e-5)
+    assert np.linalg.det(group.world_from_object[0][:3, :3]) < 0
+    assert sorted(np.unique(group.mesh.triangles)) == list(range(len(CUBE_CORNERS)))
+
+
+def test_quads_and_concave_polygons_become_triangles_of_the_same_area() -> None:
+    """The polygon's material comes along, whatever the number of its triangles."""
+    empty_scene()
+    arrow = [(0, 0, 0), (2, 1, 0), (0, 2, 0), (1, 1, 0)]  # concave
+    data = mesh("Shapes", [*arrow, (5, 0, 0), (6, 0, 0), (5, 1, 0)], [(0, 1, 2, 3), (4, 5, 6)])
+    for one in red_green():
+        data.materials.append(one)
+    data.polygons[1].material_index = 1
+    add("Shapes", data)
+    (group,) = read().instances
+    corners = group.mesh.positions[group.mesh.triangles]
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+    assert areas[:2].sum() == pytest.approx(1.0)
+    assert areas[2] == pytest.approx(0.5)
+    assert group.mesh.material_slots.tolist() == [0, 0, 1]
+
+
+def test_a_smooth_sphere_has_the_normals_of_a_sphere_and_a_flat_cube_has_none() -> None:
+    empty_scene()
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16)
+    bpy.ops.object.shade_smooth()
+    cube()
+    sphere, box = (placements(read(), name)[0].mesh for name in ("Sphere", "Cube"))
+    assert box.corner_normals is None
+    assert sphere.corner_normals == pytest.approx(sphere.positions[sphere.triangles], abs=0.02)
+
+
+def test_smooth_and_flat_polygons_of_one_mesh_keep_apart() -> None:
+    """Flat corners carry the triangle's own normal, or zero, which means the same."""
+    empty_scene()
+    thing = cube()
+    for neighbour in (0, 2):
+        thing.data.polygons[neighbour].use_smooth = True
+    (group,) = read().instances
+    normals = group.mesh.corner_normals
+    corners = group.mesh.positions[group.mesh.triangles]
+    geometric = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    geometric /= np.linalg.norm(geometric, axis=1, keepdims=True)
+    along = np.einsum("tci,ti->tc", normals, geometric)
+    flat = np.all((along > 0.999) | ~normals.any(axis=2), axis=1)
+    assert flat.sum() == 8, "four of six faces are flat"
+
+
+def test_uv_maps_come_by_corner_the_active_one_first() -> None:
+    empty_scene()
+    thing = plane()
+    second = thing.data.uv_layers.new(name="Second")
+    for index, uv in enumerate([(0, 0), (1, 0), (1, 1), (0, 1)]):
+        second.data[index].uv = uv
+    second.active_render = True
+    (group,) = read().instances
+    assert [name for name, _ in group.mesh.uv_maps] == ["Second", "UV"]
+    uvs = group.mesh.uv_maps[0][1]
+    expected = group.mesh.positions[group.mesh.triangles][..., :2] / 20 + 0.5
+    assert uvs == pytest.approx(expected)
+
+
+def test_nested_collection_instances_are_each_drawn_once() -> None:
+    """Two levels: 3 x 4 leaves, at the products of the matrices, beside the originals that are not in the scene."""
+    empty_scene()
+    leaf = bpy.data.objects.new("Leaf", mesh("Leaf", CUBE_CORNERS, CUBE_FACES))
+    twig, tree = bpy.data.collections.new("Twig"), bpy.data.collections.new("Tree")
+    twig.objects.link(leaf)
+    for index in range(4):
+        instancer = bpy.data.objects.new(f"Twig {index}", None)
+        instancer.instance_type, instancer.instance_collection = "COLLECTION", twig
+        instancer.location.x = index
+        tree.objects.link(instancer)
+    for index in range(3):
+        instancer = add(f"Tree {index}", None, location=(0, 10 * index, 0))
+        instancer.instance_type, instancer.instance_collection = "COLLECTION", tree
+    (group,) = read().instances
+    places = {tuple(matrix[:2, 3]) for matrix in group.world_from_object}
+    assert places == {(x, y) for x in range(4) for y in (0, 10, 20)}
+    assert len(group.object_names) == 12
+
+
+def test_particles_are_drawn_once_and_their_hidden_original_is_not() -> None:
+    empty_scene()
+    leaf = cube("Leaf")
+    leaf.hide_render = leaf.hide_viewport = True
+    ground = plane()
+    ground.modifiers.new("Particles", "PARTICLE_SYSTEM")
+    settings = ground.particle_systems[0].settings
+    settings.type, settings.count, settings.render_type = "HAIR", 50, "OBJECT"
+    settings.instance_object = leaf
+    settings.use_advanced_hair = True
+    description = read()
+    assert sum(len(group.object_names) for group in placements(description, "Leaf")) == 50
+    assert len(placements(description, "Plane")) == 1
+
+
+def test_a_curve_a_text_and_a_metaball_are_drawn_once() -> None:
+    """They come as themselves and as the mesh that they evaluate to."""
+    empty_scene()
+    curve = bpy.data.curves.new("Curve", "CURVE")
+    curve.dimensions, curve.bevel_depth = "3D", 0.1
+    curve.splines.new("POLY").points.add(1)
+    curve.splines[0].points[1].co = (1, 0, 0, 1)
+    add("Curve", curve)
+    text = bpy.data.curves.new("Text", "FONT")
+    text.body, text.extrude = "fog", 0.1
+    add("Text", text)
+    add("Bare curve", bpy.data.curves.new("Bare", "CURVE"))
+    ball = bpy.data.metaballs.new("Ball")
+    ball.elements.new()
+    add("Ball", ball)
+    names = sorted(name for group in read().instances for name in group.object_names)
+    assert names == ["Ball", "Curve", "Text"]
+
+
+def test_hidden_and_unseen_objects() -> None:
+    """Not rendered: gone. Unseen by the camera, or casting no shadow: flags. Neither: gone."""
+    empty_scene()
+    flags = {"Seen": (True, True), "Shadow": (False, True), "Bright": (True, False), "Neither": (False, False)}
+    for name, (is_camera_visible, casts_shadow) in flags.items():
+        thing = cube(name)
+        thing.visible_camera, thing.visible_shadow = is_camera_visible, casts_shadow
+    cube("Hidden").hide_viewport = True
+    found = {group.object_names[0]: (group.is_camera_visible, group.casts_shadow) for group in read().instances}
+    assert found == {name: flag for name, flag in flags.items() if any(flag)}
+
+
+def test_an_instancer_passes_its_visibility_on() -> None:
+    empty_scene()
+    leaf = bpy.data.objects.new("Leaf", mesh("Leaf", CUBE_CORNERS, CUBE_FACES))
+    collection = bpy.data.collections.new("Twig")
+    collection.objects.link(leaf)
+    for name in ("Seen", "Unseen"):
+        instancer = add(name, None)
+        instancer.instance_type, instancer.instance_collection = "COLLECTION", collection
+        instancer.visible_camera = name == "Seen"
+    assert sorted(group.is_camera_visible for group in read().instances) == [False, True]
+
+
+def test_materials_may_be_linked_to_the_object() -> None:
+    """Two objects share a mesh, and so its arrays, but not their material."""
+    empty_scene()
+    red, green = red_green()
+    first = cube("First", red)
+    second = add("Second", first.data)
+    second.material_slots[0].link = "OBJECT"
+    second.material_slots[0].material = green
+    add("Third", mesh("Bare", CUBE_CORNERS, CUBE_FACES))
+    description = read()
+    names = {group.object_names[0]: description.materials[group.materials[0]].name for group in description.instances}
+    assert names == {"First": "Red", "Second": "Green", "Third": "no material"}
+    assert placements(description, "First")[0].mesh is placements(description, "Second")[0].mesh
+
+
+def test_modifiers_count() -> None:
+    empty_scene()
+    thing = cube()
+    thing.modifiers.new("Array", "ARRAY").count = 3
+    assert len(read().instances[0].mesh.triangles) == 3 * 12
+
+
+def test_damaged_meshes_do_no_harm() -> None:
+    """NaN goes through, for the native side to drop and count; a mesh without a face is not drawn."""
+    empty_scene()
+    broken = cube("Broken")
+    broken.data.vertices[0].co.x = math.nan
+    add("Points", mesh("Points", [(0, 0, 0)], []))
+    add("Empty", mesh("Empty", [], []))
+    (group,) = read().instances
+    assert np.isnan(group.mesh.positions).sum() == 1
+
+
+class TestKeys:
+    """The same key promises the same content: the native side sends and builds nothing for it."""
+
+    def key(self, thing: bpy.types.Object, reader: SceneReader) -> str:
+        return placements(read(reader), thing.name)[0].mesh.key
+
+    def test_a_key_outlives_moves_materials_and_frames(self) -> None:
+        scene, reader = empty_scene(), SceneReader()
+        thing = cube()
+        before = self.key(thing, reader)
+        thing.location.x = 3
+        thing.data.materials.append(red_green()[0])
+        scene.frame_set(7)
+        assert self.key(thing, reader) == before
+        assert self.key(thing, SceneReader()) == before
+
+    @pytest.mark.parametrize("change", ["vertex", "face", "smooth", "uv", "slot"])
+    def test_a_key_changes_with_the_content(self, change: str) -> None:
+        empty_scene()
+        reader, thing = SceneReader(), plane()
+        for one in red_green():
+            thing.data.materials.append(one)
+        before = self.key(thing, reader)
+        data = thing.data
+        if change == "vertex":
+            data.vertices[0].co.z = 1e-4
+        elif change == "face":
+            data.flip_normals()
+        elif change == "smooth":
+            data.vertices[0].co.z = 5  # a bent plane: smooth and flat differ
+            data.update()
+            before = self.key(thing, reader)
+            data.polygons[0].use_smooth = True
+        elif change == "uv":
+            data.uv_layers[0].data[0].uv = (0.5, 0.25)
+        else:
+            data.polygons[0].material_index = 1
+        data.update()
+        assert self.key(thing, reader) != before
+
+    def test_a_live_depsgraph_reads_only_what_it_updated(
+        self, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+    ) -> None:
+        """Moving the camera reads no mesh; editing one of two meshes reads that one."""
+        from addon.sync import scene as scene_module  # noqa: PLC0415  to count its calls
+
+        scene, reader = empty_scene(), SceneReader()
+        first, second = cube("First"), plane()
+        names_read: list[str] = []
+        original = scene_module.read_mesh
+
+        def counting(data: bpy.types.Mesh, *others: object) -> object:
+            names_read.append(data.name)
+            return original(data, *others)
+
+        monkeypatch.setattr(scene_module, "read_mesh", counting)
+
+        def hear(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+            reader.note_updates(depsgraph)
+
+        def read_live() -> list[str]:
+            names_read.clear()
+            bpy.context.view_layer.update()
+            reader.read(bpy.context.evaluated_depsgraph_get(), Reports(), lambda: None, is_live=True)
+            return sorted(names_read)
+
+        bpy.app.handlers.depsgraph_update_post.append(hear)
+        request.addfinalizer(lambda: bpy.app.handlers.depsgraph_update_post.remove(hear))
+
+        assert read_live() == ["First", "Plane"]
+        scene.camera.location.x = 1
+        assert read_live() == []
+        second.location.x = 2
+        assert read_live() == []
+        first.data.vertices[0].co.z = 9
+        first.data.update()
+        first.data.update_tag()
+        assert read_live() == ["First"]
+
+
+class TestLights:
+    def test_what_a_light_does_not_do(self) -> None:
+        empty_scene()
+        lamp = light("POINT", (0, 0, 2))
+        lamp.visible_diffuse = False
+        lamp.data.tyndall.scatters_in_media = False
+        (described,) = read().lights
+        assert not described.lights_surfaces
+        assert not described.scatters_in_media
+
+    def test_an_area_light_is_named_and_the_rest_still_renders(self) -> None:
+        empty_scene()
+        light("AREA", (0, 0, 2))
+        light("SUN", (0, 0, 2))
+        description = read()
+        assert [described.name for described in description.lights] == ["Sun"]
+        assert any("Area" in line for line in description.reports)
+
+    def test_soft_falloff_is_the_disc_of_blender_3(self) -> None:
+        empty_scene()
+        lamp = light("POINT", (0, 0, 2))
+        assert read().lights[0].body == LightBody.FACING_DISC
+        if bpy.app.version >= (4, 1, 0):
+            lamp.data.use_soft_falloff = False
+            assert read().lights[0].body == LightBody.SPHERE
+
+    def test_instanced_lights_shine_each_from_its_place(self) -> None:
+        empty_scene()
+        lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
+        collection = bpy.data.collections.new("Street")
+        collection.objects.link(lamp)
+        for index in range(3):
+            instancer = add(f"Post {index}", None, location=(index, 0, 0))
+            instancer.instance_type, instancer.instance_collection = "COLLECTION", collection
+        assert sorted(described.world_from_light[0, 3] for described in read().lights) == [0, 1, 2]
+
+
+def test_scale_length_means_nothing() -> None:
+    """One Blender unit is one metre always, as in Cycles."""
+    scene = empty_scene()
+    cube()
+    light("POINT", (0, 0, 2))
+    before = read()
+    scene.unit_settings.scale_length = 0.01
+    after = read()
+    assert after.lights[0].strength == before.lights[0].strength
+    assert np.array_equal(after.instances[0].world_from_object, before.instances[0].world_from_object)
+
+
+@pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])
+def test_a_stop_is_heard_between_objects(kind: str) -> None:
+    """``poll`` may raise; the reader is as good as before."""
+    scene, reader = empty_scene(), SceneReader()
+    scene.camera.data.type = kind
+    for index in range(5):
+        cube(f"Cube {index}")
+
+    class Stop(Exception):  # noqa: N818  what a caller raises is its own affair
+        pass
+
+    def stop() -> None:
+        raise Stop
+
+    with pytest.raises(Stop):
+        reader.read(bpy.context.evaluated_depsgraph_get(), Reports(), stop)
+    assert len(read(reader).instances) == 5
