@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from bpy.types import RenderEngine
 
 _RENDER_ARGUMENTS = {"-f", "--render-frame", "-a", "--render-anim"}
+INTERRUPTED = "Tyndall: interrupted"
 _last_error: str | None = None
 
 

@@ -41,19 +41,27 @@ def render(engine: RenderEngine, depsgraph: Depsgraph) -> None:
     window = frame_window(depsgraph.scene_eval.render, (engine.resolution_x, engine.resolution_y))
     result = engine.begin_result(0, 0, *window.region_size_px, layer=layer_name, view=engine.active_view_get())
     error: str | None = None
-    is_cancelled = False
+    is_whole = False
     try:
         _Frame(engine, depsgraph, window, result).render()
+        is_whole = True
     except Cancelled:
-        is_cancelled = True
-    except Exception as exception:  # noqa: BLE001  whatever it is, the frame is delivered, and the caller told
+        pass
+    except KeyboardInterrupt:  # Ctrl-C in a script: the main thread is the one that watches
+        error = failures.INTERRUPTED
+    except BaseException as exception:  # noqa: BLE001  whatever it is, the frame is delivered, and the caller told
         error = _message(exception)
-    engine.end_result(result, cancel=is_cancelled)
+    engine.end_result(result, cancel=not is_whole)  # what is cancelled is not saved: no empty picture on disk
     if error is not None:
         failures.fail(engine, error)
 
 
-def _message(exception: Exception) -> str:
+def is_esc_pressed(engine: RenderEngine) -> bool:
+    """Blender's own question, which tests answer in its place."""
+    return bool(engine.test_break())
+
+
+def _message(exception: BaseException) -> str:
     text = str(exception)
     return f"Tyndall: {text}" if text else f"Tyndall: {type(exception).__name__}"
 
@@ -80,7 +88,7 @@ class _Frame:
             kept.session.update(description, progress)
             return kept.session.render(camera, config, progress, show)
 
-        film = NativeCall(work).watch(is_cancelled=self.engine.test_break, tick=self._tick)
+        film = NativeCall(work).watch(is_cancelled=lambda: is_esc_pressed(self.engine), tick=self._tick)
         self._show(film)
         last_render.record(scene.name, _statistics(film, description, read_s))
         for line in description.reports:
@@ -106,7 +114,7 @@ class _Frame:
             nonlocal last
             if time.monotonic() - last >= _POLL_S:
                 last = time.monotonic()
-                if self.engine.test_break():
+                if is_esc_pressed(self.engine):
                     raise Cancelled
 
         return poll

@@ -37,14 +37,18 @@ class NativeCall:
         """
         thread = threading.Thread(target=self._run, name="tyndall render")
         thread.start()
-        while thread.is_alive():
-            started = time.monotonic()
-            if is_cancelled():
-                self.progress.cancel()
-            else:
-                film, self._shown = self._shown, None
-                tick(self.progress, film)
-            thread.join(max(0.0, _POLL_S - (time.monotonic() - started)))
+        try:
+            while thread.is_alive():
+                started = time.monotonic()
+                if is_cancelled():
+                    self.progress.cancel()
+                else:
+                    film, self._shown = self._shown, None
+                    tick(self.progress, film)
+                thread.join(max(0.0, _POLL_S - (time.monotonic() - started)))
+        finally:  # an error of tick, or Ctrl-C: nothing native may outlive this call
+            self.progress.cancel()
+            thread.join()
         if self._error is not None:
             raise self._error
         if self._result is None:

@@ -105,6 +105,6 @@ def placements(description: SceneDescription, object_name: str) -> list[Instance
 
 
 def world_positions(group: Instances) -> NDArray[np.float64]:
-    """(count, vertices, 3)"""
+    """Every vertex of every instance, (count, vertices, 3)."""
     corners = np.concatenate([group.mesh.positions, np.ones((len(group.mesh.positions), 1))], axis=1)
     return np.einsum("nij,vj->nvi", group.world_from_object, corners)[..., :3]

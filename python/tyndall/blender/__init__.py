@@ -53,6 +53,12 @@ def last_error() -> str | None:
     return error
 
 
+def was_interrupted() -> bool:
+    """Whether the latest final render ended by Ctrl-C."""
+    failures = _part(".engine.failures")
+    return bool(failures.last_error() == failures.INTERRUPTED)
+
+
 def last_statistics(scene_name: str) -> dict[str, Any] | None:
     """Stages, counts, reports and what was skipped, of the scene's latest final render; for JSON. None before one."""
     statistics: dict[str, Any] | None = _part(".last_render").statistics_of(scene_name)

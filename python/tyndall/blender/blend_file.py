@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from . import ENGINE, enable, last_statistics
+from . import ENGINE, enable, last_statistics, was_interrupted
 
 if TYPE_CHECKING:
     from tyndall.command_line import Settings
@@ -54,7 +54,12 @@ class OpenBlendFile:
         _set_format(self._scene.render.image_settings, path.suffix.lower(), multilayer=self._multilayer)
         self._scene.render.use_file_extension = False
         self._scene.render.filepath = str(path)
-        outcome = bpy.ops.render.render(write_still=True, scene=self._scene.name)
+        try:
+            outcome = bpy.ops.render.render(write_still=True, scene=self._scene.name)
+        except RuntimeError:
+            if was_interrupted():
+                raise KeyboardInterrupt from None
+            raise
         if "FINISHED" not in outcome:
             raise KeyboardInterrupt
         return last_statistics(self._scene.name) or {}
