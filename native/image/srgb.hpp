@@ -3,7 +3,7 @@
 #pragma once
 
 namespace tyndall {
-/// Of an encoded value; exact to 4e-7 in [0, 1], where it is a table, and to float beyond.
+/// Of an encoded value; exact to 5e-7 in [0, 1], where it is a table, and to float beyond.
 [[nodiscard]] float linear_from_srgb(float encoded);
 [[nodiscard]] float srgb_from_linear(float linear);
 } // namespace tyndall

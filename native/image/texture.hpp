@@ -17,9 +17,9 @@ struct Texture {
     std::vector<std::uint8_t> bytes = {}; ///< sRGB-encoded when is_srgb.
     std::vector<float> floats = {};
     bool is_srgb = true;
-    bool has_alpha = false; ///< False: alpha is 1 everywhere.
-    /// The colour stays multiplied by alpha: what Cycles does where nothing is linked to the node's Alpha output.
-    bool is_alpha_associated = false;
+    /// Colours are masked by alpha: multiplied while they are filtered, and divided again. False: alpha is 1 in the image
+    /// and colours stay as they are, also where a clipped texture fades out.
+    bool has_alpha = false;
     TextureExtension extension = TextureExtension::Repeat;
     TextureInterpolation interpolation = TextureInterpolation::Linear;
 
