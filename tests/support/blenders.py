@@ -10,7 +10,7 @@ from typing import Protocol
 
 ROOT = Path(__file__).resolve().parents[2]
 #: A hang at exit is one of the known traps: a test that waits for this long has found it.
-TIME_LIMIT_S = 240
+TIME_LIMIT_S = 120
 
 
 @dataclass
@@ -113,8 +113,8 @@ class Bpy:
 import bpy
 module = "bl_ext.user_default.tyndall_blender"
 
-def install(zip):
-    bpy.ops.extensions.package_install_files(filepath=zip, repo="user_default", enable_on_install=False)
+def install(zip):  # enabling is part of it, as in the window: without it, Blender leaves an updated wheel as it was
+    bpy.ops.extensions.package_install_files(filepath=zip, repo="user_default", enable_on_install=True)
 
 def enable():
     bpy.ops.preferences.addon_enable(module=module)
