@@ -14,11 +14,11 @@ import bpy
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from support.exr import read_channels, read_planes
-from support.small_scenes import add, cube, empty_scene, light, material, mesh, node, plane
 
 from addon import last_render
 from addon.engine import failures, final, sessions
+from support.exr import read_channels, read_planes
+from support.small_scenes import add, cube, empty_scene, light, material, mesh, node, plane
 from tyndall.renderer import Session
 
 REPOSITORY = Path(__file__).parents[2]
@@ -271,7 +271,7 @@ def test_blenders_command_line_ends_with_an_exit_code(
 
 
 def test_the_process_ends_although_nobody_unregistered(tmp_path: Path) -> None:
-    """A RenderEngine class that is still registered at exit crashes bpy 4.2 and hangs bpy 4.5; ``enable`` sees to it."""
+    """A RenderEngine class that is still registered at exit crashes bpy 4.2 and hangs bpy 4.5; ``enable`` helps."""
     if not getattr(bpy.app, "module", False):
         pytest.skip("only the bpy module has this trap")
     script = tmp_path / "script.py"

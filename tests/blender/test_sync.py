@@ -8,6 +8,9 @@ import math
 import bpy
 import numpy as np
 import pytest
+
+from addon.sync.reports import Reports
+from addon.sync.scene import SceneReader
 from support.small_scenes import (
     CUBE_CORNERS,
     CUBE_FACES,
@@ -23,9 +26,6 @@ from support.small_scenes import (
     read,
     world_positions,
 )
-
-from addon.sync.reports import Reports
-from addon.sync.scene import SceneReader
 from tyndall.scene_description import LightBody
 
 

@@ -90,7 +90,7 @@ def test_the_zip_installs_renders_and_leaves_nothing_behind(blender: Blender, zi
 
 
 def test_an_update_over_the_loaded_add_on_asks_for_a_restart(blender: Blender, zip_path: Path) -> None:
-    """Seen to die (3.4, signal 11) with the new wheel unpacked over the mapped one, in a zip without its folder's entry."""
+    """Seen to die (3.4, signal 11) with the wheel unpacked over the mapped one, and no entry for the zip's folder."""
     newer = with_version(zip_path, "99.1.2", blender.user_folder)
     picture = blender.user_folder / "picture.exr"
     begin = blender.install + RENDER
