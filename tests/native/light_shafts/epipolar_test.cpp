@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The whole methods through their interface, on scenes, with EXACT as the truth.
+#include "light_shafts/visibility.hpp"
+#include "support/scenes.hpp"
+#include "support/shaft_settings.hpp"
+#include <algorithm>
+#include <doctest/doctest.h>
+
+using namespace tyndall;
+using namespace tyndall::light_shafts;
+using namespace tyndall::support;
+
+namespace {
+struct Case {
+    Setting setting;
+    std::unique_ptr<Scene> scene;
+    std::vector<ViewRay> rays;
+};
+std::shared_ptr<const TriangleMesh> soup_mesh(float scale) {
+    TriangleSoup soup = make_soup(60, 3.0f, 0.8f, vec3(0.0f), 3);
+    for (vec3& position : soup.positions)
+        position *= scale;
+    return mesh_of({.name = "soup", .positions = soup.positions, .triangles = soup.triangles});
+}
+/// The setting at another size and place.
+Case make_case(Setting setting, float scale, const vec3& offset, Material material = {.name = "white"}) {
+    Case made;
+    setting.scale_m = scale;
+    setting.view.position = scale * setting.view.position + offset;
+    setting.light.position = scale * setting.light.position + offset;
+    setting.centre = offset;
+    made.setting = setting;
+    made.rays = make_rays(setting, 32);
+    made.scene =
+        make_scene({{.mesh = soup_mesh(scale), .world_from_object = translation(offset), .material = material}});
+    return made;
+}
+std::vector<double> lit_lengths_m(const Visibility& visibility, std::span<const ViewRay> rays) {
+    LitRows rows;
+    visibility.lit_intervals(rays, rows);
+    std::vector<double> lengths(rays.size(), 0.0);
+    for (std::size_t r = 0; r < rays.size(); ++r)
+        for (std::uint32_t i = rows.first[r]; i < rows.first[r + 1]; ++i)
+            lengths[r] += double{rows.intervals[i].far_m} - double{rows.intervals[i].near_m};
+    return lengths;
+}
+std::vector<double> lengths_by(MakeVisibility make, const Case& made, std::uint32_t resolution,
+                               std::span<const ViewRay> asked = {}) {
+    Progress progress;
+    const Config config{.resolution = resolution};
+    const auto visibility = make(*made.scene, made.setting.view, made.setting.light, made.rays, config, progress);
+    return lit_lengths_m(*visibility, asked.empty() ? std::span<const ViewRay>(made.rays) : asked);
+}
+double relative_rmse(const std::vector<double>& values, const std::vector<double>& truth) {
+    double square_sum = 0.0, sum = 0.0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        square_sum += (values[i] - truth[i]) * (values[i] - truth[i]);
+        sum += truth[i];
+    }
+    return std::sqrt(square_sum * static_cast<double>(values.size())) / sum;
+}
+} // namespace
+
+TEST_CASE("EPIPOLAR and SHADOW_MAP converge to EXACT: eight times the resolution, a quarter of the error at most") {
+    for (const Setting& setting : settings()) {
+        CAPTURE(setting.name);
+        const Case made = make_case(setting, 1.0f, vec3(0.0f));
+        const auto exact = lengths_by(make_exact_strip, made, 0);
+        for (const auto make : {make_epipolar, make_shadow_map}) {
+            const double coarse = relative_rmse(lengths_by(make, made, 128), exact);
+            const double fine = relative_rmse(lengths_by(make, made, 1024), exact);
+            CAPTURE(coarse);
+            CAPTURE(fine);
+            CHECK(fine < 0.25 * coarse + 1e-4);
+            CHECK(fine < 0.02);
+        }
+    }
+}
+
+TEST_CASE("size and place of a scene do not matter: microns, thousands of kilometres, 60 km from the origin") {
+    for (const Setting& setting : settings()) {
+        CAPTURE(setting.name);
+        const auto plain = lengths_by(make_epipolar, make_case(setting, 1.0f, vec3(0.0f)), 512);
+        for (const float scale : {0x1p-20f, 0x1p-10f, 0x1p20f}) { // powers of two: the same roundings
+            CAPTURE(scale);
+            auto scaled = lengths_by(make_epipolar, make_case(setting, scale, vec3(0.0f)), 512);
+            for (double& length : scaled)
+                length /= double{scale};
+            CHECK(relative_rmse(scaled, plain) < 2e-3);
+        }
+        // 60 km out positions of camera and light are rounded to 4 mm, in a scene of 6 m.
+        const Case far_away = make_case(setting, 1.0f, vec3(60000.0f, -60000.0f, 1000.0f));
+        const auto exact = lengths_by(make_exact_strip, far_away, 0);
+        CHECK(relative_rmse(lengths_by(make_epipolar, far_away, 512), exact) < 0.02);
+        CHECK(relative_rmse(lengths_by(make_shadow_map, far_away, 512), exact) < 0.03);
+    }
+}
+
+TEST_CASE("rays through and next to the epipole are answered exactly") {
+    for (const std::size_t index : {std::size_t{1}, std::size_t{2}, std::size_t{4}, std::size_t{5}}) {
+        const Case made = make_case(settings()[index], 1.0f, vec3(0.0f));
+        const Setting& setting = made.setting;
+        CAPTURE(setting.name);
+        const vec3 epipole = setting.light.is_directional
+                                 ? setting.light.towards_light
+                                 : glm::normalize(setting.light.position - setting.view.position);
+        const auto [side, up] = orthonormal_basis(epipole);
+        std::vector<ViewRay> rays;
+        for (const float sign : {1.0f, -1.0f})
+            for (const float angle_rad : {0.0f, 1e-7f, 1e-5f, 1e-3f, 3e-3f})
+                for (int turn = 0; turn < 8; ++turn) {
+                    const auto phi = static_cast<float>(turn);
+                    const vec3 off = std::cos(phi) * side + std::sin(phi) * up;
+                    rays.push_back(
+                        {setting.view.position, glm::normalize(sign * epipole + angle_rad * off), 0.01f, 9.0f});
+                }
+        const auto exact = lengths_by(make_exact_strip, made, 0, rays);
+        for (const auto make : {make_epipolar, make_shadow_map}) {
+            const auto found = lengths_by(make, made, 512, rays);
+            for (std::size_t r = 0; r < rays.size(); ++r) {
+                CAPTURE(r);
+                CHECK(std::abs(found[r] - exact[r]) < 1e-4);
+            }
+        }
+    }
+}
+
+TEST_CASE("rays that were not announced are right as well") {
+    const Case made = make_case(settings()[0], 1.0f, vec3(0.0f));
+    std::vector<ViewRay> rays;
+    SceneRandom random(31);
+    for (int i = 0; i < 200; ++i)
+        rays.push_back({made.setting.view.position, random.direction(), 0.0f, 30.0f});
+    const auto exact = lengths_by(make_exact_strip, made, 0, rays);
+    CHECK(relative_rmse(lengths_by(make_epipolar, made, 1024, rays), exact) < 0.01);
+}
+
+TEST_CASE("where rows cannot say how much light passes, or no slices exist, EXACT answers and the statistics say so") {
+    Progress progress;
+    const auto reports_of = [&](const Case& made) {
+        const auto visibility =
+            make_epipolar(*made.scene, made.setting.view, made.setting.light, made.rays, {}, progress);
+        return visibility->statistics().reports;
+    };
+    Material glass{.name = "glass"};
+    glass.constant.transparent = Rgb(0.5f, 1.0f, 0.5f);
+    const auto through_glass = reports_of(make_case(settings()[0], 1.0f, vec3(0.0f), glass));
+    REQUIRE(!through_glass.empty());
+    CHECK(through_glass.back() == "material glass lets light through: EXACT instead of EPIPOLAR");
+    const Setting along{"orthographic along the sun", orthographic({0, 1, 0}), sun({0, 1, 0})};
+    const Case made = make_case(along, 1.0f, vec3(0.0f));
+    CHECK(!reports_of(made).empty());
+    CHECK(relative_rmse(lengths_by(make_epipolar, made, 256), lengths_by(make_exact_strip, made, 0)) == 0.0);
+}
+
+TEST_CASE("a light without shadows, and a scene without occluders, leave every ray lit and build nothing") {
+    Case made = make_case(settings()[0], 1.0f, vec3(0.0f));
+    made.setting.light.casts_shadow = false;
+    const auto lengths = lengths_by(make_epipolar, made, 256);
+    for (std::size_t r = 0; r < made.rays.size(); ++r)
+        CHECK(lengths[r] == double{made.rays[r].far_m} - double{made.rays[r].near_m});
+}
