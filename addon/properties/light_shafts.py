@@ -56,12 +56,12 @@ class TyndallLightShaftSettings(PropertyGroup):
     )
     error_target: FloatProperty(
         name="Error Target",
-        description="Relative error of each light's shafts that the resolution is picked by: "
+        description="Relative error of the frame's shafts that the resolution is picked by: "
         "0.001 is 0.1 %. Half the error costs up to twice the time and memory. Exact has none",
         min=1e-5,
         max=0.1,
         soft_min=1e-4,
-        default=0.001,
+        default=0.002,
         precision=5,
         step=0.1,
         update=tag,

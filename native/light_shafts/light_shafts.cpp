@@ -2,6 +2,7 @@
 #include "light_shafts/light_shafts.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/exact_strip.hpp"
+#include "light_shafts/light_shares.hpp"
 #include "light_shafts/local_scatter.hpp"
 #include "light_shafts/scatter_pieces.hpp"
 #include "light_shafts/scattering_lights.hpp"
@@ -19,14 +20,15 @@ void validate(const Config& config) {
     require_in(static_cast<float>(config.world_samples), 0.0f, 65536.0f, "world_samples");
 }
 
-/// One of n samples: their errors average out, so each may have sqrt(n) times the error.
-Config share_of(const Config& config, std::size_t sample_count) {
-    Config share = config;
-    const float root = std::sqrt(static_cast<float>(sample_count));
-    share.error_target = std::min(0.1f, config.error_target * root);
+/// What a light sample may cost. `share_of_frame` and `share_of_light` are shares of the scattered light; a resolution
+/// that the artist sets is that of a whole light.
+Config config_of_share(const Config& config, float share_of_frame, float share_of_light) {
+    Config result = config;
+    result.error_target = error_of_share(config.error_target, share_of_frame);
     if (config.resolution != 0)
-        share.resolution = std::max(16u, static_cast<std::uint32_t>(static_cast<float>(config.resolution) / root));
-    return share;
+        result.resolution = std::max(
+            16u, static_cast<std::uint32_t>(static_cast<float>(config.resolution) * std::sqrt(share_of_light)));
+    return result;
 }
 
 /// The stretch of a ray that lies in media, in front of its surface.
@@ -62,6 +64,8 @@ MediaRay clip_to_media(const Media& media, const ViewRay& ray, std::vector<Mediu
 
 /// One light sample, ready for rays.
 struct Beam {
+    LightSample sample;
+    std::size_t share = 0; ///< Into LightShares.
     std::unique_ptr<const Visibility> visibility;
     std::optional<DirectionalScatter> directional;
     std::optional<LocalScatter> local;
@@ -129,45 +133,55 @@ Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::sp
         statistics.skip("light shafts", "no view ray meets a medium");
         return;
     }
-    std::shared_ptr<const StripScene> strip;
-    std::size_t beam_count = 0, done = 0;
-    for (const ScatteringLight& light : lights)
-        beam_count += light.samples.size();
+    LightShares shares(media, clipped);
     for (const ScatteringLight& light : lights) {
-        progress.set_message("Light shafts: " + light.name);
         LightBeams beams;
-        const Config share = share_of(config, light.samples.size());
         for (const LightSample& sample : light.samples) {
             progress.poll();
             Beam beam;
+            beam.sample = sample;
             if (sample.is_directional)
-                beam.directional.emplace(media, sample, config.attenuates_light);
+                shares.add(beam.directional.emplace(media, sample, config.attenuates_light));
             else
-                beam.local.emplace(media, sample, config.attenuates_light);
-            ++done;
-            if (sample.is_directional ? beam.directional->is_black() : beam.local->is_black())
-                continue;
+                shares.add(beam.local.emplace(media, sample, config.attenuates_light));
+            beam.share = shares.size() - 1;
+            if (!(sample.is_directional ? beam.directional->is_black() : beam.local->is_black()))
+                beams.beams.push_back(std::move(beam));
+        }
+        if (beams.beams.empty())
+            statistics.skip("light shafts of " + light.name, "no medium scatters its light");
+        else
+            prepared_->lights.push_back(std::move(beams));
+    }
+    std::size_t beam_count = 0;
+    std::shared_ptr<const StripScene> strip;
+    for (std::size_t light = 0; light < prepared_->lights.size(); ++light) {
+        std::vector<Beam>& beams = prepared_->lights[light].beams;
+        progress.set_message("Light shafts: light " + std::to_string(light + 1) + " of " +
+                             std::to_string(prepared_->lights.size()));
+        for (std::size_t index = 0; index < beams.size(); ++index) {
+            Beam& beam = beams[index];
+            const Config share =
+                config_of_share(config, shares.share(beam.share), 1.0f / static_cast<float>(beams.size()));
             switch (config.method) {
             case Method::Exact:
                 if (!strip) {
                     const StageTimer timer(statistics, "light shafts: hierarchies for cuts");
                     strip = std::make_shared<const StripScene>(make_strip_scene(scene, progress));
                 }
-                beam.visibility = make_exact_strip(scene, sample, strip);
+                beam.visibility = make_exact_strip(scene, beam.sample, strip);
                 break;
             case Method::Epipolar:
-            case Method::ShadowMap: // until the depth map lands, its rows come from the raster, which converges faster
-                beam.visibility = make_epipolar(scene, view, sample, clipped, share, progress);
+                beam.visibility = make_epipolar(scene, view, beam.sample, clipped, share, progress);
+                break;
+            case Method::ShadowMap:
+                beam.visibility = make_shadow_map(scene, view, beam.sample, clipped, share, progress);
                 break;
             }
-            if (done <= 4 || done == beam_count) // a world of 64 directions is told by its ends
+            if (index == 0) // one sample tells of its light; a world has many
                 statistics.append(beam.visibility->statistics());
-            beams.beams.push_back(std::move(beam));
         }
-        if (beams.beams.empty())
-            statistics.skip("light shafts of " + light.name, "no medium scatters its light");
-        else
-            prepared_->lights.push_back(std::move(beams));
+        beam_count += beams.size();
     }
     statistics.count("light shafts: light samples", static_cast<double>(beam_count));
 }

@@ -31,7 +31,8 @@ enum class Method : std::uint8_t { Exact = 0, Epipolar = 1, ShadowMap = 2 };
 
 struct Config {
     Method method = Method::Epipolar;
-    float error_target = 0.001f;  ///< Relative error per light that EPIPOLAR picks its resolution by, [1e-5, 0.1].
+    float error_target =
+        0.002f; ///< Relative RMS error of the frame that EPIPOLAR picks its resolution by, [1e-5, 0.1].
     std::uint32_t resolution = 0; ///< Rows' and map's texels per side, [16, 16384]; 0: from error_target.
     /// Strata of a light with a size, [1, 65536]; one without has one. The errors of n strata average out: each is
     /// prepared with sqrt(n) times the error target, or the resolution divided by sqrt(n), which keeps the sum of all

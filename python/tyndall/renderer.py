@@ -37,7 +37,7 @@ class ShaftConfig:
     """How light shafts are found; the native side checks the ranges."""
 
     method: str = "EPIPOLAR"  #: One of METHODS.
-    error_target: float = 0.001  #: Relative error per light that EPIPOLAR picks its resolution by, [1e-5, 0.1].
+    error_target: float = 0.002  #: Relative RMS error of the frame that EPIPOLAR picks its resolution by, [1e-5, 0.1].
     resolution: int = 0  #: Texels per side of rows and maps, [16, 16384]; 0: from error_target.
     light_samples: int = 16  #: Strata of a light with a size, [1, 65536].
     world_samples: int = 64  #: Directions of the world's light, [0, 65536]; 0: it does not scatter.
