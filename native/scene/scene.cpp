@@ -11,6 +11,7 @@
 namespace tyndall {
 Scene::Scene(SceneDescription description, const Progress& progress) : description_(std::move(description)) {
     const StageTimer timer(statistics_, "scene");
+    progress.poll();
     validate();
     drop_unusable_instances();
     attach_instances(progress);
@@ -96,6 +97,15 @@ static Bounds3 transformed(const Bounds3& bounds, const mat4& to_from) {
     return result;
 }
 
+/// Inverse transpose, scaled so that a normal neither overflows nor underflows on its way, whatever the object's size.
+static mat3 normal_matrix(const mat4& scene_from_object) {
+    const glm::dmat3 matrix = glm::transpose(glm::inverse(glm::dmat3(mat3(scene_from_object))));
+    double largest = 0.0;
+    for (int column = 0; column < 3; ++column)
+        largest = std::max(largest, glm::length(matrix[column]));
+    return mat3(matrix / largest);
+}
+
 void Scene::attach_instances(const Progress& progress) {
     const RTCDevice device = embree_device();
     embree_scene_ = rtcNewScene(device);
@@ -106,8 +116,7 @@ void Scene::attach_instances(const Progress& progress) {
         const TriangleMesh& mesh = *description_.meshes[instance.mesh_index];
         const Bounds3 bounds = transformed(mesh.bounds(), instance.world_from_object);
         bounds_.grow(bounds);
-        placements_[index].scene_from_object_normals =
-            mat3(glm::transpose(glm::inverse(glm::dmat3(mat3(instance.world_from_object)))));
+        placements_[index].scene_from_object_normals = normal_matrix(instance.world_from_object);
         placements_[index].object_from_scene = mat4(glm::inverse(glm::dmat4(instance.world_from_object)));
 
         std::size_t surface_slots = 0, opaque_slots = 0;

@@ -25,7 +25,8 @@ SpawnPoint spawn_point(const std::array<vec3, 3>& corners, vec2 barycentrics, co
     object_error +=
         2.0f * half_ulp * (absolute(object_from_scene) * glm::abs(position) + glm::abs(vec3(object_from_scene[3])));
 
-    const vec3 object_normal = glm::cross(first_edge, second_edge);
+    // Scaled first: the product of a micrometre's edges underflows.
+    const vec3 object_normal = glm::cross(first_edge / twice_extent, second_edge / twice_extent);
     const vec3 scene_normal = glm::transpose(mat3(object_from_scene)) * object_normal;
     const float scale = 1.0f / glm::length(scene_normal);
     const vec3 normal = scale * scene_normal;

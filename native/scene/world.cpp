@@ -86,8 +86,8 @@ World::World(std::string name, Rgb radiance, std::shared_ptr<const EnvironmentIm
             image_->width, " x ", image_->height);
     image_ = without_broken_pixels(std::move(image_));
     importance_ = importance_of(*image_);
-    is_black_ |= std::all_of(image_->pixels.begin(), image_->pixels.end(),
-                             [](const Rgb& pixel) { return pixel == Rgb(0.0f); });
+    is_black_ |=
+        std::all_of(image_->pixels.begin(), image_->pixels.end(), [](const Rgb& pixel) { return pixel == Rgb(0.0f); });
 }
 
 /// Position in the image, [0, 1]^2, of a direction in the image's space.

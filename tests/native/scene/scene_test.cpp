@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/errors.hpp"
 #include "scene/scene.hpp"
 #include "support/scenes.hpp"
+#include <cmath>
 #include <doctest/doctest.h>
+#include <limits>
 
 using namespace tyndall;
 using namespace tyndall::support;
@@ -39,4 +42,160 @@ TEST_CASE("transparent surfaces multiply, an opaque one ends the ray") {
     const Part wall{.mesh = square(), .world_from_object = translation({0, 0, 3})};
     CHECK(make_scene({red, grey})->shadow_transmittance(down) == Rgb(0.25f, 0.125f, 0));
     CHECK(make_scene({red, wall, grey})->shadow_transmittance(down) == Rgb(0.0f));
+}
+
+/// Two triangles side by side in the plane z = 0: x < 0 has slot 0, x > 0 has slot 1.
+static std::shared_ptr<const TriangleMesh> two_slots() {
+    return mesh_of({.name = "two slots",
+                    .positions = {{-1, -1, 0}, {0, 0, 0}, {-1, 1, 0}, {1, -1, 0}, {1, 1, 0}},
+                    .triangles = {{0, 1, 2}, {3, 4, 1}},
+                    .material_slots = {0, 1}});
+}
+static std::unique_ptr<Scene> scene_of_slots(Material left, Material right) {
+    SceneDescription description;
+    description.meshes = {two_slots()};
+    description.materials = {std::move(left), std::move(right)};
+    description.slot_materials = {0, 1};
+    description.object_names = {"object"};
+    description.instances = {{.slot_count = 2}};
+    return std::make_unique<Scene>(std::move(description), Progress());
+}
+constexpr Ray left_down{.origin = {-0.5f, 0, 5}, .direction = {0, 0, -1}};
+constexpr Ray right_down{.origin = {0.5f, 0, 5}, .direction = {0, 0, -1}};
+
+TEST_CASE("a slot without a surface is a hole in an object that has one elsewhere") {
+    const auto scene = scene_of_slots({.name = "fog", .has_surface = false}, {.name = "white"});
+    CHECK(!scene->closest_hit(left_down).is_hit());
+    CHECK(scene->closest_hit(right_down).is_hit());
+    CHECK(scene->shadow_transmittance(left_down) == Rgb(1.0f));
+    CHECK(scene->shadow_transmittance(right_down) == Rgb(0.0f));
+}
+TEST_CASE("each triangle has the material of its slot, and the last one where its slot does not exist") {
+    const auto scene = scene_of_slots({.name = "left"}, {.name = "right"});
+    CHECK(scene->material(0, scene->closest_hit(left_down).triangle).name == "left");
+    CHECK(scene->material(0, scene->closest_hit(right_down).triangle).name == "right");
+    const auto one_slot = make_scene({{.mesh = two_slots(), .material = {.name = "only"}}});
+    CHECK(one_slot->material(0, 1).name == "only");
+}
+TEST_CASE("a leaf lets light through where its texture's alpha says so, and the same share at any number of threads") {
+    auto mask = std::make_shared<Texture>(); // left half solid, right half 0.25
+    mask->width = 2;
+    mask->height = 1;
+    mask->floats = {1, 1, 1, 1, 1, 1, 1, 0.25f};
+    mask->has_alpha = true;
+    mask->interpolation = TextureInterpolation::Closest;
+    Material leaf{.name = "leaf"};
+    leaf.textures = {mask};
+    leaf.uv_map_names = {""};
+    leaf.program = {{.code = SurfaceOp::Code::TextureAlpha, .out = 0},
+                    {.code = SurfaceOp::Code::Constant, .out = 1, .value = Rgb(1.0f)},
+                    {.code = SurfaceOp::Code::Subtract, .out = 2, .a = 1, .b = 0}};
+    leaf.diffuse_register = 0;
+    leaf.transparent_register = 2;
+    leaf.emission_register = 3;
+    const auto scene = make_scene({{.mesh = square(), .material = leaf},
+                                   {.mesh = square(), .world_from_object = translation({0, 0, -1}), .material = leaf}});
+    CHECK(scene->shadow_transmittance(left_down) == Rgb(0.0f));
+    CHECK(scene->shadow_transmittance(right_down) == Rgb(0.75f * 0.75f));
+    const Hit hit = scene->closest_hit(right_down);
+    CHECK(scene->closures(right_down, hit).transparent == Rgb(0.75f));
+    CHECK(scene->transparency(right_down, hit) == Rgb(0.75f));
+}
+TEST_CASE("camera rays and shadow rays each see their own instances") {
+    const auto scene =
+        make_scene({{.mesh = square(), .is_camera_visible = false},
+                    {.mesh = square(), .world_from_object = translation({0, 0, 1}), .casts_shadow = false}});
+    CHECK(scene->closest_hit(left_down).instance == 1);
+    CHECK(scene->shadow_transmittance(left_down) == Rgb(0.0f));
+    CHECK(scene->shadow_transmittance({.origin = {-0.5f, 0, 5}, .direction = {0, 0, -1}, .far_m = 4.5f}) == Rgb(1.0f));
+}
+TEST_CASE("instances that cannot be drawn are left out, one line per object; the others stay where they were") {
+    const float nan = std::nanf("");
+    mat4 flat(1.0f), broken = translation({nan, 0, 0});
+    flat[2] = {0, 0, 0, 0};
+    const auto nothing = mesh_of({.name = "nothing"});
+    const auto scene = make_scene({{.mesh = cube(), .world_from_object = flat},
+                                   {.mesh = cube(), .world_from_object = broken},
+                                   {.mesh = nothing},
+                                   {.mesh = square()}});
+    CHECK(scene->statistics().reports ==
+          std::vector<std::string>{"object 'part 0' left out: its transform flattens it (a scale of 0)",
+                                   "object 'part 1' left out: its transform is not finite",
+                                   "object 'part 2' left out: its mesh has no usable triangle"});
+    CHECK(scene->description().instances.size() == 1);
+    const Hit hit = scene->closest_hit(left_down);
+    CHECK(hit.is_hit());
+    CHECK(scene->description().object_names[scene->description().instances[hit.instance].name_index] == "part 3");
+}
+TEST_CASE("unusable triangles are counted, named, and their neighbours keep slots, normals and UVs") {
+    const float infinity = std::numeric_limits<float>::infinity();
+    MeshArrays arrays{.name = "damaged",
+                      .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {infinity, 0, 0}, {2, 0, 0}},
+                      .triangles = {{0, 1, 3}, {0, 1, 4}, {1, 1, 2}, {0, 1, 2}},
+                      .material_slots = {0, 1, 2, 3}};
+    arrays.corner_normals.assign(12, vec3(0, 0, 1));
+    arrays.corner_normals[9] = {1, 0, 0};
+    arrays.uv_maps = {{.name = "UVMap", .corner_uvs = std::vector<vec2>(12)}};
+    arrays.uv_maps[0].corner_uvs[11] = {7, 8};
+    const auto mesh = mesh_of(arrays);
+    CHECK(mesh->triangle_count() == 1);
+    CHECK(mesh->non_finite_triangle_count() == 1);
+    CHECK(mesh->degenerate_triangle_count() == 2); // three points on a line, and two equal ones
+    CHECK(mesh->arrays().material_slots == std::vector<std::uint16_t>{3});
+    CHECK(mesh->arrays().corner_normals[0] == vec3(1, 0, 0));
+    CHECK(mesh->arrays().uv_maps[0].corner_uvs[2] == vec2(7, 8));
+    CHECK(mesh->bounds().max == vec3(1, 1, 0));
+    CHECK(make_scene({{.mesh = mesh}})->statistics().reports[0] ==
+          "mesh 'damaged': left out 1 triangles with a vertex that is not finite and 2 without area");
+}
+TEST_CASE("arrays that do not fit together are refused, and the mesh and the place are named") {
+    MeshArrays arrays{.name = "M", .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 3}}};
+    CHECK_THROWS_WITH_AS(mesh_of(arrays), "mesh 'M': triangle 0 asks for vertex 3 of 3", InvalidInput);
+    arrays.triangles = {{0, 1, 2}};
+    arrays.corner_normals.resize(2);
+    CHECK_THROWS_WITH_AS(mesh_of(arrays), "mesh 'M': corner_normals has 2 entries, expected 3", InvalidInput);
+    SceneDescription description;
+    description.object_names = {"O"};
+    description.instances = {{.mesh_index = 5}};
+    CHECK_THROWS_WITH_AS(Scene(description, Progress()), "object 'O' asks for mesh 5 of 0", InvalidInput);
+}
+TEST_CASE("a mesh or a scene whose progress is cancelled throws Cancelled") {
+    Progress progress;
+    progress.cancel();
+    CHECK_THROWS_AS(TriangleMesh({.name = "square"}, progress), Cancelled);
+    SceneDescription description;
+    CHECK_THROWS_AS(Scene(description, progress), Cancelled);
+}
+TEST_CASE("smooth normals are interpolated, turned to the ray's side, and flat at corners that have none") {
+    MeshArrays arrays{.name = "bent", .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}}};
+    arrays.corner_normals = {{0.6f, 0, 0.8f}, {0, 0, 0}, {0.6f, 0, 0.8f}};
+    const mat4 mirror = glm::scale(mat4(1.0f), vec3(-1, 1, 1));
+    const auto scene = make_scene(
+        {{.mesh = mesh_of(arrays)}, {.mesh = mesh_of(arrays), .world_from_object = translation({0, 0, -9}) * mirror}});
+    const auto point_at = [&](const Ray& ray) { return scene->shading_point(ray, scene->closest_hit(ray)); };
+    const ShadingPoint corner = point_at({.origin = {0.0001f, 0.0001f, 1}, .direction = {0, 0, -1}});
+    CHECK(glm::distance(corner.shading_normal, vec3(0.6f, 0, 0.8f)) < 1e-3f);
+    CHECK(!corner.is_backface);
+    const ShadingPoint flat = point_at({.origin = {0.9999f, 0.00001f, 1}, .direction = {0, 0, -1}});
+    CHECK(glm::distance(flat.shading_normal, vec3(0, 0, 1)) < 1e-3f);
+    const ShadingPoint below = point_at({.origin = {0.0001f, 0.0001f, -1}, .direction = {0, 0, 1}});
+    CHECK(below.is_backface);
+    CHECK(glm::distance(below.shading_normal, vec3(-0.6f, 0, -0.8f)) < 1e-3f);
+    const ShadingPoint mirrored = point_at({.origin = {-0.0001f, 0.0001f, -8}, .direction = {0, 0, -1}});
+    CHECK(!mirrored.is_backface);
+    CHECK(glm::distance(mirrored.shading_normal, vec3(-0.6f, 0, 0.8f)) < 1e-3f);
+}
+TEST_CASE("an instance of a nested transform lies where its vertices are sent, normals at right angles") {
+    const mat4 shear =
+        glm::rotate(glm::scale(glm::rotate(translation({3, 4, 5}), 0.7f, vec3(1, 0, 0)), vec3(1, 3, 0.2f)), 1.1f,
+                    glm::normalize(vec3(1, 1, 1)));
+    const auto scene = make_scene({{.mesh = square(), .world_from_object = shear}});
+    const vec3 target(shear * vec4(0.25f, -0.5f, 0, 1)), edge_x(shear[0]), edge_y(shear[1]);
+    const vec3 origin = target + vec3(5, 3, 8);
+    const Ray ray{.origin = origin, .direction = glm::normalize(target - origin)};
+    const Hit hit = scene->closest_hit(ray);
+    CHECK(glm::distance(scene->shading_point(ray, hit).position, target) < 2e-6f * glm::length(target));
+    CHECK(std::abs(glm::dot(hit.geometric_normal, edge_x)) < 1e-6f * glm::length(edge_x));
+    CHECK(std::abs(glm::dot(hit.geometric_normal, edge_y)) < 1e-6f * glm::length(edge_y));
+    CHECK(glm::dot(hit.geometric_normal, glm::cross(edge_x, edge_y)) > 0.0f);
 }
