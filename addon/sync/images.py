@@ -109,7 +109,8 @@ def _read_pixels(image: bpy.types.Image, key: str, *, associated: bool) -> Image
         floats[..., :3] *= alpha
     if has_alpha and image.is_float and not associated:
         np.divide(floats[..., :3], alpha, out=floats[..., :3], where=alpha > 0.0)
-    keeps_alpha = image.alpha_mode != "NONE" and bool((alpha < 1.0).any())
+    # Nothing reads the alpha of associated colours, and the core must not divide them by it.
+    keeps_alpha = not associated and image.alpha_mode != "NONE" and bool((alpha < 1.0).any())
     if image.is_float:
         return Image(key=key, name=image.name, pixels=floats, is_srgb=False, has_alpha=keeps_alpha)
     return Image(

@@ -64,8 +64,12 @@ static LightSample centre_sample(const Light& light, std::uint32_t light_index) 
 
 static LightSample sample_sun(const Light& light, LightSample sample, vec2 u) {
     if (light.body == LightBody::FacingDisc) {
-        const vec2 disc = std::tan(light.half_angle_rad) * sample_concentric_disc(u);
+        // Each stratum lights planes that face it alike; the disc's centre sees them under a mean cosine of 2 c / (1 + c).
+        const float half_angle_rad = std::min(light.half_angle_rad, 1.57f);
+        const float cos_half = std::cos(half_angle_rad);
+        const vec2 disc = std::tan(half_angle_rad) * sample_concentric_disc(u);
         sample.towards_light = glm::normalize(from_frame(light.towards_light, vec3(disc, 1.0f)));
+        sample.strength *= (1.0f + cos_half) / (2.0f * cos_half);
         return sample;
     }
     const float one_minus_cos_half = one_minus_cos(light.half_angle_rad);

@@ -20,8 +20,8 @@ enum class LightBody : std::uint8_t { FacingDisc = 0, Sphere = 1 };
 struct Light {
     std::string name;
     LightKind kind = LightKind::Sun;
-    /// Sun: irradiance on a plane that faces it, W/m^2; of a flat disc, on planes that each face one stratum. Point, spot:
-    /// radiant intensity, W/sr: Blender's watts / (4 pi).
+    /// Sun: irradiance on a plane that faces its centre, W/m^2: Blender's strength from 4.0 on, and up to 3.x
+    /// 2 cos / (1 + cos) of it. Point, spot: radiant intensity, W/sr: Blender's watts / (4 pi).
     Rgb strength{1.0f};
     vec3 position{0.0f};              ///< Point, spot.
     vec3 towards_light{0, 0, 1};      ///< Sun: unit vector to its centre.
