@@ -45,6 +45,36 @@ void Scene::validate() const {
             scene.world_medium_index, " of ", medium_count);
 }
 
+/// Relative to the product of the axes' lengths: a crystal of 1e-12 m is no flat object.
+static bool is_regular(const mat4& matrix) {
+    const glm::dmat3 linear{mat3(matrix)};
+    const double axes = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
+    return std::abs(glm::determinant(linear)) > 1e-12 * axes;
+}
+
+/// Gives an object that one scale of 0 has made flat a millionth of its width as thickness: a plane scaled by (1, 1, 0)
+/// stands in many a scene, Cycles draws it, and Embree's instances need an inverse. Other matrices stay as they are.
+static mat4 thickened(const mat4& scene_from_object) {
+    const glm::dmat3 linear{mat3(scene_from_object)};
+    if (is_regular(scene_from_object))
+        return scene_from_object;
+    // The columns of the adjugate of a matrix of rank 2 are what it sends to 0, its rows what no image has a share of.
+    const glm::dmat3 cofactors(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                               glm::cross(linear[0], linear[1]));
+    const auto longest = [](const glm::dmat3& matrix) {
+        const auto shorter = [](const dvec3& a, const dvec3& b) { return glm::dot(a, a) < glm::dot(b, b); };
+        return std::max({matrix[0], matrix[1], matrix[2]}, shorter);
+    };
+    const dvec3 lost = longest(glm::transpose(cofactors)), normal = longest(cofactors);
+    const double width = glm::length(longest(linear));
+    if (!(glm::length(lost) > 1e-12 * width * width))
+        return scene_from_object;
+    const glm::dmat3 thick = linear + glm::outerProduct(glm::normalize(normal), 1e-6 * width * glm::normalize(lost));
+    mat4 result{mat3(thick)};
+    result[3] = scene_from_object[3];
+    return result;
+}
+
 /// Why an instance cannot be drawn; nullptr if it can.
 static const char* reason_to_drop(const TriangleMesh& mesh, const mat4& scene_from_object) {
     if (mesh.triangle_count() == 0)
@@ -53,15 +83,14 @@ static const char* reason_to_drop(const TriangleMesh& mesh, const mat4& scene_fr
         for (int row = 0; row < 3; ++row)
             if (!(std::abs(scene_from_object[column][row]) < largest_coordinate_m)) // true for a NaN, too
                 return "its transform is not finite";
-    const glm::dmat3 linear{mat3(scene_from_object)};
-    // Relative to the product of the axes' lengths: a crystal of 1e-12 m is no flat object.
-    const double axes = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
-    if (!(std::abs(glm::determinant(linear)) > 1e-12 * axes))
-        return "its transform flattens it (a scale of 0)";
+    if (!is_regular(scene_from_object))
+        return "its transform leaves no more than a line of it (scales of 0)";
     return nullptr;
 }
 
 void Scene::drop_unusable_instances() {
+    for (Instance& instance : description_.instances)
+        instance.world_from_object = thickened(instance.world_from_object);
     std::map<std::pair<std::uint32_t, std::string>, std::size_t> dropped_counts; // an object's particles share a line
     std::erase_if(description_.instances, [&](const Instance& instance) {
         const char* reason = reason_to_drop(*description_.meshes[instance.mesh_index], instance.world_from_object);

@@ -50,8 +50,8 @@ struct Hit {
 
 class Scene {
 public:
-    /// Checks indices, drops instances that cannot be drawn (non-finite or singular transform, empty mesh) from the
-    /// description with a report per object, commits Embree. Throws InvalidInput and Cancelled.
+    /// Checks indices, drops instances that cannot be drawn (non-finite transform, one that leaves only a line or a
+    /// point, empty mesh) from the description with a report per object, commits Embree. Throws InvalidInput and Cancelled.
     Scene(SceneDescription description, const Progress& progress);
     Scene(const Scene&) = delete;
     Scene& operator=(const Scene&) = delete;

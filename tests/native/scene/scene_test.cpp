@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/errors.hpp"
+#include "core/parallel.hpp"
+#include "core/sobol.hpp"
 #include "scene/scene.hpp"
 #include "support/scenes.hpp"
 #include <cmath>
@@ -77,7 +79,7 @@ TEST_CASE("each triangle has the material of its slot, and the last one where it
     const auto one_slot = make_scene({{.mesh = two_slots(), .material = {.name = "only"}}});
     CHECK(one_slot->material(0, 1).name == "only");
 }
-TEST_CASE("a leaf lets light through where its texture's alpha says so, and the same share at any number of threads") {
+TEST_CASE("a leaf lets light through where its texture's alpha says so, to the same bits at any number of threads") {
     auto mask = std::make_shared<Texture>(); // left half solid, right half 0.25
     mask->width = 2;
     mask->height = 1;
@@ -100,6 +102,17 @@ TEST_CASE("a leaf lets light through where its texture's alpha says so, and the 
     const Hit hit = scene->closest_hit(right_down);
     CHECK(scene->closures(right_down, hit).transparent == Rgb(0.75f));
     CHECK(scene->transparency(right_down, hit) == Rgb(0.75f));
+    const auto transmittances = [&](int thread_count) {
+        std::vector<float> result(4096);
+        with_threads(thread_count, [&] {
+            parallel_for(result.size(), Progress(), [&](std::size_t index) {
+                const vec2 p = 2.0f * sobol_point(static_cast<std::uint32_t>(index), 1) - 1.0f;
+                result[index] = scene->shadow_transmittance({.origin = {p, 5}, .direction = {0, 0, -1}}).x;
+            });
+        });
+        return result;
+    };
+    CHECK(transmittances(1) == transmittances(0));
 }
 TEST_CASE("camera rays and shadow rays each see their own instances") {
     const auto scene =
@@ -111,21 +124,40 @@ TEST_CASE("camera rays and shadow rays each see their own instances") {
 }
 TEST_CASE("instances that cannot be drawn are left out, one line per object; the others stay where they were") {
     const float nan = std::nanf("");
-    mat4 flat(1.0f), broken = translation({nan, 0, 0});
-    flat[2] = {0, 0, 0, 0};
+    mat4 line(1.0f), broken = translation({nan, 0, 0});
+    line[1] = line[2] = {0, 0, 0, 0};
     const auto nothing = mesh_of({.name = "nothing"});
-    const auto scene = make_scene({{.mesh = cube(), .world_from_object = flat},
+    const auto scene = make_scene({{.mesh = cube(), .world_from_object = line},
                                    {.mesh = cube(), .world_from_object = broken},
                                    {.mesh = nothing},
                                    {.mesh = square()}});
     CHECK(scene->statistics().reports ==
-          std::vector<std::string>{"object 'part 0' left out: its transform flattens it (a scale of 0)",
-                                   "object 'part 1' left out: its transform is not finite",
-                                   "object 'part 2' left out: its mesh has no usable triangle"});
+          std::vector<std::string>{
+              "object 'part 0' left out: its transform leaves no more than a line of it (scales of 0)",
+              "object 'part 1' left out: its transform is not finite",
+              "object 'part 2' left out: its mesh has no usable triangle"});
     CHECK(scene->description().instances.size() == 1);
     const Hit hit = scene->closest_hit(left_down);
     CHECK(hit.is_hit());
     CHECK(scene->description().object_names[scene->description().instances[hit.instance].name_index] == "part 3");
+}
+TEST_CASE("an object that one scale of 0 has made flat is drawn flat, whichever way it lies") {
+    const mat4 turned = glm::rotate(mat4(1.0f), 0.8f, glm::normalize(vec3(1, 2, 3)));
+    for (const int axis : {0, 1, 2})
+        for (const mat4& parent : {mat4(1.0f), translation({1, 2, 3}) * turned}) {
+            vec3 scale(1.0f);
+            scale[axis] = 0.0f;
+            const mat4 flat = glm::scale(parent, scale);
+            const auto scene = make_scene({{.mesh = cube(), .world_from_object = flat}});
+            CHECK(scene->statistics().reports.empty());
+            const vec3 target(flat * vec4(0.3f, 0.4f, -0.5f, 1)),
+                origin = target + 4.0f * glm::normalize(vec3(parent[axis]) + 0.1f);
+            const Ray ray{.origin = origin, .direction = glm::normalize(target - origin)};
+            const Hit hit = scene->closest_hit(ray);
+            CHECK(hit.is_hit());
+            CHECK(glm::distance(scene->shading_point(ray, hit).position, target) < 1e-5f);
+            CHECK(std::abs(std::abs(glm::dot(hit.geometric_normal, vec3(parent[axis]))) - 1.0f) < 1e-5f);
+        }
 }
 TEST_CASE("unusable triangles are counted, named, and their neighbours keep slots, normals and UVs") {
     const float infinity = std::numeric_limits<float>::infinity();
