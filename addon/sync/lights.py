@@ -68,7 +68,7 @@ def _strength(data: bpy.types.Light, reports: Reports, name: str) -> NDArray[np.
             strength *= np.array(data.temperature_color)
         if not data.normalize:
             strength *= _emitting_measure(data)
-    return np.multiply(strength, _irradiance_share(data.angle / 2) if data.type == "SUN" else _INTENSITY_PER_WATT)
+    return strength if data.type == "SUN" else np.multiply(strength, _INTENSITY_PER_WATT)
 
 
 def _emitting_measure(data: bpy.types.Light) -> float:
@@ -78,16 +78,11 @@ def _emitting_measure(data: bpy.types.Light) -> float:
     return 4.0 * (math.pi * data.shadow_soft_size**2 or 1.0)
 
 
-def _irradiance_share(half_angle_rad: float) -> float:
-    """Cycles 3.x spreads a sun evenly over a disc at distance 1: the mean cosine over the disc is left."""
-    radius = math.tan(min(half_angle_rad, 1.57))
-    if _IS_BLENDER_4 or radius == 0.0:
-        return 1.0
-    return 2.0 / (math.sqrt(1.0 + radius**2) + 1.0)
-
-
 def _body(data: bpy.types.Light) -> LightBody:
-    """4.0 made lights spheres; from 4.1 on, soft falloff, which is the default, brings the disc of 3.x back."""
+    """4.0 made lights spheres; from 4.1 on, soft falloff, which is the default, brings the disc of 3.x back.
+
+    A sun of 3.x is a disc, too: evenly bright by area, not by solid angle.
+    """
     if _IS_BLENDER_4 and not getattr(data, "use_soft_falloff", False):
         return LightBody.SPHERE
     return LightBody.FACING_DISC

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import bpy
 import pytest
+
 from support.small_scenes import cube, empty_scene, light
 
 REPOSITORY = Path(__file__).parents[2]
