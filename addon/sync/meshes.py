@@ -48,21 +48,23 @@ class _StoredMesh:
         return digest.hexdigest()
 
     def expand(self, key: str) -> Mesh:
+        corners = self.corners.astype(np.intp)  # what numpy.take wants: half the time of indexing with uint32
+        vertices = self.vertex_of_corner.take(corners)
         return Mesh(
             key=key,
             name=self.name,
             positions=self.positions,
-            triangles=self.vertex_of_corner[self.corners],
+            triangles=vertices,
             material_slots=self.slots,
-            corner_normals=self._expanded_normals(),
-            uv_maps=tuple((name, uvs[self.corners]) for name, uvs in self.uv_maps),
+            corner_normals=self._expanded_normals(corners, vertices),
+            uv_maps=tuple((name, uvs.take(corners, axis=0)) for name, uvs in self.uv_maps),
         )
 
-    def _expanded_normals(self) -> NDArray[np.float32] | None:
+    def _expanded_normals(self, corners: NDArray[np.intp], vertices: NDArray[np.uint32]) -> NDArray[np.float32] | None:
         if self.corner_normals is not None:
-            normals = self.corner_normals[self.corners]
+            normals = self.corner_normals.take(corners, axis=0)
         elif self.vertex_normals is not None:
-            normals = self.vertex_normals[self.vertex_of_corner[self.corners]]
+            normals = self.vertex_normals.take(vertices.astype(np.intp), axis=0)
         else:
             return None
         if self.is_flat is not None:

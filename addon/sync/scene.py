@@ -56,7 +56,8 @@ class SceneReader:
         poll()
         placements = read_placements(depsgraph, reports, poll)
         materials = MaterialReader(reports, self._images)
-        instances = self._instances(placements, materials, reports, poll)
+        is_viewport = depsgraph.mode == "VIEWPORT"
+        instances = self._instances(placements, materials, reports, poll, is_viewport=is_viewport)
         world, medium = read_world(depsgraph.scene_eval.world, reports, self._images)
         poll()
         description = SceneDescription(
@@ -84,7 +85,13 @@ class SceneReader:
         self._stale.clear()
 
     def _instances(
-        self, placements: Placements, materials: MaterialReader, reports: Reports, poll: Callable[[], None]
+        self,
+        placements: Placements,
+        materials: MaterialReader,
+        reports: Reports,
+        poll: Callable[[], None],
+        *,
+        is_viewport: bool,
     ) -> tuple[Instances, ...]:
         groups = []
         seen: dict[int, tuple[Mesh | None, set[int]]] = {}
@@ -92,7 +99,10 @@ class SceneReader:
             poll()
             address = placement.data.as_pointer()
             if address not in seen:
-                seen[address] = self._live.get(address) or (self._read_mesh(placement, reports), placement.depends_on)
+                seen[address] = self._live.get(address) or (
+                    self._read_mesh(placement, reports, is_viewport=is_viewport),
+                    placement.depends_on,
+                )
             mesh = seen[address][0]
             seen[address] = mesh, seen[address][1] | placement.depends_on
             if mesh is not None:
@@ -100,8 +110,15 @@ class SceneReader:
         self._live = seen
         return tuple(groups)
 
-    def _read_mesh(self, placement: Placement, reports: Reports) -> Mesh | None:
-        return read_mesh(placement.data, reports, self._meshes)
+    def _read_mesh(self, placement: Placement, reports: Reports, *, is_viewport: bool) -> Mesh | None:
+        source = placement.source
+        if not (is_viewport and source.modifiers and source.modifiers[-1].type == "SUBSURF"):
+            return read_mesh(placement.data, reports, self._meshes)
+        # A window may leave the last subdivision to its graphics card: `data` is the coarse mesh, `to_mesh` is not.
+        try:
+            return read_mesh(source.to_mesh(), reports, self._meshes)
+        finally:
+            source.to_mesh_clear()
 
 
 def _group(placement: Placement, mesh: Mesh, placements: Placements, materials: MaterialReader) -> Instances:

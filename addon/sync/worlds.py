@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 
     _Register = NDArray[np.float64]
 
-#: Stands for a Sky Texture: the mean colour of a clear sky at noon, about 1 W/(m^2 sr) bright.
-_SKY: Value = (0.30, 0.50, 0.90)
+#: Stands for a Sky Texture: the mean radiance of its default without the sun, as a plane in Cycles receives it.
+_CLEAR_SKY: Value = (2.0, 2.6, 3.6)
+_SKIES: dict[str, Value] = {"PREETHAM": (0.37, 0.57, 1.06), "HOSEK_WILKIE": (0.050, 0.085, 0.146)}
 
 
 def read_world(world: bpy.types.World | None, reports: Reports, images: ImageReader) -> tuple[World, Medium | None]:
@@ -73,7 +74,7 @@ def _colour(reader: ValueReader, at: Socket) -> Value:
     source = at.source()
     if source.socket.is_output and source.node.type == "TEX_SKY":
         reader.unsupported(source, "is drawn as one even blue, without its sun: add a Sun light")
-        return _SKY
+        return _SKIES.get(source.node.sky_type, _CLEAR_SKY)
     return reader.colour(at)
 
 

@@ -208,6 +208,13 @@ def test_modifiers_count() -> None:
     assert len(read().instances[0].mesh.triangles) == 3 * 12
 
 
+def test_the_last_subdivision_counts_though_a_window_may_leave_it_to_its_graphics_card() -> None:
+    empty_scene()
+    thing = cube()
+    thing.modifiers.new("Subdivision", "SUBSURF").levels = 2
+    assert len(read().instances[0].mesh.triangles) == 6 * 4**2 * 2
+
+
 def test_damaged_meshes_do_no_harm() -> None:
     """NaN goes through, for the native side to drop and count; a mesh without a face is not drawn."""
     empty_scene()
