@@ -6,6 +6,7 @@
 #include "scene/instance_masks.hpp"
 #include "shading/surface_program.hpp"
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace tyndall {
@@ -14,6 +15,7 @@ Scene::Scene(SceneDescription description, const Progress& progress) : descripti
     progress.poll();
     validate();
     drop_unusable_instances();
+    drop_unusable_lights();
     attach_instances(progress);
 }
 
@@ -109,6 +111,30 @@ void Scene::drop_unusable_instances() {
                                std::to_string(mesh->non_finite_triangle_count()) +
                                " triangles with a vertex that is not finite and " +
                                std::to_string(mesh->degenerate_triangle_count()) + " without area");
+}
+
+/// A broken parent's matrix, or a driver that divides by 0, reaches a light's numbers; one NaN would blacken the frame.
+static bool is_usable(const Light& light) {
+    const auto is_finite = [](const vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
+    const auto is_unit = [](const vec3& v) { return std::abs(glm::dot(v, v) - 1.0f) < 1e-3f; };
+    bool is_sound = is_finite(light.strength) && is_finite(light.position) && light.radius_m >= 0.0f &&
+                    std::isfinite(light.radius_m) && std::isfinite(light.half_angle_rad);
+    if (light.kind == LightKind::Sun)
+        is_sound = is_sound && is_unit(light.towards_light);
+    if (light.kind == LightKind::Spot)
+        is_sound = is_sound && is_unit(light.spot_axis) &&
+                   std::isfinite(light.spot_half_angle_rad + light.spot_blend) &&
+                   is_finite(light.light_from_world_directions * light.spot_axis);
+    return is_sound;
+}
+
+void Scene::drop_unusable_lights() {
+    std::erase_if(description_.lights, [&](const Light& light) {
+        if (is_usable(light))
+            return false;
+        statistics_.report("light '" + light.name + "' left out: its strength, size or transform is not finite");
+        return true;
+    });
 }
 
 const Material& Scene::slot_material(const Instance& instance, std::size_t slot) const {

@@ -50,8 +50,9 @@ struct Hit {
 
 class Scene {
 public:
-    /// Checks indices, drops instances that cannot be drawn (non-finite transform, one that leaves only a line or a
-    /// point, empty mesh) from the description with a report per object, commits Embree. Throws InvalidInput and Cancelled.
+    /// Checks indices and commits Embree. Leaves out of the description, with one report per object: instances that cannot
+    /// be drawn (a transform that is not finite or leaves only a line, an empty mesh) and lights with broken numbers.
+    /// Throws InvalidInput and Cancelled.
     Scene(SceneDescription description, const Progress& progress);
     Scene(const Scene&) = delete;
     Scene& operator=(const Scene&) = delete;
@@ -89,6 +90,7 @@ public:
 private:
     void validate() const;
     void drop_unusable_instances();
+    void drop_unusable_lights();
     void attach_instances(const Progress& progress);
     [[nodiscard]] const Material& slot_material(const Instance& instance, std::size_t slot) const;
 

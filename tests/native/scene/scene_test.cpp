@@ -141,6 +141,21 @@ TEST_CASE("instances that cannot be drawn are left out, one line per object; the
     CHECK(hit.is_hit());
     CHECK(scene->description().object_names[scene->description().instances[hit.instance].name_index] == "part 3");
 }
+TEST_CASE("a light with broken numbers is left out by name, and the others shine") {
+    const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
+    const auto scene =
+        make_scene({}, {},
+                   {{.name = "bright", .strength = {1, infinity, 1}},
+                    {.name = "lost", .kind = LightKind::Point, .position = {0, nan, 0}},
+                    {.name = "sun"},
+                    {.name = "aimless", .towards_light = {0, 0, 0}},
+                    {.name = "spot", .kind = LightKind::Spot},
+                    {.name = "collapsed", .kind = LightKind::Spot, .light_from_world_directions = mat3(infinity)}});
+    CHECK(scene->lights().size() == 2);
+    CHECK(scene->lights()[1].name == "spot");
+    CHECK(scene->statistics().reports.size() == 4);
+    CHECK(scene->statistics().reports[0] == "light 'bright' left out: its strength, size or transform is not finite");
+}
 TEST_CASE("an object that one scale of 0 has made flat is drawn flat, whichever way it lies") {
     const mat4 turned = glm::rotate(mat4(1.0f), 0.8f, glm::normalize(vec3(1, 2, 3)));
     for (const int axis : {0, 1, 2})
