@@ -29,6 +29,7 @@ struct MediumBoundary {
     std::uint32_t instance = 0; ///< Into SceneDescription::instances.
     std::uint16_t medium = 0;   ///< Into SceneDescription::media.
     bool is_box = false;        ///< The mesh is the axis-aligned box of its bounds in object space: a fog box.
+    bool is_closed = false;     ///< Every edge is left as often as it is entered: rays end outside.
     bool is_inside_out = false; ///< Its triangles are wound inwards (negative volume); undone in all answers.
     mat4 object_from_world{1.0f};
     Bounds3 object_bounds;

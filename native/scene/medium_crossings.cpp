@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <embree3/rtcore_ray.h>
 #include <map>
+#include <numeric>
 #include <tuple>
 
 namespace tyndall {
@@ -16,6 +17,45 @@ static double signed_volume6(const MeshArrays& arrays, const vec3& centre) {
         sum += glm::dot(a, glm::cross(b, c));
     }
     return sum;
+}
+
+/// Each edge is there as often in one direction as in the other. Corners at one position are one corner: meshes come
+/// with vertices split along seams.
+static bool is_closed(const MeshArrays& arrays) {
+    std::vector<std::uint32_t> by_position(arrays.positions.size());
+    std::iota(by_position.begin(), by_position.end(), 0u);
+    const auto place = [&](std::uint32_t vertex) {
+        const vec3& p = arrays.positions[vertex];
+        return std::tie(p.x, p.y, p.z);
+    };
+    std::ranges::sort(by_position, [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); });
+    std::vector<std::uint32_t> corner(arrays.positions.size());
+    for (std::size_t index = 0; index < by_position.size(); ++index) {
+        const bool is_same = index > 0 && place(by_position[index]) == place(by_position[index - 1]);
+        corner[by_position[index]] = is_same ? corner[by_position[index - 1]] : by_position[index];
+    }
+    struct Edge {
+        std::uint32_t low, high;
+        int direction;
+    };
+    std::vector<Edge> edges;
+    edges.reserve(3 * arrays.triangles.size());
+    for (const uvec3& triangle : arrays.triangles)
+        for (int side = 0; side < 3; ++side) {
+            const std::uint32_t a = corner[triangle[side]], b = corner[triangle[(side + 1) % 3]];
+            edges.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : a > b ? -1 : 0});
+        }
+    std::ranges::sort(edges,
+                      [](const Edge& a, const Edge& b) { return std::tie(a.low, a.high) < std::tie(b.low, b.high); });
+    int balance = 0;
+    for (std::size_t index = 0; index < edges.size(); ++index) {
+        balance += edges[index].direction;
+        const bool is_last = index + 1 == edges.size() || edges[index].low != edges[index + 1].low ||
+                             edges[index].high != edges[index + 1].high;
+        if (is_last && balance != 0)
+            return false;
+    }
+    return true;
 }
 
 /// Twelve triangles, two per face of the bounds, each with its corners on corners of the bounds.
@@ -53,7 +93,7 @@ std::vector<MediumBoundary> find_medium_boundaries(const SceneDescription& descr
                                                    const Progress& progress) {
     struct MeshFacts {
         std::vector<std::uint16_t> slots; ///< Those that triangles use, ascending.
-        bool is_box, is_inside_out;
+        bool is_box, is_closed, is_inside_out;
     };
     std::map<std::uint32_t, MeshFacts> facts_of_mesh; // shared meshes are examined once
     std::vector<MediumBoundary> boundaries;
@@ -75,6 +115,7 @@ std::vector<MediumBoundary> find_medium_boundaries(const SceneDescription& descr
             std::ranges::sort(facts.slots);
             facts.slots.erase(std::unique(facts.slots.begin(), facts.slots.end()), facts.slots.end());
             facts.is_box = is_axis_aligned_box(mesh);
+            facts.is_closed = facts.is_box || is_closed(mesh.arrays());
             const double diagonal_m = mesh.bounds().diagonal_m();
             facts.is_inside_out = signed_volume6(mesh.arrays(), mesh.bounds().centre()) <
                                   -1e-6 * diagonal_m * diagonal_m * diagonal_m; // an open sheet has about none
@@ -90,6 +131,7 @@ std::vector<MediumBoundary> find_medium_boundaries(const SceneDescription& descr
                 boundaries.push_back({.instance = index,
                                       .medium = static_cast<std::uint16_t>(medium),
                                       .is_box = facts.is_box && has_one_medium,
+                                      .is_closed = facts.is_closed && has_one_medium,
                                       .is_inside_out = facts.is_inside_out,
                                       .object_from_world = glm::inverse(instance.world_from_object),
                                       .object_bounds = mesh.bounds()});
@@ -101,11 +143,6 @@ std::vector<MediumBoundary> find_medium_boundaries(const SceneDescription& descr
 struct MediumCrossings::Query {
     RTCIntersectContext context;
     const MediumCrossings* self;
-    struct Hit {
-        MediumCrossing crossing;
-        std::uint32_t triangle;
-        bool is_on_edge;
-    };
     std::vector<Hit> hits;
 
     static void record(const RTCFilterFunctionNArguments* arguments) {
@@ -138,7 +175,8 @@ struct MediumCrossings::Query {
 
 MediumCrossings::MediumCrossings(const Scene& scene, std::span<const MediumBoundary> boundaries,
                                  const Progress& progress)
-    : scene_(scene), device_(rtcGetSceneDevice(scene.embree_scene())), top_(rtcNewScene(device_)) {
+    : scene_(scene), boundaries_(boundaries), device_(rtcGetSceneDevice(scene.embree_scene())),
+      top_(rtcNewScene(device_)) {
     rtcSetSceneFlags(top_, RTC_SCENE_FLAG_ROBUST);
     const SceneDescription& description = scene.description();
     std::map<std::uint32_t, RTCScene> scene_of_mesh;
@@ -193,7 +231,7 @@ MediumCrossings::~MediumCrossings() {
     rtcReleaseDevice(device_);
 }
 
-void MediumCrossings::append(const vec3& origin, const vec3& direction, std::vector<MediumCrossing>& crossings) const {
+void MediumCrossings::collect(const vec3& origin, const vec3& direction, std::vector<Hit>& hits) const {
     thread_local Query query;
     rtcInitIntersectContext(&query.context);
     query.self = this;
@@ -207,23 +245,58 @@ void MediumCrossings::append(const vec3& origin, const vec3& direction, std::vec
     rtcIntersect1(top_, &query.context, &ray);
 
     // By distance, then by what was hit: Embree's order of visits may differ between instruction sets.
-    std::ranges::sort(query.hits, [](const Query::Hit& a, const Query::Hit& b) {
+    std::ranges::sort(query.hits, [](const Hit& a, const Hit& b) {
         return std::tie(a.crossing.distance_m, a.crossing.boundary, a.triangle) <
                std::tie(b.crossing.distance_m, b.crossing.boundary, b.triangle);
     });
-    for (std::size_t index = 0; index < query.hits.size(); ++index) {
-        const Query::Hit& hit = query.hits[index];
+    hits.clear();
+    for (const Hit& hit : query.hits) {
         bool is_repeated = false; // by a neighbour across a shared edge, or by the same triangle
-        for (std::size_t before = index; before-- > 0 && !is_repeated;) {
-            const Query::Hit& other = query.hits[before];
-            if (hit.crossing.distance_m - other.crossing.distance_m > 1e-5f * (1.0f + hit.crossing.distance_m))
+        for (auto before = hits.rbegin(); before != hits.rend() && !is_repeated; ++before) {
+            if (hit.crossing.distance_m - before->crossing.distance_m > 1e-5f * (1.0f + hit.crossing.distance_m))
                 break;
-            is_repeated = other.crossing.boundary == hit.crossing.boundary &&
-                          other.crossing.winding_step == hit.crossing.winding_step &&
-                          (other.triangle == hit.triangle || (other.is_on_edge && hit.is_on_edge));
+            is_repeated = before->crossing.boundary == hit.crossing.boundary &&
+                          before->crossing.winding_step == hit.crossing.winding_step &&
+                          (before->triangle == hit.triangle || (before->is_on_edge && hit.is_on_edge));
         }
         if (!is_repeated)
-            crossings.push_back(hit.crossing);
+            hits.push_back(hit);
     }
+}
+
+static std::int32_t winding_from(std::span<const MediumCrossings::Hit> hits, std::uint32_t boundary) {
+    std::int32_t sum = 0;
+    for (const MediumCrossings::Hit& hit : hits)
+        if (hit.crossing.boundary == boundary)
+            sum -= hit.crossing.winding_step;
+    return sum;
+}
+
+void MediumCrossings::repair(const vec3& origin, std::vector<Hit>& hits) const {
+    thread_local std::vector<Hit> elsewhere;
+    bool has_looked_elsewhere = false;
+    for (std::size_t index = hits.size(); index-- > 0;) {
+        const Hit hit = hits[index];
+        if (!hit.is_on_edge || !boundaries_[hit.crossing.boundary].is_closed)
+            continue;
+        const std::int32_t found = winding_from(hits, hit.crossing.boundary);
+        std::int32_t truth = 0; // all that a ray from outside may find; below 0, something was entered and never left
+        if (found > 0) {
+            if (!has_looked_elsewhere) // in a direction that lies in no plane that modellers favour
+                collect(origin, glm::normalize(vec3(0.36f, -0.48f, 0.8013f)), elsewhere);
+            has_looked_elsewhere = true;
+            truth = std::max(0, winding_from(elsewhere, hit.crossing.boundary));
+        }
+        if ((found < truth && hit.crossing.winding_step > 0) || (found > truth && hit.crossing.winding_step < 0))
+            hits.erase(hits.begin() + static_cast<std::ptrdiff_t>(index));
+    }
+}
+
+void MediumCrossings::append(const vec3& origin, const vec3& direction, std::vector<MediumCrossing>& crossings) const {
+    thread_local std::vector<Hit> hits;
+    collect(origin, direction, hits);
+    repair(origin, hits);
+    for (const Hit& hit : hits)
+        crossings.push_back(hit.crossing);
 }
 } // namespace tyndall

@@ -26,10 +26,21 @@ public:
     ~MediumCrossings();
 
     /// Appends all crossings at distances of 0 and more, in no order. Two neighbours that both report the edge they
-    /// share count once: Embree's robust mode never lets a ray slip through an edge, but may answer twice.
+    /// share count once, and at a silhouette an entry without its exit, or the reverse, does not count.
     void append(const vec3& origin, const vec3& direction, std::vector<MediumCrossing>& crossings) const;
 
+    struct Hit {
+        MediumCrossing crossing;
+        std::uint32_t triangle;
+        bool is_on_edge;
+    };
+
 private:
+    /// Every hit once, near to far.
+    void collect(const vec3& origin, const vec3& direction, std::vector<Hit>& hits) const;
+    /// Removes what only one of two triangles at a silhouette edge reports: the windings of a closed mesh tell.
+    void repair(const vec3& origin, std::vector<Hit>& hits) const;
+
     struct Instance {
         std::uint32_t scene_instance;
         bool is_inside_out;
@@ -37,6 +48,7 @@ private:
     };
     struct Query;
     const Scene& scene_;
+    std::span<const MediumBoundary> boundaries_;
     std::vector<Instance> instances_; ///< By geometry id.
     RTCDevice device_ = nullptr;
     RTCScene top_ = nullptr;
