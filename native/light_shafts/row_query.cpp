@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/row_query.hpp"
+#include "core/parallel.hpp"
 #include "light_shafts/slope_rows_kernels.hpp"
 #include <algorithm>
 
@@ -116,6 +117,26 @@ HWY_EXPORT(lit_intervals_of);
 namespace tyndall::light_shafts::row_query {
 void lit_intervals(const slope_rows::Rows& rows, std::span<const ViewRay> rays, LitRows& lit, Uncovered& uncovered) {
     HWY_DYNAMIC_DISPATCH(lit_intervals_of)(rows, rays.data(), rays.size(), lit, uncovered);
+}
+std::vector<std::uint32_t> by_slice(const slope_rows::Layout& layout, std::span<const ViewRay> rays,
+                                    const Progress& progress) {
+    const std::int32_t last_slice = layout.slice_count() - 1;
+    std::vector<std::uint32_t> slice_of(rays.size()), order(rays.size());
+    parallel_blocks(rays.size(), slope_rows::PlacedRays::capacity, progress, [&](std::size_t begin, std::size_t end) {
+        slope_rows::PlacedRays placed;
+        slope_rows::place_rays(layout.frame, rays.subspan(begin, end - begin), placed);
+        for (std::size_t i = begin; i < end; ++i)
+            slice_of[i] = static_cast<std::uint32_t>(
+                std::clamp(slope_rows::nearest_slice(layout, placed.slice_coordinate[i - begin]), 0, last_slice));
+    });
+    std::vector<std::uint32_t> next(static_cast<std::size_t>(layout.slice_count()) + 1, 0);
+    for (const std::uint32_t slice : slice_of)
+        ++next[slice + 1];
+    for (std::size_t s = 1; s < next.size(); ++s)
+        next[s] += next[s - 1];
+    for (std::uint32_t ray = 0; ray < rays.size(); ++ray)
+        order[next[slice_of[ray]]++] = ray;
+    return order;
 }
 void lit_runs(const slope_rows::RowView& row, float slope, std::int32_t first, std::int32_t last,
               std::vector<std::int32_t>& borders) {

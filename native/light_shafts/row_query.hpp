@@ -18,6 +18,10 @@ struct Uncovered {
 /// Appends the lit intervals of each ray; a ray that rows cannot answer gets none and is named in `uncovered`.
 void lit_intervals(const slope_rows::Rows& rows, std::span<const ViewRay> rays, LitRows& lit, Uncovered& uncovered);
 
+/// The rays in the order of their slices: queried so, a row is read while it is in the cache. Throws Cancelled.
+[[nodiscard]] std::vector<std::uint32_t> by_slice(const slope_rows::Layout& layout, std::span<const ViewRay> rays,
+                                                  const Progress& progress);
+
 /// Lines [first, last] of one row that are lit for `slope`, as alternating first lit and first dark lines; ends are
 /// clipped. The kernel of lit_intervals, for tests.
 void lit_runs(const slope_rows::RowView& row, float slope, std::int32_t first, std::int32_t last,

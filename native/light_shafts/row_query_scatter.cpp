@@ -39,171 +39,277 @@ struct Stretch {
     float slope;
     std::int32_t first, last;
 };
+/// Of one channel: the series' terms are exp(-gain * line), counted from the first line of the first block.
+struct Series {
+    float gain;
+    float block_sum;  ///< Of a block's 16 terms.
+    float last_block; ///< exp(-gain * 16 * blocks before the last one).
+};
 
-/// sums[c] = sum of exp(-gain[c] * (line - first line of the first block)) over the lit lines; returns their number.
+/// The lit lines of one block, without those outside [first, last].
+static HWY_INLINE hn::Mask<LineTag> lit_in_end(const Stretch& stretch, V slope, std::int32_t block, std::int32_t first,
+                                               std::size_t part) {
+    const std::int32_t offset = block * block_lines + static_cast<std::int32_t>(part * lanes);
+    // Not Iota(first): Highway 1.0 builds that lane by lane, and the load of it waits for all the stores.
+    const auto line = hn::Add(hn::Iota(di, 0), hn::Set(di, stretch.row.first + offset));
+    const auto belongs = hn::And(hn::Gt(line, hn::Set(di, first - 1)), hn::Lt(line, hn::Set(di, stretch.last + 1)));
+    return hn::And(hn::Ge(slope, hn::LoadU(d, stretch.row.slopes + offset)), hn::RebindMask(d, belongs));
+}
+
+/// sums[c]: of the terms of the lit lines; returns their number. No branch depends on where the stretch begins and ends:
+/// a branch that is guessed wrong costs as much as four blocks.
 template <int channels>
-HWY_INLINE std::int32_t sum_lit(const Stretch& stretch, const float* gain, float* sums) {
+HWY_INLINE std::int32_t sum_lit(const Stretch& stretch, const Series* series, float* sums) {
     const RowView& row = stretch.row;
     const V slope = hn::Set(d, stretch.slope);
     const std::int32_t first_block = (stretch.first - row.first) / block_lines,
                        last_block = (stretch.last - row.first) / block_lines;
-    V in_block[channels][parts], whole[channels][parts], sum[channels];
-    alignas(64) float of_block[channels][block_lines];
-    float per_group[channels];
-    for (int c = 0; c < channels; ++c) {
-        for (std::size_t part = 0; part < parts; ++part) {
-            const V line = hn::Iota(d, static_cast<float>(part * lanes));
-            in_block[c][part] = exp_of(hn::Mul(hn::Set(d, -gain[c]), line));
-            hn::Store(exp_of(hn::Mul(hn::Set(d, -16.0f * gain[c]), line)), d, &of_block[c][part * lanes]);
-            whole[c][part] = hn::Zero(d);
-        }
-        sum[c] = hn::Zero(d);
-        per_group[c] = of_block[c][15] * of_block[c][1];
-    }
+    const std::int32_t after_first = row.first + (first_block + 1) * block_lines;
+    V in_block[channels][parts], sum[channels];
     std::int32_t count = 0;
-    for (std::int32_t group = first_block; group <= last_block; group += 16) {
-        const std::uint32_t used = last_block - group >= 15 ? 0xffffu : (1u << (last_block - group + 1)) - 1;
-        std::uint32_t ends = group == first_block ? 1u : 0u; // blocks with lines that do not belong
-        if (last_block - group < 16)
-            ends |= 1u << (last_block - group);
-        std::uint32_t lit = 0, dark = 0;
-        for (std::size_t part = 0; part < parts; ++part) {
-            const std::size_t at = static_cast<std::size_t>(group) + part * lanes;
-            const auto is_lit = hn::Ge(slope, hn::LoadU(d, row.highest + at));
-            lit |= bits_of(is_lit) << (part * lanes);
-            dark |= bits_of(hn::Lt(slope, hn::LoadU(d, row.lowest + at))) << (part * lanes);
+    for (int c = 0; c < channels; ++c)
+        sum[c] = hn::Zero(d);
+    for (std::size_t part = 0; part < parts; ++part) {
+        const V line = hn::Iota(d, static_cast<float>(part * lanes));
+        const auto at_first = lit_in_end(stretch, slope, first_block, stretch.first, part),
+                   at_last = lit_in_end(stretch, slope, last_block, std::max(stretch.first, after_first), part);
+        count += static_cast<std::int32_t>(hn::CountTrue(d, at_first) + hn::CountTrue(d, at_last));
+        for (int c = 0; c < channels; ++c) {
+            in_block[c][part] = exp_of(hn::Mul(hn::Set(d, -series[c].gain), line));
+            sum[c] = hn::Add(sum[c], hn::IfThenElseZero(at_first, in_block[c][part]));
+            sum[c] =
+                hn::MulAdd(hn::IfThenElseZero(at_last, in_block[c][part]), hn::Set(d, series[c].last_block), sum[c]);
         }
-        const std::uint32_t all_lit = lit & used & ~ends;
-        if (all_lit != 0) {
-            count += block_lines * __builtin_popcount(all_lit);
+    }
+    const std::int32_t inner_count = last_block - first_block - 1;
+    if (inner_count > 0) {
+        alignas(64) float of_block[channels][block_lines];
+        float per_group[channels];
+        for (int c = 0; c < channels; ++c) {
+            for (std::size_t part = 0; part < parts; ++part)
+                hn::Store(exp_of(hn::Mul(hn::Set(d, -16.0f * series[c].gain),
+                                         hn::Iota(d, static_cast<float>(part * lanes + 1)))),
+                          d, &of_block[c][part * lanes]);
+            per_group[c] = of_block[c][15];
+        }
+        for (std::int32_t done = 0;; done += 16) {
+            const std::size_t group = static_cast<std::size_t>(first_block + 1 + done);
+            const std::uint32_t used = inner_count - done >= 16 ? 0xffffu : (1u << (inner_count - done)) - 1;
+            std::uint32_t mixed = 0;
             for (std::size_t part = 0; part < parts; ++part) {
-                const std::uint64_t part_bits = (all_lit >> (part * lanes)) & ((1u << lanes) - 1);
-                const auto mask = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&part_bits));
+                const std::uint64_t part_used = (used >> (part * lanes)) & ((1u << lanes) - 1);
+                const auto in_use = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&part_used));
+                const std::size_t at = group + part * lanes;
+                const auto all_lit = hn::And(in_use, hn::Ge(slope, hn::LoadU(d, row.highest + at)));
+                const auto some_lit = hn::And(in_use, hn::Ge(slope, hn::LoadU(d, row.lowest + at)));
+                mixed |= bits_of(hn::AndNot(all_lit, some_lit)) << (part * lanes);
+                count += block_lines * static_cast<std::int32_t>(hn::CountTrue(d, all_lit));
                 for (int c = 0; c < channels; ++c)
-                    whole[c][part] =
-                        hn::Add(whole[c][part], hn::IfThenElseZero(mask, hn::Load(d, &of_block[c][part * lanes])));
+                    sum[c] = hn::MulAdd(hn::IfThenElseZero(all_lit, hn::Load(d, &of_block[c][part * lanes])),
+                                        hn::Set(d, series[c].block_sum), sum[c]);
             }
-        }
-        for (std::uint32_t left = used & (ends | ~(lit | dark)); left != 0; left &= left - 1) {
-            const auto block = static_cast<std::uint32_t>(__builtin_ctz(left));
-            const std::int32_t offset = (group + static_cast<std::int32_t>(block)) * block_lines;
-            const bool is_end = ends >> block & 1;
-            for (std::size_t part = 0; part < parts; ++part) {
-                auto mask = hn::Ge(slope, hn::LoadU(d, row.slopes + offset + part * lanes));
-                if (is_end) {
-                    const auto line = hn::Iota(di, row.first + offset + static_cast<std::int32_t>(part * lanes));
-                    const auto belongs = hn::And(hn::Gt(line, hn::Set(di, stretch.first - 1)),
-                                                 hn::Lt(line, hn::Set(di, stretch.last + 1)));
-                    mask = hn::And(mask, hn::RebindMask(d, belongs));
+            for (; mixed != 0; mixed &= mixed - 1) {
+                const auto block = static_cast<std::size_t>(__builtin_ctz(mixed));
+                for (std::size_t part = 0; part < parts; ++part) {
+                    const auto lit =
+                        hn::Ge(slope, hn::LoadU(d, row.slopes + (group + block) * block_lines + part * lanes));
+                    count += static_cast<std::int32_t>(hn::CountTrue(d, lit));
+                    for (int c = 0; c < channels; ++c)
+                        sum[c] = hn::MulAdd(hn::IfThenElseZero(lit, in_block[c][part]), hn::Set(d, of_block[c][block]),
+                                            sum[c]);
                 }
-                count += static_cast<std::int32_t>(hn::CountTrue(d, mask));
-                for (int c = 0; c < channels; ++c)
-                    sum[c] =
-                        hn::MulAdd(hn::IfThenElseZero(mask, in_block[c][part]), hn::Set(d, of_block[c][block]), sum[c]);
             }
-        }
-        if (last_block - group >= 16)
+            if (inner_count - done <= 16)
+                break;
             for (int c = 0; c < channels; ++c)
                 for (std::size_t part = 0; part < parts; ++part)
                     hn::Store(hn::Mul(hn::Load(d, &of_block[c][part * lanes]), hn::Set(d, per_group[c])), d,
                               &of_block[c][part * lanes]);
-    }
-    for (int c = 0; c < channels; ++c) {
-        V block_sum = in_block[c][0], total = whole[c][0];
-        for (std::size_t part = 1; part < parts; ++part) {
-            block_sum = hn::Add(block_sum, in_block[c][part]);
-            total = hn::Add(total, whole[c][part]);
         }
-        sum[c] = hn::MulAdd(total, hn::SumOfLanes(d, block_sum), sum[c]);
-        sums[c] = hn::GetLane(hn::SumOfLanes(d, sum[c]));
     }
+    for (int c = 0; c < channels; ++c)
+        sums[c] = hn::GetLane(hn::SumOfLanes(d, sum[c]));
     return count;
 }
 
-/// sinh(x) / x for the mean of an exponential over a line around its middle.
-static HWY_INLINE float mean_around_middle(float x) {
-    return std::abs(x) < 0.1f ? 1.0f + x * x * (1.0f / 6.0f + x * x * (1.0f / 120.0f)) : std::sinh(x) / x;
+/// sinh(x) / x, the mean of an exponential over a stretch around its middle; 1e-6 up to 1.5.
+static HWY_INLINE V mean_around_middle(V x) {
+    const V z = hn::Mul(x, x);
+    V p = hn::MulAdd(z, hn::Set(d, 1.0f / 362880), hn::Set(d, 1.0f / 5040));
+    p = hn::MulAdd(p, z, hn::Set(d, 1.0f / 120));
+    p = hn::MulAdd(p, z, hn::Set(d, 1.0f / 6));
+    return hn::MulAdd(p, z, hn::Set(d, 1.0f));
 }
 
-/// One ray in its row: distances are linear in line numbers.
-struct RayInRow {
-    Stretch stretch;
-    float near_index, near_m, far_m, m_per_line, lines_per_m;
-    [[nodiscard]] float distance(float index) const { return near_m + (index - near_index) * m_per_line; }
+/// Pieces of some rays in columns, so that all but the sum over lines runs on whole vectors of pieces.
+struct PieceBatch {
+    static constexpr std::size_t capacity = 256;
+    template <class Value>
+    using Column = std::array<Value, capacity>;
+
+    // In: the ray in its row, and the piece.
+    alignas(64) Column<float> near_index, ray_near_m, m_per_line, first_line, last_line, row_start;
+    alignas(64) Column<float> piece_near_m, begin_m, end_m; // the piece's own near, and its part within the ray
+    alignas(64) std::array<Column<float>, 3> source_per_m, depth_at_near, depth_per_m;
+    Column<std::uint32_t> ray;
+    Column<std::int32_t> slice;
+    Column<float> slope;
+    std::size_t count = 0;
+
+    // Out: whole lines [first, end), the lines that what is left over at both ends belongs to, and what each sends.
+    alignas(64) Column<std::int32_t> whole_first, whole_end, line_before, line_after;
+    alignas(64) std::array<Column<float>, 3> gain, block_sum, last_block, per_line, at_begin, at_end;
+    alignas(64) Column<float> begin_length_m, end_length_m, is_steep, is_grey;
+
+    void evaluate();
 };
 
-/// False where a term of the series would leave the range of floats.
-static bool add_piece(const RayInRow& ray, const ScatterPiece& piece, Rgb& radiance, float& lit_length_m) {
-    const float piece_near = std::max(piece.near_m, ray.near_m), piece_far = std::min(piece.far_m, ray.far_m);
-    if (!(piece_near < piece_far))
-        return true;
-    const float first_index = ray.near_index + (piece_near - ray.near_m) * ray.lines_per_m,
-                end_index = ray.near_index + (piece_far - ray.near_m) * ray.lines_per_m;
-    const std::int32_t row_first = ray.stretch.first, row_last = ray.stretch.last;
-    // Whole lines; what is left at both ends belongs to the line before and after, or to the ray's outermost one.
-    Stretch whole = ray.stretch;
-    whole.first = std::clamp(static_cast<std::int32_t>(std::ceil(first_index)), row_first, row_last + 1);
-    whole.last = std::clamp(static_cast<std::int32_t>(std::floor(end_index)), row_first, row_last + 1) - 1;
-    float gain[3], sums[3], end_near[2], end_far[2];
-    bool is_grey = true;
-    const float block_m =
-        ray.distance(static_cast<float>(whole.row.first + (whole.first - whole.row.first) / block_lines * block_lines));
-    alignas(64) float exponent[16] = {}, value[16];
-    if (whole.first <= whole.last) {
-        end_near[0] = piece_near;
-        end_far[0] = std::min(ray.distance(static_cast<float>(whole.first)), piece_far);
-        end_near[1] = std::max(ray.distance(static_cast<float>(whole.last + 1)), piece_near);
-        end_far[1] = piece_far;
-    } else {
-        const float border = std::clamp(ray.distance(static_cast<float>(whole.first)), piece_near, piece_far);
-        end_near[0] = piece_near;
-        end_far[0] = end_near[1] = border;
-        end_far[1] = piece_far;
+void PieceBatch::evaluate() {
+    const V one = hn::Set(d, 1.0f), half = hn::Set(d, 0.5f);
+    for (std::size_t i = 0; i < count; i += lanes) {
+        const auto in = [&](const Column<float>& column) { return hn::Load(d, &column[i]); };
+        const V ray_near = in(ray_near_m), start = in(near_index), step = in(m_per_line), begin = in(begin_m),
+                end = in(end_m), first = in(first_line), past = hn::Add(in(last_line), one),
+                own_near = in(piece_near_m);
+        const V per_m = hn::Div(one, step);
+        const auto index_at = [&](V t) { return hn::MulAdd(hn::Sub(t, ray_near), per_m, start); };
+        const auto distance_at = [&](V index) { return hn::MulAdd(hn::Sub(index, start), step, ray_near); };
+        const auto clamped = [](V value, V low, V high) { return hn::Min(hn::Max(value, low), high); };
+        const V whole_begin = clamped(hn::Ceil(index_at(begin)), first, past);
+        const V whole_past = clamped(hn::Floor(index_at(end)), first, past);
+        const V left = clamped(distance_at(whole_begin), begin, end);
+        const V right = hn::Max(clamped(distance_at(whole_past), begin, end), left);
+        const V begin_length = hn::Sub(left, begin), end_length = hn::Sub(end, right);
+        const V in_row = hn::Sub(whole_begin, in(row_start));
+        const V block_line = hn::MulAdd(hn::Floor(hn::Mul(in_row, hn::Set(d, 1.0f / block_lines))),
+                                        hn::Set(d, float{block_lines}), in(row_start));
+        const V lines_before_last =
+            hn::Mul(hn::Floor(hn::Mul(hn::Sub(hn::Sub(whole_past, one), block_line), hn::Set(d, 1.0f / block_lines))),
+                    hn::Set(d, float{block_lines}));
+        const V block_middle = hn::MulAdd(half, step, distance_at(block_line));
+        const V begin_middle = hn::MulAdd(half, begin_length, begin), end_middle = hn::NegMulAdd(half, end_length, end);
+        hn::Store(begin_length, d, &begin_length_m[i]);
+        hn::Store(end_length, d, &end_length_m[i]);
+        hn::Store(hn::ConvertTo(di, whole_begin), di, &whole_first[i]);
+        hn::Store(hn::ConvertTo(di, whole_past), di, &whole_end[i]);
+        hn::Store(hn::ConvertTo(di, clamped(hn::Sub(whole_begin, one), first, in(last_line))), di, &line_before[i]);
+        hn::Store(hn::ConvertTo(di, clamped(whole_past, first, in(last_line))), di, &line_after[i]);
+        V steep = hn::Zero(d), grey = one;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const V source = in(source_per_m[c]), at_near = in(depth_at_near[c]), slope_c = in(depth_per_m[c]);
+            const V line_gain = hn::Mul(slope_c, step);
+            const auto mean_at = [&](V middle, V length) { // of the transmittance over a stretch, times its length
+                const V depth = hn::MulAdd(slope_c, hn::Sub(middle, own_near), at_near);
+                return hn::Mul(
+                    hn::Mul(source, length),
+                    hn::Mul(exp_of(hn::Neg(depth)), mean_around_middle(hn::Mul(half, hn::Mul(slope_c, length)))));
+            };
+            const V q = exp_of(hn::Neg(line_gain)), q2 = hn::Mul(q, q), q4 = hn::Mul(q2, q2), q8 = hn::Mul(q4, q4);
+            hn::Store(line_gain, d, &gain[c][i]);
+            hn::Store(hn::Mul(hn::Mul(hn::Add(one, q), hn::Add(one, q2)), hn::Mul(hn::Add(one, q4), hn::Add(one, q8))),
+                      d, &block_sum[c][i]);
+            hn::Store(exp_of(hn::Neg(hn::Mul(line_gain, lines_before_last))), d, &last_block[c][i]);
+            hn::Store(mean_at(block_middle, step), d, &per_line[c][i]);
+            hn::Store(mean_at(begin_middle, begin_length), d, &at_begin[c][i]);
+            hn::Store(mean_at(end_middle, end_length), d, &at_end[c][i]);
+            const auto overflows = hn::Or(hn::Gt(hn::Abs(line_gain), hn::Set(d, 2.0f)),
+                                          hn::Lt(hn::Mul(line_gain, hn::Sub(past, first)), hn::Set(d, -40.0f)));
+            steep = hn::IfThenElse(overflows, one, steep);
+            const auto is_same = hn::And(hn::Eq(slope_c, in(depth_per_m[0])), hn::Eq(at_near, in(depth_at_near[0])));
+            grey = hn::IfThenElseZero(is_same, grey);
+        }
+        hn::Store(steep, d, &is_steep[i]);
+        hn::Store(grey, d, &is_grey[i]);
     }
-    for (int c = 0; c < 3; ++c) {
-        gain[c] = piece.depth_per_m[c] * ray.m_per_line;
-        if (std::abs(gain[c]) > 2.0f || gain[c] * static_cast<float>(row_last - row_first) < -40.0f)
-            return false;
-        is_grey = is_grey && gain[c] == gain[0] && piece.depth_at_near[c] == piece.depth_at_near[0];
-        const auto depth_at = [&](float t) {
-            return piece.depth_at_near[c] + piece.depth_per_m[c] * (t - piece.near_m);
+}
+
+/// Pieces [begin, end) of a batch, all of one ray.
+static void add_pieces(const Rows& rows, const PieceBatch& batch, std::size_t begin, std::size_t end, Rgb& radiance,
+                       float& lit_length_m) {
+    for (std::size_t i = begin; i < end; ++i) {
+        const RowView row = rows.row(batch.slice[i]);
+        const float slope = batch.slope[i];
+        const auto add_end = [&](std::int32_t line, const auto& scattered, float length_m) {
+            const float is_lit = slope >= row.slopes[line - row.first] ? 1.0f : 0.0f;
+            lit_length_m += is_lit * length_m;
+            for (std::size_t c = 0; c < 3; ++c)
+                radiance[static_cast<int>(c)] += is_lit * scattered[c][i];
         };
-        exponent[c] = -depth_at(block_m + 0.5f * ray.m_per_line);
-        exponent[4 + c] = -depth_at(0.5f * (end_near[0] + end_far[0]));
-        exponent[8 + c] = -depth_at(0.5f * (end_near[1] + end_far[1]));
-    }
-    for (std::size_t i = 0; i < 16; i += lanes)
-        hn::Store(exp_of(hn::Load(d, exponent + i)), d, value + i);
-    const RowView& row = whole.row;
-    for (std::int32_t end = 0; end < 2; ++end) {
-        const std::int32_t line = std::clamp(end == 0 ? whole.first - 1 : whole.last + 1, row_first, row_last);
-        const float length_m = end_far[end] - end_near[end];
-        if (!(length_m > 0.0f) || !(ray.stretch.slope >= row.slopes[line - row.first]))
+        add_end(batch.line_before[i], batch.at_begin, batch.begin_length_m[i]);
+        add_end(batch.line_after[i], batch.at_end, batch.end_length_m[i]);
+        if (batch.whole_first[i] >= batch.whole_end[i])
             continue;
-        lit_length_m += length_m;
-        for (int c = 0; c < 3; ++c)
-            radiance[c] += piece.source_per_m[c] * length_m * value[4 * (end + 1) + c] *
-                           mean_around_middle(0.5f * piece.depth_per_m[c] * length_m);
+        const Stretch stretch{row, slope, batch.whole_first[i], batch.whole_end[i] - 1};
+        Series series[3];
+        for (std::size_t c = 0; c < 3; ++c)
+            series[c] = {batch.gain[c][i], batch.block_sum[c][i], batch.last_block[c][i]};
+        float sums[3];
+        std::int32_t count;
+        if (batch.is_grey[i] != 0.0f) {
+            count = sum_lit<1>(stretch, series, sums);
+            sums[1] = sums[2] = sums[0];
+        } else
+            count = sum_lit<3>(stretch, series, sums);
+        lit_length_m += static_cast<float>(count) * batch.m_per_line[i];
+        for (std::size_t c = 0; c < 3; ++c)
+            radiance[static_cast<int>(c)] += batch.per_line[c][i] * sums[c];
     }
-    if (whole.first > whole.last)
-        return true;
-    const std::int32_t count = is_grey ? sum_lit<1>(whole, gain, sums) : sum_lit<3>(whole, gain, sums);
-    lit_length_m += static_cast<float>(count) * ray.m_per_line;
-    for (int c = 0; c < 3; ++c)
-        radiance[c] += piece.source_per_m[c] * ray.m_per_line * value[c] * mean_around_middle(0.5f * gain[c]) *
-                       sums[is_grey ? 0 : c];
-    return true;
+}
+
+static void flush(const Rows& rows, PieceBatch& batch, std::span<Rgb> radiance, std::span<float> lit_length_m,
+                  row_query::Unanswered& unanswered) {
+    batch.evaluate();
+    for (std::size_t begin = 0, end; begin < batch.count; begin = end) {
+        bool is_steep = false;
+        for (end = begin; end < batch.count && batch.ray[end] == batch.ray[begin]; ++end)
+            is_steep = is_steep || batch.is_steep[end] != 0.0f;
+        const std::uint32_t ray = batch.ray[begin];
+        if (is_steep)
+            unanswered.steep.push_back(ray);
+        else
+            add_pieces(rows, batch, begin, end, radiance[ray], lit_length_m[ray]);
+    }
+    batch.count = 0;
+}
+
+static void append(PieceBatch& batch, const RowHit& hit, const RowExtent& extent, const PlacedRays& placed,
+                   std::size_t in_block, const ViewRay& ray, std::uint32_t index, float m_per_line,
+                   const ScatterPiece& piece) {
+    const std::size_t i = batch.count;
+    batch.begin_m[i] = std::max(piece.near_m, ray.near_m);
+    batch.end_m[i] = std::min(piece.far_m, ray.far_m);
+    if (!(batch.begin_m[i] < batch.end_m[i]))
+        return;
+    batch.near_index[i] = hit.near_index;
+    batch.ray_near_m[i] = ray.near_m;
+    batch.m_per_line[i] = m_per_line;
+    batch.first_line[i] = static_cast<float>(hit.first);
+    batch.last_line[i] = static_cast<float>(hit.last);
+    batch.row_start[i] = static_cast<float>(extent.first);
+    batch.piece_near_m[i] = piece.near_m;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const auto channel = static_cast<int>(c);
+        batch.source_per_m[c][i] = piece.source_per_m[channel];
+        batch.depth_at_near[c][i] = piece.depth_at_near[channel];
+        batch.depth_per_m[c][i] = piece.depth_per_m[channel];
+    }
+    batch.ray[i] = index;
+    batch.slice[i] = hit.slice;
+    batch.slope[i] = placed.slope[in_block];
+    ++batch.count;
 }
 
 void add_scattered_of(const Rows& rows, std::span<const ViewRay> rays, const PieceRows& pieces, std::span<Rgb> radiance,
                       std::span<float> lit_length_m, row_query::Unanswered& unanswered) {
     PlacedRays placed;
+    PieceBatch batch{};
     for (std::size_t start = 0; start < rays.size(); start += PlacedRays::capacity) {
         const auto block = rays.subspan(start, std::min(PlacedRays::capacity, rays.size() - start));
         place_rays(rows.layout.frame, block, placed);
         for (std::size_t i = 0; i < block.size(); ++i) {
             const auto index = static_cast<std::uint32_t>(start + i);
-            if (!(block[i].near_m < block[i].far_m) || pieces.first[index] == pieces.first[index + 1])
+            const std::uint32_t first_piece = pieces.first[index], end_piece = pieces.first[index + 1];
+            if (!(block[i].near_m < block[i].far_m) || first_piece == end_piece)
                 continue;
             RowHit hit;
             const Cover cover = find_row(rows.layout, placed, i, hit);
@@ -211,26 +317,19 @@ void add_scattered_of(const Rows& rows, std::span<const ViewRay> rays, const Pie
                 (cover == Cover::NearEpipole ? unanswered.near_epipole : unanswered.outside).push_back(index);
                 continue;
             }
-            const float m_per_line = rows.layout.line_step / placed.radial_per_m[i];
-            const RayInRow ray{.stretch = {rows.row(hit.slice), placed.slope[i], hit.first, hit.last},
-                               .near_index = hit.near_index,
-                               .near_m = block[i].near_m,
-                               .far_m = block[i].far_m,
-                               .m_per_line = m_per_line,
-                               .lines_per_m = 1.0f / m_per_line};
-            Rgb scattered(0.0f);
-            float length_m = 0.0f;
-            bool is_answered = true;
-            for (std::uint32_t p = pieces.first[index]; is_answered && p < pieces.first[index + 1]; ++p)
-                is_answered = add_piece(ray, pieces.pieces[p], scattered, length_m);
-            if (!is_answered) {
+            if (end_piece - first_piece > PieceBatch::capacity) {
                 unanswered.steep.push_back(index);
                 continue;
             }
-            radiance[index] += scattered;
-            lit_length_m[index] += length_m;
+            if (batch.count + (end_piece - first_piece) > PieceBatch::capacity)
+                flush(rows, batch, radiance, lit_length_m, unanswered);
+            const RowExtent& extent = rows.layout.rows[static_cast<std::size_t>(hit.slice)];
+            const float m_per_line = rows.layout.line_step / placed.radial_per_m[i];
+            for (std::uint32_t p = first_piece; p < end_piece; ++p)
+                append(batch, hit, extent, placed, i, block[i], index, m_per_line, pieces.pieces[p]);
         }
     }
+    flush(rows, batch, radiance, lit_length_m, unanswered);
 }
 } // namespace tyndall::light_shafts::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
