@@ -194,9 +194,22 @@ void PieceBatch::evaluate() {
         hn::Store(hn::ConvertTo(di, whole_past), di, &whole_end[i]);
         hn::Store(hn::ConvertTo(di, clamped(hn::Sub(whole_begin, one), first, in(last_line))), di, &line_before[i]);
         hn::Store(hn::ConvertTo(di, clamped(whole_past, first, in(last_line))), di, &line_after[i]);
-        V steep = hn::Zero(d), grey = one;
+        const auto same_as_red = [&](std::size_t c) {
+            return hn::And(hn::Eq(in(depth_per_m[c]), in(depth_per_m[0])),
+                           hn::Eq(in(depth_at_near[c]), in(depth_at_near[0])));
+        };
+        const auto is_same = hn::And(same_as_red(1), same_as_red(2));
+        hn::Store(hn::IfThenElseZero(is_same, one), d, &is_grey[i]);
+        const bool shares_red = hn::AllTrue(d, hn::And(is_same, hn::Gt(in(source_per_m[0]), hn::Set(d, 1e-30f))));
+        V steep = hn::Zero(d);
         for (std::size_t c = 0; c < 3; ++c) {
             const V source = in(source_per_m[c]), at_near = in(depth_at_near[c]), slope_c = in(depth_per_m[c]);
+            if (c > 0 && shares_red) { // as red, but for the source
+                const V ratio = hn::Div(source, in(source_per_m[0]));
+                for (auto* columns : {&per_line, &at_begin, &at_end})
+                    hn::Store(hn::Mul(in((*columns)[0]), ratio), d, &(*columns)[c][i]);
+                continue;
+            }
             const V line_gain = hn::Mul(slope_c, step);
             const auto mean_at = [&](V middle, V length) { // of the transmittance over a stretch, times its length
                 const V depth = hn::MulAdd(slope_c, hn::Sub(middle, own_near), at_near);
@@ -215,11 +228,8 @@ void PieceBatch::evaluate() {
             const auto overflows = hn::Or(hn::Gt(hn::Abs(line_gain), hn::Set(d, 2.0f)),
                                           hn::Lt(hn::Mul(line_gain, hn::Sub(past, first)), hn::Set(d, -40.0f)));
             steep = hn::IfThenElse(overflows, one, steep);
-            const auto is_same = hn::And(hn::Eq(slope_c, in(depth_per_m[0])), hn::Eq(at_near, in(depth_at_near[0])));
-            grey = hn::IfThenElseZero(is_same, grey);
         }
         hn::Store(steep, d, &is_steep[i]);
-        hn::Store(grey, d, &is_grey[i]);
     }
 }
 
