@@ -3,6 +3,4 @@
 // scope, as Blender's executable does; the wheel itself loads them privately, so that clashes of symbols do not show.
 #include <Python.h>
 
-int main(int argc, char** argv) {
-    return Py_BytesMain(argc, argv);
-}
+int main(int argc, char** argv) { return Py_BytesMain(argc, argv); }
