@@ -6,6 +6,7 @@ Whatever happens, Blender gets a frame first and the error after it (see failure
 
 from __future__ import annotations
 
+import resource
 import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -121,6 +122,8 @@ class _Frame:
 
     def _tick(self, progress: Progress, film: Film | None) -> None:
         self.engine.update_progress(progress.fraction)
+        peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        self.engine.update_memory_stats(memory_used=peak_mib, memory_peak=peak_mib)
         self.engine.update_stats("", f"Tyndall: {progress.message}{_time_left(progress)}")
         if film is not None:
             self._show(film)

@@ -17,6 +17,8 @@ import numpy as np
 from tyndall.scene_description import Mesh
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from .reports import Reports
@@ -36,20 +38,22 @@ class _StoredMesh:
     is_flat: NDArray[np.bool_] | None = None  #: (triangles,): those that use no normals; None: no triangle is.
     uv_maps: tuple[tuple[str, NDArray[np.float32]], ...] = ()  #: Names and (corners, 2), the active one first.
 
-    def key(self) -> str:
+    def key(self, poll: Callable[[], None]) -> str:
         """Changes with the content and with nothing else, so it outlives a depsgraph that is built anew every frame."""
         arrays: list[NDArray[Any] | None] = [self.positions, self.vertex_of_corner, self.corners, self.slots]
         arrays += [self.vertex_normals, self.corner_normals, self.is_flat, *(uvs for _, uvs in self.uv_maps)]
         shape = [(None if array is None else array.shape) for array in arrays], [name for name, _ in self.uv_maps]
         digest = hashlib.sha256(repr(shape).encode())
         for array in arrays:
+            poll()
             if array is not None and array.size:
                 digest.update(memoryview(np.ascontiguousarray(array)).cast("B"))
         return digest.hexdigest()
 
-    def expand(self, key: str) -> Mesh:
+    def expand(self, key: str, poll: Callable[[], None]) -> Mesh:
         corners = self.corners.astype(np.intp)  # what numpy.take wants: half the time of indexing with uint32
         vertices = self.vertex_of_corner.take(corners)
+        poll()
         return Mesh(
             key=key,
             name=self.name,
@@ -72,22 +76,24 @@ class _StoredMesh:
         return normals
 
 
-def read_mesh(mesh: bpy.types.Mesh, reports: Reports, kept: dict[str, Mesh]) -> Mesh | None:
+def read_mesh(mesh: bpy.types.Mesh, reports: Reports, kept: dict[str, Mesh], poll: Callable[[], None]) -> Mesh | None:
     """Triangles of an evaluated mesh; the one in ``kept`` if its content is the same; None without a triangle.
+
+    ``poll`` may raise to stop between two arrays.
 
     Non-finite values are passed on: the native side drops those triangles and counts them. Indices out of range, which
     a damaged file may hold and which crash other engines, take the whole mesh out, with a report.
     """
-    stored = _read_stored(mesh, reports)
+    stored = _read_stored(mesh, reports, poll)
     if stored is None:
         return None
-    key = stored.key()
+    key = stored.key(poll)
     if key not in kept:
-        kept[key] = stored.expand(key)
+        kept[key] = stored.expand(key, poll)
     return kept[key]
 
 
-def _read_stored(mesh: bpy.types.Mesh, reports: Reports) -> _StoredMesh | None:
+def _read_stored(mesh: bpy.types.Mesh, reports: Reports, poll: Callable[[], None]) -> _StoredMesh | None:
     vertex_count, corner_count = len(mesh.vertices), len(mesh.loops)
     if len(mesh.polygons) == 0 or vertex_count == 0:
         return None
@@ -95,7 +101,9 @@ def _read_stored(mesh: bpy.types.Mesh, reports: Reports) -> _StoredMesh | None:
     if vertex_of_corner.max(initial=0) >= vertex_count:  # before Blender's own triangulation follows the index
         reports.add(f'Mesh "{mesh.name}"', "left out: a face uses a vertex that does not exist")
         return None
+    poll()
     mesh.calc_loop_triangles()
+    poll()
     triangle_count = len(mesh.loop_triangles)
     if triangle_count == 0:
         return None

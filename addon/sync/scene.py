@@ -100,7 +100,7 @@ class SceneReader:
             address = placement.data.as_pointer()
             if address not in seen:
                 seen[address] = self._live.get(address) or (
-                    self._read_mesh(placement, reports, is_viewport=is_viewport),
+                    self._read_mesh(placement, reports, poll, is_viewport=is_viewport),
                     placement.depends_on,
                 )
             mesh = seen[address][0]
@@ -110,13 +110,15 @@ class SceneReader:
         self._live = seen
         return tuple(groups)
 
-    def _read_mesh(self, placement: Placement, reports: Reports, *, is_viewport: bool) -> Mesh | None:
+    def _read_mesh(
+        self, placement: Placement, reports: Reports, poll: Callable[[], None], *, is_viewport: bool
+    ) -> Mesh | None:
         source = placement.source
         if not (is_viewport and source.modifiers and source.modifiers[-1].type == "SUBSURF"):
-            return read_mesh(placement.data, reports, self._meshes)
+            return read_mesh(placement.data, reports, self._meshes, poll)
         # A window may leave the last subdivision to its graphics card: `data` is the coarse mesh, `to_mesh` is not.
         try:
-            return read_mesh(source.to_mesh(), reports, self._meshes)
+            return read_mesh(source.to_mesh(), reports, self._meshes, poll)
         finally:
             source.to_mesh_clear()
 
