@@ -6,20 +6,24 @@ already resolved. Curves, texts and metaballs come twice, as themselves and as t
 whose data is a Mesh count, as in Cycles.
 Reading ``instance.object`` makes a new Python object each time (1.4 us), ``instance.instance_object`` does not: it
 alone names the mesh of an instance, unless that object has geometry nodes, whose instances may be of any mesh.
+``object_instances.foreach_get`` would read the matrices three times as fast, but leaks the instances of the last object
+(219 bytes each, in 3.4 to 5.0).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from bpy.types import Depsgraph, DepsgraphObjectInstance, Material, Mesh, Object
+    from mathutils import Matrix
     from numpy.typing import NDArray
 
     from .reports import Reports
@@ -30,7 +34,7 @@ _UNDRAWN = {"CURVES": "hair curves", "POINTCLOUD": "point clouds", "VOLUME": "vo
 
 @dataclass(kw_only=True, eq=False)
 class Placement:
-    """Instances that share mesh, materials and visibility; ``indices`` count the depsgraph's instances."""
+    """Instances that share mesh, materials and visibility."""
 
     object_name: str
     data: Mesh | None  #: None for a light.
@@ -38,28 +42,28 @@ class Placement:
     source: Object  #: Evaluated object whose light or mesh it is; valid while the depsgraph is.
     is_camera_visible: bool
     casts_shadow: bool
-    indices: list[int] = field(default_factory=list)
+    matrices: list[Matrix] = field(default_factory=list)  #: World from object, one per instance.
     #: Identities of original datablocks whose geometry updates make this mesh stale.
     depends_on: set[int] = field(default_factory=set)
 
+    def world_from_object(self) -> NDArray[np.float64]:
+        """All instances, (count, 4, 4), [row, column]."""
+        numbers: Iterator[float] = chain.from_iterable(
+            chain.from_iterable(self.matrices)
+        )  # twice as fast as numpy.array
+        return np.fromiter(numbers, np.float64, 16 * len(self.matrices)).reshape(-1, 4, 4)
 
-@dataclass(kw_only=True, eq=False)
-class Placements:
-    meshes: list[Placement]
-    lights: list[Placement]
-    world_from_object: NDArray[np.float32]  #: (all instances, 4, 4), [row, column].
 
-
-def read_placements(depsgraph: Depsgraph, reports: Reports, poll: Callable[[], None]) -> Placements:
-    """``poll`` is called every few milliseconds and raises to stop."""
+def read_placements(depsgraph: Depsgraph, reports: Reports, poll: Callable[[], None]) -> list[Placement]:
+    """Of meshes and lights. ``poll`` is called every few milliseconds and raises to stop."""
     grouping = _Grouping(depsgraph, reports)
     for index, instance in enumerate(depsgraph.object_instances):
         if index % _POLL_EVERY == 0:
             poll()
         placement = grouping.placement_of(instance)
         if placement is not None:
-            placement.indices.append(index)
-    return grouping.finish()
+            placement.matrices.append(instance.matrix_world.copy())
+    return grouping.placements()
 
 
 class _Grouping:
@@ -123,16 +127,8 @@ class _Grouping:
         if thing.is_shadow_catcher:
             self._reports.add(f'Object "{thing.name}"', "drawn as it is: shadow catchers are not supported")
 
-    def finish(self) -> Placements:
-        placements = [placement for placement in self._placements.values() if placement is not None]
-        instances = self._depsgraph.object_instances
-        matrices = np.empty((len(instances), 4, 4), np.float32)
-        instances.foreach_get("matrix_world", matrices.reshape(-1))
-        return Placements(
-            meshes=[placement for placement in placements if placement.data is not None],
-            lights=[placement for placement in placements if placement.data is None],
-            world_from_object=matrices.transpose(0, 2, 1),  # Blender stores columns
-        )
+    def placements(self) -> list[Placement]:
+        return [placement for placement in self._placements.values() if placement is not None]
 
 
 def _may_hold_other_meshes(source: Object) -> bool:

@@ -26,8 +26,8 @@ _IS_BLENDER_4 = bpy.app.version >= (4, 0, 0)
 _INTENSITY_PER_WATT = 1.0 / (4.0 * math.pi)
 
 
-def read_lights(placement: Placement, world_from_light: NDArray[np.float32], reports: Reports) -> Iterator[Light]:
-    """One light per matrix of ``world_from_light`` (count, 4, 4)."""
+def read_lights(placement: Placement, reports: Reports) -> Iterator[Light]:
+    """One light per instance."""
     thing, data = placement.source, placement.source.data
     name = placement.object_name
     if data.type == "AREA":
@@ -39,12 +39,12 @@ def read_lights(placement: Placement, world_from_light: NDArray[np.float32], rep
         reports.add(f'Light "{name}"', "lights everything: light linking is not supported")
     strength = _strength(data, reports, name)
     radius_m = 0.0 if data.type == "SUN" else data.shadow_soft_size
-    for matrix in world_from_light:
+    for matrix in placement.world_from_object():
         yield Light(
             name=name,
             kind=LightKind[data.type],
             strength=tuple(float(channel) for channel in strength),
-            world_from_light=matrix.astype(np.float64, order="C"),
+            world_from_light=matrix,
             half_angle_rad=data.angle / 2 if data.type == "SUN" else 0.0,
             radius_m=radius_m,
             spot_half_angle_rad=data.spot_size / 2 if data.type == "SPOT" else 0.0,

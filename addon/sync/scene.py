@@ -10,12 +10,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from tyndall.scene_description import Instances, Light, Mesh, SceneDescription
 
 from .images import ImageReader
-from .instances import Placement, Placements, read_placements
+from .instances import Placement, read_placements
 from .lights import read_lights
 from .materials import MaterialReader
 from .meshes import read_mesh
@@ -86,7 +84,7 @@ class SceneReader:
 
     def _instances(
         self,
-        placements: Placements,
+        placements: list[Placement],
         materials: MaterialReader,
         reports: Reports,
         poll: Callable[[], None],
@@ -95,8 +93,10 @@ class SceneReader:
     ) -> tuple[Instances, ...]:
         groups = []
         seen: dict[int, tuple[Mesh | None, set[int]]] = {}
-        for placement in placements.meshes:
+        for placement in placements:
             poll()
+            if placement.data is None:
+                continue
             address = placement.data.as_pointer()
             if address not in seen:
                 seen[address] = self._live.get(address) or (
@@ -106,7 +106,7 @@ class SceneReader:
             mesh = seen[address][0]
             seen[address] = mesh, seen[address][1] | placement.depends_on
             if mesh is not None:
-                groups.append(_group(placement, mesh, placements, materials))
+                groups.append(_group(placement, mesh, materials))
         self._live = seen
         return tuple(groups)
 
@@ -123,20 +123,18 @@ class SceneReader:
             source.to_mesh_clear()
 
 
-def _group(placement: Placement, mesh: Mesh, placements: Placements, materials: MaterialReader) -> Instances:
+def _group(placement: Placement, mesh: Mesh, materials: MaterialReader) -> Instances:
     return Instances(
         mesh=mesh,
-        world_from_object=placements.world_from_object[placement.indices].astype(np.float64, order="C"),
-        object_names=(placement.object_name,) * len(placement.indices),
+        world_from_object=placement.world_from_object(),
+        object_names=(placement.object_name,) * len(placement.matrices),
         materials=tuple(materials.index(material) for material in placement.materials),
         is_camera_visible=placement.is_camera_visible,
         casts_shadow=placement.casts_shadow,
     )
 
 
-def _lights(placements: Placements, reports: Reports) -> tuple[Light, ...]:
+def _lights(placements: list[Placement], reports: Reports) -> tuple[Light, ...]:
     return tuple(
-        light
-        for placement in placements.lights
-        for light in read_lights(placement, placements.world_from_object[placement.indices], reports)
+        light for placement in placements if placement.data is None for light in read_lights(placement, reports)
     )
