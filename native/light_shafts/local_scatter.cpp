@@ -2,7 +2,8 @@
 #include "light_shafts/local_scatter.hpp"
 #include "scene/medium_cuts.hpp"
 #include <algorithm>
-#include <array>
+#include <cmath>
+#include <numbers>
 
 namespace tyndall::light_shafts {
 LocalScatter::LocalScatter(const Media& media, const LightSample& light, bool attenuates_light)
@@ -145,75 +146,74 @@ void LocalScatter::prepare(const ViewRay& ray, std::span<const MediumSegment> se
     }
 }
 
-Rgb LocalScatter::source(const Prepared& prepared, const Stretch& stretch, double angle_rad) const {
-    const double x = prepared.softened_y * std::tan(angle_rad); // along the ray from the foot of the light
-    const double t = std::clamp(prepared.light_x + x, stretch.near_m, stretch.far_m);
-    const double distance_m = std::sqrt(x * x + prepared.light_y * prepared.light_y);
-    dvec3 light_sigma_t = sigma_t_at_light_;
+AngularSource LocalScatter::source(const Prepared& prepared, const Stretch& stretch,
+                                   std::vector<AngularSource::Crossing>& crossings,
+                                   std::vector<AngularSource::Lobe>& lobes) const {
+    crossings.clear(), lobes.clear();
+    bool is_grey = stretch.sigma_t == dvec3(stretch.sigma_t.x) &&
+                   stretch.camera_depth_at_near == dvec3(stretch.camera_depth_at_near.x) &&
+                   sigma_t_at_light_ == dvec3(sigma_t_at_light_.x);
     for (std::uint32_t index = 0; index < stretch.crossing_count; ++index) {
         const Crossing& crossing = prepared.crossings[prepared.crossing_of_stretch[stretch.first_crossing + index]];
-        // Share of the way to the light at which it meets the boundary.
-        const double share =
-            (crossing.c - crossing.a * t) / (crossing.a * (prepared.light_x - t) + crossing.b * prepared.light_y);
-        light_sigma_t += share * crossing.signed_sigma_t;
+        crossings.push_back({crossing.a, crossing.b, crossing.c, crossing.signed_sigma_t});
+        is_grey = is_grey && crossing.signed_sigma_t == dvec3(crossing.signed_sigma_t.x);
     }
-    const dvec3 depth = stretch.camera_depth_at_near + stretch.sigma_t * (t - stretch.near_m) +
-                        glm::max(light_sigma_t, dvec3(0.0)) * distance_m;
-    const vec3 from_light((dvec3(prepared.origin) - dvec3(light_.position) + t * dvec3(prepared.direction)));
-    const float length = glm::length(from_light);
-    Rgb intensity = light_.strength;
-    if (light_.spot != nullptr || light_.emission_normal != vec3(0.0f))
-        intensity = length > 0.0f ? intensity_w_per_sr(light_, from_light / length) : Rgb(0.0f);
-    if (light_.softening_m2 > 0.0f) { // the strata of a facing disc measure the inverse square from its centre
-        const vec3 from_centre = from_light - light_.falloff_offset;
-        const double softened = x * x + prepared.softened_y * prepared.softened_y; // what the angles divide by
-        intensity *= static_cast<float>(softened / (glm::dot(from_centre, from_centre) + light_.softening_m2));
+    for (std::size_t index = 0; index < stretch.set.count; ++index)
+        for (const ScatterLobe& lobe : media_.scene().description().media[stretch.set.media[index]].lobes) {
+            const double g = lobe.asymmetry_g;
+            lobes.push_back(
+                {dvec3(lobe.sigma_s_per_m) * ((1.0 - g * g) * 0.25 * std::numbers::inv_pi), 1.0 + g * g, 2.0 * g});
+        }
+    AngularSource source{.softened_y = prepared.softened_y,
+                         .light_x = prepared.light_x,
+                         .light_y = prepared.light_y,
+                         .near_m = stretch.near_m,
+                         .far_m = stretch.far_m,
+                         .camera_depth_at_near = stretch.camera_depth_at_near,
+                         .sigma_t = stretch.sigma_t,
+                         .sigma_t_at_light = sigma_t_at_light_,
+                         .is_grey = is_grey,
+                         .crossings = crossings,
+                         .lobes = lobes,
+                         .start = dvec3(prepared.origin) - dvec3(light_.position),
+                         .along = dvec3(prepared.direction),
+                         .has_normal = light_.emission_normal != vec3(0.0f),
+                         .is_soft = light_.softening_m2 > 0.0f,
+                         .has_spot = light_.spot != nullptr,
+                         .normal = dvec3(light_.emission_normal),
+                         .falloff_offset = dvec3(light_.falloff_offset),
+                         .softening_m2 = double{light_.softening_m2}};
+    if (light_.spot != nullptr) {
+        const Light& spot = *light_.spot;
+        const double cos_half = std::cos(spot.spot_half_angle_rad), smooth = (1.0 - cos_half) * spot.spot_blend;
+        const bool is_old = spot.spot_falloff == SpotFalloff::Blender3;
+        glm::dmat3 in_cone = glm::dmat3(spot.light_from_world_directions); // shines along -Z
+        if (is_old) {
+            const auto [u, v] = orthonormal_basis(-spot.spot_axis);
+            in_cone = glm::transpose(glm::dmat3(dvec3(u), dvec3(v), -dvec3(spot.spot_axis)));
+        }
+        const glm::dmat3 turned = glm::dmat3(dvec3(1, 0, 0), dvec3(0, 1, 0), dvec3(0, 0, -1)) * in_cone;
+        source.spot = {turned * source.start, turned * source.along, cos_half, smooth > 0.0 ? 1.0 / smooth : 0.0,
+                       is_old};
     }
-    const Rgb transmittance =
-        depth.x == depth.y && depth.y == depth.z ? Rgb(std::exp(static_cast<float>(-depth.x))) : glm::exp(Rgb(-depth));
-    // The light's way makes the angle's complement with the ray; on to the camera it goes against it.
-    const auto cosine = static_cast<float>(std::clamp(-x / distance_m, -1.0, 1.0));
-    return intensity * transmittance * media_.scatter_per_m_sr(stretch.set, cosine);
+    return source;
 }
 
-namespace {
-/// Gauss's 7 points and Kronrod's 15 on [-1, 1] (QUADPACK, qk15), positive half.
-constexpr std::array<double, 8> kronrod_at = {0.991455371120812639206854697526329, 0.949107912342758524526189684047851,
-                                              0.864864423359769072789712788640926, 0.741531185599394439863864773280788,
-                                              0.586087235467691130294144691693384, 0.405845151377397166906606412076961,
-                                              0.207784955007898467600689403773245, 0.0};
-constexpr std::array<double, 8> kronrod_weight = {
-    0.022935322010529224963732008058970, 0.063092092629978553290700663189204, 0.104790010322250183839876322541518,
-    0.140653259715525918745189590510238, 0.169004726639267902826583426598550, 0.190350578064785409913256402421014,
-    0.204432940075298892414161999234649, 0.209482141084727828012999174891714};
-constexpr std::array<double, 4> gauss_weight = {
-    0.129484966168869693270611432679082, 0.279705391489276667901467771423780, 0.381830050505118944950369775488975,
-    0.417959183673469387755102040816327};
-} // namespace
-
-Rgb LocalScatter::over_angles(const Prepared& prepared, const Stretch& stretch, double from_rad, double to_rad,
-                              int halvings_left) const {
-    const double middle = 0.5 * (from_rad + to_rad), half = 0.5 * (to_rad - from_rad);
-    dvec3 kronrod(0.0), gauss(0.0);
-    for (std::size_t point = 0; point < kronrod_at.size(); ++point) {
-        dvec3 value(source(prepared, stretch, middle + half * kronrod_at[point]));
-        if (kronrod_at[point] != 0.0)
-            value += dvec3(source(prepared, stretch, middle - half * kronrod_at[point]));
-        kronrod += kronrod_weight[point] * value;
-        if (point % 2 == 1)
-            gauss += gauss_weight[point / 2] * value;
-    }
-    const dvec3 difference = glm::abs(kronrod - gauss);
+static dvec3 over_angles(const AngularSource& source, double from_rad, double to_rad, int halvings_left) {
+    const auto [kronrod, gauss] = integrate_angles(source, from_rad, to_rad);
     // The difference is Gauss's error; Kronrod's is about its 1.5th power.
     constexpr double tolerance = 3e-4;
-    if (halvings_left == 0 || glm::all(glm::lessThanEqual(difference, tolerance * kronrod)))
-        return Rgb(half * kronrod);
-    return over_angles(prepared, stretch, from_rad, middle, halvings_left - 1) +
-           over_angles(prepared, stretch, middle, to_rad, halvings_left - 1);
+    if (halvings_left == 0 || glm::all(glm::lessThanEqual(glm::abs(kronrod - gauss), tolerance * kronrod)))
+        return kronrod;
+    const double middle = 0.5 * (from_rad + to_rad);
+    return over_angles(source, from_rad, middle, halvings_left - 1) +
+           over_angles(source, middle, to_rad, halvings_left - 1);
 }
 
 Rgb LocalScatter::scattered(const Prepared& prepared, float near_m, float far_m) const {
-    Rgb radiance(0.0f);
+    thread_local std::vector<AngularSource::Crossing> crossings;
+    thread_local std::vector<AngularSource::Lobe> lobes;
+    dvec3 sum(0.0);
     for (const Stretch& stretch : prepared.stretches) {
         const double near = std::max<double>(near_m, stretch.near_m), far = std::min<double>(far_m, stretch.far_m);
         if (!(near < far))
@@ -227,8 +227,8 @@ Rgb LocalScatter::scattered(const Prepared& prepared, float near_m, float far_m)
         else
             from = to - angle_between;
         constexpr int most_halvings = 10;
-        radiance += over_angles(prepared, stretch, from, to, most_halvings) * static_cast<float>(1.0 / y);
+        sum += over_angles(source(prepared, stretch, crossings, lobes), from, to, most_halvings) / y;
     }
-    return radiance;
+    return light_.strength * Rgb(sum);
 }
 } // namespace tyndall::light_shafts

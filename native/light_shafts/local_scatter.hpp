@@ -9,6 +9,7 @@
 //           error 1e-5 of the result (tests), apart from a light that is moved off the ray by 1e-6 of its distance.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
+#include "light_shafts/local_scatter_kernel.hpp"
 #include "scene/media.hpp"
 #include "scene/plane_cut.hpp"
 #include <span>
@@ -52,9 +53,10 @@ public:
     [[nodiscard]] Rgb scattered(const Prepared& prepared, float near_m, float far_m) const;
 
 private:
-    [[nodiscard]] Rgb over_angles(const Prepared& prepared, const Stretch& stretch, double from_rad, double to_rad,
-                                  int halvings_left) const;
-    [[nodiscard]] Rgb source(const Prepared& prepared, const Stretch& stretch, double angle_rad) const;
+    /// The integrand on a stretch; it refers to `crossings` and `lobes`, which it fills.
+    [[nodiscard]] AngularSource source(const Prepared& prepared, const Stretch& stretch,
+                                       std::vector<AngularSource::Crossing>& crossings,
+                                       std::vector<AngularSource::Lobe>& lobes) const;
     void append_crossings(const ViewRay& ray, const LocalPlane& plane, Prepared& prepared) const;
     void append_splits_of_shape(const ViewRay& ray, std::vector<double>& splits) const;
 
