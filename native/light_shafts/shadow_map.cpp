@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/shadow_map.hpp"
-#include "core/parallel.hpp"
 #include "light_shafts/slope_rows_visibility.hpp"
 #include <algorithm>
 #include <numbers>
@@ -84,46 +83,6 @@ ShadowMap raster_shadow_map(const Layout& layout, const LightSample& light, std:
         raster_depth(map.faces.emplace_back(make_face(light.position, axis)), {vec2(-1.0f), vec2(1.0f)}, resolution,
                      occluders, progress);
     return map;
-}
-
-static float local_slope(const ShadowMap& map, const Frame& frame, const vec2& slice_direction, float angle_rad) {
-    const vec2 line = frame.line_direction(angle_rad);
-    const vec3 from_light = line.x * frame.axis + line.y * (slice_direction.x * frame.u + slice_direction.y * frame.v);
-    const FacePoint point = face_point(map, from_light);
-    const float inverse_z = point.face == nullptr ? no_occluder : point.face->depth_at(point.x, point.y);
-    if (!(inverse_z > 0.0f))
-        return no_occluder;
-    const float distance_m = 1.0f / (inverse_z * point.z);
-    const float a = frame.light_axial() + distance_m * line.x, r = distance_m * line.y;
-    return frame.y.at(a, r) / frame.w.at(a, r);
-}
-
-static void rectify_row(const ShadowMap& map, Rows& rows, std::size_t slice) {
-    const Layout& layout = rows.layout;
-    const Frame& frame = layout.frame;
-    const RowExtent& extent = layout.rows[slice];
-    const float across = frame.is_parallel ? layout.first_slice + static_cast<float>(slice) * layout.slice_step : 0.0f;
-    const vec2 direction = layout.slice_directions[slice];
-    float* row = rows.slopes.get() + extent.offset;
-    for (std::int32_t i = extent.first; i < extent.end; ++i) {
-        const float line =
-            layout.first_line + (static_cast<float>(std::min(i, layout.line_count - 1)) + 0.5f) * layout.line_step;
-        if (frame.is_angular) {
-            row[i - extent.first] = local_slope(map, frame, direction, line);
-            continue;
-        }
-        const float a = map.faces[0].depth_at(line * direction.x, line * direction.y + across);
-        row[i - extent.first] = a == no_occluder ? no_occluder : frame.y.at(a, line) / frame.w.at(a, line);
-    }
-}
-
-void rectify(const ShadowMap& map, Rows& rows, const Progress& progress) {
-    const auto slice_count = static_cast<std::size_t>(rows.layout.slice_count());
-    parallel_blocks(slice_count, band_slices, progress, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t s = begin; s < end; ++s)
-            rectify_row(map, rows, s);
-        summarise_band(rows, static_cast<std::int32_t>(begin));
-    });
 }
 
 /// As many lines as texels, and a slice per line: the rows then add little to the error of the map.
