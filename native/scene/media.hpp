@@ -33,6 +33,7 @@ struct MediumBoundary {
     bool is_inside_out = false; ///< Its triangles are wound inwards (negative volume); undone in all answers.
     mat4 object_from_world{1.0f};
     Bounds3 object_bounds;
+    const TriangleBvh* cut_bvh = nullptr; ///< Of a mesh with more than a handful of triangles, for cuts with planes.
 };
 
 /// Medium of a mesh's material slot in one of its instances; -1: none.

@@ -120,6 +120,8 @@ std::vector<MediumBoundary> find_medium_boundaries(const SceneDescription& descr
             facts.is_inside_out = signed_volume6(mesh.arrays(), mesh.bounds().centre()) <
                                   -1e-6 * diagonal_m * diagonal_m * diagonal_m; // an open sheet has about none
         }
+        constexpr std::size_t handful = 64; // all of them cost less than a walk through a hierarchy
+        const TriangleBvh* cut_bvh = mesh.triangle_count() > handful ? &mesh.cut_bvh(progress) : nullptr;
         std::vector<std::int32_t> media;
         for (const std::uint16_t slot : facts.slots)
             media.push_back(medium_of_slot(description, instance, slot));
@@ -134,7 +136,8 @@ std::vector<MediumBoundary> find_medium_boundaries(const SceneDescription& descr
                                       .is_closed = facts.is_closed && has_one_medium,
                                       .is_inside_out = facts.is_inside_out,
                                       .object_from_world = glm::inverse(instance.world_from_object),
-                                      .object_bounds = mesh.bounds()});
+                                      .object_bounds = mesh.bounds(),
+                                      .cut_bvh = cut_bvh});
     }
     return boundaries;
 }

@@ -16,6 +16,7 @@ TriangleBvh::TriangleBvh(RTCDevice device, const MeshArrays& arrays, const Progr
     parallel_for(blocks_.size(), progress, [&](std::size_t index) {
         const WideBvh::Leaf& leaf = tree_.leaves()[index];
         Block& block = blocks_[index];
+        block.count = leaf.count;
         for (std::size_t lane = 0; lane < WideBvh::width; ++lane) {
             const bool is_used = lane < leaf.count;
             const std::uint32_t triangle = leaf.primitives[is_used ? lane : 0];

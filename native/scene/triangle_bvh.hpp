@@ -12,6 +12,7 @@ public:
     struct alignas(64) Block {
         float corner[3][3][WideBvh::width]; ///< [corner][axis][lane]
         std::uint32_t triangle[WideBvh::width];
+        std::uint32_t count; ///< Used lanes, the first.
     };
     /// Throws Cancelled.
     TriangleBvh(RTCDevice device, const MeshArrays& arrays, const Progress& progress);

@@ -2,7 +2,7 @@
 // Henyey-Greenstein phase function: how a medium spreads the light that it scatters once.
 // Based on: Henyey and Greenstein, Diffuse Radiation in the Galaxy, Astrophysical Journal 93, 1941.
 // Differs:  the denominator 1 + g^2 - 2 g cos is written as (1 - |g|)^2 + 2 |g| (1 - sign(g) cos): near the peak of a
-//           narrow lobe the printed form cancels, and at g = 0.999 it is 6 % off in float32.
+//           narrow lobe the printed form cancels, and at g = 0.999 it is 10 % off in float32.
 // Bound:    one square root and one division.
 #pragma once
 #include "core/math.hpp"

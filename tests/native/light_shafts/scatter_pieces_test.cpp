@@ -48,6 +48,23 @@ std::shared_ptr<const TriangleMesh> dented() {
          .positions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, -0.3f}, {0, 0, -1}},
          .triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}}});
 }
+/// A torus of 1,152 triangles: neither convex nor small, so that its cuts come from a hierarchy.
+std::shared_ptr<const TriangleMesh> torus() {
+    constexpr std::uint32_t around = 36, across = 16;
+    MeshArrays arrays;
+    arrays.name = "torus";
+    for (std::uint32_t u = 0; u < around; ++u)
+        for (std::uint32_t v = 0; v < across; ++v) {
+            const float a = 6.2831853f * static_cast<float>(u) / around,
+                        b = 6.2831853f * static_cast<float>(v) / across;
+            const float radius = 0.7f + 0.3f * std::cos(b);
+            arrays.positions.emplace_back(radius * std::cos(a), radius * std::sin(a), 0.3f * std::sin(b));
+            const std::uint32_t next_u = (u + 1) % around, next_v = (v + 1) % across;
+            arrays.triangles.emplace_back(u * across + v, next_u * across + v, next_u * across + next_v);
+            arrays.triangles.emplace_back(u * across + v, next_u * across + next_v, u * across + next_v);
+        }
+    return support::mesh_of(std::move(arrays));
+}
 } // namespace
 TEST_CASE("pieces know the way to the light through boxes, meshes, nests and overlaps, along and against the ray") {
     const auto part = [](std::shared_ptr<const TriangleMesh> mesh, const mat4& place, int medium) {
@@ -57,7 +74,8 @@ TEST_CASE("pieces know the way to the light through boxes, meshes, nests and ove
     const auto scene = support::make_scene(
         {part(support::cube(), scaled(6, 5, 4), 0),
          part(support::cube(), support::translation({4, 0, 1}) * scaled(3, 2, 3), 1),
-         part(dented(), scaled(3, -3, 3), 1), part(dented(), support::translation({-4, 1, 2}) * scaled(3, 3, 4), 2)},
+         part(dented(), scaled(3, -3, 3), 1), part(dented(), support::translation({-4, 1, 2}) * scaled(3, 3, 4), 2),
+         part(torus(), support::translation({1, -1, -2}) * scaled(5, 4, -4), 2)},
         {{.name = "a", .lobes = {{{0.1f, 0.05f, 0.02f}, 0.3f}}},
          {.name = "b", .lobes = {{Rgb(0.05f), 0.0f}}, .sigma_a_per_m = {0.1f, 0.0f, 0.2f}},
          {.name = "c", .lobes = {{Rgb(0.2f), -0.5f}}}});
