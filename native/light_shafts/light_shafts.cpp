@@ -8,6 +8,7 @@
 #include "light_shafts/scattering_lights.hpp"
 #include "light_shafts/visibility.hpp"
 #include <algorithm>
+#include <numeric>
 #include <optional>
 
 namespace tyndall::light_shafts {
@@ -74,6 +75,28 @@ struct LightBeams {
     std::vector<Beam> beams;
 };
 
+/// The beams of a light that are this turn's: beams[permuted(i)] for i in [first, last), each `weight` times.
+struct Deal {
+    std::size_t first, last;
+    float weight;
+};
+Deal deal(std::size_t beam_count, const Turn& turn) {
+    if (beam_count >= turn.count)
+        return {.first = turn.index * beam_count / turn.count,
+                .last = (turn.index + 1) * beam_count / turn.count,
+                .weight = static_cast<float>(turn.count)};
+    const std::size_t beam = turn.index % beam_count;
+    const std::size_t use_count = turn.count / beam_count + (beam < turn.count % beam_count ? 1 : 0);
+    return {.first = beam, .last = beam + 1, .weight = static_cast<float>(turn.count) / static_cast<float>(use_count)};
+}
+/// A permutation that spreads consecutive indices over all beams, by steps near the golden section.
+std::size_t spread(std::size_t index, std::size_t count) {
+    std::size_t step = std::max<std::size_t>(1, count * 618 / 1000);
+    while (std::gcd(step, count) != 1)
+        ++step;
+    return index * step % count;
+}
+
 /// The rays of a block with their media: found once, used by every light.
 struct Block {
     std::vector<ViewRay> rays;         ///< Those that meet a medium, clipped to it.
@@ -81,7 +104,8 @@ struct Block {
     std::vector<float> length_m;
     std::vector<std::uint32_t> first_segment;
     std::vector<MediumSegment> segments;
-    std::vector<Rgb> radiance;
+    std::vector<Rgb> radiance;     ///< Of one light.
+    std::vector<Rgb> all_radiance; ///< Of all so far.
     std::vector<float> lit_length_m, visibility;
     PieceRows pieces;
     LitRows lit;
@@ -201,7 +225,7 @@ void Shafts::Prepared::gather(std::span<const ViewRay> rays, std::size_t offset,
         block.length_m.push_back(clipped.length_in_media_m);
         block.first_segment.push_back(static_cast<std::uint32_t>(block.segments.size()));
     }
-    block.radiance.assign(block.rays.size(), Rgb(0.0f));
+    block.all_radiance.assign(block.rays.size(), Rgb(0.0f));
     block.visibility.assign(block.rays.size(), 0.0f);
 }
 
@@ -234,7 +258,8 @@ void Shafts::Prepared::add(const Beam& beam, Block& block) const {
 }
 
 void Shafts::scatter(std::span<const ViewRay> rays, std::span<Rgb> radiance, std::span<float> average_visibility,
-                     const Progress& progress) const {
+                     const Progress& progress, Turn turn) const {
+    require(turn.index < turn.count, "scatter: turn ", turn.index, " of ", turn.count);
     require(radiance.size() == rays.size() && (average_visibility.empty() || average_visibility.size() == rays.size()),
             "scatter: ", rays.size(), " rays, but room for ", radiance.size(), " results");
     std::ranges::fill(radiance, Rgb(0.0f));
@@ -249,15 +274,20 @@ void Shafts::scatter(std::span<const ViewRay> rays, std::span<Rgb> radiance, std
             return;
         for (const LightBeams& light : prepared_->lights) {
             block.lit_length_m.assign(block.rays.size(), 0.0f);
-            for (const Beam& beam : light.beams)
-                prepared_->add(beam, block);
-            const float share = 1.0f / static_cast<float>(light.beams.size() * prepared_->lights.size());
-            for (std::size_t ray = 0; ray < block.rays.size(); ++ray)
+            block.radiance.assign(block.rays.size(), Rgb(0.0f));
+            const Deal mine = deal(light.beams.size(), turn);
+            for (std::size_t index = mine.first; index < mine.last; ++index)
+                prepared_->add(light.beams[spread(index, light.beams.size())], block);
+            const float share = mine.weight / static_cast<float>(light.beams.size() * prepared_->lights.size());
+            const auto most = static_cast<float>(mine.last - mine.first);
+            for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
+                block.all_radiance[ray] += mine.weight * block.radiance[ray];
                 if (block.length_m[ray] > 0.0f)
-                    block.visibility[ray] += share * std::min(1.0f, block.lit_length_m[ray] / block.length_m[ray]);
+                    block.visibility[ray] += share * std::min(most, block.lit_length_m[ray] / block.length_m[ray]);
+            }
         }
         for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
-            radiance[block.target[ray]] = block.radiance[ray];
+            radiance[block.target[ray]] = block.all_radiance[ray];
             if (!average_visibility.empty())
                 average_visibility[block.target[ray]] = block.visibility[ray];
         }

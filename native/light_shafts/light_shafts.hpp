@@ -49,6 +49,12 @@ struct Result {
     Statistics statistics;
 };
 
+/// Which of several passes over the same pixels this is. The strata of a light with a size are dealt out to the passes,
+/// so that the mean over all of them has every stratum, at the price of one pass: rays of a pixel differ little.
+struct Turn {
+    std::uint32_t index = 0, count = 1;
+};
+
 /// One frame's light shafts, prepared once and asked band by band, pass by pass: what a light needs (its hierarchy or
 /// its slope rows) is built by the constructor. Immutable after that; safe from any thread.
 class Shafts {
@@ -66,7 +72,7 @@ public:
     [[nodiscard]] bool is_empty() const;
     /// Overwrites, per ray, the radiance (as in Result) and the average visibility, unless its span is empty.
     void scatter(std::span<const ViewRay> rays, std::span<Rgb> radiance, std::span<float> average_visibility,
-                 const Progress& progress) const;
+                 const Progress& progress, Turn turn = {}) const;
     /// Of the preparation: what was built, which lights were skipped and why.
     [[nodiscard]] const Statistics& statistics() const;
 

@@ -181,7 +181,7 @@ private:
         const auto start = Clock::now();
         std::vector<Rgb> radiance(parts.rays.size());
         std::vector<float> visibility(sums_.wants(Pass::ShaftsVisibility) ? parts.rays.size() : 0);
-        shafts_->scatter(parts.rays, radiance, visibility, progress_);
+        shafts_->scatter(parts.rays, radiance, visibility, progress_, {sample, config_.pixel_samples});
         for (std::size_t first = 0; first < parts.rays.size();) {
             Rgb sum(0.0f);
             float visible = 0.0f, weight_sum = 0.0f;
