@@ -2,6 +2,7 @@
 #include "render/direct_light.hpp"
 #include "core/sampling.hpp"
 #include "render/shadow_terminator.hpp"
+#include "shading/surface_program.hpp"
 #include <cmath>
 #include <numbers>
 
@@ -20,6 +21,14 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
                               "\" is infinitely far away in the world's endless medium, which lets nothing of it "
                               "through: bound the fog with a fog box");
     }
+    // Seen by the camera, as it should be; what it would send to other surfaces is left out, and said.
+    std::vector<bool> is_used(scene.description().materials.size());
+    for (const Instance& instance : scene.description().instances)
+        for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot)
+            is_used[scene.description().slot_materials[instance.first_slot_material + slot]] = true;
+    for (std::size_t index = 0; index < is_used.size(); ++index)
+        if (const Material& material = scene.description().materials[index]; is_used[index] && !glows_nowhere(material))
+            statistics.report("Material \"" + material.name + "\" glows, but lights no other surface and no fog");
     if (has_world_light_ && media.fills_world())
         statistics.report("World \"" + scene.world().name() +
                           "\" shines through its own endless medium, which lets nothing through: bound the fog with a "

@@ -142,19 +142,26 @@ Rgb evaluate_transparent(const Material& material, const ShadingPoint& point, st
     return share(registers[material.transparent_register]);
 }
 
+/// Only a register that ends as a constant is known without a point; 0 is also what an unwritten one holds.
+static bool ends_as_zero(const Material& material, std::uint16_t index) {
+    bool is_zero = true;
+    for (const SurfaceOp& op : material.program)
+        if (op.out == index)
+            is_zero = op.code == Code::Constant && op.value == Rgb(0.0f);
+    return is_zero;
+}
+
 bool is_opaque_everywhere(const Material& material) {
     if (!material.has_surface)
         return false;
-    if (material.is_constant())
-        return material.constant.transparent == Rgb(0.0f);
-    // Only a register that ends as a constant is known without a point; 0 is also what an unwritten one holds.
-    Rgb last{0.0f};
-    bool is_known = true;
-    for (const SurfaceOp& op : material.program)
-        if (op.out == material.transparent_register) {
-            is_known = op.code == Code::Constant;
-            last = op.value;
-        }
-    return is_known && last == Rgb(0.0f);
+    return material.is_constant() ? material.constant.transparent == Rgb(0.0f)
+                                  : ends_as_zero(material, material.transparent_register);
+}
+
+bool glows_nowhere(const Material& material) {
+    if (!material.has_surface)
+        return true;
+    return material.is_constant() ? material.constant.emission == Rgb(0.0f)
+                                  : ends_as_zero(material, material.emission_register);
 }
 } // namespace tyndall

@@ -116,6 +116,17 @@ TEST_CASE("a surface is opaque everywhere only if no point can disagree") {
     CHECK_FALSE(is_opaque_everywhere(fog_box));
 }
 
+TEST_CASE("a surface glows nowhere only if no point can disagree") {
+    Material material;
+    CHECK(glows_nowhere(material));
+    material.constant.emission = Rgb(0.0f, 0.1f, 0.0f);
+    CHECK_FALSE(glows_nowhere(material));
+    material.program = {constant(0, Rgb(0.0f))}; // the constants no longer count
+    CHECK(glows_nowhere(material));
+    material.program.push_back({.code = Code::Add, .out = 0});
+    CHECK_FALSE(glows_nowhere(material));
+}
+
 TEST_CASE("a program that reads beyond its tables is refused by the material's name") {
     Material material{.name = "Bark"};
     material.program = {{.code = Code::Texture, .out = 0, .texture = 2}};

@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Directly lit surfaces without a medium equal Cycles' without bounces, to Cycles' own noise.
+
+Cycles renders each scene with two seeds: their difference is its noise, pixel by pixel. Means over blocks of 9 x 9
+pixels must agree within 0.2 % plus 3 sigma.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+SIZE_PX = 36
+BLOCK_PX = 9
+
+
+def render(scene: bpy.types.Scene, folder: Path, engine: str, seed: int = 0) -> NDArray[np.float32]:
+    """Combined, (height, width, 3), rows bottom to top."""
+    scene.render.engine = engine
+    scene.cycles.seed = seed
+    scene.render.filepath = str(folder / f"{engine}{seed}.exr")
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(scene.render.filepath)
+    pixels = np.empty(SIZE_PX * SIZE_PX * 4, dtype=np.float32)
+    image.pixels.foreach_get(pixels)
+    bpy.data.images.remove(image)
+    return pixels.reshape(SIZE_PX, SIZE_PX, 4)[..., :3]
+
+
+def block_means(pixels: NDArray[np.floating]) -> NDArray[np.float64]:
+    count = SIZE_PX // BLOCK_PX
+    return pixels.astype(np.float64).reshape(count, BLOCK_PX, count, BLOCK_PX, 3).mean(axis=(1, 3))
+
+
+@pytest.fixture
+def stage(scene: bpy.types.Scene) -> bpy.types.Scene:
+    """A white floor under a camera, black world, and settings under which both engines compute the same."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    render = scene.render
+    render.resolution_x = render.resolution_y = SIZE_PX
+    render.resolution_percentage = 100
+    render.image_settings.file_format = "OPEN_EXR"
+    render.image_settings.color_depth = "32"
+    cycles = scene.cycles
+    cycles.samples = 256
+    cycles.max_bounces = cycles.volume_bounces = 0
+    cycles.transparent_max_bounces = 128
+    cycles.use_denoising = cycles.use_adaptive_sampling = False
+    cycles.light_sampling_threshold = 0
+    # Pixel centres, nearly: Blender fixes the box filter's width to one pixel, the others obey theirs.
+    cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", 0.01
+    scene.tyndall.pixel_samples = 64
+    scene.tyndall.pixel_filter, scene.tyndall.filter_width_px = "BLACKMAN_HARRIS", 0.01
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location, camera.rotation_euler = (0, -6, 2.5), (1.2, 0, 0)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.use_nodes = True
+    set_world_strength(scene, 0)
+    bpy.ops.mesh.primitive_plane_add(size=12)
+    return scene
+
+
+def set_world_strength(scene: bpy.types.Scene, strength: float) -> None:
+    background = scene.world.node_tree.nodes["Background"]
+    background.inputs["Color"].default_value = (0.5, 0.7, 1, 1)
+    background.inputs["Strength"].default_value = strength
+
+
+def add_light(kind: str, **settings: float) -> bpy.types.Object:
+    data = bpy.data.lights.new("Light", kind)
+    for name, value in settings.items():
+        setattr(data, name, value)
+    thing = bpy.data.objects.new("Light", data)
+    bpy.context.scene.collection.objects.link(thing)
+    return thing
+
+
+def add_ball(segments: int, *, is_smooth: bool = True) -> bpy.types.Object:
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=segments, ring_count=segments // 2, location=(0, 0, 1))
+    ball = bpy.context.object
+    if is_smooth:
+        bpy.ops.object.shade_smooth()
+    material = bpy.data.materials.new("Diffuse")
+    material.use_nodes = True
+    nodes = material.node_tree.nodes
+    nodes.clear()
+    diffuse = nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = (0.8, 0.3, 0.2, 1)
+    output = nodes.new("ShaderNodeOutputMaterial")
+    material.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+    ball.data.materials.append(material)
+    return ball
+
+
+def sun_on_a_coarse_smooth_ball(_scene: bpy.types.Scene) -> None:
+    """Ten segments: the shadow terminator, where shading and geometry disagree most."""
+    add_ball(10)
+    add_light("SUN", energy=3, angle=0).rotation_euler = (1.1, 0.3, 0)
+
+
+def sun_on_a_flat_ball(_scene: bpy.types.Scene) -> None:
+    add_ball(24, is_smooth=False)
+    add_light("SUN", energy=3, angle=0).rotation_euler = (0.8, 0.3, 0)
+
+
+def wide_sun(_scene: bpy.types.Scene) -> None:
+    add_ball(24)
+    add_light("SUN", energy=3, angle=math.radians(15)).rotation_euler = (0.8, 0.3, 0)
+
+
+def point(_scene: bpy.types.Scene) -> None:
+    add_ball(24)
+    add_light("POINT", energy=300, shadow_soft_size=0).location = (1.5, -1, 3)
+
+
+def point_with_a_radius(_scene: bpy.types.Scene) -> None:
+    add_ball(24)
+    add_light("POINT", energy=300, shadow_soft_size=0.4).location = (1.5, -1, 3)
+
+
+def blended_spot_with_a_scale(_scene: bpy.types.Scene) -> None:
+    add_ball(24)
+    spot = add_light("SPOT", energy=300, shadow_soft_size=0, spot_size=0.8, spot_blend=0.3)
+    spot.location, spot.rotation_euler, spot.scale = (1.5, -1, 4), (0.3, 0.3, 0), (1, 1.6, 1)
+
+
+def bright_world(scene: bpy.types.Scene) -> None:
+    add_ball(24)
+    set_world_strength(scene, 1)
+
+
+def alpha_texture(_scene: bpy.types.Scene) -> None:
+    """Holes of an image's alpha are seen through, and light falls through them."""
+    ball = add_ball(24)
+    tree = ball.data.materials[0].node_tree
+    image = bpy.data.images.new("Holes", 16, 16, alpha=True)
+    pixels = np.random.default_rng(1).random((16, 16, 4), dtype=np.float32)
+    pixels[..., 3] = pixels[..., 3] > 0.4
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = image
+    transparent, mix = tree.nodes.new("ShaderNodeBsdfTransparent"), tree.nodes.new("ShaderNodeMixShader")
+    diffuse, output = tree.nodes["Diffuse BSDF"], tree.nodes["Material Output"]
+    tree.links.new(texture.outputs["Color"], diffuse.inputs["Color"])
+    tree.links.new(texture.outputs["Alpha"], mix.inputs["Fac"])
+    tree.links.new(transparent.outputs[0], mix.inputs[1])
+    tree.links.new(diffuse.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+    add_light("SUN", energy=3, angle=0).rotation_euler = (0.8, 0.3, 0)
+
+
+@pytest.mark.parametrize(
+    "build",
+    [
+        sun_on_a_coarse_smooth_ball,
+        sun_on_a_flat_ball,
+        wide_sun,
+        point,
+        point_with_a_radius,
+        blended_spot_with_a_scale,
+        bright_world,
+        alpha_texture,
+    ],
+    ids=lambda build: build.__name__,
+)
+def test_lit_surfaces_equal_cycles(
+    stage: bpy.types.Scene, tmp_path: Path, build: Callable[[bpy.types.Scene], None]
+) -> None:
+    build(stage)
+    is_noisy = build in {wide_sun, point_with_a_radius, bright_world, alpha_texture}
+    stage.tyndall.pixel_samples = 1024 if is_noisy else 64
+    first, second = (render(stage, tmp_path, "CYCLES", seed) for seed in (1, 2))
+    truth = block_means((first + second) / 2)
+    ours = render(stage, tmp_path, "TYNDALL")
+    # Each pixel's difference of two seeds estimates the variance of their mean; a block's mean has 81 of them.
+    sigma = np.sqrt(block_means((first - second) ** 2 / 4)) / BLOCK_PX
+    if is_noisy:
+        sigma *= math.hypot(1.0, math.sqrt(2 * 256 / 1024))  # ours has as many samples, and noise like Cycles'
+    error = np.abs(block_means(ours) - truth)
+    assert (error <= 0.002 * truth + 3 * sigma).mean() >= 1 - 3 * 0.0027, error.max() / truth.mean()
+    assert (error <= 0.002 * truth + 6 * sigma).all(), error.max() / truth.mean()
+    assert truth.mean() > 0.01  # the scene is not dark
