@@ -65,7 +65,7 @@ static py::dict to_planes(render::Film& film) {
     return planes;
 }
 
-static std::pair<py::dict, Statistics> render_film(const Scene& scene, const Camera& camera,
+static std::pair<py::dict, Statistics> render_film(const SceneWithMedia& built, const Camera& camera,
                                                    const render::FrameConfig& config, Progress& progress,
                                                    const std::optional<py::function>& on_update) {
     render::OnUpdate update;
@@ -74,7 +74,8 @@ static std::pair<py::dict, Statistics> render_film(const Scene& scene, const Cam
             const py::gil_scoped_acquire acquired;
             (*on_update)(to_planes(film));
         };
-    render::Film film = without_gil([&] { return render::render(scene, camera, config, progress, update); });
+    render::Film film =
+        without_gil([&] { return render::render(built.scene, built.media, camera, config, progress, update); });
     return {to_planes(film), std::move(film.statistics)};
 }
 

@@ -89,7 +89,7 @@ static std::vector<Instance> make_instances(const InstanceArrays& arrays) {
     return instances;
 }
 
-static std::shared_ptr<Scene>
+static std::unique_ptr<SceneWithMedia>
 make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::shared_ptr<TriangleMesh>>& meshes,
            const py::array& mesh_indices, const py::array& world_from_object, std::vector<std::string> object_names,
            const py::array& first_slot_materials, const py::array& slot_counts, const py::array& is_camera_visible,
@@ -115,7 +115,7 @@ make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::
     description.lights = std::move(lights);
     description.world = std::move(world);
     description.world_medium_index = world_medium;
-    return without_gil([&] { return std::make_shared<Scene>(std::move(description), progress); });
+    return without_gil([&] { return std::make_unique<SceneWithMedia>(std::move(description), progress); });
 }
 
 void bind_scene(py::module_& native) {
@@ -141,12 +141,12 @@ TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
     py::class_<World>(native, "World")
         .def(py::init(&make_world), "name"_a, "radiance"_a, "pixels"_a, "image_from_world"_a,
              "pixels: float32 (height, width, 3), rows bottom to top, or None; image_from_world: float32 (3, 3).");
-    py::class_<Scene, std::shared_ptr<Scene>>(native, "Scene", "Immutable; safe from any thread.")
+    py::class_<SceneWithMedia>(native, "Scene", "With its media. Immutable; safe from any thread.")
         .def(py::init(&make_scene), "origin_in_world"_a, "meshes"_a, "mesh_indices"_a, "world_from_object"_a,
              "object_names"_a, "first_slot_materials"_a, "slot_counts"_a, "is_camera_visible"_a, "casts_shadow"_a,
              "slot_materials"_a, "materials"_a, "media"_a, "lights"_a, "world"_a, "world_medium"_a, "progress"_a,
              R"(Per instance: mesh_indices and first_slot_materials uint32, slot_counts uint16, is_camera_visible and
 casts_shadow uint8, world_from_object float32 (n, 4, 4) relative to origin_in_world. Releases the GIL.)")
-        .def_property_readonly("statistics", &Scene::statistics);
+        .def_property_readonly("statistics", [](const SceneWithMedia& built) { return built.scene.statistics(); });
 }
 } // namespace tyndall::bindings

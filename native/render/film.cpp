@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/film.hpp"
 #include "core/errors.hpp"
+#include "core/parallel.hpp"
 #include <algorithm>
 
 namespace tyndall::render {
@@ -75,7 +76,24 @@ void FilmSums::add_shafts(std::size_t pixel, const Rgb& radiance, float visibili
         *channels(pixel, Pass::ShaftsVisibility) += visibility;
 }
 
-Film FilmSums::resolve() const {
+float FilmSums::resolved(std::size_t pixel, Pass pass, std::uint32_t channel) const {
+    const std::uint32_t count = sample_counts_[pixel];
+    const float sum = sums_[pixel * stride_ + *offsets_[static_cast<std::size_t>(pass)] + channel];
+    switch (pass) {
+    case Pass::Depth:
+        return sum == 0.0f && count > 0 ? background_depth_m : sum;
+    case Pass::Position:
+        return sum;
+    case Pass::Shadow: {
+        const float unshadowed = sums_[pixel * stride_ + shadow_weight_offset_ + channel];
+        return unshadowed > 0.0f ? sum / unshadowed : 0.0f;
+    }
+    default:
+        return count > 0 ? sum / static_cast<float>(count) : 0.0f;
+    }
+}
+
+Film FilmSums::resolve(const Progress& progress) const {
     Film film{.width_px = width_px_, .height_px = height_px_, .planes = {}, .statistics = {}};
     const std::size_t pixel_count = sample_counts_.size();
     for (std::size_t index = 0; index < pass_count; ++index) {
@@ -84,20 +102,14 @@ Film FilmSums::resolve() const {
         const auto pass = static_cast<Pass>(index);
         const std::uint32_t channel_count = layout(pass).channel_count;
         Plane plane{.pass = pass, .values = std::vector<float>(pixel_count * channel_count)};
-        const bool is_of_first_sample = pass == Pass::Depth || pass == Pass::Position;
-        for (std::size_t pixel = 0; pixel < pixel_count; ++pixel) {
-            const std::uint32_t count = sample_counts_[pixel];
-            const float* sum = &sums_[pixel * stride_ + *offsets_[index]];
-            for (std::uint32_t channel = 0; channel < channel_count; ++channel) {
-                float divisor = is_of_first_sample ? 1.0f : static_cast<float>(count);
-                if (pass == Pass::Shadow)
-                    divisor = sums_[pixel * stride_ + shadow_weight_offset_ + channel];
-                float value = divisor > 0.0f ? sum[channel] / divisor : 0.0f;
-                if (pass == Pass::Depth && value == 0.0f && count > 0)
-                    value = background_depth_m;
-                plane.values[pixel * channel_count + channel] = value;
-            }
-        }
+        constexpr std::size_t pixels_per_block = 1 << 14;
+        parallel_for(
+            pixel_count, progress,
+            [&](std::size_t pixel) {
+                for (std::uint32_t channel = 0; channel < channel_count; ++channel)
+                    plane.values[pixel * channel_count + channel] = resolved(pixel, pass, channel);
+            },
+            pixels_per_block);
         film.planes.push_back(std::move(plane));
     }
     return film;

@@ -2,6 +2,7 @@
 // The picture: named float planes, and the sums of samples that they are resolved from.
 #pragma once
 #include "core/math.hpp"
+#include "core/progress.hpp"
 #include "core/statistics.hpp"
 #include <array>
 #include <cstdint>
@@ -87,12 +88,13 @@ public:
     /// The light shafts of the sample that was added last to this pixel.
     void add_shafts(std::size_t pixel, const Rgb& radiance, float visibility);
     /// The film so far; a pixel without a sample is 0.
-    [[nodiscard]] Film resolve() const;
+    [[nodiscard]] Film resolve(const Progress& progress) const;
 
 private:
     [[nodiscard]] float* channels(std::size_t pixel, Pass pass) {
         return &sums_[pixel * stride_ + *offsets_[static_cast<std::size_t>(pass)]];
     }
+    [[nodiscard]] float resolved(std::size_t pixel, Pass pass, std::uint32_t channel) const;
     void add_colour(std::size_t pixel, Pass pass, const Rgb& colour);
 
     std::uint32_t width_px_, height_px_;

@@ -12,7 +12,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t pixels_per_block = 128;
 /// A band of the picture is complete after at most this many pixels: the picture grows while it renders.
 constexpr std::uint32_t pixels_per_band = 1 << 16;
-constexpr std::chrono::milliseconds update_interval{500};
+constexpr std::chrono::milliseconds least_update_interval{500};
 /// What one sample's camera rays and their light shafts take of its time, roughly, for the progress bar.
 constexpr double surface_share = 0.3;
 
@@ -44,11 +44,11 @@ Region checked_region(const Camera& camera, const FrameConfig& config) {
 
 class FrameRenderer {
 public:
-    FrameRenderer(const Scene& scene, const Camera& camera, const FrameConfig& config, Progress& progress,
-                  const OnUpdate& on_update)
+    FrameRenderer(const Scene& scene, const Media& media, const Camera& camera, const FrameConfig& config,
+                  Progress& progress, const OnUpdate& on_update)
         : scene_(scene), camera_(camera), config_(config), progress_(progress), on_update_(on_update),
-          region_(checked_region(camera, config)), filter_(config.pixel_filter, config.filter_width_px),
-          media_(scene, progress), light_(scene, media_, statistics_),
+          region_(checked_region(camera, config)), filter_(config.pixel_filter, config.filter_width_px), media_(media),
+          light_(scene, media_, statistics_),
           sums_(region_.x1 - region_.x0, region_.y1 - region_.y0, config.passes, scene.description().origin_in_world) {
         require(1 <= config.pixel_samples && config.pixel_samples <= 65536, "pixel_samples is ", config.pixel_samples,
                 ", outside [1, 65536]");
@@ -64,7 +64,7 @@ public:
                 scatter(sample, band, trace(sample, band));
                 update_now_and_then();
             }
-        Film film = sums_.resolve();
+        Film film = sums_.resolve(progress_);
         statistics_.stages.push_back({"camera rays and direct light", surface_seconds_});
         if (shafts_) {
             statistics_.stages.push_back({"light shafts: scatter", shaft_seconds_});
@@ -203,10 +203,13 @@ private:
 
     void update_now_and_then() {
         const bool is_complete = progress_.fraction() >= 1.0f; // the caller gets that film anyway
-        if (!on_update_ || is_complete || (last_update_ && Clock::now() - *last_update_ < update_interval))
+        if (!on_update_ || is_complete || (last_update_ && Clock::now() - *last_update_ < update_interval_))
             return;
-        on_update_(sums_.resolve());
+        const auto start = Clock::now();
+        on_update_(sums_.resolve(progress_));
         last_update_ = Clock::now();
+        // A large film takes a while to hand out: never more than a tenth of the time.
+        update_interval_ = std::max<Clock::duration>(least_update_interval, 9 * (*last_update_ - start));
     }
 
     const Scene& scene_;
@@ -217,7 +220,7 @@ private:
     Statistics statistics_; // before light_, which reports into it
     Region region_;
     FilterSampler filter_;
-    Media media_;
+    const Media& media_;
     DirectLight light_;
     FilmSums sums_;
     std::optional<light_shafts::Shafts>
@@ -225,12 +228,19 @@ private:
     std::size_t shaft_ray_count_ = 0;
     double surface_seconds_ = 0.0, shaft_seconds_ = 0.0;
     std::optional<Clock::time_point> last_update_;
+    Clock::duration update_interval_ = least_update_interval;
 };
 } // namespace
 
-Film render(const Scene& scene, const Camera& camera, const FrameConfig& config, Progress& progress,
+Film render(const Scene& scene, const Media& media, const Camera& camera, const FrameConfig& config, Progress& progress,
             const OnUpdate& on_update) {
     return with_threads(config.thread_count,
-                        [&] { return FrameRenderer(scene, camera, config, progress, on_update).render(); });
+                        [&] { return FrameRenderer(scene, media, camera, config, progress, on_update).render(); });
+}
+
+Film render(const Scene& scene, const Camera& camera, const FrameConfig& config, Progress& progress,
+            const OnUpdate& on_update) {
+    const Media media(scene, progress);
+    return render(scene, media, camera, config, progress, on_update);
 }
 } // namespace tyndall::render

@@ -28,10 +28,13 @@ struct FrameConfig {
     int thread_count = 0; ///< 0: all.
 };
 
-/// Called about twice a second, and once when the first sample is complete, with the picture so far.
+/// Called with the picture so far: after its first band, then about twice a second.
 using OnUpdate = std::function<void(Film)>;
 
 /// Throws InvalidInput, which names the culprit, and Cancelled. The film's bits do not depend on the number of threads.
+[[nodiscard]] Film render(const Scene& scene, const Media& media, const Camera& camera, const FrameConfig& config,
+                          Progress& progress, const OnUpdate& on_update = {});
+/// Finds the media first. Callers that render a scene again keep them.
 [[nodiscard]] Film render(const Scene& scene, const Camera& camera, const FrameConfig& config, Progress& progress,
                           const OnUpdate& on_update = {});
 } // namespace tyndall::render
