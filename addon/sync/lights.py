@@ -68,7 +68,7 @@ def _strength(data: bpy.types.Light, reports: Reports, name: str) -> NDArray[np.
             strength *= np.array(data.temperature_color)
         if not data.normalize:
             strength *= _emitting_measure(data)
-    return strength if data.type == "SUN" else np.multiply(strength, _INTENSITY_PER_WATT)
+    return np.multiply(strength, _irradiance_share(data.angle / 2) if data.type == "SUN" else _INTENSITY_PER_WATT)
 
 
 def _emitting_measure(data: bpy.types.Light) -> float:
@@ -76,6 +76,12 @@ def _emitting_measure(data: bpy.types.Light) -> float:
     if data.type == "SUN":
         return math.pi * math.sin(min(data.angle / 2, math.pi / 2)) ** 2 or 1.0
     return 4.0 * (math.pi * data.shadow_soft_size**2 or 1.0)
+
+
+def _irradiance_share(half_angle_rad: float) -> float:
+    """Cycles 3.x spreads a sun evenly over a disc at distance 1: the mean cosine over the disc is left."""
+    cosine = math.cos(min(half_angle_rad, 1.57))
+    return 1.0 if _IS_BLENDER_4 else 2.0 * cosine / (1.0 + cosine)
 
 
 def _body(data: bpy.types.Light) -> LightBody:
