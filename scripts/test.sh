@@ -100,7 +100,7 @@ stage ruff-check $tools/ruff check
 stage ruff-format $tools/ruff format --check
 stage mypy $tools/mypy
 
-export TYNDALL_REPOSITORY=$PWD BLENDER_USER_RESOURCES=$PWD/build/test-user
+export BLENDER_USER_RESOURCES=$PWD/build/test-user
 python_tests python $tools/python -m pytest tests/python
 python_tests bpy-4.5 .deps/bpy45/bin/python -m pytest tests/blender
 python_tests bpy-5.0 .deps/bpy50/bin/python -m pytest tests/blender
