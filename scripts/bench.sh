@@ -4,6 +4,7 @@
 # with medians, and draws error against time. Leave the machine alone meanwhile: it times itself before each.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+shopt -s nullglob
 results=benchmarks/results
 mkdir -p "$results" build/logs
 
