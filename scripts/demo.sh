@@ -16,6 +16,9 @@ stage() { # NAME COMMAND...
     "${@:2}"
     printf '%-24s %6.1f s\n' "$1" "$(awk "BEGIN { print $EPOCHREALTIME - $begin }")"
 }
+install() {
+    scripts/blender -b --version >/dev/null
+}
 render() {
     mkdir -p out build/logs
     local picture log=build/logs/demo.log
@@ -35,7 +38,7 @@ bpy.data.images["Render Result"].save_render(picture + ".png")
 
 stage "set-up" scripts/setup.sh
 stage "build and package" scripts/package.sh
-stage "install into Blender" scripts/blender -b --version >/dev/null
+stage "install into Blender" install
 if ((window)); then
     exec scripts/blender "$scene" -E TYNDALL
 fi
