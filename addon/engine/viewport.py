@@ -30,10 +30,12 @@ from .viewport_worker import Picture, View, ViewportWorker
 if TYPE_CHECKING:
     from gpu.types import GPUTexture
 
-#: Longest time that reading the scene holds up the window at once; a quarter of a second is what artists bear.
+#: Time for which reading the scene holds up the window at once; a quarter of a second is what artists bear.
 SLICE_S = 0.15
 #: Between two looks for a new picture.
 POLL_S = 0.02
+#: A viewport takes no more of them: its first task is to follow.
+LIGHT_SAMPLES, WORLD_SAMPLES = 8, 16
 
 
 class _SliceOver(Exception):  # noqa: N818  not an error: the rest is read in the next slice
@@ -48,6 +50,7 @@ class Viewport:
         self.worker = ViewportWorker(Session())
         self._reader = SceneReader()
         self._is_scene_outdated = True
+        self._slice_s = SLICE_S
         self._view: View | None = None
         self._drawn: Picture | None = None
         self._texture: GPUTexture | None = None
@@ -73,7 +76,7 @@ class Viewport:
         self._texture = None
 
     def _read_scene(self, engine: RenderEngine, view: View, depsgraph: Depsgraph) -> None:
-        slice_ends = time.monotonic() + SLICE_S
+        slice_ends = time.monotonic() + self._slice_s
 
         def poll() -> None:
             if time.monotonic() > slice_ends:
@@ -82,8 +85,11 @@ class Viewport:
         try:
             description = self._reader.read(depsgraph, Reports(), poll, is_live=True)
         except _SliceOver:
+            # What was read stays; but a part that is longer than a slice would never be.
+            self._slice_s *= 2.0
             engine.tag_redraw()
         else:
+            self._slice_s = SLICE_S
             self._is_scene_outdated = False
             self.worker.show(view, description)
 
@@ -113,7 +119,7 @@ class Viewport:
         gpu.state.blend_set("NONE")
 
 
-_open: dict[int, Viewport] = {}  # by identity of the engine object
+open_viewports: dict[int, Viewport] = {}  # by identity of the engine object
 
 
 def view_update(engine: RenderEngine, _context: Context, depsgraph: Depsgraph) -> None:
@@ -137,29 +143,33 @@ def unregister() -> None:
 
 
 def _close_all() -> None:
-    while _open:
-        _open.popitem()[1].close()
+    while open_viewports:
+        open_viewports.popitem()[1].close()
 
 
 def _viewport_of(engine: RenderEngine) -> Viewport:
-    viewport = _open.get(id(engine))
-    if viewport is None or viewport.engine() is not engine:
-        viewport = _open[id(engine)] = Viewport(engine)
+    viewport = open_viewports.get(id(engine))
+    if viewport is not None and viewport.engine() is not engine:  # a dead engine's identity, used again
+        open_viewports.pop(id(engine)).close()
+        viewport = None
+    if viewport is None:
+        viewport = open_viewports[id(engine)] = Viewport(engine)
         if not bpy.app.timers.is_registered(_tend):
-            bpy.app.timers.register(_tend, first_interval=POLL_S)
+            # Persistent: when another file is opened, this is what closes the viewports of the old one.
+            bpy.app.timers.register(_tend, first_interval=POLL_S, persistent=True)
     return viewport
 
 
 def _tend() -> float | None:
     """Redraw where there is something new, and close what lost its engine; ends itself with the last viewport."""
-    for identity, viewport in list(_open.items()):
+    for identity, viewport in list(open_viewports.items()):
         engine = viewport.engine()
         if engine is None:
-            del _open[identity]
+            del open_viewports[identity]
             viewport.close()
         elif viewport.worker.poll():
             engine.tag_redraw()
-    return POLL_S if _open else None
+    return POLL_S if open_viewports else None
 
 
 def _view_of(context: Context, depsgraph: Depsgraph) -> View:
@@ -173,7 +183,12 @@ def _view_of(context: Context, depsgraph: Depsgraph) -> View:
             config,
             pixel_samples=tyndall.viewport_samples,
             passes=frozenset(),
-            shafts=replace(config.shafts, method=tyndall.shafts.viewport_method),
+            shafts=replace(
+                config.shafts,
+                method=tyndall.shafts.viewport_method,
+                light_samples=min(config.shafts.light_samples, LIGHT_SAMPLES),
+                world_samples=min(config.shafts.world_samples, WORLD_SAMPLES),
+            ),
             # One thread is left to the window.
             thread_count=tyndall.thread_count or max(1, (os.cpu_count() or 1) - 1),
         ),

@@ -93,20 +93,24 @@ class SceneReader:
     ) -> tuple[Instances, ...]:
         groups = []
         seen: dict[int, tuple[Mesh | None, set[int]]] = {}
-        for placement in placements:
-            poll()
-            if placement.data is None:
-                continue
-            address = placement.data.as_pointer()
-            if address not in seen:
-                seen[address] = self._live.get(address) or (
-                    self._read_mesh(placement, reports, poll, is_viewport=is_viewport),
-                    placement.depends_on,
-                )
-            mesh = seen[address][0]
-            seen[address] = mesh, seen[address][1] | placement.depends_on
-            if mesh is not None:
-                groups.append(_group(placement, mesh, materials))
+        try:
+            for placement in placements:
+                poll()
+                if placement.data is None:
+                    continue
+                address = placement.data.as_pointer()
+                if address not in seen:
+                    seen[address] = self._live.get(address) or (
+                        self._read_mesh(placement, reports, poll, is_viewport=is_viewport),
+                        placement.depends_on,
+                    )
+                mesh = seen[address][0]
+                seen[address] = mesh, seen[address][1] | placement.depends_on
+                if mesh is not None:
+                    groups.append(_group(placement, mesh, materials))
+        except BaseException:
+            self._live |= seen  # a viewport reads in slices: the next one goes on from here
+            raise
         self._live = seen
         return tuple(groups)
 

@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import bpy
 import numpy as np
@@ -16,6 +17,7 @@ import pytest
 from addon.engine.settings import frame_window, render_config
 from addon.engine.viewport_camera import camera_of_view
 from addon.engine.viewport_worker import SCALES, View, ViewportWorker, coarser
+from addon.sync import scene as sync_scene
 from addon.sync.cameras import read_camera
 from addon.sync.reports import Reports
 from addon.sync.scene import SceneReader
@@ -61,6 +63,46 @@ def test_a_free_orthographic_view_sees_behind_its_centre() -> None:
     assert camera.window == pytest.approx((-4, 4, -4, 4))
     assert camera.clip_m == pytest.approx((0, 2000))
     assert camera.world_from_camera[:3, 3] == pytest.approx((0, 0, 1000))
+
+
+class OutOfTimeError(Exception):
+    pass
+
+
+def test_a_scene_read_in_slices_goes_on_where_it_was(scene: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A large scene must not hold up the window: reading stops, and lets the window draw."""
+    for index in range(40):
+        mesh = bpy.data.meshes.new("mesh")
+        mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, index)], [], [(0, 1, 2)])
+        scene.collection.objects.link(bpy.data.objects.new("object", mesh))
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    read: list[str] = []
+    monkeypatch.setattr(sync_scene, "read_mesh", counting(sync_scene.read_mesh, read))
+    reader = SceneReader()
+    slices, reads_left = 0, 0
+
+    def poll() -> None:
+        if len(read) >= reads_left:
+            raise OutOfTimeError
+
+    description = None
+    while description is None:
+        slices, reads_left = slices + 1, len(read) + 8
+        try:
+            description = reader.read(depsgraph, Reports(), poll, is_live=True)
+        except OutOfTimeError:
+            continue
+    assert slices > 4
+    assert len(read) == 41 + slices - 1  # only the mesh in which a slice ended is read again
+    assert sum(len(group.object_names) for group in description.instances) == 41
+
+
+def counting(function: Callable[..., Any], calls: list[str]) -> Callable[..., Any]:
+    def counted(mesh: bpy.types.Mesh, *arguments: Any, **options: Any) -> Any:
+        calls.append(mesh.name)
+        return function(mesh, *arguments, **options)
+
+    return counted
 
 
 def a_view(width: int = 203, height: int = 101, samples: int = 4) -> View:
