@@ -37,7 +37,7 @@ class Window:
         self._last_tick = time.monotonic()
         self._longest_gap_s = 0.0
         self._calm_ticks = 0
-        bpy.app.timers.register(self._tick)
+        bpy.app.timers.register(self._tick, persistent=True)
 
     def _tick(self) -> float:
         now = time.monotonic()
@@ -75,6 +75,7 @@ class Window:
     def screenshot(self, name: str) -> Path:
         """What a person would see: the pixels of the X server."""
         path = self.folder / f"{name}.png"
+        print(f"{time.monotonic():.1f} s: {name}", flush=True)
         subprocess.run(["import", "-window", "root", str(path)], check=True)
         return path
 
@@ -115,7 +116,7 @@ def main(session_path: str, folder: str) -> None:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     window = Window(Path(folder))
-    bpy.app.timers.register(play(module.session(window), window), first_interval=1.0)
+    bpy.app.timers.register(play(module.session(window), window), first_interval=1.0, persistent=True)
 
 
 if __name__ == "__main__":

@@ -3,11 +3,27 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
+
+import numpy as np
+from PIL import Image
+
+REPOSITORY = Path(__file__).parents[2]
+BLENDER = "/usr/bin/blender"
 
 #: What Blender prints, without an exception, when a panel names something that does not exist.
 COMPLAINTS = ("rna_uiItem", "unknown operator", "property not found", "can't find")
+
+#: Without the rounded corners that Blender draws over an area.
+INSIDE = slice(20, -20), slice(20, -20)
+
+
+def rms(difference: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(difference[INSIDE] ** 2)))
 
 
 def test_every_tab_draws_without_a_complaint(play: Callable[..., Any]) -> None:
@@ -15,3 +31,54 @@ def test_every_tab_draws_without_a_complaint(play: Callable[..., Any]) -> None:
     played = play("panels")
     assert played.facts["drawn"] == ["RENDER", "OUTPUT", "VIEW_LAYER", "WORLD", "OBJECT", "MATERIAL", "DATA", "DATA"]
     assert not [line for line in played.console.splitlines() if any(text in line for text in COMPLAINTS)]
+
+
+def test_the_viewport_shows_the_rendered_picture(play: Callable[..., Any]) -> None:
+    """On the screen, at its place and the right way up; it follows the scene, answers while it renders, and goes."""
+    played = play("viewport")
+    facts = played.facts
+    x, y, width, height = facts["region"]
+    rgba = np.load(played.folder / "picture.npy")
+    assert rgba.shape == (height, width, 4)
+    with Image.open(played.folder / "viewport.png") as screenshot:
+        screen = np.asarray(screenshot.convert("RGB"), np.float32)
+    top = facts["window_height"] - y - height
+    seen = screen[top : top + height, x : x + width][::-1]  # Blender counts rows from below
+    expected = np.clip(rgba[..., :3], 0.0, 1.0) * 255.0
+    assert expected.std() > 10.0, "an empty picture would prove nothing"
+    # Rounding and dithering take a step; the screen's filter a little more along edges. A picture that is off by a
+    # single pixel is further away, whichever way it is shifted.
+    assert np.quantile(np.abs(seen - expected)[INSIDE], 0.95) <= 1.0
+    shifts = [np.roll(expected, by, axis) for by in (-1, 1) for axis in (0, 1)]
+    assert all(rms(seen - expected) < 0.25 * rms(seen - shifted) for shifted in shifts)
+
+    assert facts["red_over_blue"] > 3.0
+    # The window's own bound, whatever the machine does: a fraction of what it would be if it waited for the picture.
+    assert facts["longest_gap_s"] < 0.25 * facts["picture_s"]
+    assert facts["pictures_while_turning"] > 3
+    assert facts["threads_before"] == 1
+    assert facts["threads_after"] == 0
+
+
+def test_a_render_in_the_window_equals_the_headless_one(play: Callable[..., Any]) -> None:
+    """F12 and ``blender -b`` give the same bits; Esc ends a render that would take hours."""
+    played = play("render")
+    assert played.facts["first"] == "complete"
+    assert not played.facts["ended_before_escape"]
+    assert played.facts["second"] == "cancel"
+    environment = {"PATH": "/usr/bin:/bin", "HOME": str(played.folder)}
+    comparison = subprocess.run(
+        [
+            *(BLENDER, "--background", "--factory-startup", "--python-exit-code", "1"),
+            *("--python", str(REPOSITORY / "tests/support/headless_comparison.py"), "--", str(played.folder)),
+        ],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert comparison.returncode == 0, comparison.stdout + comparison.stderr
+    facts = json.loads((played.folder / "comparison.json").read_text())
+    assert facts["contrast"] > 0.01, "an empty picture would prove nothing"
+    assert facts["largest_difference"] == 0.0

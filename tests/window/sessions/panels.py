@@ -39,6 +39,7 @@ def session(window: Any) -> Iterator[float]:
     tree.links.new(medium.outputs[0], tree.get_output_node("CYCLES").inputs["Volume"])
     area = window.area("VIEW_3D")
     area.type = "PROPERTIES"
+    yield from window.calm()  # its tabs exist once it has been drawn
     drawn = []
     for tab, object_name in TABS:
         bpy.context.view_layer.objects.active = bpy.data.objects[object_name]

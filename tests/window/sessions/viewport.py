@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rendered shading in the camera's view, in a free view while it turns, and after its area is gone."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import bpy
+import numpy as np
+from mathutils import Quaternion
+
+from support.beam_scene import build_beam_scene
+
+THREAD_NAME = "tyndall viewport"
+
+
+def thread_count() -> int:
+    return sum(thread.name == THREAD_NAME for thread in threading.enumerate())
+
+
+def set_up(window: Any) -> tuple[bpy.types.Scene, bpy.types.SpaceView3D]:
+    """The scene, seen without anything that Blender draws over it."""
+    scene = build_beam_scene()
+    space = window.area("VIEW_3D").spaces[0]
+    space.overlay.show_overlays = space.show_gizmo = space.show_region_toolbar = space.show_region_header = False
+    space.show_region_tool_header = False
+    # A free view from the camera's place: the camera's own view would draw its frame over the picture.
+    space.region_3d.view_perspective = "PERSP"
+    space.region_3d.view_matrix = scene.camera.matrix_world.inverted()
+    space.shading.type = "RENDERED"
+    return scene, space
+
+
+def session(window: Any) -> Iterator[float]:
+    from addon.engine import viewport
+
+    yield from window.calm()
+    scene, space = set_up(window)
+    area = window.area("VIEW_3D")
+
+    def worker() -> Any:
+        return next(iter(viewport.open_viewports.values())).worker
+
+    def finished() -> Iterator[float]:
+        yield from window.until(lambda: bool(viewport.open_viewports))
+        yield from window.until(lambda: worker().picture is not None and not worker().status, at_most_s=300)
+        yield from window.calm()
+
+    yield from finished()
+    region = window.region("VIEW_3D")
+    window.screenshot("viewport")
+    np.save(window.folder / "picture.npy", worker().picture.rgba)
+    window.facts["region"] = [region.x, region.y, region.width, region.height]
+    window.facts["window_height"] = window.bpy_window.height
+
+    # A change of the scene arrives by itself.
+    before = worker().picture.rgba.sum()
+    bpy.data.lights["Lamp"].color = (1.0, 0.2, 0.1)
+    yield 0.1
+    yield from window.until(lambda: worker().picture.rgba.sum() != before)
+    yield from finished()
+    window.screenshot("viewport_red")
+    mean = worker().picture.rgba.mean(axis=(0, 1))
+    window.facts["red_over_blue"] = float(mean[0] / mean[2])
+
+    # So many samples that a picture takes long: the window must answer meanwhile.
+    scene.tyndall.viewport_samples = 2
+    space.region_3d.view_perspective = "CAMERA"
+    yield 0.1
+    started = time.monotonic()
+    yield from finished()
+    window.facts["picture_s"] = time.monotonic() - started
+    window.screenshot("viewport_camera")
+    space.region_3d.view_perspective = "PERSP"
+    window.start_watch()
+    pictures = set()
+    turn = Quaternion((0, 0, 1), 0.02)
+    for _ in range(40):
+        space.region_3d.view_rotation = turn @ space.region_3d.view_rotation
+        yield 0.03
+        pictures.add(id(worker().picture.rgba))
+    window.facts["longest_gap_s"] = window.longest_gap_s()
+    window.facts["pictures_while_turning"] = len(pictures)
+
+    window.facts["threads_before"] = thread_count()
+    area.type = "TEXT_EDITOR"
+    yield from window.until(lambda: thread_count() == 0, at_most_s=20)
+    area.type = "VIEW_3D"
+    yield 0.1
+    area.spaces[0].shading.type = "RENDERED"
+    yield from finished()
+    bpy.ops.wm.read_factory_settings()  # opening a file in the middle
+    yield from window.until(lambda: thread_count() == 0, at_most_s=20)
+    window.facts["threads_after"] = thread_count()
