@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 SCALES = (8, 4, 2)
 #: A finer picture that will probably be there within this time is not announced by a coarser one.
 SOON_S = 0.1
-#: A first picture is left to complete, or a moving view would never show one; but not if it takes longer than this.
+#: A first picture is left to complete for this time, or a moving view would never show one. Each one that is cut short
+#: nevertheless doubles it, for scenes and machines that need longer.
 PATIENCE_S = 0.5
 
 
@@ -95,6 +96,7 @@ class ViewportWorker:
         self._is_outdated = False  # the job at work, by a later one
         self._is_closed = False
         self._progress = Progress()  # of the job at work
+        self._patience_s = PATIENCE_S
         self._patience_ends = 0.0  # before this moment the job at work is left alone
         self._picture: Picture | None = None
         self._status = ""
@@ -179,12 +181,14 @@ class ViewportWorker:
     def _refine(self, session: Session, view: View, progress: Progress) -> None:
         """Show one picture after the other, each finer than the last; Cancelled once outdated."""
         scale = SCALES[0]
-        self._patience_ends = time.monotonic() + PATIENCE_S
+        self._patience_ends = time.monotonic() + self._patience_s
+        self._patience_s *= 2.0
         while scale > 1:
             started = time.monotonic()
             rough = coarser(view, scale)
             film = session.render(rough.camera, rough.config, progress)
-            self._patience_ends = 0.0
+            if scale == SCALES[0]:
+                self._patience_ends, self._patience_s = 0.0, max(PATIENCE_S, 2.0 * (time.monotonic() - started))
             self._publish(_picture(film, rough, view, scale), f"Rendering 1/{scale}")
             if self._is_outdated:
                 raise Cancelled

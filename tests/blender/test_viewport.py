@@ -16,7 +16,7 @@ import pytest
 
 from addon.engine.settings import frame_window, render_config
 from addon.engine.viewport_camera import camera_of_view
-from addon.engine.viewport_worker import SCALES, View, ViewportWorker, coarser
+from addon.engine.viewport_worker import PATIENCE_S, SCALES, View, ViewportWorker, coarser
 from addon.sync import scene as sync_scene
 from addon.sync.cameras import read_camera
 from addon.sync.reports import Reports
@@ -217,6 +217,20 @@ def test_a_moving_view_shows_coarse_pictures_of_where_it_is(workers: Callable[[o
             shown.add(float(worker.picture.rgba[0, 0, 0]))
     assert len(shown) >= 5
     assert session.updates == 1
+
+
+def test_a_moving_view_of_a_slow_scene_is_not_empty(workers: Callable[[object], ViewportWorker]) -> None:
+    """First pictures that take longer than the patience with them are cut short, but not for ever."""
+    worker = workers(PatientSession(lambda camera: 1.5 * PATIENCE_S if camera.size_px[0] < 100 else 60.0))
+    worker.show(a_view(), SceneDescription())
+
+    def move_until_there_is_a_picture() -> bool:
+        view = a_view()
+        moved = replace(view.camera, window=(-1.0 - time.monotonic(), 1.0, -0.5, 0.5))
+        worker.show(replace(view, camera=moved))
+        return worker.picture is not None
+
+    wait_until(move_until_there_is_a_picture)
 
 
 def test_the_same_scene_and_view_are_not_rendered_again(workers: Callable[[object], ViewportWorker]) -> None:
