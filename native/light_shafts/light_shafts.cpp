@@ -120,9 +120,10 @@ struct Block {
 struct Shafts::Prepared {
     const Media& media;
     std::vector<LightBeams> lights;
+    const Visibility* finest = nullptr; ///< Of the sample that carries most light, and so has the largest rows.
     Statistics statistics;
 
-    void gather(std::span<const ViewRay> rays, std::size_t offset, Block& block) const;
+    void gather(std::span<const ViewRay> rays, std::span<const std::uint32_t> order, Block& block) const;
     void add(const Beam& beam, Block& block) const;
 };
 
@@ -178,6 +179,7 @@ Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::sp
             prepared_->lights.push_back(std::move(beams));
     }
     std::size_t beam_count = 0;
+    float most = -1.0f;
     std::shared_ptr<const StripScene> strip;
     for (std::size_t light = 0; light < prepared_->lights.size(); ++light) {
         std::vector<Beam>& beams = prepared_->lights[light].beams;
@@ -202,6 +204,10 @@ Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::sp
                 beam.visibility = make_shadow_map(scene, view, beam.sample, clipped, share, progress);
                 break;
             }
+            if (shares.share(beam.share) > most) {
+                most = shares.share(beam.share);
+                prepared_->finest = beam.visibility.get();
+            }
             if (index == 0) // one sample tells of its light; a world has many
                 statistics.append(beam.visibility->statistics());
         }
@@ -210,10 +216,10 @@ Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::sp
     statistics.count("light shafts: light samples", static_cast<double>(beam_count));
 }
 
-void Shafts::Prepared::gather(std::span<const ViewRay> rays, std::size_t offset, Block& block) const {
+void Shafts::Prepared::gather(std::span<const ViewRay> rays, std::span<const std::uint32_t> order, Block& block) const {
     block.rays.clear(), block.target.clear(), block.length_m.clear(), block.segments.clear();
     block.first_segment.assign(1, 0);
-    for (std::size_t index = 0; index < rays.size(); ++index) {
+    for (const std::uint32_t index : order) {
         const ViewRay& ray = rays[index];
         const MediaRay clipped = clip_to_media(media, ray, block.segments);
         if (!(clipped.clipped.near_m < clipped.clipped.far_m)) {
@@ -221,7 +227,7 @@ void Shafts::Prepared::gather(std::span<const ViewRay> rays, std::size_t offset,
             continue;
         }
         block.rays.push_back(clipped.clipped);
-        block.target.push_back(static_cast<std::uint32_t>(offset + index));
+        block.target.push_back(index);
         block.length_m.push_back(clipped.length_in_media_m);
         block.first_segment.push_back(static_cast<std::uint32_t>(block.segments.size()));
     }
@@ -266,10 +272,16 @@ void Shafts::scatter(std::span<const ViewRay> rays, std::span<Rgb> radiance, std
     std::ranges::fill(average_visibility, 0.0f);
     if (is_empty())
         return;
+    // In the picture's order neighbours read different rows: 7 to 10 times slower at 8,192 lines.
+    std::vector<std::uint32_t> order = prepared_->finest->coherent_order(rays, progress);
+    if (order.empty()) {
+        order.resize(rays.size());
+        std::iota(order.begin(), order.end(), 0u);
+    }
     constexpr std::size_t rays_per_block = 256; // their pieces and intervals stay in the first-level cache
     parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
         thread_local Block block;
-        prepared_->gather(rays.subspan(begin, end - begin), begin, block);
+        prepared_->gather(rays, std::span(order).subspan(begin, end - begin), block);
         if (block.rays.empty())
             return;
         for (const LightBeams& light : prepared_->lights) {

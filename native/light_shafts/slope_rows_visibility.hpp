@@ -26,6 +26,8 @@ public:
     void lit_intervals(std::span<const ViewRay> rays, LitRows& lit) const override;
     void add_scattered(std::span<const ViewRay> rays, const PieceRows& pieces, std::span<Rgb> radiance,
                        std::span<float> lit_length_m) const override;
+    [[nodiscard]] std::vector<std::uint32_t> coherent_order(std::span<const ViewRay> rays,
+                                                            const Progress& progress) const override;
     [[nodiscard]] const Statistics& statistics() const override { return statistics_; }
     [[nodiscard]] const slope_rows::Rows& rows() const { return rows_; }
     /// Rays answered by the exact strip so far: too close to the epipole, or beyond the prepared rows.

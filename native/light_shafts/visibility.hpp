@@ -51,6 +51,10 @@ public:
     /// lit parts (weighted by the transmittance's mean). By lit_intervals, unless a method fuses the two.
     virtual void add_scattered(std::span<const ViewRay> rays, const PieceRows& pieces, std::span<Rgb> radiance,
                                std::span<float> lit_length_m) const;
+    /// The order in which to ask for many rays, so that what they read stays in the cache; empty: any.
+    [[nodiscard]] virtual std::vector<std::uint32_t> coherent_order(std::span<const ViewRay>, const Progress&) const {
+        return {};
+    }
     /// What was built, what was skipped, which occluders had to fall back.
     [[nodiscard]] virtual const Statistics& statistics() const = 0;
 };
