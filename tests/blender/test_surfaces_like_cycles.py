@@ -192,7 +192,7 @@ def test_lit_surfaces_equal_cycles(
     if is_noisy:
         sigma *= math.hypot(1.0, math.sqrt(2 * 256 / 1024))  # ours has as many samples, and noise like Cycles'
     error = np.abs(block_means(ours) - truth)
-    # A block's channels share their samples: it strays or not as one. Of 16 blocks, two beyond 3 sigma are one in 1,000.
+    # Channels of a block share their samples: it strays as one. Of 16 blocks, two beyond 3 sigma are one in 1,000.
     tolerance = 0.002 * truth
     if bpy.app.version < (4, 0, 0) and build is sun_on_a_coarse_smooth_ball:
         # The terminator of 3.4's Cycles lies elsewhere on ten segments: 0.54 % of the mean in one block.
