@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files from the wild are damaged: no scene may crash us, each culprit is named, and the rest still renders.
+
+The scenes are those of tests/support/damaged_scenes.py, 200 of them, rendered in processes of their own: where one ends
+before its time, the scene it had begun is the one that crashed it, and the next process goes on behind it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import bpy
+import pytest
+from support.damaged_scenes import DAMAGES, HIDES_ALL, damages_of
+
+ROOT = Path(__file__).parents[2]
+SCENE_COUNT = 200
+TIME_LIMIT_S = 600
+
+
+def _command(first: int, last: int) -> list[str]:
+    if bpy.app.binary_path:
+        script = str(ROOT / "tests/support/run_in_blender.py")
+        return [
+            bpy.app.binary_path,
+            "-b",
+            "--factory-startup",
+            "--python",
+            script,
+            "--",
+            "support.damaged_scenes",
+            str(first),
+            str(last),
+        ]
+    return [sys.executable, "-m", "support.damaged_scenes", str(first), str(last)]
+
+
+def _environment() -> dict[str, str]:
+    folders = (ROOT, ROOT / "tests", ROOT / "python", ROOT / "build/release/python")
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, folders))}
+
+
+@pytest.fixture(scope="module")
+def outcomes() -> dict[int, dict[str, Any]]:
+    """What came of each seed; a crash is an outcome without an end."""
+    found: dict[int, dict[str, Any]] = {}
+    first = 0
+    while first < SCENE_COUNT:
+        run = subprocess.run(
+            _command(first, SCENE_COUNT), env=_environment(), capture_output=True, stderr=subprocess.PIPE,
+            stdin=subprocess.DEVNULL, timeout=TIME_LIMIT_S, check=False, cwd=ROOT,
+        )  # fmt: skip
+        begun = first
+        for line in run.stdout.decode().splitlines():
+            if not line.startswith('{"seed"'):
+                continue  # Blender's greeting
+            entry = json.loads(line)
+            begun = entry["seed"]
+            found[begun] = entry
+        if found.get(begun, {"begins": True}).get("begins"):
+            found[begun] = {
+                "crash": run.returncode,
+                "said": run.stderr.decode(errors="replace")[-2000:],
+            }
+        first = begun + 1
+    return found
+
+
+def _described(seed: int) -> str:
+    return f"seed {seed} ({', '.join(each.name for each in damages_of(seed))})"
+
+
+def test_every_damage_occurs_alone_and_in_company() -> None:
+    """The generator itself: no damage is missing from the 200 scenes."""
+    alone = {damages_of(seed)[0].name for seed in range(len(DAMAGES))}
+    together = {each.name for seed in range(len(DAMAGES), SCENE_COUNT) for each in damages_of(seed)}
+    assert alone == together == {each.name for each in DAMAGES}
+
+
+def test_none_crashes(outcomes: dict[int, dict[str, Any]]) -> None:
+    """Neither a signal nor an exception that nobody meant."""
+    crashes = [f"{_described(seed)}: {end['crash']} {end['said']}" for seed, end in outcomes.items() if "crash" in end]
+    assert not crashes, "\n".join(crashes)
+    traces = [f"{_described(seed)}: {end['error']}" for seed, end in outcomes.items() if "Traceback" in end["error"]]
+    assert not traces, "\n".join(traces)
+
+
+def test_each_culprit_is_named(outcomes: dict[int, dict[str, Any]]) -> None:
+    """In a report, or in the error where there is no picture."""
+    silent = []
+    for seed, end in outcomes.items():
+        said = "\n".join([*end.get("reports", []), end.get("error", "")])
+        missing = [each.culprit for each in damages_of(seed) if each.culprit and each.culprit not in said]
+        if missing:
+            silent.append(f"{_described(seed)}: {missing} not in {said!r}")
+    assert not silent, "\n".join(silent)
+
+
+def test_the_rest_still_renders(outcomes: dict[int, dict[str, Any]]) -> None:
+    """Wherever the camera and the frame are sound there is a picture, finite everywhere and lit somewhere."""
+    lost = []
+    for seed, end in outcomes.items():
+        if "brightest" in end and not end["is_finite"]:
+            lost.append(f"{_described(seed)}: not finite")
+        if HIDES_ALL.isdisjoint(each.of for each in damages_of(seed)) and not end.get("brightest", 0.0) > 0.01:
+            lost.append(f"{_described(seed)}: dark or absent: {end.get('error')}")
+    assert not lost, "\n".join(lost)

@@ -1,0 +1,444 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Small scenes for the comparison with Cycles: one choice each of light, medium, camera and occluder.
+
+A floor, a back wall, an occluder in the middle, a light beyond it: about 8 m across. Surfaces are Diffuse nodes, which
+are Lambert's law in every version of Cycles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import radians
+
+import bmesh
+import bpy
+import numpy as np
+from mathutils import Matrix, Vector
+
+LIGHT_AT = Vector((-2.4, 1.4, 4.6))
+TARGET = Vector((0.0, 0.6, 1.0))
+
+
+@dataclass(frozen=True)
+class Arrangement:
+    """Names of builders below."""
+
+    light: str = "sun"
+    medium: str = "camera inside"
+    camera: str = "perspective"
+    occluder: str = "grid"
+
+    def __str__(self) -> str:
+        """Test id: what differs from the plainest scene."""
+        return f"{self.light}, {self.medium}, {self.camera}, {self.occluder}"
+
+
+def _link(name: str, data: bpy.types.ID | None, matrix: Matrix | None = None) -> bpy.types.Object:
+    made = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(made)
+    made.matrix_world = matrix or Matrix()
+    return made
+
+
+def _output(
+    owner: bpy.types.Material | bpy.types.World,
+) -> tuple[bpy.types.NodeTree, bpy.types.Node]:
+    if not owner.use_nodes:
+        owner.use_nodes = True
+    owner.node_tree.nodes.clear()
+    kind = "ShaderNodeOutputWorld" if isinstance(owner, bpy.types.World) else "ShaderNodeOutputMaterial"
+    return owner.node_tree, owner.node_tree.nodes.new(kind)
+
+
+def diffuse(colour: tuple[float, float, float]) -> bpy.types.Material:
+    """Lambert's law."""
+    material = bpy.data.materials.new("Diffuse")
+    tree, output = _output(material)
+    node = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    node.inputs["Color"].default_value = (*colour, 1)
+    tree.links.new(node.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def _plane(name: str, matrix: Matrix, material: bpy.types.Material, cells: int = 1) -> bpy.types.Object:
+    mesh = bpy.data.meshes.new(name)
+    shape = bmesh.new()
+    bmesh.ops.create_grid(shape, x_segments=cells, y_segments=cells, size=0.5, calc_uvs=False)
+    shape.to_mesh(mesh)
+    shape.free()
+    layer = mesh.uv_layers.new(name="UVMap")
+    for loop in mesh.loops:
+        corner = mesh.vertices[loop.vertex_index].co
+        layer.data[loop.index].uv = (corner.x + 0.5, corner.y + 0.5)
+    mesh.materials.append(material)
+    return _link(name, mesh, matrix)
+
+
+# --- lights ----------------------------------------------------------------------------------------------------------
+def _light(kind: str, **settings: float) -> None:
+    data = bpy.data.lights.new(kind.title(), kind)
+    data.color = (1.0, 0.8, 0.5)
+    for name, value in settings.items():
+        setattr(data, name, value)
+    turn = (LIGHT_AT - TARGET).to_track_quat("Z", "Y").to_matrix().to_4x4()
+    _link(data.name, data, Matrix.Translation(LIGHT_AT) @ turn)
+
+
+def _world_image() -> None:
+    """A smooth sky with a bright, coloured patch, turned about all axes: a wrong mapping cannot hide."""
+    height, width = 32, 64
+    v, u = np.mgrid[0:height, 0:width].astype(np.float32)
+    pixels = np.ones((height, width, 4), np.float32)
+    glow = np.exp(-(((u - 20) / 6) ** 2) - ((v - 24) / 4) ** 2)
+    pixels[..., 0] = 0.10 + 9.0 * glow
+    pixels[..., 1] = 0.15 + 5.0 * glow
+    pixels[..., 2] = 0.30 + 0.2 * v / height + 2.0 * glow
+    image = bpy.data.images.new("Sky", width, height, float_buffer=True)
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    tree = bpy.context.scene.world.node_tree
+    texture, mapping = (
+        tree.nodes.new("ShaderNodeTexEnvironment"),
+        tree.nodes.new("ShaderNodeMapping"),
+    )
+    coordinates = tree.nodes.new("ShaderNodeTexCoord")
+    texture.image = image
+    mapping.inputs["Rotation"].default_value = (0.3, -0.2, 1.1)
+    tree.links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
+    tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
+    tree.links.new(texture.outputs["Color"], tree.nodes["Background"].inputs["Color"])
+    tree.nodes["Background"].inputs["Strength"].default_value = 1.5
+
+
+def _world_constant() -> None:
+    background = bpy.context.scene.world.node_tree.nodes["Background"]
+    background.inputs["Color"].default_value = (0.5, 0.7, 1.0, 1)
+    background.inputs["Strength"].default_value = 1.2
+
+
+def _many() -> None:
+    _light("SUN", energy=3.0, angle=0.0)
+    _light(
+        "SPOT",
+        energy=400.0,
+        spot_size=radians(40),
+        spot_blend=0.3,
+        shadow_soft_size=0.0,
+    )
+    _light("POINT", energy=200.0, shadow_soft_size=0.05)
+
+
+LIGHTS: dict[str, Callable[[], None]] = {
+    "sun": lambda: _light("SUN", energy=4.0, angle=0.0),
+    "sun 2 degrees": lambda: _light("SUN", energy=4.0, angle=radians(2)),
+    "sun 20 degrees": lambda: _light("SUN", energy=4.0, angle=radians(20)),
+    "point": lambda: _light("POINT", energy=500.0, shadow_soft_size=0.0),
+    "point 0.2 m": lambda: _light("POINT", energy=500.0, shadow_soft_size=0.2),
+    "spot": lambda: _light(
+        "SPOT",
+        energy=700.0,
+        spot_size=radians(50),
+        spot_blend=0.0,
+        shadow_soft_size=0.0,
+    ),
+    "spot blend 0.5": lambda: _light(
+        "SPOT",
+        energy=700.0,
+        spot_size=radians(60),
+        spot_blend=0.5,
+        shadow_soft_size=0.0,
+    ),
+    "spot 0.1 m": lambda: _light(
+        "SPOT",
+        energy=700.0,
+        spot_size=radians(50),
+        spot_blend=0.2,
+        shadow_soft_size=0.1,
+    ),
+    "spot 120 degrees": lambda: _light(
+        "SPOT",
+        energy=700.0,
+        spot_size=radians(120),
+        spot_blend=0.1,
+        shadow_soft_size=0.0,
+    ),
+    "world": _world_constant,
+    "world image": _world_image,
+    "many": _many,
+}
+
+
+# --- media -----------------------------------------------------------------------------------------------------------
+def _medium(mesh: bpy.types.Mesh, matrix: Matrix, node: str, **inputs: object) -> bpy.types.Object:
+    material = bpy.data.materials.new(f"Medium {node}")
+    tree, output = _output(material)
+    shader = tree.nodes.new(node)
+    for name, value in inputs.items():
+        shader.inputs[name.replace("_", " ")].default_value = value
+    tree.links.new(shader.outputs[0], output.inputs["Volume"])
+    mesh.materials.append(material)
+    return _link("Medium", mesh, matrix)
+
+
+def _box(
+    low: tuple[float, float, float],
+    high: tuple[float, float, float],
+    node: str,
+    **inputs: object,
+) -> bpy.types.Object:
+    mesh = bpy.data.meshes.new("Box")
+    shape = bmesh.new()
+    bmesh.ops.create_cube(shape, size=1.0)
+    shape.to_mesh(mesh)
+    shape.free()
+    centre, size = (Vector(low) + Vector(high)) / 2, Vector(high) - Vector(low)
+    return _medium(mesh, Matrix.LocRotScale(centre, None, size), node, **inputs)
+
+
+def _sphere() -> None:
+    mesh = bpy.data.meshes.new("Sphere")
+    shape = bmesh.new()
+    bmesh.ops.create_uvsphere(shape, u_segments=24, v_segments=12, radius=2.2)
+    shape.to_mesh(mesh)
+    shape.free()
+    _medium(mesh, Matrix.Translation((0.0, 0.4, 1.6)), SCATTER, Density=0.25, Anisotropy=0.2)
+
+
+SCATTER, ABSORB, PRINCIPLED = (
+    "ShaderNodeVolumeScatter",
+    "ShaderNodeVolumeAbsorption",
+    "ShaderNodeVolumePrincipled",
+)
+ROOM = ((-3.0, -9.0, 0.01), (3.0, 2.9, 4.0))
+CLOUD = ((-2.2, -1.5, 0.02), (2.2, 2.5, 3.6))
+WHITE, TINTED = (1, 1, 1, 1), (0.9, 0.6, 0.3, 1)
+
+
+def _two_boxes() -> None:
+    _box(
+        (-2.5, -2.0, 0.02),
+        (0.7, 2.0, 3.0),
+        SCATTER,
+        Color=(1, 0.5, 0.3, 1),
+        Density=0.15,
+        Anisotropy=0.4,
+    )
+    _box(
+        (-0.5, -1.0, 0.04),
+        (2.5, 2.6, 3.4),
+        SCATTER,
+        Color=(0.3, 0.6, 1, 1),
+        Density=0.15,
+        Anisotropy=-0.3,
+    )
+
+
+MEDIA: dict[str, Callable[[], object]] = {
+    "none": lambda: None,
+    "camera inside": lambda: _box(*ROOM, SCATTER, Color=WHITE, Density=0.08, Anisotropy=0.0),
+    "camera outside": lambda: _box(*CLOUD, SCATTER, Color=WHITE, Density=0.15, Anisotropy=0.0),
+    "dense": lambda: _box(*CLOUD, SCATTER, Color=WHITE, Density=1.5, Anisotropy=0.0),
+    "thin": lambda: _box(*ROOM, SCATTER, Color=WHITE, Density=0.002, Anisotropy=0.0),
+    "coloured": lambda: _box(*ROOM, SCATTER, Color=TINTED, Density=0.12, Anisotropy=0.0),
+    "g -0.5": lambda: _box(*ROOM, SCATTER, Color=WHITE, Density=0.08, Anisotropy=-0.5),
+    "g 0.8": lambda: _box(*ROOM, SCATTER, Color=WHITE, Density=0.08, Anisotropy=0.8),
+    "absorption": lambda: _box(*ROOM, ABSORB, Color=TINTED, Density=0.2),
+    "principled": lambda: _box(
+        *ROOM,
+        PRINCIPLED,
+        Color=TINTED,
+        Density=0.1,
+        Anisotropy=0.3,
+        Absorption_Color=(0.2, 0.4, 0.7, 1),
+    ),
+    "emission": lambda: _box(
+        *CLOUD,
+        PRINCIPLED,
+        Color=WHITE,
+        Density=0.1,
+        Emission_Strength=0.02,
+        Emission_Color=(0.2, 0.5, 1.0, 1),
+    ),
+    "two boxes": _two_boxes,
+    "sphere": _sphere,
+}
+
+
+# --- cameras ---------------------------------------------------------------------------------------------------------
+def _camera(location: tuple[float, float, float], **settings: object) -> None:
+    data = bpy.data.cameras.new("Camera")
+    for name, value in settings.items():
+        setattr(data, name, value)
+    turn = (Vector(location) - Vector((0, 0.5, 1.5))).to_track_quat("Z", "Y").to_matrix().to_4x4()
+    bpy.context.scene.camera = _link("Camera", data, Matrix.Translation(location) @ turn)
+
+
+CAMERAS: dict[str, Callable[[], None]] = {
+    "perspective": lambda: _camera((1.6, -6.5, 1.8), lens=32.0),
+    "shifted": lambda: _camera((1.6, -6.5, 1.8), lens=36.0, shift_x=0.15, shift_y=-0.1, sensor_fit="VERTICAL"),
+    "orthographic": lambda: _camera((2.5, -6.5, 2.6), type="ORTHO", ortho_scale=7.0),
+    "towards light": lambda: _camera((2.2, -1.5, 0.5), lens=20.0),
+}
+
+
+# --- occluders -------------------------------------------------------------------------------------------------------
+def _grid() -> None:
+    """A plate with 5 x 5 holes above the floor."""
+    cells = 11
+    mesh = bpy.data.meshes.new("Grid")
+    shape = bmesh.new()
+    bmesh.ops.create_grid(shape, x_segments=cells, y_segments=cells, size=1.5)
+    holes = [face for index, face in enumerate(shape.faces) if index % cells % 2 and index // cells % 2]
+    bmesh.ops.delete(shape, geom=holes, context="FACES_ONLY")
+    shape.to_mesh(mesh)
+    shape.free()
+    mesh.materials.append(diffuse((0.7, 0.7, 0.7)))
+    _link(
+        "Grid",
+        mesh,
+        Matrix.LocRotScale(Vector((-0.3, 0.8, 2.2)), None, None) @ Matrix.Rotation(0.3, 4, "Y"),
+    )
+
+
+def _monkey() -> None:
+    mesh = bpy.data.meshes.new("Monkey")
+    shape = bmesh.new()
+    bmesh.ops.create_monkey(shape)
+    shape.to_mesh(mesh)
+    shape.free()
+    mesh.materials.append(diffuse((0.6, 0.5, 0.4)))
+    _link("Monkey", mesh, Matrix.Translation((0, 0.8, 1.7)) @ Matrix.Rotation(0.5, 4, "Z"))
+
+
+def _instances() -> None:
+    """A nested collection: posts, in rows, instanced thrice, one of them mirrored."""
+    post, row = bpy.data.collections.new("Post"), bpy.data.collections.new("Row")
+    mesh = bpy.data.meshes.new("Post")
+    shape = bmesh.new()
+    bmesh.ops.create_cone(shape, segments=8, radius1=0.12, radius2=0.05, depth=2.0, cap_ends=True)
+    shape.to_mesh(mesh)
+    shape.free()
+    mesh.materials.append(diffuse((0.7, 0.6, 0.3)))
+    post.objects.link(bpy.data.objects.new("Post", mesh))
+    for index in range(4):
+        empty = bpy.data.objects.new("Post", None)
+        empty.instance_type, empty.instance_collection = "COLLECTION", post
+        empty.matrix_world = Matrix.LocRotScale(
+            Vector((index * 0.8 - 1.2, 0, 1.0)),
+            None,
+            Vector((1, 1, 0.8 + 0.15 * index)),
+        )
+        row.objects.link(empty)
+    for y, mirror in ((0.0, 1), (0.7, -1), (1.5, 1)):
+        empty = _link(
+            "Row",
+            None,
+            Matrix.LocRotScale(Vector((0, y, 0)), None, Vector((mirror, 1, 1))),
+        )
+        empty.instance_type, empty.instance_collection = "COLLECTION", row
+
+
+def _checker_image() -> bpy.types.Image:
+    image = bpy.data.images.new("Leaves", 16, 16, alpha=True)
+    rows, columns = np.mgrid[0:16, 0:16]
+    pixels = np.ones((16, 16, 4), np.float32)
+    pixels[..., :3] = (0.3, 0.6, 0.2)
+    pixels[..., 3] = ((rows // 2 + columns // 2) % 2) * ((rows + 2 * columns) % 5 > 0)
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    return image
+
+
+def _alpha() -> None:
+    """A plane whose image lets light through in places: sharp texels, as in a leaf's texture."""
+    material = bpy.data.materials.new("Leaves")
+    tree, output = _output(material)
+    texture, clear = (
+        tree.nodes.new("ShaderNodeTexImage"),
+        tree.nodes.new("ShaderNodeBsdfTransparent"),
+    )
+    solid, mix = (
+        tree.nodes.new("ShaderNodeBsdfDiffuse"),
+        tree.nodes.new("ShaderNodeMixShader"),
+    )
+    texture.image, texture.interpolation = _checker_image(), "Closest"
+    tree.links.new(texture.outputs["Color"], solid.inputs["Color"])
+    tree.links.new(texture.outputs["Alpha"], mix.inputs["Fac"])
+    tree.links.new(clear.outputs[0], mix.inputs[1])
+    tree.links.new(solid.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+    _plane(
+        "Leaves",
+        Matrix.Translation((-0.2, 0.8, 2.4)) @ Matrix.Diagonal((3, 3, 1, 1)),
+        material,
+    )
+
+
+def _glass() -> None:
+    """Two panes, a red and a blue one, that overlap: transparent surfaces multiply."""
+    for colour, x, z in (((0.9, 0.2, 0.1), -0.6, 2.3), ((0.1, 0.3, 0.9), 0.4, 2.6)):
+        material = bpy.data.materials.new("Pane")
+        tree, output = _output(material)
+        clear = tree.nodes.new("ShaderNodeBsdfTransparent")
+        clear.inputs["Color"].default_value = (*colour, 1)
+        tree.links.new(clear.outputs[0], output.inputs["Surface"])
+        _plane(
+            "Pane",
+            Matrix.Translation((x, 0.8, z)) @ Matrix.Diagonal((1.8, 2.0, 1, 1)),
+            material,
+        )
+
+
+def _glow() -> None:
+    """A glowing plate that Cycles is told not to treat as a light."""
+    material = bpy.data.materials.new("Glow")
+    tree, output = _output(material)
+    emission = tree.nodes.new("ShaderNodeEmission")
+    (
+        emission.inputs["Color"].default_value,
+        emission.inputs["Strength"].default_value,
+    ) = (1.0, 0.4, 0.1, 1), 2.0
+    tree.links.new(emission.outputs[0], output.inputs["Surface"])
+    if hasattr(material.cycles, "emission_sampling"):
+        material.cycles.emission_sampling = "NONE"
+    else:
+        material.cycles.sample_as_light = False
+    _plane(
+        "Glow",
+        Matrix.Translation((0, 0.8, 2.0)) @ Matrix.Rotation(0.6, 4, "X"),
+        material,
+    )
+
+
+OCCLUDERS: dict[str, Callable[[], None]] = {
+    "none": lambda: None,
+    "grid": _grid,
+    "monkey": _monkey,
+    "instances": _instances,
+    "alpha": _alpha,
+    "glass": _glass,
+    "glow": _glow,
+}
+
+
+def build(arrangement: Arrangement, width_px: int = 96, height_px: int = 54) -> bpy.types.Scene:
+    """Make the scene in an empty file."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = width_px, height_px
+    scene.render.resolution_percentage = 100
+    scene.world = bpy.data.worlds.new("World")
+    tree, output = _output(scene.world)
+    background = tree.nodes.new("ShaderNodeBackground")
+    background.inputs["Color"].default_value = (0, 0, 0, 1)
+    tree.links.new(background.outputs[0], output.inputs["Surface"])
+    grey = diffuse((0.5, 0.5, 0.5))
+    _plane("Floor", Matrix.Diagonal((30, 30, 1, 1)), grey)
+    wall = Matrix.Translation((0, 3.0, 0)) @ Matrix.Rotation(radians(90), 4, "X") @ Matrix.Diagonal((30, 30, 1, 1))
+    _plane("Wall", wall, diffuse((0.3, 0.4, 0.5)))
+    OCCLUDERS[arrangement.occluder]()
+    MEDIA[arrangement.medium]()
+    LIGHTS[arrangement.light]()
+    CAMERAS[arrangement.camera]()
+    return scene

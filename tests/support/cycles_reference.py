@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The same scene in Cycles and in ours, as arrays, and a verdict that knows how noisy Cycles is.
+
+Cycles is asked for what this engine computes: direct light and single scattering, that is
+``max_bounces = volume_bounces = 0``, through any number of transparent surfaces, at the pixels' centres. Its noise is
+measured, not guessed: two renders with different seeds differ by nothing else, so their difference says how far their
+mean may lie from the truth.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+#: What is allowed beyond noise, of the reference's value: of the whole picture, of the median block and of any block.
+MEAN_BOUND, MEDIAN_BOUND, BLOCK_BOUND = 0.001, 0.002, 0.002
+NOISE_SIGMAS = 3.0
+BLOCK_PX = 9
+#: In a picture of a thousand block values three are beyond 3 sigma by chance, and Cycles' noise has longer tails than a
+#: Gaussian: the rest must be within 3 sigma, and all within twice that.
+STRAY_SHARE = 0.015
+
+
+def rendered_pixels(scene: bpy.types.Scene) -> FloatArray:
+    """Render Combined and read it back, scene-linear (height, width, 3), rows bottom to top."""
+    settings = scene.render
+    settings.image_settings.file_format = "OPEN_EXR"
+    settings.image_settings.color_mode = "RGB"
+    settings.image_settings.color_depth = "32"
+    settings.use_compositing = settings.use_sequencer = False
+    with tempfile.TemporaryDirectory() as folder:
+        settings.filepath = str(Path(folder) / "frame.exr")
+        bpy.ops.render.render(write_still=True, scene=scene.name)
+        image = bpy.data.images.load(settings.filepath)
+        width, height = image.size
+        pixels = np.empty(width * height * image.channels, np.float32)
+        image.pixels.foreach_get(pixels)
+        channels = image.channels
+        bpy.data.images.remove(image)
+    return pixels.reshape(height, width, channels)[..., :3].astype(np.float64)
+
+
+def cycles_pixels(scene: bpy.types.Scene, samples: int, seed: int) -> FloatArray:
+    """Render in Cycles: direct light and single scattering, at the pixels' centres."""
+    scene.render.engine = "CYCLES"
+    cycles = scene.cycles
+    cycles.device = "CPU"
+    cycles.samples, cycles.seed = samples, seed
+    cycles.use_denoising = cycles.use_adaptive_sampling = cycles.use_auto_tile = False
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = 0
+    cycles.transmission_bounces = cycles.volume_bounces = 0
+    cycles.transparent_max_bounces = 1024
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
+    cycles.light_sampling_threshold = 0.0  # no light is dropped for being weak
+    cycles.caustics_reflective = cycles.caustics_refractive = True
+    # Cycles' box filter is one pixel wide whatever its setting says; this one is a point.
+    cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", 0.01
+    if hasattr(cycles, "use_light_tree"):
+        cycles.use_light_tree = False
+    return rendered_pixels(scene)
+
+
+def tyndall_pixels(
+    scene: bpy.types.Scene,
+    method: str = "EXACT",
+    light_samples: int = 256,
+    world_samples: int = 4096,
+) -> FloatArray:
+    """Render in ours, at the pixels' centres."""
+    scene.render.engine = "TYNDALL"
+    ours = scene.tyndall
+    ours.pixel_samples, ours.pixel_filter, ours.filter_width_px = 1, "BOX", 0.01
+    ours.shafts.method = method
+    ours.shafts.light_samples, ours.shafts.world_samples = light_samples, world_samples
+    return rendered_pixels(scene)
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How far a picture is from Cycles' and how much of that Cycles' own noise explains; relative values."""
+
+    mean_error: float  #: Signed, of the picture's sum.
+    mean_sigma: float  #: Standard deviation of Cycles' sum.
+    median_error: float  #: Median over blocks and channels of the absolute error.
+    median_sigma: float  #: What Cycles' noise alone would make of that median.
+    stray_share: float  #: Share of block values beyond BLOCK_BOUND and 3 sigma.
+    worst_sigmas: float  #: Of the worst block value: its error beyond BLOCK_BOUND, in sigmas.
+    noise: float  #: Median of the blocks' sigmas: what this comparison can see at all.
+
+    @property
+    def holds(self) -> bool:
+        """The issue's bounds."""
+        return (
+            abs(self.mean_error) <= MEAN_BOUND + NOISE_SIGMAS * self.mean_sigma
+            and self.median_error <= MEDIAN_BOUND + self.median_sigma
+            and self.stray_share <= STRAY_SHARE
+            and self.worst_sigmas <= 2 * NOISE_SIGMAS
+        )
+
+    def __str__(self) -> str:
+        """One line of a report."""
+        return (
+            f"mean {self.mean_error:+.3%} (sigma {self.mean_sigma:.3%}), "
+            f"median block {self.median_error:.3%} (noise {self.median_sigma:.3%}), "
+            f"{self.stray_share:.2%} of blocks stray, worst {self.worst_sigmas:.1f} sigma, noise {self.noise:.2%}"
+        )
+
+
+def block_means(picture: FloatArray, block_px: int = BLOCK_PX) -> FloatArray:
+    """Means of whole blocks, (rows, columns, channels); what does not fill a block at the upper right is left out."""
+    rows, columns = picture.shape[0] // block_px, picture.shape[1] // block_px
+    whole = picture[: rows * block_px, : columns * block_px]
+    return whole.reshape(rows, block_px, columns, block_px, -1).mean(axis=(1, 3))
+
+
+def agreement(ours: FloatArray, first: FloatArray, second: FloatArray) -> Agreement:
+    """Compare with the mean of two Cycles renders that differ by their seed alone.
+
+    A pixel's two values differ by a variance of 2 s^2, where s^2 is that of one render; the mean of both has s^2 / 2,
+    a block's mean that over its number of pixels, since Cycles' pixels are independent.
+    """
+    reference = (first + second) / 2
+    variance = (first - second) ** 2 / 4
+    blocks, ours_in_blocks = block_means(reference), block_means(ours)
+    sigma = np.sqrt(block_means(variance) / BLOCK_PX**2)
+    # A block that Cycles left black by chance has no measured noise: the picture's level keeps it from dividing by 0.
+    scale = np.maximum(blocks, 1e-3 * blocks.mean())
+    error = np.abs(ours_in_blocks - blocks)
+    beyond = np.maximum(error - BLOCK_BOUND * scale, 0.0)
+    sigmas = beyond / np.maximum(sigma, 1e-6 * scale)
+    total = reference.sum()
+    return Agreement(
+        mean_error=float((ours.sum() - total) / total),
+        mean_sigma=float(np.sqrt(variance.sum()) / total),
+        median_error=float(np.median(error / scale)),
+        median_sigma=float(0.6745 * np.median(sigma / scale)),
+        stray_share=float((sigmas > NOISE_SIGMAS).mean()),
+        worst_sigmas=float(sigmas.max()),
+        noise=float(np.median(sigma / scale)),
+    )
+
+
+def save_side_by_side(path: Path, ours: FloatArray, reference: FloatArray) -> None:
+    """Write a PNG to look at: ours, Cycles', and their difference, red where ours is brighter, blue where darker."""
+    level = max(float(np.percentile(reference, 99)), 1e-9)
+    difference = (ours - reference).mean(axis=2) / level * 10
+    signed = np.stack(
+        [
+            np.clip(difference, 0, 1),
+            np.zeros_like(difference),
+            np.clip(-difference, 0, 1),
+        ],
+        axis=2,
+    )
+    shown = np.concatenate([ours / level, reference / level, signed], axis=1)
+    encoded = np.clip(shown, 0, 1) ** (1 / 2.2)
+    height, width = encoded.shape[:2]
+    image = bpy.data.images.new("side by side", width, height)
+    image.pixels.foreach_set(np.dstack([encoded, np.ones((height, width))]).astype(np.float32).ravel())
+    image.filepath_raw, image.file_format = str(path), "PNG"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    image.save()
+    bpy.data.images.remove(image)
