@@ -72,7 +72,7 @@ def truss(length: float, width: float = 0.32) -> Shape:
 def lamp_housing() -> Shape:
     """A PAR can that shines along -Z from its origin: an open can around the light, and its yoke."""
     sides, shape = 20, Shape()
-    rings = [(0.13, -0.16), (0.13, 0.12), (0.07, 0.24), (0.0, 0.26)]
+    rings = [(0.13, -0.16), (0.13, 0.12), (0.07, 0.24), (0.02, 0.26)]
     points = [
         (r * cos(2 * pi * side / sides), r * sin(2 * pi * side / sides), z) for r, z in rings for side in range(sides)
     ]

@@ -215,6 +215,27 @@ CLOUD = ((-2.2, -1.5, 0.02), (2.2, 2.5, 3.6))
 WHITE, TINTED = (1, 1, 1, 1), (0.9, 0.6, 0.3, 1)
 
 
+def _glowing_box() -> None:
+    """Emission and absorption only, hidden from rays that leave surfaces: Cycles would count those as direct light."""
+    black = (0, 0, 0, 1)
+    inputs = {"Density": 0.3, "Color": black, "Absorption Color": (0.5, 0.2, 0.1, 1)}
+    box = _box(*CLOUD, PRINCIPLED, **inputs, **{"Emission Strength": 0.2, "Emission Color": (0.2, 0.5, 1.0, 1)})
+    box.visible_diffuse = False
+
+
+def _two_boxes(red: tuple[float, ...], blue: tuple[float, ...], red_g: float, blue_g: float) -> None:
+    _box((-2.5, -2.0, 0.02), (0.7, 2.0, 3.0), SCATTER, Color=red, Density=0.15, Anisotropy=red_g)
+    _box((-0.5, -1.0, 0.04), (2.5, 2.6, 3.4), SCATTER, Color=blue, Density=0.15, Anisotropy=blue_g)
+
+
+def _glowing_box() -> None:
+    """Emission and absorption only, hidden from rays that leave surfaces: Cycles would count those as direct light."""
+    black = (0, 0, 0, 1)
+    inputs = {"Density": 0.3, "Color": black, "Absorption Color": (0.5, 0.2, 0.1, 1)}
+    box = _box(*CLOUD, PRINCIPLED, **inputs, **{"Emission Strength": 0.2, "Emission Color": (0.2, 0.5, 1.0, 1)})
+    box.visible_diffuse = False
+
+
 def _two_boxes() -> None:
     _box(
         (-2.5, -2.0, 0.02),
@@ -252,15 +273,11 @@ MEDIA: dict[str, Callable[[], object]] = {
         Anisotropy=0.3,
         Absorption_Color=(0.2, 0.4, 0.7, 1),
     ),
-    "emission": lambda: _box(
-        *CLOUD,
-        PRINCIPLED,
-        Color=WHITE,
-        Density=0.1,
-        Emission_Strength=0.02,
-        Emission_Color=(0.2, 0.5, 1.0, 1),
-    ),
-    "two boxes": _two_boxes,
+    "emission": _glowing_box,
+    # Where media overlap, Cycles weighs their phase functions by one number instead of per channel: with both another
+    # colour and another asymmetry it would be 10 % off.
+    "two colours": lambda: _two_boxes((1, 0.5, 0.3, 1), (0.3, 0.6, 1, 1), 0.2, 0.2),
+    "two phases": lambda: _two_boxes(WHITE, WHITE, 0.4, -0.3),
     "sphere": _sphere,
 }
 
@@ -391,7 +408,7 @@ def _glass() -> None:
 
 
 def _glow() -> None:
-    """A glowing plate that Cycles is told not to treat as a light."""
+    """A glowing plate that the camera sees, and that lights nothing: Cycles would count it as direct light."""
     material = bpy.data.materials.new("Glow")
     tree, output = _output(material)
     emission = tree.nodes.new("ShaderNodeEmission")
