@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     from .reports import Reports
 
+_LARGEST_COORDINATE_M = 1e18  #: Beyond it, squares do not fit into single precision.
+
 
 def read_camera(
     thing: bpy.types.Object,
@@ -26,6 +28,11 @@ def read_camera(
     shift_x: float | None = None,
 ) -> Camera:
     """The evaluated camera object of a frame of ``size_px``. Matrix and shift are those of a stereo view, if given."""
+    if thing.type != "CAMERA":
+        raise ValueError(f'"{thing.name}" is the scene\'s camera, but it is of type {thing.type.lower()}')
+    placed = np.array(thing.matrix_world if world_from_camera is None else world_from_camera, dtype=np.float64)
+    if not (np.abs(placed) < _LARGEST_COORDINATE_M).all() or np.linalg.det(placed[:3, :3]) == 0.0:
+        raise ValueError(f'Camera "{thing.name}": its position is not finite, or its scale is 0')
     data = thing.data
     if data.type == "PANO":
         reports.add(f'Camera "{thing.name}"', "panoramic; drawn in perspective with its focal length")
@@ -43,9 +50,7 @@ def read_camera(
     half_width, half_height = size_px[0] / 2, aspect * size_px[1] / 2
     return Camera(
         kind=CameraKind.ORTHOGRAPHIC if is_orthographic else CameraKind.PERSPECTIVE,
-        world_from_camera=without_scale(
-            np.array(thing.matrix_world) if world_from_camera is None else world_from_camera
-        ),
+        world_from_camera=without_scale(placed),
         window=(
             (centre_x - half_width) * metres_per_px,
             (centre_x + half_width) * metres_per_px,

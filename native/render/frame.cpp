@@ -234,6 +234,7 @@ private:
 
 Film render(const Scene& scene, const Media& media, const Camera& camera, const FrameConfig& config, Progress& progress,
             const OnUpdate& on_update) {
+    require_usable(camera);
     return with_threads(config.thread_count,
                         [&] { return FrameRenderer(scene, media, camera, config, progress, on_update).render(); });
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/camera.hpp"
+#include "core/errors.hpp"
+#include "scene/embree.hpp"
 #include <algorithm>
+#include <cmath>
 
 namespace tyndall {
 Ray Camera::ray(float x_px, float y_px) const {
@@ -20,5 +23,18 @@ Ray Camera::ray(float x_px, float y_px) const {
             .direction = glm::normalize(glm::mat3(world_from_camera) * through),
             .near_m = clip_near_m * metres_per_depth,
             .far_m = clip_far_m * metres_per_depth};
+}
+
+void require_usable(const Camera& camera) {
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 3; ++row) // the negation is true for a NaN, too
+            require(std::abs(camera.world_from_camera[column][row]) < largest_coordinate_m,
+                    "camera: its position or rotation is not finite");
+    require(std::abs(glm::determinant(glm::mat3(camera.world_from_camera))) > 0.5f,
+            "camera: its axes are not orthogonal (a scale of 0)");
+    // A window through which the squares of a direction's components do not fit into a float.
+    for (const float edge : {camera.window_left, camera.window_right, camera.window_bottom, camera.window_top})
+        require(std::abs(edge) < largest_coordinate_m, "camera: its field of view is not finite");
+    require(!std::isnan(camera.clip_near_m) && !std::isnan(camera.clip_far_m), "camera: its clipping is not a number");
 }
 } // namespace tyndall

@@ -28,4 +28,7 @@ struct Camera {
     [[nodiscard]] vec3 position() const { return vec3(world_from_camera[3]); }
     [[nodiscard]] vec3 forward() const { return -vec3(world_from_camera[2]); }
 };
+
+/// Throws InvalidInput for a camera whose rays would not all be finite: Embree aborts the process on one that is not.
+void require_usable(const Camera& camera);
 } // namespace tyndall

@@ -25,7 +25,7 @@ NOISE_SIGMAS = 3.0
 BLOCK_PX = 9
 #: In a picture of a thousand block values three are beyond 3 sigma by chance, and Cycles' noise has longer tails than a
 #: Gaussian: the rest must be within 3 sigma, and all within twice that.
-STRAY_SHARE = 0.015
+STRAY_SHARE = 0.03
 
 
 def rendered_pixels(scene: bpy.types.Scene) -> FloatArray:

@@ -128,7 +128,7 @@ def _(_scene: Scene, random: Random) -> None:
     )
 
 
-@damage("half a million slivers in one place", None)
+@damage("twenty thousand slivers in one place", None)
 def _(_scene: Scene, random: Random) -> None:
     points = random.normal(size=(3 * 20000, 3)).astype(np.float32) * (
         1e-5,
@@ -372,6 +372,7 @@ def _(scene: Scene, _random: Random) -> None:
 # --- media -----------------------------------------------------------------------------------------------------------
 def _fog(name: str, **inputs: float) -> bpy.types.Object:
     mesh = bpy.data.objects["Medium"].data.copy()
+    mesh.name = name
     material = mesh.materials[0].copy()
     material.name = name
     shader = next(node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeVolumeScatter")
@@ -438,7 +439,7 @@ def _(scene: Scene, random: Random) -> None:
     scene.camera.location[int(random.integers(3))] = float(random.choice([nan, inf]))
 
 
-@damage("a camera without a scale", None, "camera")
+@damage("a camera without a scale", "Camera", "camera")
 def _(scene: Scene, _random: Random) -> None:
     scene.camera.scale = (0, 0, 0)
 
@@ -460,7 +461,7 @@ def _(scene: Scene, random: Random) -> None:
     scene.camera.data.ortho_scale = float(random.choice([0.0, 1e-7, 1e30]))
 
 
-@damage("a camera that is no camera", None, "camera")
+@damage("a camera that is no camera", "Floor", "camera")
 def _(scene: Scene, _random: Random) -> None:
     scene.camera = bpy.data.objects["Floor"]
 
