@@ -16,6 +16,7 @@ from typing import Any
 
 import bpy
 import pytest
+
 from support.damaged_scenes import DAMAGES, HIDES_ALL, damages_of
 
 ROOT = Path(__file__).parents[2]

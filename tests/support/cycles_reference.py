@@ -93,7 +93,7 @@ def tyndall_pixels(
     *,
     surface_samples: int = 1,
     light_samples: int = 256,
-    world_samples: int = 1024,
+    world_samples: int = 512,
     seed: int = 0,
 ) -> FloatArray:
     """Render in ours, at the pixels' centres.

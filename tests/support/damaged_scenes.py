@@ -21,6 +21,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 from mathutils import Matrix
+
 from support.agreement_scenes import Arrangement, build, diffuse
 
 Random = np.random.Generator
@@ -542,9 +543,8 @@ def damaged(seed: int) -> Scene:
 
 def outcome(seed: int) -> dict[str, object]:
     """Render a seed's scene; say what came of it."""
-    from support.cycles_reference import rendered_pixels  # noqa: PLC0415
-
     from addon import last_render  # noqa: PLC0415  after the path is set
+    from support.cycles_reference import rendered_pixels  # noqa: PLC0415
 
     scene = damaged(seed)
     name = scene.name
