@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from bpy.types import RenderSettings, Scene, ViewLayer
 
 
+_LEAST_RESOLUTION = 16  #: The property starts at 0, which picks a resolution; between them lies nothing useful.
+
+
 @dataclass(frozen=True, kw_only=True)
 class FrameWindow:
     """The full frame, and the part of it that renders: x from left, y from bottom, in pixels."""
@@ -52,7 +55,7 @@ def render_config(scene: Scene, view_layer: ViewLayer, window: FrameWindow) -> R
         shafts=ShaftConfig(
             method=shafts.method,
             error_target=shafts.error_target,
-            resolution=shafts.resolution,
+            resolution=shafts.resolution and max(shafts.resolution, _LEAST_RESOLUTION),
             light_samples=shafts.light_samples,
             world_samples=shafts.world_samples,
             attenuates_light=shafts.attenuates_light,

@@ -11,6 +11,8 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from tyndall.closed_meshes import open_edge_count
+
 from . import _native
 from .scene_description import Image, Instances, Light, Material, Medium, Mesh, SceneDescription, TextureUse, World
 
@@ -18,6 +20,8 @@ _BYTE = np.arange(256) / 255.0
 #: IEC 61966-2-1: linear below 0.04045.
 _SRGB_TO_LINEAR = np.where(_BYTE <= 0.04045, _BYTE / 12.92, ((_BYTE + 0.055) / 1.055) ** 2.4)  # noqa: PLR2004
 #: What Blender shows where a mesh has no material.
+#: Radiances and coefficients beyond it would overflow where they are summed; Blender makes 3.4e38 of infinite ones.
+_LARGEST_VALUE = 1e30
 _DEFAULT_MATERIAL = Material(name="(no material)")
 _Part = TypeVar("_Part")
 
@@ -58,6 +62,7 @@ class NativeParts:
     """Native objects that outlive a frame, by key, and how many of them the last update sent or found in place."""
 
     meshes: dict[str, _native.TriangleMesh] = field(default_factory=dict)
+    open_edges: dict[str, int] = field(default_factory=dict)  #: Of meshes that bound a medium.
     textures: dict[tuple[str, int, int], _native.Texture] = field(default_factory=dict)
     world: tuple[bytes, _native.World] | None = None
     counts: dict[str, float] = field(default_factory=dict)
@@ -91,6 +96,7 @@ def build_scene(description: SceneDescription, parts: NativeParts, progress: _na
     """The native scene; new meshes and images go into ``parts``, those that are gone leave it. Raises Cancelled."""
     reports = list(description.reports)
     groups = _build_meshes(description.instances, parts, reports, progress)
+    _report_open_media(groups, description.materials, parts, reports)
     origin = _origin_in_world(groups, description)
     materials = _build_materials(description.materials, parts, reports)
     default_material = len(materials)
@@ -189,6 +195,24 @@ def _build_meshes(
     return [group for group in groups if group.mesh.key in kept]
 
 
+def _report_open_media(
+    groups: list[Instances], materials: tuple[Material, ...], parts: NativeParts, reports: list[str]
+) -> None:
+    """One line per object whose mesh bounds a medium without closing around it."""
+    kept = {}
+    for group in groups:
+        if all(materials[index].medium < 0 for index in group.materials):
+            continue
+        key = group.mesh.key
+        kept[key] = parts.open_edges[key] if key in parts.open_edges else open_edge_count(group.mesh)
+        if kept[key]:
+            reports.append(
+                f"object '{group.object_names[0]}' bounds a medium, but its mesh is not closed: {kept[key]} edges "
+                "have no face on one side; where a ray passes there, the medium begins or ends at a wrong place"
+            )
+    parts.open_edges = kept
+
+
 def _built(sources: Iterable[_Part], build: Callable[[_Part], Any], kind: str, reports: list[str]) -> list[Any | None]:
     """Each source's native part, or None and a report where it cannot be used."""
     result: list[Any | None] = []
@@ -216,7 +240,7 @@ def _require_finite(part: object, path: str = "") -> None:
     elif isinstance(part, tuple) and part and is_dataclass(part[0]):
         for index, item in enumerate(part):
             _require_finite(item, f"{path}[{index}].")
-    elif isinstance(part, float | tuple | np.ndarray) and not np.isfinite(part).all():
+    elif isinstance(part, float | tuple | np.ndarray) and not (np.abs(part) < _LARGEST_VALUE).all():
         raise _native.InvalidInput(f"{path} is not finite")
 
 
@@ -229,7 +253,7 @@ def _build_materials(materials: tuple[Material, ...], parts: NativeParts, report
         if key not in kept:
             native = parts.textures.get(key)
             parts.counts["images sent" if native is None else "images reused"] += 1
-            kept[key] = native if native is not None else _build_texture(use)
+            kept[key] = native if native is not None else _build_texture(use, reports)
         return kept[key]
 
     result = []
@@ -243,10 +267,15 @@ def _build_materials(materials: tuple[Material, ...], parts: NativeParts, report
     return result
 
 
-def _build_texture(use: TextureUse) -> _native.Texture:
+def _build_texture(use: TextureUse, reports: list[str]) -> _native.Texture:
+    pixels: NDArray[Any] = use.image.pixels
+    broken = 0 if pixels.dtype == np.uint8 else int((~np.isfinite(pixels).all(axis=2)).sum())
+    if broken:
+        pixels = np.nan_to_num(pixels, nan=0.0, posinf=0.0, neginf=0.0)
+        reports.append(f'Image "{use.image.name}": {broken} pixels that are not finite are drawn black')
     return _native.Texture(
         name=use.image.name,
-        pixels=use.image.pixels,
+        pixels=pixels,
         is_srgb=use.image.is_srgb,
         has_alpha=use.image.has_alpha,
         extension=int(use.extension),
