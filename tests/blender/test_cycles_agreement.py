@@ -34,8 +34,6 @@ from support.cycles_reference import (
 )
 
 PICTURES = Path(__file__).parents[2] / "out" / "cycles_agreement"
-#: Cycles samples per pixel: its blocks are then less noisy than what is asked of ours, but for light from everywhere.
-CYCLES_SAMPLES = 256
 #: Ours per pixel, on surfaces: under a light with a size they are sampled, as in Cycles.
 SURFACE_SAMPLES = {"point 0.2 m": 128, "spot 0.1 m": 128, "sun 2 degrees": 128, "sun 20 degrees": 256, "many": 64}
 SURFACE_SAMPLES |= {"world": 512, "world image": 512}
@@ -89,7 +87,7 @@ HERE = ONE_BY_ONE if bpy.app.version[:2] == (4, 5) else FEW
 
 def check(arrangement: Arrangement, method: str = "EXACT") -> None:
     scene = build(arrangement)
-    cycles = cycles_pixels(scene, CYCLES_SAMPLES, 1), cycles_pixels(scene, CYCLES_SAMPLES, 2)
+    cycles = cycles_pixels(scene, seed=1), cycles_pixels(scene, seed=2)
     on_edges = pixels_on_edges(scene)
     ours_first = tyndall_pixels(scene, method, surface_samples=SURFACE_SAMPLES.get(arrangement.light, 1))
     ours_second = ours_first  # a light without a size is not sampled

@@ -228,33 +228,6 @@ def _two_boxes(red: tuple[float, ...], blue: tuple[float, ...], red_g: float, bl
     _box((-0.5, -1.0, 0.04), (2.5, 2.6, 3.4), SCATTER, Color=blue, Density=0.15, Anisotropy=blue_g)
 
 
-def _glowing_box() -> None:
-    """Emission and absorption only, hidden from rays that leave surfaces: Cycles would count those as direct light."""
-    black = (0, 0, 0, 1)
-    inputs = {"Density": 0.3, "Color": black, "Absorption Color": (0.5, 0.2, 0.1, 1)}
-    box = _box(*CLOUD, PRINCIPLED, **inputs, **{"Emission Strength": 0.2, "Emission Color": (0.2, 0.5, 1.0, 1)})
-    box.visible_diffuse = False
-
-
-def _two_boxes() -> None:
-    _box(
-        (-2.5, -2.0, 0.02),
-        (0.7, 2.0, 3.0),
-        SCATTER,
-        Color=(1, 0.5, 0.3, 1),
-        Density=0.15,
-        Anisotropy=0.4,
-    )
-    _box(
-        (-0.5, -1.0, 0.04),
-        (2.5, 2.6, 3.4),
-        SCATTER,
-        Color=(0.3, 0.6, 1, 1),
-        Density=0.15,
-        Anisotropy=-0.3,
-    )
-
-
 MEDIA: dict[str, Callable[[], object]] = {
     "none": lambda: None,
     "camera inside": lambda: _box(*ROOM, SCATTER, Color=WHITE, Density=0.08, Anisotropy=0.0),
@@ -421,11 +394,9 @@ def _glow() -> None:
         material.cycles.emission_sampling = "NONE"
     else:
         material.cycles.sample_as_light = False
-    _plane(
-        "Glow",
-        Matrix.Translation((0, 0.8, 2.0)) @ Matrix.Rotation(0.6, 4, "X"),
-        material,
-    )
+    plate = _plane("Glow", Matrix.Translation((0, 0.8, 2.0)) @ Matrix.Rotation(0.6, 4, "X"), material)
+    # Without it, rays that leave a surface or a medium after the last bounce still end on the plate and see it glow.
+    plate.visible_diffuse = plate.visible_volume_scatter = False
 
 
 OCCLUDERS: dict[str, Callable[[], None]] = {
