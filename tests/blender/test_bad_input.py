@@ -53,7 +53,7 @@ def outcomes() -> dict[int, dict[str, Any]]:
     first = 0
     while first < SCENE_COUNT:
         run = subprocess.run(
-            _command(first, SCENE_COUNT), env=_environment(), capture_output=True, stderr=subprocess.PIPE,
+            _command(first, SCENE_COUNT), env=_environment(), capture_output=True,
             stdin=subprocess.DEVNULL, timeout=TIME_LIMIT_S, check=False, cwd=ROOT,
         )  # fmt: skip
         begun = first

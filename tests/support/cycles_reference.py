@@ -23,6 +23,8 @@ FloatArray = NDArray[np.float64]
 MEAN_BOUND, MEDIAN_BOUND, BLOCK_BOUND = 0.001, 0.002, 0.002
 NOISE_SIGMAS = 3.0
 BLOCK_PX = 9
+#: Of a pixel's value; a weaker edge moves its block by less than BLOCK_BOUND.
+EDGE_CONTRAST = 0.08
 #: Per pixel: blocks are then less noisy than what is asked of ours, but for light from everywhere.
 CYCLES_SAMPLES = 256
 #: In a picture of a thousand block values three are beyond 3 sigma by chance, and Cycles' noise has longer tails than a
@@ -117,7 +119,7 @@ def pixels_on_edges(scene: bpy.types.Scene, margin_px: float = 0.03) -> NDArray[
     """Find the pixels, (height, width), whose centre lies within a margin of an edge of something seen.
 
     On which side such a centre lies is rounding, and Cycles' narrowest filter is 0.01 px wide: no verdict there. Found
-    by four pictures of ours from a camera shifted by the margin, with few samples of lights: the edges do not need more.
+    by four pictures of ours from a camera shifted by the margin, with few samples of lights: edges need no more.
     """
     _prepare_tyndall(scene, 1, 0)
     scene.tyndall.shafts.light_samples, scene.tyndall.shafts.world_samples = 1, 4
@@ -131,7 +133,7 @@ def pixels_on_edges(scene: bpy.types.Scene, margin_px: float = 0.03) -> NDArray[
     lens.shift_x, lens.shift_y = shift
     stacked = np.stack(seen)
     spread, level = stacked.max(axis=0) - stacked.min(axis=0), stacked.max(axis=0)
-    found: NDArray[np.bool_] = (spread > 0.02 * level + 1e-6 * level.mean()).any(axis=2)
+    found: NDArray[np.bool_] = (spread > EDGE_CONTRAST * level + 0.002 * level.mean()).any(axis=2)
     return found
 
 

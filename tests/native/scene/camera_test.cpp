@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/errors.hpp"
 #include "scene/camera.hpp"
 #include <cmath>
 #include <doctest/doctest.h>
@@ -49,4 +50,19 @@ TEST_CASE("an orthographic view that clips behind itself begins there, with a ra
     CHECK(ray.near_m == 0.0f);
     CHECK(ray.far_m == 100.0f);
     CHECK(std::abs(in_camera(c, ray.origin).z - 50.0f) < 1e-5f);
+}
+// Debian's Embree asserts that rays are valid: one that is not ends the whole process.
+TEST_CASE("a camera whose rays would not be finite is refused") {
+    for (const float bad : {NAN, INFINITY, 3.4e38f}) {
+        Camera lost = camera(CameraKind::Perspective);
+        lost.world_from_camera[3].y = bad;
+        CHECK_THROWS_AS(require_usable(lost), InvalidInput);
+        Camera wide = camera(CameraKind::Orthographic);
+        wide.window_right = bad;
+        CHECK_THROWS_AS(require_usable(wide), InvalidInput);
+    }
+    Camera flat = camera(CameraKind::Perspective);
+    flat.world_from_camera[0] *= 0.0f;
+    CHECK_THROWS_AS(require_usable(flat), InvalidInput);
+    CHECK_NOTHROW(require_usable(camera(CameraKind::Perspective)));
 }
