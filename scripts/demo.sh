@@ -4,7 +4,7 @@
 # Blender into out/, as PNG and as multi-layer EXR. --window opens Blender's window on that scene instead.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-scene=examples/forest_clearing.blend
+scene=examples/window_hall.blend
 case "${1:-}" in
     --window) window=1 ;;
     "") window=0 ;;
