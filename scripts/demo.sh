@@ -27,7 +27,10 @@ render() {
     TYNDALL_DEMO_PICTURE=$picture scripts/blender -b "$scene" -E TYNDALL --python-exit-code 1 --python-expr '
 import bpy, os
 picture = os.environ["TYNDALL_DEMO_PICTURE"]
-render = bpy.context.scene.render
+scene = bpy.context.scene
+render = scene.render
+# A first look: the file itself asks for full HD and 16 samples.
+render.resolution_percentage, scene.tyndall.pixel_samples = 50, 4
 render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
 render.filepath = picture + ".exr"
 bpy.ops.render.render(write_still=True)
