@@ -19,6 +19,9 @@ import pytest
 
 from support.damaged_scenes import DAMAGES, HIDES_ALL, damages_of
 
+#: On every push in one version; scripts/test.sh --all tries the others.
+pytestmark = [] if bpy.app.version[:2] == (4, 5) else [pytest.mark.long]
+
 ROOT = Path(__file__).parents[2]
 SCENE_COUNT = 200
 TIME_LIMIT_S = 600
