@@ -83,8 +83,8 @@ PAIRS = tuple(
     + [Arrangement(light=light, camera=camera) for light in LIGHTS for camera in CAMERAS]
 )
 HERE = ONE_BY_ONE if bpy.app.version[:2] == (4, 5) else FEW
-#: On every push in one version; scripts/test.sh --all judges the others.
-pytestmark = [] if bpy.app.version[:2] == (4, 5) else [pytest.mark.long]
+#: Minutes of Cycles: scripts/test.sh --all judges them.
+pytestmark = pytest.mark.long
 
 
 def check(arrangement: Arrangement, method: str = "EXACT") -> None:
