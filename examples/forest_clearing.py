@@ -24,13 +24,11 @@ from scene_kit import (
     Shape,
     camera,
     clear_file,
-    cutout,
     diffuse,
     finish,
     fog_box,
     instance,
     link,
-    packed_image,
     placed,
     shared_collection,
     sun,
@@ -39,7 +37,7 @@ from scene_kit import (
 
 TOWARDS_SUN = (-0.55, 1.0, 0.66)  #: From beyond the clearing, a little to the left.
 EYE = (0.6, -17.0, 1.55)
-DEER = (-1.5, -9.3)
+DEER = (-0.7, -9.0)
 GROUND_SIZE = 110.0
 
 
@@ -74,8 +72,8 @@ def tree(seed: int, bark: bpy.types.Material, leaf: bpy.types.Material) -> bpy.t
     settings = ast.literal_eval(preset.read_text().partition("\n")[2])
     random = np.random.default_rng(seed)
     settings |= {
-        "seed": seed, "levels": 3, "branches": (0, 34, 13, 0), "leaves": 11, "showLeaves": True, "leafShape": "rect",
-        "leafScale": 0.42, "leafScaleX": 0.75, "scale": 13.0 + 3.0 * random.random(), "scaleV": 0.0, "baseSize": 0.42,
+        "seed": seed, "levels": 3, "branches": (0, 34, 13, 0), "leaves": 16, "showLeaves": True, "leafShape": "hex",
+        "leafScale": 0.27, "leafScaleX": 0.75, "scale": 13.0 + 3.0 * random.random(), "scaleV": 0.0, "baseSize": 0.42,
         "resU": 1, "bevelRes": 1, "curveRes": (8, 4, 2, 1), "ratio": 0.013, "curveV": (28.0, 60.0, 80.0, 0.0),
     }  # fmt: skip
     before = set(bpy.data.objects)
@@ -95,26 +93,6 @@ def tree(seed: int, bark: bpy.types.Material, leaf: bpy.types.Material) -> bpy.t
     for made in grown.values():
         bpy.data.objects.remove(made)
     return collection
-
-
-def leaf_image(size_px: int = 96) -> bpy.types.Image:
-    """Three small leaves on a twig: one rectangle of Sapling becomes a spray of leaves by its alpha."""
-    y, x = np.mgrid[0:size_px, 0:size_px] / size_px
-    pixels = np.zeros((size_px, size_px, 4), np.float32)
-    pixels[..., :3] = (0.36, 0.50, 0.12)
-    for cx, cy, turn, tone in (
-        (0.50, 0.66, 0.0, 1.05),
-        (0.27, 0.42, 0.9, 0.85),
-        (0.73, 0.38, -0.8, 0.95),
-    ):
-        u = (x - cx) * cos(turn) + (y - cy) * sin(turn)
-        v = -(x - cx) * sin(turn) + (y - cy) * cos(turn)
-        inside = np.abs(u) < 0.16 * np.clip(1 - (v / 0.3) ** 2, 0, None) * (1 - 0.5 * v)
-        pixels[inside, :3] = np.array((0.36, 0.50, 0.12)) * tone
-        pixels[inside & (np.abs(u) < 0.012), :3] *= 1.25
-        pixels[inside, 3] = 1.0
-    pixels[(np.abs(x - 0.5) < 0.012) & (y < 0.5), 3] = 1.0
-    return packed_image("Leaves", pixels)
 
 
 def fern(seed: int, material: bpy.types.Material) -> bpy.types.Collection:
@@ -255,7 +233,10 @@ def plant(surface: BVHTree, trees: list, ferns: list, tufts: list) -> None:
             if abs(x) > 50 or abs(y) > 50 or np.hypot(x - EYE[0], y - EYE[1]) < 2.0:
                 continue
             on_path = abs(x - 0.8 * sin(y * 0.22)) < 0.8
-            if on_path or (kinds is ferns and np.hypot(x, y + 1) < 6.5):
+            before_deer = (
+                EYE[1] < y < DEER[1] + 0.8 and abs(x - np.interp(y, (EYE[1], DEER[1]), (EYE[0], DEER[0]))) < 0.9
+            )
+            if on_path or before_deer or (kinds is ferns and np.hypot(x, y + 1) < 6.5):
                 continue
             place = placed(
                 rest_on(surface, x, y),
@@ -277,7 +258,7 @@ def build() -> None:
     floor = ground(diffuse("Forest Floor", (0.13, 0.12, 0.055)))
     # Not Object.ray_cast, which evaluates the scene anew after each plant.
     surface = BVHTree.FromObject(floor, bpy.context.evaluated_depsgraph_get())
-    leaf = cutout("Leaves", leaf_image())
+    leaf = diffuse("Leaves", (0.16, 0.26, 0.04))
     trees = [tree(seed, bark, leaf) for seed in (1, 2, 3, 4)]
     ferns = [fern(seed, diffuse(f"Fern {seed}", (0.22, 0.38, 0.08))) for seed in (1, 2)]
     tufts = [grass(seed, diffuse(f"Grass {seed}", (0.30, 0.38, 0.10))) for seed in (1, 2)]
@@ -285,10 +266,10 @@ def build() -> None:
     buck = deer(diffuse("Deer", (0.30, 0.17, 0.09)))
     buck.matrix_world = placed(rest_on(surface, *DEER), (0, 0, 25))
     sun("Sun", TOWARDS_SUN, 30.0, (1.0, 0.79, 0.52), 0.5)
-    world((0.45, 0.62, 1.0), 0.22)
-    fog_box((-53, -27, -3.0), (53, 53, 15.0), 0.0062, (0.99, 0.99, 1.0), 0.4)
+    world((0.45, 0.62, 1.0), 0.28)
+    fog_box((-53, -27, -3.0), (53, 53, 15.0), 0.0045, (0.99, 0.99, 1.0), 0.4)
     camera(EYE, (-0.9, -1.0, 3.1), 28.0)
-    finish(__file__, view="Filmic", look="High Contrast", exposure=0.35)
+    finish(__file__, view="Filmic", look="High Contrast", exposure=0.3)
 
 
 build()

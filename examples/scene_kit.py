@@ -226,21 +226,6 @@ def emission(name: str, colour: Rgb, strength: float) -> bpy.types.Material:
     return material
 
 
-def cutout(name: str, image: bpy.types.Image) -> bpy.types.Material:
-    """Diffuse where the image's alpha is 1, nothing where it is 0."""
-    material = diffuse(name, (0.8, 0.8, 0.8), image)
-    tree = material.node_tree
-    nodes = {node.bl_idname: node for node in tree.nodes}
-    mix = tree.nodes.new("ShaderNodeMixShader")
-    clear = tree.nodes.new("ShaderNodeBsdfTransparent")
-    tree.links.new(nodes["ShaderNodeTexImage"].outputs["Alpha"], mix.inputs["Fac"])
-    tree.links.new(clear.outputs[0], mix.inputs[1])
-    tree.links.new(nodes["ShaderNodeBsdfDiffuse"].outputs[0], mix.inputs[2])
-    tree.links.new(mix.outputs[0], nodes["ShaderNodeOutputMaterial"].inputs["Surface"])
-    material.blend_method = "CLIP"
-    return material
-
-
 def packed_image(name: str, pixels: NDArray[np.float32]) -> bpy.types.Image:
     """Image of float32 (height, width, 4), sRGB values, rows bottom to top, stored inside the file."""
     height, width = pixels.shape[:2]

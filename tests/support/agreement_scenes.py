@@ -216,10 +216,16 @@ WHITE, TINTED = (1, 1, 1, 1), (0.9, 0.6, 0.3, 1)
 
 
 def _glowing_box() -> None:
-    """Emission and absorption only, hidden from rays that leave surfaces: Cycles would count those as direct light."""
+    """Emission and absorption only, without a surface in it: Cycles would count what lights it as direct light."""
     black = (0, 0, 0, 1)
     inputs = {"Density": 0.3, "Color": black, "Absorption Color": (0.5, 0.2, 0.1, 1)}
-    box = _box(*CLOUD, PRINCIPLED, **inputs, **{"Emission Strength": 0.2, "Emission Color": (0.2, 0.5, 1.0, 1)})
+    box = _box(
+        (-2.2, -3.5, 0.02),
+        (2.2, -0.9, 3.6),
+        PRINCIPLED,
+        **inputs,
+        **{"Emission Strength": 0.2, "Emission Color": (0.2, 0.5, 1.0, 1)},
+    )
     box.visible_diffuse = False
 
 
