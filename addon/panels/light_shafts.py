@@ -30,6 +30,9 @@ class TYNDALL_PT_light_shafts(PropertiesPanel, Panel):
         column = layout.column(align=True)
         column.prop(shafts, "light_samples")
         column.prop(shafts, "world_samples")
+        sharing = column.column(align=True)
+        sharing.active = shafts.method != "EXACT"
+        sharing.prop(shafts, "shares_strata")
         layout.prop(shafts, "attenuates_light")
         layout.operator("tyndall.add_fog_box", icon="MOD_FLUIDSIM")
 

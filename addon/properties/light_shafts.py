@@ -100,6 +100,15 @@ class TyndallLightShaftSettings(PropertyGroup):
         update=tag,
         override=OVERRIDABLE,
     )
+    shares_strata: BoolProperty(
+        name="Share between Pixels",
+        description="Where a light has more samples than a pixel, neighbouring pixels take different ones and share "
+        "what they find: many times faster, and blurs soft shafts by at most two pixels. Off asks for all of them in "
+        "every pixel. The exact method never shares",
+        default=True,
+        update=tag,
+        override=OVERRIDABLE,
+    )
     attenuates_light: BoolProperty(
         name="Attenuate on the Way",
         description="Media dim light on its way from the lamp to where it is scattered, as in Cycles. Off is faster "

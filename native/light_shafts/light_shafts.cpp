@@ -8,6 +8,7 @@
 #include "light_shafts/scattering_lights.hpp"
 #include "light_shafts/visibility.hpp"
 #include <algorithm>
+#include <bit>
 #include <numeric>
 #include <optional>
 
@@ -89,6 +90,17 @@ Deal deal(std::size_t beam_count, const Turn& turn) {
     const std::size_t use_count = turn.count / beam_count + (beam < turn.count % beam_count ? 1 : 0);
     return {.first = beam, .last = beam + 1, .weight = static_cast<float>(turn.count) / static_cast<float>(use_count)};
 }
+/// Between how many cells of a square of pixels the strata of a light are dealt out, in one of turn_count passes.
+struct Sharing {
+    std::size_t side = 0; ///< Into shared_sides.
+    std::uint32_t count = 1;
+};
+Sharing sharing(std::size_t beam_count, std::uint32_t turn_count) {
+    // A power of two: each count of cells has as many pixels.
+    const auto count =
+        static_cast<std::uint32_t>(std::bit_floor(std::clamp<std::size_t>(beam_count / turn_count, 1, 16)));
+    return {count == 1 ? 0u : count <= 4 ? 1u : 2u, count};
+}
 /// A permutation that spreads consecutive indices over all beams, by steps near the golden section.
 std::size_t spread(std::size_t index, std::size_t count) {
     std::size_t step = std::max<std::size_t>(1, count * 618 / 1000);
@@ -125,6 +137,11 @@ struct Shafts::Prepared {
 
     void gather(std::span<const ViewRay> rays, std::span<const std::uint32_t> order, Block& block) const;
     void add(const Beam& beam, Block& block) const;
+    void add(const LightBeams& light, const Turn& turn, Block& block) const;
+    /// Of the lights that squares of shared_sides[side] pixels share.
+    void scatter_side(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells,
+                      std::span<const std::uint32_t> order, std::size_t side, const Scattered& out,
+                      const Progress& progress, const Turn& turn) const;
 };
 
 Shafts::~Shafts() = default;
@@ -263,13 +280,47 @@ void Shafts::Prepared::add(const Beam& beam, Block& block) const {
     }
 }
 
+void Shafts::Prepared::add(const LightBeams& light, const Turn& turn, Block& block) const {
+    block.lit_length_m.assign(block.rays.size(), 0.0f);
+    block.radiance.assign(block.rays.size(), Rgb(0.0f));
+    const Deal mine = deal(light.beams.size(), turn);
+    for (std::size_t index = mine.first; index < mine.last; ++index)
+        add(light.beams[spread(index, light.beams.size())], block);
+    const float share = mine.weight / static_cast<float>(light.beams.size() * lights.size());
+    const auto most = static_cast<float>(mine.last - mine.first);
+    for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
+        block.all_radiance[ray] += mine.weight * block.radiance[ray];
+        if (block.length_m[ray] > 0.0f)
+            block.visibility[ray] += share * std::min(most, block.lit_length_m[ray] / block.length_m[ray]);
+    }
+}
+
 void Shafts::scatter(std::span<const ViewRay> rays, std::span<Rgb> radiance, std::span<float> average_visibility,
                      const Progress& progress, Turn turn) const {
+    scatter(rays, {}, {Scattered{radiance, average_visibility}}, progress, turn);
+}
+
+std::array<bool, shared_sides.size()> Shafts::sides_used(std::uint32_t turn_count) const {
+    std::array<bool, shared_sides.size()> used{};
+    for (const LightBeams& light : prepared_->lights)
+        used[sharing(light.beams.size(), turn_count).side] = true;
+    return used;
+}
+
+void Shafts::scatter(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells,
+                     const std::array<Scattered, shared_sides.size()>& out, const Progress& progress, Turn turn) const {
     require(turn.index < turn.count, "scatter: turn ", turn.index, " of ", turn.count);
-    require(radiance.size() == rays.size() && (average_visibility.empty() || average_visibility.size() == rays.size()),
-            "scatter: ", rays.size(), " rays, but room for ", radiance.size(), " results");
-    std::ranges::fill(radiance, Rgb(0.0f));
-    std::ranges::fill(average_visibility, 0.0f);
+    require(cells.empty() || cells.size() == rays.size(), "scatter: ", rays.size(), " rays with ", cells.size(),
+            " cells");
+    const std::array used = cells.empty() ? std::array{true, false, false} : sides_used(turn.count);
+    for (std::size_t side = 0; side < shared_sides.size(); ++side) {
+        const auto& [radiance, visibility] = out[side];
+        require(!used[side] ||
+                    (radiance.size() == rays.size() && (visibility.empty() || visibility.size() == rays.size())),
+                "scatter: ", rays.size(), " rays, but room for ", radiance.size(), " results");
+        std::ranges::fill(radiance, Rgb(0.0f));
+        std::ranges::fill(visibility, 0.0f);
+    }
     if (is_empty())
         return;
     // In the picture's order neighbours read different rows: 7 to 10 times slower at 8,192 lines.
@@ -278,32 +329,46 @@ void Shafts::scatter(std::span<const ViewRay> rays, std::span<Rgb> radiance, std
         order.resize(rays.size());
         std::iota(order.begin(), order.end(), 0u);
     }
+    for (std::size_t side = 0; side < shared_sides.size(); ++side)
+        if (used[side])
+            prepared_->scatter_side(rays, cells, order, side, out[side], progress, turn);
+}
+
+void Shafts::Prepared::scatter_side(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells,
+                                    std::span<const std::uint32_t> order, std::size_t side, const Scattered& out,
+                                    const Progress& progress, const Turn& turn) const {
+    // Rays of one cell ask for the same strata: a block has one cell, and keeps the order within it.
+    const std::uint32_t cell_count = shared_sides[side] * shared_sides[side];
+    std::vector<std::uint32_t> by_cell;
+    std::vector<std::size_t> first_of_cell{0};
+    for (std::uint32_t cell = 0; cell < cell_count && side > 0; ++cell) {
+        for (const std::uint32_t ray : order)
+            if (cells[ray] * cell_count / 16 == cell)
+                by_cell.push_back(ray);
+        first_of_cell.push_back(by_cell.size());
+    }
+    if (side == 0)
+        first_of_cell.push_back(order.size());
+    const std::span<const std::uint32_t> sorted = side == 0 ? order : std::span<const std::uint32_t>(by_cell);
     constexpr std::size_t rays_per_block = 256; // their pieces and intervals stay in the first-level cache
-    parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
-        thread_local Block block;
-        prepared_->gather(rays, std::span(order).subspan(begin, end - begin), block);
-        if (block.rays.empty())
-            return;
-        for (const LightBeams& light : prepared_->lights) {
-            block.lit_length_m.assign(block.rays.size(), 0.0f);
-            block.radiance.assign(block.rays.size(), Rgb(0.0f));
-            const Deal mine = deal(light.beams.size(), turn);
-            for (std::size_t index = mine.first; index < mine.last; ++index)
-                prepared_->add(light.beams[spread(index, light.beams.size())], block);
-            const float share = mine.weight / static_cast<float>(light.beams.size() * prepared_->lights.size());
-            const auto most = static_cast<float>(mine.last - mine.first);
-            for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
-                block.all_radiance[ray] += mine.weight * block.radiance[ray];
-                if (block.length_m[ray] > 0.0f)
-                    block.visibility[ray] += share * std::min(most, block.lit_length_m[ray] / block.length_m[ray]);
+    for (std::uint32_t cell = 0; cell < cell_count; ++cell) {
+        const auto mine = sorted.subspan(first_of_cell[cell], first_of_cell[cell + 1] - first_of_cell[cell]);
+        parallel_blocks(mine.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
+            thread_local Block block;
+            gather(rays, mine.subspan(begin, end - begin), block);
+            for (const LightBeams& light : lights) {
+                const Sharing shared = cells.empty() ? Sharing{} : sharing(light.beams.size(), turn.count);
+                if (!block.rays.empty() && shared.side == side)
+                    add(light, {cell * shared.count / cell_count * turn.count + turn.index, shared.count * turn.count},
+                        block);
             }
-        }
-        for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
-            radiance[block.target[ray]] = block.all_radiance[ray];
-            if (!average_visibility.empty())
-                average_visibility[block.target[ray]] = block.visibility[ray];
-        }
-    });
+            for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
+                out.radiance[block.target[ray]] = block.all_radiance[ray];
+                if (!out.average_visibility.empty())
+                    out.average_visibility[block.target[ray]] = block.visibility[ray];
+            }
+        });
+    }
 }
 
 Result run(const Scene& scene, const View& view, std::span<const ViewRay> rays, const Config& config,

@@ -9,6 +9,7 @@
 #include "core/statistics.hpp"
 #include "scene/media.hpp"
 #include "scene/scene.hpp"
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
@@ -40,6 +41,8 @@ struct Config {
     std::uint32_t light_samples = 16;
     std::uint32_t world_samples = 64; ///< Directions of the world's light, [0, 65536]; 0: it does not scatter.
     bool attenuates_light = true;     ///< False: eq. 5.1 as printed, no loss between light and scattering point.
+    /// Neighbouring pixels share the strata of lights that have more of them than a pixel has samples; never with EXACT.
+    bool shares_strata = true;
     std::uint32_t seed = 0;
 };
 
@@ -54,6 +57,18 @@ struct Result {
 struct Turn {
     std::uint32_t index = 0, count = 1;
 };
+
+/// Where scatter() puts its results, per ray; no visibility where that span is empty.
+struct Scattered {
+    std::span<Rgb> radiance; ///< As in Result.
+    std::span<float> average_visibility;
+};
+struct ConstScattered {
+    std::span<const Rgb> radiance;
+    std::span<const float> average_visibility;
+};
+/// Sides of the squares of pixels that share the strata of a light, see shared_strata.hpp; 1: each pixel for itself.
+inline constexpr std::array<std::uint32_t, 3> shared_sides{1, 2, 4};
 
 /// One frame's light shafts, prepared once and asked band by band, pass by pass: what a light needs (its hierarchy or
 /// its slope rows) is built by the constructor. Immutable after that; safe from any thread.
@@ -73,6 +88,12 @@ public:
     /// Overwrites, per ray, the radiance (as in Result) and the average visibility, unless its span is empty.
     void scatter(std::span<const ViewRay> rays, std::span<Rgb> radiance, std::span<float> average_visibility,
                  const Progress& progress, Turn turn = {}) const;
+    /// The same where neighbouring pixels share strata: `cells` has the cell_of_pixel of each ray, and out[i] gets the
+    /// light that squares of shared_sides[i] pixels share, still to be averaged by add_shared.
+    void scatter(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells,
+                 const std::array<Scattered, shared_sides.size()>& out, const Progress& progress, Turn turn) const;
+    /// Whether out[i] of shared_sides gets any light when a picture has turn_count passes.
+    [[nodiscard]] std::array<bool, shared_sides.size()> sides_used(std::uint32_t turn_count) const;
     /// Of the preparation: what was built, which lights were skipped and why.
     [[nodiscard]] const Statistics& statistics() const;
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/frame.hpp"
 #include "core/parallel.hpp"
+#include "light_shafts/shared_strata.hpp"
 #include "render/view_path.hpp"
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <optional>
 
@@ -16,20 +18,32 @@ constexpr std::chrono::milliseconds least_update_interval{500};
 /// What one sample's camera rays and their light shafts take of its time, roughly, for the progress bar.
 constexpr double surface_share = 0.3;
 
-/// Parts of view rays that wait for their scattered light, in the order of their pixels.
+/// Parts of the view rays of one pass that wait for their scattered light, in the order of their pixels.
 struct WaitingParts {
-    std::vector<std::size_t> pixels;
+    std::vector<std::uint32_t> first{0}; ///< Pixel p owns the parts [first[p] .. first[p + 1]).
     std::vector<light_shafts::ViewRay> rays;
     std::vector<Rgb> weights;
 
     void append(const WaitingParts& other) {
-        pixels.insert(pixels.end(), other.pixels.begin(), other.pixels.end());
+        const std::uint32_t before = first.back();
+        for (std::size_t pixel = 1; pixel < other.first.size(); ++pixel)
+            first.push_back(before + other.first[pixel]);
         rays.insert(rays.end(), other.rays.begin(), other.rays.end());
         weights.insert(weights.end(), other.weights.begin(), other.weights.end());
     }
 };
+/// What the media scatter into the parts of one pass: of the lights that each pixel asks for itself, and of those that
+/// squares of pixels share.
+struct ScatteredParts {
+    struct Light {
+        std::vector<Rgb> radiance;
+        std::vector<float> visibility;
+    };
+    std::array<Light, light_shafts::shared_sides.size()> of_side;
+    std::vector<std::uint8_t> cells; ///< Of the parts' pixels; empty: nothing is shared.
+};
 struct Band {
-    std::size_t first_pixel, pixel_count;
+    std::uint32_t first_row, end_row;
 };
 
 Region checked_region(const Camera& camera, const FrameConfig& config) {
@@ -58,12 +72,8 @@ public:
 
     Film render() {
         const std::vector<Band> bands = all_bands();
-        render_first_sample(bands);
-        for (std::uint32_t sample = 1; sample < config_.pixel_samples; ++sample)
-            for (const Band& band : bands) {
-                scatter(sample, band, trace(sample, band));
-                update_now_and_then();
-            }
+        for (std::uint32_t sample = 0; sample < config_.pixel_samples; ++sample)
+            render_sample(sample, bands);
         Film film = sums_.resolve(progress_);
         statistics_.stages.push_back({"camera rays and direct light", surface_seconds_});
         if (shafts_) {
@@ -80,57 +90,59 @@ private:
     [[nodiscard]] std::uint32_t width() const { return region_.x1 - region_.x0; }
     [[nodiscard]] std::size_t pixel_count() const { return std::size_t{region_.y1 - region_.y0} * width(); }
     [[nodiscard]] std::vector<Band> all_bands() const {
-        const std::size_t size = std::size_t{std::max(1u, pixels_per_band / width())} * width();
+        const std::uint32_t row_count = region_.y1 - region_.y0, rows = std::max(1u, pixels_per_band / width());
         std::vector<Band> bands;
-        for (std::size_t first = 0; first < pixel_count(); first += size)
-            bands.push_back({first, std::min(size, pixel_count() - first)});
+        for (std::uint32_t first = 0; first < row_count; first += rows)
+            bands.push_back({first, std::min(first + rows, row_count)});
         return bands;
     }
 
-    /// Surfaces of the whole frame before any shafts: the picture appears, and the shafts are prepared for all its rays.
-    void render_first_sample(const std::vector<Band>& bands) {
-        std::vector<WaitingParts> waiting;
+    /// One pass: the surfaces of the whole picture, which then appears, and after them the shafts.
+    void render_sample(std::uint32_t sample, const std::vector<Band>& bands) {
+        WaitingParts waiting;
         for (const Band& band : bands) {
-            waiting.push_back(trace(0, band));
+            trace(sample, band, waiting);
             update_now_and_then();
         }
-        if (!media_.is_empty())
+        if (sample == 0 && !media_.is_empty())
             prepare_shafts(waiting);
-        for (std::size_t index = 0; index < bands.size(); ++index) {
-            scatter(0, bands[index], waiting[index]);
-            waiting[index] = {};
-            update_now_and_then();
+        if (!shafts_)
+            return;
+        ScatteredParts scattered = room_for(waiting);
+        // A band's pixels look at neighbours in the next one.
+        for (std::size_t index = 0; index <= bands.size(); ++index) {
+            if (index < bands.size())
+                scatter(sample, bands[index], waiting, scattered);
+            if (index > 0) {
+                add_shafts(bands[index - 1], waiting, scattered);
+                update_now_and_then();
+            }
         }
     }
 
-    void prepare_shafts(const std::vector<WaitingParts>& waiting) {
-        std::vector<light_shafts::ViewRay> rays;
-        for (const WaitingParts& parts : waiting)
-            rays.insert(rays.end(), parts.rays.begin(), parts.rays.end());
+    void prepare_shafts(const WaitingParts& waiting) {
         const StageTimer timer(statistics_, "light shafts: prepare");
         const light_shafts::View view{.is_orthographic = camera_.kind == CameraKind::Orthographic,
                                       .position = camera_.position(),
                                       .direction = camera_.forward()};
-        shafts_.emplace(scene_, media_, view, rays, config_.shafts, progress_);
+        shafts_.emplace(scene_, media_, view, waiting.rays, config_.shafts, progress_);
         statistics_.append(shafts_->statistics());
         if (shafts_->is_empty())
             shafts_.reset();
     }
 
-    void advance(std::uint32_t sample, const Band& band, double share_of_sample) {
-        const double done =
-            static_cast<double>(band.first_pixel + band.pixel_count) / static_cast<double>(pixel_count());
-        const double before = share_of_sample == 1.0 && sample == 0 && shafts_ ? surface_share : 0.0;
+    void advance(std::uint32_t sample, const Band& band, double share_before, double share_of_sample) {
+        const double done = static_cast<double>(band.end_row) / static_cast<double>(region_.y1 - region_.y0);
         progress_.advance_to(
-            static_cast<float>((sample + before + done * (share_of_sample - before)) / config_.pixel_samples));
+            static_cast<float>((sample + share_before + done * share_of_sample) / config_.pixel_samples));
     }
     void say(std::uint32_t sample, const char* stage) {
         progress_.set_message("Sample " + std::to_string(sample + 1) + " of " + std::to_string(config_.pixel_samples) +
                               ": " + stage);
     }
 
-    /// Adds the surfaces' light of one sample to each pixel; returns the parts of its rays that lie in media.
-    WaitingParts trace(std::uint32_t sample, const Band& band) {
+    /// Adds the surfaces' light of one sample to each pixel; appends the parts of its rays that lie in media.
+    void trace(std::uint32_t sample, const Band& band, WaitingParts& waiting) {
         say(sample, "surfaces");
         const auto start = Clock::now();
         const bool has_shafts = sample == 0 ? !media_.is_empty() : shafts_.has_value();
@@ -138,28 +150,27 @@ private:
                             {.is_film_transparent = config_.is_film_transparent,
                              .collects_parts = has_shafts,
                              .lights_black_surfaces = config_.passes.has(Pass::Shadow)});
-        std::vector<WaitingParts> blocks((band.pixel_count + pixels_per_block - 1) / pixels_per_block);
-        parallel_blocks(band.pixel_count, pixels_per_block, progress_, [&](std::size_t begin, std::size_t end) {
+        const std::size_t first_pixel = std::size_t{band.first_row} * width();
+        const std::size_t band_pixels = std::size_t{band.end_row} * width() - first_pixel;
+        std::vector<WaitingParts> blocks((band_pixels + pixels_per_block - 1) / pixels_per_block);
+        parallel_blocks(band_pixels, pixels_per_block, progress_, [&](std::size_t begin, std::size_t end) {
             std::vector<MediumPart> parts;
             WaitingParts& block = blocks[begin / pixels_per_block];
             for (std::size_t index = begin; index < end; ++index) {
                 progress_.poll();
-                const std::size_t pixel = band.first_pixel + index;
                 parts.clear();
-                const Ray ray = trace_pixel(path, pixel, sample, parts);
+                const Ray ray = trace_pixel(path, first_pixel + index, sample, parts);
                 for (const MediumPart& part : parts) {
-                    block.pixels.push_back(pixel);
                     block.rays.push_back({ray.origin, ray.direction, part.near_m, part.far_m});
                     block.weights.push_back(part.weight);
                 }
+                block.first.push_back(static_cast<std::uint32_t>(block.rays.size()));
             }
         });
-        WaitingParts waiting;
         for (const WaitingParts& block : blocks)
             waiting.append(block);
         surface_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
-        advance(sample, band, has_shafts ? surface_share : 1.0);
-        return waiting;
+        advance(sample, band, 0.0, has_shafts ? surface_share : 1.0);
     }
 
     Ray trace_pixel(const ViewPath& path, std::size_t pixel, std::uint32_t sample, std::vector<MediumPart>& parts) {
@@ -173,32 +184,73 @@ private:
         return ray;
     }
 
-    /// Adds the light that the media scatter into the parts of a band's rays.
-    void scatter(std::uint32_t sample, const Band& band, const WaitingParts& parts) {
-        if (!shafts_)
-            return;
+    [[nodiscard]] ScatteredParts room_for(const WaitingParts& waiting) const {
+        ScatteredParts room;
+        std::array used{true, false, false};
+        if (config_.shafts.shares_strata && config_.shafts.method != light_shafts::Method::Exact) {
+            used = shafts_->sides_used(config_.pixel_samples);
+            for (std::size_t pixel = 0; pixel < pixel_count(); ++pixel)
+                room.cells.insert(
+                    room.cells.end(), waiting.first[pixel + 1] - waiting.first[pixel],
+                    light_shafts::cell_of_pixel(region_.x0 + static_cast<std::uint32_t>(pixel % width()),
+                                                region_.y0 + static_cast<std::uint32_t>(pixel / width())));
+        }
+        used[0] = true; // the sum
+        for (std::size_t side = 0; side < used.size(); ++side) {
+            room.of_side[side].radiance.resize(used[side] ? waiting.rays.size() : 0);
+            if (sums_.wants(Pass::ShaftsVisibility))
+                room.of_side[side].visibility.resize(room.of_side[side].radiance.size());
+        }
+        return room;
+    }
+
+    /// Asks for the light that the media scatter into the parts of a band.
+    void scatter(std::uint32_t sample, const Band& band, const WaitingParts& waiting, ScatteredParts& scattered) {
         say(sample, "light shafts");
         const auto start = Clock::now();
-        std::vector<Rgb> radiance(parts.rays.size());
-        std::vector<float> visibility(sums_.wants(Pass::ShaftsVisibility) ? parts.rays.size() : 0);
-        shafts_->scatter(parts.rays, radiance, visibility, progress_, {sample, config_.pixel_samples});
-        for (std::size_t first = 0; first < parts.rays.size();) {
+        const std::size_t first = waiting.first[std::size_t{band.first_row} * width()];
+        const std::size_t count = waiting.first[std::size_t{band.end_row} * width()] - first;
+        std::array<light_shafts::Scattered, light_shafts::shared_sides.size()> out;
+        for (std::size_t side = 0; side < out.size(); ++side) {
+            auto& [radiance, visibility] = scattered.of_side[side];
+            if (!radiance.empty())
+                out[side].radiance = std::span(radiance).subspan(first, count);
+            if (!visibility.empty())
+                out[side].average_visibility = std::span(visibility).subspan(first, count);
+        }
+        const std::span<const std::uint8_t> cells(scattered.cells);
+        shafts_->scatter(std::span(waiting.rays).subspan(first, count),
+                         cells.empty() ? cells : cells.subspan(first, count), out, progress_,
+                         {sample, config_.pixel_samples});
+        shaft_ray_count_ += count;
+        shaft_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+        advance(sample, band, surface_share, 1.0 - surface_share);
+    }
+
+    /// Adds that light to the film, with what the neighbours of each pixel have found.
+    void add_shafts(const Band& band, const WaitingParts& waiting, ScatteredParts& scattered) {
+        const auto start = Clock::now();
+        auto& [radiance, visibility] = scattered.of_side[0];
+        for (std::size_t side = 1; side < scattered.of_side.size(); ++side)
+            if (const auto& shared = scattered.of_side[side]; !shared.radiance.empty())
+                light_shafts::add_shared({width(), region_.y1 - region_.y0, waiting.first, waiting.rays},
+                                         light_shafts::shared_sides[side], band.first_row, band.end_row,
+                                         {shared.radiance, shared.visibility}, {radiance, visibility}, progress_);
+        for (std::size_t pixel = std::size_t{band.first_row} * width(); pixel < std::size_t{band.end_row} * width();
+             ++pixel) {
             Rgb sum(0.0f);
             float visible = 0.0f, weight_sum = 0.0f;
-            std::size_t part = first;
-            for (; part < parts.rays.size() && parts.pixels[part] == parts.pixels[first]; ++part) {
-                const Rgb& weight = parts.weights[part];
+            for (std::uint32_t part = waiting.first[pixel]; part < waiting.first[pixel + 1]; ++part) {
+                const Rgb& weight = waiting.weights[part];
                 sum += weight * radiance[part];
                 const float total = weight.x + weight.y + weight.z;
                 weight_sum += total;
                 visible += visibility.empty() ? 0.0f : total * visibility[part];
             }
-            sums_.add_shafts(parts.pixels[first], sum, weight_sum > 0.0f ? visible / weight_sum : 0.0f);
-            first = part;
+            if (weight_sum > 0.0f)
+                sums_.add_shafts(pixel, sum, visible / weight_sum);
         }
-        shaft_ray_count_ += parts.rays.size();
         shaft_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
-        advance(sample, band, 1.0);
     }
 
     void update_now_and_then() {

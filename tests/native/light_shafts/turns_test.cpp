@@ -1,37 +1,52 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The strata of a light with a size are dealt out to the samples of a pixel: no pass pays for all, together they have all.
+// The strata of a light with a size are dealt out to the samples of a pixel and to neighbouring pixels: no pass pays for
+// all, together they have all.
 #include "light_shafts/light_shafts.hpp"
+#include "light_shafts/shared_strata.hpp"
 #include "support/scenes.hpp"
 #include <cmath>
 #include <doctest/doctest.h>
+#include <random>
 
 using namespace tyndall;
 using namespace tyndall::support;
 
-TEST_CASE("the mean over all turns is the light of all strata, whatever both numbers are") {
-    Material fog{.name = "fog"};
-    fog.has_surface = false;
-    fog.medium_index = 0;
-    const Medium medium{.name = "fog", .lobes = {{.sigma_s_per_m = {0.1f, 0.2f, 0.3f}, .asymmetry_g = 0.5f}}};
-    Light lamp;
-    lamp.name = "Lamp";
-    lamp.kind = LightKind::Point;
-    lamp.position = {0.3f, 0.2f, 3.0f};
-    lamp.radius_m = 0.5f;
-    const auto scene =
-        make_scene({{.mesh = cube(), .material = fog}, // a blocker under the lamp makes every stratum another picture
-                    {.mesh = square(), .world_from_object = glm::scale(translation({0.2f, 0, 1.5f}), vec3(0.4f))}},
-                   {medium}, {lamp});
+/// A soft lamp over a small blocker in fog: every stratum makes another picture.
+struct SoftLamp {
     Progress progress;
-    const Media media(*scene, progress);
-    light_shafts::Config config;
-    config.method = light_shafts::Method::Exact;
-    config.light_samples = 7;
-    const light_shafts::View view{.is_orthographic = false, .position = {0, -4, 0}};
+    std::unique_ptr<Scene> scene;
+    std::unique_ptr<Media> media;
+    light_shafts::Config config{.method = light_shafts::Method::Exact};
+    light_shafts::View view{.is_orthographic = false, .position = {0, -4, 0}};
     std::vector<light_shafts::ViewRay> rays;
-    for (const float x : {-0.15f, 0.0f, 0.1f})
-        rays.push_back({view.position, glm::normalize(vec3(x, 1, 0.05f)), 0.0f, 10.0f});
-    const light_shafts::Shafts shafts(*scene, media, view, rays, config, progress);
+
+    explicit SoftLamp(std::uint32_t light_samples) {
+        Material fog{.name = "fog"};
+        fog.has_surface = false;
+        fog.medium_index = 0;
+        const Medium medium{.name = "fog", .lobes = {{.sigma_s_per_m = {0.1f, 0.2f, 0.3f}, .asymmetry_g = 0.5f}}};
+        Light lamp;
+        lamp.name = "Lamp";
+        lamp.kind = LightKind::Point;
+        lamp.position = {0.3f, 0.2f, 3.0f};
+        lamp.radius_m = 0.5f;
+        scene =
+            make_scene({{.mesh = cube(), .material = fog},
+                        {.mesh = square(), .world_from_object = glm::scale(translation({0.2f, 0, 1.5f}), vec3(0.4f))}},
+                       {medium}, {lamp});
+        media = std::make_unique<Media>(*scene, progress);
+        config.light_samples = light_samples;
+        for (const float x : {-0.15f, 0.0f, 0.1f})
+            rays.push_back({view.position, glm::normalize(vec3(x, 1, 0.05f)), 0.0f, 10.0f});
+    }
+    [[nodiscard]] light_shafts::Shafts shafts() { return {*scene, *media, view, rays, config, progress}; }
+};
+
+TEST_CASE("the mean over all turns is the light of all strata, whatever both numbers are") {
+    SoftLamp lamp(7);
+    const auto& rays = lamp.rays;
+    Progress& progress = lamp.progress;
+    const light_shafts::Shafts shafts = lamp.shafts();
     std::vector<Rgb> truth(rays.size());
     std::vector<float> true_visibility(rays.size());
     shafts.scatter(rays, truth, true_visibility, progress);
@@ -55,4 +70,78 @@ TEST_CASE("the mean over all turns is the light of all strata, whatever both num
     }
     std::vector<Rgb> radiance(rays.size());
     CHECK_THROWS_AS(shafts.scatter(rays, radiance, {}, progress, {3, 3}), InvalidInput);
+}
+
+TEST_CASE(
+    "the mean over a square of pixels and all turns is the light of all strata: no cell pays for its neighbours") {
+    for (const std::uint32_t strata : {4u, 7u, 16u, 40u}) {
+        SoftLamp lamp(strata);
+        lamp.rays[0].direction = glm::normalize(vec3(-0.22f, 1, 0.05f)); // half in the blocker's shadow
+        const light_shafts::Shafts shafts = lamp.shafts();
+        Rgb truth[1];
+        const auto ray = std::span(lamp.rays).first(1);
+        shafts.scatter(ray, truth, {}, lamp.progress);
+        // One view ray, sixteen times: the pixels of a square of 4 x 4 that all see the same.
+        const std::vector<light_shafts::ViewRay> square(16, lamp.rays[0]);
+        std::vector<std::uint8_t> cells;
+        for (std::uint32_t pixel = 0; pixel < 16; ++pixel)
+            cells.push_back(light_shafts::cell_of_pixel(pixel % 4, pixel / 4));
+        for (const std::uint32_t turns : {1u, 2u, 4u, 5u}) {
+            CAPTURE(strata);
+            CAPTURE(turns);
+            glm::dvec3 sum(0.0);
+            std::size_t shared_count = 0;
+            for (std::uint32_t turn = 0; turn < turns; ++turn) {
+                std::array<std::vector<Rgb>, light_shafts::shared_sides.size()> radiance;
+                std::array<light_shafts::Scattered, light_shafts::shared_sides.size()> out;
+                for (std::size_t side = 0; side < out.size(); ++side) {
+                    radiance[side].resize(square.size());
+                    out[side].radiance = radiance[side];
+                }
+                shafts.scatter(square, cells, out, lamp.progress, {turn, turns});
+                for (std::size_t side = 0; side < out.size(); ++side)
+                    for (const Rgb& value : radiance[side]) {
+                        sum += glm::dvec3(value) / (16.0 * turns);
+                        shared_count += side > 0 && value != Rgb(0.0f) ? 1 : 0;
+                    }
+            }
+            CHECK((shared_count > 0) == (strata >= 2 * turns));
+            CHECK(glm::length(sum - glm::dvec3(truth[0])) < 1e-6 * glm::length(glm::dvec3(truth[0])));
+        }
+    }
+}
+
+TEST_CASE("a pixel takes in every cell of the square once, and nothing from where the rays end elsewhere") {
+    constexpr std::uint32_t width = 13, height = 11;
+    Progress progress;
+    std::vector<std::uint32_t> first_ray{0};
+    std::vector<light_shafts::ViewRay> rays;
+    for (std::uint32_t pixel = 0; pixel < width * height; ++pixel) {
+        // Two columns of rays end far behind the others; pixel (5, 5) has no ray.
+        const bool is_far = pixel % width >= 11;
+        if (pixel != 5 * width + 5)
+            rays.push_back({vec3(0), vec3(0, 1, 0), 0.0f, is_far ? 50.0f : 10.0f + 0.01f * float(pixel % 7)});
+        first_ray.push_back(static_cast<std::uint32_t>(rays.size()));
+    }
+    for (const std::uint32_t side : {2u, 4u})
+        for (std::uint32_t cell = 0; cell < side * side; ++cell) {
+            std::vector<Rgb> shared(rays.size(), Rgb(0.0f)), sum(rays.size(), Rgb(0.0f));
+            std::vector<float> visibility(rays.size(), 0.25f), visibility_sum(rays.size(), 0.5f);
+            for (std::uint32_t pixel = 0; pixel < width * height; ++pixel)
+                if (first_ray[pixel] < first_ray[pixel + 1]) {
+                    const bool is_far = pixel % width >= 11;
+                    const std::uint32_t of_pixel = light_shafts::cell_of_pixel(pixel % width, pixel / width);
+                    const bool is_mine = of_pixel * side * side / 16 == cell;
+                    shared[first_ray[pixel]] = Rgb(is_far ? 100.0f : is_mine ? 1.0f : 0.0f);
+                }
+            light_shafts::add_shared({width, height, first_ray, rays}, side, 0, height, {shared, visibility},
+                                     {sum, visibility_sum}, progress);
+            const auto at = [&](std::uint32_t x, std::uint32_t y) { return sum[first_ray[y * width + x]].x; };
+            CHECK(std::abs(at(2, 8) - 1.0f / float(side * side)) < 1e-6f);
+            CHECK(std::abs(at(8, 7) - 1.0f / float(side * side)) < 1e-6f);
+            CHECK(at(10, 3) <= 1.0f);   // beside the far rays
+            CHECK(at(12, 3) == 100.0f); // among them, at the picture's border
+            for (const float value : visibility_sum)
+                CHECK(std::abs(value - 0.75f) < 1e-6f);
+        }
 }

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/shared_strata.hpp"
+#include "core/parallel.hpp"
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace tyndall::light_shafts {
+/// Rays of two pixels see much the same air: they begin and end within a tenth of their length.
+static bool is_alike(const ViewRay& a, const ViewRay& b) {
+    constexpr float tolerance = 0.1f;
+    const auto near_each_other = [&](float at_a, float at_b) {
+        return at_a == at_b || std::abs(at_a - at_b) <= tolerance * std::min(at_a, at_b);
+    };
+    return near_each_other(a.far_m, b.far_m) && near_each_other(a.near_m, b.near_m);
+}
+
+void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t first_row, std::uint32_t end_row,
+                const ConstScattered& shared, const Scattered& sum, const Progress& progress) {
+    const auto reach = static_cast<std::int32_t>(side / 2);
+    const auto width = static_cast<std::int32_t>(picture.width_px),
+               height = static_cast<std::int32_t>(picture.height_px);
+    const auto share_of = [&](std::int32_t offset) { return std::abs(offset) == reach ? 0.5f : 1.0f; };
+    const bool has_visibility = !shared.average_visibility.empty();
+    parallel_for(
+        end_row - first_row, progress,
+        [&](std::size_t row) {
+            const auto y = static_cast<std::int32_t>(first_row + row);
+            for (std::int32_t x = 0; x < width; ++x) {
+                const auto pixel = static_cast<std::size_t>(y) * picture.width_px + static_cast<std::size_t>(x);
+                for (std::uint32_t ray = picture.first_ray[pixel]; ray < picture.first_ray[pixel + 1]; ++ray) {
+                    Rgb radiance(0.0f);
+                    float visibility = 0.0f, weight_sum = 0.0f;
+                    for (std::int32_t dy = std::max(-reach, -y); dy <= std::min(reach, height - 1 - y); ++dy)
+                        for (std::int32_t dx = std::max(-reach, -x); dx <= std::min(reach, width - 1 - x); ++dx) {
+                            const auto beside = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(pixel) +
+                                                                         static_cast<std::ptrdiff_t>(dy) * width + dx);
+                            std::uint32_t other = picture.first_ray[beside];
+                            const std::uint32_t end = picture.first_ray[beside + 1];
+                            while (other < end && !is_alike(picture.rays[ray], picture.rays[other]))
+                                ++other;
+                            if (other == end)
+                                continue;
+                            const float weight = share_of(dx) * share_of(dy);
+                            radiance += weight * shared.radiance[other];
+                            if (has_visibility)
+                                visibility += weight * shared.average_visibility[other];
+                            weight_sum += weight;
+                        }
+                    sum.radiance[ray] += radiance / weight_sum; // the ray itself is like itself
+                    if (has_visibility)
+                        sum.average_visibility[ray] += visibility / weight_sum;
+                }
+            }
+        },
+        1);
+}
+} // namespace tyndall::light_shafts
