@@ -49,6 +49,7 @@ def render_config(scene: Scene, view_layer: ViewLayer, window: FrameWindow) -> R
         pixel_samples=tyndall.pixel_samples,
         pixel_filter=tyndall.pixel_filter,
         filter_width_px=tyndall.filter_width_px,
+        noise_threshold=tyndall.noise_threshold,
         region_px=window.region_px,
         film_transparent=scene.render.film_transparent,
         passes=wanted_planes(view_layer),

@@ -19,6 +19,7 @@ class TYNDALL_OT_render_preset_add(AddPresetBase, Operator):
     preset_defines: ClassVar = ["settings = bpy.context.scene.tyndall"]
     preset_values: ClassVar = [
         "settings.pixel_samples",
+        "settings.noise_threshold",
         "settings.viewport_samples",
         "settings.pixel_filter",
         "settings.filter_width_px",

@@ -23,6 +23,7 @@ class TYNDALL_PT_sampling(PropertiesPanel, Panel):
         settings = context.scene.tyndall
         column = layout.column(align=True)
         column.prop(settings, "pixel_samples", text="Render Samples")
+        column.prop(settings, "noise_threshold")
         column.prop(settings, "viewport_samples", text="Viewport")
         row = layout.row(align=True)
         row.prop(settings, "seed")

@@ -18,11 +18,24 @@ class TyndallSceneSettings(PropertyGroup):
     pixel_samples: IntProperty(
         name="Samples",
         description="Rays per pixel of a final render. 1 looks through pixel centres, without antialiasing. "
-        "Time grows in proportion. Shafts have no noise: 16 smooths edges well",
+        "Time grows in proportion. Shafts have little noise: 16 smooths edges well",
         min=1,
         max=65536,
         soft_max=256,
         default=16,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    noise_threshold: FloatProperty(
+        name="Noise Threshold",
+        description="Pixels whose noise is below this stop before they have taken all samples; edges and fine detail "
+        "go on. 0.01 shows no difference; 0: every pixel takes all samples",
+        min=0.0,
+        max=1.0,
+        soft_max=0.1,
+        default=0.01,
+        precision=4,
+        step=0.1,
         update=tag,
         override=OVERRIDABLE,
     )

@@ -36,12 +36,14 @@ static light_shafts::Config make_shafts(int method, float error_target, std::uin
 }
 
 static render::FrameConfig make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px,
+                                       float noise_threshold,
                                        const std::optional<std::array<std::uint32_t, 4>>& region_px,
                                        bool film_transparent, const std::vector<std::string>& passes,
                                        const light_shafts::Config& shafts, std::uint32_t seed, int thread_count) {
     render::FrameConfig config{.pixel_samples = pixel_samples,
                                .pixel_filter = static_cast<render::PixelFilter>(pixel_filter),
                                .filter_width_px = filter_width_px,
+                               .noise_threshold = noise_threshold,
                                .region = {},
                                .is_film_transparent = film_transparent,
                                .passes = {},
@@ -88,8 +90,8 @@ void bind_render(py::module_& native) {
         .def(py::init(&make_shafts), "method"_a, "error_target"_a, "resolution"_a, "light_samples"_a, "world_samples"_a,
              "attenuates_light"_a, "shares_strata"_a, "seed"_a);
     py::class_<render::FrameConfig>(native, "FrameConfig")
-        .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "region_px"_a,
-             "film_transparent"_a, "passes"_a, "shafts"_a, "seed"_a, "thread_count"_a);
+        .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "noise_threshold"_a,
+             "region_px"_a, "film_transparent"_a, "passes"_a, "shafts"_a, "seed"_a, "thread_count"_a);
     native.def("render", &render_film, "scene"_a, "camera"_a, "config"_a, "progress"_a, "on_update"_a = py::none(),
                R"(Planes by name, float32 (height, width, channels), rows bottom to top, and statistics.
 

@@ -2,6 +2,7 @@
 #include "render/frame.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/shared_strata.hpp"
+#include "render/pixel_noise.hpp"
 #include "render/view_path.hpp"
 #include <algorithm>
 #include <array>
@@ -63,17 +64,28 @@ public:
         : scene_(scene), camera_(camera), config_(config), progress_(progress), on_update_(on_update),
           region_(checked_region(camera, config)), filter_(config.pixel_filter, config.filter_width_px), media_(media),
           light_(scene, media_, statistics_),
-          sums_(region_.x1 - region_.x0, region_.y1 - region_.y0, config.passes, scene.description().origin_in_world) {
+          sums_(region_.x1 - region_.x0, region_.y1 - region_.y0, config.passes, scene.description().origin_in_world),
+          is_active_(pixel_count(), 1), active_count_(pixel_count()), round_samples_(config.pixel_samples) {
         require(1 <= config.pixel_samples && config.pixel_samples <= 65536, "pixel_samples is ", config.pixel_samples,
                 ", outside [1, 65536]");
+        require_in(config.noise_threshold, 0.0f, 1.0f, "noise_threshold");
+        if (config.noise_threshold > 0.0f && samples_per_round(config.pixel_samples) < config.pixel_samples) {
+            round_samples_ = samples_per_round(config.pixel_samples);
+            noise_.emplace(width(), region_.y1 - region_.y0);
+        }
         if (media_.is_empty())
             statistics_.skip("light shafts", "no medium in the scene");
     }
 
     Film render() {
         const std::vector<Band> bands = all_bands();
-        for (std::uint32_t sample = 0; sample < config_.pixel_samples; ++sample)
+        for (std::uint32_t sample = 0; sample < config_.pixel_samples; ++sample) {
             render_sample(sample, bands);
+            sample_count_ += active_count_;
+            if (noise_ && !has_noise_after(sample))
+                break;
+        }
+        progress_.advance_to(1.0f);
         Film film = sums_.resolve(progress_);
         statistics_.stages.push_back({"camera rays and direct light", surface_seconds_});
         if (shafts_) {
@@ -81,7 +93,7 @@ public:
             statistics_.count("light shafts: rays", static_cast<double>(shaft_ray_count_));
         }
         statistics_.count("pixels", static_cast<double>(pixel_count()));
-        statistics_.count("samples per pixel", config_.pixel_samples);
+        statistics_.count("samples per pixel", static_cast<double>(sample_count_) / static_cast<double>(pixel_count()));
         film.statistics = std::move(statistics_);
         return film;
     }
@@ -97,6 +109,14 @@ private:
         return bands;
     }
 
+    /// After a round of samples: whether some pixels go on.
+    bool has_noise_after(std::uint32_t sample) {
+        noise_->end_sample(is_active_);
+        if ((sample + 1) % round_samples_ == 0 && sample + 1 < config_.pixel_samples)
+            active_count_ = noise_->keep_noisy(config_.noise_threshold, is_active_, progress_);
+        return active_count_ > 0;
+    }
+
     /// One pass: the surfaces of the whole picture, which then appears, and after them the shafts.
     void render_sample(std::uint32_t sample, const std::vector<Band>& bands) {
         WaitingParts waiting;
@@ -108,7 +128,7 @@ private:
             prepare_shafts(waiting);
         if (!shafts_)
             return;
-        ScatteredParts scattered = room_for(waiting);
+        ScatteredParts scattered = room_for(sample, waiting);
         // A band's pixels look at neighbours in the next one.
         for (std::size_t index = 0; index <= bands.size(); ++index) {
             if (index < bands.size())
@@ -158,11 +178,13 @@ private:
             WaitingParts& block = blocks[begin / pixels_per_block];
             for (std::size_t index = begin; index < end; ++index) {
                 progress_.poll();
-                parts.clear();
-                const Ray ray = trace_pixel(path, first_pixel + index, sample, parts);
-                for (const MediumPart& part : parts) {
-                    block.rays.push_back({ray.origin, ray.direction, part.near_m, part.far_m});
-                    block.weights.push_back(part.weight);
+                if (is_active_[first_pixel + index]) {
+                    parts.clear();
+                    const Ray ray = trace_pixel(path, first_pixel + index, sample, parts);
+                    for (const MediumPart& part : parts) {
+                        block.rays.push_back({ray.origin, ray.direction, part.near_m, part.far_m});
+                        block.weights.push_back(part.weight);
+                    }
                 }
                 block.first.push_back(static_cast<std::uint32_t>(block.rays.size()));
             }
@@ -180,20 +202,27 @@ private:
         PixelSamples samples(hash(config_.seed, y * camera_.width_px + x), sample);
         const vec2 offset = config_.pixel_samples == 1 ? vec2(0.0f) : filter_.offset_px(samples.next_pair());
         const Ray ray = camera_.ray(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y);
-        sums_.add(pixel, path.follow(ray, samples, parts));
+        const PathSample found = path.follow(ray, samples, parts);
+        sums_.add(pixel, found);
+        if (noise_)
+            noise_->add(pixel, found.radiance);
         return ray;
     }
 
-    [[nodiscard]] ScatteredParts room_for(const WaitingParts& waiting) const {
+    [[nodiscard]] ScatteredParts room_for(std::uint32_t sample, const WaitingParts& waiting) const {
         ScatteredParts room;
         std::array used{true, false, false};
         if (config_.shafts.shares_strata && config_.shafts.method != light_shafts::Method::Exact) {
-            used = shafts_->sides_used(config_.pixel_samples);
+            used = shafts_->sides_used(round_samples_);
+            // Each round deals the cells out anew: 5 is a step along the squares of 4 x 4 and of 2 x 2.
+            const std::uint32_t turned = sample / round_samples_ * 5;
             for (std::size_t pixel = 0; pixel < pixel_count(); ++pixel)
                 room.cells.insert(
                     room.cells.end(), waiting.first[pixel + 1] - waiting.first[pixel],
-                    light_shafts::cell_of_pixel(region_.x0 + static_cast<std::uint32_t>(pixel % width()),
-                                                region_.y0 + static_cast<std::uint32_t>(pixel / width())));
+                    static_cast<std::uint8_t>((turned + light_shafts::cell_of_pixel(
+                                                            region_.x0 + static_cast<std::uint32_t>(pixel % width()),
+                                                            region_.y0 + static_cast<std::uint32_t>(pixel / width()))) %
+                                              16));
         }
         used[0] = true; // the sum
         for (std::size_t side = 0; side < used.size(); ++side) {
@@ -221,7 +250,7 @@ private:
         const std::span<const std::uint8_t> cells(scattered.cells);
         shafts_->scatter(std::span(waiting.rays).subspan(first, count),
                          cells.empty() ? cells : cells.subspan(first, count), out, progress_,
-                         {sample, config_.pixel_samples});
+                         {sample % round_samples_, round_samples_});
         shaft_ray_count_ += count;
         shaft_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
         advance(sample, band, surface_share, 1.0 - surface_share);
@@ -249,6 +278,8 @@ private:
             }
             if (weight_sum > 0.0f)
                 sums_.add_shafts(pixel, sum, visible / weight_sum);
+            if (noise_)
+                noise_->add(pixel, sum);
         }
         shaft_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
     }
@@ -276,7 +307,11 @@ private:
     DirectLight light_;
     FilmSums sums_;
     std::optional<light_shafts::Shafts>
-        shafts_; ///< None before the first sample's rays are known, or where none scatter.
+        shafts_;                          ///< None before the first sample's rays are known, or where none scatter.
+    std::optional<PixelNoise> noise_;     ///< None: every pixel takes all samples.
+    std::vector<std::uint8_t> is_active_; ///< Per pixel: takes further samples.
+    std::size_t active_count_, sample_count_ = 0;
+    std::uint32_t round_samples_;
     std::size_t shaft_ray_count_ = 0;
     double surface_seconds_ = 0.0, shaft_seconds_ = 0.0;
     std::optional<Clock::time_point> last_update_;

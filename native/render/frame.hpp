@@ -20,7 +20,11 @@ struct FrameConfig {
     std::uint32_t pixel_samples = 16; ///< [1, 65536]; 1: the pixel's centre, unfiltered.
     PixelFilter pixel_filter = PixelFilter::BlackmanHarris;
     float filter_width_px = 1.5f; ///< As in Cycles, [0.01, 10].
-    std::optional<Region> region; ///< None: the full frame. A region's pixels have the full frame's values.
+    /// Pixels stop after a round of samples (4, or what divides the samples) when their standard error falls below this
+    /// times the square root of their mean, as in Cycles; [0, 1], 0: every pixel takes all samples.
+    float noise_threshold = 0.0f;
+    /// None: the full frame. A region's pixels have the full frame's values, but for what pixels share at its border.
+    std::optional<Region> region;
     bool is_film_transparent = false;
     PassSet passes;
     light_shafts::Config shafts;

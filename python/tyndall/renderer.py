@@ -54,6 +54,9 @@ class RenderConfig:
     pixel_samples: int = 16  #: [1, 65536]; 1: pixel centres.
     pixel_filter: str = "BLACKMAN_HARRIS"  #: One of PIXEL_FILTERS.
     filter_width_px: float = 1.5  #: As in Cycles, [0.01, 10].
+    #: Pixels stop taking samples when their standard error falls below this times the square root of their mean, as in
+    #: Cycles; [0, 1], 0: all of them take all samples.
+    noise_threshold: float = 0.0
     region_px: tuple[int, int, int, int] | None = None  #: x0, y0, x1, y1 in the full frame, y up; None: all of it.
     film_transparent: bool = False
     passes: frozenset[str] = frozenset()  #: Names in PASSES; Combined is always there.
@@ -177,6 +180,7 @@ def _native_config(config: RenderConfig) -> _native.FrameConfig:
         pixel_samples=config.pixel_samples,
         pixel_filter=_index(PIXEL_FILTERS, config.pixel_filter, "pixel_filter"),
         filter_width_px=config.filter_width_px,
+        noise_threshold=config.noise_threshold,
         region_px=config.region_px,
         film_transparent=config.film_transparent,
         passes=sorted(config.passes),

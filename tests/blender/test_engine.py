@@ -200,7 +200,7 @@ def test_ctrl_c_stops_the_native_side_and_is_told(stage: bpy.types.Scene, monkey
         raise KeyboardInterrupt
 
     monkeypatch.setattr(final, "is_esc_pressed", interrupt)
-    stage.tyndall.pixel_samples = 65536
+    stage.tyndall.pixel_samples, stage.tyndall.noise_threshold = 65536, 0.0
     threads = threading.active_count()
     with pytest.raises(RuntimeError, match="interrupted"):
         bpy.ops.render.render(write_still=True)

@@ -74,7 +74,7 @@ def cycles_pixels(scene: bpy.types.Scene, samples: int = CYCLES_SAMPLES, seed: i
 def _prepare_tyndall(scene: bpy.types.Scene, samples: int, seed: int) -> None:
     scene.render.engine = "TYNDALL"
     ours = scene.tyndall
-    ours.pixel_samples, ours.seed = samples, seed
+    ours.pixel_samples, ours.seed, ours.noise_threshold = samples, seed, 0.0
     ours.pixel_filter, ours.filter_width_px = "BOX", 0.01
 
 

@@ -23,6 +23,7 @@ def tyndall_pixels(scene: bpy.types.Scene, surface_samples: int = 1) -> FloatArr
     scene.render.engine = "TYNDALL"
     ours = scene.tyndall
     ours.pixel_samples, ours.pixel_filter, ours.filter_width_px = surface_samples, "BOX", 0.01
+    ours.noise_threshold = 0.0
     ours.shafts.method = "EXACT"
     return _pixels(scene)
 

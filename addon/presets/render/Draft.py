@@ -3,6 +3,7 @@ import bpy
 
 settings = bpy.context.scene.tyndall
 settings.pixel_samples = 4
+settings.noise_threshold = 0.02
 settings.shafts.method = "SHADOW_MAP"
 settings.shafts.error_target = 0.01
 settings.shafts.resolution = 0

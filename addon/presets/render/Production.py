@@ -3,6 +3,7 @@ import bpy
 
 settings = bpy.context.scene.tyndall
 settings.pixel_samples = 32
+settings.noise_threshold = 0.005
 settings.shafts.method = "EPIPOLAR"
 settings.shafts.error_target = 0.0005
 settings.shafts.resolution = 0

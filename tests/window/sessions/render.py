@@ -30,7 +30,7 @@ def session(window: Any) -> Iterator[float]:
     window.screenshot("render")
     bpy.data.images["Render Result"].save_render(str(window.folder / "window.exr"), scene=scene)
 
-    scene.tyndall.pixel_samples = 65536
+    scene.tyndall.pixel_samples, scene.tyndall.noise_threshold = 65536, 0.0
     with bpy.context.temp_override(window=window.bpy_window):
         bpy.ops.render.render("INVOKE_DEFAULT")
     yield from window.until(lambda: bpy.app.is_job_running("RENDER"))
