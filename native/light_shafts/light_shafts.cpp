@@ -120,8 +120,8 @@ struct Block {
     std::vector<Rgb> all_radiance; ///< Of all so far.
     std::vector<float> lit_length_m, visibility;
     PieceRows pieces;
-    LitRows lit;
-    LocalScatter::Prepared local;
+    LocalRays local; ///< The same for lights at points; empty until one asks.
+    bool wants_visibility = false;
 
     [[nodiscard]] std::span<const MediumSegment> segments_of(std::size_t ray) const {
         return std::span(segments).subspan(first_segment[ray], first_segment[ray + 1] - first_segment[ray]);
@@ -235,6 +235,7 @@ Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::sp
 
 void Shafts::Prepared::gather(std::span<const ViewRay> rays, std::span<const std::uint32_t> order, Block& block) const {
     block.rays.clear(), block.target.clear(), block.length_m.clear(), block.segments.clear();
+    block.local.clear();
     block.first_segment.assign(1, 0);
     for (const std::uint32_t index : order) {
         const ViewRay& ray = rays[index];
@@ -262,22 +263,10 @@ void Shafts::Prepared::add(const Beam& beam, Block& block) const {
         beam.visibility->add_scattered(block.rays, block.pieces, block.radiance, block.lit_length_m);
         return;
     }
-    block.lit.clear();
-    beam.visibility->lit_intervals(block.rays, block.lit);
-    for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
-        if (block.lit.first[ray] == block.lit.first[ray + 1])
-            continue;
-        const std::span<const MediumSegment> segments = block.segments_of(ray);
-        beam.local->prepare(block.rays[ray], segments, block.local);
-        for (std::uint32_t index = block.lit.first[ray]; index < block.lit.first[ray + 1]; ++index) {
-            const LitInterval& lit = block.lit.intervals[index];
-            block.radiance[ray] += lit.transmittance * beam.local->scattered(block.local, lit.near_m, lit.far_m);
-            const float share = (lit.transmittance.x + lit.transmittance.y + lit.transmittance.z) * (1.0f / 3.0f);
-            for (const MediumSegment& segment : segments)
-                block.lit_length_m[ray] +=
-                    share * std::max(0.0f, std::min(lit.far_m, segment.far_m) - std::max(lit.near_m, segment.near_m));
-        }
-    }
+    if (block.local.is_empty())
+        block.local.assign(media, block.rays, block.first_segment, block.segments);
+    beam.local->add_scattered(block.local, beam.visibility.get(), block.radiance,
+                              block.wants_visibility ? std::span(block.lit_length_m) : std::span<float>());
 }
 
 void Shafts::Prepared::add(const LightBeams& light, const Turn& turn, Block& block) const {
@@ -355,6 +344,7 @@ void Shafts::Prepared::scatter_side(std::span<const ViewRay> rays, std::span<con
         const auto mine = sorted.subspan(first_of_cell[cell], first_of_cell[cell + 1] - first_of_cell[cell]);
         parallel_blocks(mine.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
             thread_local Block block;
+            block.wants_visibility = !out.average_visibility.empty();
             gather(rays, mine.subspan(begin, end - begin), block);
             for (const LightBeams& light : lights) {
                 const Sharing shared = cells.empty() ? Sharing{} : sharing(light.beams.size(), turn.count);

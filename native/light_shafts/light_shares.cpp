@@ -16,8 +16,10 @@ LightShares::LightShares(const Media& media, std::span<const ViewRay> rays) {
         const ViewRay& ray = rays[index];
         rays_.push_back(ray);
         media.segments({.origin = ray.origin, .direction = ray.direction, .near_m = ray.near_m, .far_m = ray.far_m},
-                       segments_.emplace_back());
+                       segments_);
+        first_segment_.push_back(static_cast<std::uint32_t>(segments_.size()));
     }
+    local_rays_.assign(media, rays_, first_segment_, segments_);
 }
 
 void LightShares::add(const DirectionalScatter& light) {
@@ -25,7 +27,9 @@ void LightShares::add(const DirectionalScatter& light) {
     std::vector<ScatterPiece> pieces;
     for (std::size_t ray = 0; ray < rays_.size(); ++ray) {
         pieces.clear();
-        light.append_pieces(rays_[ray], segments_[ray], pieces);
+        light.append_pieces(
+            rays_[ray],
+            std::span(segments_).subspan(first_segment_[ray], first_segment_[ray + 1] - first_segment_[ray]), pieces);
         for (const ScatterPiece& piece : pieces)
             sum += luminance(scattered(piece, piece.near_m, piece.far_m));
     }
@@ -34,12 +38,11 @@ void LightShares::add(const DirectionalScatter& light) {
 }
 
 void LightShares::add(const LocalScatter& light) {
+    std::vector<Rgb> radiance(rays_.size(), Rgb(0.0f));
+    light.add_scattered(local_rays_, nullptr, radiance, {});
     double sum = 0.0;
-    LocalScatter::Prepared prepared;
-    for (std::size_t ray = 0; ray < rays_.size(); ++ray) {
-        light.prepare(rays_[ray], segments_[ray], prepared);
-        sum += luminance(light.scattered(prepared, rays_[ray].near_m, rays_[ray].far_m));
-    }
+    for (const Rgb& of_ray : radiance)
+        sum += luminance(of_ray);
     luminance_.push_back(sum);
     sum_ += sum;
 }

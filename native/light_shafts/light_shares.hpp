@@ -24,7 +24,9 @@ public:
 
 private:
     std::vector<ViewRay> rays_;
-    std::vector<std::vector<MediumSegment>> segments_;
+    std::vector<std::uint32_t> first_segment_{0};
+    std::vector<MediumSegment> segments_;
+    LocalRays local_rays_; ///< The same, for lights at points.
     std::vector<double> luminance_;
     double sum_ = 0.0;
 };

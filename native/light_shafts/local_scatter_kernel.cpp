@@ -1,157 +1,360 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/local_scatter_kernel.hpp"
+#include <algorithm>
+#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "light_shafts/local_scatter_kernel.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include <hwy/contrib/math/math-inl.h>
+#include "light_shafts/exp-inl.hpp"
+#include "light_shafts/slope_rows_angle-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::light_shafts::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-using Tag = hn::CappedTag<double, 8>;
+using Tag = hn::CappedTag<float, 16>;
 using V = hn::Vec<Tag>;
+using Mask = hn::Mask<Tag>;
 static constexpr Tag d;
+static constexpr hn::RebindToSigned<Tag> di;
+static constexpr std::size_t lanes = hn::MaxLanes(d);
 
-/// Points on [-1, 1]; the last weighs nothing and fills the vector. Kronrod's odd ones are Gauss's.
+/// Gauss-Legendre on [0, 1], weights of sum 1, and the weights of the Legendre coefficients 4 and 5 relative to the mean.
 struct Rule {
-    alignas(64) double at[16];
-    alignas(64) double kronrod[16];
-    alignas(64) double gauss[16];
+    static constexpr std::size_t count = 6;
+    float at[count], weight[count], fourth[count], fifth[count];
 };
 constexpr Rule make_rule() {
-    constexpr double at[7] = {0.991455371120812639206854697526329, 0.949107912342758524526189684047851,
-                              0.864864423359769072789712788640926, 0.741531185599394439863864773280788,
-                              0.586087235467691130294144691693384, 0.405845151377397166906606412076961,
-                              0.207784955007898467600689403773245};
-    constexpr double kronrod[8] = {0.022935322010529224963732008058970, 0.063092092629978553290700663189204,
-                                   0.104790010322250183839876322541518, 0.140653259715525918745189590510238,
-                                   0.169004726639267902826583426598550, 0.190350578064785409913256402421014,
-                                   0.204432940075298892414161999234649, 0.209482141084727828012999174891714};
-    constexpr double gauss[4] = {0.129484966168869693270611432679082, 0.279705391489276667901467771423780,
-                                 0.381830050505118944950369775488975, 0.417959183673469387755102040816327};
+    constexpr double at[3] = {0.932469514203152028, 0.661209386466264514, 0.238619186083196909};
+    constexpr double weight[3] = {0.171324492379170345, 0.360761573048138608, 0.467913934572691047};
     Rule rule{};
-    for (int point = 0; point < 7; ++point) {
-        rule.at[point] = at[point], rule.at[14 - point] = -at[point];
-        rule.kronrod[point] = rule.kronrod[14 - point] = kronrod[point];
-        rule.gauss[point] = rule.gauss[14 - point] = point % 2 == 1 ? gauss[point / 2] : 0.0;
+    for (std::size_t i = 0; i < Rule::count; ++i) {
+        const double x = i < 3 ? -at[i] : at[5 - i], w = 0.5 * weight[i < 3 ? i : 5 - i], x2 = x * x;
+        rule.at[i] = static_cast<float>(0.5 + 0.5 * x);
+        rule.weight[i] = static_cast<float>(w);
+        rule.fourth[i] = static_cast<float>(w * 9.0 * (35.0 * x2 * x2 - 30.0 * x2 + 3.0) / 8.0);
+        rule.fifth[i] = static_cast<float>(w * 11.0 * x * (63.0 * x2 * x2 - 70.0 * x2 + 15.0) / 8.0);
     }
-    rule.kronrod[7] = kronrod[7], rule.gauss[7] = gauss[3];
     return rule;
 }
 static constexpr Rule rule = make_rule();
 
-static HWY_INLINE V set(double value) { return hn::Set(d, value); }
+static HWY_INLINE V set(float value) { return hn::Set(d, value); }
+static HWY_INLINE V set(double value) { return hn::Set(d, static_cast<float>(value)); }
 
-/// start + t * along, one component.
-static HWY_INLINE V on_ray(const dvec3& start, const dvec3& along, int axis, V t) {
-    return hn::MulAdd(set(along[axis]), t, set(start[axis]));
+/// sin(a) / a for a^2 in [0, 2.5], 1e-7.
+static HWY_INLINE V sinc(V a2) {
+    V p = hn::MulAdd(a2, set(-1.0f / 39916800), set(1.0f / 362880));
+    p = hn::MulAdd(p, a2, set(-1.0f / 5040));
+    p = hn::MulAdd(p, a2, set(1.0f / 120));
+    p = hn::MulAdd(p, a2, set(-1.0f / 6));
+    return hn::MulAdd(p, a2, set(1.0f));
 }
 
-static HWY_INLINE V dot(const V (&p)[3], const dvec3& q) {
-    return hn::MulAdd(p[0], set(q.x), hn::MulAdd(p[1], set(q.y), hn::Mul(p[2], set(q.z))));
-}
+/// A part of a piece: each end as shares of the piece's begin and end, which keep their relative precision.
+struct Part {
+    std::uint32_t piece;
+    std::uint32_t depth; ///< Number of halvings.
+    std::array<float, 2> begin{1.0f, 0.0f}, end{0.0f, 1.0f};
+};
+constexpr std::uint32_t most_halvings = 14;
 
-static HWY_INLINE V length2(const V (&p)[3]) {
-    return hn::MulAdd(p[0], p[0], hn::MulAdd(p[1], p[1], hn::Mul(p[2], p[2])));
-}
+/// What a vector of pieces needs at all its points.
+struct Lanes {
+    V x0, x1, light_y2, softened_y2;
+    V depth0[3], depth_gain[3], lobe0, lobe1;
+    V cone[3], cone_d[3], offset0, offset_x;
+};
+/// A crossing of each piece: n and d at both ends, signed extinction. Not vectors: std::vector is compiled for any CPU.
+struct LaneCrossing {
+    alignas(64) float n[2][lanes], d[2][lanes], signed_sigma_t[3][lanes];
+};
 
-static HWY_INLINE V spot_of(const AngularSource::Spot& spot, V t) {
-    V p[3];
-    for (int axis = 0; axis < 3; ++axis)
-        p[axis] = on_ray(spot.start, spot.along, axis, t);
-    const V cosine = hn::Div(p[2], hn::Sqrt(length2(p)));
-    const V above = hn::Sub(cosine, set(spot.cos_half));
-    V share = hn::IfThenElse(hn::Gt(above, hn::Zero(d)), set(1.0), hn::Zero(d)); // 0 for a NaN: at the light itself
-    if (spot.per_smooth > 0.0) {
-        const V x = hn::Min(hn::Max(hn::Mul(above, set(spot.per_smooth)), hn::Zero(d)), set(1.0));
-        share = hn::Mul(share, hn::Mul(hn::Mul(x, x), hn::NegMulAdd(set(2.0), x, set(3.0))));
-    }
-    if (spot.keeps_cosine)
-        share = hn::Mul(share, hn::IfThenElse(hn::Gt(above, hn::Zero(d)), cosine, hn::Zero(d)));
-    return share;
-}
+struct Kernel {
+    const LocalShape& shape;
+    const std::array<float, 3>& sigma_t_at_light;
+    const LocalSupport& support;
+    std::span<const SetOfMedia> sets;
+    LocalPieces& pieces;
+    std::vector<Part>& parts;
+    std::vector<LaneCrossing>& crossings;
 
-/// What shapes the light towards each point: cosine lobe, cone, softening; 1 for a point light.
-static HWY_INLINE V shape_of(const AngularSource& s, V x, V t, V distance) {
-    V shape = set(1.0);
-    if (s.has_normal || s.is_soft) {
-        V from_light[3];
+    /// Cosine lobe, softening and cone at a point.
+    HWY_INLINE V shape_at(const Lanes& s, V x, V x2, V inverse_distance, V before, V after) const {
+        V share = set(1.0f);
+        if (shape.has_normal)
+            share =
+                hn::Mul(hn::Max(hn::MulAdd(before, s.lobe0, hn::Mul(after, s.lobe1)), hn::Zero(d)), inverse_distance);
+        if (shape.is_soft) {
+            const double offset2 = glm::dot(shape.falloff_offset, shape.falloff_offset) + shape.softening_m2;
+            const V way2 =
+                hn::Sub(hn::Add(hn::Add(x2, s.light_y2), set(offset2)), hn::MulAdd(x, s.offset_x, s.offset0));
+            share = hn::Mul(share, hn::Mul(hn::Add(x2, s.softened_y2), reciprocal_of(d, way2)));
+        }
+        if (!shape.has_cone)
+            return share;
+        V p[3];
         for (int axis = 0; axis < 3; ++axis)
-            from_light[axis] = on_ray(s.start, s.along, axis, t);
-        if (s.has_normal)
-            shape = hn::Max(hn::Zero(d), hn::Div(dot(from_light, s.normal), distance));
-        if (s.is_soft) {
-            for (int axis = 0; axis < 3; ++axis)
-                from_light[axis] = hn::Sub(from_light[axis], set(s.falloff_offset[axis]));
-            const V softened = hn::MulAdd(x, x, set(s.softened_y * s.softened_y)); // what the angles divide by
-            shape = hn::Mul(shape, hn::Div(softened, hn::Add(length2(from_light), set(s.softening_m2))));
-        }
+            p[axis] = hn::MulAdd(x, s.cone_d[axis], s.cone[axis]);
+        const V across2 = hn::MulAdd(p[0], p[0], hn::Mul(p[1], p[1]));
+        const V inverse = reciprocal_root_of(d, hn::MulAdd(p[2], p[2], across2));
+        const V cosine = hn::Mul(p[2], inverse), one = set(1.0f);
+        // sin^2 / (1 + cos): near the axis of a narrow cone 1 - cos would be noise.
+        V one_minus_cosine =
+            hn::Mul(hn::Mul(across2, hn::Mul(inverse, inverse)), reciprocal_of(d, hn::Add(one, hn::Abs(cosine))));
+        one_minus_cosine =
+            hn::IfThenElse(hn::Lt(cosine, hn::Zero(d)), hn::Sub(set(2.0f), one_minus_cosine), one_minus_cosine);
+        const V above = hn::Sub(set(shape.one_minus_cos_half), one_minus_cosine);
+        if (shape.has_soft_edge) {
+            const V rise = hn::Min(hn::Max(hn::Mul(above, set(shape.per_smooth)), hn::Zero(d)), one);
+            share = hn::Mul(share, hn::Mul(hn::Mul(rise, rise), hn::NegMulAdd(set(2.0f), rise, set(3.0f))));
+        } else
+            share = hn::IfThenElseZero(hn::Gt(above, hn::Zero(d)), share);
+        return shape.keeps_cosine ? hn::Mul(share, hn::Max(cosine, hn::Zero(d))) : share;
     }
-    return s.has_spot ? hn::Mul(shape, spot_of(s.spot, t)) : shape;
-}
 
-static KronrodSums integrate_angles_of(const AngularSource& s, double from_rad, double to_rad) {
-    const double middle = 0.5 * (from_rad + to_rad), half = 0.5 * (to_rad - from_rad);
-    V kronrod[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)}, gauss[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    for (std::size_t first = 0; first < 16; first += hn::Lanes(d)) {
-        const V angle = hn::MulAdd(hn::Load(d, rule.at + first), set(half), set(middle));
-        const V x = hn::Mul(set(s.softened_y), hn::Div(hn::Sin(d, angle), hn::Cos(d, angle)));
-        const V t = hn::Min(hn::Max(hn::Add(x, set(s.light_x)), set(s.near_m)), set(s.far_m));
-        const V distance = hn::Sqrt(hn::MulAdd(x, x, set(s.light_y * s.light_y)));
-        V light_sigma_t[3] = {set(s.sigma_t_at_light.x), set(s.sigma_t_at_light.y), set(s.sigma_t_at_light.z)};
-        for (const AngularSource::Crossing& crossing : s.crossings) {
-            const V share =
-                hn::Div(hn::NegMulAdd(set(crossing.a), t, set(crossing.c)),
-                        hn::MulAdd(set(crossing.a), hn::Sub(set(s.light_x), t), set(crossing.b * s.light_y)));
-            for (int channel = 0; channel < 3; ++channel)
-                light_sigma_t[channel] =
-                    hn::MulAdd(share, set(crossing.signed_sigma_t[channel]), light_sigma_t[channel]);
-        }
-        // The light's way makes the angle's complement with the ray; on to the camera it goes against it.
-        const V cosine = hn::Min(hn::Max(hn::Neg(hn::Div(x, distance)), set(-1.0)), set(1.0));
-        V scatter[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-        for (const AngularSource::Lobe& lobe : s.lobes) {
-            const V base = hn::NegMulAdd(set(lobe.two_g), cosine, set(lobe.one_plus_g2));
-            const V phase = hn::Div(set(1.0), hn::Mul(base, hn::Sqrt(base)));
-            for (int channel = 0; channel < 3; ++channel)
+    /// sigma_s times the phase function, where the light has come the way -x with this inverse distance.
+    static HWY_INLINE void add_lobes(const SetOfMedia& media, V towards, V away, V (&scatter)[3]) {
+        for (const PhaseLobe& lobe : media.lobes) {
+            const V base = hn::MulAdd(set(lobe.two_g), lobe.is_forward ? towards : away, set(lobe.least));
+            const V root = reciprocal_root_of(d, base), phase = hn::Mul(root, hn::Mul(root, root));
+            for (std::size_t channel = 0; channel < 3; ++channel)
                 scatter[channel] = hn::MulAdd(phase, set(lobe.weight[channel]), scatter[channel]);
         }
-        const V shape = shape_of(s, x, t, distance), along = hn::Sub(t, set(s.near_m));
-        V transmittance[3];
-        for (int channel = 0; channel < 3; ++channel) {
-            if (channel > 0 && s.is_grey) {
-                transmittance[channel] = transmittance[0];
-                continue;
-            }
-            const V at_light = hn::Max(light_sigma_t[channel], hn::Zero(d));
-            const V depth = hn::MulAdd(set(s.sigma_t[channel]), along,
-                                       hn::MulAdd(at_light, distance, set(s.camera_depth_at_near[channel])));
-            transmittance[channel] = hn::Exp(d, hn::Neg(hn::Min(depth, set(700.0)))); // 1e-304: as good as 0
+    }
+
+    /// Extinction of the way to the light, per metre of it.
+    HWY_INLINE void light_side(V before, V after, V (&sigma_t)[3]) const {
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            sigma_t[channel] = set(sigma_t_at_light[channel]);
+        if (crossings.empty())
+            return;
+        for (const LaneCrossing& crossing : crossings) {
+            const auto mean = [&](const float(&ends)[2][lanes]) {
+                return hn::MulAdd(before, hn::Load(d, ends[0]), hn::Mul(after, hn::Load(d, ends[1])));
+            };
+            const V n = mean(crossing.n), way = mean(crossing.d);
+            const V share = hn::Min(hn::Max(hn::Div(n, hn::Max(way, set(1e-30f))), hn::Zero(d)), set(1.0f));
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                sigma_t[channel] = hn::MulAdd(share, hn::Load(d, crossing.signed_sigma_t[channel]), sigma_t[channel]);
         }
-        for (int channel = 0; channel < 3; ++channel) {
-            const V value = hn::Mul(hn::Mul(shape, scatter[channel]), transmittance[channel]);
-            kronrod[channel] = hn::MulAdd(hn::Load(d, rule.kronrod + first), value, kronrod[channel]);
-            gauss[channel] = hn::MulAdd(hn::Load(d, rule.gauss + first), value, gauss[channel]);
+        for (V& channel : sigma_t)
+            channel = hn::Max(channel, hn::Zero(d));
+    }
+
+    void gather_crossings(const std::uint32_t* piece) {
+        crossings.clear();
+        std::uint32_t most = 0;
+        for (std::size_t lane = 0; lane < lanes; ++lane)
+            most = std::max(most, pieces.crossing_count[piece[lane]]);
+        for (std::uint32_t index = 0; index < most; ++index) {
+            LaneCrossing& lane_crossing = crossings.emplace_back();
+            for (std::size_t lane = 0; lane < lanes; ++lane) {
+                constexpr PieceCrossing none{{0.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 0.0f, 0.0f}};
+                const std::uint32_t at = piece[lane];
+                const PieceCrossing& c =
+                    index < pieces.crossing_count[at] ? pieces.crossings[pieces.first_crossing[at] + index] : none;
+                for (std::size_t end = 0; end < 2; ++end)
+                    lane_crossing.n[end][lane] = c.n[end], lane_crossing.d[end][lane] = c.d[end];
+                for (std::size_t channel = 0; channel < 3; ++channel)
+                    lane_crossing.signed_sigma_t[channel][lane] = c.signed_sigma_t[channel];
+            }
         }
     }
-    const auto sums = [&](const V(&values)[3]) {
-        return half * dvec3(hn::GetLane(hn::SumOfLanes(d, values[0])), hn::GetLane(hn::SumOfLanes(d, values[1])),
-                            hn::GetLane(hn::SumOfLanes(d, values[2])));
-    };
-    return {sums(kronrod), sums(gauss)};
+
+    /// Parts [first, first + lanes) of the list; `used` of them count. Those too rough are halved and appended.
+    template <bool is_whole>
+    void evaluate(std::size_t first, std::size_t used) {
+        alignas(64) std::uint32_t piece[lanes];
+        alignas(64) float begin_before[lanes], begin_after[lanes], end_before[lanes], end_after[lanes];
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            const std::size_t at = first + std::min(lane, used - 1);
+            if constexpr (is_whole) {
+                piece[lane] = static_cast<std::uint32_t>(at);
+            } else {
+                const Part& part = parts[at];
+                piece[lane] = part.piece;
+                begin_before[lane] = part.begin[0], begin_after[lane] = part.begin[1];
+                end_before[lane] = part.end[0], end_after[lane] = part.end[1];
+            }
+        }
+        const auto index = hn::BitCast(di, hn::Load(hn::RebindToUnsigned<Tag>(), piece));
+        const auto of_piece = [&](const auto& column) {
+            const hn::Rebind<std::remove_cvref_t<decltype(column[0])>, Tag> any;
+            if constexpr (is_whole)
+                return hn::Load(any, column.data() + first);
+            else
+                return hn::GatherIndex(any, column.data(), index);
+        };
+        const auto ray = of_piece(pieces.ray);
+        const auto of_ray = [&](LocalSupport::Term which) {
+            return hn::GatherIndex(d, support.term[which].data(), ray);
+        };
+        gather_crossings(piece);
+        Lanes s;
+        s.x0 = of_piece(pieces.x0), s.x1 = of_piece(pieces.x1);
+        const V softened_y = of_ray(LocalSupport::SoftenedY);
+        s.light_y2 = of_ray(LocalSupport::LightY2), s.softened_y2 = hn::Mul(softened_y, softened_y);
+        const bool is_grey = hn::AllTrue(di, hn::Ne(of_piece(pieces.is_grey), hn::Zero(di)));
+        for (std::size_t channel = 0; channel < (is_grey ? 1u : 3u); ++channel) {
+            s.depth0[channel] = of_piece(pieces.depth0[channel]);
+            s.depth_gain[channel] = of_piece(pieces.depth_gain[channel]);
+        }
+        if (shape.has_normal)
+            s.lobe0 = of_piece(pieces.lobe0), s.lobe1 = of_piece(pieces.lobe1);
+        if (shape.is_soft)
+            s.offset0 = of_ray(LocalSupport::Offset0), s.offset_x = of_ray(LocalSupport::OffsetX);
+        if (shape.has_cone) {
+            s.cone[0] = of_ray(LocalSupport::ConeX), s.cone_d[0] = of_ray(LocalSupport::ConeDx);
+            s.cone[1] = of_ray(LocalSupport::ConeY), s.cone_d[1] = of_ray(LocalSupport::ConeDy);
+            s.cone[2] = of_ray(LocalSupport::ConeZ), s.cone_d[2] = of_ray(LocalSupport::ConeDz);
+        }
+        // Ends of the parts.
+        V before0 = set(1.0f), after0 = hn::Zero(d), before1 = hn::Zero(d), after1 = set(1.0f);
+        V x0 = s.x0, x1 = s.x1, length = of_piece(pieces.length_m);
+        if constexpr (!is_whole) {
+            before0 = hn::Load(d, begin_before), after0 = hn::Load(d, begin_after);
+            before1 = hn::Load(d, end_before), after1 = hn::Load(d, end_after);
+            x0 = hn::MulAdd(before0, s.x0, hn::Mul(after0, s.x1));
+            x1 = hn::MulAdd(before1, s.x0, hn::Mul(after1, s.x1));
+            length = hn::Sub(x1, x0); // not by the shares, which are both 1 but for 1e-7 next to the foot
+        }
+        const V r0 = hn::Sqrt(hn::MulAdd(x0, x0, s.softened_y2)), r1 = hn::Sqrt(hn::MulAdd(x1, x1, s.softened_y2));
+        const V angle = atan2_of(d, hn::Mul(softened_y, length), hn::MulAdd(x0, x1, s.softened_y2));
+        const V angle2 = hn::Mul(angle, angle);
+        V sine[Rule::count]; // over the angle
+        for (std::size_t i = 0; i < Rule::count; ++i)
+            sine[i] = hn::Mul(set(rule.at[i]), sinc(hn::Mul(angle2, set(rule.at[i] * rule.at[i]))));
+        alignas(64) std::int32_t set_of[lanes];
+        const auto set_index = of_piece(pieces.set);
+        hn::Store(set_index, di, set_of);
+        const bool is_one_set = hn::AllTrue(di, hn::Eq(set_index, hn::Set(di, set_of[0])));
+
+        V mean[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)}, fourth[3] = {mean[0], mean[0], mean[0]},
+          fifth[3] = {mean[0], mean[0], mean[0]};
+        V least[3] = {set(1e30f), set(1e30f), set(1e30f)}, most[3] = {mean[0], mean[0], mean[0]}; // depths
+        for (std::size_t i = 0; i < Rule::count; ++i) {
+            const V weight0 = hn::Mul(sine[Rule::count - 1 - i], r1), weight1 = hn::Mul(sine[i], r0);
+            const V inverse = reciprocal_of(d, hn::Add(weight0, weight1));
+            V before = hn::Mul(weight0, inverse), after = hn::Mul(weight1, inverse);
+            if constexpr (!is_whole) {
+                const V own_before = before, own_after = after;
+                before = hn::MulAdd(own_before, before0, hn::Mul(own_after, before1));
+                after = hn::MulAdd(own_before, after0, hn::Mul(own_after, after1));
+            }
+            const V x = hn::MulAdd(before, s.x0, hn::Mul(after, s.x1)), x2 = hn::Mul(x, x);
+            const V distance2 = hn::Add(x2, s.light_y2), inverse_distance = reciprocal_root_of(d, distance2);
+            const V distance = hn::Mul(distance2, inverse_distance);
+            // 1 - |cos| of the angle by which the light turns, as sin^2 / (1 + |cos|).
+            const V absolute = hn::Mul(hn::Abs(x), inverse_distance);
+            const V less = hn::Mul(hn::Mul(s.light_y2, hn::Mul(inverse_distance, inverse_distance)),
+                                   reciprocal_of(d, hn::Add(set(1.0f), absolute)));
+            const V more = hn::Sub(set(2.0f), less);
+            const auto turns_back = hn::Gt(x, hn::Zero(d)); // the ray has passed the light, and looks back at it
+            const V towards = hn::IfThenElse(turns_back, more, less), away = hn::IfThenElse(turns_back, less, more);
+            V scatter[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+            if (is_one_set)
+                add_lobes(sets[static_cast<std::size_t>(set_of[0])], towards, away, scatter);
+            else
+                scatter_of_sets(set_of, set_index, towards, away, scatter);
+            const V share = shape_at(s, x, x2, inverse_distance, before, after);
+            V sigma_t[3], transmittance{};
+            light_side(before, after, sigma_t);
+            for (std::size_t channel = 0; channel < 3; ++channel) {
+                if (channel == 0 || !is_grey) {
+                    const V depth = hn::MulAdd(after, s.depth_gain[channel],
+                                               hn::MulAdd(sigma_t[channel], distance, s.depth0[channel]));
+                    least[channel] = hn::Min(least[channel], depth), most[channel] = hn::Max(most[channel], depth);
+                    transmittance = exp_of(d, hn::Neg(depth));
+                }
+                const V value = hn::Mul(hn::Mul(share, scatter[channel]), transmittance);
+                mean[channel] = hn::MulAdd(set(rule.weight[i]), value, mean[channel]);
+                fourth[channel] = hn::MulAdd(set(rule.fourth[i]), value, fourth[channel]);
+                fifth[channel] = hn::MulAdd(set(rule.fifth[i]), value, fifth[channel]);
+            }
+        }
+        // Coefficients of an analytic function fall like rho^-k, and the rule's error like rho^-12. The points may all miss
+        // what is left of a steep exponential; behind 80 optical depths nothing is.
+        auto is_rough = hn::Gt(hn::Zero(d), hn::Zero(d));
+        for (std::size_t channel = 0; channel < 3; ++channel) {
+            const std::size_t depths = is_grey ? 0 : channel;
+            const auto is_steep = hn::Gt(hn::Sub(most[depths], least[depths]), set(20.0f));
+            const auto is_bent = hn::Or(hn::Gt(hn::Abs(fourth[channel]), hn::Mul(set(0.03f), mean[channel])),
+                                        hn::Gt(hn::Abs(fifth[channel]), hn::Mul(set(0.012f), mean[channel])));
+            is_rough = hn::Or(is_rough, hn::And(hn::Or(is_steep, is_bent), hn::Lt(least[depths], set(80.0f))));
+        }
+        const V per_angle = hn::Div(angle, softened_y);
+        alignas(64) float result[3][lanes];
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            hn::Store(hn::Mul(mean[channel], per_angle), d, result[channel]);
+        alignas(64) std::int32_t rough[lanes];
+        hn::Store(hn::IfThenElseZero(hn::RebindMask(di, is_rough), hn::Set(di, 1)), di, rough);
+        alignas(64) float radius0[lanes], radius1[lanes];
+        hn::Store(r0, d, radius0), hn::Store(r1, d, radius1);
+        for (std::size_t lane = 0; lane < used; ++lane) {
+            const Part part = is_whole ? Part{.piece = piece[lane], .depth = 0} : parts[first + lane];
+            const bool is_done = rough[lane] == 0 || part.depth == most_halvings;
+            for (std::size_t channel = 0; channel < 3; ++channel) {
+                const float value = is_done ? result[channel][lane] : 0.0f;
+                float& sum = pieces.sum[channel][part.piece];
+                sum = is_whole ? value : sum + value;
+            }
+            if (!is_done)
+                halve(part, radius0[lane], radius1[lane]);
+        }
+    }
+
+    void scatter_of_sets(const std::int32_t (&set_of)[lanes], hn::Vec<decltype(di)> set_index, V towards, V away,
+                         V (&scatter)[3]) const {
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            if (std::find(set_of, set_of + lane, set_of[lane]) != set_of + lane)
+                continue;
+            V own[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+            add_lobes(sets[static_cast<std::size_t>(set_of[lane])], towards, away, own);
+            const auto is_mine = hn::RebindMask(d, hn::Eq(set_index, hn::Set(di, set_of[lane])));
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                scatter[channel] = hn::IfThenElse(is_mine, own[channel], scatter[channel]);
+        }
+    }
+
+    /// At the middle of the angle, by the sine rule.
+    void halve(const Part& part, float radius0, float radius1) {
+        const float before = radius1 / (radius0 + radius1), after = radius0 / (radius0 + radius1);
+        const std::array<float, 2> middle{before * part.begin[0] + after * part.end[0],
+                                          before * part.begin[1] + after * part.end[1]};
+        parts.push_back({part.piece, part.depth + 1, part.begin, middle});
+        parts.push_back({part.piece, part.depth + 1, middle, part.end});
+    }
+};
+
+void integrate_of(const LocalShape& shape, const std::array<float, 3>& sigma_t_at_light, const LocalSupport& support,
+                  std::span<const SetOfMedia> sets, LocalPieces& pieces) {
+    thread_local std::vector<Part> parts;
+    thread_local std::vector<LaneCrossing> crossings;
+    parts.clear();
+    Kernel kernel{shape, sigma_t_at_light, support, sets, pieces, parts, crossings};
+    for (std::size_t pad = pieces.count; pieces.count > 0 && pad % lanes != 0; ++pad) // whole vectors are read
+        for (auto* column : {&pieces.ray, &pieces.set, &pieces.is_grey})
+            (*column)[pad] = (*column)[pieces.count - 1];
+    for (std::size_t first = 0; first < pieces.count; first += lanes)
+        kernel.evaluate<true>(first, std::min(lanes, pieces.count - first));
+    for (std::size_t first = 0, used; first < parts.size(); first += used) { // grows meanwhile
+        used = std::min(lanes, parts.size() - first);
+        kernel.evaluate<false>(first, used);
+    }
 }
 } // namespace tyndall::light_shafts::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace tyndall::light_shafts {
-HWY_EXPORT(integrate_angles_of);
+HWY_EXPORT(integrate_of);
 
-KronrodSums integrate_angles(const AngularSource& source, double from_rad, double to_rad) {
-    return HWY_DYNAMIC_DISPATCH(integrate_angles_of)(source, from_rad, to_rad);
+void integrate(const LocalShape& shape, const std::array<float, 3>& sigma_t_at_light, const LocalSupport& support,
+               std::span<const SetOfMedia> sets, LocalPieces& pieces) {
+    HWY_DYNAMIC_DISPATCH(integrate_of)(shape, sigma_t_at_light, support, sets, pieces);
 }
 } // namespace tyndall::light_shafts
 #endif

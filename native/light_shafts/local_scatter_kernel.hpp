@@ -1,51 +1,45 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Gauss's 7 and Kronrod's 15 points on an interval of the angle under which a local light sees a view ray, all points at
-// once in SIMD lanes (double precision: the angle nears 90 degrees where a ray passes close by the light).
-// Based on: QUADPACK (Piessens et al. 1983), qk15. Integrand: local_scatter.hpp.
-// Bound:    15 points in 2 vectors of 8 (AVX-512) or 4 of 4 (AVX2); a sine, a cosine, 1 or 3 exponentials each.
+// Integrals of what a local light scatters towards the camera, over smooth pieces of many view rays at once: a piece per
+// SIMD lane, in floats.
+// Based on: Gauss's 6 points in the angle under which the light sees the ray (Kulla and Fajardo, EGSR 2012), halved where
+//           the Legendre coefficients of degree 4 and 5 say that degree 12 still counts.
+// Differs:  a point is not found by the tangent of its angle but as a weighted mean of the piece's ends (sine rule), whose
+//           terms are all positive: floats stay exact to 1e-6 next to the light and a million times farther away. All
+//           else that is linear along the ray is the same mean: optical depth, cosine lobe, ways to the media's bounds.
+// Bound:    6 points per piece: two roots and two reciprocals each, an exponential or three; 1e-5 of the piece.
 #pragma once
-#include "core/math.hpp"
-#include <span>
+#include "light_shafts/local_support.hpp"
+#include <array>
+#include <cstdint>
+#include <vector>
 
 namespace tyndall::light_shafts {
-/// Scattering towards the camera on one stretch of a ray, in the terms that the kernel evaluates. x is the distance along
-/// the ray from the light's foot, t = light_x + x the distance from the ray's origin.
-struct AngularSource {
-    double softened_y, light_x, light_y;
-    double near_m, far_m; ///< Of the stretch.
-    dvec3 camera_depth_at_near, sigma_t, sigma_t_at_light;
-    bool is_grey; ///< All channels lose light alike.
-
-    /// A boundary between ray and light, met at the share (c - a t) / (a (light_x - t) + b light_y) of the way.
-    struct Crossing {
-        double a, b, c;
-        dvec3 signed_sigma_t;
-    };
-    std::span<const Crossing> crossings;
-
-    /// sigma_s (1 - g^2) / (4 pi) over (1 + g^2 - 2 g cosine)^1.5 [Henyey and Greenstein 1941].
-    struct Lobe {
-        dvec3 weight;
-        double one_plus_g2, two_g;
-    };
-    std::span<const Lobe> lobes;
-
-    /// Point on the ray less the light's position: start + t * along.
-    dvec3 start, along;
-    bool has_normal = false, is_soft = false, has_spot = false;
-    dvec3 normal{0.0};         ///< Cosine lobe of a stratum of a sphere.
-    dvec3 falloff_offset{0.0}; ///< Of a stratum of a facing disc; see LightSample.
-    double softening_m2 = 0.0;
-    struct Spot {
-        dvec3 start, along;          ///< start and along in the space of the cone's test, axis along +Z.
-        double cos_half, per_smooth; ///< 1 / width of the soft edge in cosine; 0: a hard edge.
-        bool keeps_cosine;           ///< Up to 3.x the cosine stays a factor.
-    } spot{};
+/// A boundary between ray and light, met at the share n / d of the way from the point to the light. Both are linear along
+/// the piece; d > 0.
+struct PieceCrossing {
+    std::array<float, 2> n, d;           ///< At the piece's begin and end.
+    std::array<float, 3> signed_sigma_t; ///< Positive where the way to the light leaves the medium.
 };
 
-struct KronrodSums {
-    dvec3 kronrod, gauss; ///< Both times the interval's half length.
+/// Smooth pieces in columns, x measured along the ray from the light's foot; none lies on both sides of the foot and
+/// reaches farther than the light is away.
+struct LocalPieces {
+    static constexpr std::size_t capacity = 256;
+    template <class Value>
+    using Column = std::array<Value, capacity>;
+    alignas(64) Column<float> x0, x1, length_m;
+    alignas(64) std::array<Column<float>, 3> depth0, depth_gain; ///< Between camera and point: at x0, and on to x1.
+    alignas(64) Column<float> lobe0, lobe1;                      ///< normal . (point - light) at both ends.
+    alignas(64) Column<std::int32_t> ray, set, is_grey;          ///< Ray: into LocalSupport. Grey: all depths are.
+    Column<std::uint32_t> first_crossing, crossing_count;        ///< Into `crossings`.
+    std::vector<PieceCrossing> crossings;
+    std::size_t count = 0;
+
+    alignas(64) std::array<Column<float>, 3> sum; ///< Out: for a strength of 1, W/(m^2 sr).
+    void clear() { crossings.clear(), count = 0; }
 };
-/// Integrals of the source, for a strength of 1, over angles [from_rad, to_rad].
-[[nodiscard]] KronrodSums integrate_angles(const AngularSource& source, double from_rad, double to_rad);
+
+/// Fills `pieces.sum`. A piece's bits do not depend on the other pieces.
+void integrate(const LocalShape& shape, const std::array<float, 3>& sigma_t_at_light, const LocalSupport& support,
+               std::span<const SetOfMedia> sets, LocalPieces& pieces);
 } // namespace tyndall::light_shafts

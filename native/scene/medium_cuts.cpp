@@ -64,4 +64,45 @@ void append_medium_cuts(const SceneDescription& scene, const MediumBoundary& bou
     for (std::size_t triangle = 0; triangle < arrays.triangles.size(); ++triangle)
         cut_one(triangle);
 }
+
+void append_box_cuts(const Bounds3& box, const PlaneCoordinates<double>& plane, std::vector<MediumCut>& cuts) {
+    // Corner c has the high end of axis i where bit i of c is set.
+    double height[8], x[8], y[8];
+    int above = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const dvec3 point(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                          corner & 4 ? box.max.z : box.min.z);
+        height[corner] = plane.height(point), x[corner] = plane.x(point), y[corner] = plane.y(point);
+        above |= (height[corner] >= 0.0) << corner;
+    }
+    if (above == 0 || above == 0xff)
+        return;
+    for (int axis = 0; axis < 3; ++axis)
+        for (const int high : {0, 1}) {
+            const int u = 1 << (axis + 1) % 3, v = 1 << (axis + 2) % 3, base = high << axis;
+            const int corners[4] = {base, base + u, base + u + v, base + v};
+            double at[2][2];
+            int count = 0;
+            for (int edge = 0; edge < 4; ++edge) {
+                // In one order of its ends for both faces: they meet there without a gap.
+                const int from = std::min(corners[edge], corners[(edge + 1) % 4]),
+                          to = std::max(corners[edge], corners[(edge + 1) % 4]);
+                if ((above >> from & 1) == (above >> to & 1))
+                    continue;
+                const double share = height[from] / (height[from] - height[to]);
+                if (count < 2) {
+                    at[count][0] = x[from] + share * (x[to] - x[from]);
+                    at[count][1] = y[from] + share * (y[to] - y[from]);
+                }
+                ++count;
+            }
+            if (count != 2)
+                continue;
+            MediumCut& cut = cuts.emplace_back();
+            cut.segment = {at[0][0], at[0][1], at[1][0], at[1][1]};
+            cut.point = dvec3(high != 0 ? box.max : box.min);
+            cut.outward_normal = dvec3(0.0);
+            cut.outward_normal[axis] = high != 0 ? 1.0 : -1.0;
+        }
+}
 } // namespace tyndall

@@ -14,4 +14,6 @@ struct MediumCut {
 /// Appends the cuts with the triangles of one boundary; `plane` gives coordinates of object-space points.
 void append_medium_cuts(const SceneDescription& scene, const MediumBoundary& boundary,
                         const PlaneCoordinates<double>& plane, std::vector<MediumCut>& cuts);
+/// The same for the box of a boundary with `is_box`, a cut per face that the plane meets.
+void append_box_cuts(const Bounds3& box, const PlaneCoordinates<double>& plane, std::vector<MediumCut>& cuts);
 } // namespace tyndall

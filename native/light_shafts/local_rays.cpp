@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/local_rays.hpp"
+#include <cmath>
+#include <numbers>
+
+namespace tyndall::light_shafts {
+std::uint32_t LocalRays::index_of(const Media& media, const MediumSet& set) {
+    for (std::uint32_t index = 0; index < sets_.size(); ++index)
+        if (sets_[index].set == set)
+            return index;
+    SetOfMedia& made = sets_.emplace_back(SetOfMedia{set, dvec3(media.sigma_t_per_m(set)), {}});
+    for (std::size_t index = 0; index < set.count; ++index)
+        for (const ScatterLobe& lobe : media.scene().description().media[set.media[index]].lobes) {
+            const double g = std::abs(double{lobe.asymmetry_g});
+            const dvec3 weight = dvec3(lobe.sigma_s_per_m) * ((1.0 - g * g) * 0.25 * std::numbers::inv_pi);
+            made.lobes.push_back(
+                {.weight = {static_cast<float>(weight.x), static_cast<float>(weight.y), static_cast<float>(weight.z)},
+                 .least = static_cast<float>((1.0 - g) * (1.0 - g)),
+                 .two_g = static_cast<float>(2.0 * g),
+                 .is_forward = lobe.asymmetry_g >= 0.0f});
+        }
+    return static_cast<std::uint32_t>(sets_.size() - 1);
+}
+
+void LocalRays::assign(const Media& media, std::span<const ViewRay> rays, std::span<const std::uint32_t> first_segment,
+                       std::span<const MediumSegment> segments) {
+    rays_ = rays, first_segment_ = first_segment;
+    segments_.clear(), sets_.clear();
+    const std::size_t padded = (rays.size() + padding - 1) / padding * padding;
+    for (std::vector<double>& values : columns_)
+        values.assign(padded, 0.0);
+    for (std::size_t index = 0; index < rays.size(); ++index) {
+        dvec3 depth(0.0);
+        for (std::uint32_t at = first_segment[index]; at < first_segment[index + 1]; ++at) {
+            const MediumSegment& segment = segments[at];
+            const std::uint32_t set = index_of(media, segment.set);
+            segments_.push_back({segment.near_m, segment.far_m, set, depth});
+            depth += sets_[set].sigma_t * (double{segment.far_m} - segment.near_m);
+        }
+        const ViewRay& ray = rays[index];
+        for (int axis = 0; axis < 3; ++axis) {
+            columns_[static_cast<std::size_t>(OriginX + axis)][index] = ray.origin[axis];
+            columns_[static_cast<std::size_t>(DirectionX + axis)][index] = ray.direction[axis];
+        }
+        const auto own = segments_of(index);
+        columns_[Near][index] = own.empty() ? 1.0 : own.front().near_m;
+        columns_[Far][index] = own.empty() ? 0.0 : own.back().far_m;
+    }
+}
+} // namespace tyndall::light_shafts

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The view rays of a block as every local light reads them: in columns, with what their media have in common.
+#pragma once
+#include "light_shafts/light_shafts.hpp"
+#include "scene/media.hpp"
+#include <array>
+#include <span>
+#include <vector>
+
+namespace tyndall::light_shafts {
+/// Henyey and Greenstein's lobe [1941], (1 - g^2) sigma_s / (4 pi) over ((1 - |g|)^2 + 2 |g| (1 -+ cosine))^1.5: a sum of
+/// terms that are not negative, however sharp the peak.
+struct PhaseLobe {
+    std::array<float, 3> weight;
+    float least, two_g; ///< (1 - |g|)^2 and 2 |g|.
+    bool is_forward;
+};
+/// What a set of media does to light.
+struct SetOfMedia {
+    MediumSet set;
+    dvec3 sigma_t{0.0};
+    std::vector<PhaseLobe> lobes;
+};
+
+/// Computed once for all lights. The rays and their media must outlive it.
+class LocalRays {
+public:
+    /// Ray r has segments[first_segment[r] .. first_segment[r + 1]), of Media::segments, made finite.
+    void assign(const Media& media, std::span<const ViewRay> rays, std::span<const std::uint32_t> first_segment,
+                std::span<const MediumSegment> segments);
+    void clear() { rays_ = {}; }
+    [[nodiscard]] bool is_empty() const { return rays_.empty(); }
+
+    [[nodiscard]] std::size_t size() const { return rays_.size(); }
+    [[nodiscard]] const ViewRay& ray(std::size_t index) const { return rays_[index]; }
+    [[nodiscard]] std::span<const ViewRay> rays() const { return rays_; }
+    struct Segment {
+        float near_m, far_m;
+        std::uint32_t set; ///< Into sets().
+        dvec3 depth_at_near;
+    };
+    [[nodiscard]] std::span<const Segment> segments_of(std::size_t ray) const {
+        return std::span(segments_).subspan(first_segment_[ray], first_segment_[ray + 1] - first_segment_[ray]);
+    }
+    [[nodiscard]] std::span<const SetOfMedia> sets() const { return sets_; }
+
+    /// Columns, each padded to a multiple of `padding` rays: origin, direction, and the ends of what lies in media; a
+    /// ray without media ends before it begins.
+    static constexpr std::size_t padding = 8;
+    enum Column : std::uint8_t {
+        OriginX,
+        OriginY,
+        OriginZ,
+        DirectionX,
+        DirectionY,
+        DirectionZ,
+        Near,
+        Far,
+        ColumnCount
+    };
+    [[nodiscard]] const double* column(int which) const { return columns_[static_cast<std::size_t>(which)].data(); }
+
+private:
+    [[nodiscard]] std::uint32_t index_of(const Media& media, const MediumSet& set);
+
+    std::span<const ViewRay> rays_;
+    std::span<const std::uint32_t> first_segment_;
+    std::vector<Segment> segments_;
+    std::vector<SetOfMedia> sets_;
+    std::array<std::vector<double>, ColumnCount> columns_;
+};
+} // namespace tyndall::light_shafts
