@@ -20,7 +20,6 @@ constexpr std::size_t rays_per_block = 4096;
 struct Prepared {
     ShaftScene* scene = nullptr;
     std::unique_ptr<slope_rows::Rows> rows;
-    slope_rows::BandTriangles triangles;
     std::vector<std::uint32_t> order; ///< Rays by slice.
     std::vector<ViewRay> sorted;
 };
@@ -46,8 +45,7 @@ Prepared* prepared(benchmark::State& state) {
     made.rows = std::make_unique<slope_rows::Rows>(
         slope_rows::make_layout(*slope_rows::make_frame(scene->view, scene->sun), scene->rays,
                                 layout_config(static_cast<std::uint32_t>(state.range(1))), progress));
-    made.triangles = slope_rows::bin_triangles(made.rows->layout, scene->occluders, progress);
-    slope_rows::raster(*made.rows, made.triangles, progress);
+    slope_rows::raster(*made.rows, scene->occluders, progress);
     made.order = row_query::by_slice(made.rows->layout, scene->rays, progress);
     for (const std::uint32_t ray : made.order)
         made.sorted.push_back(scene->rays[ray]);
@@ -135,8 +133,7 @@ static void raster(benchmark::State& state) {
     Progress progress;
     if (Prepared* made = prepared(state))
         for (auto _ : state)
-            slope_rows::raster(
-                *made->rows, slope_rows::bin_triangles(made->rows->layout, made->scene->occluders, progress), progress);
+            slope_rows::raster(*made->rows, made->scene->occluders, progress);
 }
 static void map_and_rectify(benchmark::State& state) {
     Progress progress;
@@ -182,7 +179,7 @@ static void sun_moved(benchmark::State& state, bool by_map) {
                                       scene.occluders, progress),
                     rows, progress);
         else
-            slope_rows::raster(rows, slope_rows::bin_triangles(rows.layout, scene.occluders, progress), progress);
+            slope_rows::raster(rows, scene.occluders, progress);
         query(rows, scene.rays, pieces, answer);
     }
     report_error(state, scene, answer.radiance);

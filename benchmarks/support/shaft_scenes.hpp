@@ -83,13 +83,8 @@ inline bool is_lit(const ShaftScene& scene, const vec3& point) {
 inline void prepare(ShaftScene& scene, const ShaftCamera& camera, int truth_ray_count, int march_steps) {
     constexpr std::size_t width = 1920, height = 1080;
     commit_embree(scene);
-    scene.occluders.triangle_count = scene.soup.triangles.size();
-    for (std::size_t start = 0; start < scene.soup.triangles.size(); start += light_shafts::Occluders::piece_triangles)
-        scene.occluders.pieces.push_back({0, scene.soup.positions,
-                                          std::span(scene.soup.triangles)
-                                              .subspan(start, std::min(light_shafts::Occluders::piece_triangles,
-                                                                       scene.soup.triangles.size() - start)),
-                                          &scene.identity});
+    scene.occluders.meshes.push_back(light_shafts::make_occluder_mesh(scene.soup.positions, scene.soup.triangles));
+    scene.occluders.add(scene.occluders.meshes.front().get(), &scene.identity);
     scene.view.position = camera.position;
     scene.rays.resize(width * height);
     const vec3 right = glm::normalize(glm::cross(camera.forward, vec3(0, 0, 1)));

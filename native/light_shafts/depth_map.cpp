@@ -71,22 +71,22 @@ private:
 } // namespace
 
 /// Clips triangles to the face's pyramid and puts them into (1/z, x/z, y/z).
-static std::size_t place_in_face(const DepthMap& map, const MapWindow& window, const Layout& layout,
-                                 const OccluderPiece& piece, std::size_t& start, PlacedTriangles& placed) {
+static std::size_t place_in_face(const DepthMap& map, const MapWindow& window, const OccluderInstance& instance,
+                                 const OccluderBlock& block, std::size_t start, std::int32_t first, std::int32_t end,
+                                 PlacedTriangles& placed) {
     constexpr std::size_t most_triangles = 6; // of a triangle clipped by five planes
-    const mat4& scene_from_object = *piece.scene_from_object;
+    const Layout& layout = map.texels->layout;
+    const mat4& scene_from_object = *instance.scene_from_object;
     const mat3 face_from_scene = glm::transpose(mat3(map.x_axis, map.y_axis, map.z_axis));
     const mat3 face_from_object = face_from_scene * mat3(scene_from_object);
     const vec3 offset = face_from_scene * (vec3(scene_from_object[3]) - map.origin);
     // A little more than the window, so that triangles end outside; nearer than 1e-6 of a triangle's own distance from
     // the light, 1/z has no digits left.
     const vec2 margin = 0.01f * (window.max - window.min), low = window.min - margin, high = window.max + margin;
-    std::size_t count = 0;
-    for (; start < piece.triangles.size() && count + most_triangles <= PlacedTriangles::capacity; ++start) {
-        const uvec3 triangle = piece.triangles[start];
+    for (; start < block.count && placed.count + most_triangles <= PlacedTriangles::capacity; ++start) {
         std::array<vec3, 3> p;
-        for (int c = 0; c < 3; ++c)
-            p[static_cast<std::size_t>(c)] = face_from_object * piece.positions[triangle[c]] + offset;
+        for (std::size_t c = 0; c < 3; ++c)
+            p[c] = face_from_object * block.corner(start, c) + offset;
         FacePolygon polygon(p[0], p[1], p[2]);
         const float farthest = std::max(p[0].z, std::max(p[1].z, p[2].z));
         if (!(farthest > 0.0f))
@@ -96,7 +96,8 @@ static std::size_t place_in_face(const DepthMap& map, const MapWindow& window, c
         polygon.clip({-1, 0, high.x}, 0.0f);
         polygon.clip({0, 1, -low.y}, 0.0f);
         polygon.clip({0, -1, high.y}, 0.0f);
-        for (std::size_t t = 0; t < polygon.triangle_count(); ++t, ++count) {
+        for (std::size_t t = 0; t < polygon.triangle_count(); ++t) {
+            const std::size_t count = placed.count;
             float lowest = high.y, highest = low.y;
             for (std::size_t c = 0; c < 3; ++c) {
                 const vec3& corner = polygon.corner(t, c);
@@ -109,20 +110,22 @@ static std::size_t place_in_face(const DepthMap& map, const MapWindow& window, c
             }
             placed.first_slice[count] = std::ceil((lowest - layout.first_slice) / layout.slice_step - 0.01f);
             placed.last_slice[count] = std::floor((highest - layout.first_slice) / layout.slice_step + 0.01f);
+            placed.count += placed.first_slice[count] < static_cast<float>(end) &&
+                            placed.last_slice[count] >= static_cast<float>(first);
         }
     }
-    return count;
+    return start;
 }
 
 void raster_depth(DepthMap& map, const MapWindow& window, std::uint32_t resolution, const Occluders& occluders,
                   const Progress& progress) {
     map.texels = std::make_unique<Rows>(layout_of(map, window, resolution));
-    const Layout& layout = map.texels->layout;
     Placer placer;
     if (map.is_perspective)
-        placer = [&](const OccluderPiece& piece, std::size_t& start, PlacedTriangles& placed) {
-            return place_in_face(map, window, layout, piece, start, placed);
+        placer = [&](const OccluderInstance& instance, const OccluderBlock& block, std::size_t start,
+                     std::int32_t first, std::int32_t end, PlacedTriangles& placed) {
+            return place_in_face(map, window, instance, block, start, first, end, placed);
         };
-    raster(*map.texels, bin_triangles(layout, occluders, progress, placer), progress);
+    raster(*map.texels, occluders, progress, placer);
 }
 } // namespace tyndall::light_shafts

@@ -16,14 +16,20 @@ static slope_rows::LayoutConfig layout_of(const Config& config) {
 
 std::unique_ptr<Visibility> make_epipolar(const Scene& scene, const View& view, const LightSample& light,
                                           std::span<const ViewRay> rays, const Config& config, Progress& progress) {
-    const Preparation preparation{scene, view, light, rays, config, progress};
+    return make_epipolar_beam(scene, gather_occluders(scene.description(), progress), view, light,
+                              outline(view.is_orthographic, rays), config, progress);
+}
+
+std::unique_ptr<Visibility> make_epipolar_beam(const Scene& scene, const Occluders& occluders, const View& view,
+                                               const LightSample& light, std::span<const RaySpan> outline,
+                                               const Config& config, Progress& progress) {
+    const Preparation preparation{scene, occluders, view, light, outline, config, progress};
     PreparedRows prepared = prepare_rows(preparation, layout_of(config), "EPIPOLAR");
     if (prepared.instead)
         return std::move(prepared.instead);
     {
         const StageTimer timer(prepared.statistics, "slope rows: raster");
-        slope_rows::raster(*prepared.rows,
-                           slope_rows::bin_triangles(prepared.rows->layout, prepared.occluders, progress), progress);
+        slope_rows::raster(*prepared.rows, occluders, progress);
     }
     return std::make_unique<RowsVisibility>(preparation, std::move(*prepared.rows), std::move(prepared.statistics));
 }

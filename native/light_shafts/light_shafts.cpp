@@ -4,6 +4,8 @@
 #include "light_shafts/exact_strip.hpp"
 #include "light_shafts/light_shares.hpp"
 #include "light_shafts/local_scatter.hpp"
+#include "light_shafts/occluders.hpp"
+#include "light_shafts/ray_outline.hpp"
 #include "light_shafts/scatter_pieces.hpp"
 #include "light_shafts/scattering_lights.hpp"
 #include "light_shafts/visibility.hpp"
@@ -195,42 +197,48 @@ Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::sp
         else
             prepared_->lights.push_back(std::move(beams));
     }
-    std::size_t beam_count = 0;
-    float most = -1.0f;
+    std::vector<std::pair<Beam*, float>> all_beams; // with the share of their light
+    for (LightBeams& light : prepared_->lights)
+        for (Beam& beam : light.beams)
+            all_beams.emplace_back(&beam, 1.0f / static_cast<float>(light.beams.size()));
+    progress.set_message("Light shafts: " + std::to_string(all_beams.size()) + " light samples");
     std::shared_ptr<const StripScene> strip;
-    for (std::size_t light = 0; light < prepared_->lights.size(); ++light) {
-        std::vector<Beam>& beams = prepared_->lights[light].beams;
-        progress.set_message("Light shafts: light " + std::to_string(light + 1) + " of " +
-                             std::to_string(prepared_->lights.size()));
-        for (std::size_t index = 0; index < beams.size(); ++index) {
-            Beam& beam = beams[index];
-            const Config share =
-                config_of_share(config, shares.share(beam.share), 1.0f / static_cast<float>(beams.size()));
-            switch (config.method) {
-            case Method::Exact:
-                if (!strip) {
-                    const StageTimer timer(statistics, "light shafts: hierarchies for cuts");
-                    strip = std::make_shared<const StripScene>(make_strip_scene(scene, progress));
-                }
-                beam.visibility = make_exact_strip(scene, beam.sample, strip);
-                break;
-            case Method::Epipolar:
-                beam.visibility = make_epipolar(scene, view, beam.sample, clipped, share, progress);
-                break;
-            case Method::ShadowMap:
-                beam.visibility = make_shadow_map(scene, view, beam.sample, clipped, share, progress);
-                break;
-            }
+    Occluders occluders;
+    std::vector<RaySpan> outer_rays;
+    if (all_beams.empty())
+        return;
+    if (config.method == Method::Exact) {
+        const StageTimer timer(statistics, "light shafts: hierarchies for cuts");
+        strip = std::make_shared<const StripScene>(make_strip_scene(scene, progress));
+    } else {
+        occluders = gather_occluders(scene.description(), progress);
+        outer_rays = outline(view.is_orthographic, clipped);
+    }
+    parallel_for(
+        all_beams.size(), progress,
+        [&](std::size_t index) {
+            auto& [beam, share_of_light] = all_beams[index];
+            const Config share = config_of_share(config, shares.share(beam->share), share_of_light);
+            if (config.method == Method::Exact)
+                beam->visibility = make_exact_strip(scene, beam->sample, strip);
+            else if (config.method == Method::Epipolar)
+                beam->visibility =
+                    make_epipolar_beam(scene, occluders, view, beam->sample, outer_rays, share, progress);
+            else
+                beam->visibility =
+                    make_shadow_map_beam(scene, occluders, view, beam->sample, outer_rays, share, progress);
+        },
+        1);
+    float most = -1.0f;
+    for (const LightBeams& light : prepared_->lights) {
+        for (const Beam& beam : light.beams)
             if (shares.share(beam.share) > most) {
                 most = shares.share(beam.share);
                 prepared_->finest = beam.visibility.get();
             }
-            if (index == 0) // one sample tells of its light; a world has many
-                statistics.append(beam.visibility->statistics());
-        }
-        beam_count += beams.size();
+        statistics.append(light.beams.front().visibility->statistics()); // one tells of its light; a world has many
     }
-    statistics.count("light shafts: light samples", static_cast<double>(beam_count));
+    statistics.count("light shafts: light samples", static_cast<double>(all_beams.size()));
 }
 
 void Shafts::Prepared::gather(std::span<const ViewRay> rays, std::span<const std::uint32_t> order, Block& block) const {

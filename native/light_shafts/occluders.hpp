@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The triangles of a scene that stop light, as slope rows and depth maps read them.
+// The triangles of a scene that stop light, as slope rows and depth maps read them: blocks of up to 256 that lie close
+// together, in columns, once per mesh however many instances and light samples there are.
+// Bound:    36 bytes per triangle of a mesh, read at the width of a vector; no gather, no index.
 #pragma once
+#include "core/progress.hpp"
 #include "scene/scene.hpp"
 #include <memory>
 #include <optional>
@@ -8,23 +11,42 @@
 #include <vector>
 
 namespace tyndall::light_shafts {
-/// Consecutive triangles of one instance, all opaque.
-struct OccluderPiece {
-    std::uint32_t instance = 0;
-    std::span<const vec3> positions;  ///< In the object's space.
-    std::span<const uvec3> triangles; ///< At most Occluders::piece_triangles.
+/// Triangles of a mesh that lie close together, all opaque.
+struct OccluderBlock {
+    static constexpr std::size_t capacity = 256;
+    const float* columns = nullptr; ///< Nine: x, y, z of corner 0, then of 1 and 2; each `stride` floats long.
+    std::uint32_t stride = 0;       ///< A multiple of 16; what is beyond `count` repeats the last triangle.
+    std::uint32_t count = 0;
+    Bounds3 bounds; ///< In the object's space.
+    [[nodiscard]] vec3 corner(std::size_t triangle, std::size_t index) const {
+        const float* x = columns + 3 * index * stride + triangle;
+        return {x[0], x[stride], x[2 * stride]};
+    }
+};
+struct OccluderMesh {
+    std::vector<float> columns;
+    std::vector<OccluderBlock> blocks;
+    Bounds3 bounds;
+};
+struct OccluderInstance {
+    const OccluderMesh* mesh = nullptr;
     const mat4* scene_from_object = nullptr;
 };
 
 struct Occluders {
-    static constexpr std::size_t piece_triangles = 4096;
-    std::vector<OccluderPiece> pieces;
-    std::size_t triangle_count = 0;
+    std::vector<std::unique_ptr<const OccluderMesh>> meshes;
+    std::vector<OccluderInstance> instances;
+    std::size_t triangle_count = 0; ///< Of all instances.
     /// A material that lets a part of the light pass, or whose program decides where: a yes or no per light line
     /// cannot hold it, and the caller falls back to a method that follows the light through surfaces.
     std::optional<std::string> transmitting_material;
-    /// Triangles of meshes where only some materials are opaque.
-    std::vector<std::unique_ptr<std::vector<uvec3>>> selected;
+
+    /// `scene_from_object` must outlive this.
+    void add(const OccluderMesh* mesh, const mat4* scene_from_object);
 };
-[[nodiscard]] Occluders gather_occluders(const SceneDescription& scene);
+/// Sorts the triangles into blocks; keeps nothing of its arguments.
+[[nodiscard]] std::unique_ptr<const OccluderMesh> make_occluder_mesh(std::span<const vec3> positions,
+                                                                     std::span<const uvec3> triangles);
+/// The scene must outlive the result. Throws Cancelled.
+[[nodiscard]] Occluders gather_occluders(const SceneDescription& scene, const Progress& progress);
 } // namespace tyndall::light_shafts

@@ -93,7 +93,14 @@ static slope_rows::LayoutConfig map_layout_of(const Config& config) {
 
 std::unique_ptr<Visibility> make_shadow_map(const Scene& scene, const View& view, const LightSample& light,
                                             std::span<const ViewRay> rays, const Config& config, Progress& progress) {
-    const Preparation preparation{scene, view, light, rays, config, progress};
+    return make_shadow_map_beam(scene, gather_occluders(scene.description(), progress), view, light,
+                                outline(view.is_orthographic, rays), config, progress);
+}
+
+std::unique_ptr<Visibility> make_shadow_map_beam(const Scene& scene, const Occluders& occluders, const View& view,
+                                                 const LightSample& light, std::span<const RaySpan> outline,
+                                                 const Config& config, Progress& progress) {
+    const Preparation preparation{scene, occluders, view, light, outline, config, progress};
     const slope_rows::LayoutConfig layout = map_layout_of(config);
     PreparedRows prepared = prepare_rows(preparation, layout, "SHADOW_MAP");
     if (prepared.instead)
@@ -101,7 +108,7 @@ std::unique_ptr<Visibility> make_shadow_map(const Scene& scene, const View& view
     ShadowMap map;
     {
         const StageTimer timer(prepared.statistics, "shadow map: raster");
-        map = raster_shadow_map(prepared.rows->layout, light, layout.lines, prepared.occluders, progress);
+        map = raster_shadow_map(prepared.rows->layout, light, layout.lines, occluders, progress);
     }
     {
         const StageTimer timer(prepared.statistics, "shadow map: rectify");

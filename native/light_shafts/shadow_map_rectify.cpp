@@ -107,10 +107,10 @@ void rectify(const ShadowMap& map, slope_rows::Rows& rows, const Progress& progr
         const auto line = static_cast<float>(std::min<std::size_t>(i, static_cast<std::size_t>(layout.line_count) - 1));
         line_directions.push_back(layout.frame.line_direction(layout.first_line + (line + 0.5f) * layout.line_step));
     }
-    parallel_blocks(layout.rows.size(), slope_rows::band_slices, progress, [&](std::size_t begin, std::size_t end) {
+    parallel_blocks(layout.rows.size(), 32, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slice = begin; slice < end; ++slice)
             HWY_DYNAMIC_DISPATCH(rectify_row_of)(map, rows, slice, line_directions.data());
-        slope_rows::summarise_band(rows, static_cast<std::int32_t>(begin));
+        slope_rows::summarise_slices(rows, static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end));
     });
 }
 } // namespace tyndall::light_shafts

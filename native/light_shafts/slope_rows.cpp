@@ -3,11 +3,12 @@
 #include "core/parallel.hpp"
 #include "light_shafts/slope_rows_kernels.hpp"
 #include <algorithm>
+#include <array>
 #include <bitset>
 #include <numbers>
 
 namespace tyndall::light_shafts::slope_rows {
-static constexpr std::size_t rays_per_block = 1 << 15;
+static constexpr std::size_t spans_per_task = 1 << 14;
 static constexpr std::size_t sector_count = 1024;
 static constexpr float turn_rad = 2 * std::numbers::pi_v<float>;
 
@@ -34,30 +35,96 @@ static float radius_of(const Frame& frame, const PlacedRays& placed, std::size_t
     return frame.is_orthographic ? placed.radial[i] : placed.radial_per_m[i];
 }
 
+/// Part of a span: two placed rays that are less than widest_rad apart around the axis.
+struct PlacedSpan {
+    const PlacedRays& placed;
+    std::size_t first, last;
+    float low, width; ///< Slice coordinates that it covers.
+};
+static constexpr float widest_rad = 0.25f;
+
+static PlacedSpan span_between(const Frame& frame, const PlacedRays& placed, std::size_t first, std::size_t last) {
+    float to_last = placed.slice_coordinate[last] - placed.slice_coordinate[first];
+    if (!frame.is_parallel)
+        to_last -= turn_rad * std::round(to_last / turn_rad);
+    return {placed, first, last, placed.slice_coordinate[first] + std::min(to_last, 0.0f), std::abs(to_last)};
+}
+
+/// Close to the axis a few pixels are half a turn apart: what lies between is placed ray by ray.
 template <typename Work>
-static void for_placed_rays(const Frame& frame, std::span<const ViewRay> rays, const Work& work) {
+static void for_parts(const Frame& frame, const RaySpan& span, const Work& work) {
+    constexpr std::size_t part_count = 32;
+    std::array<ViewRay, part_count + 1> rays;
+    for (std::size_t i = 0; i <= part_count; ++i) {
+        const float t = static_cast<float>(i) / part_count;
+        rays[i] = span.first;
+        rays[i].origin = glm::mix(span.first.origin, span.last.origin, t);
+        rays[i].direction = glm::normalize(glm::mix(span.first.direction, span.last.direction, t));
+    }
     PlacedRays placed;
-    for (std::size_t start = 0; start < rays.size(); start += PlacedRays::capacity) {
-        const auto block = rays.subspan(start, std::min(PlacedRays::capacity, rays.size() - start));
-        place_rays(frame, block, placed);
-        for (std::size_t i = 0; i < block.size(); ++i)
-            if (block[i].near_m < block[i].far_m)
-                work(placed, i);
+    place_rays(frame, rays, placed);
+    for (std::size_t i = 0; i < part_count; ++i)
+        work(span_between(frame, placed, i, i + 1));
+}
+
+template <typename Work>
+static void for_placed_spans(const Frame& frame, std::span<const RaySpan> spans, const Work& work) {
+    static_assert(sizeof(RaySpan) == 2 * sizeof(ViewRay));
+    PlacedRays placed;
+    constexpr std::size_t spans_per_block = PlacedRays::capacity / 2;
+    for (std::size_t start = 0; start < spans.size(); start += spans_per_block) {
+        const auto block = spans.subspan(start, std::min(spans_per_block, spans.size() - start));
+        place_rays(frame, {&block.front().first, 2 * block.size()}, placed);
+        for (std::size_t i = 0; i < block.size(); ++i) {
+            if (!(block[i].first.near_m < block[i].first.far_m))
+                continue;
+            const PlacedSpan span = span_between(frame, placed, 2 * i, 2 * i + 1);
+            if (frame.is_parallel || span.width < widest_rad)
+                work(span);
+            else
+                for_parts(frame, block[i], work);
+        }
     }
 }
 
-static Needs find_needs(const Frame& frame, std::span<const ViewRay> rays, const Progress& progress) {
-    return parallel_sum(rays.size(), rays_per_block, Needs{}, progress, [&](std::size_t begin, std::size_t end) {
+/// Lines and the least slope of a span. Between its ends the slope is a cosine of the angle, A cos(p - p0), so that it
+/// falls below both of them by at most their distance's 1 / cos(width / 2).
+struct SpanReach {
+    float first_line, last_line, slope;
+    SpanReach(const Frame& frame, const PlacedSpan& span) {
+        const PlacedRays& placed = span.placed;
+        const float excess = frame.is_parallel ? 0.0f : 0.14f * std::min(span.width * span.width, 1.0f);
+        first_line = std::min(placed.near_line[span.first], placed.near_line[span.last]);
+        last_line = std::max(placed.far_line[span.first], placed.far_line[span.last]);
+        slope = std::min(placed.slope[span.first], placed.slope[span.last]);
+        slope -= excess * std::abs(slope);
+        if (frame.is_angular) {
+            first_line -= excess * first_line;
+            last_line += excess * (turn_rad / 2 - last_line);
+        } else if (!frame.is_parallel) {
+            first_line -= excess * first_line;
+        }
+    }
+};
+
+static Needs find_needs(const Frame& frame, std::span<const RaySpan> spans, const Progress& progress) {
+    return parallel_sum(spans.size(), spans_per_task, Needs{}, progress, [&](std::size_t begin, std::size_t end) {
         Needs needs;
-        for_placed_rays(frame, rays.subspan(begin, end - begin), [&](const PlacedRays& placed, std::size_t i) {
-            needs.lowest_line = std::min(needs.lowest_line, placed.near_line[i]);
-            needs.highest_line = std::max(needs.highest_line, placed.far_line[i]);
-            const float slice = placed.slice_coordinate[i];
-            needs.lowest_slice = std::min(needs.lowest_slice, slice);
-            needs.highest_slice = std::max(needs.highest_slice, slice);
-            needs.largest_radius = std::max(needs.largest_radius, radius_of(frame, placed, i));
-            if (!frame.is_parallel)
-                needs.sectors.set(static_cast<std::size_t>((slice / turn_rad + 0.5f) * (sector_count - 1)));
+        for_placed_spans(frame, spans.subspan(begin, end - begin), [&](const PlacedSpan& span) {
+            const SpanReach reach(frame, span);
+            needs.lowest_line = std::min(needs.lowest_line, reach.first_line);
+            needs.highest_line = std::max(needs.highest_line, reach.last_line);
+            needs.lowest_slice = std::min(needs.lowest_slice, span.low);
+            needs.highest_slice = std::max(needs.highest_slice, span.low + span.width);
+            needs.largest_radius = std::max({needs.largest_radius, radius_of(frame, span.placed, span.first),
+                                             radius_of(frame, span.placed, span.last)});
+            if (frame.is_parallel)
+                return;
+            const auto sector = [](float angle) {
+                return static_cast<std::size_t>((angle / turn_rad + 1.5f) * (sector_count - 1));
+            };
+            for (std::size_t s = sector(span.low); s <= sector(span.low + span.width); ++s)
+                needs.sectors.set(s % (sector_count - 1));
         });
         return needs;
     });
@@ -137,21 +204,29 @@ struct GroupNeeds {
 static constexpr std::int32_t group_slices = 8;
 
 static std::vector<GroupNeeds> find_group_needs(const Layout& layout, std::int32_t slice_count,
-                                                std::span<const ViewRay> rays, const Progress& progress) {
+                                                std::span<const RaySpan> spans, const Progress& progress) {
     const auto group_count = static_cast<std::size_t>(slice_count / group_slices + 1);
-    const std::size_t block_count = (rays.size() + rays_per_block - 1) / rays_per_block;
+    const std::size_t block_count = (spans.size() + spans_per_task - 1) / spans_per_task;
     std::vector<std::vector<GroupNeeds>> per_block(block_count);
-    parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
-        std::vector<GroupNeeds>& groups = per_block[begin / rays_per_block];
+    parallel_blocks(spans.size(), spans_per_task, progress, [&](std::size_t begin, std::size_t end) {
+        std::vector<GroupNeeds>& groups = per_block[begin / spans_per_task];
         groups.resize(group_count);
-        for_placed_rays(layout.frame, rays.subspan(begin, end - begin), [&](const PlacedRays& placed, std::size_t i) {
-            if (!layout.frame.is_parallel && radius_of(layout.frame, placed, i) < layout.smallest_radius)
+        const Frame& frame = layout.frame;
+        for_placed_spans(frame, spans.subspan(begin, end - begin), [&](const PlacedSpan& span) {
+            if (!frame.is_parallel && std::max(radius_of(frame, span.placed, span.first),
+                                               radius_of(frame, span.placed, span.last)) < layout.smallest_radius)
                 return;
-            const std::int32_t slice = nearest_slice(layout, placed.slice_coordinate[i]);
-            if (slice < 0 || slice >= slice_count)
-                return;
-            groups[static_cast<std::size_t>(slice / group_slices)].grow(
-                {placed.near_line[i], placed.far_line[i], placed.slope[i]});
+            const SpanReach reach(frame, span);
+            const auto grow = [&](std::int32_t first, std::int32_t last) {
+                first = std::max(first, 0);
+                last = std::min(last, slice_count - 1);
+                for (std::int32_t g = first / group_slices; first <= last && g <= last / group_slices; ++g)
+                    groups[static_cast<std::size_t>(g)].grow({reach.first_line, reach.last_line, reach.slope});
+            };
+            const std::int32_t first = nearest_slice(layout, span.low);
+            const std::int32_t last = first + static_cast<std::int32_t>(span.width / layout.slice_step) + 1;
+            grow(first, last);
+            grow(first - layout.slices_per_turn, last - layout.slices_per_turn);
         });
     });
     std::vector<GroupNeeds> groups(group_count);
@@ -163,7 +238,7 @@ static std::vector<GroupNeeds> find_group_needs(const Layout& layout, std::int32
 
 static void place_rows(Layout& layout, std::int32_t slice_count, const std::vector<GroupNeeds>& groups) {
     layout.rows.assign(static_cast<std::size_t>(slice_count), {});
-    layout.slice_directions.assign(static_cast<std::size_t>(slice_count), vec2(1, 0));
+    layout.slice_directions.assign(static_cast<std::size_t>(slice_count) + 16, vec2(1, 0));
     layout.sample_count = 0;
     const std::int32_t padded = static_cast<std::int32_t>(layout.x_at_centre.size());
     for (std::size_t s = 0; s < layout.rows.size(); ++s) {
@@ -202,15 +277,20 @@ std::int32_t nearest_slice(const Layout& layout, float slice_coordinate) {
 
 Layout make_layout(const Frame& frame, std::span<const ViewRay> rays, const LayoutConfig& config,
                    const Progress& progress) {
+    return make_layout(frame, outline(frame.is_orthographic, rays), config, progress);
+}
+
+Layout make_layout(const Frame& frame, std::span<const RaySpan> spans, const LayoutConfig& config,
+                   const Progress& progress) {
     Layout layout;
     layout.frame = frame;
-    const Needs needs = find_needs(frame, rays, progress);
+    const Needs needs = find_needs(frame, spans, progress);
     if (!(needs.lowest_line <= needs.highest_line))
         return layout;
     for (auto lines = static_cast<float>(config.lines);; lines *= 0.8f) {
         place_lines(layout, needs, static_cast<std::uint32_t>(lines));
         const std::int32_t slice_count = place_slices(layout, needs, config.slices_per_line);
-        place_rows(layout, slice_count, find_group_needs(layout, slice_count, rays, progress));
+        place_rows(layout, slice_count, find_group_needs(layout, slice_count, spans, progress));
         if (layout.sample_count * 9 / 2 <= config.memory_limit_bytes || lines < 32.0f)
             return layout;
     }

@@ -4,6 +4,7 @@
 //           Rows start and end at multiples of 16 lines, so that a block of 16 has one smallest and one largest slope.
 // Bound:    4.5 bytes per sample; make_layout lowers the resolution until all rows fit into `memory_limit_bytes`.
 #pragma once
+#include "light_shafts/ray_outline.hpp"
 #include "light_shafts/slope_rows_frame.hpp"
 #include <limits>
 #include <memory>
@@ -13,7 +14,6 @@
 
 namespace tyndall::light_shafts::slope_rows {
 inline constexpr std::int32_t block_lines = 16; ///< Light lines per block.
-inline constexpr std::int32_t band_slices = 32; ///< Slices that one thread rasters at a time.
 inline constexpr float no_occluder = -std::numeric_limits<float>::infinity();
 inline constexpr float near_epipole = 1.0f / 64; ///< Of the largest radius per metre (or radius) of the view.
 
@@ -37,7 +37,7 @@ struct Layout {
     std::vector<RowExtent> rows;
     std::vector<float> x_at_centre;     ///< Per line; line_count of them and padding to a multiple of 16.
     std::vector<float> x_at_edge;       ///< line_count + 1.
-    std::vector<vec2> slice_directions; ///< Cosine and sine per slice; (1, 0) where slices are parallel.
+    std::vector<vec2> slice_directions; ///< Cosine and sine per slice, and 16 more; (1, 0) where slices are parallel.
     std::size_t sample_count = 0;
 
     [[nodiscard]] std::int32_t slice_count() const { return static_cast<std::int32_t>(rows.size()); }
@@ -52,6 +52,8 @@ struct LayoutConfig {
     std::size_t memory_limit_bytes = std::size_t{2} << 30;
 };
 /// Rows for the rays, which are finite. Throws Cancelled.
+[[nodiscard]] Layout make_layout(const Frame& frame, std::span<const RaySpan> spans, const LayoutConfig& config,
+                                 const Progress& progress);
 [[nodiscard]] Layout make_layout(const Frame& frame, std::span<const ViewRay> rays, const LayoutConfig& config,
                                  const Progress& progress);
 
@@ -68,7 +70,7 @@ struct Rows {
     struct FreeAligned {
         void operator()(float* values) const { ::operator delete[](values, std::align_val_t{64}); }
     };
-    std::unique_ptr<float[], FreeAligned> slopes; ///< Not initialised: clear_band does that, in parallel.
+    std::unique_ptr<float[], FreeAligned> slopes; ///< Not initialised: clear_slices does that, in parallel.
     std::unique_ptr<float[]> lowest, highest;
 
     explicit Rows(Layout layout_to_keep);

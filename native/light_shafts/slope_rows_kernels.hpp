@@ -14,34 +14,39 @@ struct PlacedRays {
 /// At most PlacedRays::capacity rays.
 void place_rays(const Frame& frame, std::span<const ViewRay> rays, PlacedRays& placed);
 
-/// A triangle in the frame's coordinates: per corner a along the axis, and (x, y) along u and v.
-struct FramedTriangle {
-    std::array<float, 9> axy;
-    std::uint16_t first_slice, last_slice; ///< Of the band that holds it.
+/// Consecutive slices, [first, end), and what their rows need to know of occluders.
+struct SliceNeeds {
+    std::int32_t first = 0, end = 0;
+    float first_line = std::numeric_limits<float>::infinity(); ///< Metres or radians, the frame's count of lines.
+    float last_line = -std::numeric_limits<float>::infinity();
+    float smallest_slope = std::numeric_limits<float>::infinity(); ///< Occluders that stay below it do not matter.
+    [[nodiscard]] bool is_empty() const { return first >= end || !(first_line <= last_line); }
 };
-static_assert(sizeof(FramedTriangle) == 40);
 
-/// Triangles of one mesh instance in the frame's coordinates, and the slices they may touch (not wrapped:
-/// last_slice may exceed the slice count). Triangles around the axis touch all slices.
+/// Triangles in the frame's coordinates: per corner a along the axis, and (x, y) along u and v; with the slices that
+/// they may touch (not wrapped: the last may exceed the slice count). Triangles around the axis touch all slices.
 struct PlacedTriangles {
-    static constexpr std::size_t capacity = 256;
-    using Column = std::array<float, capacity>;
+    static constexpr std::size_t capacity = 512;
+    using Column = std::array<float, capacity + 16>; // a vector is stored whole, however few of its lanes are kept
     alignas(64) std::array<Column, 9> axy;
     alignas(64) Column first_slice, last_slice;
+    std::size_t count = 0;
 };
+/// Triangles in columns as an OccluderBlock has them, and where their object stands.
 struct TriangleSource {
-    const vec3* positions;
-    const uvec3* triangles; ///< At most PlacedTriangles::capacity are placed.
-    std::size_t count;
+    const float* columns;
+    std::size_t stride, count;
     mat3 frame_from_object; ///< Rows of (u, v, axis) times the instance's linear part.
     vec3 origin_in_frame;   ///< Of the object: (u, v, axis).
 };
-void place_triangles(const Layout& layout, const TriangleSource& source, PlacedTriangles& placed);
+/// Appends those triangles that may touch a sample which matters; there must be room for all.
+void place_triangles(const Layout& layout, const SliceNeeds& needs, const TriangleSource& source,
+                     PlacedTriangles& placed);
 
-/// Cuts the triangles by the slices of one band and keeps the largest slope per line.
-void raster_band(Rows& rows, std::int32_t first_slice, std::span<const FramedTriangle> triangles);
-/// Fills the rows of a band with no_occluder.
-void clear_band(Rows& rows, std::int32_t first_slice);
-/// Smallest and largest slope per block of a band.
-void summarise_band(Rows& rows, std::int32_t first_slice);
+/// Cuts the triangles by the slices [first, end), keeps the largest slope per line, and empties `placed`.
+void raster_triangles(Rows& rows, std::int32_t first_slice, std::int32_t end_slice, PlacedTriangles& placed);
+/// Fills the rows of slices with no_occluder.
+void clear_slices(Rows& rows, std::int32_t first_slice, std::int32_t end_slice);
+/// Smallest and largest slope per block.
+void summarise_slices(Rows& rows, std::int32_t first_slice, std::int32_t end_slice);
 } // namespace tyndall::light_shafts::slope_rows

@@ -40,8 +40,8 @@ PreparedRows prepare_rows(const Preparation& preparation, const slope_rows::Layo
                           const std::string& method) {
     PreparedRows prepared;
     const LightSample& light = preparation.light;
-    prepared.occluders = gather_occluders(preparation.scene.description());
-    const bool has_occluder = prepared.occluders.triangle_count > 0 || prepared.occluders.transmitting_material;
+    const Occluders& occluders = preparation.occluders;
+    const bool has_occluder = occluders.triangle_count > 0 || occluders.transmitting_material;
     if (!light.casts_shadow || !has_occluder) {
         prepared.statistics.skip("slope rows", has_occluder ? "the light casts no shadow" : "no occluder");
         prepared.instead = std::make_unique<Unshadowed>(std::move(prepared.statistics));
@@ -49,8 +49,8 @@ PreparedRows prepare_rows(const Preparation& preparation, const slope_rows::Layo
     }
     std::string why;
     const auto frame = slope_rows::make_frame(preparation.view, light);
-    if (prepared.occluders.transmitting_material)
-        why = "material " + *prepared.occluders.transmitting_material + " lets light through";
+    if (occluders.transmitting_material)
+        why = "material " + *occluders.transmitting_material + " lets light through";
     else if (!frame)
         why = light.is_directional ? "the sun shines along the orthographic view" : "the light stands in the camera";
     if (!why.empty()) {
@@ -59,7 +59,7 @@ PreparedRows prepare_rows(const Preparation& preparation, const slope_rows::Layo
     }
     const StageTimer timer(prepared.statistics, "slope rows: layout");
     prepared.rows = std::make_unique<slope_rows::Rows>(
-        slope_rows::make_layout(*frame, preparation.rays, layout, preparation.progress));
+        slope_rows::make_layout(*frame, preparation.outline, layout, preparation.progress));
     const slope_rows::Layout& made = prepared.rows->layout;
     prepared.statistics.count("slope rows: slices", made.slice_count());
     prepared.statistics.count("slope rows: lines", made.line_count);

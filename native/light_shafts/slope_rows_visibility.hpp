@@ -9,13 +9,14 @@
 namespace tyndall::light_shafts {
 struct Preparation {
     const Scene& scene;
+    const Occluders& occluders;
     const View& view;
     const LightSample& light;
-    std::span<const ViewRay> rays;
+    std::span<const RaySpan> outline;
     const Config& config;
     Progress& progress;
     [[nodiscard]] std::unique_ptr<Visibility> exact() const {
-        return make_exact_strip(scene, view, light, rays, config, progress);
+        return make_exact_strip(scene, view, light, {}, config, progress);
     }
 };
 
@@ -50,8 +51,7 @@ private:
 
 /// What both methods on slope rows begin with.
 struct PreparedRows {
-    std::unique_ptr<Visibility> instead; ///< No rows are needed, or none are possible: this answers.
-    Occluders occluders;
+    std::unique_ptr<Visibility> instead;    ///< No rows are needed, or none are possible: this answers.
     std::unique_ptr<slope_rows::Rows> rows; ///< Laid out, not filled.
     Statistics statistics;
 };

@@ -59,8 +59,8 @@ struct Soup {
     mat4 identity{1.0f};
     Occluders occluders;
     explicit Soup(TriangleSoup triangles) : soup(std::move(triangles)) {
-        occluders.pieces.push_back({0, soup.positions, soup.triangles, &identity});
-        occluders.triangle_count = soup.triangles.size();
+        occluders.meshes.push_back(make_occluder_mesh(soup.positions, soup.triangles));
+        occluders.add(occluders.meshes.front().get(), &identity);
     }
 };
 
@@ -73,7 +73,7 @@ inline slope_rows::Rows make_rows(const Setting& setting, const Soup& soup, std:
     if (from_map)
         rectify(raster_shadow_map(rows.layout, setting.light, lines, soup.occluders, progress), rows, progress);
     else
-        slope_rows::raster(rows, slope_rows::bin_triangles(rows.layout, soup.occluders, progress), progress);
+        slope_rows::raster(rows, soup.occluders, progress);
     return rows;
 }
 

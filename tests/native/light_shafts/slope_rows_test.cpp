@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/parallel.hpp"
 #include "core/simd.hpp"
+#include "light_shafts/ray_outline.hpp"
 #include "light_shafts/row_query.hpp"
 #include "light_shafts/slope_rows.hpp"
 #include "support/shaft_settings.hpp"
@@ -68,6 +69,56 @@ TEST_CASE("the bits of slope rows do not depend on the number of threads") {
     const slope_rows::Rows two = with_threads(2, [&] { return make_rows(setting, soup, rays, 256); });
     REQUIRE(one.layout.sample_count == two.layout.sample_count);
     CHECK(std::equal(one.slopes.get(), one.slopes.get() + one.layout.sample_count, two.slopes.get()));
+}
+
+// A box is dropped if it lies outside the slices, outside their lines, or below every view ray: its triangles would
+// have left no trace, so that the rows are the same bit by bit.
+TEST_CASE("boxes of occluders that are skipped would not have changed a sample") {
+    const Soup soup(make_soup(4000, 8.0f, 0.2f, vec3(0.0f), 15));
+    OccluderMesh everywhere = *soup.occluders.meshes.front();
+    everywhere.bounds = {.min = vec3(-1e4f), .max = vec3(1e4f)};
+    for (OccluderBlock& block : everywhere.blocks)
+        block.bounds = everywhere.bounds;
+    Occluders never_skipped;
+    never_skipped.add(&everywhere, &soup.identity);
+    for (const Setting& setting : settings()) {
+        CAPTURE(setting.name);
+        const slope_rows::Rows rows = make_rows(setting, soup, make_rays(setting, 40), 300);
+        slope_rows::Rows all(rows.layout);
+        Progress progress;
+        slope_rows::raster(all, never_skipped, progress);
+        CHECK(std::equal(rows.slopes.get(), rows.slopes.get() + rows.layout.sample_count, all.slopes.get()));
+    }
+}
+
+// Dozens of light samples are laid out for a few rays each: none of the others may fall outside of their rows.
+TEST_CASE("rows for the outline of a picture's rays cover all of its rays") {
+    const Soup soup(make_soup(60, 3.0f, 0.8f, vec3(0.0f), 3));
+    for (const Setting& setting : settings()) {
+        CAPTURE(setting.name);
+        const auto rays = make_rays(setting, 150);
+        CHECK(outline(setting.view.is_orthographic, rays).size() < rays.size() / 8);
+        const slope_rows::Rows rows = make_rows(setting, soup, rays, 300);
+        LitRows lit;
+        row_query::Uncovered uncovered;
+        row_query::lit_intervals(rows, rays, lit, uncovered);
+        CHECK(uncovered.outside.empty());
+    }
+}
+
+TEST_CASE("rays in no order are their own outline") {
+    const Setting setting = settings().front();
+    auto rays = make_rays(setting, 20);
+    SceneRandom random(4);
+    for (std::size_t i = rays.size() - 1; i > 0; --i)
+        std::swap(rays[i], rays[static_cast<std::size_t>(random.uniform() * static_cast<float>(i))]);
+    for (ViewRay& ray : rays)
+        ray.far_m = 5.0f;
+    const auto outer = outline(setting.view.is_orthographic, rays);
+    // Chance puts three in a line now and then.
+    CHECK(outer.size() > rays.size() / 2);
+    for (const RaySpan& span : outer)
+        CHECK(span.last.far_m == 5.0f);
 }
 
 TEST_CASE("every SIMD target fills the same rows, save for samples at the ends of segments") {
