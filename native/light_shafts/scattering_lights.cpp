@@ -22,6 +22,29 @@ static vec2 stratum(std::uint32_t index, std::uint32_t count, std::uint32_t seed
                 std::min(static_cast<float>(y - std::floor(y)), 0x1.fffffep-1f));
 }
 
+/// Stratum `index` of `count` of a light. A stratum of a lamp stands for a patch of its surface: near it the light of a
+/// point would grow without bound, that of a disc as large is intensity / (r^2 + disc_radius^2) on its axis. What the
+/// softening takes away farther off falls with 1 / count. One stratum alone is the lamp's centre, not a point of its rim.
+static LightSample stratum_of(const Light& light, std::uint32_t light_index, std::uint32_t index, std::uint32_t count,
+                              std::uint32_t seed) {
+    if (count == 1) {
+        Light without_size = light;
+        without_size.radius_m = without_size.half_angle_rad = 0.0f;
+        LightSample centre = sample_light(without_size, light_index, vec2(0.5f));
+        centre.spot = light.kind == LightKind::Spot ? &light : nullptr;
+        return centre;
+    }
+    LightSample sample = sample_light(light, light_index, stratum(index, count, seed));
+    if (light.kind != LightKind::Sun) {
+        // The area over pi: of a patch of the sphere; a disc that faces the receiver is soft already, save in its middle.
+        const float patch_m2 = light.radius_m * light.radius_m / static_cast<float>(count);
+        sample.softening_m2 =
+            light.body == LightBody::Sphere ? 4.0f * patch_m2 : std::max(sample.softening_m2, 0.5f * patch_m2);
+    }
+    sample.strength *= 1.0f / static_cast<float>(count);
+    return sample;
+}
+
 /// A spot whose cone passes by the sphere around all bounded media.
 static bool misses(const Light& light, const Media& media) {
     if (light.kind != LightKind::Spot || media.fills_world() || light.spot_falloff != SpotFalloff::Blender3)
@@ -71,10 +94,8 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
         }
         ScatteringLight& scattering = lights.emplace_back(ScatteringLight{light.name, {}});
         const std::uint32_t count = has_size(light) ? config.light_samples : 1;
-        for (std::uint32_t sample = 0; sample < count; ++sample) {
-            scattering.samples.push_back(sample_light(light, index, stratum(sample, count, config.seed)));
-            scattering.samples.back().strength *= 1.0f / static_cast<float>(count);
-        }
+        for (std::uint32_t sample = 0; sample < count; ++sample)
+            scattering.samples.push_back(stratum_of(light, index, sample, count, config.seed));
     }
     const World& world = scene.world();
     if (world.is_black())
