@@ -2,22 +2,29 @@
 // Light that reaches a diffuse surface straight from the scene's lights and world, through what lies between.
 // Based on: next event estimation; the world's light by multiple importance sampling, Veach, dissertation, Stanford
 //           1997, section 9.2 (power heuristic), between the cosine and the image.
-// Differs:  every light is sampled at every point, not one picked at random: no noise from the choice.
-// Bound:    one shadow ray per light that faces the point, two for an image of the world.
+// Differs:  every light is asked at every point, not one picked at random: no noise from the choice. In packets a shadow
+//           ray costs less than to learn what its light contributes, which a choice has to know of all of them.
+// Bound:    one shadow ray per light that may reach the point, in packets of 16 points; one of its own for the world,
+//           two for an image of it.
 #pragma once
+#include "render/light_reach.hpp"
 #include "render/pixel_samples.hpp"
+#include "render/surface_point.hpp"
 #include "scene/media.hpp"
 #include "scene/scene.hpp"
+#include <span>
 
 namespace tyndall::render {
-/// A surface point that a view ray found.
-struct SurfacePoint {
-    Hit hit;
-    ShadingPoint shading;
+/// The random numbers that some points take: those of one sample, from one pair on.
+struct PairRange {
+    std::uint32_t sample_index, first_pair;
 };
 
 class DirectLight {
 public:
+    /// Points that are lit at once.
+    static constexpr std::size_t most_points = 16;
+
     /// Reports to `statistics` what cannot light anything. Both references must outlive this.
     DirectLight(const Scene& scene, const Media& media, Statistics& statistics);
 
@@ -27,18 +34,28 @@ public:
         Rgb from_world{0.0f};  ///< With occluders and media between.
         [[nodiscard]] Rgb sum() const { return from_lights + from_world; }
     };
-    /// On the viewer's side of the point, for a cosine around its shading normal. Takes its random numbers from samples.
-    [[nodiscard]] Irradiance at(const SurfacePoint& point, PixelSamples& samples) const;
+    /// On the viewer's side of up to most_points points, for a cosine around their shading normals. Faster where they
+    /// are neighbours; the results do not depend on it.
+    void at(std::span<const SurfacePoint> points, const PairRange& pairs, std::span<Irradiance> irradiance) const;
 
 private:
-    [[nodiscard]] Rgb passing_light(const Ray& ray, bool casts_shadow) const;
-    [[nodiscard]] Rgb world_irradiance(const SurfacePoint& point, PixelSamples& samples) const;
+    struct ReachingLight {
+        std::uint32_t index; ///< Into Scene::lights.
+        LightReach reach;
+    };
+    struct ShadowRays;
+    void add_light(const ReachingLight& light, std::span<const SurfacePoint> points, const PairRange& pair,
+                   std::span<Irradiance> irradiance) const;
+    /// Direction and irradiance of one stratum; false where it adds nothing.
+    bool aim(const SurfacePoint& point, std::uint32_t light_index, vec2 u, Ray& ray, Rgb& arriving) const;
+    [[nodiscard]] Rgb past_everything(const Ray& ray) const;
+    [[nodiscard]] Rgb world_irradiance(const SurfacePoint& point, const PairRange& pairs) const;
     /// Towards the light, lifted off a smooth surface's terminator.
     [[nodiscard]] Ray shadow_ray(const SurfacePoint& point, const vec3& direction) const;
 
     const Scene& scene_;
     const Media& media_;
-    std::vector<std::uint32_t> lights_; ///< Into Scene::lights: those that light surfaces.
+    std::vector<ReachingLight> lights_; ///< Those that light surfaces.
     bool has_media_, has_world_light_;
 };
 } // namespace tyndall::render

@@ -3,7 +3,7 @@
 #include "core/parallel.hpp"
 #include "light_shafts/shared_strata.hpp"
 #include "render/pixel_noise.hpp"
-#include "render/view_path.hpp"
+#include "render/surface_pass.hpp"
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -12,27 +12,12 @@
 namespace tyndall::render {
 namespace {
 using Clock = std::chrono::steady_clock;
-constexpr std::size_t pixels_per_block = 128;
 /// A band of the picture is complete after at most this many pixels: the picture grows while it renders.
 constexpr std::uint32_t pixels_per_band = 1 << 16;
 constexpr std::chrono::milliseconds least_update_interval{500};
 /// What one sample's camera rays and their light shafts take of its time, roughly, for the progress bar.
 constexpr double surface_share = 0.3;
 
-/// Parts of the view rays of one pass that wait for their scattered light, in the order of their pixels.
-struct WaitingParts {
-    std::vector<std::uint32_t> first{0}; ///< Pixel p owns the parts [first[p] .. first[p + 1]).
-    std::vector<light_shafts::ViewRay> rays;
-    std::vector<Rgb> weights;
-
-    void append(const WaitingParts& other) {
-        const std::uint32_t before = first.back();
-        for (std::size_t pixel = 1; pixel < other.first.size(); ++pixel)
-            first.push_back(before + other.first[pixel]);
-        rays.insert(rays.end(), other.rays.begin(), other.rays.end());
-        weights.insert(weights.end(), other.weights.begin(), other.weights.end());
-    }
-};
 /// What the media scatter into the parts of one pass: of the lights that each pixel asks for itself, and of those that
 /// squares of pixels share.
 struct ScatteredParts {
@@ -102,10 +87,13 @@ private:
     [[nodiscard]] std::uint32_t width() const { return region_.x1 - region_.x0; }
     [[nodiscard]] std::size_t pixel_count() const { return std::size_t{region_.y1 - region_.y0} * width(); }
     [[nodiscard]] std::vector<Band> all_bands() const {
-        const std::uint32_t row_count = region_.y1 - region_.y0, rows = std::max(1u, pixels_per_band / width());
+        const std::uint32_t rows = std::max(1u, pixels_per_band / width());
         std::vector<Band> bands;
-        for (std::uint32_t first = 0; first < row_count; first += rows)
-            bands.push_back({first, std::min(first + rows, row_count)});
+        for (std::uint32_t y = region_.y0, end_y = 0; y < region_.y1; y = end_y) {
+            constexpr std::uint32_t step = SurfacePass::square_px;
+            end_y = std::min((y + rows + step - 1) / step * step, region_.y1);
+            bands.push_back({y - region_.y0, end_y - region_.y0});
+        }
         return bands;
     }
 
@@ -170,43 +158,17 @@ private:
                             {.is_film_transparent = config_.is_film_transparent,
                              .collects_parts = has_shafts,
                              .lights_black_surfaces = config_.passes.has(Pass::Shadow)});
-        const std::size_t first_pixel = std::size_t{band.first_row} * width();
-        const std::size_t band_pixels = std::size_t{band.end_row} * width() - first_pixel;
-        std::vector<WaitingParts> blocks((band_pixels + pixels_per_block - 1) / pixels_per_block);
-        parallel_blocks(band_pixels, pixels_per_block, progress_, [&](std::size_t begin, std::size_t end) {
-            std::vector<MediumPart> parts;
-            WaitingParts& block = blocks[begin / pixels_per_block];
-            for (std::size_t index = begin; index < end; ++index) {
-                progress_.poll();
-                if (is_active_[first_pixel + index]) {
-                    parts.clear();
-                    const Ray ray = trace_pixel(path, first_pixel + index, sample, parts);
-                    for (const MediumPart& part : parts) {
-                        block.rays.push_back({ray.origin, ray.direction, part.near_m, part.far_m});
-                        block.weights.push_back(part.weight);
-                    }
-                }
-                block.first.push_back(static_cast<std::uint32_t>(block.rays.size()));
-            }
-        });
-        for (const WaitingParts& block : blocks)
-            waiting.append(block);
+        const SurfacePass pass(path, camera_, region_, filter_, {config_.pixel_samples, config_.seed});
+        pass.trace(
+            {.sample_index = sample, .first_row = band.first_row, .end_row = band.end_row}, is_active_,
+            [&](std::size_t pixel, const PathSample& found) {
+                sums_.add(pixel, found);
+                if (noise_)
+                    noise_->add(pixel, found.radiance);
+            },
+            waiting, progress_);
         surface_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
         advance(sample, band, 0.0, has_shafts ? surface_share : 1.0);
-    }
-
-    Ray trace_pixel(const ViewPath& path, std::size_t pixel, std::uint32_t sample, std::vector<MediumPart>& parts) {
-        const auto x = region_.x0 + static_cast<std::uint32_t>(pixel % width());
-        const auto y = region_.y0 + static_cast<std::uint32_t>(pixel / width());
-        // By the place in the full frame: a region has the full frame's noise, too.
-        PixelSamples samples(hash(config_.seed, y * camera_.width_px + x), sample);
-        const vec2 offset = config_.pixel_samples == 1 ? vec2(0.0f) : filter_.offset_px(samples.next_pair());
-        const Ray ray = camera_.ray(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y);
-        const PathSample found = path.follow(ray, samples, parts);
-        sums_.add(pixel, found);
-        if (noise_)
-            noise_->add(pixel, found.radiance);
-        return ray;
     }
 
     [[nodiscard]] ScatteredParts room_for(std::uint32_t sample, const WaitingParts& waiting) const {

@@ -6,16 +6,12 @@
 #include "light_shafts/light_shafts.hpp"
 #include "render/film.hpp"
 #include "render/pixel_filter.hpp"
+#include "render/surface_pass.hpp"
 #include "scene/scene.hpp"
 #include <functional>
 #include <optional>
 
 namespace tyndall::render {
-/// Pixels [x0, x1) x [y0, y1) of the full frame, y up.
-struct Region {
-    std::uint32_t x0, y0, x1, y1;
-};
-
 struct FrameConfig {
     std::uint32_t pixel_samples = 16; ///< [1, 65536]; 1: the pixel's centre, unfiltered.
     PixelFilter pixel_filter = PixelFilter::BlackmanHarris;

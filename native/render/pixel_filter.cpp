@@ -32,6 +32,12 @@ FilterSampler::FilterSampler(PixelFilter filter, float width_px) : filter_(filte
     for (float& value : half_cdf_)
         value /= static_cast<float>(sum);
     integral_px_ = static_cast<float>(2.0 * sum * radius_px_ / step_count);
+    std::size_t step = 0;
+    for (std::size_t slot = 0; slot < step_count; ++slot) {
+        while (step + 1 < step_count && half_cdf_[step + 1] <= static_cast<float>(slot) / step_count)
+            ++step;
+        first_step_.push_back(static_cast<std::uint16_t>(step));
+    }
 }
 
 float FilterSampler::shape(float offset_px) const {
@@ -58,10 +64,11 @@ float FilterSampler::offset_px(float u) const {
     if (half_cdf_.empty())
         return centred * radius_px_;
     const float target = std::abs(centred);
-    const auto above = std::upper_bound(half_cdf_.begin() + 1, half_cdf_.end() - 1, target);
-    const auto step = static_cast<float>(above - half_cdf_.begin() - 1);
-    const float before = above[-1], after = *above;
+    std::size_t step = first_step_[std::min(static_cast<std::size_t>(target * step_count), step_count - 1)];
+    while (step + 1 < step_count && half_cdf_[step + 1] <= target)
+        ++step;
+    const float before = half_cdf_[step], after = half_cdf_[step + 1];
     const float within = after > before ? (target - before) / (after - before) : 0.0f;
-    return std::copysign((step + within) * radius_px_ / step_count, centred);
+    return std::copysign((static_cast<float>(step) + within) * radius_px_ / step_count, centred);
 }
 } // namespace tyndall::render

@@ -31,6 +31,7 @@ private:
     PixelFilter filter_;
     float width_px_, radius_px_;
     float integral_px_ = 1.0f;
-    std::vector<float> half_cdf_; ///< Of offsets in [0, radius], at equal steps; empty for a box.
+    std::vector<float> half_cdf_;           ///< Of offsets in [0, radius], at equal steps; empty for a box.
+    std::vector<std::uint16_t> first_step_; ///< Where the search begins, by the CDF's value in as many equal slots.
 };
 } // namespace tyndall::render

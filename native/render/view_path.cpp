@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/view_path.hpp"
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -12,59 +13,101 @@ static constexpr float alpha_threshold = 0.5f;
 
 static float average(const Rgb& value) { return (value.x + value.y + value.z) * (1.0f / 3.0f); }
 
-PathSample ViewPath::follow(const Ray& camera_ray, PixelSamples& samples, std::vector<MediumPart>& parts) const {
-    PathSample result;
-    const bool has_media = !media_.is_empty();
-    Rgb through_surfaces(1.0f), through_media(1.0f);
+/// A ray on its way.
+struct ViewPath::Follower {
+    std::size_t index = 0; ///< Of its camera ray.
+    Ray part{};            ///< What is left of it.
+    Rgb through_surfaces{1.0f}, through_media{1.0f};
     bool has_first_surface = false;
-    Ray part = camera_ray;
-    for (std::uint32_t layer = 0; layer < max_layer_count; ++layer) {
-        const Hit hit = scene_.closest_hit(part);
-        if (has_media) {
-            Ray inside = part;
-            if (hit.is_hit())
-                inside.far_m = hit.distance_m;
-            const Rgb in_front = through_surfaces * through_media;
-            if (config_.collects_parts)
-                parts.push_back({.near_m = inside.near_m, .far_m = inside.far_m, .weight = in_front});
-            result.radiance += in_front * media_.emission(inside);
-            through_media *= media_.transmittance(inside);
-            if (!has_first_surface)
-                result.transmittance = through_media;
-        }
-        const Rgb throughput = through_surfaces * through_media;
-        if (!hit.is_hit()) {
-            if (config_.is_film_transparent)
-                result.alpha = 1.0f - average(throughput);
-            else
-                result.radiance += throughput * scene_.world().radiance(camera_ray.direction);
-            return result;
-        }
-        const SurfacePoint point{.hit = hit, .shading = scene_.shading_point(part, hit)};
-        const SurfaceClosures closures = scene_.closures(part, hit);
-        if (!has_first_surface && 1.0f - average(closures.transparent) >= alpha_threshold) {
-            has_first_surface = true;
-            result.depth_m = glm::dot(point.shading.position - camera_.position(), camera_.forward());
-            result.normal = point.shading.shading_normal;
-            result.position = point.shading.position;
-        }
-        const bool is_black = closures.diffuse_albedo == Rgb(0.0f);
-        if (!is_black || config_.lights_black_surfaces) {
-            samples.jump_to(1 + layer * pairs_per_layer);
-            const DirectLight::Irradiance irradiance = light_.at(point, samples);
-            result.radiance += throughput * closures.diffuse_albedo * std::numbers::inv_pi_v<float> * irradiance.sum();
-            result.lit += throughput * irradiance.from_lights;
-            result.unshadowed += throughput * irradiance.unshadowed;
-        }
-        result.radiance += throughput * closures.emission;
-        result.emission += throughput * closures.emission;
-        result.diffuse_colour += throughput * closures.diffuse_albedo;
-        through_surfaces *= closures.transparent;
-        if (through_surfaces == Rgb(0.0f))
-            return result;
-        // The same ray meets the same triangle at the same distance, bit for bit: one step further is behind it.
-        part.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), camera_ray.far_m);
+    [[nodiscard]] Rgb throughput() const { return through_surfaces * through_media; }
+};
+
+void ViewPath::pass_media(Follower& follower, const Hit& hit, PathSample& sample,
+                          std::vector<MediumPart>& parts) const {
+    Ray inside = follower.part;
+    if (hit.is_hit())
+        inside.far_m = hit.distance_m;
+    const Rgb in_front = follower.throughput();
+    if (config_.collects_parts)
+        parts.push_back({.near_m = inside.near_m, .far_m = inside.far_m, .weight = in_front});
+    sample.radiance += in_front * media_.emission(inside);
+    follower.through_media *= media_.transmittance(inside);
+    if (!follower.has_first_surface)
+        sample.transmittance = follower.through_media;
+}
+
+void ViewPath::reach_world(const Follower& follower, PathSample& sample) const {
+    if (config_.is_film_transparent)
+        sample.alpha = 1.0f - average(follower.throughput());
+    else
+        sample.radiance += follower.throughput() * scene_.world().radiance(follower.part.direction);
+}
+
+void ViewPath::follow(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds,
+                      std::uint32_t sample_index, std::span<PathSample> samples,
+                      std::span<std::vector<MediumPart>> parts) const {
+    constexpr std::size_t size = DirectLight::most_points;
+    std::array<Follower, size> followers;
+    std::size_t count = camera_rays.size();
+    for (std::size_t index = 0; index < count; ++index) {
+        followers[index].index = index;
+        followers[index].part = camera_rays[index];
+        samples[index] = {};
     }
-    return result;
+    std::array<Ray, size> rays;
+    std::array<Hit, size> hits;
+    std::array<SurfacePoint, size> lit_points;
+    std::array<Rgb, size> lit_albedos, lit_throughputs;
+    std::array<std::size_t, size> lit_indices;
+    std::array<DirectLight::Irradiance, size> irradiances;
+    for (std::uint32_t layer = 0; layer < max_layer_count && count > 0; ++layer) {
+        for (std::size_t i = 0; i < count; ++i)
+            rays[i] = followers[i].part;
+        scene_.closest_hits(std::span(rays).first(count), hits);
+        std::size_t lit_count = 0, going_on = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            Follower& follower = followers[i];
+            const Hit& hit = hits[i];
+            PathSample& sample = samples[follower.index];
+            if (!media_.is_empty())
+                pass_media(follower, hit, sample, parts[follower.index]);
+            if (!hit.is_hit()) {
+                reach_world(follower, sample);
+                continue;
+            }
+            const Rgb throughput = follower.throughput();
+            SurfacePoint& point = lit_points[lit_count];
+            point = surface_point(scene_, follower.part, hit, pixel_seeds[follower.index]);
+            const SurfaceClosures closures = scene_.closures(point.shading, hit);
+            if (!follower.has_first_surface && 1.0f - average(closures.transparent) >= alpha_threshold) {
+                follower.has_first_surface = true;
+                sample.depth_m = glm::dot(point.shading.position - camera_.position(), camera_.forward());
+                sample.normal = point.shading.shading_normal;
+                sample.position = point.shading.position;
+            }
+            sample.radiance += throughput * closures.emission;
+            sample.emission += throughput * closures.emission;
+            sample.diffuse_colour += throughput * closures.diffuse_albedo;
+            if (closures.diffuse_albedo != Rgb(0.0f) || config_.lights_black_surfaces) {
+                lit_albedos[lit_count] = closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
+                lit_throughputs[lit_count] = throughput;
+                lit_indices[lit_count++] = follower.index;
+            }
+            follower.through_surfaces *= closures.transparent;
+            if (follower.through_surfaces == Rgb(0.0f))
+                continue;
+            // The same ray meets the same triangle at the same distance, bit for bit: one step further is behind it.
+            follower.part.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), camera_rays[follower.index].far_m);
+            followers[going_on++] = follower;
+        }
+        count = going_on;
+        light_.at(std::span(lit_points).first(lit_count), {sample_index, 1 + layer * pairs_per_layer}, irradiances);
+        for (std::size_t i = 0; i < lit_count; ++i) {
+            PathSample& sample = samples[lit_indices[i]];
+            sample.radiance += lit_throughputs[i] * lit_albedos[i] * irradiances[i].sum();
+            sample.lit += lit_throughputs[i] * irradiances[i].from_lights;
+            sample.unshadowed += lit_throughputs[i] * irradiances[i].unshadowed;
+        }
+    }
 }
 } // namespace tyndall::render

@@ -6,6 +6,8 @@
 #include "light_shafts/light_shafts.hpp"
 #include "render/direct_light.hpp"
 #include "render/film.hpp"
+#include <span>
+#include <vector>
 
 namespace tyndall::render {
 /// Transparent surfaces that a camera ray may pass before it counts as black.
@@ -29,10 +31,19 @@ public:
              const ViewPathConfig& config)
         : scene_(scene), media_(media), light_(light), camera_(camera), config_(config) {}
 
-    /// Follows the ray and appends the parts of it that lie in media.
-    [[nodiscard]] PathSample follow(const Ray& camera_ray, PixelSamples& samples, std::vector<MediumPart>& parts) const;
+    /// Follows the rays of up to DirectLight::most_points neighbouring pixels, and appends the parts of each that lie in
+    /// media to the parts of its index.
+    void follow(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds,
+                std::uint32_t sample_index, std::span<PathSample> samples,
+                std::span<std::vector<MediumPart>> parts) const;
 
 private:
+    struct Follower;
+    /// Light and parts of the media up to the hit.
+    void pass_media(Follower& follower, const Hit& hit, PathSample& sample, std::vector<MediumPart>& parts) const;
+    /// Light of the world, if the film shows it.
+    void reach_world(const Follower& follower, PathSample& sample) const;
+
     const Scene& scene_;
     const Media& media_;
     const DirectLight& light_;

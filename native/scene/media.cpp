@@ -42,6 +42,12 @@ struct Media::Boundaries {
     std::vector<Rgb> sigma_t_per_m, sigma_s_per_m; ///< Per medium of the scene.
     std::vector<std::uint32_t> boxes;              ///< Into all.
     std::unique_ptr<const MediumCrossings> meshes; ///< Of the boundaries that are not boxes; null without one.
+    bool emits = false;                            ///< Some medium of the scene does.
+
+    /// The boundary of all there is, if that is a box: most fog.
+    [[nodiscard]] const MediumBoundary* only_box() const {
+        return all.size() == 1 && all[0].is_box && world_medium < 0 ? &all[0] : nullptr;
+    }
 };
 
 static bool acts(const Medium& medium) {
@@ -54,6 +60,7 @@ Media::Media(const Scene& scene, const Progress& progress) : scene_(scene) {
     for (const Medium& medium : description.media) {
         boundaries->sigma_t_per_m.push_back(medium.sigma_t_per_m());
         boundaries->sigma_s_per_m.push_back(medium.sigma_s_per_m());
+        boundaries->emits |= medium.emission_w_per_m3_sr != Rgb(0.0f);
     }
     if (description.world_medium_index >= 0 &&
         acts(description.media[static_cast<std::size_t>(description.world_medium_index)]))
@@ -86,9 +93,16 @@ bool Media::fills_world() const { return boundaries_->world_medium >= 0; }
 std::int32_t Media::world_medium_index() const { return boundaries_->world_medium; }
 std::span<const MediumBoundary> Media::boundaries() const { return boundaries_->all; }
 
+/// Of the ray's line, not of its range.
 static BoxInterval inside_box(const MediumBoundary& boundary, const Ray& ray) {
     return clip_to_box(boundary.object_bounds, vec3(boundary.object_from_world * vec4(ray.origin, 1.0f)),
                        vec3(boundary.object_from_world * vec4(ray.direction, 0.0f)));
+}
+
+/// Of the ray; near >= far where it has none.
+static BoxInterval part_in_box(const MediumBoundary& boundary, const Ray& ray) {
+    const BoxInterval inside = inside_box(boundary, ray);
+    return {std::max(inside.near_m, ray.near_m), std::min(inside.far_m, ray.far_m)};
 }
 
 /// Walks the sorted crossings with one winding number per boundary, and emits a segment wherever the set changes.
@@ -148,12 +162,11 @@ void Media::segments(const Ray& ray, std::vector<MediumSegment>& segments) const
         segments.back().set.insert(static_cast<std::uint16_t>(scene.world_medium));
         return;
     }
-    if (scene.all.size() == 1 && scene.all[0].is_box && scene.world_medium < 0) {
-        const BoxInterval inside = inside_box(scene.all[0], ray);
-        const float near_m = std::max(inside.near_m, ray.near_m), far_m = std::min(inside.far_m, ray.far_m);
+    if (const MediumBoundary* box = scene.only_box()) {
+        const auto [near_m, far_m] = part_in_box(*box, ray);
         if (near_m < far_m) {
             segments.push_back({near_m, far_m, {}});
-            segments.back().set.insert(scene.all[0].medium);
+            segments.back().set.insert(box->medium);
         }
         return;
     }
@@ -175,6 +188,10 @@ void Media::segments(const Ray& ray, std::vector<MediumSegment>& segments) const
 }
 
 Rgb Media::transmittance(const Ray& ray) const {
+    if (const MediumBoundary* box = boundaries_->only_box()) {
+        const auto [near_m, far_m] = part_in_box(*box, ray);
+        return near_m < far_m ? glm::exp(-boundaries_->sigma_t_per_m[box->medium] * (far_m - near_m)) : Rgb(1.0f);
+    }
     thread_local std::vector<MediumSegment> along;
     along.clear();
     segments(ray, along);
@@ -189,6 +206,8 @@ Rgb Media::transmittance(const Ray& ray) const {
 }
 
 Rgb Media::emission(const Ray& ray) const {
+    if (!boundaries_->emits)
+        return Rgb(0.0f);
     thread_local std::vector<MediumSegment> along;
     along.clear();
     segments(ray, along);

@@ -6,6 +6,7 @@
 #include "core/statistics.hpp"
 #include "scene/camera.hpp"
 #include "scene/light.hpp"
+#include "scene/spawn_offset.hpp"
 #include "scene/triangle_mesh.hpp"
 #include "scene/world.hpp"
 #include "shading/material.hpp"
@@ -73,9 +74,13 @@ public:
     /// Everything a surface program reads at a hit.
     [[nodiscard]] ShadingPoint shading_point(const Ray& ray, const Hit& hit) const;
     [[nodiscard]] SurfaceClosures closures(const Ray& ray, const Hit& hit) const;
+    /// The same at the hit's own shading point.
+    [[nodiscard]] SurfaceClosures closures(const ShadingPoint& point, const Hit& hit) const;
     /// closures().transparent alone, at less cost.
     [[nodiscard]] Rgb transparency(const Ray& ray, const Hit& hit) const;
 
+    /// Where rays leave a hit from.
+    [[nodiscard]] SpawnPoint spawn_point(const Hit& hit) const;
     /// The ray that leaves a hit towards a unit direction: its origin is moved off the surface, to the direction's side,
     /// by just more than the error of its position, so that it never meets the triangle it leaves, nor skips another.
     [[nodiscard]] Ray leaving_ray(const Hit& hit, const vec3& direction,
@@ -83,15 +88,21 @@ public:
 
     /// Nearest camera-visible surface. Instances without a surface shader (fog boxes) never answer.
     [[nodiscard]] Hit closest_hit(const Ray& ray) const;
+    /// The same for rays that go much the same way, as those of neighbouring pixels: at a third of the time. Where two
+    /// triangles share the nearest point, which of them answers may depend on the other rays of the 16.
+    void closest_hits(std::span<const Ray> rays, std::span<Hit> hits) const;
     /// Light that passes along the ray through transparent surfaces, per channel; 0 behind an opaque one. Media are
     /// not included. Only instances that cast shadows count.
     [[nodiscard]] Rgb shadow_transmittance(const Ray& ray) const;
+    /// The same for rays of neighbouring points towards one light: at less than half of the time.
+    void shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing) const;
 
 private:
     void validate() const;
     void drop_unusable_instances();
     void drop_unusable_lights();
     void attach_instances(const Progress& progress);
+    [[nodiscard]] Hit in_scene(Hit hit) const;
     [[nodiscard]] const Material& slot_material(const Instance& instance, std::size_t slot) const;
 
     /// What a hit reads of its instance.

@@ -1,88 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What rays ask a scene.
-#include "scene/instance_masks.hpp"
+// What a hit asks its scene; ray_queries.cpp finds the hits.
 #include "scene/scene.hpp"
-#include "scene/spawn_offset.hpp"
 #include "shading/surface_program.hpp"
 #include <algorithm>
 #include <array>
 
 namespace tyndall {
-static RTCRay embree_ray(const Ray& ray, unsigned int mask) {
-    RTCRay result{};
-    result.org_x = ray.origin.x;
-    result.org_y = ray.origin.y;
-    result.org_z = ray.origin.z;
-    result.tnear = ray.near_m;
-    result.dir_x = ray.direction.x;
-    result.dir_y = ray.direction.y;
-    result.dir_z = ray.direction.z;
-    result.tfar = ray.far_m;
-    result.mask = mask;
-    return result;
-}
-
-/// Embree's context, and behind it what the filters need: Embree hands them the pointer to the context.
-struct QueryContext {
-    RTCIntersectContext embree;
-    const Scene* scene;
-    const Ray* ray;
-    Rgb transmittance{1.0f};
-};
-
-static Hit hit_of(const RTCRay& ray, const RTCHit& hit) {
-    return {.distance_m = ray.tfar,
-            .instance = hit.instID[0],
-            .triangle = hit.primID,
-            .barycentrics = vec2(hit.u, hit.v),
-            .geometric_normal = vec3(hit.Ng_x, hit.Ng_y, hit.Ng_z)};
-}
-
-/// Lets view rays through triangles whose slot has no surface, on an instance that has surfaces elsewhere.
-static void skip_holes(const RTCFilterFunctionNArguments* arguments) {
-    const auto& context = *reinterpret_cast<const QueryContext*>(arguments->context);
-    const auto& hit = *reinterpret_cast<const RTCHit*>(arguments->hit);
-    if (!context.scene->material(hit.instID[0], hit.primID).has_surface)
-        arguments->valid[0] = 0;
-}
-
-/// Multiplies the transmittance of a transparent hit into the context and goes on; an opaque one ends the ray.
-static void attenuate(const RTCFilterFunctionNArguments* arguments) {
-    auto& context = *reinterpret_cast<QueryContext*>(arguments->context);
-    const auto& hit = *reinterpret_cast<const RTCHit*>(arguments->hit);
-    context.transmittance *=
-        context.scene->transparency(*context.ray, hit_of(*reinterpret_cast<const RTCRay*>(arguments->ray), hit));
-    if (context.transmittance != Rgb(0.0f))
-        arguments->valid[0] = 0;
-}
-
-Hit Scene::closest_hit(const Ray& ray) const {
-    QueryContext context{.embree = {}, .scene = this, .ray = &ray};
-    rtcInitIntersectContext(&context.embree);
-    if (has_holes_)
-        context.embree.filter = skip_holes;
-    RTCRayHit query;
-    query.ray = embree_ray(ray, camera_mask);
-    query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(embree_scene_, &context.embree, &query);
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID)
-        return {};
-    Hit hit = hit_of(query.ray, query.hit);
-    hit.geometric_normal = glm::normalize(placements_[hit.instance].scene_from_object_normals * hit.geometric_normal);
-    return hit;
-}
-
-Rgb Scene::shadow_transmittance(const Ray& ray) const {
-    QueryContext context{.embree = {}, .scene = this, .ray = &ray};
-    rtcInitIntersectContext(&context.embree);
-    if (lets_light_pass_)
-        context.embree.filter = attenuate;
-    RTCRay query = embree_ray(ray, shadow_mask);
-    rtcOccluded1(embree_scene_, &context.embree, &query);
-    const bool is_occluded = query.tfar < 0.0f;
-    return is_occluded ? Rgb(0.0f) : context.transmittance;
-}
-
 const Material& Scene::material(std::uint32_t instance_index, std::uint32_t triangle) const {
     const Instance& instance = description_.instances[instance_index];
     const std::vector<std::uint16_t>& slots = description_.meshes[instance.mesh_index]->arrays().material_slots;
@@ -142,7 +65,7 @@ ShadingPoint Scene::shading_point(const Ray& ray, const Hit& hit) const {
     return point;
 }
 
-SurfaceClosures Scene::closures(const Ray& ray, const Hit& hit) const {
+SurfaceClosures Scene::closures(const ShadingPoint& point, const Hit& hit) const {
     const Material& surface = material(hit.instance, hit.triangle);
     if (!surface.has_surface)
         return {.diffuse_albedo = Rgb(0.0f), .transparent = Rgb(1.0f), .emission = Rgb(0.0f)};
@@ -150,10 +73,11 @@ SurfaceClosures Scene::closures(const Ray& ray, const Hit& hit) const {
         return surface.constant;
     thread_local std::vector<vec2> uvs;
     uvs.clear();
-    const ShadingPoint point = shading_point(ray, hit);
     look_up_uvs(surface, description_.meshes[point.mesh_index]->arrays(), hit, uvs);
     return evaluate(surface, point, uvs);
 }
+
+SurfaceClosures Scene::closures(const Ray& ray, const Hit& hit) const { return closures(shading_point(ray, hit), hit); }
 
 Rgb Scene::transparency(const Ray& ray, const Hit& hit) const {
     const Material& surface = material(hit.instance, hit.triangle);
@@ -173,13 +97,16 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit) const {
     return evaluate_transparent(surface, shading_point(ray, with_normal), uvs);
 }
 
-Ray Scene::leaving_ray(const Hit& hit, const vec3& direction, float far_m) const {
+SpawnPoint Scene::spawn_point(const Hit& hit) const {
     const Instance& instance = description_.instances[hit.instance];
     const MeshArrays& mesh = description_.meshes[instance.mesh_index]->arrays();
     const uvec3& corners = mesh.triangles[hit.triangle];
-    const SpawnPoint spawn =
-        spawn_point({mesh.positions[corners.x], mesh.positions[corners.y], mesh.positions[corners.z]}, hit.barycentrics,
-                    instance.world_from_object, placements_[hit.instance].object_from_scene);
-    return {.origin = spawn.towards(direction), .direction = direction, .near_m = 0.0f, .far_m = far_m};
+    return tyndall::spawn_point({mesh.positions[corners.x], mesh.positions[corners.y], mesh.positions[corners.z]},
+                                hit.barycentrics, instance.world_from_object,
+                                placements_[hit.instance].object_from_scene);
+}
+
+Ray Scene::leaving_ray(const Hit& hit, const vec3& direction, float far_m) const {
+    return {.origin = spawn_point(hit).towards(direction), .direction = direction, .near_m = 0.0f, .far_m = far_m};
 }
 } // namespace tyndall

@@ -47,14 +47,16 @@ TEST_CASE("an image of the world lights a plane by its integral over the hemisph
     const render::DirectLight light(scene, media, statistics);
     const Ray down{.origin = {0.3f, 0.2f, 5.0f}, .direction = {0, 0, -1}};
     const Hit hit = scene.closest_hit(down);
-    const render::SurfacePoint point{.hit = hit, .shading = scene.shading_point(down, hit)};
+    render::SurfacePoint point = render::surface_point(scene, down, hit, 0);
     glm::dvec3 sum(0.0), sum_of_squares(0.0);
     constexpr std::uint32_t run_count = 16, sample_count = 1024;
     for (std::uint32_t run = 0; run < run_count; ++run) {
         glm::dvec3 mean(0.0);
         for (std::uint32_t sample = 0; sample < sample_count; ++sample) {
-            render::PixelSamples samples(run, sample);
-            mean += glm::dvec3(light.at(point, samples).from_world) / double{sample_count};
+            point.pixel_seed = run;
+            render::DirectLight::Irradiance irradiance;
+            light.at({&point, 1}, {.sample_index = sample, .first_pair = 0}, {&irradiance, 1});
+            mean += glm::dvec3(irradiance.from_world) / double{sample_count};
         }
         sum += mean;
         sum_of_squares += mean * mean;

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A surface point that a view ray found, with what every light asks of it, worked out once.
+#pragma once
+#include "scene/scene.hpp"
+
+namespace tyndall::render {
+struct SurfacePoint {
+    Hit hit;
+    ShadingPoint shading;
+    SpawnPoint spawn;
+    bool is_smooth;           ///< Has normals of its own: shadow rays may have to be lifted.
+    std::uint32_t pixel_seed; ///< Of the pixel whose random numbers it takes.
+};
+[[nodiscard]] inline SurfacePoint surface_point(const Scene& scene, const Ray& ray, const Hit& hit,
+                                                std::uint32_t pixel_seed) {
+    const ShadingPoint shading = scene.shading_point(ray, hit);
+    return {.hit = hit,
+            .shading = shading,
+            .spawn = scene.spawn_point(hit),
+            .is_smooth = !scene.description().meshes[shading.mesh_index]->arrays().corner_normals.empty(),
+            .pixel_seed = pixel_seed};
+}
+} // namespace tyndall::render
