@@ -234,6 +234,7 @@ struct Kernel {
 
         V mean[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)}, fourth[3] = {mean[0], mean[0], mean[0]},
           fifth[3] = {mean[0], mean[0], mean[0]};
+        V mean_share = hn::Zero(d);
         V least[3] = {set(1e30f), set(1e30f), set(1e30f)}, most[3] = {mean[0], mean[0], mean[0]}; // depths
         for (std::size_t i = 0; i < Rule::count; ++i) {
             const V weight0 = hn::Mul(sine[Rule::count - 1 - i], r1), weight1 = hn::Mul(sine[i], r0);
@@ -260,6 +261,7 @@ struct Kernel {
             else
                 scatter_of_sets(set_of, set_index, towards, away, scatter);
             const V share = shape_at(s, x, x2, inverse_distance, before, after);
+            mean_share = hn::MulAdd(set(rule.weight[i]), share, mean_share);
             V sigma_t[3], transmittance{};
             light_side(before, after, sigma_t);
             for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -276,13 +278,19 @@ struct Kernel {
             }
         }
         // Coefficients of an analytic function fall like rho^-k, and the rule's error like rho^-12. The points may all miss
-        // what is left of a steep exponential; behind 80 optical depths nothing is.
+        // what is left of a steep exponential; behind 80 optical depths nothing is. At the rim of a cone the share rises
+        // from 0 as a square of what floats know to 1e-7, and halving would not end.
+        const V noise = hn::Mul(set(1e-5 * shape.one_minus_cos_half * shape.per_smooth),
+                                reciprocal_root_of(d, hn::Max(mean_share, set(1e-12f))));
         auto is_rough = hn::Gt(hn::Zero(d), hn::Zero(d));
         for (std::size_t channel = 0; channel < 3; ++channel) {
             const std::size_t depths = is_grey ? 0 : channel;
             const auto is_steep = hn::Gt(hn::Sub(most[depths], least[depths]), set(20.0f));
-            const auto is_bent = hn::Or(hn::Gt(hn::Abs(fourth[channel]), hn::Mul(set(0.03f), mean[channel])),
-                                        hn::Gt(hn::Abs(fifth[channel]), hn::Mul(set(0.012f), mean[channel])));
+            const auto exceeds = [&](V coefficient, float limit) {
+                return hn::Gt(hn::Abs(coefficient), hn::Mul(hn::Add(noise, set(limit)), mean[channel]));
+            };
+            const auto is_bent = hn::And(hn::Or(exceeds(fourth[channel], 0.03f), exceeds(fifth[channel], 0.012f)),
+                                         hn::Gt(angle, set(1e-4f)));
             is_rough = hn::Or(is_rough, hn::And(hn::Or(is_steep, is_bent), hn::Lt(least[depths], set(80.0f))));
         }
         const V per_angle = hn::Div(angle, softened_y);
