@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Boundaries of media between a view ray and a local light, as lines in the plane of both.
-// Bound:    a fog box that holds both: none, by two tests of a point. Another box: at most 6 lines in closed form. A
-//           mesh: one per triangle that the plane cuts.
+// Boundaries of media between a view ray and a local light.
+// Bound:    a fog box that holds both: none, by two tests of a point. A box that holds the ray: its face with the least
+//           share of the way, of 3. Another box: at most 6 lines in the plane of ray and light. A mesh: one per triangle
+//           that the plane cuts.
 #pragma once
-#include "light_shafts/light_shafts.hpp"
+#include "light_shafts/local_rays.hpp"
 #include "scene/media.hpp"
 #include "scene/plane_cut.hpp"
 #include <span>
 #include <vector>
 
 namespace tyndall::light_shafts {
-/// The line a x + b y = c, between the light and a part of the ray.
+/// A plane between the light and a part of the ray, met at the share n / d of the way from the ray to the light.
 struct LocalCrossing {
     double near_m, far_m; ///< Where on the ray the light casts it.
-    double a, b, c;
+    dvec2 n, d;           ///< At the ray's origin, and per metre along it.
     dvec3 signed_sigma_t; ///< Positive where the way to the light leaves the medium.
 };
 
@@ -21,10 +22,10 @@ struct LocalCrossing {
 class LightSideBoundaries {
 public:
     LightSideBoundaries(const Media& media, const vec3& light_position);
-    /// Nothing lies between the light and this part of a ray.
-    [[nodiscard]] bool is_clear(const ViewRay& ray) const;
+    /// Nothing lies between the light and this part of a ray: all boundaries are boxes that hold both.
+    [[nodiscard]] bool is_clear(const LocalRays& rays, std::size_t index, const ViewRay& part) const;
     /// Appends what lies between the light and the ray.
-    void append_crossings(const ViewRay& ray, const LocalPlane& plane, std::vector<LocalCrossing>& crossings) const;
+    void append_crossings(const ViewRay& ray, std::vector<LocalCrossing>& crossings) const;
 
 private:
     struct Boundary {
@@ -33,7 +34,14 @@ private:
         dvec3 sigma_t;
         bool holds_light; ///< A box that does.
     };
+    static void append_box_crossings(const Boundary& boundary, const ViewRay& ray,
+                                     std::vector<LocalCrossing>& crossings);
+    void append_cut_crossings(const Boundary& boundary, const ViewRay& ray, const LocalPlane& plane,
+                              std::vector<LocalCrossing>& crossings) const;
+
     const Media& media_;
+    vec3 light_position_;
     std::vector<Boundary> boundaries_;
+    bool all_hold_light_ = true;
 };
 } // namespace tyndall::light_shafts

@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/local_rays.hpp"
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace tyndall::light_shafts {
+bool holds(const MediumBoundary& boundary, const vec3& point, float slack) {
+    const vec3 at(boundary.object_from_world * vec4(point, 1.0f));
+    const vec3 margin = slack * (boundary.object_bounds.max - boundary.object_bounds.min);
+    return glm::all(glm::greaterThanEqual(at, boundary.object_bounds.min - margin)) &&
+           glm::all(glm::lessThanEqual(at, boundary.object_bounds.max + margin));
+}
+
 std::uint32_t LocalRays::index_of(const Media& media, const MediumSet& set) {
     for (std::uint32_t index = 0; index < sets_.size(); ++index)
         if (sets_[index].set == set)
@@ -25,7 +33,7 @@ std::uint32_t LocalRays::index_of(const Media& media, const MediumSet& set) {
 void LocalRays::assign(const Media& media, std::span<const ViewRay> rays, std::span<const std::uint32_t> first_segment,
                        std::span<const MediumSegment> segments) {
     rays_ = rays, first_segment_ = first_segment;
-    segments_.clear(), sets_.clear();
+    segments_.clear(), sets_.clear(), is_in_all_boxes_.clear();
     const std::size_t padded = (rays.size() + padding - 1) / padding * padding;
     for (std::vector<double>& values : columns_)
         values.assign(padded, 0.0);
@@ -45,6 +53,11 @@ void LocalRays::assign(const Media& media, std::span<const ViewRay> rays, std::s
         const auto own = segments_of(index);
         columns_[Near][index] = own.empty() ? 1.0 : own.front().near_m;
         columns_[Far][index] = own.empty() ? 0.0 : own.back().far_m;
+        is_in_all_boxes_.push_back(std::ranges::all_of(media.boundaries(), [&](const MediumBoundary& boundary) {
+            return own.empty() || (boundary.is_box &&
+                                   holds(boundary, ray.origin + own.front().near_m * ray.direction, rounding_of_ends) &&
+                                   holds(boundary, ray.origin + own.back().far_m * ray.direction, rounding_of_ends));
+        }));
     }
 }
 } // namespace tyndall::light_shafts

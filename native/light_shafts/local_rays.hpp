@@ -22,6 +22,11 @@ struct SetOfMedia {
     std::vector<PhaseLobe> lobes;
 };
 
+/// Is the point in the boundary's box, or outside by no more than this share of it?
+[[nodiscard]] bool holds(const MediumBoundary& boundary, const vec3& point, float slack = 0.0f);
+/// A ray that ends on a face of a box may end outside of it by a rounding.
+constexpr float rounding_of_ends = 1e-5f;
+
 /// Computed once for all lights. The rays and their media must outlive it.
 class LocalRays {
 public:
@@ -42,6 +47,8 @@ public:
     [[nodiscard]] std::span<const Segment> segments_of(std::size_t ray) const {
         return std::span(segments_).subspan(first_segment_[ray], first_segment_[ray + 1] - first_segment_[ray]);
     }
+    /// All media are boxes, and what the ray has in media lies in every one of them.
+    [[nodiscard]] bool is_in_all_boxes(std::size_t ray) const { return is_in_all_boxes_[ray] != 0; }
     [[nodiscard]] std::span<const SetOfMedia> sets() const { return sets_; }
 
     /// Columns, each padded to a multiple of `padding` rays: origin, direction, and the ends of what lies in media; a
@@ -67,6 +74,7 @@ private:
     std::span<const std::uint32_t> first_segment_;
     std::vector<Segment> segments_;
     std::vector<SetOfMedia> sets_;
+    std::vector<std::uint8_t> is_in_all_boxes_;
     std::array<std::vector<double>, ColumnCount> columns_;
 };
 } // namespace tyndall::light_shafts

@@ -45,7 +45,6 @@ private:
     double light_x_ = 0.0;
     std::vector<double> splits_; ///< As distances from the light's foot, ascending.
     std::vector<LocalCrossing> crossings_;
-    LocalPlane plane_{};
     LocalPieces pieces_;
     std::array<Rgb, LocalPieces::capacity> transmittance_;
 };
@@ -59,9 +58,8 @@ void LocalScatter::Batch::prepare_splits() {
         ViewRay reached = rays_->ray(ray_);
         reached.near_m = static_cast<float>(light_x_ + distance(LocalSupport::Begin));
         reached.far_m = static_cast<float>(light_x_ + distance(LocalSupport::End));
-        if (!light_->boundaries_.is_clear(reached)) {
-            plane_ = plane_through(reached.origin, reached.direction, light_->light_.position);
-            light_->boundaries_.append_crossings(reached, plane_, crossings_);
+        if (!light_->boundaries_.is_clear(*rays_, ray_, reached)) {
+            light_->boundaries_.append_crossings(reached, crossings_);
             for (const LocalCrossing& crossing : crossings_)
                 for (const double at : {crossing.near_m, crossing.far_m})
                     splits_.push_back(at - light_x_);
@@ -96,7 +94,7 @@ void LocalScatter::Batch::add(std::size_t ray, std::span<const LitInterval> lit)
             // Weighted means of a piece's ends cancel where it reaches far to both sides of the foot. And where the ray
             // leads far away, all that it loses there lies in the last instant of the angle, which no point would see.
             // So do the turns next to a soft light's sample, whose angle is that of the softened distance.
-            if (from < 0.0 && to > 0.0 && std::max(-from, to) > 0.6 * light_y)
+            if (from < 0.0 && to > 0.0 && std::max(-from, to) > 1.5 * light_y)
                 to = 0.0;
             constexpr double far = 6.0, longest = 8.0;
             to = std::min(to, from >= 0.0             ? std::max(far * light_y, longest * from)
@@ -135,12 +133,14 @@ void LocalScatter::Batch::append(const LocalRays::Segment& segment, double x0, d
     for (const LocalCrossing& crossing : crossings_) {
         if (!(crossing.near_m < middle_m && middle_m < crossing.far_m))
             continue;
-        const auto point_side = [&](double x) { return crossing.c - crossing.a * (light_x_ + x); };
-        const auto way = [&](double x) { return crossing.b * plane_.light_y - crossing.a * x; };
-        const double sign = way(x0) + way(x1) < 0.0 ? -1.0 : 1.0;
+        const auto at_both_ends = [&](const dvec2& line) {
+            return dvec2(line.x + line.y * (light_x_ + x0), line.x + line.y * (light_x_ + x1));
+        };
+        const dvec2 n = at_both_ends(crossing.n), way = at_both_ends(crossing.d);
+        const double sign = way.x + way.y < 0.0 ? -1.0 : 1.0;
         PieceCrossing& made = pieces_.crossings.emplace_back();
-        made.n = {static_cast<float>(sign * point_side(x0)), static_cast<float>(sign * point_side(x1))};
-        made.d = {static_cast<float>(sign * way(x0)), static_cast<float>(sign * way(x1))};
+        made.n = {static_cast<float>(sign * n.x), static_cast<float>(sign * n.y)};
+        made.d = {static_cast<float>(sign * way.x), static_cast<float>(sign * way.y)};
         for (int channel = 0; channel < 3; ++channel)
             made.signed_sigma_t[static_cast<std::size_t>(channel)] =
                 static_cast<float>(crossing.signed_sigma_t[channel]);
@@ -177,16 +177,22 @@ static float lit_length_of(std::span<const LitInterval> lit, std::span<const Loc
 
 void LocalScatter::add_scattered(const LocalRays& rays, const Visibility* visibility, std::span<Rgb> radiance,
                                  std::span<float> lit_length_m) const {
-    thread_local LocalSupport support;
-    thread_local Batch batch;
-    thread_local std::vector<ViewRay> asked;
-    thread_local std::vector<std::uint32_t> reached; // rays that the light can shine on, and their row of `lit`
-    thread_local LitRows lit;
+    struct Workspace {
+        LocalSupport support;
+        Batch batch;
+        std::vector<ViewRay> asked;
+        std::vector<std::uint32_t> reached; // rays that the light can shine on, and their row of `lit`
+        LitRows lit;
+    };
+    thread_local Workspace workspace;
+    auto& [support, batch, asked, reached, lit] = workspace;
     find_support(shape_, rays, support);
     const bool wants_length = !lit_length_m.empty();
     asked.clear(), reached.clear(), lit.clear();
+    const double* const begins = support.distance[LocalSupport::Begin].data();
+    const double* const ends = support.distance[LocalSupport::End].data();
     for (std::uint32_t ray = 0; ray < rays.size(); ++ray) {
-        const double begin = support.distance[LocalSupport::Begin][ray], end = support.distance[LocalSupport::End][ray];
+        const double begin = begins[ray], end = ends[ray];
         if (!(begin < end))
             continue;
         reached.push_back(ray);
