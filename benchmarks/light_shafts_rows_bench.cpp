@@ -192,6 +192,7 @@ static void sun_moved_shadow_map(benchmark::State& state) { sun_moved(state, tru
         ->ArgNames({"scene", "lines"})                                                                                 \
         ->Args({0, 2048})                                                                                              \
         ->Args({1, 2048})                                                                                              \
+        ->MeasureProcessCPUTime()                                                                                      \
         ->UseRealTime()                                                                                                \
         ->Unit(benchmark::kMillisecond)
 TYNDALL_ROWS_BENCHMARK(layout);
