@@ -212,7 +212,7 @@ Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::sp
         strip = std::make_shared<const StripScene>(make_strip_scene(scene, progress));
     } else {
         occluders = gather_occluders(scene.description(), progress);
-        outer_rays = outline(view.is_orthographic, clipped);
+        outer_rays = outline(view.is_orthographic, clipped, progress);
     }
     parallel_for(
         all_beams.size(), progress,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/ray_outline.hpp"
+#include "core/parallel.hpp"
 #include <algorithm>
 
 namespace tyndall::light_shafts {
@@ -31,11 +32,13 @@ bool are_in_line(bool is_orthographic, std::span<const ViewRay> rays, float pixe
     const float length = glm::length(way);
     if (!(length > 0.0f))
         return false;
+    const vec3 unit = way / length;
     return std::ranges::all_of(rays, [&](const ViewRay& ray) {
         const vec3 offset = place_of(is_orthographic, ray) - first;
-        const float along = glm::dot(offset, way) / length;
+        const float along = glm::dot(offset, unit);
+        const vec3 aside = offset - along * unit;
         return along >= -0.5f * pixel && along <= length + 0.5f * pixel &&
-               glm::length(offset - along / length * way) <= 1.5f * pixel;
+               glm::dot(aside, aside) <= 2.25f * pixel * pixel;
     });
 }
 
@@ -60,14 +63,15 @@ RaySpan span_of(bool is_orthographic, std::span<const ViewRay> rays, float pixel
 }
 } // namespace
 
-std::vector<RaySpan> outline(bool is_orthographic, std::span<const ViewRay> rays) {
-    std::vector<RaySpan> spans;
-    const float pixel = pixel_size(is_orthographic, rays);
+static void append_spans(bool is_orthographic, std::span<const ViewRay> rays, float pixel,
+                         std::vector<RaySpan>& spans) {
+    const auto is_next = [&](std::size_t i) {
+        const vec3 step = place_of(is_orthographic, rays[i]) - place_of(is_orthographic, rays[i - 1]);
+        return glm::dot(step, step) <= 16.0f * pixel * pixel;
+    };
     for (std::size_t begin = 0, end; begin < rays.size(); begin = end) {
         end = begin + 1;
-        while (end < rays.size() && end - begin < most_neighbours &&
-               glm::distance(place_of(is_orthographic, rays[end]), place_of(is_orthographic, rays[end - 1])) <=
-                   4.0f * pixel)
+        while (end < rays.size() && end - begin < most_neighbours && is_next(end))
             ++end;
         const auto neighbours = rays.subspan(begin, end - begin);
         if (are_in_line(is_orthographic, neighbours, pixel))
@@ -76,6 +80,18 @@ std::vector<RaySpan> outline(bool is_orthographic, std::span<const ViewRay> rays
             for (const ViewRay& ray : neighbours)
                 spans.push_back({ray, ray});
     }
+}
+
+std::vector<RaySpan> outline(bool is_orthographic, std::span<const ViewRay> rays, const Progress& progress) {
+    constexpr std::size_t rays_per_block = std::size_t{1} << 14;
+    const float pixel = pixel_size(is_orthographic, rays);
+    std::vector<std::vector<RaySpan>> blocks((rays.size() + rays_per_block - 1) / rays_per_block);
+    parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
+        append_spans(is_orthographic, rays.subspan(begin, end - begin), pixel, blocks[begin / rays_per_block]);
+    });
+    std::vector<RaySpan> spans;
+    for (const auto& block : blocks)
+        spans.insert(spans.end(), block.begin(), block.end());
     return spans;
 }
 } // namespace tyndall::light_shafts

@@ -12,6 +12,7 @@ struct RaySpan {
     ViewRay first, last;
 };
 /// Neighbours in a line of the picture are one span, a pixel longer than they need; rays in any other order are spans of
-/// their own. `rays` are finite.
-[[nodiscard]] std::vector<RaySpan> outline(bool is_orthographic, std::span<const ViewRay> rays);
+/// their own. `rays` are finite. Throws Cancelled.
+[[nodiscard]] std::vector<RaySpan> outline(bool is_orthographic, std::span<const ViewRay> rays,
+                                           const Progress& progress);
 } // namespace tyndall::light_shafts

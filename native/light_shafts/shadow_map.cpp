@@ -94,7 +94,7 @@ static slope_rows::LayoutConfig map_layout_of(const Config& config) {
 std::unique_ptr<Visibility> make_shadow_map(const Scene& scene, const View& view, const LightSample& light,
                                             std::span<const ViewRay> rays, const Config& config, Progress& progress) {
     return make_shadow_map_beam(scene, gather_occluders(scene.description(), progress), view, light,
-                                outline(view.is_orthographic, rays), config, progress);
+                                outline(view.is_orthographic, rays, progress), config, progress);
 }
 
 std::unique_ptr<Visibility> make_shadow_map_beam(const Scene& scene, const Occluders& occluders, const View& view,

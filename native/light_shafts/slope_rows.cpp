@@ -277,7 +277,7 @@ std::int32_t nearest_slice(const Layout& layout, float slice_coordinate) {
 
 Layout make_layout(const Frame& frame, std::span<const ViewRay> rays, const LayoutConfig& config,
                    const Progress& progress) {
-    return make_layout(frame, outline(frame.is_orthographic, rays), config, progress);
+    return make_layout(frame, outline(frame.is_orthographic, rays, progress), config, progress);
 }
 
 Layout make_layout(const Frame& frame, std::span<const RaySpan> spans, const LayoutConfig& config,

@@ -94,10 +94,11 @@ TEST_CASE("boxes of occluders that are skipped would not have changed a sample")
 // Dozens of light samples are laid out for a few rays each: none of the others may fall outside of their rows.
 TEST_CASE("rows for the outline of a picture's rays cover all of its rays") {
     const Soup soup(make_soup(60, 3.0f, 0.8f, vec3(0.0f), 3));
+    Progress progress;
     for (const Setting& setting : settings()) {
         CAPTURE(setting.name);
         const auto rays = make_rays(setting, 150);
-        CHECK(outline(setting.view.is_orthographic, rays).size() < rays.size() / 8);
+        CHECK(outline(setting.view.is_orthographic, rays, progress).size() < rays.size() / 8);
         const slope_rows::Rows rows = make_rows(setting, soup, rays, 300);
         LitRows lit;
         row_query::Uncovered uncovered;
@@ -114,7 +115,8 @@ TEST_CASE("rays in no order are their own outline") {
         std::swap(rays[i], rays[static_cast<std::size_t>(random.uniform() * static_cast<float>(i))]);
     for (ViewRay& ray : rays)
         ray.far_m = 5.0f;
-    const auto outer = outline(setting.view.is_orthographic, rays);
+    Progress progress;
+    const auto outer = outline(setting.view.is_orthographic, rays, progress);
     // Chance puts three in a line now and then.
     CHECK(outer.size() > rays.size() / 2);
     for (const RaySpan& span : outer)
