@@ -5,6 +5,7 @@
 #include "shading/surface_program.hpp"
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -17,7 +18,7 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
         const Light& light = scene.lights()[index];
         if (!light.lights_surfaces || light.strength == Rgb(0.0f))
             continue;
-        lights_.push_back({index, LightReach(light)});
+        lights_.push_back({index, LightAim(light)});
         if (light.kind == LightKind::Sun && media.fills_world())
             statistics.report("Light \"" + light.name +
                               "\" is infinitely far away in the world's endless medium, which lets nothing of it "
@@ -44,18 +45,40 @@ Ray DirectLight::shadow_ray(const SurfacePoint& point, const vec3& direction) co
     return ray;
 }
 
-void DirectLight::at(std::span<const SurfacePoint> points, const PairRange& pairs,
+void DirectLight::at(std::span<const SurfacePoint> points, const PairIndex& first_pair,
                      std::span<Irradiance> irradiance) const {
     std::fill_n(irradiance.begin(), points.size(), Irradiance{});
+    LitPoints lanes;
+    for (std::size_t lane = 0; lane < points.size(); ++lane) {
+        const SurfacePoint& point = points[lane];
+        lanes.set(lane, point.shading.position, point.shading.shading_normal, point.spawn, point.pixel_seed);
+    }
     // A light has the same pair wherever it shines: what one point skips does not shift another light's numbers.
-    PairRange pair = pairs;
-    for (const ReachingLight& light : lights_) {
-        add_light(light, points, pair, irradiance);
-        ++pair.first_pair;
+    PairIndex pair = first_pair;
+    for (const AimedLight& light : lights_) {
+        add_light(light, points, lanes, pair, irradiance);
+        ++pair.pair_index;
     }
     if (has_world_light_)
         for (std::size_t index = 0; index < points.size(); ++index)
             irradiance[index].from_world = world_irradiance(points[index], pair);
+}
+
+void DirectLight::finish(const Light& light, const SurfacePoint& point, Ray& ray, Rgb& arriving) const {
+    if (light.kind == LightKind::Spot)
+        arriving *= spot_attenuation(light, -ray.direction);
+    if (!point.is_smooth)
+        return;
+    const vec3 lift = terminator_lift(scene_, point.hit, point.shading, ray.direction);
+    if (lift == vec3(0.0f))
+        return;
+    const vec3 target = ray.origin + ray.far_m * ray.direction;
+    ray.origin += lift;
+    if (light.kind == LightKind::Sun)
+        return;
+    const vec3 to_light = target - ray.origin;
+    ray.far_m = glm::length(to_light);
+    ray.direction = to_light / ray.far_m;
 }
 
 /// Rays of several points towards one light.
@@ -67,28 +90,26 @@ struct DirectLight::ShadowRays {
     std::size_t count = 0;
 };
 
-void DirectLight::add_light(const ReachingLight& reaching, std::span<const SurfacePoint> points, const PairRange& pair,
-                            std::span<Irradiance> irradiance) const {
-    const Light& light = scene_.lights()[reaching.index];
-    std::array<std::uint8_t, most_points> reached;
-    std::array<std::uint32_t, most_points> seeds;
-    std::size_t reached_count = 0;
-    for (std::size_t index = 0; index < points.size(); ++index)
-        if (reaching.reach.may_light(points[index].shading.position, points[index].shading.shading_normal)) {
-            reached[reached_count] = static_cast<std::uint8_t>(index);
-            seeds[reached_count++] = points[index].pixel_seed;
-        }
-    if (reached_count == 0)
+void DirectLight::add_light(const AimedLight& aimed, std::span<const SurfacePoint> points, const LitPoints& lanes,
+                            const PairIndex& pair, std::span<Irradiance> irradiance) const {
+    if (aimed.aim.may_light(lanes) == 0)
         return;
-    std::array<vec2, most_points> u{};
-    if (light.radius_m > 0.0f || light.half_angle_rad > 0.0f)
-        pixel_pairs(std::span(seeds).first(reached_count), pair.sample_index, pair.first_pair, u);
-
+    const Light& light = scene_.lights()[aimed.index];
+    AimedRays towards;
     ShadowRays shadow;
-    for (std::size_t index = 0; index < reached_count; ++index)
-        if (aim(points[reached[index]], reaching.index, u[index], shadow.rays[shadow.count],
-                shadow.arriving[shadow.count]))
-            shadow.points[shadow.count++] = reached[index];
+    for (LaneSet left = aimed.aim.aim(lanes, pair, towards); left != 0; left &= left - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+        Ray& ray = shadow.rays[shadow.count];
+        Rgb& arriving = shadow.arriving[shadow.count];
+        ray = {.origin = towards.origin.get(lane),
+               .direction = towards.direction.get(lane),
+               .near_m = 0.0f,
+               .far_m = towards.far_m[lane]};
+        arriving = towards.weight[lane] * light.strength;
+        finish(light, points[lane], ray, arriving);
+        if (arriving != Rgb(0.0f))
+            shadow.points[shadow.count++] = static_cast<std::uint8_t>(lane);
+    }
     if (light.casts_shadow)
         scene_.shadow_transmittances(std::span(shadow.rays).first(shadow.count), shadow.passing);
     else
@@ -104,32 +125,6 @@ void DirectLight::add_light(const ReachingLight& reaching, std::span<const Surfa
     }
 }
 
-bool DirectLight::aim(const SurfacePoint& point, std::uint32_t light_index, vec2 u, Ray& ray, Rgb& arriving) const {
-    const vec3& position = point.shading.position;
-    const LightSample light = sample_light_towards(scene_.lights()[light_index], light_index, u, position);
-    vec3 direction = light.towards_light;
-    Rgb strength = light.strength;
-    if (!light.is_directional) {
-        const vec3 to_light = light.position - position;
-        const float distance_m = glm::length(to_light);
-        if (!(distance_m > 0.0f))
-            return false; // The light stands on the surface: it has no direction.
-        direction = to_light / distance_m;
-        strength = intensity_w_per_sr(light, -direction) / (distance_m * distance_m + light.softening_m2);
-    }
-    const float cosine = glm::dot(point.shading.shading_normal, direction);
-    if (cosine <= 0.0f || strength == Rgb(0.0f))
-        return false;
-    ray = shadow_ray(point, direction);
-    if (!light.is_directional) {
-        const vec3 to_light = light.position - ray.origin; // The lift may have turned it.
-        ray.far_m = glm::length(to_light);
-        ray.direction = to_light / ray.far_m;
-    }
-    arriving = cosine * strength;
-    return true;
-}
-
 /// Light from infinitely far away. One ray at a time: in packets, rays into all directions are slower.
 Rgb DirectLight::past_everything(const Ray& ray) const {
     const Rgb through_surfaces = scene_.shadow_transmittance(ray);
@@ -138,13 +133,13 @@ Rgb DirectLight::past_everything(const Ray& ray) const {
     return through_surfaces * media_.transmittance(ray);
 }
 
-Rgb DirectLight::world_irradiance(const SurfacePoint& point, const PairRange& pairs) const {
+Rgb DirectLight::world_irradiance(const SurfacePoint& point, const PairIndex& pair) const {
     const World& world = scene_.world();
     const vec3& normal = point.shading.shading_normal;
     const auto power_share = [](float a, float b) { return a * a / (a * a + b * b); };
 
     const vec3 around_normal =
-        sample_cosine_hemisphere(pixel_pair(point.pixel_seed, pairs.sample_index, pairs.first_pair));
+        sample_cosine_hemisphere(pixel_pair(point.pixel_seed, pair.sample_index, pair.pair_index));
     const vec3 direction = from_frame(normal, around_normal);
     float share = 1.0f;
     if (world.has_image())
@@ -157,7 +152,7 @@ Rgb DirectLight::world_irradiance(const SurfacePoint& point, const PairRange& pa
         return sum;
 
     const World::DirectionSample sample =
-        world.sample(pixel_pair(point.pixel_seed, pairs.sample_index, pairs.first_pair + 1));
+        world.sample(pixel_pair(point.pixel_seed, pair.sample_index, pair.pair_index + 1));
     const float cosine = glm::dot(normal, sample.direction);
     if (cosine <= 0.0f || sample.pdf_per_sr <= 0.0f)
         return sum;

@@ -7,7 +7,7 @@
 // Bound:    one shadow ray per light that may reach the point, in packets of 16 points; one of its own for the world,
 //           two for an image of it.
 #pragma once
-#include "render/light_reach.hpp"
+#include "render/light_aim.hpp"
 #include "render/pixel_samples.hpp"
 #include "render/surface_point.hpp"
 #include "scene/media.hpp"
@@ -15,15 +15,10 @@
 #include <span>
 
 namespace tyndall::render {
-/// The random numbers that some points take: those of one sample, from one pair on.
-struct PairRange {
-    std::uint32_t sample_index, first_pair;
-};
-
 class DirectLight {
 public:
     /// Points that are lit at once.
-    static constexpr std::size_t most_points = 16;
+    static constexpr std::size_t most_points = lane_count;
 
     /// Reports to `statistics` what cannot light anything. Both references must outlive this.
     DirectLight(const Scene& scene, const Media& media, Statistics& statistics);
@@ -34,28 +29,28 @@ public:
         Rgb from_world{0.0f};  ///< With occluders and media between.
         [[nodiscard]] Rgb sum() const { return from_lights + from_world; }
     };
-    /// On the viewer's side of up to most_points points, for a cosine around their shading normals. Faster where they
-    /// are neighbours; the results do not depend on it.
-    void at(std::span<const SurfacePoint> points, const PairRange& pairs, std::span<Irradiance> irradiance) const;
+    /// On the viewer's side of up to most_points points, for a cosine around their shading normals. Takes random numbers
+    /// from `first_pair` on. Faster where the points are neighbours; the results do not depend on it.
+    void at(std::span<const SurfacePoint> points, const PairIndex& first_pair, std::span<Irradiance> irradiance) const;
 
 private:
-    struct ReachingLight {
+    struct AimedLight {
         std::uint32_t index; ///< Into Scene::lights.
-        LightReach reach;
+        LightAim aim;
     };
     struct ShadowRays;
-    void add_light(const ReachingLight& light, std::span<const SurfacePoint> points, const PairRange& pair,
-                   std::span<Irradiance> irradiance) const;
-    /// Direction and irradiance of one stratum; false where it adds nothing.
-    bool aim(const SurfacePoint& point, std::uint32_t light_index, vec2 u, Ray& ray, Rgb& arriving) const;
+    void add_light(const AimedLight& aimed, std::span<const SurfacePoint> points, const LitPoints& lanes,
+                   const PairIndex& pair, std::span<Irradiance> irradiance) const;
+    /// What the lanes leave out: a spot's cone, the lift off a smooth surface's terminator.
+    void finish(const Light& light, const SurfacePoint& point, Ray& ray, Rgb& arriving) const;
     [[nodiscard]] Rgb past_everything(const Ray& ray) const;
-    [[nodiscard]] Rgb world_irradiance(const SurfacePoint& point, const PairRange& pairs) const;
+    [[nodiscard]] Rgb world_irradiance(const SurfacePoint& point, const PairIndex& pair) const;
     /// Towards the light, lifted off a smooth surface's terminator.
     [[nodiscard]] Ray shadow_ray(const SurfacePoint& point, const vec3& direction) const;
 
     const Scene& scene_;
     const Media& media_;
-    std::vector<ReachingLight> lights_; ///< Those that light surfaces.
+    std::vector<AimedLight> lights_; ///< Those that light surfaces.
     bool has_media_, has_world_light_;
 };
 } // namespace tyndall::render

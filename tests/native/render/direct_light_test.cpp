@@ -55,7 +55,7 @@ TEST_CASE("an image of the world lights a plane by its integral over the hemisph
         for (std::uint32_t sample = 0; sample < sample_count; ++sample) {
             point.pixel_seed = run;
             render::DirectLight::Irradiance irradiance;
-            light.at({&point, 1}, {.sample_index = sample, .first_pair = 0}, {&irradiance, 1});
+            light.at({&point, 1}, {.sample_index = sample, .pair_index = 0}, {&irradiance, 1});
             mean += glm::dvec3(irradiance.from_world) / double{sample_count};
         }
         sum += mean;
