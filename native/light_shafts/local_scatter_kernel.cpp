@@ -146,6 +146,8 @@ struct Kernel {
 
     void gather_crossings(const std::uint32_t* piece) {
         crossings.clear();
+        if (pieces.crossings.empty())
+            return;
         std::uint32_t most = 0;
         for (std::size_t lane = 0; lane < lanes; ++lane)
             most = std::max(most, pieces.crossing_count[piece[lane]]);
@@ -293,24 +295,35 @@ struct Kernel {
                                          hn::Gt(angle, set(1e-4f)));
             is_rough = hn::Or(is_rough, hn::And(hn::Or(is_steep, is_bent), hn::Lt(least[depths], set(80.0f))));
         }
-        const V per_angle = hn::Div(angle, softened_y);
-        alignas(64) float result[3][lanes];
+        V sum[3];
         for (std::size_t channel = 0; channel < 3; ++channel)
-            hn::Store(hn::Mul(mean[channel], per_angle), d, result[channel]);
+            sum[channel] = hn::Mul(mean[channel], hn::Div(angle, softened_y));
+        if constexpr (is_whole) {
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                hn::Store(hn::IfThenZeroElse(is_rough, sum[channel]), d, pieces.sum[channel].data() + first);
+            if (hn::AllFalse(d, is_rough))
+                return;
+        }
+        finish_lanes<is_whole>(first, used, sum, is_rough, r0, r1);
+    }
+
+    /// Adds up parts that will do, and halves the others.
+    template <bool is_whole>
+    void finish_lanes(std::size_t first, std::size_t used, const V (&sum)[3], Mask is_rough, V r0, V r1) {
+        alignas(64) float result[3][lanes], radius0[lanes], radius1[lanes];
         alignas(64) std::int32_t rough[lanes];
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            hn::Store(sum[channel], d, result[channel]);
         hn::Store(hn::IfThenElseZero(hn::RebindMask(di, is_rough), hn::Set(di, 1)), di, rough);
-        alignas(64) float radius0[lanes], radius1[lanes];
         hn::Store(r0, d, radius0), hn::Store(r1, d, radius1);
         for (std::size_t lane = 0; lane < used; ++lane) {
-            const Part part = is_whole ? Part{.piece = piece[lane], .depth = 0} : parts[first + lane];
-            const bool is_done = rough[lane] == 0 || part.depth == most_halvings;
-            for (std::size_t channel = 0; channel < 3; ++channel) {
-                const float value = is_done ? result[channel][lane] : 0.0f;
-                float& sum = pieces.sum[channel][part.piece];
-                sum = is_whole ? value : sum + value;
-            }
-            if (!is_done)
+            const Part part =
+                is_whole ? Part{.piece = static_cast<std::uint32_t>(first + lane), .depth = 0} : parts[first + lane];
+            if (rough[lane] != 0 && part.depth < most_halvings)
                 halve(part, radius0[lane], radius1[lane]);
+            else if (!is_whole)
+                for (std::size_t channel = 0; channel < 3; ++channel)
+                    pieces.sum[channel][part.piece] += result[channel][lane];
         }
     }
 
