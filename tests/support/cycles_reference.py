@@ -10,6 +10,7 @@ mean may lie from the truth.
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -93,26 +94,28 @@ def _without_scattered_light(scene: bpy.types.Scene, samples: int, seed: int) ->
 
 def tyndall_pixels(
     scene: bpy.types.Scene,
-    method: str = "EXACT",
+    methods: Sequence[str],
     *,
     surface_samples: int = 1,
     light_samples: int = 256,
     world_samples: int = 512,
     seed: int = 0,
-) -> FloatArray:
-    """Render in ours, at the pixels' centres.
+) -> list[FloatArray]:
+    """Render in ours, once per method, at the pixels' centres.
 
     Light on surfaces is sampled per ray, light in media per light: with few rays of many light samples for the media,
-    and many rays for the surfaces, both converge in seconds.
+    and many rays for the surfaces, both converge in seconds. No method changes anything on surfaces.
     """
-    scene.tyndall.shafts.method = method
-    _prepare_tyndall(scene, 1, seed)
-    scene.tyndall.shafts.light_samples, scene.tyndall.shafts.world_samples = light_samples, world_samples
-    everything = rendered_pixels(scene)
+    pictures = []
+    for method in methods:
+        scene.tyndall.shafts.method = method
+        _prepare_tyndall(scene, 1, seed)
+        scene.tyndall.shafts.light_samples, scene.tyndall.shafts.world_samples = light_samples, world_samples
+        pictures.append(rendered_pixels(scene))
     if surface_samples == 1:
-        return everything
-    many = _without_scattered_light(scene, surface_samples, seed)
-    return everything - _without_scattered_light(scene, 1, seed) + many
+        return pictures
+    converged = _without_scattered_light(scene, surface_samples, seed) - _without_scattered_light(scene, 1, seed)
+    return [picture + converged for picture in pictures]
 
 
 def pixels_on_edges(scene: bpy.types.Scene, margin_px: float = 0.03) -> NDArray[np.bool_]:
@@ -187,7 +190,9 @@ def _contrast(picture: FloatArray) -> FloatArray:
 Pair = tuple[FloatArray, FloatArray]  #: Two renders that differ by their seed alone.
 
 
-def agreement(ours: Pair, cycles: Pair, left_out: NDArray[np.bool_] | None = None) -> Agreement:
+def agreement(
+    ours: Pair, cycles: Pair, left_out: NDArray[np.bool_] | None = None, cycles_samples: int = CYCLES_SAMPLES
+) -> Agreement:
     """Compare the means of two renders each; ``left_out`` is (height, width).
 
     A pixel's two values differ by a variance of 2 s^2, where s^2 is that of one render; the mean of both has s^2 / 2.
@@ -200,7 +205,7 @@ def agreement(ours: Pair, cycles: Pair, left_out: NDArray[np.bool_] | None = Non
     reference, mine = (cycles[0] + cycles[1]) / 2, (ours[0] + ours[1]) / 2
     # Of a pixel's samples Cycles places one, the same with each seed, far outside its narrow filter (measured: an edge
     # up to half a pixel away shows with the weight of one sample).
-    variance = (cycles[0] - cycles[1]) ** 2 / 4 + (_contrast(reference) / CYCLES_SAMPLES) ** 2
+    variance = (cycles[0] - cycles[1]) ** 2 / 4 + (_contrast(reference) / cycles_samples) ** 2
     blocks, mine_in_blocks = block_means(reference), block_means(mine)
     # A block that Cycles left black by chance has no measured noise: the picture's level keeps it from dividing by 0.
     scale = np.maximum(blocks, 1e-3 * blocks.mean())
