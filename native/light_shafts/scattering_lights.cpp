@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/scattering_lights.hpp"
+#include "core/sobol.hpp"
 #include "light_shafts/local_scatter.hpp"
 #include "light_shafts/scatter_pieces.hpp"
 #include <algorithm>
 
 namespace tyndall::light_shafts {
-/// Point i of n of the Hammersley set, shifted by the seed; strata in both coordinates at any power of two.
-static vec2 stratum(std::uint32_t index, std::uint32_t count, std::uint32_t seed) {
-    std::uint32_t bits = index;
-    bits = (bits << 16) | (bits >> 16);
-    bits = ((bits & 0x00ff00ffu) << 8) | ((bits & 0xff00ff00u) >> 8);
-    bits = ((bits & 0x0f0f0f0fu) << 4) | ((bits & 0xf0f0f0f0u) >> 4);
-    bits = ((bits & 0x33333333u) << 2) | ((bits & 0xccccccccu) >> 2);
-    bits = ((bits & 0x55555555u) << 1) | ((bits & 0xaaaaaaaau) >> 1);
-    const double radical_inverse = bits * 0x1p-32;
-    // Fractions of golden-ratio multiples: successive seeds give well-spread shifts.
-    const double shift_x = 0.5, shift_y = 0.5 / count;
-    const double x = (index + shift_x) / count + seed * 0.7548776662466927;
-    const double y = radical_inverse + shift_y + seed * 0.5698402909980532;
-    return vec2(std::min(static_cast<float>(x - std::floor(x)), 0x1.fffffep-1f),
-                std::min(static_cast<float>(y - std::floor(y)), 0x1.fffffep-1f));
+/// The digits of a number to base 3, mirrored at the point: in [0, 1).
+static double radical_inverse_of_3(std::uint32_t number) {
+    double sum = 0.0;
+    for (double place = 1.0 / 3.0; number != 0; number /= 3, place /= 3.0)
+        sum += place * (number % 3);
+    return sum;
+}
+
+vec3 stratum(std::uint32_t index, std::uint32_t count, std::uint32_t seed) {
+    // Fractions of multiples of powers of one number: successive seeds give well-spread shifts.
+    const double shift = 0.5 / count;
+    const dvec3 point(index / static_cast<double>(count), reverse_bits(index) * 0x1p-32, radical_inverse_of_3(index));
+    const dvec3 turn(0.7548776662466927, 0.5698402909980532, 0.4301597090019467);
+    return glm::min(vec3(glm::fract(point + shift + static_cast<double>(seed) * turn)), vec3(0x1.fffffep-1f));
 }
 
 /// Stratum `index` of `count` of a light. A stratum of a lamp stands for a patch of its surface: near it the light of a
@@ -106,7 +106,7 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
     }
     ScatteringLight& scattering = lights.emplace_back(ScatteringLight{world.name(), {}});
     for (std::uint32_t sample = 0; sample < config.world_samples; ++sample) {
-        const World::DirectionSample direction = world.sample(stratum(sample, config.world_samples, config.seed));
+        const World::DirectionSample direction = world.sample(vec2(stratum(sample, config.world_samples, config.seed)));
         if (!(direction.pdf_per_sr > 0.0f) || direction.radiance == Rgb(0.0f))
             continue;
         scattering.samples.push_back(

@@ -11,6 +11,10 @@ struct ScatteringLight {
     std::vector<LightSample> samples;
 };
 
+/// Point `index` of `count` that fill the unit cube evenly: the Hammersley set, shifted by the seed. The first two numbers
+/// are strata at any power of two.
+[[nodiscard]] vec3 stratum(std::uint32_t index, std::uint32_t count, std::uint32_t seed);
+
 /// Lights that can scatter in some medium, in the scene's order, the world last. Reports what is left out and why.
 [[nodiscard]] std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Media& media,
                                                                   const Config& config, Statistics& statistics);

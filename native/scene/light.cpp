@@ -80,21 +80,20 @@ static LightSample sample_sun(const Light& light, LightSample sample, vec2 u) {
     return sample;
 }
 
-LightSample sample_light(const Light& light, std::uint32_t light_index, vec2 u) {
+LightSample sample_light(const Light& light, std::uint32_t light_index, const vec3& u) {
     LightSample sample = centre_sample(light, light_index);
     if (light.kind == LightKind::Sun)
-        return light.half_angle_rad > 0.0f ? sample_sun(light, sample, u) : sample;
+        return light.half_angle_rad > 0.0f ? sample_sun(light, sample, vec2(u)) : sample;
     if (light.radius_m <= 0.0f)
         return sample;
     if (light.body == LightBody::Sphere) {
-        sample.emission_normal = sample_uniform_sphere(u);
+        sample.emission_normal = sample_uniform_sphere(vec2(u));
         sample.position += light.radius_m * sample.emission_normal;
         sample.strength *= 4.0f; // the mean of max(0, cos) over the sphere is 1/4
         return sample;
     }
-    const vec2 disc = sample_concentric_disc(u);
-    // A third number from the digits that the strata of the other two leave free.
-    const float angle = 2.0f * std::numbers::pi_v<float> * glm::fract(1021.0f * u.x);
+    const vec2 disc = sample_concentric_disc(vec2(u));
+    const float angle = 2.0f * std::numbers::pi_v<float> * u.z;
     const float depth = std::sqrt(std::max(0.0f, 1.0f - glm::dot(disc, disc))) * std::cos(angle);
     sample.falloff_offset = -light.radius_m * from_frame(light.spot_axis, vec3(disc, depth));
     sample.position -= sample.falloff_offset;
@@ -107,7 +106,7 @@ LightSample sample_light_towards(const Light& light, std::uint32_t light_index, 
     const vec3 way = receiver - light.position;
     const float distance_m = glm::length(way);
     if (light.kind == LightKind::Sun || light.radius_m <= 0.0f || !(distance_m > 0.0f))
-        return sample_light(light, light_index, u);
+        return sample_light(light, light_index, vec3(u, 0.0f));
     const vec3 axis = way / distance_m;
     const float radius_m = light.radius_m;
     if (light.body == LightBody::FacingDisc) {

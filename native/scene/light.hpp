@@ -61,8 +61,9 @@ struct LightSample {
 /// Irradiance per intensity, 1/m^2, that a local sample gives a point that faces it: the inverse square of its distance
 /// to position + falloff_offset, softened.
 [[nodiscard]] float irradiance_per_intensity(const LightSample& sample, const vec3& point);
-/// The stratum of `light` at `u` in [0, 1)^2; its strength is that of the whole light. A light of size 0 ignores u.
-[[nodiscard]] LightSample sample_light(const Light& light, std::uint32_t light_index, vec2 u);
+/// The stratum of `light` at `u` in [0, 1)^3; its strength is that of the whole light. A light of size 0 ignores u; the
+/// third number is the depth of a stratum of a facing disc: strata that tie it to the others lean to one side.
+[[nodiscard]] LightSample sample_light(const Light& light, std::uint32_t light_index, const vec3& u);
 /// The same for one receiver: exact at any distance, and without strata that face away. Outside a sphere only; a
 /// receiver inside it gets a sample of the centre.
 [[nodiscard]] LightSample sample_light_towards(const Light& light, std::uint32_t light_index, vec2 u,

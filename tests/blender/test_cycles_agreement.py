@@ -39,6 +39,8 @@ PICTURES = Path(__file__).parents[2] / "out" / "cycles_agreement"
 #: Ours per pixel, on surfaces: under a light with a size they are sampled, as in Cycles.
 SURFACE_SAMPLES = {"point 0.2 m": 128, "spot 0.1 m": 128, "sun 2 degrees": 128, "sun 20 degrees": 256, "many": 64}
 SURFACE_SAMPLES |= {"world": 512, "world image": 512}
+#: Light from everywhere takes many directions: a quarter of the pixels, and four times as many directions.
+SMALL = {"world", "world image"}
 #: A verdict that leaves out more pixels than this says little.
 MOST_LEFT_OUT = 0.2
 
@@ -89,14 +91,18 @@ FEW_CYCLES_SAMPLES = 64
 
 
 def check(arrangement: Arrangement, methods: tuple[str, ...], cycles_samples: int = CYCLES_SAMPLES) -> None:
-    scene = build(arrangement)
+    is_small = arrangement.light in SMALL
+    scene = build(arrangement, *((48, 27) if is_small else (96, 54)))
+    world_samples = 2048 if is_small else 512
+    if is_small:
+        cycles_samples *= 4
     cycles = cycles_pixels(scene, cycles_samples, seed=1), cycles_pixels(scene, cycles_samples, seed=2)
     on_edges = pixels_on_edges(scene)
     surface_samples = SURFACE_SAMPLES.get(arrangement.light, 1)
-    firsts = tyndall_pixels(scene, methods, surface_samples=surface_samples)
+    firsts = tyndall_pixels(scene, methods, surface_samples=surface_samples, world_samples=world_samples)
     seconds = firsts  # a light without a size is not sampled
     if arrangement.light in SURFACE_SAMPLES:
-        seconds = tyndall_pixels(scene, methods, surface_samples=surface_samples, seed=1)
+        seconds = tyndall_pixels(scene, methods, surface_samples=surface_samples, world_samples=world_samples, seed=1)
     failures = []
     for method, first, second in zip(methods, firsts, seconds, strict=True):
         verdict = agreement((first, second), cycles, on_edges, cycles_samples)

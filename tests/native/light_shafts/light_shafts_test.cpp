@@ -55,7 +55,7 @@ Rgb march(const Scene& scene, const ViewRay& ray, int steps, bool attenuates_lig
         const Rgb to_camera =
             media.transmittance({.origin = ray.origin, .direction = ray.direction, .near_m = ray.near_m, .far_m = t});
         for (std::uint32_t index = 0; index < scene.lights().size(); ++index) {
-            const LightSample light = sample_light(scene.lights()[index], index, vec2(0.5f));
+            const LightSample light = sample_light(scene.lights()[index], index, vec3(0.5f));
             Ray to_light{.origin = point, .direction = light.towards_light};
             Rgb irradiance = light.strength;
             if (!light.is_directional) {

@@ -12,12 +12,14 @@ using namespace tyndall;
 constexpr double pi = std::numbers::pi;
 constexpr std::uint32_t stratum_count = 1 << 14;
 
+static vec3 cube_point(std::uint32_t index) { return {sobol_point(index, 1), sobol_point(index, 2).x}; }
+
 /// Irradiance at a point with a unit normal, of all strata of `light`, unoccluded.
 template <typename Strata>
 static dvec3 irradiance(const Strata& strata, const vec3& point, const vec3& normal) {
     dvec3 sum(0.0);
     for (std::uint32_t index = 0; index < stratum_count; ++index) {
-        const LightSample sample = strata(sobol_point(index, 1));
+        const LightSample sample = strata(cube_point(index));
         if (sample.is_directional) {
             sum += dvec3(sample.strength) * std::max(0.0, double{glm::dot(sample.towards_light, normal)});
             continue;
@@ -32,7 +34,7 @@ static dvec3 irradiance(const Strata& strata, const vec3& point, const vec3& nor
 static double fluence(const Light& light, const vec3& point) {
     double sum = 0.0;
     for (std::uint32_t index = 0; index < stratum_count; ++index) {
-        const LightSample sample = sample_light(light, 0, sobol_point(index, 1));
+        const LightSample sample = sample_light(light, 0, cube_point(index));
         const vec3 from_light = glm::normalize(point - sample.position);
         sum += intensity_w_per_sr(sample, from_light).x * irradiance_per_intensity(sample, point);
     }
@@ -56,7 +58,8 @@ TEST_CASE("a sun gives a plane that faces it its strength, whatever its angle") 
                         .strength = {1, 2, 3},
                         .towards_light = {0.6f, 0, 0.8f},
                         .half_angle_rad = glm::radians(degrees)};
-        const dvec3 facing = irradiance([&](vec2 u) { return sample_light(sun, 0, u); }, {0, 0, 0}, sun.towards_light);
+        const dvec3 facing =
+            irradiance([&](const vec3& u) { return sample_light(sun, 0, u); }, {0, 0, 0}, sun.towards_light);
         CHECK(glm::length(facing / dvec3(1, 2, 3) - 1.0) < 1e-4);
     }
 }
@@ -66,8 +69,8 @@ TEST_CASE("a sun of Blender 3 is a flat disc, of which Cycles 3 gives a plane 2 
                         .strength = Rgb(of_cycles),
                         .half_angle_rad = glm::radians(degrees),
                         .body = LightBody::FacingDisc};
-        const auto strata = [&](vec2 u) { return sample_light(sun, 0, u); };
-        CHECK(std::abs(strata({0.9f, 0.2f}).strength.x - 1.0f) < 1e-4f);
+        const auto strata = [&](const vec3& u) { return sample_light(sun, 0, u); };
+        CHECK(std::abs(strata({0.9f, 0.2f, 0.5f}).strength.x - 1.0f) < 1e-4f);
         CHECK(std::abs(irradiance(strata, vec3(0.0f), {0, 0, 1}).x - of_cycles) < 1e-4);
     }
 }
@@ -78,7 +81,7 @@ TEST_CASE("the strata of a sphere have the light's intensity on average, in ever
         const vec3 from_light = glm::normalize(vec3(p.x - 0.5f, p.y - 0.5f, p.x * p.y - 0.2f));
         double sum = 0.0;
         for (std::uint32_t index = 0; index < stratum_count; ++index)
-            sum += intensity_w_per_sr(sample_light(light, 0, sobol_point(index, 1)), from_light).x;
+            sum += intensity_w_per_sr(sample_light(light, 0, cube_point(index)), from_light).x;
         CHECK(std::abs(sum / stratum_count / light.strength.x - 1.0) < 1e-3);
     }
 }
@@ -88,9 +91,9 @@ TEST_CASE("outside a sphere its irradiance follows the inverse square exactly, a
         CAPTURE(distance_m);
         const vec3 point(0, 0, 2 - distance_m);
         const double exact = light.strength.x / (distance_m * distance_m);
-        const auto still = irradiance([&](vec2 u) { return sample_light(light, 0, u); }, point, {0, 0, 1});
+        const auto still = irradiance([&](const vec3& u) { return sample_light(light, 0, u); }, point, {0, 0, 1});
         const auto turned =
-            irradiance([&](vec2 u) { return sample_light_towards(light, 0, u, point); }, point, {0, 0, 1});
+            irradiance([&](const vec3& u) { return sample_light_towards(light, 0, vec2(u), point); }, point, {0, 0, 1});
         CHECK(std::abs(still.x / exact - 1.0) < 3e-3);
         CHECK(std::abs(turned.x / exact - 1.0) < 1e-3);
     }
@@ -108,8 +111,8 @@ TEST_CASE("the fluence of a facing disc is that of its solid angle, at any dista
 }
 TEST_CASE("a plane sees a facing disc as I / (d^2 + r^2), as Cycles renders it") {
     const Light light = lamp(LightKind::Point, LightBody::FacingDisc, 1.0f);
-    const auto facing =
-        irradiance([&](vec2 u) { return sample_light_towards(light, 0, u, vec3(0.0f)); }, vec3(0.0f), {0, 0, 1});
+    const auto facing = irradiance([&](const vec3& u) { return sample_light_towards(light, 0, vec2(u), vec3(0.0f)); },
+                                   vec3(0.0f), {0, 0, 1});
     CHECK(std::abs(facing.x / (light.strength.x / 5.0) - 1.0) < 1e-3);
 }
 TEST_CASE("a spot fades as in the Blender that runs, also under a scale that is not uniform") {
@@ -137,14 +140,14 @@ TEST_CASE("a spot fades as in the Blender that runs, also under a scale that is 
         light.light_from_world_directions = mat3(glm::scale(mat4(1.0f), 1.0f / c.scale));
         for (std::size_t index = 0; index < c.of_cycles.size(); ++index) {
             const vec3 point(0.4f * static_cast<float>(index + 1), 0, 0);
-            const auto plane = irradiance([&](vec2 u) { return sample_light(light, 0, u); }, point, {0, 0, 1});
+            const auto plane = irradiance([&](const vec3& u) { return sample_light(light, 0, u); }, point, {0, 0, 1});
             CHECK(std::abs(plane.x - c.of_cycles[index]) <= 1e-3 * c.of_cycles[index]);
         }
     }
 }
 TEST_CASE("a light without a size is one stratum, the same for every u") {
     const Light light = lamp(LightKind::Spot, LightBody::FacingDisc, 0.0f);
-    const LightSample sample = sample_light(light, 3, {0.9f, 0.1f});
+    const LightSample sample = sample_light(light, 3, {0.9f, 0.1f, 0.3f});
     CHECK(sample.position == light.position);
     CHECK(sample.light_index == 3);
     CHECK(sample.spot == &light);
