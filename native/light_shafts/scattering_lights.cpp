@@ -30,7 +30,7 @@ static LightSample stratum_of(const Light& light, std::uint32_t light_index, std
     if (count == 1) {
         Light without_size = light;
         without_size.radius_m = without_size.half_angle_rad = 0.0f;
-        LightSample centre = sample_light(without_size, light_index, vec2(0.5f));
+        LightSample centre = sample_light(without_size, light_index, vec3(0.5f));
         centre.spot = light.kind == LightKind::Spot ? &light : nullptr;
         return centre;
     }
