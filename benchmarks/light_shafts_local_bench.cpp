@@ -59,7 +59,7 @@ Light light_of(const std::string& name) {
 void local(benchmark::State& state, const std::string& name, bool is_grey, bool is_striped, SimdTarget target) {
     const Hall& in = hall(is_grey);
     const Light light = light_of(name);
-    const LightSample sample = sample_light(light, 0, vec2(0.3f, 0.7f));
+    const LightSample sample = sample_light(light, 0, vec3(0.3f, 0.7f, 0.4f));
     const light_shafts::LocalScatter scatter(*in.media, sample, true);
     const ForcedSimdTarget forced(target);
     const Stripes stripes(0.0f, is_striped ? 0.3f : 1e3f, is_striped ? 1.0f : 1e3f);

@@ -105,7 +105,8 @@ TEST_CASE("batches of pieces agree with panels of the angle: media, cones, softn
         for (const Light& light : lights_at(position, random)) {
             CAPTURE(light.name);
             CAPTURE(light.spot_blend);
-            const LightSample sample = sample_light(light, 0, vec2(random.uniform(), random.uniform()));
+            const LightSample sample =
+                sample_light(light, 0, vec3(random.uniform(), random.uniform(), random.uniform()));
             MediaRays rays{media, {}, {0}, {}};
             add_random_rays(rays, sample.position, 8, random);
             const std::vector<Rgb> radiance = rays.ask(sample);
@@ -118,7 +119,7 @@ TEST_CASE("batches of pieces agree with panels of the angle: media, cones, softn
 }
 TEST_CASE("a ray's bits do not depend on the rays beside it") {
     const Light spot = narrow_spot();
-    const LightSample light = sample_light(spot, 0, vec2(0.5f));
+    const LightSample light = sample_light(spot, 0, vec3(0.5f));
     const Nest nest(light.position);
     const std::vector<Rgb> together = nest.rays.ask(light);
     for (std::size_t ray = 0; ray < together.size(); ++ray) {
@@ -132,7 +133,7 @@ TEST_CASE("what is lit and what is dark add up to the whole, on every instructio
     lamp.radius_m = 0.2f;
     const Stripes lit(0.0f, 0.3f, 0.5f), dark(0.3f, 0.5f, 0.5f);
     for (const Light& light : {lamp, narrow_spot()}) {
-        const LightSample sample = sample_light(light, 0, vec2(0.3f, 0.6f));
+        const LightSample sample = sample_light(light, 0, vec3(0.3f, 0.6f, 0.9f));
         const Nest nest(sample.position);
         const std::vector<Rgb> reference = nest.rays.ask(sample);
         for (const SimdTarget target : available_simd_targets()) {
@@ -149,7 +150,7 @@ TEST_CASE("what is lit and what is dark add up to the whole, on every instructio
 TEST_CASE(
     "only what the cone holds is asked for shadows, unless the lit length is wanted, which counts all of the ray") {
     const Light spot = narrow_spot();
-    const LightSample light = sample_light(spot, 0, vec2(0.5f));
+    const LightSample light = sample_light(spot, 0, vec3(0.5f));
     const Nest nest(light.position);
     const LocalRays local = nest.rays.columns();
     const LocalScatter scatter(nest.media, light, true);
