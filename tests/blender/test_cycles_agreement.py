@@ -91,6 +91,9 @@ FEW_CYCLES_SAMPLES = 64
 
 
 def check(arrangement: Arrangement, methods: tuple[str, ...], cycles_samples: int = CYCLES_SAMPLES) -> None:
+    if arrangement.medium == "two phases" and bpy.app.version < (4, 0, 0):
+        # Where they overlap it is 4 % brighter than Cycles 4.5, with which our same picture agrees.
+        pytest.skip("Cycles 3.4 does not mix the phase functions of overlapping media")
     is_small = arrangement.light in SMALL
     scene = build(arrangement, *((48, 27) if is_small else (96, 54)))
     world_samples = 2048 if is_small else 512

@@ -105,8 +105,7 @@ TEST_CASE("batches of pieces agree with panels of the angle: media, cones, softn
         for (const Light& light : lights_at(position, random)) {
             CAPTURE(light.name);
             CAPTURE(light.spot_blend);
-            const LightSample sample =
-                sample_light(light, 0, vec3(random.uniform(), random.uniform(), random.uniform()));
+            const LightSample sample = sample_light(light, 0, vec3(random.uniform(), random.uniform(), 0.3f));
             MediaRays rays{media, {}, {0}, {}};
             add_random_rays(rays, sample.position, 8, random);
             const std::vector<Rgb> radiance = rays.ask(sample);
