@@ -2,7 +2,7 @@
 // Slope rows at full HD under a sun: what each step costs, and what error the whole has against brute-force marching.
 //   layout   slices and lines that the view rays need        query_grey   grey, unattenuated, rays sorted by slice
 //   raster   triangles to rows (EPIPOLAR)                     query_full   RGB, attenuated, three pieces per ray, HG
-//   map, rectify   depth map to rows (SHADOW_MAP)             sun_moved    everything anew, rays in the picture's order
+//   map, rectify   depth map to rows (SHADOW_MAP)             sun_moved    everything anew, the rays' order, too
 // Arguments: the scene (0: S, Sponza-LowPoly; 1: F, the forest) and the lines of a row. Counters: relative RMSE and
 // bias of the scattered light in percent over 1500 random rays; light/dark transitions per ray; slices.
 #include "light_shafts/row_query_scatter.hpp"
@@ -10,6 +10,7 @@
 #include "support/machine.hpp"
 #include "support/shaft_scenes.hpp"
 #include <algorithm>
+#include <array>
 #include <map>
 
 namespace tyndall::bench {
@@ -52,6 +53,18 @@ Prepared* prepared(benchmark::State& state) {
     return &made;
 }
 
+/// Piece `index` of `count` equal ones; coloured if they are several.
+ScatterPiece make_piece(const ShaftScene& scene, const ViewRay& ray, int index, int count) {
+    const Rgb sigma = scene.sigma_t_per_m * (count > 1 ? Rgb(0.8f, 1.0f, 1.2f) : Rgb(1.0f));
+    ScatterPiece piece{};
+    piece.near_m = ray.far_m * static_cast<float>(index) / static_cast<float>(count);
+    piece.far_m = ray.far_m * static_cast<float>(index + 1) / static_cast<float>(count);
+    piece.source_per_m = Rgb(scene.sigma_t_per_m);
+    piece.depth_per_m = sigma;
+    piece.depth_at_near = sigma * piece.near_m;
+    return piece;
+}
+
 /// One grey piece per ray, or three coloured ones, as a fog box and its light-side crossings make them.
 std::vector<PieceRows> make_pieces(const ShaftScene& scene, std::span<const ViewRay> rays, bool is_full) {
     std::vector<PieceRows> blocks;
@@ -59,16 +72,8 @@ std::vector<PieceRows> make_pieces(const ShaftScene& scene, std::span<const View
         PieceRows& block = blocks.emplace_back();
         for (const ViewRay& ray : rays.subspan(start, std::min(rays_per_block, rays.size() - start))) {
             const int count = is_full ? 3 : 1;
-            for (int p = 0; p < count; ++p) {
-                ScatterPiece piece{};
-                piece.near_m = ray.far_m * static_cast<float>(p) / static_cast<float>(count);
-                piece.far_m = ray.far_m * static_cast<float>(p + 1) / static_cast<float>(count);
-                piece.source_per_m = Rgb(scene.sigma_t_per_m);
-                const Rgb sigma = scene.sigma_t_per_m * (is_full ? Rgb(0.8f, 1.0f, 1.2f) : Rgb(1.0f));
-                piece.depth_per_m = sigma;
-                piece.depth_at_near = sigma * piece.near_m;
-                block.pieces.push_back(piece);
-            }
+            for (int p = 0; p < count; ++p)
+                block.pieces.push_back(make_piece(scene, ray, p, count));
             block.end_ray();
         }
     }
@@ -91,6 +96,34 @@ void query(const slope_rows::Rows& rows, std::span<const ViewRay> rays, const st
         row_query::add_scattered(rows, rays.subspan(begin, end - begin), pieces[begin / rays_per_block],
                                  std::span(answer.radiance).subspan(begin, end - begin),
                                  std::span(answer.lit_length_m).subspan(begin, end - begin), unanswered);
+    });
+}
+
+/// The same for rays in the picture's order, one grey piece each, as light_shafts.cpp asks.
+void query_by_slice(const slope_rows::Rows& rows, const ShaftScene& scene, std::span<Rgb> radiance) {
+    const std::span<const ViewRay> rays = scene.rays;
+    Progress progress;
+    const std::vector<std::uint32_t> order = row_query::by_slice(rows.layout, rays, progress);
+    constexpr std::size_t rays_per_call = 256;
+    parallel_blocks(rays.size(), rays_per_call, progress, [&](std::size_t begin, std::size_t end) {
+        thread_local row_query::Unanswered unanswered;
+        std::array<ViewRay, rays_per_call> some;
+        std::array<Rgb, rays_per_call> of_some;
+        std::array<float, rays_per_call> lit_length_m;
+        thread_local PieceRows some_pieces;
+        some_pieces.clear();
+        of_some.fill(Rgb(0.0f));
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t ray = order[i];
+            some[i - begin] = rays[ray];
+            some_pieces.pieces.push_back(make_piece(scene, rays[ray], 0, 1));
+            some_pieces.end_ray();
+        }
+        const std::size_t count = end - begin;
+        row_query::add_scattered(rows, std::span(some).first(count), some_pieces, std::span(of_some).first(count),
+                                 std::span(lit_length_m).first(count), unanswered);
+        for (std::size_t i = begin; i < end; ++i)
+            radiance[order[i]] = of_some[i - begin];
     });
 }
 
@@ -168,8 +201,7 @@ static void sun_moved(benchmark::State& state, bool by_map) {
     if (made == nullptr)
         return;
     const ShaftScene& scene = *made->scene;
-    const std::vector<PieceRows> pieces = make_pieces(scene, scene.rays, false);
-    Answer answer;
+    std::vector<Rgb> radiance(scene.rays.size());
     for (auto _ : state) {
         slope_rows::Rows rows(slope_rows::make_layout(*slope_rows::make_frame(scene.view, scene.sun), scene.rays,
                                                       layout_config(static_cast<std::uint32_t>(state.range(1))),
@@ -180,9 +212,9 @@ static void sun_moved(benchmark::State& state, bool by_map) {
                     rows, progress);
         else
             slope_rows::raster(rows, scene.occluders, progress);
-        query(rows, scene.rays, pieces, answer);
+        query_by_slice(rows, scene, radiance);
     }
-    report_error(state, scene, answer.radiance);
+    report_error(state, scene, radiance);
 }
 static void sun_moved_epipolar(benchmark::State& state) { sun_moved(state, false); }
 static void sun_moved_shadow_map(benchmark::State& state) { sun_moved(state, true); }

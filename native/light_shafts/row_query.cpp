@@ -62,12 +62,12 @@ struct Crossing {
     [[nodiscard]] float at(float x) const { return (numerator - x * numerator_x) / (x * denominator_x - denominator); }
 };
 
-static void answer(const Rows& rows, const PlacedRays& placed, std::size_t i, const ViewRay& ray, std::uint32_t index,
-                   LitRows& lit, row_query::Uncovered& uncovered) {
+static void answer(const Rows& rows, const PlacedRays& placed, const RowHits& hits, std::size_t i, const ViewRay& ray,
+                   std::uint32_t index, LitRows& lit, row_query::Uncovered& uncovered) {
     const Layout& layout = rows.layout;
     const Frame& frame = layout.frame;
-    RowHit hit;
-    const Cover cover = find_row(layout, placed, i, hit);
+    const auto cover = static_cast<Cover>(hits.cover[i]);
+    const RowHit hit = hits.hit(i);
     if (cover != Cover::Rows) {
         (cover == Cover::NearEpipole ? uncovered.near_epipole : uncovered.outside).push_back(index);
         return;
@@ -94,13 +94,23 @@ static void answer(const Rows& rows, const PlacedRays& placed, std::size_t i, co
 
 void lit_intervals_of(const Rows& rows, const ViewRay* rays, std::size_t count, LitRows& lit,
                       row_query::Uncovered& uncovered) {
+    if (rows.layout.rows.empty()) {
+        for (std::uint32_t i = 0; i < count; ++i) {
+            if (rays[i].near_m < rays[i].far_m)
+                uncovered.outside.push_back(i);
+            lit.end_ray();
+        }
+        return;
+    }
     PlacedRays placed;
+    RowHits hits;
     for (std::size_t start = 0; start < count; start += PlacedRays::capacity) {
         const std::size_t block = std::min(PlacedRays::capacity, count - start);
         place_rays(rows.layout.frame, {rays + start, block}, placed);
+        find_rows(rows.layout, placed, block, hits);
         for (std::size_t i = 0; i < block; ++i) {
             if (rays[start + i].near_m < rays[start + i].far_m)
-                answer(rows, placed, i, rays[start + i], static_cast<std::uint32_t>(start + i), lit, uncovered);
+                answer(rows, placed, hits, i, rays[start + i], static_cast<std::uint32_t>(start + i), lit, uncovered);
             lit.end_ray();
         }
     }
@@ -120,22 +130,38 @@ void lit_intervals(const slope_rows::Rows& rows, std::span<const ViewRay> rays, 
 }
 std::vector<std::uint32_t> by_slice(const slope_rows::Layout& layout, std::span<const ViewRay> rays,
                                     const Progress& progress) {
-    const std::int32_t last_slice = layout.slice_count() - 1;
+    if (layout.rows.empty())
+        return {};
+    const auto last_slice = static_cast<std::int32_t>(layout.rows.size()) - 1;
+    // Counts per block and slice: a block knows where its rays of a slice go, and all blocks are dealt out at once.
+    constexpr std::size_t rays_per_block = std::size_t{1} << 15;
+    std::vector<std::vector<std::uint32_t>> next((rays.size() + rays_per_block - 1) / rays_per_block);
     std::vector<std::uint32_t> slice_of(rays.size()), order(rays.size());
-    parallel_blocks(rays.size(), slope_rows::PlacedRays::capacity, progress, [&](std::size_t begin, std::size_t end) {
+    parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
+        std::vector<std::uint32_t>& counts = next[begin / rays_per_block];
+        counts.assign(layout.rows.size(), 0);
         slope_rows::PlacedRays placed;
-        slope_rows::place_rays(layout.frame, rays.subspan(begin, end - begin), placed);
-        for (std::size_t i = begin; i < end; ++i)
-            slice_of[i] = static_cast<std::uint32_t>(
-                std::clamp(slope_rows::nearest_slice(layout, placed.slice_coordinate[i - begin]), 0, last_slice));
+        for (std::size_t start = begin; start < end; start += slope_rows::PlacedRays::capacity) {
+            const std::size_t count = std::min(slope_rows::PlacedRays::capacity, end - start);
+            slope_rows::place_rays(layout.frame, rays.subspan(start, count), placed);
+            for (std::size_t i = 0; i < count; ++i) {
+                const std::int32_t slice = slope_rows::nearest_slice(layout, placed.slice_coordinate[i]);
+                slice_of[start + i] = static_cast<std::uint32_t>(std::clamp(slice, 0, last_slice));
+                ++counts[slice_of[start + i]];
+            }
+        }
     });
-    std::vector<std::uint32_t> next(static_cast<std::size_t>(layout.slice_count()) + 1, 0);
-    for (const std::uint32_t slice : slice_of)
-        ++next[slice + 1];
-    for (std::size_t s = 1; s < next.size(); ++s)
-        next[s] += next[s - 1];
-    for (std::uint32_t ray = 0; ray < rays.size(); ++ray)
-        order[next[slice_of[ray]]++] = ray;
+    std::uint32_t total = 0;
+    for (std::size_t slice = 0; slice < layout.rows.size(); ++slice)
+        for (auto& counts : next) {
+            const std::uint32_t count = counts[slice];
+            counts[slice] = total;
+            total += count;
+        }
+    parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t ray = begin; ray < end; ++ray)
+            order[next[begin / rays_per_block][slice_of[ray]]++] = static_cast<std::uint32_t>(ray);
+    });
     return order;
 }
 void lit_runs(const slope_rows::RowView& row, float slope, std::int32_t first, std::int32_t last,

@@ -9,7 +9,7 @@
 #include "light_shafts/row_query.hpp"
 #include "light_shafts/slope_rows_kernels.hpp"
 #include <algorithm>
-#include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <hwy/highway.h>
 
@@ -40,34 +40,70 @@ HWY_INLINE std::uint32_t at_or_above(hn::Vec<LineTag> slope, const float* values
 /// The row that answers a ray, and the lines whose centres the ray crosses. Its ends belong to the nearest of them: a
 /// centre behind the surface where the ray ends would find that very surface and call it a shadow.
 struct RowHit {
-    std::int32_t slice = -1, first = 0, last = -1;
-    float near_index, far_index; ///< Of the ray's ends, in lines.
+    std::int32_t slice, first, last;
+    float near_index; ///< Of the ray's near end, in lines.
 };
-enum class Cover : std::uint8_t { Rows, NearEpipole, Outside };
+enum class Cover : std::int32_t { Rows, NearEpipole, Outside };
 
-HWY_INLINE Cover find_row(const Layout& layout, const PlacedRays& placed, std::size_t i, RowHit& hit) {
+/// Of placed rays, in columns.
+struct RowHits {
+    template <class Value>
+    using Column = std::array<Value, PlacedRays::capacity>;
+    alignas(64) Column<std::int32_t> slice, first, last, cover;
+    alignas(64) Column<float> near_index;
+    [[nodiscard]] RowHit hit(std::size_t i) const { return {slice[i], first[i], last[i], near_index[i]}; }
+};
+
+HWY_INLINE void find_rows(const Layout& layout, const PlacedRays& placed, std::size_t count, RowHits& hits) {
+    static constexpr hn::RebindToSigned<LineTag> whole_tag;
+    const auto d = lines_tag;
+    const auto di = whole_tag;
+    const auto set = [&](float value) { return hn::Set(d, value); };
     const Frame& frame = layout.frame;
-    if (!frame.is_parallel &&
-        (frame.is_orthographic ? placed.radial[i] : placed.radial_per_m[i]) < layout.smallest_radius)
-        return Cover::NearEpipole;
-    hit.slice = nearest_slice(layout, placed.slice_coordinate[i]);
-    if (hit.slice < 0 || hit.slice >= layout.slice_count())
-        return Cover::Outside;
-    const RowExtent& extent = layout.rows[static_cast<std::size_t>(hit.slice)];
-    const float per_step = 1.0f / layout.line_step;
-    hit.near_index = (placed.near_line[i] - layout.first_line) * per_step;
-    hit.far_index = (placed.far_line[i] - layout.first_line) * per_step;
-    if (!(hit.near_index > -2.0f && hit.far_index < 1e7f))
-        return Cover::Outside;
-    hit.first = static_cast<std::int32_t>(std::ceil(hit.near_index - 0.5f));
-    hit.last = static_cast<std::int32_t>(std::floor(hit.far_index - 0.5f));
-    if (hit.first > hit.last) // too short to cross a centre
-        hit.first = hit.last = static_cast<std::int32_t>(0.5f * (hit.near_index + hit.far_index));
-    hit.last = std::min(hit.last, layout.line_count - 1);
-    hit.first = std::min(hit.first, hit.last);
-    const bool is_inside =
-        hit.first >= extent.first && hit.last < extent.end && placed.slope[i] >= extent.smallest_slope;
-    return is_inside ? Cover::Rows : Cover::Outside;
+    const auto half = set(0.5f), turn = set(static_cast<float>(layout.slices_per_turn));
+    static_assert(sizeof(RowExtent) == 24);
+    const auto* extents = reinterpret_cast<const std::int32_t*>(layout.rows.data());
+    const auto& radius = frame.is_orthographic ? placed.radial : placed.radial_per_m;
+    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+        auto slice =
+            hn::Div(hn::Sub(hn::Load(d, &placed.slice_coordinate[i]), set(layout.first_slice)), set(layout.slice_step));
+        if (layout.slices_per_turn > 0) {
+            slice = hn::IfThenElse(hn::Lt(slice, set(-0.5f)), hn::Add(slice, turn), slice);
+            slice = hn::IfThenElse(hn::Ge(slice, hn::Sub(turn, half)), hn::Sub(slice, turn), slice);
+        }
+        slice = hn::Floor(hn::Add(slice, half));
+        const auto has_slice =
+            hn::And(hn::Ge(slice, hn::Zero(d)), hn::Lt(slice, set(static_cast<float>(layout.slice_count()))));
+        const auto row = hn::ConvertTo(di, hn::IfThenElseZero(has_slice, slice));
+        const auto at = hn::Mul(row, hn::Set(di, 6));
+        const auto from = hn::ConvertTo(d, hn::GatherIndex(di, extents + offsetof(RowExtent, first) / 4, at));
+        const auto to = hn::ConvertTo(d, hn::GatherIndex(di, extents + offsetof(RowExtent, end) / 4, at));
+        const auto smallest =
+            hn::GatherIndex(d, reinterpret_cast<const float*>(extents) + offsetof(RowExtent, smallest_slope) / 4, at);
+        const auto index_of = [&](const PlacedRays::Column& line) {
+            return hn::Mul(hn::Sub(hn::Load(d, &line[i]), set(layout.first_line)), set(1.0f / layout.line_step));
+        };
+        const auto near = index_of(placed.near_line), far = index_of(placed.far_line);
+        auto first = hn::Ceil(hn::Sub(near, half)), last = hn::Floor(hn::Sub(far, half));
+        const auto is_short = hn::Gt(first, last); // too short to cross a centre
+        const auto middle = hn::Floor(hn::Mul(half, hn::Add(near, far)));
+        first = hn::IfThenElse(is_short, middle, first);
+        last = hn::Min(hn::IfThenElse(is_short, middle, last), set(static_cast<float>(layout.line_count - 1)));
+        first = hn::Min(first, last);
+        const auto is_inside = hn::And(
+            hn::And(hn::And(hn::Gt(near, set(-2.0f)), hn::Lt(far, set(1e7f))), has_slice),
+            hn::And(hn::And(hn::Ge(first, from), hn::Lt(last, to)), hn::Ge(hn::Load(d, &placed.slope[i]), smallest)));
+        auto cover = hn::IfThenElse(hn::RebindMask(di, is_inside), hn::Set(di, static_cast<int>(Cover::Rows)),
+                                    hn::Set(di, static_cast<int>(Cover::Outside)));
+        if (!frame.is_parallel)
+            cover = hn::IfThenElse(hn::RebindMask(di, hn::Lt(hn::Load(d, &radius[i]), set(layout.smallest_radius))),
+                                   hn::Set(di, static_cast<int>(Cover::NearEpipole)), cover);
+        hn::Store(row, di, &hits.slice[i]);
+        hn::Store(cover, di, &hits.cover[i]);
+        hn::Store(hn::ConvertTo(di, hn::IfThenElseZero(is_inside, first)), di, &hits.first[i]);
+        hn::Store(hn::ConvertTo(di, hn::IfThenElseZero(is_inside, last)), di, &hits.last[i]);
+        hn::Store(near, d, &hits.near_index[i]);
+    }
 }
 } // namespace tyndall::light_shafts::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -7,32 +7,10 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "light_shafts/row_query_lane-inl.hpp"
+#include "light_shafts/row_query_pieces-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::light_shafts::HWY_NAMESPACE {
-using V = hn::Vec<LineTag>;
-static constexpr LineTag d;
-static constexpr hn::RebindToSigned<LineTag> di;
-static constexpr std::size_t lanes = hn::MaxLanes(d), parts = block_lines / lanes;
-
-/// exp(x), relative error 3e-7; 0 below -87, no more than exp(80).
-/// Based on: Cephes expf (Moshier).
-static HWY_INLINE V exp_of(V x) {
-    x = hn::Min(hn::Max(x, hn::Set(d, -87.0f)), hn::Set(d, 80.0f));
-    const V n = hn::Round(hn::Mul(x, hn::Set(d, 1.44269504f)));
-    V f = hn::NegMulAdd(n, hn::Set(d, 0.693359375f), x);
-    f = hn::MulAdd(n, hn::Set(d, 2.12194440e-4f), f);
-    V p = hn::MulAdd(hn::Set(d, 1.9875691500e-4f), f, hn::Set(d, 1.3981999507e-3f));
-    p = hn::MulAdd(p, f, hn::Set(d, 8.3334519073e-3f));
-    p = hn::MulAdd(p, f, hn::Set(d, 4.1665795894e-2f));
-    p = hn::MulAdd(p, f, hn::Set(d, 1.6666665459e-1f));
-    p = hn::MulAdd(p, f, hn::Set(d, 5.0000001201e-1f));
-    p = hn::Add(hn::MulAdd(p, hn::Mul(f, f), f), hn::Set(d, 1.0f));
-    const auto exponent = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, n), hn::Set(di, 127)));
-    return hn::Mul(p, hn::BitCast(d, exponent));
-}
-
 /// Lines [first, last] of a row, all of them whole, for one slope.
 struct Stretch {
     RowView row;
@@ -41,10 +19,21 @@ struct Stretch {
 };
 /// Of one channel: the series' terms are exp(-gain * line), counted from the first line of the first block.
 struct Series {
-    float gain;
+    Powers of_line;   ///< exp(-gain) ..
+    Powers of_block;  ///< exp(-gain * 16) ..
+    float of_group;   ///< exp(-gain * 256).
     float block_sum;  ///< Of a block's 16 terms.
     float last_block; ///< exp(-gain * 16 * blocks before the last one).
 };
+
+/// q^n for n = 0 .. 15, by the bits of n: cheaper than an exponential.
+static HWY_INLINE V powers_of(const Powers& q, std::size_t part) {
+    const auto n = hn::Add(hn::Iota(di, 0), hn::Set(di, static_cast<int>(part * lanes)));
+    const auto factor = [&](int bit, float power) {
+        return hn::IfThenElse(hn::RebindMask(d, hn::TestBit(n, hn::Set(di, bit))), hn::Set(d, power), hn::Set(d, 1.0f));
+    };
+    return hn::Mul(hn::Mul(factor(1, q.one), factor(2, q.two)), hn::Mul(factor(4, q.four), factor(8, q.eight)));
+}
 
 /// The lit lines of one block, without those outside [first, last].
 static HWY_INLINE hn::Mask<LineTag> lit_in_end(const Stretch& stretch, V slope, std::int32_t block, std::int32_t first,
@@ -56,181 +45,98 @@ static HWY_INLINE hn::Mask<LineTag> lit_in_end(const Stretch& stretch, V slope, 
     return hn::And(hn::Ge(slope, hn::LoadU(d, stretch.row.slopes + offset)), hn::RebindMask(d, belongs));
 }
 
-/// sums[c]: of the terms of the lit lines; returns their number. No branch depends on where the stretch begins and ends:
-/// a branch that is guessed wrong costs as much as four blocks.
+/// What has been summed up so far.
 template <int channels>
-HWY_INLINE std::int32_t sum_lit(const Stretch& stretch, const Series* series, float* sums) {
+struct Sums {
+    V of_terms[channels], count;
+    HWY_INLINE void add(int c, hn::Mask<LineTag> lit, V term, V weight) {
+        of_terms[c] = hn::MulAdd(hn::IfThenElseZero(lit, term), weight, of_terms[c]);
+    }
+    HWY_INLINE void add_count(hn::Mask<LineTag> lit, float lines) {
+        count = hn::IfThenElse(lit, hn::Add(count, hn::Set(d, lines)), count);
+    }
+};
+
+/// sums[c]: of the terms of the lit lines; returns their number. No branch depends on where the stretch begins and ends,
+/// and one on how many blocks are mixed: a branch that is guessed wrong costs as much as eight blocks.
+template <int channels>
+HWY_INLINE float sum_lit(const Stretch& stretch, const Series* series, float* result) {
     const RowView& row = stretch.row;
-    const V slope = hn::Set(d, stretch.slope);
+    const V slope = hn::Set(d, stretch.slope), one = hn::Set(d, 1.0f);
     const std::int32_t first_block = (stretch.first - row.first) / block_lines,
                        last_block = (stretch.last - row.first) / block_lines;
     const std::int32_t after_first = row.first + (first_block + 1) * block_lines;
-    V in_block[channels][parts], sum[channels];
-    std::int32_t count = 0;
+    V in_block[channels][parts];
+    Sums<channels> sums;
+    sums.count = hn::Zero(d);
     for (int c = 0; c < channels; ++c)
-        sum[c] = hn::Zero(d);
+        sums.of_terms[c] = hn::Zero(d);
     for (std::size_t part = 0; part < parts; ++part) {
-        const V line = hn::Iota(d, static_cast<float>(part * lanes));
         const auto at_first = lit_in_end(stretch, slope, first_block, stretch.first, part),
                    at_last = lit_in_end(stretch, slope, last_block, std::max(stretch.first, after_first), part);
-        count += static_cast<std::int32_t>(hn::CountTrue(d, at_first) + hn::CountTrue(d, at_last));
+        sums.add_count(at_first, 1.0f);
+        sums.add_count(at_last, 1.0f);
         for (int c = 0; c < channels; ++c) {
-            in_block[c][part] = exp_of(hn::Mul(hn::Set(d, -series[c].gain), line));
-            sum[c] = hn::Add(sum[c], hn::IfThenElseZero(at_first, in_block[c][part]));
-            sum[c] =
-                hn::MulAdd(hn::IfThenElseZero(at_last, in_block[c][part]), hn::Set(d, series[c].last_block), sum[c]);
+            in_block[c][part] = powers_of(series[c].of_line, part);
+            sums.add(c, at_first, in_block[c][part], one);
+            sums.add(c, at_last, in_block[c][part], hn::Set(d, series[c].last_block));
         }
     }
     const std::int32_t inner_count = last_block - first_block - 1;
     if (inner_count > 0) {
-        alignas(64) float of_block[channels][block_lines];
-        float per_group[channels];
-        for (int c = 0; c < channels; ++c) {
+        constexpr std::int32_t blocks_per_word = 64;
+        alignas(64) float weights[channels][blocks_per_word]; // of the first lines of blocks
+        V of_block[channels][parts];
+        for (int c = 0; c < channels; ++c)
             for (std::size_t part = 0; part < parts; ++part)
-                hn::Store(exp_of(hn::Mul(hn::Set(d, -16.0f * series[c].gain),
-                                         hn::Iota(d, static_cast<float>(part * lanes + 1)))),
-                          d, &of_block[c][part * lanes]);
-            per_group[c] = of_block[c][15];
-        }
-        for (std::int32_t done = 0;; done += 16) {
-            const std::size_t group = static_cast<std::size_t>(first_block + 1 + done);
-            const std::uint32_t used = inner_count - done >= 16 ? 0xffffu : (1u << (inner_count - done)) - 1;
-            std::uint32_t mixed = 0;
-            for (std::size_t part = 0; part < parts; ++part) {
-                const std::uint64_t part_used = (used >> (part * lanes)) & ((1u << lanes) - 1);
-                const auto in_use = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&part_used));
-                const std::size_t at = group + part * lanes;
-                const auto all_lit = hn::And(in_use, hn::Ge(slope, hn::LoadU(d, row.highest + at)));
-                const auto some_lit = hn::And(in_use, hn::Ge(slope, hn::LoadU(d, row.lowest + at)));
-                mixed |= bits_of(hn::AndNot(all_lit, some_lit)) << (part * lanes);
-                count += block_lines * static_cast<std::int32_t>(hn::CountTrue(d, all_lit));
-                for (int c = 0; c < channels; ++c)
-                    sum[c] = hn::MulAdd(hn::IfThenElseZero(all_lit, hn::Load(d, &of_block[c][part * lanes])),
-                                        hn::Set(d, series[c].block_sum), sum[c]);
-            }
-            for (; mixed != 0; mixed &= mixed - 1) {
-                const auto block = static_cast<std::size_t>(__builtin_ctz(mixed));
+                of_block[c][part] = hn::Mul(powers_of(series[c].of_block, part), hn::Set(d, series[c].of_block.one));
+        for (std::int32_t word = 0; word < inner_count; word += blocks_per_word) {
+            const float* highest = row.highest + first_block + 1 + word;
+            const float* lowest = row.lowest + first_block + 1 + word;
+            const float* slopes = row.slopes + (first_block + 1 + word) * block_lines;
+            const std::int32_t word_count = std::min(inner_count - word, blocks_per_word);
+            std::uint64_t mixed = 0;
+            for (std::int32_t group = 0; group < word_count; group += block_lines)
                 for (std::size_t part = 0; part < parts; ++part) {
-                    const auto lit =
-                        hn::Ge(slope, hn::LoadU(d, row.slopes + (group + block) * block_lines + part * lanes));
-                    count += static_cast<std::int32_t>(hn::CountTrue(d, lit));
+                    const std::int32_t block = group + static_cast<std::int32_t>(part * lanes);
+                    const auto in_use = hn::RebindMask(
+                        d, hn::Lt(hn::Add(hn::Iota(di, 0), hn::Set(di, block)), hn::Set(di, word_count)));
+                    const auto all_lit = hn::And(in_use, hn::Ge(slope, hn::LoadU(d, highest + block)));
+                    const auto some_lit = hn::And(in_use, hn::Ge(slope, hn::LoadU(d, lowest + block)));
+                    mixed |= std::uint64_t{bits_of(hn::AndNot(all_lit, some_lit))} << block;
+                    sums.add_count(all_lit, float{block_lines});
+                    for (int c = 0; c < channels; ++c) {
+                        sums.add(c, all_lit, of_block[c][part], hn::Set(d, series[c].block_sum));
+                        hn::Store(of_block[c][part], d, &weights[c][block]);
+                        of_block[c][part] = hn::Mul(of_block[c][part], hn::Set(d, series[c].of_group));
+                    }
+                }
+            for (; mixed != 0; mixed &= mixed - 1) {
+                const auto block = static_cast<std::size_t>(__builtin_ctzll(mixed));
+                for (std::size_t part = 0; part < parts; ++part) {
+                    const auto lit = hn::Ge(slope, hn::LoadU(d, slopes + block * block_lines + part * lanes));
+                    sums.add_count(lit, 1.0f);
                     for (int c = 0; c < channels; ++c)
-                        sum[c] = hn::MulAdd(hn::IfThenElseZero(lit, in_block[c][part]), hn::Set(d, of_block[c][block]),
-                                            sum[c]);
+                        sums.add(c, lit, in_block[c][part], hn::Set(d, weights[c][block]));
                 }
             }
-            if (inner_count - done <= 16)
-                break;
-            for (int c = 0; c < channels; ++c)
-                for (std::size_t part = 0; part < parts; ++part)
-                    hn::Store(hn::Mul(hn::Load(d, &of_block[c][part * lanes]), hn::Set(d, per_group[c])), d,
-                              &of_block[c][part * lanes]);
         }
     }
     for (int c = 0; c < channels; ++c)
-        sums[c] = hn::GetLane(hn::SumOfLanes(d, sum[c]));
-    return count;
+        result[c] = hn::GetLane(hn::SumOfLanes(d, sums.of_terms[c]));
+    return hn::GetLane(hn::SumOfLanes(d, sums.count));
 }
 
-/// sinh(x) / x, the mean of an exponential over a stretch around its middle; 1e-6 up to 1.5.
-static HWY_INLINE V mean_around_middle(V x) {
-    const V z = hn::Mul(x, x);
-    V p = hn::MulAdd(z, hn::Set(d, 1.0f / 362880), hn::Set(d, 1.0f / 5040));
-    p = hn::MulAdd(p, z, hn::Set(d, 1.0f / 120));
-    p = hn::MulAdd(p, z, hn::Set(d, 1.0f / 6));
-    return hn::MulAdd(p, z, hn::Set(d, 1.0f));
-}
-
-/// Pieces of some rays in columns, so that all but the sum over lines runs on whole vectors of pieces.
-struct PieceBatch {
-    static constexpr std::size_t capacity = 256;
-    template <class Value>
-    using Column = std::array<Value, capacity>;
-
-    // In: the ray in its row, and the piece.
-    alignas(64) Column<float> near_index, ray_near_m, m_per_line, first_line, last_line, row_start;
-    alignas(64) Column<float> piece_near_m, begin_m, end_m; // the piece's own near, and its part within the ray
-    alignas(64) std::array<Column<float>, 3> source_per_m, depth_at_near, depth_per_m;
-    Column<std::uint32_t> ray;
-    Column<std::int32_t> slice;
-    Column<float> slope;
-    std::size_t count = 0;
-
-    // Out: whole lines [first, end), the lines that what is left over at both ends belongs to, and what each sends.
-    alignas(64) Column<std::int32_t> whole_first, whole_end, line_before, line_after;
-    alignas(64) std::array<Column<float>, 3> gain, block_sum, last_block, per_line, at_begin, at_end;
-    alignas(64) Column<float> begin_length_m, end_length_m, is_steep, is_grey;
-
-    void evaluate();
-};
-
-void PieceBatch::evaluate() {
-    const V one = hn::Set(d, 1.0f), half = hn::Set(d, 0.5f);
-    for (std::size_t i = 0; i < count; i += lanes) {
-        const auto in = [&](const Column<float>& column) { return hn::Load(d, &column[i]); };
-        const V ray_near = in(ray_near_m), start = in(near_index), step = in(m_per_line), begin = in(begin_m),
-                end = in(end_m), first = in(first_line), past = hn::Add(in(last_line), one),
-                own_near = in(piece_near_m);
-        const V per_m = hn::Div(one, step);
-        const auto index_at = [&](V t) { return hn::MulAdd(hn::Sub(t, ray_near), per_m, start); };
-        const auto distance_at = [&](V index) { return hn::MulAdd(hn::Sub(index, start), step, ray_near); };
-        const auto clamped = [](V value, V low, V high) { return hn::Min(hn::Max(value, low), high); };
-        const V whole_begin = clamped(hn::Ceil(index_at(begin)), first, past);
-        const V whole_past = clamped(hn::Floor(index_at(end)), first, past);
-        const V left = clamped(distance_at(whole_begin), begin, end);
-        const V right = hn::Max(clamped(distance_at(whole_past), begin, end), left);
-        const V begin_length = hn::Sub(left, begin), end_length = hn::Sub(end, right);
-        const V in_row = hn::Sub(whole_begin, in(row_start));
-        const V block_line = hn::MulAdd(hn::Floor(hn::Mul(in_row, hn::Set(d, 1.0f / block_lines))),
-                                        hn::Set(d, float{block_lines}), in(row_start));
-        const V lines_before_last =
-            hn::Mul(hn::Floor(hn::Mul(hn::Sub(hn::Sub(whole_past, one), block_line), hn::Set(d, 1.0f / block_lines))),
-                    hn::Set(d, float{block_lines}));
-        const V block_middle = hn::MulAdd(half, step, distance_at(block_line));
-        const V begin_middle = hn::MulAdd(half, begin_length, begin), end_middle = hn::NegMulAdd(half, end_length, end);
-        hn::Store(begin_length, d, &begin_length_m[i]);
-        hn::Store(end_length, d, &end_length_m[i]);
-        hn::Store(hn::ConvertTo(di, whole_begin), di, &whole_first[i]);
-        hn::Store(hn::ConvertTo(di, whole_past), di, &whole_end[i]);
-        hn::Store(hn::ConvertTo(di, clamped(hn::Sub(whole_begin, one), first, in(last_line))), di, &line_before[i]);
-        hn::Store(hn::ConvertTo(di, clamped(whole_past, first, in(last_line))), di, &line_after[i]);
-        const auto same_as_red = [&](std::size_t c) {
-            return hn::And(hn::Eq(in(depth_per_m[c]), in(depth_per_m[0])),
-                           hn::Eq(in(depth_at_near[c]), in(depth_at_near[0])));
-        };
-        const auto is_same = hn::And(same_as_red(1), same_as_red(2));
-        hn::Store(hn::IfThenElseZero(is_same, one), d, &is_grey[i]);
-        const bool shares_red = hn::AllTrue(d, hn::And(is_same, hn::Gt(in(source_per_m[0]), hn::Set(d, 1e-30f))));
-        V steep = hn::Zero(d);
-        for (std::size_t c = 0; c < 3; ++c) {
-            const V source = in(source_per_m[c]), at_near = in(depth_at_near[c]), slope_c = in(depth_per_m[c]);
-            if (c > 0 && shares_red) { // as red, but for the source
-                const V ratio = hn::Div(source, in(source_per_m[0]));
-                for (auto* columns : {&per_line, &at_begin, &at_end})
-                    hn::Store(hn::Mul(in((*columns)[0]), ratio), d, &(*columns)[c][i]);
-                continue;
-            }
-            const V line_gain = hn::Mul(slope_c, step);
-            const auto mean_at = [&](V middle, V length) { // of the transmittance over a stretch, times its length
-                const V depth = hn::MulAdd(slope_c, hn::Sub(middle, own_near), at_near);
-                return hn::Mul(
-                    hn::Mul(source, length),
-                    hn::Mul(exp_of(hn::Neg(depth)), mean_around_middle(hn::Mul(half, hn::Mul(slope_c, length)))));
-            };
-            const V q = exp_of(hn::Neg(line_gain)), q2 = hn::Mul(q, q), q4 = hn::Mul(q2, q2), q8 = hn::Mul(q4, q4);
-            hn::Store(line_gain, d, &gain[c][i]);
-            hn::Store(hn::Mul(hn::Mul(hn::Add(one, q), hn::Add(one, q2)), hn::Mul(hn::Add(one, q4), hn::Add(one, q8))),
-                      d, &block_sum[c][i]);
-            hn::Store(exp_of(hn::Neg(hn::Mul(line_gain, lines_before_last))), d, &last_block[c][i]);
-            hn::Store(mean_at(block_middle, step), d, &per_line[c][i]);
-            hn::Store(mean_at(begin_middle, begin_length), d, &at_begin[c][i]);
-            hn::Store(mean_at(end_middle, end_length), d, &at_end[c][i]);
-            const auto overflows = hn::Or(hn::Gt(hn::Abs(line_gain), hn::Set(d, 2.0f)),
-                                          hn::Lt(hn::Mul(line_gain, hn::Sub(past, first)), hn::Set(d, -40.0f)));
-            steep = hn::IfThenElse(overflows, one, steep);
-        }
-        hn::Store(steep, d, &is_steep[i]);
+/// Whether any line of the blocks around [first, last] may be lit.
+static HWY_INLINE bool some_lit(const RowView& row, float slope, std::int32_t first, std::int32_t last) {
+    const std::int32_t first_block = (first - row.first) / block_lines, last_block = (last - row.first) / block_lines;
+    for (std::int32_t block = first_block; block <= last_block; block += static_cast<std::int32_t>(lanes)) {
+        const auto number = hn::Add(hn::Iota(di, 0), hn::Set(di, block));
+        const auto in_use = hn::RebindMask(d, hn::Lt(number, hn::Set(di, last_block + 1)));
+        if (!hn::AllFalse(d, hn::And(in_use, hn::Ge(hn::Set(d, slope), hn::LoadU(d, row.lowest + block)))))
+            return true;
     }
+    return false;
 }
 
 /// Pieces [begin, end) of a batch, all of one ray.
@@ -252,15 +158,16 @@ static void add_pieces(const Rows& rows, const PieceBatch& batch, std::size_t be
         const Stretch stretch{row, slope, batch.whole_first[i], batch.whole_end[i] - 1};
         Series series[3];
         for (std::size_t c = 0; c < 3; ++c)
-            series[c] = {batch.gain[c][i], batch.block_sum[c][i], batch.last_block[c][i]};
+            series[c] = {batch.powers(batch.of_line[c], i), batch.powers(batch.of_block[c], i), batch.of_group[c][i],
+                         batch.block_sum[c][i], batch.last_block[c][i]};
         float sums[3];
-        std::int32_t count;
+        float count;
         if (batch.is_grey[i] != 0.0f) {
             count = sum_lit<1>(stretch, series, sums);
             sums[1] = sums[2] = sums[0];
         } else
             count = sum_lit<3>(stretch, series, sums);
-        lit_length_m += static_cast<float>(count) * batch.m_per_line[i];
+        lit_length_m += count * batch.m_per_line[i];
         for (std::size_t c = 0; c < 3; ++c)
             radiance[static_cast<int>(c)] += batch.per_line[c][i] * sums[c];
     }
@@ -311,22 +218,33 @@ static void append(PieceBatch& batch, const RowHit& hit, const RowExtent& extent
 
 void add_scattered_of(const Rows& rows, std::span<const ViewRay> rays, const PieceRows& pieces, std::span<Rgb> radiance,
                       std::span<float> lit_length_m, row_query::Unanswered& unanswered) {
+    if (rows.layout.rows.empty()) {
+        for (std::uint32_t i = 0; i < rays.size(); ++i)
+            if (rays[i].near_m < rays[i].far_m && pieces.first[i] < pieces.first[i + 1])
+                unanswered.outside.push_back(i);
+        return;
+    }
     PlacedRays placed;
-    PieceBatch batch{};
+    RowHits hits;
+    PieceBatch batch;
+    batch.count = 0;
     for (std::size_t start = 0; start < rays.size(); start += PlacedRays::capacity) {
         const auto block = rays.subspan(start, std::min(PlacedRays::capacity, rays.size() - start));
         place_rays(rows.layout.frame, block, placed);
+        find_rows(rows.layout, placed, block.size(), hits);
         for (std::size_t i = 0; i < block.size(); ++i) {
             const auto index = static_cast<std::uint32_t>(start + i);
             const std::uint32_t first_piece = pieces.first[index], end_piece = pieces.first[index + 1];
             if (!(block[i].near_m < block[i].far_m) || first_piece == end_piece)
                 continue;
-            RowHit hit;
-            const Cover cover = find_row(rows.layout, placed, i, hit);
+            const auto cover = static_cast<Cover>(hits.cover[i]);
             if (cover != Cover::Rows) {
                 (cover == Cover::NearEpipole ? unanswered.near_epipole : unanswered.outside).push_back(index);
                 continue;
             }
+            const RowHit hit = hits.hit(i);
+            if (!some_lit(rows.row(hit.slice), placed.slope[i], hit.first, hit.last))
+                continue;
             if (end_piece - first_piece > PieceBatch::capacity) {
                 unanswered.steep.push_back(index);
                 continue;

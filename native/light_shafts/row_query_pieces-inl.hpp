@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pieces of view rays in columns, compiled once per SIMD target: all that the sum over lit lines needs of a piece, on
+// whole vectors of pieces.
+#if defined(TYNDALL_ROW_QUERY_PIECES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef TYNDALL_ROW_QUERY_PIECES_INL
+#undef TYNDALL_ROW_QUERY_PIECES_INL
+#else
+#define TYNDALL_ROW_QUERY_PIECES_INL
+#endif
+#include "light_shafts/row_query_lane-inl.hpp"
+#include <array>
+
+HWY_BEFORE_NAMESPACE();
+namespace tyndall::light_shafts::HWY_NAMESPACE {
+using V = hn::Vec<LineTag>;
+static constexpr LineTag d;
+static constexpr hn::RebindToSigned<LineTag> di;
+static constexpr std::size_t lanes = hn::MaxLanes(d), parts = block_lines / lanes;
+
+/// exp(x), relative error 3e-7; 0 below -87, no more than exp(80).
+/// Based on: Cephes expf (Moshier).
+static HWY_INLINE V exp_of(V x) {
+    x = hn::Min(hn::Max(x, hn::Set(d, -87.0f)), hn::Set(d, 80.0f));
+    const V n = hn::Round(hn::Mul(x, hn::Set(d, 1.44269504f)));
+    V f = hn::NegMulAdd(n, hn::Set(d, 0.693359375f), x);
+    f = hn::MulAdd(n, hn::Set(d, 2.12194440e-4f), f);
+    V p = hn::MulAdd(hn::Set(d, 1.9875691500e-4f), f, hn::Set(d, 1.3981999507e-3f));
+    p = hn::MulAdd(p, f, hn::Set(d, 8.3334519073e-3f));
+    p = hn::MulAdd(p, f, hn::Set(d, 4.1665795894e-2f));
+    p = hn::MulAdd(p, f, hn::Set(d, 1.6666665459e-1f));
+    p = hn::MulAdd(p, f, hn::Set(d, 5.0000001201e-1f));
+    p = hn::Add(hn::MulAdd(p, hn::Mul(f, f), f), hn::Set(d, 1.0f));
+    const auto exponent = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, n), hn::Set(di, 127)));
+    return hn::Mul(p, hn::BitCast(d, exponent));
+}
+
+/// q, q^2, q^4 and q^8.
+struct Powers {
+    float one, two, four, eight;
+};
+/// sinh(x) / x, the mean of an exponential over a stretch around its middle; 1e-6 up to 1.5.
+static HWY_INLINE V mean_around_middle(V x) {
+    const V z = hn::Mul(x, x);
+    V p = hn::MulAdd(z, hn::Set(d, 1.0f / 362880), hn::Set(d, 1.0f / 5040));
+    p = hn::MulAdd(p, z, hn::Set(d, 1.0f / 120));
+    p = hn::MulAdd(p, z, hn::Set(d, 1.0f / 6));
+    return hn::MulAdd(p, z, hn::Set(d, 1.0f));
+}
+
+/// Pieces of some rays in columns, so that all but the sum over lines runs on whole vectors of pieces.
+struct PieceBatch {
+    static constexpr std::size_t capacity = 256;
+    template <class Value>
+    using Column = std::array<Value, capacity>;
+
+    // In: the ray in its row, and the piece.
+    alignas(64) Column<float> near_index, ray_near_m, m_per_line, first_line, last_line, row_start;
+    alignas(64) Column<float> piece_near_m, begin_m, end_m; // the piece's own near, and its part within the ray
+    alignas(64) std::array<Column<float>, 3> source_per_m, depth_at_near, depth_per_m;
+    Column<std::uint32_t> ray;
+    Column<std::int32_t> slice;
+    Column<float> slope;
+    std::size_t count = 0;
+
+    // Out: whole lines [first, end), the lines that what is left over at both ends belongs to, and what each sends.
+    alignas(64) Column<std::int32_t> whole_first, whole_end, line_before, line_after;
+    alignas(64) std::array<Column<float>, 3> of_group, block_sum, last_block, per_line, at_begin, at_end;
+    alignas(64) std::array<std::array<Column<float>, 4>, 3> of_line, of_block; // Powers
+    alignas(64) Column<float> begin_length_m, end_length_m, is_steep, is_grey;
+
+    void evaluate();
+    [[nodiscard]] static Powers powers(const std::array<Column<float>, 4>& columns, std::size_t i) {
+        return {columns[0][i], columns[1][i], columns[2][i], columns[3][i]};
+    }
+};
+
+HWY_INLINE void PieceBatch::evaluate() {
+    const V one = hn::Set(d, 1.0f), half = hn::Set(d, 0.5f);
+    for (std::size_t i = 0; i < count; i += lanes) {
+        const auto in = [&](const Column<float>& column) { return hn::Load(d, &column[i]); };
+        const V ray_near = in(ray_near_m), start = in(near_index), step = in(m_per_line), begin = in(begin_m),
+                end = in(end_m), first = in(first_line), past = hn::Add(in(last_line), one),
+                own_near = in(piece_near_m);
+        const V per_m = hn::Div(one, step);
+        const auto index_at = [&](V t) { return hn::MulAdd(hn::Sub(t, ray_near), per_m, start); };
+        const auto distance_at = [&](V index) { return hn::MulAdd(hn::Sub(index, start), step, ray_near); };
+        const auto clamped = [](V value, V low, V high) { return hn::Min(hn::Max(value, low), high); };
+        const V whole_begin = clamped(hn::Ceil(index_at(begin)), first, past);
+        const V whole_past = clamped(hn::Floor(index_at(end)), first, past);
+        const V left = clamped(distance_at(whole_begin), begin, end);
+        const V right = hn::Max(clamped(distance_at(whole_past), begin, end), left);
+        const V begin_length = hn::Sub(left, begin), end_length = hn::Sub(end, right);
+        const V in_row = hn::Sub(whole_begin, in(row_start));
+        const V block_line = hn::MulAdd(hn::Floor(hn::Mul(in_row, hn::Set(d, 1.0f / block_lines))),
+                                        hn::Set(d, float{block_lines}), in(row_start));
+        const V lines_before_last =
+            hn::Mul(hn::Floor(hn::Mul(hn::Sub(hn::Sub(whole_past, one), block_line), hn::Set(d, 1.0f / block_lines))),
+                    hn::Set(d, float{block_lines}));
+        const V block_middle = hn::MulAdd(half, step, distance_at(block_line));
+        const V begin_middle = hn::MulAdd(half, begin_length, begin), end_middle = hn::NegMulAdd(half, end_length, end);
+        hn::Store(begin_length, d, &begin_length_m[i]);
+        hn::Store(end_length, d, &end_length_m[i]);
+        hn::Store(hn::ConvertTo(di, whole_begin), di, &whole_first[i]);
+        hn::Store(hn::ConvertTo(di, whole_past), di, &whole_end[i]);
+        hn::Store(hn::ConvertTo(di, clamped(hn::Sub(whole_begin, one), first, in(last_line))), di, &line_before[i]);
+        hn::Store(hn::ConvertTo(di, clamped(whole_past, first, in(last_line))), di, &line_after[i]);
+        const auto same_as_red = [&](std::size_t c) {
+            return hn::And(hn::Eq(in(depth_per_m[c]), in(depth_per_m[0])),
+                           hn::Eq(in(depth_at_near[c]), in(depth_at_near[0])));
+        };
+        const auto is_same = hn::And(same_as_red(1), same_as_red(2));
+        hn::Store(hn::IfThenElseZero(is_same, one), d, &is_grey[i]);
+        const bool shares_red = hn::AllTrue(d, hn::And(is_same, hn::Gt(in(source_per_m[0]), hn::Set(d, 1e-30f))));
+        V steep = hn::Zero(d);
+        for (std::size_t c = 0; c < 3; ++c) {
+            const V source = in(source_per_m[c]), at_near = in(depth_at_near[c]), slope_c = in(depth_per_m[c]);
+            if (c > 0 && shares_red) { // as red, but for the source
+                const V ratio = hn::Div(source, in(source_per_m[0]));
+                for (auto* columns : {&per_line, &at_begin, &at_end})
+                    hn::Store(hn::Mul(in((*columns)[0]), ratio), d, &(*columns)[c][i]);
+                continue;
+            }
+            const V line_gain = hn::Mul(slope_c, step);
+            const auto mean_at = [&](V middle, V length) { // of the transmittance over a stretch, times its length
+                const V depth = hn::MulAdd(slope_c, hn::Sub(middle, own_near), at_near);
+                return hn::Mul(
+                    hn::Mul(source, length),
+                    hn::Mul(exp_of(hn::Neg(depth)), mean_around_middle(hn::Mul(half, hn::Mul(slope_c, length)))));
+            };
+            const auto store_powers = [&](V q, std::array<Column<float>, 4>& columns) {
+                V sum = one; // of q^0 .. q^15
+                for (Column<float>& column : columns) {
+                    hn::Store(q, d, &column[i]);
+                    sum = hn::MulAdd(sum, q, sum);
+                    q = hn::Mul(q, q);
+                }
+                return sum;
+            };
+            hn::Store(store_powers(exp_of(hn::Neg(line_gain)), of_line[c]), d, &block_sum[c][i]);
+            store_powers(exp_of(hn::Mul(line_gain, hn::Set(d, -16.0f))), of_block[c]);
+            hn::Store(exp_of(hn::Mul(line_gain, hn::Set(d, -256.0f))), d, &of_group[c][i]);
+            hn::Store(exp_of(hn::Neg(hn::Mul(line_gain, lines_before_last))), d, &last_block[c][i]);
+            hn::Store(mean_at(block_middle, step), d, &per_line[c][i]);
+            hn::Store(mean_at(begin_middle, begin_length), d, &at_begin[c][i]);
+            hn::Store(mean_at(end_middle, end_length), d, &at_end[c][i]);
+            const auto overflows = hn::Or(hn::Gt(hn::Abs(line_gain), hn::Set(d, 2.0f)),
+                                          hn::Lt(hn::Mul(line_gain, hn::Sub(past, first)), hn::Set(d, -40.0f)));
+            steep = hn::IfThenElse(overflows, one, steep);
+        }
+        hn::Store(steep, d, &is_steep[i]);
+    }
+}
+
+} // namespace tyndall::light_shafts::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
