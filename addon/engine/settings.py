@@ -60,6 +60,7 @@ def render_config(scene: Scene, view_layer: ViewLayer, window: FrameWindow) -> R
             light_samples=shafts.light_samples,
             world_samples=shafts.world_samples,
             attenuates_light=shafts.attenuates_light,
+            adapts_strata=shafts.adapts_strata,
             shares_strata=shafts.shares_strata,
             seed=tyndall.seed,
         ),

@@ -30,6 +30,7 @@ class TYNDALL_OT_render_preset_add(AddPresetBase, Operator):
         "settings.shafts.light_samples",
         "settings.shafts.world_samples",
         "settings.shafts.attenuates_light",
+        "settings.shafts.adapts_strata",
         "settings.shafts.shares_strata",
     ]
 

@@ -28,8 +28,10 @@ class TYNDALL_PT_light_shafts(PropertiesPanel, Panel):
         resolution.active = shafts.method != "EXACT"
         resolution.prop(shafts, "resolution", text="Resolution (0: auto)")
         column = layout.column(align=True)
-        column.prop(shafts, "light_samples")
-        column.prop(shafts, "world_samples")
+        most = "Max " if shafts.adapts_strata else ""
+        column.prop(shafts, "light_samples", text=f"{most}Light Samples")
+        column.prop(shafts, "world_samples", text=f"{most}World Samples")
+        column.prop(shafts, "adapts_strata")
         sharing = column.column(align=True)
         sharing.active = shafts.method != "EXACT"
         sharing.prop(shafts, "shares_strata")

@@ -100,6 +100,14 @@ class TyndallLightShaftSettings(PropertyGroup):
         update=tag,
         override=OVERRIDABLE,
     )
+    adapts_strata: BoolProperty(
+        name="Adapt to Error Target",
+        description="Each light takes as many samples as the error target asks for, at most those above: a small lamp "
+        "or a dim sky takes few. Off: all of them",
+        default=True,
+        update=tag,
+        override=OVERRIDABLE,
+    )
     shares_strata: BoolProperty(
         name="Share between Pixels",
         description="Where a light has more samples than a pixel, neighbouring pixels take different ones and share "

@@ -24,13 +24,14 @@ static Camera make_camera(int kind, const py::array& world_from_camera, const st
 
 static light_shafts::Config make_shafts(int method, float error_target, std::uint32_t resolution,
                                         std::uint32_t light_samples, std::uint32_t world_samples, bool attenuates_light,
-                                        bool shares_strata, std::uint32_t seed) {
+                                        bool adapts_strata, bool shares_strata, std::uint32_t seed) {
     return {.method = static_cast<light_shafts::Method>(method),
             .error_target = error_target,
             .resolution = resolution,
             .light_samples = light_samples,
             .world_samples = world_samples,
             .attenuates_light = attenuates_light,
+            .adapts_strata = adapts_strata,
             .shares_strata = shares_strata,
             .seed = seed};
 }
@@ -88,7 +89,7 @@ void bind_render(py::module_& native) {
              "world_from_camera: float32 (4, 4), relative to the scene's origin.");
     py::class_<light_shafts::Config>(native, "ShaftConfig")
         .def(py::init(&make_shafts), "method"_a, "error_target"_a, "resolution"_a, "light_samples"_a, "world_samples"_a,
-             "attenuates_light"_a, "shares_strata"_a, "seed"_a);
+             "attenuates_light"_a, "adapts_strata"_a, "shares_strata"_a, "seed"_a);
     py::class_<render::FrameConfig>(native, "FrameConfig")
         .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "noise_threshold"_a,
              "region_px"_a, "film_transparent"_a, "passes"_a, "shafts"_a, "seed"_a, "thread_count"_a);

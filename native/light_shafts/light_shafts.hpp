@@ -41,6 +41,9 @@ struct Config {
     std::uint32_t light_samples = 16;
     std::uint32_t world_samples = 64; ///< Directions of the world's light, [0, 65536]; 0: it does not scatter.
     bool attenuates_light = true;     ///< False: eq. 5.1 as printed, no loss between light and scattering point.
+    /// light_samples and world_samples are the most: each light takes as many as the error target asks for, see
+    /// strata_counts.hpp.
+    bool adapts_strata = false;
     /// Neighbouring pixels share the strata of lights that have more of them than a pixel has samples; never with EXACT.
     bool shares_strata = true;
     std::uint32_t seed = 0;
@@ -70,6 +73,8 @@ struct ConstScattered {
 /// Sides of the squares of pixels that share the strata of a light, see shared_strata.hpp; 1: each pixel for itself.
 inline constexpr std::array<std::uint32_t, 3> shared_sides{1, 2, 4};
 
+struct PreparedLights;
+
 /// One frame's light shafts, prepared once and asked band by band, pass by pass: what a light needs (its hierarchy or
 /// its slope rows) is built by the constructor. Immutable after that; safe from any thread.
 class Shafts {
@@ -88,18 +93,21 @@ public:
     /// Overwrites, per ray, the radiance (as in Result) and the average visibility, unless its span is empty.
     void scatter(std::span<const ViewRay> rays, std::span<Rgb> radiance, std::span<float> average_visibility,
                  const Progress& progress, Turn turn = {}) const;
-    /// The same where neighbouring pixels share strata: `cells` has the cell_of_pixel of each ray, and out[i] gets the
-    /// light that squares of shared_sides[i] pixels share, still to be averaged by add_shared.
+    /// The same where neighbouring pixels share strata: `cells` has the cell_of_pixel of each ray, or alone_cell, and
+    /// out[i] gets the light that squares of shared_sides[i] pixels share, still to be averaged by add_shared.
     void scatter(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells,
                  const std::array<Scattered, shared_sides.size()>& out, const Progress& progress, Turn turn) const;
+    /// Gives alone_cell to the rays that pass a lamp whose strata are shared at less than a few times the spacing of the
+    /// rays: its light changes from one to the next. Spacing: an angle, or metres between parallel rays.
+    void set_alone(std::span<const ViewRay> rays, const View& view, float spacing, std::uint32_t turn_count,
+                   std::span<std::uint8_t> cells) const;
     /// Whether out[i] of shared_sides gets any light when a picture has turn_count passes.
     [[nodiscard]] std::array<bool, shared_sides.size()> sides_used(std::uint32_t turn_count) const;
     /// Of the preparation: what was built, which lights were skipped and why.
     [[nodiscard]] const Statistics& statistics() const;
 
 private:
-    struct Prepared;
-    std::unique_ptr<Prepared> prepared_;
+    std::unique_ptr<PreparedLights> prepared_;
 };
 
 /// Prepares and scatters in one call. Throws InvalidInput and Cancelled. The result's bits do not depend on the number

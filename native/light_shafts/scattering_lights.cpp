@@ -57,7 +57,7 @@ static bool misses(const Light& light, const Media& media) {
     return angle_rad > light.spot_half_angle_rad + std::asin(radius_m / distance_m) + 1e-4f;
 }
 
-static bool has_size(const Light& light) {
+bool has_size(const Light& light) {
     return light.kind == LightKind::Sun ? light.half_angle_rad > 0.0f : light.radius_m > 0.0f;
 }
 
@@ -68,7 +68,7 @@ static bool swallows_all(const Media& media, bool attenuates_light) {
 }
 
 std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Media& media, const Config& config,
-                                                    Statistics& statistics) {
+                                                    const StrataCounts& counts, Statistics& statistics) {
     std::vector<ScatteringLight> lights;
     constexpr const char* remedy = "the world's medium has no end and swallows it: put the fog into a box";
     const bool drowns_suns = swallows_all(media, config.attenuates_light);
@@ -92,27 +92,27 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
             statistics.skip(what, "its cone does not reach a medium");
             continue;
         }
-        ScatteringLight& scattering = lights.emplace_back(ScatteringLight{light.name, {}});
-        const std::uint32_t count = has_size(light) ? config.light_samples : 1;
+        ScatteringLight& scattering = lights.emplace_back(ScatteringLight{light.name, index, {}});
+        const std::uint32_t count = counts.of_light[index];
         for (std::uint32_t sample = 0; sample < count; ++sample)
             scattering.samples.push_back(stratum_of(light, index, sample, count, config.seed));
     }
     const World& world = scene.world();
     if (world.is_black())
         return lights;
-    if (config.world_samples == 0 || drowns_suns) {
+    if (counts.of_world == 0 || drowns_suns) {
         statistics.skip("light shafts of the world", drowns_suns ? remedy : "switched off");
         return lights;
     }
-    ScatteringLight& scattering = lights.emplace_back(ScatteringLight{world.name(), {}});
-    for (std::uint32_t sample = 0; sample < config.world_samples; ++sample) {
-        const World::DirectionSample direction = world.sample(vec2(stratum(sample, config.world_samples, config.seed)));
+    ScatteringLight& scattering = lights.emplace_back(ScatteringLight{world.name(), scene.lights().size(), {}});
+    for (std::uint32_t sample = 0; sample < counts.of_world; ++sample) {
+        const World::DirectionSample direction = world.sample(vec2(stratum(sample, counts.of_world, config.seed)));
         if (!(direction.pdf_per_sr > 0.0f) || direction.radiance == Rgb(0.0f))
             continue;
         scattering.samples.push_back(
             {.is_directional = true,
              .towards_light = direction.direction,
-             .strength = direction.radiance / (direction.pdf_per_sr * static_cast<float>(config.world_samples)),
+             .strength = direction.radiance / (direction.pdf_per_sr * static_cast<float>(counts.of_world)),
              .light_index = static_cast<std::uint32_t>(scene.lights().size())});
     }
     return lights;

@@ -8,6 +8,7 @@ namespace tyndall::light_shafts {
 /// Samples of one light (or of the world) whose sum is the light.
 struct ScatteringLight {
     std::string name;
+    std::size_t index; ///< Into Scene::lights; the world follows after the last one.
     std::vector<LightSample> samples;
 };
 
@@ -15,7 +16,15 @@ struct ScatteringLight {
 /// are strata at any power of two.
 [[nodiscard]] vec3 stratum(std::uint32_t index, std::uint32_t count, std::uint32_t seed);
 
+/// Samples that each light gets.
+struct StrataCounts {
+    std::vector<std::uint32_t> of_light; ///< Per Scene::lights; 1 for those without a size.
+    std::uint32_t of_world = 0;
+};
+[[nodiscard]] bool has_size(const Light& light);
+
 /// Lights that can scatter in some medium, in the scene's order, the world last. Reports what is left out and why.
 [[nodiscard]] std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Media& media,
-                                                                  const Config& config, Statistics& statistics);
+                                                                  const Config& config, const StrataCounts& counts,
+                                                                  Statistics& statistics);
 } // namespace tyndall::light_shafts

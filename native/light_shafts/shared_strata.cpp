@@ -29,6 +29,8 @@ void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t fi
             for (std::int32_t x = 0; x < width; ++x) {
                 const auto pixel = static_cast<std::size_t>(y) * picture.width_px + static_cast<std::size_t>(x);
                 for (std::uint32_t ray = picture.first_ray[pixel]; ray < picture.first_ray[pixel + 1]; ++ray) {
+                    if (picture.cells[ray] == alone_cell)
+                        continue;
                     Rgb radiance(0.0f);
                     float visibility = 0.0f, weight_sum = 0.0f;
                     for (std::int32_t dy = std::max(-reach, -y); dy <= std::min(reach, height - 1 - y); ++dy)
@@ -37,7 +39,8 @@ void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t fi
                                                                          static_cast<std::ptrdiff_t>(dy) * width + dx);
                             std::uint32_t other = picture.first_ray[beside];
                             const std::uint32_t end = picture.first_ray[beside + 1];
-                            while (other < end && !is_alike(picture.rays[ray], picture.rays[other]))
+                            while (other < end && (picture.cells[other] == alone_cell ||
+                                                   !is_alike(picture.rays[ray], picture.rays[other])))
                                 ++other;
                             if (other == end)
                                 continue;

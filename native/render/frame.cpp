@@ -128,12 +128,18 @@ private:
         }
     }
 
+    [[nodiscard]] light_shafts::View view() const {
+        return {.is_orthographic = camera_.kind == CameraKind::Orthographic,
+                .position = camera_.position(),
+                .direction = camera_.forward()};
+    }
+    /// Between neighbouring rays in the picture's middle: radians, or metres of an orthographic camera.
+    [[nodiscard]] float pixel_spacing() const {
+        return (camera_.window_right - camera_.window_left) / static_cast<float>(camera_.width_px);
+    }
     void prepare_shafts(const WaitingParts& waiting) {
         const StageTimer timer(statistics_, "light shafts: prepare");
-        const light_shafts::View view{.is_orthographic = camera_.kind == CameraKind::Orthographic,
-                                      .position = camera_.position(),
-                                      .direction = camera_.forward()};
-        shafts_.emplace(scene_, media_, view, waiting.rays, config_.shafts, progress_);
+        shafts_.emplace(scene_, media_, view(), waiting.rays, config_.shafts, progress_);
         statistics_.append(shafts_->statistics());
         if (shafts_->is_empty())
             shafts_.reset();
@@ -186,7 +192,8 @@ private:
                                                             region_.y0 + static_cast<std::uint32_t>(pixel / width()))) %
                                               16));
         }
-        used[0] = true; // the sum
+        if (!room.cells.empty())
+            shafts_->set_alone(waiting.rays, view(), pixel_spacing(), round_samples_, room.cells);
         for (std::size_t side = 0; side < used.size(); ++side) {
             room.of_side[side].radiance.resize(used[side] ? waiting.rays.size() : 0);
             if (sums_.wants(Pass::ShaftsVisibility))
@@ -224,9 +231,10 @@ private:
         auto& [radiance, visibility] = scattered.of_side[0];
         for (std::size_t side = 1; side < scattered.of_side.size(); ++side)
             if (const auto& shared = scattered.of_side[side]; !shared.radiance.empty())
-                light_shafts::add_shared({width(), region_.y1 - region_.y0, waiting.first, waiting.rays},
-                                         light_shafts::shared_sides[side], band.first_row, band.end_row,
-                                         {shared.radiance, shared.visibility}, {radiance, visibility}, progress_);
+                light_shafts::add_shared(
+                    {width(), region_.y1 - region_.y0, waiting.first, waiting.rays, scattered.cells},
+                    light_shafts::shared_sides[side], band.first_row, band.end_row,
+                    {shared.radiance, shared.visibility}, {radiance, visibility}, progress_);
         for (std::size_t pixel = std::size_t{band.first_row} * width(); pixel < std::size_t{band.end_row} * width();
              ++pixel) {
             Rgb sum(0.0f);

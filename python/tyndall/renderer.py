@@ -42,6 +42,7 @@ class ShaftConfig:
     light_samples: int = 16  #: Strata of a light with a size, [1, 65536].
     world_samples: int = 64  #: Directions of the world's light, [0, 65536]; 0: it does not scatter.
     attenuates_light: bool = True  #: False: no loss between light and scattering point (Kol 2018, eq. 5.1).
+    adapts_strata: bool = False  #: light_samples and world_samples are the most; each takes what error_target asks for.
     #: Neighbouring pixels share the strata of lights that have more of them than a pixel has samples; never with EXACT.
     shares_strata: bool = True
     seed: int = 0

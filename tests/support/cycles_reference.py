@@ -113,6 +113,7 @@ def tyndall_pixels(
         scene.tyndall.shafts.method = method
         _prepare_tyndall(scene, 1, seed)
         scene.tyndall.shafts.light_samples, scene.tyndall.shafts.world_samples = light_samples, world_samples
+        scene.tyndall.shafts.adapts_strata = False
         scene.tyndall.shafts.shares_strata = False  # every pixel asks for all of them: nothing is blurred
         pictures.append(rendered_pixels(scene))
     if surface_samples == 1:

@@ -25,6 +25,7 @@ def tyndall_pixels(scene: bpy.types.Scene, surface_samples: int = 1) -> FloatArr
     ours.pixel_samples, ours.pixel_filter, ours.filter_width_px = surface_samples, "BOX", 0.01
     ours.noise_threshold = 0.0
     ours.shafts.method = "EXACT"
+    ours.shafts.adapts_strata = False
     return _pixels(scene)
 
 

@@ -116,11 +116,14 @@ TEST_CASE("a pixel takes in every cell of the square once, and nothing from wher
     Progress progress;
     std::vector<std::uint32_t> first_ray{0};
     std::vector<light_shafts::ViewRay> rays;
+    std::vector<std::uint8_t> cells;
     for (std::uint32_t pixel = 0; pixel < width * height; ++pixel) {
         // Two columns of rays end far behind the others; pixel (5, 5) has no ray.
         const bool is_far = pixel % width >= 11;
         if (pixel != 5 * width + 5)
             rays.push_back({vec3(0), vec3(0, 1, 0), 0.0f, is_far ? 50.0f : 10.0f + 0.01f * float(pixel % 7)});
+        // Pixel (2, 3) shares nothing.
+        cells.resize(rays.size(), pixel == 3 * width + 2 ? light_shafts::alone_cell : 0);
         first_ray.push_back(static_cast<std::uint32_t>(rays.size()));
     }
     for (const std::uint32_t side : {2u, 4u})
@@ -132,16 +135,51 @@ TEST_CASE("a pixel takes in every cell of the square once, and nothing from wher
                     const bool is_far = pixel % width >= 11;
                     const std::uint32_t of_pixel = light_shafts::cell_of_pixel(pixel % width, pixel / width);
                     const bool is_mine = of_pixel * side * side / 16 == cell;
-                    shared[first_ray[pixel]] = Rgb(is_far ? 100.0f : is_mine ? 1.0f : 0.0f);
+                    const bool is_alone = cells[first_ray[pixel]] == light_shafts::alone_cell;
+                    shared[first_ray[pixel]] = Rgb(is_far || is_alone ? 100.0f : is_mine ? 1.0f : 0.0f);
                 }
-            light_shafts::add_shared({width, height, first_ray, rays}, side, 0, height, {shared, visibility},
+            light_shafts::add_shared({width, height, first_ray, rays, cells}, side, 0, height, {shared, visibility},
                                      {sum, visibility_sum}, progress);
             const auto at = [&](std::uint32_t x, std::uint32_t y) { return sum[first_ray[y * width + x]].x; };
             CHECK(std::abs(at(2, 8) - 1.0f / float(side * side)) < 1e-6f);
             CHECK(std::abs(at(8, 7) - 1.0f / float(side * side)) < 1e-6f);
             CHECK(at(10, 3) <= 1.0f);   // beside the far rays
             CHECK(at(12, 3) == 100.0f); // among them, at the picture's border
-            for (const float value : visibility_sum)
-                CHECK(std::abs(value - 0.75f) < 1e-6f);
+            CHECK(at(2, 3) == 0.0f);    // alone
+            CHECK(at(3, 3) <= 1.0f);    // beside it
+            for (std::size_t ray = 0; ray < rays.size(); ++ray)
+                CHECK(std::abs(visibility_sum[ray] - (cells[ray] == 0 ? 0.75f : 0.5f)) < 1e-6f);
         }
+}
+
+TEST_CASE("rays that pass close to a lamp share nothing and ask for all strata themselves") {
+    SoftLamp lamp(16);
+    const light_shafts::Shafts shafts = lamp.shafts();
+    const vec3 at_lamp = glm::normalize(vec3(0.3f, 0.2f, 3.0f) - lamp.view.position);
+    constexpr float spacing_rad = 0.001f;
+    std::vector<light_shafts::ViewRay> rays;
+    for (const float spacings : {0.0f, 4.0f, 7.5f, 8.5f, 100.0f})
+        rays.push_back({lamp.view.position, glm::normalize(at_lamp + vec3(spacings * spacing_rad, 0, 0)), 0.0f, 10.0f});
+    rays.push_back({lamp.view.position, -at_lamp, 0.0f, 10.0f}); // the lamp is behind
+    std::vector<std::uint8_t> cells(rays.size(), 3);
+    shafts.set_alone(rays, lamp.view, spacing_rad, 16, cells);
+    for (const std::uint8_t cell : cells)
+        CHECK(cell == 3); // as many passes as strata: nothing is shared
+    shafts.set_alone(rays, lamp.view, spacing_rad, 1, cells);
+    CHECK(cells == std::vector<std::uint8_t>{255, 255, 255, 3, 3, 3});
+
+    std::vector<Rgb> truth(3);
+    shafts.scatter(lamp.rays, truth, {}, lamp.progress);
+    const std::vector<std::uint8_t> alone(3, light_shafts::alone_cell);
+    std::array<std::vector<Rgb>, light_shafts::shared_sides.size()> radiance;
+    std::array<light_shafts::Scattered, light_shafts::shared_sides.size()> out;
+    for (std::size_t side = 0; side < out.size(); ++side) {
+        radiance[side].resize(3);
+        out[side].radiance = radiance[side];
+    }
+    shafts.scatter(lamp.rays, alone, out, lamp.progress, {0, 1});
+    for (std::size_t ray = 0; ray < 3; ++ray) {
+        CHECK(radiance[0][ray] == truth[ray]);
+        CHECK(radiance[1][ray] + radiance[2][ray] == Rgb(0.0f));
+    }
 }

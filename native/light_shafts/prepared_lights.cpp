@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/prepared_lights.hpp"
+#include "core/parallel.hpp"
+#include "light_shafts/exact_strip.hpp"
+#include "light_shafts/light_shares.hpp"
+#include "light_shafts/occluders.hpp"
+#include "light_shafts/ray_outline.hpp"
+#include <algorithm>
+
+namespace tyndall::light_shafts {
+/// Appends the segments of a ray; in the world's medium an endless ray ends where 1e-17 of its light would be left.
+MediaRay clip_to_media(const Media& media, const ViewRay& ray, std::vector<MediumSegment>& segments) {
+    const std::size_t first = segments.size();
+    MediaRay result{.clipped = {ray.origin, ray.direction, ray.near_m, ray.near_m}};
+    if (!(ray.near_m < ray.far_m))
+        return result;
+    media.segments({.origin = ray.origin, .direction = ray.direction, .near_m = ray.near_m, .far_m = ray.far_m},
+                   segments);
+    if (segments.size() == first)
+        return result;
+    if (MediumSegment& last = segments.back(); std::isinf(last.far_m)) {
+        const Rgb sigma_t = media.sigma_t_per_m(last.set);
+        float least = std::numeric_limits<float>::infinity();
+        for (int channel = 0; channel < 3; ++channel)
+            if (sigma_t[channel] > 0.0f)
+                least = std::min(least, sigma_t[channel]);
+        last.far_m = last.near_m + (std::isinf(least) ? 0.0f : 40.0f / least);
+    }
+    result.clipped.near_m = segments[first].near_m;
+    result.clipped.far_m = segments.back().far_m;
+    for (std::size_t segment = first; segment < segments.size(); ++segment)
+        result.length_in_media_m += segments[segment].far_m - segments[segment].near_m;
+    return result;
+}
+
+/// What a light sample may cost. `share_of_frame` and `share_of_light` are shares of the scattered light; a resolution
+/// that the artist sets is that of a whole light.
+static Config config_of_share(const Config& config, float share_of_frame, float share_of_light) {
+    Config result = config;
+    result.error_target = error_of_share(config.error_target, share_of_frame);
+    if (config.resolution != 0)
+        result.resolution = std::max(
+            16u, static_cast<std::uint32_t>(static_cast<float>(config.resolution) * std::sqrt(share_of_light)));
+    return result;
+}
+
+void PreparedLights::prepare(const Scene& scene, const View& view, std::span<const ViewRay> clipped,
+                             std::span<const ScatteringLight> lights_to_prepare, const Config& config,
+                             Progress& progress) {
+    LightShares shares(media, clipped);
+    for (const ScatteringLight& light : lights_to_prepare) {
+        LightBeams beams{.light = light.index, .beams = {}};
+        for (const LightSample& sample : light.samples) {
+            progress.poll();
+            Beam beam;
+            beam.sample = sample;
+            if (sample.is_directional)
+                shares.add(beam.directional.emplace(media, sample, config.attenuates_light));
+            else
+                shares.add(beam.local.emplace(media, sample, config.attenuates_light));
+            beam.share = shares.size() - 1;
+            if (!(sample.is_directional ? beam.directional->is_black() : beam.local->is_black()))
+                beams.beams.push_back(std::move(beam));
+        }
+        if (beams.beams.empty())
+            statistics.skip("light shafts of " + light.name, "no medium scatters its light");
+        else
+            lights.push_back(std::move(beams));
+    }
+    std::vector<std::pair<Beam*, float>> all_beams; // with the share of their light
+    for (LightBeams& light : lights)
+        for (Beam& beam : light.beams)
+            all_beams.emplace_back(&beam, 1.0f / static_cast<float>(light.beams.size()));
+    progress.set_message("Light shafts: " + std::to_string(all_beams.size()) + " light samples");
+    std::shared_ptr<const StripScene> strip;
+    Occluders occluders;
+    std::vector<RaySpan> outer_rays;
+    if (all_beams.empty())
+        return;
+    if (config.method == Method::Exact) {
+        const StageTimer timer(statistics, "light shafts: hierarchies for cuts");
+        strip = std::make_shared<const StripScene>(make_strip_scene(scene, progress));
+    } else {
+        occluders = gather_occluders(scene.description(), progress);
+        outer_rays = outline(view.is_orthographic, clipped, progress);
+    }
+    parallel_for(
+        all_beams.size(), progress,
+        [&](std::size_t index) {
+            auto& [beam, share_of_light] = all_beams[index];
+            const Config share = config_of_share(config, shares.share(beam->share), share_of_light);
+            if (config.method == Method::Exact)
+                beam->visibility = make_exact_strip(scene, beam->sample, strip);
+            else if (config.method == Method::Epipolar)
+                beam->visibility =
+                    make_epipolar_beam(scene, occluders, view, beam->sample, outer_rays, share, progress);
+            else
+                beam->visibility =
+                    make_shadow_map_beam(scene, occluders, view, beam->sample, outer_rays, share, progress);
+        },
+        1);
+    float most = -1.0f;
+    for (const LightBeams& light : lights) {
+        for (const Beam& beam : light.beams)
+            if (shares.share(beam.share) > most) {
+                most = shares.share(beam.share);
+                finest = beam.visibility.get();
+            }
+        statistics.append(light.beams.front().visibility->statistics()); // one tells of its light; a world has many
+    }
+    statistics.count("light shafts: light samples", static_cast<double>(all_beams.size()));
+}
+
+} // namespace tyndall::light_shafts

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What Shafts keeps of a frame: its light samples, each with what casts their shadows; and how a block of rays asks them.
+#pragma once
+#include "light_shafts/light_shafts.hpp"
+#include "light_shafts/local_scatter.hpp"
+#include "light_shafts/scatter_pieces.hpp"
+#include "light_shafts/scattering_lights.hpp"
+#include "light_shafts/visibility.hpp"
+#include <optional>
+
+namespace tyndall::light_shafts {
+/// The stretch of a ray that lies in media, in front of its surface.
+struct MediaRay {
+    ViewRay clipped;
+    float length_in_media_m = 0.0f;
+};
+
+/// Appends the segments of a ray; in the world's medium an endless ray ends where 1e-17 of its light would be left.
+MediaRay clip_to_media(const Media& media, const ViewRay& ray, std::vector<MediumSegment>& segments);
+
+/// One light sample, ready for rays.
+struct Beam {
+    LightSample sample;
+    std::size_t share = 0; ///< Into LightShares.
+    std::unique_ptr<const Visibility> visibility;
+    std::optional<DirectionalScatter> directional;
+    std::optional<LocalScatter> local;
+};
+struct LightBeams {
+    std::size_t light; ///< Into Scene::lights; the world follows after the last one.
+    std::vector<Beam> beams;
+};
+
+/// The rays of a block with their media: found once, used by every light.
+struct Block {
+    std::vector<ViewRay> rays;         ///< Those that meet a medium, clipped to it.
+    std::vector<std::uint32_t> target; ///< Their index in the caller's span.
+    std::vector<float> length_m;
+    std::vector<std::uint32_t> first_segment;
+    std::vector<MediumSegment> segments;
+    std::vector<Rgb> radiance;     ///< Of one light.
+    std::vector<Rgb> all_radiance; ///< Of all so far.
+    std::vector<float> lit_length_m, visibility;
+    PieceRows pieces;
+    LocalRays local; ///< The same for lights at points; empty until one asks.
+    bool wants_visibility = false;
+
+    [[nodiscard]] std::span<const MediumSegment> segments_of(std::size_t ray) const {
+        return std::span(segments).subspan(first_segment[ray], first_segment[ray + 1] - first_segment[ray]);
+    }
+};
+struct PreparedLights {
+    const Media& media;
+    std::vector<LightBeams> lights;
+    const Visibility* finest = nullptr; ///< Of the sample that carries most light, and so has the largest rows.
+    Statistics statistics;
+
+    /// Makes the beams of `lights` for rays that are clipped to the media. Throws Cancelled.
+    void prepare(const Scene& scene, const View& view, std::span<const ViewRay> clipped,
+                 std::span<const ScatteringLight> lights_to_prepare, const Config& config, Progress& progress);
+    void gather(std::span<const ViewRay> rays, std::span<const std::uint32_t> order, Block& block) const;
+    void add(const Beam& beam, Block& block) const;
+    void add(const LightBeams& light, const Turn& turn, Block& block) const;
+    /// Of the lights that squares of shared_sides[side] pixels share.
+    void scatter_side(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells,
+                      std::span<const std::uint32_t> order, std::size_t side, const Scattered& out,
+                      const Progress& progress, const Turn& turn) const;
+};
+
+} // namespace tyndall::light_shafts

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How many strata each light of a frame is worth: a pilot with a few of them along a few rays tells how much they differ.
+// Based on: the error of a stratified mean in two dimensions, which falls as n^-0.75 where the integrand has edges
+//           (Mitchell, Consequences of Stratified Sampling in Graphics, SIGGRAPH 1996): between random and smooth.
+// Differs:  lights share the frame's error evenly, as independent errors add up; rows of the pilot are coarse.
+// Bound:    256 rays, 4 strata per light and 16 of the world, rows of 128 lines.
+#pragma once
+#include "light_shafts/scattering_lights.hpp"
+
+namespace tyndall::light_shafts {
+/// For `rays` that are clipped to the media. Without config.adapts_strata: the numbers of the configuration. Throws
+/// Cancelled.
+[[nodiscard]] StrataCounts count_strata(const Scene& scene, const Media& media, const View& view,
+                                        std::span<const ViewRay> rays, const Config& config, Progress& progress);
+/// The least power of two, at most `most`, whose stratified mean of values with this standard deviation has this error.
+[[nodiscard]] std::uint32_t strata_for_error(double deviation, double error, std::uint32_t most);
+} // namespace tyndall::light_shafts
