@@ -60,8 +60,7 @@ void DirectLight::at(std::span<const SurfacePoint> points, const PairIndex& firs
         ++pair.pair_index;
     }
     if (has_world_light_)
-        for (std::size_t index = 0; index < points.size(); ++index)
-            irradiance[index].from_world = world_irradiance(points[index], pair);
+        add_world(points, lanes, pair, irradiance);
 }
 
 void DirectLight::finish(const Light& light, const SurfacePoint& point, Ray& ray, Rgb& arriving) const {
@@ -88,7 +87,21 @@ struct DirectLight::ShadowRays {
     std::array<Rgb, most_points> passing;
     std::array<std::uint8_t, most_points> points;
     std::size_t count = 0;
+
+    void push(const Ray& ray, const Rgb& unshadowed, std::size_t point) {
+        rays[count] = ray;
+        arriving[count] = unshadowed;
+        points[count++] = static_cast<std::uint8_t>(point);
+    }
+    [[nodiscard]] std::span<const Ray> all() const { return std::span(rays).first(count); }
 };
+
+static Ray ray_of(const AimedRays& aimed, std::size_t lane) {
+    return {.origin = aimed.origin.get(lane),
+            .direction = aimed.direction.get(lane),
+            .near_m = 0.0f,
+            .far_m = aimed.far_m[lane]};
+}
 
 void DirectLight::add_light(const AimedLight& aimed, std::span<const SurfacePoint> points, const LitPoints& lanes,
                             const PairIndex& pair, std::span<Irradiance> irradiance) const {
@@ -99,65 +112,65 @@ void DirectLight::add_light(const AimedLight& aimed, std::span<const SurfacePoin
     ShadowRays shadow;
     for (LaneSet left = aimed.aim.aim(lanes, pair, towards); left != 0; left &= left - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-        Ray& ray = shadow.rays[shadow.count];
-        Rgb& arriving = shadow.arriving[shadow.count];
-        ray = {.origin = towards.origin.get(lane),
-               .direction = towards.direction.get(lane),
-               .near_m = 0.0f,
-               .far_m = towards.far_m[lane]};
-        arriving = towards.weight[lane] * light.strength;
+        Ray ray = ray_of(towards, lane);
+        Rgb arriving = towards.weight[lane] * light.strength;
         finish(light, points[lane], ray, arriving);
         if (arriving != Rgb(0.0f))
-            shadow.points[shadow.count++] = static_cast<std::uint8_t>(lane);
+            shadow.push(ray, arriving, lane);
     }
     if (light.casts_shadow)
-        scene_.shadow_transmittances(std::span(shadow.rays).first(shadow.count), shadow.passing);
+        scene_.shadow_transmittances(shadow.all(), shadow.passing);
     else
         shadow.passing.fill(Rgb(1.0f));
+    if (has_media_)
+        media_.attenuate(shadow.all(), shadow.passing);
     for (std::size_t index = 0; index < shadow.count; ++index) {
         Irradiance& sum = irradiance[shadow.points[index]];
         sum.unshadowed += shadow.arriving[index];
-        if (shadow.passing[index] == Rgb(0.0f))
-            continue;
-        if (has_media_)
-            shadow.passing[index] *= media_.transmittance(shadow.rays[index]);
         sum.from_lights += shadow.arriving[index] * shadow.passing[index];
     }
 }
 
-/// Light from infinitely far away. One ray at a time: in packets, rays into all directions are slower.
-Rgb DirectLight::past_everything(const Ray& ray) const {
-    const Rgb through_surfaces = scene_.shadow_transmittance(ray);
-    if (!has_media_ || through_surfaces == Rgb(0.0f))
-        return through_surfaces;
-    return through_surfaces * media_.transmittance(ray);
+void DirectLight::add_world(std::span<const SurfacePoint> points, const LitPoints& lanes, const PairIndex& pair,
+                            std::span<Irradiance> irradiance) const {
+    const World& world = scene_.world();
+    const auto power_share = [](float a, float b) { return a * a / (a * a + b * b); };
+    AimedRays towards;
+    ShadowRays shadow;
+    for (LaneSet left = LightAim::aim_at_world(lanes, pair, towards); left != 0; left &= left - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+        const Ray ray = ray_of(towards, lane);
+        const float share = world.has_image() ? power_share(cosine_hemisphere_pdf_per_sr(towards.weight[lane]),
+                                                            world.pdf_per_sr(ray.direction))
+                                              : 1.0f;
+        if (share > 0.0f)
+            shadow.push(ray, pi * share * world.radiance(ray.direction), lane);
+    }
+    add_from_world(shadow, irradiance);
+    if (!world.has_image())
+        return;
+    shadow.count = 0;
+    for (std::size_t index = 0; index < points.size(); ++index) {
+        const SurfacePoint& point = points[index];
+        const World::DirectionSample sample =
+            world.sample(pixel_pair(point.pixel_seed, pair.sample_index, pair.pair_index + 1));
+        const float cosine = glm::dot(point.shading.shading_normal, sample.direction);
+        if (cosine <= 0.0f || sample.pdf_per_sr <= 0.0f)
+            continue;
+        const float weight =
+            power_share(sample.pdf_per_sr, cosine_hemisphere_pdf_per_sr(cosine)) * cosine / sample.pdf_per_sr;
+        shadow.push(shadow_ray(point, sample.direction), weight * sample.radiance, index);
+    }
+    add_from_world(shadow, irradiance);
 }
 
-Rgb DirectLight::world_irradiance(const SurfacePoint& point, const PairIndex& pair) const {
-    const World& world = scene_.world();
-    const vec3& normal = point.shading.shading_normal;
-    const auto power_share = [](float a, float b) { return a * a / (a * a + b * b); };
-
-    const vec3 around_normal =
-        sample_cosine_hemisphere(pixel_pair(point.pixel_seed, pair.sample_index, pair.pair_index));
-    const vec3 direction = from_frame(normal, around_normal);
-    float share = 1.0f;
-    if (world.has_image())
-        share = power_share(cosine_hemisphere_pdf_per_sr(around_normal.z), world.pdf_per_sr(direction));
-    Rgb sum(0.0f);
-    if (around_normal.z > 0.0f && share > 0.0f)
-        sum = pi * share * world.radiance(direction) *
-              past_everything({.origin = point.spawn.towards(direction), .direction = direction});
-    if (!world.has_image())
-        return sum;
-
-    const World::DirectionSample sample =
-        world.sample(pixel_pair(point.pixel_seed, pair.sample_index, pair.pair_index + 1));
-    const float cosine = glm::dot(normal, sample.direction);
-    if (cosine <= 0.0f || sample.pdf_per_sr <= 0.0f)
-        return sum;
-    const float weight =
-        power_share(sample.pdf_per_sr, cosine_hemisphere_pdf_per_sr(cosine)) * cosine / sample.pdf_per_sr;
-    return sum + weight * sample.radiance * past_everything(shadow_ray(point, sample.direction));
+/// One ray at a time: in packets, rays into all directions are slower.
+void DirectLight::add_from_world(ShadowRays& shadow, std::span<Irradiance> irradiance) const {
+    for (std::size_t index = 0; index < shadow.count; ++index)
+        shadow.passing[index] = scene_.shadow_transmittance(shadow.rays[index]);
+    if (has_media_)
+        media_.attenuate(shadow.all(), shadow.passing);
+    for (std::size_t index = 0; index < shadow.count; ++index)
+        irradiance[shadow.points[index]].from_world += shadow.arriving[index] * shadow.passing[index];
 }
 } // namespace tyndall::render

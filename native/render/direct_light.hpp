@@ -43,8 +43,9 @@ private:
                    const PairIndex& pair, std::span<Irradiance> irradiance) const;
     /// What the lanes leave out: a spot's cone, the lift off a smooth surface's terminator.
     void finish(const Light& light, const SurfacePoint& point, Ray& ray, Rgb& arriving) const;
-    [[nodiscard]] Rgb past_everything(const Ray& ray) const;
-    [[nodiscard]] Rgb world_irradiance(const SurfacePoint& point, const PairIndex& pair) const;
+    void add_world(std::span<const SurfacePoint> points, const LitPoints& lanes, const PairIndex& pair,
+                   std::span<Irradiance> irradiance) const;
+    void add_from_world(ShadowRays& shadow, std::span<Irradiance> irradiance) const;
     /// Towards the light, lifted off a smooth surface's terminator.
     [[nodiscard]] Ray shadow_ray(const SurfacePoint& point, const vec3& direction) const;
 

@@ -180,6 +180,28 @@ static HWY_INLINE Mask aim_local(const Form& form, const V2& disc, const V3& pos
     return hn::And(has_direction, hn::Gt(cosine, hn::Zero(d)));
 }
 
+static HWY_INLINE V3 spawned(const LitPoints& points, const V3& direction, std::size_t at) {
+    const V3 away = load(points.spawn_normal, at);
+    const V offset_m = hn::CopySign(hn::Load(d, &points.spawn_offset_m[at]), dot(direction, away));
+    return along(load(points.spawn_position, at), offset_m, away);
+}
+
+LaneSet aim_at_world_of(const LitPoints& points, const Lanes& ux, const Lanes& uy, AimedRays& rays) {
+    LaneSet lanes = 0;
+    for (std::size_t at = 0; at < lane_count; at += hn::Lanes(d)) {
+        const V2 disc = concentric_disc(hn::Load(d, &ux[at]), hn::Load(d, &uy[at]));
+        const V radius2 = hn::MulAdd(disc.x, disc.x, disc.y * disc.y);
+        const V cosine = hn::Sqrt(hn::Max(hn::Zero(d), set(1.0f) - radius2));
+        const V3 direction = from_frame(load(points.shading_normal, at), disc.x, disc.y, cosine);
+        store(spawned(points, direction, at), rays.origin, at);
+        store(direction, rays.direction, at);
+        hn::Store(set(std::numeric_limits<float>::infinity()), d, &rays.far_m[at]);
+        hn::Store(cosine, d, &rays.weight[at]);
+        lanes |= bits_of(hn::Gt(cosine, hn::Zero(d)), at);
+    }
+    return lanes & points.present;
+}
+
 LaneSet aim_of(const Form& form, const LitPoints& points, const Lanes& ux, const Lanes& uy, AimedRays& rays) {
     LaneSet lanes = 0;
     const bool is_sun = form.kind == Form::Kind::SunCone || form.kind == Form::Kind::SunDisc;
@@ -195,9 +217,7 @@ LaneSet aim_of(const Form& form, const LitPoints& points, const Lanes& ux, const
             arrives = aim_local(form, disc, position, normal, target, weight);
             direction = subtract(target, position);
         }
-        const V3 away = load(points.spawn_normal, at);
-        const V3 origin = along(load(points.spawn_position, at),
-                                hn::CopySign(hn::Load(d, &points.spawn_offset_m[at]), dot(direction, away)), away);
+        const V3 origin = spawned(points, direction, at);
         V far_m = set(std::numeric_limits<float>::infinity());
         if (!is_sun) {
             const V3 way = subtract(target, origin);
@@ -221,6 +241,7 @@ namespace tyndall::render {
 HWY_EXPORT(may_light_of);
 HWY_EXPORT(draw_pairs_of);
 HWY_EXPORT(aim_of);
+HWY_EXPORT(aim_at_world_of);
 
 /// An upper bound of how much a matrix lengthens a vector.
 static float largest_stretch(const mat3& matrix) {
@@ -282,6 +303,12 @@ LaneSet LightAim::aim(const LitPoints& points, const PairIndex& pair, AimedRays&
     if (has_size_)
         HWY_DYNAMIC_DISPATCH(draw_pairs_of)(points, pair, ux, uy);
     return HWY_DYNAMIC_DISPATCH(aim_of)(form_, points, ux, uy, rays);
+}
+
+LaneSet LightAim::aim_at_world(const LitPoints& points, const PairIndex& pair, AimedRays& rays) {
+    Lanes ux{}, uy{};
+    HWY_DYNAMIC_DISPATCH(draw_pairs_of)(points, pair, ux, uy);
+    return HWY_DYNAMIC_DISPATCH(aim_at_world_of)(points, ux, uy, rays);
 }
 } // namespace tyndall::render
 #endif

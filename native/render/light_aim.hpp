@@ -50,6 +50,10 @@ public:
     /// A stratum for each point; returns those at which it may arrive. A light without a size takes no random numbers.
     [[nodiscard]] LaneSet aim(const LitPoints& points, const PairIndex& pair, AimedRays& rays) const;
 
+    /// Directions towards the world, with a density of cosine / pi around the shading normals; weight: the cosine. Returns
+    /// those above the horizon.
+    [[nodiscard]] static LaneSet aim_at_world(const LitPoints& points, const PairIndex& pair, AimedRays& rays);
+
     struct Form {
         enum class Kind : std::uint8_t { SunCone, SunDisc, Sphere, FacingDisc } kind;
         bool is_spot;

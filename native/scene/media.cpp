@@ -5,6 +5,7 @@
 //           twice. Here one query gives all crossings to infinity; a closed mesh ends outside, which tells the start.
 // Bound:    an axis-aligned box costs three slabs and no query; other meshes one Embree query for all of them.
 #include "scene/media.hpp"
+#include "scene/box_transmittance.hpp"
 #include "scene/medium_crossings.hpp"
 #include "volume/phase_function.hpp"
 #include <algorithm>
@@ -203,6 +204,17 @@ Rgb Media::transmittance(const Ray& ray) const {
                 optical_depth[channel] += sigma_t[channel] * (segment.far_m - segment.near_m);
     }
     return glm::exp(-optical_depth);
+}
+
+void Media::attenuate(std::span<const Ray> rays, std::span<Rgb> passing) const {
+    if (const MediumBoundary* box = boundaries_->only_box()) {
+        tyndall::attenuate({box->object_from_world, box->object_bounds, boundaries_->sigma_t_per_m[box->medium]}, rays,
+                           passing);
+        return;
+    }
+    for (std::size_t index = 0; index < rays.size(); ++index)
+        if (passing[index] != Rgb(0.0f))
+            passing[index] *= transmittance(rays[index]);
 }
 
 Rgb Media::emission(const Ray& ray) const {
