@@ -5,7 +5,7 @@
 
 namespace tyndall::light_shafts {
 namespace {
-constexpr std::size_t most_neighbours = 16;
+constexpr std::size_t most_neighbours = 32;
 
 /// Where a ray lies in the picture: what it does not share with the others.
 vec3 place_of(bool is_orthographic, const ViewRay& ray) { return is_orthographic ? ray.origin : ray.direction; }

@@ -46,7 +46,7 @@ static constexpr float widest_rad = 0.25f;
 static PlacedSpan span_between(const Frame& frame, const PlacedRays& placed, std::size_t first, std::size_t last) {
     float to_last = placed.slice_coordinate[last] - placed.slice_coordinate[first];
     if (!frame.is_parallel)
-        to_last -= turn_rad * std::round(to_last / turn_rad);
+        to_last -= turn_rad * std::rint(to_last * (1 / turn_rad));
     return {placed, first, last, placed.slice_coordinate[first] + std::min(to_last, 0.0f), std::abs(to_last)};
 }
 
@@ -120,11 +120,14 @@ static Needs find_needs(const Frame& frame, std::span<const RaySpan> spans, cons
                                              radius_of(frame, span.placed, span.last)});
             if (frame.is_parallel)
                 return;
-            const auto sector = [](float angle) {
-                return static_cast<std::size_t>((angle / turn_rad + 1.5f) * (sector_count - 1));
-            };
-            for (std::size_t s = sector(span.low); s <= sector(span.low + span.width); ++s)
-                needs.sectors.set(s % (sector_count - 1));
+            // Angles are above -1.5 turns; the last sector is the first one again.
+            constexpr std::size_t turn = sector_count - 1;
+            std::size_t sector = static_cast<std::size_t>((span.low * (1 / turn_rad) + 1.5f) * turn);
+            std::size_t last = static_cast<std::size_t>(((span.low + span.width) * (1 / turn_rad) + 1.5f) * turn);
+            for (; sector >= turn; last -= turn)
+                sector -= turn;
+            for (; sector <= last; ++sector)
+                needs.sectors.set(sector < turn ? sector : sector - turn);
         });
         return needs;
     });
