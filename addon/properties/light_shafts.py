@@ -81,22 +81,22 @@ class TyndallLightShaftSettings(PropertyGroup):
     light_samples: IntProperty(
         name="Light Samples",
         description="Points per light that has a radius or an angle: the more, the smoother the penumbrae of its "
-        "shafts. Time grows in proportion. A light without a size always takes one. The viewport takes at most 8",
+        "shafts. A light without a size always takes one. The viewport takes at most 8",
         min=1,
         max=65536,
         soft_max=256,
-        default=16,
+        default=64,
         update=tag,
         override=OVERRIDABLE,
     )
     world_samples: IntProperty(
         name="World Samples",
-        description="Directions from which the world's light is scattered by media. Time grows in proportion. "
+        description="Directions from which the world's light is scattered by media. "
         "0: the world lights surfaces only. The viewport takes at most 16",
         min=0,
         max=65536,
         soft_max=1024,
-        default=64,
+        default=256,
         update=tag,
         override=OVERRIDABLE,
     )
