@@ -59,7 +59,7 @@ struct Part {
     std::uint32_t depth; ///< Number of halvings.
     std::array<float, 2> begin{1.0f, 0.0f}, end{0.0f, 1.0f};
 };
-constexpr std::uint32_t most_halvings = 14;
+constexpr std::uint32_t most_halvings = 24;
 
 /// What a vector of pieces needs at all its points.
 struct Lanes {
@@ -221,7 +221,9 @@ struct Kernel {
             before1 = hn::Load(d, end_before), after1 = hn::Load(d, end_after);
             x0 = hn::MulAdd(before0, s.x0, hn::Mul(after0, s.x1));
             x1 = hn::MulAdd(before1, s.x0, hn::Mul(after1, s.x1));
-            length = hn::Sub(x1, x0); // not by the shares, which are both 1 but for 1e-7 next to the foot
+            // By the smaller shares, which know the part's length next to either end of the piece.
+            length = hn::Mul(
+                length, hn::IfThenElse(hn::Lt(after1, set(0.5f)), hn::Sub(after1, after0), hn::Sub(before0, before1)));
         }
         const V r0 = hn::Sqrt(hn::MulAdd(x0, x0, s.softened_y2)), r1 = hn::Sqrt(hn::MulAdd(x1, x1, s.softened_y2));
         const V angle = atan2_of(d, hn::Mul(softened_y, length), hn::MulAdd(x0, x1, s.softened_y2));
@@ -238,6 +240,21 @@ struct Kernel {
           fifth[3] = {mean[0], mean[0], mean[0]};
         V mean_share = hn::Zero(d);
         V least[3] = {set(1e30f), set(1e30f), set(1e30f)}, most[3] = {mean[0], mean[0], mean[0]}; // depths
+        const auto depth_at = [&](std::size_t channel, V after, V distance, const V(&sigma_t)[3]) {
+            const V depth =
+                hn::MulAdd(after, s.depth_gain[channel], hn::MulAdd(sigma_t[channel], distance, s.depth0[channel]));
+            least[channel] = hn::Min(least[channel], depth), most[channel] = hn::Max(most[channel], depth);
+            return depth;
+        };
+        const auto note_end = [&](V before, V after, V x) {
+            V sigma_t[3];
+            light_side(before, after, sigma_t);
+            const V distance = hn::Sqrt(hn::MulAdd(x, x, s.light_y2));
+            for (std::size_t channel = 0; channel < (is_grey ? 1u : 3u); ++channel)
+                depth_at(channel, after, distance, sigma_t);
+        };
+        note_end(before0, after0, x0);
+        note_end(before1, after1, x1);
         for (std::size_t i = 0; i < Rule::count; ++i) {
             const V weight0 = hn::Mul(sine[Rule::count - 1 - i], r1), weight1 = hn::Mul(sine[i], r0);
             const V inverse = reciprocal_of(d, hn::Add(weight0, weight1));
@@ -268,9 +285,7 @@ struct Kernel {
             light_side(before, after, sigma_t);
             for (std::size_t channel = 0; channel < 3; ++channel) {
                 if (channel == 0 || !is_grey) {
-                    const V depth = hn::MulAdd(after, s.depth_gain[channel],
-                                               hn::MulAdd(sigma_t[channel], distance, s.depth0[channel]));
-                    least[channel] = hn::Min(least[channel], depth), most[channel] = hn::Max(most[channel], depth);
+                    const V depth = depth_at(channel, after, distance, sigma_t);
                     transmittance = exp_of(d, hn::Neg(depth));
                 }
                 const V value = hn::Mul(hn::Mul(share, scatter[channel]), transmittance);
@@ -287,12 +302,14 @@ struct Kernel {
         auto is_rough = hn::Gt(hn::Zero(d), hn::Zero(d));
         for (std::size_t channel = 0; channel < 3; ++channel) {
             const std::size_t depths = is_grey ? 0 : channel;
-            const auto is_steep = hn::Gt(hn::Sub(most[depths], least[depths]), set(20.0f));
+            const V loss = hn::Sub(most[depths], least[depths]);
+            const auto is_steep = hn::Gt(loss, set(20.0f));
             const auto exceeds = [&](V coefficient, float limit) {
                 return hn::Gt(hn::Abs(coefficient), hn::Mul(hn::Add(noise, set(limit)), mean[channel]));
             };
-            const auto is_bent = hn::And(hn::Or(exceeds(fourth[channel], 0.03f), exceeds(fifth[channel], 0.012f)),
-                                         hn::Gt(angle, set(1e-4f)));
+            const auto may_bend = hn::Or(hn::Gt(angle, set(1e-4f)), hn::Gt(loss, set(0.5f)));
+            const auto is_bent =
+                hn::And(hn::Or(exceeds(fourth[channel], 0.03f), exceeds(fifth[channel], 0.012f)), may_bend);
             is_rough = hn::Or(is_rough, hn::And(hn::Or(is_steep, is_bent), hn::Lt(least[depths], set(80.0f))));
         }
         V sum[3];

@@ -173,3 +173,23 @@ TEST_CASE(
         CHECK(std::abs(lit_length_m[ray] - length_m) <= 1e-5f * length_m);
     }
 }
+// Without loss on the way from the light. Seen to fail, black from 1e3 on, where only the points of a rule were asked
+// whether anything is left, and not the ends of the piece.
+TEST_CASE("in ever denser soot a ray shows what the light gives its first instant") {
+    const Light lamp{.name = "Lamp", .kind = LightKind::Point, .strength = Rgb(1.0f), .position = {0.5f, 1.0f, 0.7f}};
+    const LightSample sample = sample_light(lamp, 0, vec3(0.5f));
+    for (const float sigma : {1e1f, 1e2f, 1e3f, 2.5e3f, 6e3f, 1e4f, 3e4f, 5e4f, 1e5f}) {
+        CAPTURE(sigma);
+        const auto scene =
+            scene_of({{{0, 0, 0}, {6, 5, 4}, {.name = "soot", .lobes = {{Rgb(sigma), 0.0f}}, .sigma_a_per_m = {}}}});
+        Progress progress;
+        const Media media(*scene, progress);
+        MediaRays rays{media, {}, {0}, {}};
+        rays.add({{-1, 0, 0}, glm::normalize(vec3(2, 1, 0.5f)), 0.0f, 5.0f});
+        std::vector<Rgb> radiance(1, Rgb(0.0f));
+        LocalScatter(media, sample, false).add_scattered(rays.columns(), nullptr, radiance, {});
+        const double away2 = glm::dot(dvec3(1.5, 1.0, 0.7), dvec3(1.5, 1.0, 0.7));
+        const double expected = 1.0 / (4.0 * std::numbers::pi * away2); // sigma_s / sigma_t is 1
+        CHECK(std::abs(radiance[0].x / expected - 1.0) < 3.0 / (sigma * std::sqrt(away2)) + 1e-4);
+    }
+}
