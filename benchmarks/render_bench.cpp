@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a frame costs before any light shaft: camera rays beside a bare Embree loop of the same run, and the time from
+// What a frame costs before any light shaft: camera rays beside bare Embree loops of the same run, and the time from
 // render() entered to the first picture, geometry sent and hierarchies built included.
 #include "core/parallel.hpp"
 #include "render/frame.hpp"
 #include "support/forest.hpp"
 #include "support/machine.hpp"
+#include <array>
 #include <atomic>
 #include <benchmark/benchmark.h>
 #include <stdexcept>
@@ -113,6 +114,69 @@ static void scene_closest_hit(benchmark::State& state) {
         hits = trace_pixels([&](const Ray& ray) { return scene.closest_hit(ray).is_hit(); });
     report_rays(state, hits);
 }
+/// Calls trace(rays) for every square of 4 x 4 pixels; returns how many rays hit.
+template <typename Trace>
+static std::size_t trace_squares(const Trace& trace) {
+    const Camera camera = forest_camera();
+    const Progress progress;
+    std::atomic<std::size_t> hit_count = 0;
+    parallel_blocks(std::size_t{height_px} / 4, 1, progress, [&](std::size_t begin, std::size_t) {
+        std::size_t hits = 0;
+        std::array<Ray, 16> rays;
+        for (std::uint32_t x = 0; x < width_px; x += 4) {
+            for (std::uint32_t pixel = 0; pixel < 16; ++pixel)
+                rays[pixel] = camera.ray(static_cast<float>(x + pixel % 4) + 0.5f,
+                                         static_cast<float>(4 * begin + pixel / 4) + 0.5f);
+            hits += trace(rays);
+        }
+        hit_count += hits;
+    });
+    return hit_count;
+}
+/// The baseline of packets: the mesh's own hierarchy, rtcIntersect16, coherent, nothing else.
+static void bare_embree_packets(benchmark::State& state) {
+    RTCScene embree = forest_scene().description().meshes[0]->embree_scene();
+    std::size_t hits = 0;
+    for (auto _ : state)
+        hits = trace_squares([&](const std::array<Ray, 16>& rays) {
+            RTCIntersectContext context;
+            rtcInitIntersectContext(&context);
+            context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+            RTCRayHit16 query;
+            alignas(64) std::array<int, 16> valid;
+            for (std::size_t lane = 0; lane < 16; ++lane) {
+                const Ray& ray = rays[lane];
+                valid[lane] = -1;
+                query.ray.org_x[lane] = ray.origin.x, query.ray.org_y[lane] = ray.origin.y;
+                query.ray.org_z[lane] = ray.origin.z, query.ray.tnear[lane] = ray.near_m;
+                query.ray.dir_x[lane] = ray.direction.x, query.ray.dir_y[lane] = ray.direction.y;
+                query.ray.dir_z[lane] = ray.direction.z, query.ray.tfar[lane] = ray.far_m;
+                query.ray.time[lane] = 0.0f, query.ray.mask[lane] = ~0u, query.ray.flags[lane] = 0;
+                query.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+            }
+            rtcIntersect16(valid.data(), embree, &context, &query);
+            std::size_t count = 0;
+            for (const unsigned int geometry : query.hit.geomID)
+                count += geometry != RTC_INVALID_GEOMETRY_ID;
+            return count;
+        });
+    report_rays(state, hits);
+}
+/// The same rays as a frame traces them.
+static void scene_closest_hits(benchmark::State& state) {
+    const Scene& scene = forest_scene();
+    std::size_t hits = 0;
+    for (auto _ : state)
+        hits = trace_squares([&](const std::array<Ray, 16>& rays) {
+            std::array<Hit, 16> found;
+            scene.closest_hits(rays, found);
+            std::size_t count = 0;
+            for (const Hit& hit : found)
+                count += hit.is_hit();
+            return count;
+        });
+    report_rays(state, hits);
+}
 /// A whole frame of one sample: camera rays, materials, one shadow ray per hit, film.
 static void frame_of_one_sample(benchmark::State& state) {
     const Scene& scene = forest_scene();
@@ -156,6 +220,8 @@ static void first_picture_of_100k_instances(benchmark::State& state) {
 
 BENCHMARK(bare_embree_loop)->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(scene_closest_hit)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(bare_embree_packets)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(scene_closest_hits)->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(frame_of_one_sample)->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(first_picture_of_a_million_triangles)->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(first_picture_of_100k_instances)->UseRealTime()->Unit(benchmark::kMillisecond);
