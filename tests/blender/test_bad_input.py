@@ -2,7 +2,8 @@
 """Files from the wild are damaged: no scene may crash us, each culprit is named, and the rest still renders.
 
 The scenes are those of tests/support/damaged_scenes.py, 200 of them, rendered in processes of their own: where one ends
-before its time, the scene it had begun is the one that crashed it, and the next process goes on behind it.
+before its time, the scene it had begun is the one that crashed it, and the next process goes on behind it. Every push
+renders each damage alone; all 200 are among the long tests.
 """
 
 from __future__ import annotations
@@ -18,9 +19,6 @@ import bpy
 import pytest
 
 from support.damaged_scenes import DAMAGES, HIDES_ALL, damages_of
-
-#: On every push in one version; scripts/test.sh --all tries the others.
-pytestmark = [] if bpy.app.version[:2] == (4, 5) else [pytest.mark.long]
 
 ROOT = Path(__file__).parents[2]
 SCENE_COUNT = 200
@@ -49,14 +47,20 @@ def _environment() -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, folders))}
 
 
-@pytest.fixture(scope="module")
-def outcomes() -> dict[int, dict[str, Any]]:
+@pytest.fixture(
+    scope="module",
+    params=[
+        pytest.param((0, len(DAMAGES)), id="each alone"),
+        pytest.param((len(DAMAGES), SCENE_COUNT), id="together", marks=pytest.mark.long),
+    ],
+)
+def outcomes(request: pytest.FixtureRequest) -> dict[int, dict[str, Any]]:
     """What came of each seed; a crash is an outcome without an end."""
     found: dict[int, dict[str, Any]] = {}
-    first = 0
-    while first < SCENE_COUNT:
+    first, end = request.param
+    while first < end:
         run = subprocess.run(
-            _command(first, SCENE_COUNT), env=_environment(), capture_output=True,
+            _command(first, end), env=_environment(), capture_output=True,
             stdin=subprocess.DEVNULL, timeout=TIME_LIMIT_S, check=False, cwd=ROOT,
         )  # fmt: skip
         begun = first
