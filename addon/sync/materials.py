@@ -23,15 +23,18 @@ if TYPE_CHECKING:
 class MaterialReader:
     """The materials and media of one frame, each read once; indices are those of the scene description."""
 
-    def __init__(self, reports: Reports, images: ImageReader) -> None:
+    def __init__(self, reports: Reports, images: ImageReader, override: bpy.types.Material | None = None) -> None:
+        """``override`` is the view layer's: in place of all others, as in Cycles."""
         self.materials: list[Material] = []
         self.media: list[Medium] = []
         self._reports = reports
         self._images = images
+        self._override = override
         self._index_of: dict[bpy.types.Material | None, int] = {}
 
     def index(self, material: bpy.types.Material | None) -> int:
         """None is an empty slot: Blender's default grey."""
+        material = self._override or material
         if material not in self._index_of:
             self._index_of[material] = len(self.materials)
             self.materials.append(self._read(material))

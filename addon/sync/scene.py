@@ -23,7 +23,7 @@ from .worlds import read_world
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from bpy.types import Depsgraph
+    from bpy.types import Depsgraph, World
 
 
 class SceneReader:
@@ -52,11 +52,18 @@ class SceneReader:
         self._forget_stale(depsgraph, is_live=is_live)
         self._images.start_frame()
         poll()
-        placements = read_placements(depsgraph, reports, poll)
-        materials = MaterialReader(reports, self._images)
+        layer = depsgraph.view_layer_eval
+        placements = [
+            placement
+            for placement in read_placements(depsgraph, reports, poll)
+            if layer.use_solid or placement.data is None
+        ]
+        materials = MaterialReader(reports, self._images, layer.material_override)
         is_viewport = depsgraph.mode == "VIEWPORT"
         instances = self._instances(placements, materials, reports, poll, is_viewport=is_viewport)
-        world, medium = read_world(depsgraph.scene_eval.world, reports, self._images)
+        world, medium = read_world(_world_of(depsgraph), reports, self._images)
+        if depsgraph.mode == "RENDER" and depsgraph.scene_eval.render.use_motion_blur:
+            reports.add(f'Scene "{depsgraph.scene_eval.name}"', "motion blur is not drawn")
         poll()
         description = SceneDescription(
             instances=instances,
@@ -136,6 +143,14 @@ def _group(placement: Placement, mesh: Mesh, materials: MaterialReader) -> Insta
         is_camera_visible=placement.is_camera_visible,
         casts_shadow=placement.casts_shadow,
     )
+
+
+def _world_of(depsgraph: Depsgraph) -> World | None:
+    """What the view layer shows of it: none without "Environment", and from 4.3 on a world of its own."""
+    layer = depsgraph.view_layer_eval
+    if not layer.use_sky:
+        return None
+    return getattr(layer, "world_override", None) or depsgraph.scene_eval.world
 
 
 def _lights(placements: list[Placement], reports: Reports) -> tuple[Light, ...]:

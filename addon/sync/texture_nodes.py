@@ -34,7 +34,7 @@ def image_value(reader: ValueReader, at: Socket) -> Value:
     image = reader.images.read(node.image, reader.reports, reader.culprit, associated=not uses_alpha)
     if image is None:
         return WHITE if wants_alpha else MAGENTA
-    if wants_alpha and not image.has_alpha:
+    if wants_alpha and not image.has_alpha and node.extension != "CLIP":  # which is transparent outside
         return WHITE
     if node.projection != "FLAT":
         reader.note(f'image "{image.name}" is projected flat')

@@ -268,6 +268,25 @@ def test_colours_of_an_image_whose_alpha_nobody_uses_are_multiplied_with_it(*, i
     assert ours == pytest.approx(cycles, abs=EXACT if is_float else 1 / 255)
 
 
+@pytest.mark.parametrize("x", [0.0, 2.0], ids=["inside", "outside"])
+def test_outside_a_clipped_image_is_transparent_though_the_image_is_not(x: float) -> None:
+    def build(new: New, link: Link) -> Socket:
+        picture, mix = texture(new), new("ShaderNodeMixShader")
+        picture.extension = "CLIP"
+        place = node(new, "ShaderNodeMapping", Location=(x, 0, 0))
+        link(new("ShaderNodeTexCoord").outputs["UV"], place.inputs["Vector"])
+        link(place.outputs[0], picture.inputs["Vector"])
+        link(picture.outputs["Alpha"], mix.inputs[0])
+        link(new("ShaderNodeBsdfTransparent").outputs[0], mix.inputs[1])
+        link(diffuse(new, link, picture.outputs["Color"]), mix.inputs[2])
+        return mix.outputs[0]
+
+    ours, cycles = both(build)
+    assert ours == pytest.approx(cycles, abs=EXACT)
+    if x:
+        assert ours == pytest.approx(WALL[:3], abs=EXACT)
+
+
 def test_a_missing_image_is_magenta_and_named() -> None:
     def build(new: New, link: Link) -> Socket:
         picture = texture(new)

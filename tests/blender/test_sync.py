@@ -372,3 +372,27 @@ def test_a_stop_is_heard_between_objects(kind: str) -> None:
     with pytest.raises(Stop):
         reader.read(bpy.context.evaluated_depsgraph_get(), Reports(), stop)
     assert len(read(reader).instances) == 5
+
+
+def test_a_view_layer_replaces_materials_and_the_world() -> None:
+    """Its material is in every slot, fog boxes included; without "Environment" there is no world."""
+    scene = empty_scene()
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (1, 1, 1, 1)
+    red, green = red_green()
+    cube(material=red)
+    layer = scene.view_layers[0]
+    layer.material_override = green
+    layer.use_sky = False
+    description = read()
+    assert [one.name for one in description.materials] == ["Green"]
+    assert description.world.radiance == (0, 0, 0)
+
+
+def test_a_view_layer_without_surfaces_keeps_its_lights() -> None:
+    scene = empty_scene()
+    cube()
+    light("POINT", (0, 0, 2))
+    scene.view_layers[0].use_solid = False
+    description = read()
+    assert not description.instances
+    assert len(description.lights) == 1

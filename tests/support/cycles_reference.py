@@ -52,8 +52,8 @@ def rendered_pixels(scene: bpy.types.Scene) -> FloatArray:
     return pixels.reshape(height, width, channels)[..., :3].astype(np.float64)
 
 
-def cycles_pixels(scene: bpy.types.Scene, samples: int = CYCLES_SAMPLES, seed: int = 1) -> FloatArray:
-    """Render in Cycles: direct light and single scattering, at the pixels' centres."""
+def prepare_cycles(scene: bpy.types.Scene, samples: int, seed: int) -> None:
+    """Ask Cycles for direct light and single scattering, at the pixels' centres."""
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
     cycles.device = "CPU"
@@ -71,6 +71,11 @@ def cycles_pixels(scene: bpy.types.Scene, samples: int = CYCLES_SAMPLES, seed: i
         scene.world.cycles.sampling_method, scene.world.cycles.sample_map_resolution = "MANUAL", 512
     if hasattr(cycles, "use_light_tree"):
         cycles.use_light_tree = False
+
+
+def cycles_pixels(scene: bpy.types.Scene, samples: int = CYCLES_SAMPLES, seed: int = 1) -> FloatArray:
+    """Render Combined in Cycles."""
+    prepare_cycles(scene, samples, seed)
     return rendered_pixels(scene)
 
 
