@@ -91,7 +91,8 @@ def compare(scene: bpy.types.Scene, folder: Path, method: str, light_samples: in
     scene.render.engine = "TYNDALL"
     scene.tyndall.pixel_samples = 1
     shafts = scene.tyndall.shafts
-    shafts.method, shafts.light_samples, shafts.shares_strata = method, light_samples, False
+    shafts.method, shafts.light_samples = method, light_samples
+    shafts.shares_strata = shafts.adapts_strata = False
     ours = scattered(scene, folder, "Shafts")
     name = "Volume Direct" if bpy.app.version >= (5, 0, 0) else "VolumeDir"
     seeds = []
