@@ -14,6 +14,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 /// A band of the picture is complete after at most this many pixels: the picture grows while it renders.
 constexpr std::uint32_t pixels_per_band = 1 << 16;
+/// The first band is small: something shows at once.
+constexpr std::uint32_t pixels_of_first_band = 1 << 12;
 constexpr std::chrono::milliseconds least_update_interval{500};
 /// What one sample's camera rays and their light shafts take of its time, roughly, for the progress bar.
 constexpr double surface_share = 0.3;
@@ -87,10 +89,10 @@ private:
     [[nodiscard]] std::uint32_t width() const { return region_.x1 - region_.x0; }
     [[nodiscard]] std::size_t pixel_count() const { return std::size_t{region_.y1 - region_.y0} * width(); }
     [[nodiscard]] std::vector<Band> all_bands() const {
-        const std::uint32_t rows = std::max(1u, pixels_per_band / width());
         std::vector<Band> bands;
         for (std::uint32_t y = region_.y0, end_y = 0; y < region_.y1; y = end_y) {
             constexpr std::uint32_t step = SurfacePass::square_px;
+            const std::uint32_t rows = std::max(1u, (bands.empty() ? pixels_of_first_band : pixels_per_band) / width());
             end_y = std::min((y + rows + step - 1) / step * step, region_.y1);
             bands.push_back({y - region_.y0, end_y - region_.y0});
         }
