@@ -115,6 +115,7 @@ class SceneReader:
                 seen[address] = mesh, seen[address][1] | placement.depends_on
                 if mesh is not None:
                     groups.append(_group(placement, mesh, materials))
+                    _note_hidden_medium(groups[-1], materials, reports)
         except BaseException:
             self._live |= seen  # a viewport reads in slices: the next one goes on from here
             raise
@@ -143,6 +144,15 @@ def _group(placement: Placement, mesh: Mesh, materials: MaterialReader) -> Insta
         is_camera_visible=placement.is_camera_visible,
         casts_shadow=placement.casts_shadow,
     )
+
+
+def _note_hidden_medium(group: Instances, materials: MaterialReader, reports: Reports) -> None:
+    is_hidden = not (group.is_camera_visible and group.casts_shadow)
+    if is_hidden and any(materials.materials[index].medium >= 0 for index in group.materials):
+        reports.add(
+            f'Object "{group.object_names[0]}"',
+            "ray visibility does not reach its volume, which the camera sees and which dims light",
+        )
 
 
 def _world_of(depsgraph: Depsgraph) -> World | None:

@@ -396,3 +396,14 @@ def test_a_view_layer_without_surfaces_keeps_its_lights() -> None:
     description = read()
     assert not description.instances
     assert len(description.lights) == 1
+
+
+def test_a_fog_box_hidden_from_the_camera_is_named() -> None:
+    """In Cycles it would only dim light; here it is there for all rays or for none."""
+    empty_scene()
+    fog = cube("Fog", material("Fog", volume=lambda new, _: node(new, "ShaderNodeVolumeScatter").outputs[0]))
+    assert not read().reports
+    fog.visible_camera = False
+    (line,) = read().reports
+    assert "Fog" in line
+    assert "visibility" in line
