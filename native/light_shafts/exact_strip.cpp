@@ -55,6 +55,18 @@ StripScene make_strip_scene(const Scene& scene, const Progress& progress) {
     return strip;
 }
 
+std::shared_ptr<const StripScene> StripOnDemand::get() const {
+    std::call_once(once_, [this] {
+        // Without the isolation this thread might, while it waits for its own tasks, start another block of rays that
+        // waits for this very flag.
+        tbb::this_task_arena::isolate([this] {
+            const Progress progress; // not cancelled half-way: others wait for it
+            strip_ = std::make_shared<const StripScene>(make_strip_scene(scene_, progress));
+        });
+    });
+    return strip_;
+}
+
 StripRay strip_ray(const ViewRay& ray, const LightSample& light) {
     if (light.is_directional) {
         const DirectionalPlane plane = plane_towards(ray.origin, ray.direction, light.towards_light);

@@ -3,10 +3,23 @@
 #pragma once
 #include "light_shafts/strip_kernel.hpp"
 #include "light_shafts/visibility.hpp"
+#include <mutex>
 
 namespace tyndall::light_shafts {
 /// The scene's occluders. Meshes and hierarchies belong to the scene, which must outlive the result. Throws Cancelled.
 [[nodiscard]] StripScene make_strip_scene(const Scene& scene, const Progress& progress);
+/// The same, made when it is first asked for, and then shared: most frames never need it. Safe from any thread.
+class StripOnDemand {
+public:
+    /// The scene must outlive this.
+    explicit StripOnDemand(const Scene& scene) : scene_(scene) {}
+    [[nodiscard]] std::shared_ptr<const StripScene> get() const;
+
+private:
+    const Scene& scene_;
+    mutable std::once_flag once_;
+    mutable std::shared_ptr<const StripScene> strip_;
+};
 /// The same as make_exact_strip of visibility.hpp, for many lights of one scene.
 [[nodiscard]] std::unique_ptr<Visibility> make_exact_strip(const Scene& scene, const LightSample& light,
                                                            std::shared_ptr<const StripScene> strip);

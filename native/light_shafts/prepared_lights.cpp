@@ -74,6 +74,7 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
     progress.set_message("Light shafts: " + std::to_string(all_beams.size()) + " light samples");
     std::shared_ptr<const StripScene> strip;
     Occluders occluders;
+    const auto strip_on_demand = std::make_shared<const StripOnDemand>(scene);
     std::vector<RaySpan> outer_rays;
     if (all_beams.empty())
         return;
@@ -92,11 +93,11 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
             if (config.method == Method::Exact)
                 beam->visibility = make_exact_strip(scene, beam->sample, strip);
             else if (config.method == Method::Epipolar)
-                beam->visibility =
-                    make_epipolar_beam(scene, occluders, view, beam->sample, outer_rays, share, progress);
+                beam->visibility = make_epipolar_beam(scene, occluders, view, beam->sample, outer_rays, strip_on_demand,
+                                                      share, progress);
             else
-                beam->visibility =
-                    make_shadow_map_beam(scene, occluders, view, beam->sample, outer_rays, share, progress);
+                beam->visibility = make_shadow_map_beam(scene, occluders, view, beam->sample, outer_rays,
+                                                        strip_on_demand, share, progress);
         },
         1);
     float most = -1.0f;

@@ -54,7 +54,8 @@ PreparedRows prepare_rows(const Preparation& preparation, const slope_rows::Layo
     else if (!frame)
         why = light.is_directional ? "the sun shines along the orthographic view" : "the light stands in the camera";
     if (!why.empty()) {
-        prepared.instead = std::make_unique<ExactInstead>(preparation.exact(), why + ": EXACT instead of " + method);
+        prepared.instead = std::make_unique<ExactInstead>(
+            make_exact_strip(preparation.scene, light, preparation.strip->get()), why + ": EXACT instead of " + method);
         return prepared;
     }
     const StageTimer timer(prepared.statistics, "slope rows: layout");
@@ -72,18 +73,11 @@ PreparedRows prepare_rows(const Preparation& preparation, const slope_rows::Layo
 }
 
 RowsVisibility::RowsVisibility(const Preparation& preparation, slope_rows::Rows rows, Statistics statistics)
-    : scene_(preparation.scene), view_(preparation.view), light_(preparation.light), config_(preparation.config),
-      rows_(std::move(rows)), statistics_(std::move(statistics)) {}
+    : scene_(preparation.scene), light_(preparation.light), strip_(preparation.strip), rows_(std::move(rows)),
+      statistics_(std::move(statistics)) {}
 
 const Visibility& RowsVisibility::exact() const {
-    std::call_once(exact_once_, [this] {
-        // Without the isolation this thread might, while it waits for its own tasks, start another block of rays that
-        // waits for this very flag.
-        tbb::this_task_arena::isolate([this] {
-            Progress progress;
-            exact_ = make_exact_strip(scene_, view_, light_, {}, config_, progress);
-        });
-    });
+    std::call_once(exact_once_, [this] { exact_ = make_exact_strip(scene_, light_, strip_->get()); });
     return *exact_;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Visibility from slope rows, however they were filled; the few rays that rows cannot answer go to the exact strip.
 #pragma once
+#include "light_shafts/exact_strip.hpp"
 #include "light_shafts/occluders.hpp"
 #include "light_shafts/slope_rows.hpp"
 #include <atomic>
@@ -13,11 +14,9 @@ struct Preparation {
     const View& view;
     const LightSample& light;
     std::span<const RaySpan> outline;
+    std::shared_ptr<const StripOnDemand> strip; ///< For rays that rows cannot answer.
     const Config& config;
     Progress& progress;
-    [[nodiscard]] std::unique_ptr<Visibility> exact() const {
-        return make_exact_strip(scene, view, light, {}, config, progress);
-    }
 };
 
 class RowsVisibility final : public Visibility {
@@ -39,9 +38,8 @@ private:
     const Visibility& exact() const;
 
     const Scene& scene_;
-    View view_;
     LightSample light_;
-    Config config_;
+    std::shared_ptr<const StripOnDemand> strip_;
     slope_rows::Rows rows_;
     Statistics statistics_;
     mutable std::once_flag exact_once_;

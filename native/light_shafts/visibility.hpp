@@ -69,10 +69,12 @@ MakeVisibility make_shadow_map;  // shadow_map.cpp
 
 struct Occluders;
 struct RaySpan;
+class StripOnDemand;
 /// The same for one of many light samples, which share what is known of the scene and are safe to prepare side by side.
 using MakeBeamVisibility = std::unique_ptr<Visibility>(const Scene& scene, const Occluders& occluders, const View& view,
                                                        const LightSample& light, std::span<const RaySpan> outline,
-                                                       const Config& config, Progress& progress);
+                                                       std::shared_ptr<const StripOnDemand> strip, const Config& config,
+                                                       Progress& progress);
 MakeBeamVisibility make_epipolar_beam;
 MakeBeamVisibility make_shadow_map_beam;
 } // namespace tyndall::light_shafts
