@@ -70,6 +70,11 @@ struct ConstScattered {
     std::span<const Rgb> radiance;
     std::span<const float> average_visibility;
 };
+/// The media along a ray: where they begin and end, and how much of what lies behind they hide, 1 - exp(-optical depth),
+/// mean over the channels; 0 where there are none.
+struct Air {
+    float near_m, far_m, opacity;
+};
 /// Sides of the squares of pixels that share the strata of a light, see shared_strata.hpp; 1: each pixel for itself.
 inline constexpr std::array<std::uint32_t, 3> shared_sides{1, 2, 4};
 
@@ -97,6 +102,8 @@ public:
     /// out[i] gets the light that squares of shared_sides[i] pixels share, still to be averaged by add_shared.
     void scatter(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells,
                  const std::array<Scattered, shared_sides.size()>& out, const Progress& progress, Turn turn) const;
+    /// One per ray.
+    [[nodiscard]] std::vector<Air> find_air(std::span<const ViewRay> rays, const Progress& progress) const;
     /// Gives alone_cell to the rays that pass a lamp whose strata are shared at less than a few times the spacing of the
     /// rays: its light changes from one to the next. Spacing: an angle, or metres between parallel rays.
     void set_alone(std::span<const ViewRay> rays, const View& view, float spacing, std::uint32_t turn_count,

@@ -5,6 +5,7 @@
 #include "light_shafts/shared_strata.hpp"
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <numeric>
 
 namespace tyndall::light_shafts {
@@ -98,6 +99,24 @@ void PreparedLights::add(const LightBeams& light, const Turn& turn, Block& block
 void Shafts::scatter(std::span<const ViewRay> rays, std::span<Rgb> radiance, std::span<float> average_visibility,
                      const Progress& progress, Turn turn) const {
     scatter(rays, {}, {Scattered{radiance, average_visibility}}, progress, turn);
+}
+
+std::vector<Air> Shafts::find_air(std::span<const ViewRay> rays, const Progress& progress) const {
+    const Media& media = prepared_->media;
+    std::vector<Air> air(rays.size());
+    parallel_blocks(rays.size(), 4096, progress, [&](std::size_t begin, std::size_t end) {
+        std::vector<MediumSegment> segments;
+        for (std::size_t ray = begin; ray < end; ++ray) {
+            segments.clear();
+            const ViewRay clipped = clip_to_media(media, rays[ray], segments).clipped;
+            Rgb depth(0.0f);
+            for (const MediumSegment& segment : segments)
+                depth += media.sigma_t_per_m(segment.set) * (segment.far_m - segment.near_m);
+            const float opacity = -(std::expm1(-depth.x) + std::expm1(-depth.y) + std::expm1(-depth.z)) / 3.0f;
+            air[ray] = {clipped.near_m, clipped.far_m, opacity};
+        }
+    });
+    return air;
 }
 
 void Shafts::set_alone(std::span<const ViewRay> rays, const View& view, float spacing, std::uint32_t turn_count,

@@ -6,13 +6,13 @@
 #include <cstdlib>
 
 namespace tyndall::light_shafts {
-/// Rays of two pixels see much the same air: they begin and end within a tenth of their length.
-static bool is_alike(const ViewRay& a, const ViewRay& b) {
+/// Two pixels see much the same air: it begins and ends within a tenth of its distance.
+static bool is_alike(const Air& a, const Air& b) {
     constexpr float tolerance = 0.1f;
     const auto near_each_other = [&](float at_a, float at_b) {
         return at_a == at_b || std::abs(at_a - at_b) <= tolerance * std::min(at_a, at_b);
     };
-    return near_each_other(a.far_m, b.far_m) && near_each_other(a.near_m, b.near_m);
+    return b.opacity > 0.0f && near_each_other(a.far_m, b.far_m) && near_each_other(a.near_m, b.near_m);
 }
 
 void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t first_row, std::uint32_t end_row,
@@ -29,18 +29,19 @@ void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t fi
             for (std::int32_t x = 0; x < width; ++x) {
                 const auto pixel = static_cast<std::size_t>(y) * picture.width_px + static_cast<std::size_t>(x);
                 for (std::uint32_t ray = picture.first_ray[pixel]; ray < picture.first_ray[pixel + 1]; ++ray) {
-                    if (picture.cells[ray] == alone_cell)
+                    const Air& air = picture.air[ray];
+                    if (picture.cells[ray] == alone_cell || !(air.opacity > 0.0f))
                         continue;
                     Rgb radiance(0.0f);
-                    float visibility = 0.0f, weight_sum = 0.0f;
+                    float visibility = 0.0f, weight_sum = 0.0f, opacity_sum = 0.0f;
                     for (std::int32_t dy = std::max(-reach, -y); dy <= std::min(reach, height - 1 - y); ++dy)
                         for (std::int32_t dx = std::max(-reach, -x); dx <= std::min(reach, width - 1 - x); ++dx) {
                             const auto beside = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(pixel) +
                                                                          static_cast<std::ptrdiff_t>(dy) * width + dx);
                             std::uint32_t other = picture.first_ray[beside];
                             const std::uint32_t end = picture.first_ray[beside + 1];
-                            while (other < end && (picture.cells[other] == alone_cell ||
-                                                   !is_alike(picture.rays[ray], picture.rays[other])))
+                            while (other < end &&
+                                   (picture.cells[other] == alone_cell || !is_alike(air, picture.air[other])))
                                 ++other;
                             if (other == end)
                                 continue;
@@ -49,8 +50,10 @@ void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t fi
                             if (has_visibility)
                                 visibility += weight * shared.average_visibility[other];
                             weight_sum += weight;
+                            opacity_sum += weight * picture.air[other].opacity;
                         }
-                    sum.radiance[ray] += radiance / weight_sum; // the ray itself is like itself
+                    // Neither sum is 0: the ray itself is like itself.
+                    sum.radiance[ray] += radiance * (air.opacity / opacity_sum);
                     if (has_visibility)
                         sum.average_visibility[ray] += visibility / weight_sum;
                 }

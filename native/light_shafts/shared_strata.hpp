@@ -4,7 +4,8 @@
 // Based on: Keller and Heidrich, Interleaved Sampling, Rendering Workshop 2001; Segovia et al., Non-interleaved Deferred
 //           Shading of Interleaved Sample Patterns, Graphics Hardware 2006 (averaging across the pattern).
 // Differs:  only lights whose strata outnumber the samples take part, hard shafts stay as sharp as their pixels; a tent
-//           over one period and a pixel counts every stratum exactly once; neighbours count where their rays end alike;
+//           over one period and a pixel counts every stratum exactly once; neighbours count where their air lies alike,
+//           and in proportion to its opacity: the rim of a cloud stays a rim;
 //           rays that pass close to a lamp, where its light changes from pixel to pixel, share nothing.
 // Bound:    9 or 25 neighbours per ray; a light is asked once per ray instead of once per stratum. Unbiased over the
 //           square; its blur of at most two pixels ends when the samples reach the number of strata.
@@ -24,15 +25,16 @@ namespace tyndall::light_shafts {
 /// Of a ray that shares nothing.
 inline constexpr std::uint8_t alone_cell = 255;
 
-/// All rays of one pass over a picture, pixel by pixel in rows.
+/// The media along all rays of one pass over a picture, pixel by pixel in rows.
 struct PictureRays {
     std::uint32_t width_px, height_px;
-    std::span<const std::uint32_t> first_ray; ///< Pixel p owns rays[first_ray[p] .. first_ray[p + 1]).
-    std::span<const ViewRay> rays;
-    std::span<const std::uint8_t> cells; ///< Per ray.
+    std::span<const std::uint32_t> first_ray; ///< Pixel p owns air[first_ray[p] .. first_ray[p + 1]).
+    std::span<const Air> air;                 ///< Per ray.
+    std::span<const std::uint8_t> cells;      ///< Per ray.
 };
 /// Adds to each ray of the rows [first_row, end_row) the mean that its neighbours within `side` pixels have in `shared`
-/// (one value per ray, of a pass), without those whose rays end elsewhere or share nothing.
+/// (one value per ray, of a pass) in proportion to the opacity of their air, without those whose air lies elsewhere or
+/// who share nothing.
 void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t first_row, std::uint32_t end_row,
                 const ConstScattered& shared, const Scattered& sum, const Progress& progress);
 } // namespace tyndall::light_shafts

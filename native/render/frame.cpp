@@ -28,7 +28,8 @@ struct ScatteredParts {
         std::vector<float> visibility;
     };
     std::array<Light, light_shafts::shared_sides.size()> of_side;
-    std::vector<std::uint8_t> cells; ///< Of the parts' pixels; empty: nothing is shared.
+    std::vector<std::uint8_t> cells;    ///< Of the parts' pixels; empty: nothing is shared.
+    std::vector<light_shafts::Air> air; ///< Per part, where something is shared.
 };
 struct Band {
     std::uint32_t first_row, end_row;
@@ -194,6 +195,8 @@ private:
                                                             region_.y0 + static_cast<std::uint32_t>(pixel / width()))) %
                                               16));
         }
+        if (used[1] || used[2])
+            room.air = shafts_->find_air(waiting.rays, progress_);
         if (!room.cells.empty())
             shafts_->set_alone(waiting.rays, view(), pixel_spacing(), round_samples_, room.cells);
         for (std::size_t side = 0; side < used.size(); ++side) {
@@ -234,7 +237,7 @@ private:
         for (std::size_t side = 1; side < scattered.of_side.size(); ++side)
             if (const auto& shared = scattered.of_side[side]; !shared.radiance.empty())
                 light_shafts::add_shared(
-                    {width(), region_.y1 - region_.y0, waiting.first, waiting.rays, scattered.cells},
+                    {width(), region_.y1 - region_.y0, waiting.first, scattered.air, scattered.cells},
                     light_shafts::shared_sides[side], band.first_row, band.end_row,
                     {shared.radiance, shared.visibility}, {radiance, visibility}, progress_);
         for (std::size_t pixel = std::size_t{band.first_row} * width(); pixel < std::size_t{band.end_row} * width();

@@ -115,21 +115,21 @@ TEST_CASE("a pixel takes in every cell of the square once, and nothing from wher
     constexpr std::uint32_t width = 13, height = 11;
     Progress progress;
     std::vector<std::uint32_t> first_ray{0};
-    std::vector<light_shafts::ViewRay> rays;
+    std::vector<light_shafts::Air> air;
     std::vector<std::uint8_t> cells;
     for (std::uint32_t pixel = 0; pixel < width * height; ++pixel) {
         // Two columns of rays end far behind the others; pixel (5, 5) has no ray.
         const bool is_far = pixel % width >= 11;
         if (pixel != 5 * width + 5)
-            rays.push_back({vec3(0), vec3(0, 1, 0), 0.0f, is_far ? 50.0f : 10.0f + 0.01f * float(pixel % 7)});
+            air.push_back({0.0f, is_far ? 50.0f : 10.0f + 0.01f * float(pixel % 7), 0.5f});
         // Pixel (2, 3) shares nothing.
-        cells.resize(rays.size(), pixel == 3 * width + 2 ? light_shafts::alone_cell : 0);
-        first_ray.push_back(static_cast<std::uint32_t>(rays.size()));
+        cells.resize(air.size(), pixel == 3 * width + 2 ? light_shafts::alone_cell : 0);
+        first_ray.push_back(static_cast<std::uint32_t>(air.size()));
     }
     for (const std::uint32_t side : {2u, 4u})
         for (std::uint32_t cell = 0; cell < side * side; ++cell) {
-            std::vector<Rgb> shared(rays.size(), Rgb(0.0f)), sum(rays.size(), Rgb(0.0f));
-            std::vector<float> visibility(rays.size(), 0.25f), visibility_sum(rays.size(), 0.5f);
+            std::vector<Rgb> shared(air.size(), Rgb(0.0f)), sum(air.size(), Rgb(0.0f));
+            std::vector<float> visibility(air.size(), 0.25f), visibility_sum(air.size(), 0.5f);
             for (std::uint32_t pixel = 0; pixel < width * height; ++pixel)
                 if (first_ray[pixel] < first_ray[pixel + 1]) {
                     const bool is_far = pixel % width >= 11;
@@ -138,7 +138,7 @@ TEST_CASE("a pixel takes in every cell of the square once, and nothing from wher
                     const bool is_alone = cells[first_ray[pixel]] == light_shafts::alone_cell;
                     shared[first_ray[pixel]] = Rgb(is_far || is_alone ? 100.0f : is_mine ? 1.0f : 0.0f);
                 }
-            light_shafts::add_shared({width, height, first_ray, rays, cells}, side, 0, height, {shared, visibility},
+            light_shafts::add_shared({width, height, first_ray, air, cells}, side, 0, height, {shared, visibility},
                                      {sum, visibility_sum}, progress);
             const auto at = [&](std::uint32_t x, std::uint32_t y) { return sum[first_ray[y * width + x]].x; };
             CHECK(std::abs(at(2, 8) - 1.0f / float(side * side)) < 1e-6f);
@@ -147,9 +147,28 @@ TEST_CASE("a pixel takes in every cell of the square once, and nothing from wher
             CHECK(at(12, 3) == 100.0f); // among them, at the picture's border
             CHECK(at(2, 3) == 0.0f);    // alone
             CHECK(at(3, 3) <= 1.0f);    // beside it
-            for (std::size_t ray = 0; ray < rays.size(); ++ray)
+            for (std::size_t ray = 0; ray < air.size(); ++ray)
                 CHECK(std::abs(visibility_sum[ray] - (cells[ray] == 0 ? 0.75f : 0.5f)) < 1e-6f);
         }
+}
+
+TEST_CASE("where light is in proportion to the opacity of the air, sharing changes nothing: a cloud keeps its rim") {
+    constexpr std::uint32_t width = 9, height = 9;
+    Progress progress;
+    std::vector<std::uint32_t> first_ray{0};
+    std::vector<light_shafts::Air> air;
+    std::vector<Rgb> shared;
+    for (std::uint32_t pixel = 0; pixel < width * height; ++pixel) {
+        const float opacity = pixel % width < 3 ? 0.0f : 0.1f * float(pixel % width);
+        air.push_back({2.0f, 2.0f + 0.1f * opacity, opacity});
+        shared.push_back(3.0f * Rgb(opacity));
+        first_ray.push_back(pixel + 1);
+    }
+    const std::vector<std::uint8_t> cells(air.size(), 0);
+    std::vector<Rgb> sum(air.size(), Rgb(0.0f));
+    light_shafts::add_shared({width, height, first_ray, air, cells}, 4, 0, height, {shared, {}}, {sum, {}}, progress);
+    for (std::size_t ray = 0; ray < air.size(); ++ray)
+        CHECK(glm::length(sum[ray] - shared[ray]) <= 1e-6f * glm::length(shared[ray]));
 }
 
 TEST_CASE("rays that pass close to a lamp share nothing and ask for all strata themselves") {
