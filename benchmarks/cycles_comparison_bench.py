@@ -57,7 +57,7 @@ LADDER = (
     Setting(2, 0.05),
     Setting(4, 0.05),
     Setting(8, 0.02, 0.02),
-    Setting(16, 0.02, 0.01),
+    Setting(16, 0.02, 0.01, repetitions=1),
     Setting(32, 0.01, 0.005, repetitions=1),
 )
 #: Of the pixels: how many of the worst are left out.

@@ -29,8 +29,8 @@ import bpy, os
 picture = os.environ["TYNDALL_DEMO_PICTURE"]
 scene = bpy.context.scene
 render = scene.render
-# A first look: the file itself asks for full HD and 16 samples.
-render.resolution_percentage, scene.tyndall.pixel_samples = 50, 4
+# A first look: the file itself asks for full HD.
+render.resolution_percentage = 50
 render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
 render.filepath = picture + ".exr"
 bpy.ops.render.render(write_still=True)

@@ -92,8 +92,8 @@ FEW_CYCLES_SAMPLES = 64
 
 def check(arrangement: Arrangement, methods: tuple[str, ...], cycles_samples: int = CYCLES_SAMPLES) -> None:
     if arrangement.medium == "two phases" and bpy.app.version < (4, 0, 0):
-        # Where they overlap it is 4 % brighter than Cycles 4.5, with which our same picture agrees.
-        pytest.skip("Cycles 3.4 does not mix the phase functions of overlapping media")
+        # There it is 4 % brighter than ours, which agrees with Cycles 4.5 and 5.0; what it does is not known.
+        pytest.skip("Cycles 3.4 disagrees with Cycles 4.5 about overlapping media of two phase functions")
     is_small = arrangement.light in SMALL
     scene = build(arrangement, *((48, 27) if is_small else (96, 54)))
     world_samples = 2048 if is_small else 512
