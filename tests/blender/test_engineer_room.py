@@ -131,7 +131,8 @@ def test_the_beam_through_the_window_is_that_of_cycles(room: bpy.types.Scene, tm
 def test_all_lamps_are_close_to_cycles(room: bpy.types.Scene, tmp_path: Path) -> None:
     """Around lamps of 0.25 m that stand inside shelves the haze is up to 15 % darker than in Cycles, the picture 1 %.
 
-    Perhaps because strata that stand still are hidden by other boards than Cycles' discs, which turn towards each point.
+    Perhaps because strata that stand still are hidden by other boards than Cycles' discs, which turn towards each
+    point.
     """
     found = compare(room, tmp_path, "EPIPOLAR", light_samples=8, cycles_samples=48)
     print(found)
