@@ -107,7 +107,7 @@ public:
     /// Gives alone_cell to the rays that pass a lamp whose strata are shared at less than a few times the spacing of the
     /// rays: its light changes from one to the next. Spacing: an angle, or metres between parallel rays.
     void set_alone(std::span<const ViewRay> rays, const View& view, float spacing, std::uint32_t turn_count,
-                   std::span<std::uint8_t> cells) const;
+                   std::span<std::uint8_t> cells, const Progress& progress) const;
     /// Whether out[i] of shared_sides gets any light when a picture has turn_count passes.
     [[nodiscard]] std::array<bool, shared_sides.size()> sides_used(std::uint32_t turn_count) const;
     /// Of the preparation: what was built, which lights were skipped and why.

@@ -120,13 +120,13 @@ std::vector<Air> Shafts::find_air(std::span<const ViewRay> rays, const Progress&
 }
 
 void Shafts::set_alone(std::span<const ViewRay> rays, const View& view, float spacing, std::uint32_t turn_count,
-                       std::span<std::uint8_t> cells) const {
+                       std::span<std::uint8_t> cells, const Progress& progress) const {
     constexpr float spacings = 8.0f; // the mean of 1 / distance over two pixels around is then right to 2 %
     std::vector<vec3> lamps;
     for (const LightBeams& light : prepared_->lights)
         if (light.beams.front().local && sharing(light.beams.size(), turn_count).count > 1)
             lamps.push_back(prepared_->media.scene().lights()[light.light].position);
-    for (std::size_t ray = 0; ray < rays.size(); ++ray)
+    parallel_for(rays.size(), progress, [&](std::size_t ray) {
         for (const vec3& lamp : lamps) {
             const vec3 way = lamp - rays[ray].origin;
             const float along = glm::dot(way, rays[ray].direction);
@@ -134,6 +134,7 @@ void Shafts::set_alone(std::span<const ViewRay> rays, const View& view, float sp
             if (along > rays[ray].near_m && glm::dot(way, way) - along * along < limit * limit)
                 cells[ray] = alone_cell;
         }
+    });
 }
 
 std::array<bool, shared_sides.size()> Shafts::sides_used(std::uint32_t turn_count) const {

@@ -183,8 +183,9 @@ private:
     [[nodiscard]] ScatteredParts room_for(std::uint32_t sample, const WaitingParts& waiting) const {
         ScatteredParts room;
         std::array used{true, false, false};
-        if (config_.shafts.shares_strata && config_.shafts.method != light_shafts::Method::Exact) {
+        if (config_.shafts.shares_strata && config_.shafts.method != light_shafts::Method::Exact)
             used = shafts_->sides_used(round_samples_);
+        if (used[1] || used[2]) {
             // Each round deals the cells out anew: 5 is a step along the squares of 4 x 4 and of 2 x 2.
             const std::uint32_t turned = sample / round_samples_ * 5;
             for (std::size_t pixel = 0; pixel < pixel_count(); ++pixel)
@@ -194,11 +195,9 @@ private:
                                                             region_.x0 + static_cast<std::uint32_t>(pixel % width()),
                                                             region_.y0 + static_cast<std::uint32_t>(pixel / width()))) %
                                               16));
-        }
-        if (used[1] || used[2])
+            shafts_->set_alone(waiting.rays, view(), pixel_spacing(), round_samples_, room.cells, progress_);
             room.air = shafts_->find_air(waiting.rays, progress_);
-        if (!room.cells.empty())
-            shafts_->set_alone(waiting.rays, view(), pixel_spacing(), round_samples_, room.cells);
+        }
         for (std::size_t side = 0; side < used.size(); ++side) {
             room.of_side[side].radiance.resize(used[side] ? waiting.rays.size() : 0);
             if (sums_.wants(Pass::ShaftsVisibility))
@@ -240,8 +239,9 @@ private:
                     {width(), region_.y1 - region_.y0, waiting.first, scattered.air, scattered.cells},
                     light_shafts::shared_sides[side], band.first_row, band.end_row,
                     {shared.radiance, shared.visibility}, {radiance, visibility}, progress_);
-        for (std::size_t pixel = std::size_t{band.first_row} * width(); pixel < std::size_t{band.end_row} * width();
-             ++pixel) {
+        const std::size_t first_pixel = std::size_t{band.first_row} * width();
+        parallel_for(std::size_t{band.end_row} * width() - first_pixel, progress_, [&](std::size_t index) {
+            const std::size_t pixel = first_pixel + index;
             Rgb sum(0.0f);
             float visible = 0.0f, weight_sum = 0.0f;
             for (std::uint32_t part = waiting.first[pixel]; part < waiting.first[pixel + 1]; ++part) {
@@ -255,7 +255,7 @@ private:
                 sums_.add_shafts(pixel, sum, visible / weight_sum);
             if (noise_)
                 noise_->add(pixel, sum);
-        }
+        });
         shaft_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
     }
 

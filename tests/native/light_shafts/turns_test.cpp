@@ -181,10 +181,10 @@ TEST_CASE("rays that pass close to a lamp share nothing and ask for all strata t
         rays.push_back({lamp.view.position, glm::normalize(at_lamp + vec3(spacings * spacing_rad, 0, 0)), 0.0f, 10.0f});
     rays.push_back({lamp.view.position, -at_lamp, 0.0f, 10.0f}); // the lamp is behind
     std::vector<std::uint8_t> cells(rays.size(), 3);
-    shafts.set_alone(rays, lamp.view, spacing_rad, 16, cells);
+    shafts.set_alone(rays, lamp.view, spacing_rad, 16, cells, lamp.progress);
     for (const std::uint8_t cell : cells)
         CHECK(cell == 3); // as many passes as strata: nothing is shared
-    shafts.set_alone(rays, lamp.view, spacing_rad, 1, cells);
+    shafts.set_alone(rays, lamp.view, spacing_rad, 1, cells, lamp.progress);
     CHECK(cells == std::vector<std::uint8_t>{255, 255, 255, 3, 3, 3});
 
     std::vector<Rgb> truth(3);
