@@ -16,16 +16,14 @@ static slope_rows::LayoutConfig layout_of(const Config& config) {
 
 std::unique_ptr<Visibility> make_epipolar(const Scene& scene, const View& view, const LightSample& light,
                                           std::span<const ViewRay> rays, const Config& config, Progress& progress) {
-    return make_epipolar_beam(scene, gather_occluders(scene.description(), progress), view, light,
-                              outline(view.is_orthographic, rays, progress),
-                              std::make_shared<const StripOnDemand>(scene), config, progress);
+    return make_alone(make_epipolar_beam, scene, view, light, rays, config, progress);
 }
 
 std::unique_ptr<Visibility> make_epipolar_beam(const Scene& scene, const Occluders& occluders, const View& view,
                                                const LightSample& light, std::span<const RaySpan> outline,
                                                std::shared_ptr<const StripOnDemand> strip, const Config& config,
                                                Progress& progress) {
-    const Preparation preparation{scene, occluders, view, light, outline, std::move(strip), config, progress};
+    const Preparation preparation{scene, occluders, view, light, outline, std::move(strip), progress};
     PreparedRows prepared = prepare_rows(preparation, layout_of(config), "EPIPOLAR");
     if (prepared.instead)
         return std::move(prepared.instead);

@@ -7,6 +7,7 @@
 #else
 #define TYNDALL_ROW_QUERY_PIECES_INL
 #endif
+#include "light_shafts/exp-inl.hpp"
 #include "light_shafts/row_query_lane-inl.hpp"
 #include <array>
 
@@ -16,23 +17,6 @@ using V = hn::Vec<LineTag>;
 static constexpr LineTag d;
 static constexpr hn::RebindToSigned<LineTag> di;
 static constexpr std::size_t lanes = hn::MaxLanes(d), parts = block_lines / lanes;
-
-/// exp(x), relative error 3e-7; 0 below -87, no more than exp(80).
-/// Based on: Cephes expf (Moshier).
-static HWY_INLINE V exp_of(V x) {
-    x = hn::Min(hn::Max(x, hn::Set(d, -87.0f)), hn::Set(d, 80.0f));
-    const V n = hn::Round(hn::Mul(x, hn::Set(d, 1.44269504f)));
-    V f = hn::NegMulAdd(n, hn::Set(d, 0.693359375f), x);
-    f = hn::MulAdd(n, hn::Set(d, 2.12194440e-4f), f);
-    V p = hn::MulAdd(hn::Set(d, 1.9875691500e-4f), f, hn::Set(d, 1.3981999507e-3f));
-    p = hn::MulAdd(p, f, hn::Set(d, 8.3334519073e-3f));
-    p = hn::MulAdd(p, f, hn::Set(d, 4.1665795894e-2f));
-    p = hn::MulAdd(p, f, hn::Set(d, 1.6666665459e-1f));
-    p = hn::MulAdd(p, f, hn::Set(d, 5.0000001201e-1f));
-    p = hn::Add(hn::MulAdd(p, hn::Mul(f, f), f), hn::Set(d, 1.0f));
-    const auto exponent = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, n), hn::Set(di, 127)));
-    return hn::Mul(p, hn::BitCast(d, exponent));
-}
 
 /// q, q^2, q^4 and q^8.
 struct Powers {
@@ -125,7 +109,7 @@ HWY_INLINE void PieceBatch::evaluate() {
                 const V depth = hn::MulAdd(slope_c, hn::Sub(middle, own_near), at_near);
                 return hn::Mul(
                     hn::Mul(source, length),
-                    hn::Mul(exp_of(hn::Neg(depth)), mean_around_middle(hn::Mul(half, hn::Mul(slope_c, length)))));
+                    hn::Mul(exp_of(d, hn::Neg(depth)), mean_around_middle(hn::Mul(half, hn::Mul(slope_c, length)))));
             };
             const auto store_powers = [&](V q, std::array<Column<float>, 4>& columns) {
                 V sum = one; // of q^0 .. q^15
@@ -136,10 +120,10 @@ HWY_INLINE void PieceBatch::evaluate() {
                 }
                 return sum;
             };
-            hn::Store(store_powers(exp_of(hn::Neg(line_gain)), of_line[c]), d, &block_sum[c][i]);
-            store_powers(exp_of(hn::Mul(line_gain, hn::Set(d, -16.0f))), of_block[c]);
-            hn::Store(exp_of(hn::Mul(line_gain, hn::Set(d, -256.0f))), d, &of_group[c][i]);
-            hn::Store(exp_of(hn::Neg(hn::Mul(line_gain, lines_before_last))), d, &last_block[c][i]);
+            hn::Store(store_powers(exp_of(d, hn::Neg(line_gain)), of_line[c]), d, &block_sum[c][i]);
+            store_powers(exp_of(d, hn::Mul(line_gain, hn::Set(d, -16.0f))), of_block[c]);
+            hn::Store(exp_of(d, hn::Mul(line_gain, hn::Set(d, -256.0f))), d, &of_group[c][i]);
+            hn::Store(exp_of(d, hn::Neg(hn::Mul(line_gain, lines_before_last))), d, &last_block[c][i]);
             hn::Store(mean_at(block_middle, step), d, &per_line[c][i]);
             hn::Store(mean_at(begin_middle, begin_length), d, &at_begin[c][i]);
             hn::Store(mean_at(end_middle, end_length), d, &at_end[c][i]);

@@ -93,16 +93,14 @@ static slope_rows::LayoutConfig map_layout_of(const Config& config) {
 
 std::unique_ptr<Visibility> make_shadow_map(const Scene& scene, const View& view, const LightSample& light,
                                             std::span<const ViewRay> rays, const Config& config, Progress& progress) {
-    return make_shadow_map_beam(scene, gather_occluders(scene.description(), progress), view, light,
-                                outline(view.is_orthographic, rays, progress),
-                                std::make_shared<const StripOnDemand>(scene), config, progress);
+    return make_alone(make_shadow_map_beam, scene, view, light, rays, config, progress);
 }
 
 std::unique_ptr<Visibility> make_shadow_map_beam(const Scene& scene, const Occluders& occluders, const View& view,
                                                  const LightSample& light, std::span<const RaySpan> outline,
                                                  std::shared_ptr<const StripOnDemand> strip, const Config& config,
                                                  Progress& progress) {
-    const Preparation preparation{scene, occluders, view, light, outline, std::move(strip), config, progress};
+    const Preparation preparation{scene, occluders, view, light, outline, std::move(strip), progress};
     const slope_rows::LayoutConfig layout = map_layout_of(config);
     PreparedRows prepared = prepare_rows(preparation, layout, "SHADOW_MAP");
     if (prepared.instead)

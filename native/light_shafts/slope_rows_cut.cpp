@@ -11,24 +11,10 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "light_shafts/slope_rows_angle-inl.hpp"
+#include "light_shafts/slope_rows_frame-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::light_shafts::HWY_NAMESPACE {
-using namespace slope_rows;
-using Tag = hn::CappedTag<float, 16>;
-using V = hn::Vec<Tag>;
-using Mask = hn::Mask<Tag>;
-static constexpr Tag d;
-static constexpr hn::RebindToSigned<Tag> di;
-
-static HWY_INLINE V set(float value) { return hn::Set(d, value); }
-static HWY_INLINE V linear_at(const Linear& f, V a, V r) {
-    return hn::MulAdd(set(f.per_axial), a, hn::MulAdd(set(f.per_radial), r, set(f.at_origin)));
-}
-static HWY_INLINE V line_at(const Frame& frame, V a, V r) {
-    return frame.is_angular ? atan2_of(d, hn::Mul(set(frame.angle_scale), r), linear_at(frame.x, a, r)) : r;
-}
 
 /// Segments of one vector of cuts, ready to raster.
 struct Segments {

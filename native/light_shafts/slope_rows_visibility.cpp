@@ -36,6 +36,14 @@ private:
 };
 } // namespace
 
+std::unique_ptr<Visibility> make_alone(MakeBeamVisibility& make, const Scene& scene, const View& view,
+                                       const LightSample& light, std::span<const ViewRay> rays, const Config& config,
+                                       Progress& progress) {
+    return make(scene, gather_occluders(scene.description(), progress), view, light,
+                outline(view.is_orthographic, rays, progress), std::make_shared<const StripOnDemand>(scene), config,
+                progress);
+}
+
 PreparedRows prepare_rows(const Preparation& preparation, const slope_rows::LayoutConfig& layout,
                           const std::string& method) {
     PreparedRows prepared;

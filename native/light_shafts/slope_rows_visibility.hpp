@@ -15,7 +15,6 @@ struct Preparation {
     const LightSample& light;
     std::span<const RaySpan> outline;
     std::shared_ptr<const StripOnDemand> strip; ///< For rays that rows cannot answer.
-    const Config& config;
     Progress& progress;
 };
 
@@ -46,6 +45,11 @@ private:
     mutable std::unique_ptr<Visibility> exact_;
     mutable std::atomic<std::size_t> near_epipole_count_ = 0, outside_count_ = 0;
 };
+
+/// One light sample of a scene that nothing has been gathered of yet.
+[[nodiscard]] std::unique_ptr<Visibility> make_alone(MakeBeamVisibility& make, const Scene& scene, const View& view,
+                                                     const LightSample& light, std::span<const ViewRay> rays,
+                                                     const Config& config, Progress& progress);
 
 /// What both methods on slope rows begin with.
 struct PreparedRows {
