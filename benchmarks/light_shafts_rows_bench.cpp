@@ -82,20 +82,17 @@ std::vector<PieceRows> make_pieces(const ShaftScene& scene, std::span<const View
 
 struct Answer {
     std::vector<Rgb> radiance;
-    std::vector<float> lit_length_m;
 };
 void query(const slope_rows::Rows& rows, std::span<const ViewRay> rays, const std::vector<PieceRows>& pieces,
            Answer& answer) {
     Progress progress;
     answer.radiance.resize(rays.size());
-    answer.lit_length_m.resize(rays.size());
     parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
         thread_local row_query::Unanswered unanswered;
         std::fill(answer.radiance.begin() + static_cast<std::ptrdiff_t>(begin),
                   answer.radiance.begin() + static_cast<std::ptrdiff_t>(end), Rgb(0.0f));
         row_query::add_scattered(rows, rays.subspan(begin, end - begin), pieces[begin / rays_per_block],
-                                 std::span(answer.radiance).subspan(begin, end - begin),
-                                 std::span(answer.lit_length_m).subspan(begin, end - begin), unanswered);
+                                 std::span(answer.radiance).subspan(begin, end - begin), {}, unanswered);
     });
 }
 
@@ -109,7 +106,6 @@ void query_by_slice(const slope_rows::Rows& rows, const ShaftScene& scene, std::
         thread_local row_query::Unanswered unanswered;
         std::array<ViewRay, rays_per_call> some;
         std::array<Rgb, rays_per_call> of_some;
-        std::array<float, rays_per_call> lit_length_m;
         thread_local PieceRows some_pieces;
         some_pieces.clear();
         of_some.fill(Rgb(0.0f));
@@ -120,8 +116,8 @@ void query_by_slice(const slope_rows::Rows& rows, const ShaftScene& scene, std::
             some_pieces.end_ray();
         }
         const std::size_t count = end - begin;
-        row_query::add_scattered(rows, std::span(some).first(count), some_pieces, std::span(of_some).first(count),
-                                 std::span(lit_length_m).first(count), unanswered);
+        row_query::add_scattered(rows, std::span(some).first(count), some_pieces, std::span(of_some).first(count), {},
+                                 unanswered);
         for (std::size_t i = begin; i < end; ++i)
             radiance[order[i]] = of_some[i - begin];
     });

@@ -72,7 +72,8 @@ void PreparedLights::add(const Beam& beam, Block& block) const {
             beam.directional->append_pieces(block.rays[ray], block.segments_of(ray), block.pieces.pieces);
             block.pieces.end_ray();
         }
-        beam.visibility->add_scattered(block.rays, block.pieces, block.radiance, block.lit_length_m);
+        beam.visibility->add_scattered(block.rays, block.pieces, block.radiance,
+                                       block.wants_visibility ? std::span(block.lit_length_m) : std::span<float>());
         return;
     }
     if (block.local.is_empty())

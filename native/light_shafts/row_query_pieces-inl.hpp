@@ -17,6 +17,7 @@ using V = hn::Vec<LineTag>;
 static constexpr LineTag d;
 static constexpr hn::RebindToSigned<LineTag> di;
 static constexpr std::size_t lanes = hn::MaxLanes(d), parts = block_lines / lanes;
+static constexpr std::int32_t blocks_per_word = 64; ///< A bit each.
 
 /// q, q^2, q^4 and q^8.
 struct Powers {

@@ -58,6 +58,8 @@ void place_rays_of(const Frame& frame, const ViewRay* rays, std::size_t count, P
         hn::Store(radial, d, &placed.radial[i]);
         hn::Store(da, d, &placed.axial_per_m[i]);
         hn::Store(radial_per_m, d, &placed.radial_per_m[i]);
+        hn::Store(near_m, d, &placed.near_m[i]);
+        hn::Store(far_m, d, &placed.far_m[i]);
         hn::Store(end(near_m), d, &placed.near_line[i]);
         hn::Store(end(far_m), d, &placed.far_line[i]);
     }

@@ -9,7 +9,8 @@ namespace tyndall::light_shafts::slope_rows {
 struct PlacedRays {
     static constexpr std::size_t capacity = 256;
     using Column = std::array<float, capacity>;
-    alignas(64) Column slice_coordinate, slope, axial, radial, axial_per_m, radial_per_m, near_line, far_line;
+    alignas(64) Column slice_coordinate, slope, axial, radial, axial_per_m,
+        radial_per_m, near_m, far_m, near_line, far_line;
 };
 /// At most PlacedRays::capacity rays.
 void place_rays(const Frame& frame, std::span<const ViewRay> rays, PlacedRays& placed);

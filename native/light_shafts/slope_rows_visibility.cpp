@@ -149,7 +149,8 @@ static void add_some(const Visibility& visibility, std::span<const std::uint32_t
         visibility.add_scattered(some_rays, some_pieces, some_radiance, some_lengths);
     for (std::size_t i = 0; i < indices.size(); ++i) {
         radiance[indices[i]] += some_radiance[i];
-        lit_length_m[indices[i]] += some_lengths[i];
+        if (!lit_length_m.empty())
+            lit_length_m[indices[i]] += some_lengths[i];
     }
 }
 

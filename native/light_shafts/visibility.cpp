@@ -21,9 +21,10 @@ void Visibility::add_scattered(std::span<const ViewRay> rays, const PieceRows& p
                 if (!(near_m < far_m))
                     continue;
                 radiance[ray] += lit.transmittance * scattered(pieces.pieces[at], near_m, far_m);
-                lit_length_m[ray] +=
-                    (far_m - near_m) *
-                    ((lit.transmittance.x + lit.transmittance.y + lit.transmittance.z) * (1.0f / 3.0f));
+                if (!lit_length_m.empty())
+                    lit_length_m[ray] +=
+                        (far_m - near_m) *
+                        ((lit.transmittance.x + lit.transmittance.y + lit.transmittance.z) * (1.0f / 3.0f));
             }
         }
     }

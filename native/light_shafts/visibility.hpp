@@ -48,7 +48,7 @@ public:
     /// with its own `rows`.
     virtual void lit_intervals(std::span<const ViewRay> rays, LitRows& rows) const = 0;
     /// Adds to each ray the radiance that its pieces scatter where they are lit, and to lit_length_m the length of the
-    /// lit parts (weighted by the transmittance's mean). By lit_intervals, unless a method fuses the two.
+    /// lit parts (weighted by the transmittance's mean), unless that is empty: not asked for. By lit_intervals, unless a method fuses the two.
     virtual void add_scattered(std::span<const ViewRay> rays, const PieceRows& pieces, std::span<Rgb> radiance,
                                std::span<float> lit_length_m) const;
     /// The order in which to ask for many rays, so that what they read stays in the cache; empty: any.

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The rays of a call that rows answer, in columns and slice by slice, compiled once per SIMD target.
+#if defined(TYNDALL_ROW_QUERY_ASKED_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef TYNDALL_ROW_QUERY_ASKED_INL
+#undef TYNDALL_ROW_QUERY_ASKED_INL
+#else
+#define TYNDALL_ROW_QUERY_ASKED_INL
+#endif
+#include "light_shafts/row_query_lane-inl.hpp"
+#include <utility>
+
+HWY_BEFORE_NAMESPACE();
+namespace tyndall::light_shafts::HWY_NAMESPACE {
+/// Rays with pieces, in columns; a vector may be loaded from any of them on.
+struct Asked {
+    template <class Value>
+    using Column = std::array<Value, PlacedRays::capacity + block_lines>;
+    alignas(64) Column<float> slope, first_line, last_line, near_index, m_per_line, near_m, far_m;
+    alignas(64) Column<std::int32_t> number, slice, first_piece, piece_count; ///< number: of the ray in the block.
+    std::size_t count = 0;
+    std::uint32_t first_of_call = 0; ///< Ray of the call that has number 0.
+
+    /// Of placed rays those that are not empty, have pieces and are covered by rows; the others are named.
+    void select(const Layout& layout, const PlacedRays& placed, const RowHits& hits,
+                std::span<const std::uint32_t> piece, row_query::Uncovered& uncovered) {
+        const auto d = lines_tag;
+        static constexpr hn::RebindToSigned<LineTag> di;
+        const std::size_t ray_count = piece.size() - 1;
+        alignas(64) Column<std::int32_t> first_of; // one more than there are rays, and to the end of a vector
+        for (std::size_t i = 0; i < piece.size(); ++i)
+            first_of[i] = static_cast<std::int32_t>(piece[i] - piece[0]);
+        count = 0;
+        for (std::size_t i = 0; i < ray_count; i += hn::Lanes(d)) {
+            const auto near = hn::Load(d, &placed.near_m[i]), far = hn::Load(d, &placed.far_m[i]);
+            const auto first = hn::Load(di, &first_of[i]), past = hn::LoadU(di, &first_of[i + 1]);
+            auto is_asked = hn::And(hn::Lt(near, far), hn::RebindMask(d, hn::Lt(first, past)));
+            if (ray_count - i < hn::Lanes(d))
+                is_asked = hn::And(is_asked, hn::FirstN(d, ray_count - i));
+            const auto is_covered = hn::RebindMask(
+                d, hn::Eq(hn::Load(di, &hits.cover[i]), hn::Set(di, static_cast<std::int32_t>(Cover::Rows))));
+            for (std::uint32_t left = bits_of(hn::AndNot(is_covered, is_asked)); left != 0; left &= left - 1) {
+                const std::size_t ray = i + static_cast<std::size_t>(__builtin_ctz(left));
+                const bool is_near = static_cast<Cover>(hits.cover[ray]) == Cover::NearEpipole;
+                (is_near ? uncovered.near_epipole : uncovered.outside)
+                    .push_back(first_of_call + static_cast<std::uint32_t>(ray));
+            }
+            const auto kept = hn::And(is_asked, is_covered);
+            const auto keep = [&](auto value, auto& column) {
+                const hn::DFromV<decltype(value)> tag;
+                hn::StoreU(hn::Compress(value, hn::RebindMask(tag, kept)), tag, &column[count]);
+            };
+            keep(hn::Load(d, &placed.slope[i]), slope);
+            keep(hn::ConvertTo(d, hn::Load(di, &hits.first[i])), first_line);
+            keep(hn::ConvertTo(d, hn::Load(di, &hits.last[i])), last_line);
+            keep(hn::Load(d, &hits.near_index[i]), near_index);
+            keep(hn::Div(hn::Set(d, layout.line_step), hn::Load(d, &placed.radial_per_m[i])), m_per_line);
+            keep(near, near_m);
+            keep(far, far_m);
+            keep(hn::Add(hn::Iota(di, 0), hn::Set(di, static_cast<std::int32_t>(i))), number);
+            keep(hn::Load(di, &hits.slice[i]), slice);
+            keep(first, first_piece);
+            keep(hn::Sub(past, first), piece_count);
+            count += hn::CountTrue(d, kept);
+        }
+    }
+
+    /// By slices, which keep their order, so that neighbours in the picture stay neighbours. Rays in more than
+    /// most_slices slices share too little, and stay where they are.
+    void sort() {
+        constexpr std::int32_t most_slices = 1024;
+        bool is_sorted = true;
+        std::int32_t least = count > 0 ? slice[0] : 0, most = least;
+        for (std::size_t i = 1; i < count; ++i) {
+            is_sorted = is_sorted && slice[i - 1] <= slice[i];
+            least = std::min(least, slice[i]);
+            most = std::max(most, slice[i]);
+        }
+        if (is_sorted || most - least >= most_slices)
+            return;
+        std::array<std::uint16_t, most_slices> next{};
+        for (std::size_t i = 0; i < count; ++i)
+            ++next[static_cast<std::size_t>(slice[i] - least)];
+        std::uint16_t total = 0;
+        for (std::int32_t s = 0; s <= most - least; ++s)
+            total = static_cast<std::uint16_t>(total + std::exchange(next[static_cast<std::size_t>(s)], total));
+        Column<std::uint16_t> place;
+        for (std::size_t i = 0; i < count; ++i)
+            place[i] = next[static_cast<std::size_t>(slice[i] - least)]++;
+        const auto move = [&](auto& column) {
+            const auto from = column;
+            for (std::size_t i = 0; i < count; ++i)
+                column[place[i]] = from[i];
+        };
+        for (auto* column : {&slope, &first_line, &last_line, &near_index, &m_per_line, &near_m, &far_m})
+            move(*column);
+        for (auto* column : {&number, &slice, &first_piece, &piece_count})
+            move(*column);
+    }
+};
+} // namespace tyndall::light_shafts::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
