@@ -51,11 +51,22 @@ vec4 texel(const Texture& texture, std::int64_t column, std::int64_t row) {
 /// Of a coordinate that is not finite, or farther than 64 bits count texels: the first texel.
 float bounded(float position) { return std::abs(position) < 1e15f ? position : 0.0f; }
 std::int64_t floor_to_texel(float position) { return static_cast<std::int64_t>(std::floor(position)); }
+
+constexpr vec4 missing_image(1, 0, 1, 1); // what Blender shows
+
+vec4 decoded(const Texture& texture, const vec4& value) {
+    vec3 colour(value);
+    if (texture.has_alpha && value.w != 0.0f)
+        colour /= value.w;
+    if (texture.is_srgb && texture.floats.empty())
+        colour = vec3(linear_from_srgb(colour.x), linear_from_srgb(colour.y), linear_from_srgb(colour.z));
+    return {colour, value.w};
+}
 } // namespace
 
 vec4 Texture::lookup(vec2 uv) const {
     if (width == 0 || height == 0)
-        return {1, 0, 1, 1}; // what Blender shows for a missing image
+        return missing_image;
     const vec2 position(bounded(uv.x * static_cast<float>(width)), bounded(uv.y * static_cast<float>(height)));
     vec4 value;
     if (interpolation == TextureInterpolation::Closest) {
@@ -67,11 +78,10 @@ vec4 Texture::lookup(vec2 uv) const {
         value = glm::mix(glm::mix(texel(*this, x, y), texel(*this, x + 1, y), share.x),
                          glm::mix(texel(*this, x, y + 1), texel(*this, x + 1, y + 1), share.x), share.y);
     }
-    vec3 colour(value);
-    if (has_alpha && value.w != 0.0f)
-        colour /= value.w;
-    if (is_srgb && floats.empty())
-        colour = vec3(linear_from_srgb(colour.x), linear_from_srgb(colour.y), linear_from_srgb(colour.z));
-    return {colour, value.w};
+    return decoded(*this, value);
+}
+
+vec4 Texture::at(std::int64_t column, std::int64_t row) const {
+    return width == 0 || height == 0 ? missing_image : decoded(*this, texel(*this, column, row));
 }
 } // namespace tyndall

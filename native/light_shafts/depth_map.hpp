@@ -5,6 +5,7 @@
 // coordinates are x/z, y/z and 1/z, in which planes stay planes.
 // Bound:    4 bytes per texel; one cut per triangle and row of texels.
 #pragma once
+#include "light_shafts/slope_rows_partial.hpp"
 #include "light_shafts/slope_rows_raster.hpp"
 
 namespace tyndall::light_shafts {
@@ -33,4 +34,7 @@ struct MapWindow {
 /// Throws Cancelled.
 void raster_depth(DepthMap& map, const MapWindow& window, std::uint32_t resolution, const Occluders& occluders,
                   const Progress& progress);
+/// Adds what lets a part of the light pass to the texels of raster_depth. Throws Cancelled.
+void raster_partial_depth(DepthMap& map, const MapWindow& window, const PartialShading& shading,
+                          const Progress& progress);
 } // namespace tyndall::light_shafts

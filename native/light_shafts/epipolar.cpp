@@ -2,8 +2,8 @@
 // Visibility by the epipolar raster, see slope_rows_raster.hpp.
 // Error:    first order in the spacing of lines and slices: a lit interval's end is off by at most half a line, and a
 //           shaft by at most half a slice.
+#include "light_shafts/coloured_rows.hpp"
 #include "light_shafts/slope_rows_raster.hpp"
-#include "light_shafts/slope_rows_visibility.hpp"
 #include <algorithm>
 
 namespace tyndall::light_shafts {
@@ -27,10 +27,11 @@ std::unique_ptr<Visibility> make_epipolar_beam(const Scene& scene, const Occlude
     PreparedRows prepared = prepare_rows(preparation, layout_of(config), "EPIPOLAR");
     if (prepared.instead)
         return std::move(prepared.instead);
-    {
-        const StageTimer timer(prepared.statistics, "slope rows: raster");
-        slope_rows::raster(*prepared.rows, occluders, progress);
-    }
-    return std::make_unique<RowsVisibility>(preparation, std::move(*prepared.rows), std::move(prepared.statistics));
+    return fill_rows(preparation, std::move(prepared), config.seed,
+                     [&](slope_rows::Rows& rows, const PartialShading& partial, Statistics& statistics) {
+                         const StageTimer timer(statistics, "slope rows: raster");
+                         slope_rows::raster(rows, occluders, progress);
+                         slope_rows::raster_partial(rows, partial, progress);
+                     });
 }
 } // namespace tyndall::light_shafts

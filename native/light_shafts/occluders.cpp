@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <optional>
 
 namespace tyndall::light_shafts {
 namespace {
@@ -23,33 +24,84 @@ struct MeshUse {
     auto operator<=>(const MeshUse&) const = default;
 };
 
-std::optional<MeshUse> use_of(const SceneDescription& scene, const Instance& instance,
-                              std::optional<std::string>& transmitting_material) {
-    MeshUse use{.mesh = instance.mesh_index, .is_opaque = {}};
+/// A mesh with the material of each slot whose triangles let a part of the light pass.
+struct PartialUse {
+    static constexpr std::uint32_t none = ~0u;
+    std::uint32_t mesh;
+    std::vector<std::uint32_t> materials;
+    auto operator<=>(const PartialUse&) const = default;
+};
+
+struct Uses {
+    std::optional<MeshUse> opaque;
+    std::optional<PartialUse> partial;
+};
+Uses uses_of(const SceneDescription& scene, const Instance& instance) {
+    MeshUse opaque{.mesh = instance.mesh_index, .is_opaque = {}};
+    PartialUse partial{.mesh = instance.mesh_index, .materials = {}};
     for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot) {
-        const Material& material = scene.materials[scene.slot_materials[instance.first_slot_material + slot]];
-        const Passage passes = passage(material);
-        use.is_opaque.push_back(passes == Passage::Nothing);
-        if (passes == Passage::Something)
-            transmitting_material = material.name;
+        const std::uint32_t material = scene.slot_materials[instance.first_slot_material + slot];
+        const Passage passes = passage(scene.materials[material]);
+        opaque.is_opaque.push_back(passes == Passage::Nothing);
+        partial.materials.push_back(passes == Passage::Something ? material : PartialUse::none);
     }
-    if (std::ranges::find(use.is_opaque, true) == use.is_opaque.end())
-        return std::nullopt;
-    if (std::ranges::find(use.is_opaque, false) == use.is_opaque.end())
-        use.is_opaque.clear();
-    return use;
+    Uses uses;
+    if (std::ranges::any_of(partial.materials, [](std::uint32_t material) { return material != PartialUse::none; }))
+        uses.partial = std::move(partial);
+    if (std::ranges::find(opaque.is_opaque, true) == opaque.is_opaque.end())
+        return uses;
+    if (std::ranges::find(opaque.is_opaque, false) == opaque.is_opaque.end())
+        opaque.is_opaque.clear();
+    uses.opaque = std::move(opaque);
+    return uses;
 }
 
+/// Triangles of the slots for which `is_wanted`.
+template <typename IsWanted>
+std::vector<std::uint32_t> select(const MeshArrays& mesh, std::size_t slot_count, const IsWanted& is_wanted) {
+    std::vector<std::uint32_t> selected;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const std::size_t slot = mesh.material_slots.empty() ? 0 : mesh.material_slots[t];
+        if (is_wanted(std::min(slot, slot_count - 1)))
+            selected.push_back(t);
+    }
+    return selected;
+}
+std::unique_ptr<const OccluderMesh> make_mesh(const MeshArrays& mesh, std::span<const std::uint32_t> selected) {
+    std::vector<uvec3> triangles;
+    for (const std::uint32_t t : selected)
+        triangles.push_back(mesh.triangles[t]);
+    return make_occluder_mesh(mesh.positions, triangles);
+}
 std::unique_ptr<const OccluderMesh> make_mesh(const MeshArrays& mesh, const MeshUse& use) {
     if (use.is_opaque.empty())
         return make_occluder_mesh(mesh.positions, mesh.triangles);
-    std::vector<uvec3> selected;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        const std::size_t slot = mesh.material_slots.empty() ? 0 : mesh.material_slots[t];
-        if (use.is_opaque[std::min(slot, use.is_opaque.size() - 1)])
-            selected.push_back(mesh.triangles[t]);
+    return make_mesh(mesh, select(mesh, use.is_opaque.size(), [&](std::size_t slot) { return use.is_opaque[slot]; }));
+}
+
+/// `lookup_of` is by material.
+std::unique_ptr<const PartialOccluderMesh> make_partial_mesh(const MeshArrays& mesh, const PartialUse& use,
+                                                             std::span<const TransparencyLookup* const> lookup_of) {
+    auto partial = std::make_unique<PartialOccluderMesh>();
+    partial->arrays = &mesh;
+    const std::vector<std::uint32_t> selected =
+        select(mesh, use.materials.size(), [&](std::size_t slot) { return use.materials[slot] != PartialUse::none; });
+    partial->geometry = make_mesh(mesh, selected);
+    for (const std::uint32_t t : partial->geometry->order)
+        partial->triangles.push_back(selected[t]);
+    for (const std::uint32_t material : use.materials) {
+        PartialOccluderMesh::Slot& slot = partial->slots.emplace_back();
+        if (material == PartialUse::none)
+            continue;
+        slot.lookup = lookup_of[material];
+        partial->is_coloured |= slot.lookup->is_coloured();
+        for (const std::string& name : slot.lookup->material().uv_map_names) {
+            const auto map =
+                name.empty() ? mesh.uv_maps.begin() : std::ranges::find(mesh.uv_maps, name, &MeshArrays::UvMap::name);
+            slot.corner_uvs.push_back(map == mesh.uv_maps.end() ? nullptr : map->corner_uvs.data());
+        }
     }
-    return make_occluder_mesh(mesh.positions, selected);
+    return partial;
 }
 
 /// Spreads the lowest 10 bits to every third place.
@@ -98,7 +150,8 @@ std::unique_ptr<const OccluderMesh> make_occluder_mesh(std::span<const vec3> pos
     for (const uvec3& corners : triangles)
         for (int c = 0; c < 3; ++c)
             mesh->bounds.grow(positions[corners[c]]);
-    const std::vector<std::uint32_t> order = order_in_space(positions, triangles, mesh->bounds);
+    mesh->order = order_in_space(positions, triangles, mesh->bounds);
+    const std::vector<std::uint32_t>& order = mesh->order;
     const auto padded = [](std::size_t count) { return (count + 15) / 16 * 16; };
     constexpr std::size_t capacity = OccluderBlock::capacity;
     mesh->columns.resize(9 * (triangles.size() / capacity * capacity + padded(triangles.size() % capacity)));
@@ -128,27 +181,62 @@ void Occluders::add(const OccluderMesh* mesh, const mat4* scene_from_object) {
         triangle_count += block.count;
 }
 
+/// Uses without their repetitions, and which one each instance has.
+template <typename Use>
+struct DistinctUses {
+    std::map<Use, std::size_t> index_of;
+    std::vector<Use> uses;
+    std::vector<std::pair<std::size_t, std::uint32_t>> instances; ///< Into uses, and into the scene's instances.
+
+    void add(Use use, std::uint32_t instance) {
+        const auto [found, is_new] = index_of.try_emplace(std::move(use), uses.size());
+        if (is_new)
+            uses.push_back(found->first);
+        instances.emplace_back(found->second, instance);
+    }
+};
+
 Occluders gather_occluders(const SceneDescription& scene, const Progress& progress) {
     Occluders occluders;
-    std::map<MeshUse, std::size_t> index_of; // into uses
-    std::vector<MeshUse> uses;
-    std::vector<std::pair<std::size_t, const mat4*>> instances;
-    for (const Instance& instance : scene.instances) {
+    DistinctUses<MeshUse> opaque;
+    DistinctUses<PartialUse> partial;
+    for (std::uint32_t index = 0; index < scene.instances.size(); ++index) {
+        const Instance& instance = scene.instances[index];
         if (!instance.casts_shadow || instance.slot_count == 0)
             continue;
-        if (auto use = use_of(scene, instance, occluders.transmitting_material)) {
-            const auto [found, is_new] = index_of.try_emplace(*use, uses.size());
-            if (is_new)
-                uses.push_back(std::move(*use));
-            instances.emplace_back(found->second, &instance.world_from_object);
-        }
+        Uses uses = uses_of(scene, instance);
+        if (uses.opaque)
+            opaque.add(std::move(*uses.opaque), index);
+        if (uses.partial)
+            partial.add(std::move(*uses.partial), index);
     }
-    occluders.meshes.resize(uses.size());
+    std::vector<const TransparencyLookup*> lookup_of(scene.materials.size(), nullptr);
+    for (const PartialUse& use : partial.uses)
+        for (const std::uint32_t material : use.materials)
+            if (material != PartialUse::none && lookup_of[material] == nullptr)
+                lookup_of[material] =
+                    occluders.lookups
+                        .emplace_back(std::make_unique<const TransparencyLookup>(scene.materials[material]))
+                        .get();
+    occluders.meshes.resize(opaque.uses.size());
+    occluders.partial_meshes.resize(partial.uses.size());
+    const auto arrays = [&](std::uint32_t mesh) -> const MeshArrays& { return scene.meshes[mesh]->arrays(); };
     parallel_for(
-        uses.size(), progress,
-        [&](std::size_t i) { occluders.meshes[i] = make_mesh(scene.meshes[uses[i].mesh]->arrays(), uses[i]); }, 1);
-    for (const auto& [mesh, scene_from_object] : instances)
-        occluders.add(occluders.meshes[mesh].get(), scene_from_object);
+        opaque.uses.size() + partial.uses.size(), progress,
+        [&](std::size_t i) {
+            if (i < opaque.uses.size()) {
+                occluders.meshes[i] = make_mesh(arrays(opaque.uses[i].mesh), opaque.uses[i]);
+                return;
+            }
+            const PartialUse& use = partial.uses[i - opaque.uses.size()];
+            occluders.partial_meshes[i - opaque.uses.size()] = make_partial_mesh(arrays(use.mesh), use, lookup_of);
+        },
+        1);
+    for (const auto& [use, instance] : opaque.instances)
+        occluders.add(occluders.meshes[use].get(), &scene.instances[instance].world_from_object);
+    for (const auto& [use, instance] : partial.instances)
+        if (const auto& mesh = occluders.partial_meshes[use]; !mesh->triangles.empty())
+            occluders.partial_instances.push_back({mesh.get(), &scene.instances[instance].world_from_object, instance});
     return occluders;
 }
 } // namespace tyndall::light_shafts

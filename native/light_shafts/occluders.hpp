@@ -4,14 +4,14 @@
 // Bound:    36 bytes per triangle of a mesh, read at the width of a vector; no gather, no index.
 #pragma once
 #include "core/progress.hpp"
+#include "light_shafts/transparency_lookup.hpp"
 #include "scene/scene.hpp"
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
 namespace tyndall::light_shafts {
-/// Triangles of a mesh that lie close together, all opaque.
+/// Triangles of a mesh that lie close together.
 struct OccluderBlock {
     static constexpr std::size_t capacity = 256;
     const float* columns = nullptr; ///< Nine: x, y, z of corner 0, then of 1 and 2; each `stride` floats long.
@@ -26,6 +26,7 @@ struct OccluderBlock {
 struct OccluderMesh {
     std::vector<float> columns;
     std::vector<OccluderBlock> blocks;
+    std::vector<std::uint32_t> order; ///< Of the triangles it was made of: block b begins with order[capacity * b].
     Bounds3 bounds;
 };
 struct OccluderInstance {
@@ -33,14 +34,34 @@ struct OccluderInstance {
     const mat4* scene_from_object = nullptr;
 };
 
+/// The triangles of a mesh that let a part of the light pass.
+struct PartialOccluderMesh {
+    /// How a triangle's material slot is looked up.
+    struct Slot {
+        const TransparencyLookup* lookup = nullptr; ///< Nothing: its triangles are not among these.
+        std::vector<const vec2*> corner_uvs;        ///< Per UV map of the material; nothing where the mesh lacks it.
+    };
+    std::unique_ptr<const OccluderMesh> geometry;
+    std::vector<std::uint32_t> triangles; ///< Of the scene's mesh, in the order of the blocks.
+    const MeshArrays* arrays = nullptr;
+    std::vector<Slot> slots;
+    bool is_coloured = false;
+};
+struct PartialOccluderInstance {
+    const PartialOccluderMesh* mesh = nullptr;
+    const mat4* scene_from_object = nullptr;
+    std::uint32_t index = 0; ///< Into SceneDescription::instances.
+};
+
 struct Occluders {
     std::vector<std::unique_ptr<const OccluderMesh>> meshes;
     std::vector<OccluderInstance> instances;
-    std::size_t triangle_count = 0; ///< Of all instances.
-    /// A material that lets a part of the light pass, or whose program decides where: a yes or no per light line
-    /// cannot hold it, and the caller falls back to a method that follows the light through surfaces.
-    std::optional<std::string> transmitting_material;
+    std::size_t triangle_count = 0; ///< Of all opaque instances.
+    std::vector<std::unique_ptr<const TransparencyLookup>> lookups;
+    std::vector<std::unique_ptr<const PartialOccluderMesh>> partial_meshes;
+    std::vector<PartialOccluderInstance> partial_instances;
 
+    [[nodiscard]] bool is_empty() const { return triangle_count == 0 && partial_instances.empty(); }
     /// `scene_from_object` must outlive this.
     void add(const OccluderMesh* mesh, const mat4* scene_from_object);
 };

@@ -118,7 +118,7 @@ void append_partial_shadows(const Scene& scene, const StripMesh& mesh, const Par
     borders.assign({0.0, 1.0});
     append_texel_borders(material, arrays, cut.triangle, at, borders);
     std::ranges::sort(borders);
-    const glm::dmat4 world_from_object(instance.world_from_object);
+    const vec3 normal_in_object(glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0])));
     const dvec3 from_x = dvec3(ray.coordinates.x.direction), from_y = dvec3(ray.coordinates.y.direction);
     for (std::size_t border = 1; border < borders.size(); ++border) {
         const double first = borders[border - 1], last = borders[border], middle = 0.5 * (first + last);
@@ -131,8 +131,6 @@ void append_partial_shadows(const Scene& scene, const StripMesh& mesh, const Par
         // The shadow ray's own direction, from the ray's point to the light: a material may tell front from back.
         const double lit_x = onto_ray(ray, x(middle), y(middle));
         const dvec3 towards_light = (x(middle) - lit_x) * from_x + y(middle) * from_y;
-        const dvec3 edge1 = dvec3(world_from_object * glm::dvec4(corners[1] - corners[0], 0.0));
-        const dvec3 edge2 = dvec3(world_from_object * glm::dvec4(corners[2] - corners[0], 0.0));
         const double length = glm::length(towards_light);
         const Ray shadow_ray{.origin = vec3(0.0f),
                              .direction = length > 0.0 ? vec3(towards_light / length) : vec3(from_y),
@@ -141,7 +139,7 @@ void append_partial_shadows(const Scene& scene, const StripMesh& mesh, const Par
                       .instance = mesh.instance,
                       .triangle = cut.triangle,
                       .barycentrics = vec2(barycentrics),
-                      .geometric_normal = glm::normalize(vec3(glm::cross(edge1, edge2)))};
+                      .geometric_normal = normal_in_object};
         shadows.push_back({static_cast<float>(std::min(a, b)), static_cast<float>(std::max(a, b)),
                            scene.transparency(shadow_ray, hit)});
     }

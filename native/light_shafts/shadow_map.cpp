@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/shadow_map.hpp"
+#include "light_shafts/coloured_rows.hpp"
 #include "light_shafts/slope_rows_visibility.hpp"
 #include <algorithm>
 #include <numbers>
@@ -59,8 +60,13 @@ FacePoint face_point(const ShadowMap& map, const vec3& from_light) {
 }
 
 ShadowMap raster_shadow_map(const Layout& layout, const LightSample& light, std::uint32_t resolution,
-                            const Occluders& occluders, const Progress& progress) {
+                            const Occluders& occluders, const Progress& progress, const PartialShading* partial) {
     ShadowMap map;
+    const auto raster_face = [&](DepthMap& face, const MapWindow& window) {
+        raster_depth(face, window, resolution, occluders, progress);
+        if (partial != nullptr)
+            raster_partial_depth(face, window, *partial, progress);
+    };
     if (light.is_directional) {
         DepthMap& face = map.faces.emplace_back();
         const Frame& frame = layout.frame;
@@ -68,20 +74,19 @@ ShadowMap raster_shadow_map(const Layout& layout, const LightSample& light, std:
         face.x_axis = frame.u;
         face.y_axis = frame.v;
         face.z_axis = frame.axis;
-        raster_depth(face, sun_window(layout), resolution, occluders, progress);
+        raster_face(face, sun_window(layout));
         return map;
     }
     if (is_narrow_spot(light)) {
         DepthMap& face = map.faces.emplace_back(make_face(light.position, light.spot->spot_axis));
         const float side = 1.02f * std::tan(light.spot->spot_half_angle_rad);
-        raster_depth(face, {vec2(-side), vec2(side)}, resolution, occluders, progress);
+        raster_face(face, {vec2(-side), vec2(side)});
         return map;
     }
     map.is_cube = true;
     for (const vec3& axis :
          {vec3(1, 0, 0), vec3(-1, 0, 0), vec3(0, 1, 0), vec3(0, -1, 0), vec3(0, 0, 1), vec3(0, 0, -1)})
-        raster_depth(map.faces.emplace_back(make_face(light.position, axis)), {vec2(-1.0f), vec2(1.0f)}, resolution,
-                     occluders, progress);
+        raster_face(map.faces.emplace_back(make_face(light.position, axis)), {vec2(-1.0f), vec2(1.0f)});
     return map;
 }
 
@@ -105,16 +110,18 @@ std::unique_ptr<Visibility> make_shadow_map_beam(const Scene& scene, const Occlu
     PreparedRows prepared = prepare_rows(preparation, layout, "SHADOW_MAP");
     if (prepared.instead)
         return std::move(prepared.instead);
-    ShadowMap map;
-    {
-        const StageTimer timer(prepared.statistics, "shadow map: raster");
-        map = raster_shadow_map(prepared.rows->layout, light, layout.lines, occluders, progress);
-    }
-    {
-        const StageTimer timer(prepared.statistics, "shadow map: rectify");
-        rectify(map, *prepared.rows, progress);
-    }
-    prepared.statistics.count("shadow map: faces", static_cast<double>(map.faces.size()));
-    return std::make_unique<RowsVisibility>(preparation, std::move(*prepared.rows), std::move(prepared.statistics));
+    return fill_rows(preparation, std::move(prepared), config.seed,
+                     [&](Rows& rows, const PartialShading& partial, Statistics& statistics) {
+                         ShadowMap map;
+                         {
+                             const StageTimer timer(statistics, "shadow map: raster");
+                             map = raster_shadow_map(rows.layout, light, layout.lines, occluders, progress, &partial);
+                         }
+                         {
+                             const StageTimer timer(statistics, "shadow map: rectify");
+                             rectify(map, rows, progress);
+                         }
+                         statistics.count("shadow map: faces", static_cast<double>(map.faces.size()));
+                     });
 }
 } // namespace tyndall::light_shafts

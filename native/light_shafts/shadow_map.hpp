@@ -13,10 +13,11 @@ struct ShadowMap {
     bool is_cube = false;
     std::vector<DepthMap> faces;
 };
-/// Maps of `resolution` texels per side that cover what the rows' light lines need. Throws Cancelled.
+/// Maps of `resolution` texels per side that cover what the rows' light lines need; with what lets a part of the light
+/// pass, if `partial` says how. Throws Cancelled.
 [[nodiscard]] ShadowMap raster_shadow_map(const slope_rows::Layout& layout, const LightSample& light,
                                           std::uint32_t resolution, const Occluders& occluders,
-                                          const Progress& progress);
+                                          const Progress& progress, const PartialShading* partial = nullptr);
 /// Fills the rows: each sample from the texel that its light line falls into. Throws Cancelled.
 void rectify(const ShadowMap& map, slope_rows::Rows& rows, const Progress& progress);
 /// The face and its coordinates for a direction that leaves the light; nothing where no face looks.

@@ -99,7 +99,7 @@ static HWY_INLINE Angles angles_of(const V* x, const V* y) {
 }
 
 void place_triangles_of(const Layout& layout, const SliceNeeds& needs, const TriangleSource& source,
-                        PlacedTriangles& placed) {
+                        PlacedTriangles& placed, std::int32_t* kept) {
     constexpr float turn = 2 * std::numbers::pi_v<float>;
     const Frame& frame = layout.frame;
     const mat3& m = source.frame_from_object;
@@ -193,6 +193,10 @@ void place_triangles_of(const Layout& layout, const SliceNeeds& needs, const Tri
         }
         keep(first, placed.first_slice);
         keep(last, placed.last_slice);
+        if (kept != nullptr)
+            hn::StoreU(hn::Compress(hn::Add(hn::Iota(di, 0), hn::Set(di, static_cast<std::int32_t>(i))),
+                                    hn::RebindMask(di, matters)),
+                       di, kept + placed.count);
         placed.count += hn::CountTrue(d, matters);
     }
 }
@@ -211,9 +215,9 @@ void place_rays(const Frame& frame, std::span<const ViewRay> rays, PlacedRays& p
         HWY_DYNAMIC_DISPATCH(place_rays_of)(frame, rays.data(), rays.size(), placed);
 }
 void place_triangles(const Layout& layout, const SliceNeeds& needs, const TriangleSource& source,
-                     PlacedTriangles& placed) {
+                     PlacedTriangles& placed, std::int32_t* kept) {
     if (source.count > 0)
-        HWY_DYNAMIC_DISPATCH(place_triangles_of)(layout, needs, source, placed);
+        HWY_DYNAMIC_DISPATCH(place_triangles_of)(layout, needs, source, placed, kept);
 }
 } // namespace tyndall::light_shafts::slope_rows
 #endif

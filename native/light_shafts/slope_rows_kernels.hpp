@@ -33,6 +33,16 @@ struct PlacedTriangles {
     alignas(64) Column first_slice, last_slice;
     std::size_t count = 0;
 };
+/// Triangles that let a part of the light pass: which ones they are, and what their corners weigh.
+struct PlacedPartials : PlacedTriangles {
+    alignas(64) std::array<std::int32_t, capacity + 16> triangle;  ///< Of the scene's mesh.
+    alignas(64) std::array<std::uint32_t, capacity + 16> instance; ///< Into Occluders::partial_instances.
+    /// For parts of triangles in a face of a cube: the weights of the triangle's own second and third corner at each
+    /// corner of the part, times `a`, so that weight / a is right between them; has_weights false: (0, 1, 0), (0, 0, 1).
+    alignas(64) std::array<Column, 6> weight;
+    bool has_weights = false;
+};
+
 /// Triangles in columns as an OccluderBlock has them, and where their object stands.
 struct TriangleSource {
     const float* columns;
@@ -40,9 +50,10 @@ struct TriangleSource {
     mat3 frame_from_object; ///< Rows of (u, v, axis) times the instance's linear part.
     vec3 origin_in_frame;   ///< Of the object: (u, v, axis).
 };
-/// Appends those triangles that may touch a sample which matters; there must be room for all.
+/// Appends those triangles that may touch a sample which matters; there must be room for all. `kept`, unless null, gets
+/// the index of each appended triangle at its place in `placed`.
 void place_triangles(const Layout& layout, const SliceNeeds& needs, const TriangleSource& source,
-                     PlacedTriangles& placed);
+                     PlacedTriangles& placed, std::int32_t* kept = nullptr);
 
 /// Cuts the triangles by the slices [first, end), keeps the largest slope per line, and empties `placed`.
 void raster_triangles(Rows& rows, std::int32_t first_slice, std::int32_t end_slice, PlacedTriangles& placed);

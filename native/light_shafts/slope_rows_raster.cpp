@@ -1,37 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/slope_rows_raster.hpp"
 #include "core/parallel.hpp"
-#include "light_shafts/slope_rows_culling.hpp"
+#include "light_shafts/slope_rows_placed_instance.hpp"
 #include <algorithm>
 
 namespace tyndall::light_shafts::slope_rows {
 namespace {
-/// An instance in the frame's coordinates.
-struct PlacedInstance {
-    mat3 frame_from_object, extent_from_object;
-    vec3 origin;
-    float slack_m; ///< Of rounding, for a point of the mesh.
-
-    PlacedInstance(const Frame& frame, const OccluderInstance& instance) {
-        const mat4& scene_from_object = *instance.scene_from_object;
-        frame_from_object = glm::transpose(mat3(frame.u, frame.v, frame.axis)) * mat3(scene_from_object);
-        // The offset in double: an instance 60 km out, before a camera beside it, keeps its millimetres.
-        const dvec3 offset = dvec3(vec3(scene_from_object[3])) - dvec3(frame.origin);
-        origin = vec3(vec3(glm::dot(dvec3(frame.u), offset), glm::dot(dvec3(frame.v), offset),
-                           glm::dot(dvec3(frame.axis), offset)));
-        for (int c = 0; c < 3; ++c)
-            extent_from_object[c] = glm::abs(frame_from_object[c]);
-        const Bounds3& bounds = instance.mesh->bounds;
-        const vec3 farthest = extent_from_object * glm::max(glm::abs(bounds.min), glm::abs(bounds.max));
-        slack_m = 2e-6f * (glm::length(origin) + glm::length(farthest));
-    }
-    [[nodiscard]] SliceNeeds needs(const Culling& culling, const Bounds3& bounds, std::int32_t first,
-                                   std::int32_t end) const {
-        return culling.needs_of_box(frame_from_object * bounds.centre() + origin,
-                                    extent_from_object * (0.5f * (bounds.max - bounds.min)) + slack_m, first, end);
-    }
-};
-
 /// Fills the slices [first, end).
 class SlicesRaster {
 public:
@@ -39,7 +13,7 @@ public:
         clear_slices(rows, first, end);
     }
     void add(const Culling& culling, const OccluderInstance& instance) {
-        const PlacedInstance at(rows_.layout.frame, instance);
+        const PlacedInstance at(rows_.layout.frame, *instance.scene_from_object, instance.mesh->bounds);
         if (at.needs(culling, instance.mesh->bounds, first_, end_).is_empty())
             return;
         for (const OccluderBlock& block : instance.mesh->blocks) {

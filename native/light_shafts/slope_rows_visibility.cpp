@@ -49,7 +49,7 @@ PreparedRows prepare_rows(const Preparation& preparation, const slope_rows::Layo
     PreparedRows prepared;
     const LightSample& light = preparation.light;
     const Occluders& occluders = preparation.occluders;
-    const bool has_occluder = occluders.triangle_count > 0 || occluders.transmitting_material;
+    const bool has_occluder = !occluders.is_empty();
     if (!light.casts_shadow || !has_occluder) {
         prepared.statistics.skip("slope rows", has_occluder ? "the light casts no shadow" : "no occluder");
         prepared.instead = std::make_unique<Unshadowed>(std::move(prepared.statistics));
@@ -57,9 +57,7 @@ PreparedRows prepare_rows(const Preparation& preparation, const slope_rows::Layo
     }
     std::string why;
     const auto frame = slope_rows::make_frame(preparation.view, light);
-    if (occluders.transmitting_material)
-        why = "material " + *occluders.transmitting_material + " lets light through";
-    else if (!frame)
+    if (!frame)
         why = light.is_directional ? "the sun shines along the orthographic view" : "the light stands in the camera";
     if (!why.empty()) {
         prepared.instead = std::make_unique<ExactInstead>(

@@ -39,17 +39,18 @@ vec4 texture_value(const SurfaceOp& op, const Material& material, std::span<cons
     return material.textures[op.texture]->lookup(vec2(uv));
 }
 
-Rgb result_of(const SurfaceOp& op, const Registers& registers, const Material& material, const ShadingPoint& point,
-              std::span<const vec2> uvs) {
+/// `image_value` answers for the images that an operation reads.
+template <typename ImageValue>
+Rgb result_of(const SurfaceOp& op, const Registers& registers, bool is_backface, const ImageValue& image_value) {
     const Rgb& a = registers[op.a];
     const Rgb& b = registers[op.b];
     switch (op.code) {
     case Code::Constant:
         return op.value;
     case Code::Texture:
-        return Rgb(texture_value(op, material, uvs));
+        return Rgb(image_value(op));
     case Code::TextureAlpha:
-        return Rgb(texture_value(op, material, uvs).w);
+        return Rgb(image_value(op).w);
     case Code::Multiply:
         return a * b;
     case Code::Add:
@@ -63,7 +64,7 @@ Rgb result_of(const SurfaceOp& op, const Registers& registers, const Material& m
     case Code::Average:
         return Rgb((a.x + a.y + a.z) * (1.0f / 3.0f));
     case Code::Backfacing:
-        return Rgb(point.is_backface ? 1.0f : 0.0f);
+        return Rgb(is_backface ? 1.0f : 0.0f);
     }
     return Rgb(0.0f);
 }
@@ -123,23 +124,59 @@ SurfaceClosures evaluate(const Material& material, const ShadingPoint& point, st
         return material.constant;
     Registers registers{};
     for (const SurfaceOp& op : material.program)
-        registers[op.out] = result_of(op, registers, material, point, uvs);
+        registers[op.out] = result_of(op, registers, point.is_backface,
+                                      [&](const SurfaceOp& lookup) { return texture_value(lookup, material, uvs); });
     return {.diffuse_albedo = non_negative(registers[material.diffuse_register]),
             .transparent = share(registers[material.transparent_register]),
             .emission = non_negative(registers[material.emission_register])};
 }
 
-Rgb evaluate_transparent(const Material& material, const ShadingPoint& point, std::span<const vec2> uvs) {
+template <typename ImageValue>
+static Rgb transparent_by(const Material& material, bool is_backface, const ImageValue& image_value) {
     if (material.is_constant())
         return material.constant.transparent;
     Registers registers{};
     std::uint64_t live = live_operations(material, bit(material.transparent_register));
     for (const SurfaceOp& op : material.program) {
         if ((live & 1) != 0)
-            registers[op.out] = result_of(op, registers, material, point, uvs);
+            registers[op.out] = result_of(op, registers, is_backface, image_value);
         live = (live >> 1) | (std::uint64_t{1} << 63); // Past 64 operations all run.
     }
     return share(registers[material.transparent_register]);
+}
+
+Rgb evaluate_transparent(const Material& material, const ShadingPoint& point, std::span<const vec2> uvs) {
+    return transparent_by(material, point.is_backface,
+                          [&](const SurfaceOp& lookup) { return texture_value(lookup, material, uvs); });
+}
+
+Rgb evaluate_transparent(const Material& material, const vec4& image_value, bool is_backface) {
+    return transparent_by(material, is_backface, [&](const SurfaceOp&) { return image_value; });
+}
+
+std::vector<const SurfaceOp*> operations_of_transparent(const Material& material) {
+    std::vector<const SurfaceOp*> operations;
+    std::uint64_t live = live_operations(material, bit(material.transparent_register));
+    for (const SurfaceOp& op : material.program) {
+        if ((live & 1) != 0)
+            operations.push_back(&op);
+        live = (live >> 1) | (std::uint64_t{1} << 63);
+    }
+    return operations;
+}
+
+bool has_coloured_transparency(const Material& material) {
+    const auto is_grey = [](const Rgb& value) { return value.x == value.y && value.y == value.z; };
+    if (!material.has_surface || material.is_constant())
+        return material.has_surface && !is_grey(material.constant.transparent);
+    std::uint64_t coloured = 0; // registers
+    for (const SurfaceOp& op : material.program) {
+        const bool reads_colour = (inputs(op) & coloured) != 0;
+        const bool is_coloured = op.code == Code::Texture || (op.code == Code::Constant && !is_grey(op.value)) ||
+                                 (reads_colour && op.code != Code::Average);
+        coloured = is_coloured ? coloured | bit(op.out) : coloured & ~bit(op.out);
+    }
+    return (coloured & bit(material.transparent_register)) != 0;
 }
 
 /// Only a register that ends as a constant is known without a point; 0 is also what an unwritten one holds.

@@ -17,6 +17,13 @@ void validate(const Material& material);
 /// SurfaceClosures::transparent alone: runs only the operations that it depends on, for shadow rays.
 [[nodiscard]] Rgb evaluate_transparent(const Material& material, const ShadingPoint& point, std::span<const vec2> uvs);
 
+/// The same where every image has this value.
+[[nodiscard]] Rgb evaluate_transparent(const Material& material, const vec4& image_value, bool is_backface);
+/// Operations of the program that SurfaceClosures::transparent depends on, in their order.
+[[nodiscard]] std::vector<const SurfaceOp*> operations_of_transparent(const Material& material);
+/// SurfaceClosures::transparent may differ between channels; false only if it never does.
+[[nodiscard]] bool has_coloured_transparency(const Material& material);
+
 /// No light passes, whatever the program reads: shadow rays may stop without looking.
 [[nodiscard]] bool is_opaque_everywhere(const Material& material);
 /// No light is emitted, whatever the program reads.

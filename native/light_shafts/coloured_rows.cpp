@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/coloured_rows.hpp"
+#include <algorithm>
+#include <array>
+
+namespace tyndall::light_shafts {
+namespace {
+using Channels = std::array<std::unique_ptr<RowsVisibility>, 3>;
+
+/// Lit intervals of three channels as one list.
+void append_merged(const std::array<LitRows, 3>& channels, std::size_t ray, std::vector<float>& ends, LitRows& lit) {
+    ends.clear();
+    std::array<std::span<const LitInterval>, 3> left;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const std::uint32_t first = channels[c].first[ray], last = channels[c].first[ray + 1];
+        left[c] = std::span(channels[c].intervals).subspan(first, last - first);
+        for (const LitInterval& interval : left[c]) {
+            ends.push_back(interval.near_m);
+            ends.push_back(interval.far_m);
+        }
+    }
+    std::ranges::sort(ends);
+    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+    for (std::size_t end = 1; end < ends.size(); ++end) {
+        LitInterval merged{.near_m = ends[end - 1], .far_m = ends[end], .transmittance = Rgb(0.0f)};
+        for (std::size_t c = 0; c < 3; ++c) {
+            while (!left[c].empty() && left[c].front().far_m <= merged.near_m)
+                left[c] = left[c].subspan(1);
+            if (!left[c].empty() && left[c].front().near_m <= merged.near_m)
+                merged.transmittance[static_cast<int>(c)] = left[c].front().transmittance[static_cast<int>(c)];
+        }
+        if (merged.transmittance != Rgb(0.0f))
+            lit.intervals.push_back(merged);
+    }
+}
+
+/// A light of which surfaces let different parts pass per channel.
+class ColouredRows final : public Visibility {
+public:
+    ColouredRows(Channels channels, Statistics statistics)
+        : channels_(std::move(channels)), statistics_(std::move(statistics)) {}
+
+    void lit_intervals(std::span<const ViewRay> rays, LitRows& lit) const override {
+        thread_local std::array<LitRows, 3> of_channel;
+        thread_local std::vector<float> ends;
+        for (std::size_t c = 0; c < 3; ++c) {
+            of_channel[c].clear();
+            channels_[c]->lit_intervals(rays, of_channel[c]);
+        }
+        for (std::size_t ray = 0; ray < rays.size(); ++ray) {
+            append_merged(of_channel, ray, ends, lit);
+            lit.end_ray();
+        }
+    }
+    [[nodiscard]] std::vector<std::uint32_t> coherent_order(std::span<const ViewRay> rays,
+                                                            const Progress& progress) const override {
+        return channels_[0]->coherent_order(rays, progress);
+    }
+    [[nodiscard]] const Statistics& statistics() const override { return statistics_; }
+
+private:
+    Channels channels_;
+    Statistics statistics_;
+};
+
+/// What may shade the rows, in the order of the scene.
+std::vector<PartialOccluderInstance> relevant(const slope_rows::Layout& layout, const Occluders& occluders) {
+    std::vector<PartialOccluderInstance> instances;
+    for (const PartialOccluderInstance& instance : occluders.partial_instances)
+        if (slope_rows::may_shade(layout, instance))
+            instances.push_back(instance);
+    return instances;
+}
+} // namespace
+
+std::unique_ptr<Visibility> fill_rows(const Preparation& preparation, PreparedRows prepared, std::uint32_t seed,
+                                      const FillRows& fill) {
+    slope_rows::Rows& rows = *prepared.rows;
+    const std::vector<PartialOccluderInstance> instances = relevant(rows.layout, preparation.occluders);
+    PartialShading partial{.instances = instances, .light = preparation.light, .seed = seed};
+    if (std::ranges::none_of(instances, [](const auto& instance) { return instance.mesh->is_coloured; })) {
+        fill(rows, partial, prepared.statistics);
+        return std::make_unique<RowsVisibility>(preparation, std::move(rows), std::move(prepared.statistics));
+    }
+    Channels channels;
+    for (std::size_t c = 0; c < 3; ++c) {
+        partial.channel = static_cast<int>(c);
+        slope_rows::Rows own(rows.layout);
+        Statistics ignored; // three times the same
+        fill(own, partial, c == 0 ? prepared.statistics : ignored);
+        channels[c] = std::make_unique<RowsVisibility>(preparation, std::move(own), Statistics{});
+    }
+    prepared.statistics.count("slope rows: sets for coloured surfaces", 3.0);
+    return std::make_unique<ColouredRows>(std::move(channels), std::move(prepared.statistics));
+}
+} // namespace tyndall::light_shafts

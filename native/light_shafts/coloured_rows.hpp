@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Rows that are filled for a light: once, or, where coloured surfaces may shade them, once per channel.
+// Bound:    three times the memory and time of one set of rows, and queries by intervals instead of fused ones, for those
+//           lights alone whose lit air a coloured surface may shade.
+#pragma once
+#include "light_shafts/slope_rows_partial.hpp"
+#include "light_shafts/slope_rows_visibility.hpp"
+#include <functional>
+
+namespace tyndall::light_shafts {
+using FillRows = std::function<void(slope_rows::Rows& rows, const PartialShading& partial, Statistics& statistics)>;
+/// `prepared` has rows. `seed` is of what is drawn for surfaces that let a part of the light pass. Throws what fill does.
+[[nodiscard]] std::unique_ptr<Visibility> fill_rows(const Preparation& preparation, PreparedRows prepared,
+                                                    std::uint32_t seed, const FillRows& fill);
+} // namespace tyndall::light_shafts

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/partial_surface.hpp"
+#include "core/random.hpp"
+#include "core/sobol.hpp"
+#include <bit>
+
+namespace tyndall::light_shafts {
+static std::uint32_t hash_of(const vec3& v) {
+    return hash(std::bit_cast<std::uint32_t>(v.x), std::bit_cast<std::uint32_t>(v.y),
+                std::bit_cast<std::uint32_t>(v.z));
+}
+
+/// As shadow rays see it, which go from the lit point to the light: they leave a triangle by its back.
+static bool faces_away(const PartialOccluderInstance& instance, std::uint32_t triangle, const LightSample& light) {
+    const MeshArrays& arrays = *instance.mesh->arrays;
+    const glm::dmat4 scene_from_object(*instance.scene_from_object);
+    const auto corner = [&](int c) {
+        return dvec3(scene_from_object * glm::dvec4(arrays.positions[arrays.triangles[triangle][c]], 1.0));
+    };
+    const dvec3 a = corner(0), normal = glm::cross(corner(1) - a, corner(2) - a);
+    const dvec3 towards = light.is_directional ? dvec3(light.towards_light) : dvec3(light.position) - a;
+    const bool is_mirrored = glm::determinant(glm::dmat3(scene_from_object)) < 0.0;
+    return glm::dot(is_mirrored ? -normal : normal, towards) > 0.0;
+}
+
+PartialSurface partial_surface(const PartialShading& shading, std::uint32_t instance, std::uint32_t triangle,
+                               std::int32_t slice) {
+    const PartialOccluderInstance& placed = shading.instances[instance];
+    const MeshArrays& arrays = *placed.mesh->arrays;
+    const std::size_t slot = arrays.material_slots.empty() ? 0 : arrays.material_slots[triangle];
+    PartialSurface surface{.slot = &placed.mesh->slots[std::min(slot, placed.mesh->slots.size() - 1)],
+                           .triangle = triangle,
+                           .channel = shading.channel};
+    const LightSample& light = shading.light;
+    surface.seed = hash(shading.seed, hash_of(light.is_directional ? light.towards_light : light.position),
+                        placed.index, triangle, static_cast<std::uint32_t>(slice));
+    const TransparencyLookup& lookup = *surface.slot->lookup;
+    surface.is_backface = lookup.reads_facing() && faces_away(placed, triangle, light);
+    const SurfaceOp* image = lookup.image();
+    if (image == nullptr)
+        return surface;
+    const vec2* corners = surface.slot->corner_uvs[image->texture_uv];
+    const auto mapped = [&](std::size_t c) {
+        return vec2(image->uv_matrix * vec3(corners == nullptr ? vec2(0.0f) : corners[3 * triangle + c], 1.0f));
+    };
+    surface.uv = mapped(0);
+    surface.uv_run[0] = mapped(1) - surface.uv;
+    surface.uv_run[1] = mapped(2) - surface.uv;
+    return surface;
+}
+
+float PartialSurface::transmittance(const vec2& weights) const {
+    thread_local std::vector<vec2> uvs;
+    uvs.clear();
+    for (const vec2* corners : slot->corner_uvs) {
+        const vec2* at = corners == nullptr ? nullptr : corners + std::size_t{3} * triangle;
+        uvs.push_back(at == nullptr ? vec2(0.0f) : at[0] + weights.x * (at[1] - at[0]) + weights.y * (at[2] - at[0]));
+    }
+    return slot->lookup->at(uvs, is_backface)[channel];
+}
+
+/// A number in [0, 1) per line: of the numbers of 2^k lines that begin at a multiple of 2^k, one lies in each 2^-k.
+static float threshold(std::uint32_t seed, std::int32_t line) {
+    return unit_float(laine_karras_permutation(reverse_bits(static_cast<std::uint32_t>(line)), seed));
+}
+
+bool PartialSurface::stops(float transmittance, std::int32_t line) const {
+    return transmittance <= 0.0f || (transmittance < 1.0f && threshold(seed, line) >= transmittance);
+}
+} // namespace tyndall::light_shafts

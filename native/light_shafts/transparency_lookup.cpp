@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/transparency_lookup.hpp"
+#include "shading/surface_program.hpp"
+#include <atomic>
+#include <new>
+
+namespace tyndall::light_shafts {
+using Code = SurfaceOp::Code;
+
+static bool read_the_same(const SurfaceOp& a, const SurfaceOp& b) {
+    return a.texture == b.texture && a.texture_uv == b.texture_uv && a.uv_matrix == b.uv_matrix;
+}
+
+TransparencyLookup::TransparencyLookup(const Material& material)
+    : material_(material), is_coloured_(has_coloured_transparency(material)) {
+    bool is_one_image = true;
+    for (const SurfaceOp* op : operations_of_transparent(material)) {
+        reads_facing_ |= op->code == Code::Backfacing;
+        if (op->code != Code::Texture && op->code != Code::TextureAlpha)
+            continue;
+        is_one_image &= image_ == nullptr || read_the_same(*image_, *op);
+        image_ = op;
+    }
+    if (image_ != nullptr && (!is_one_image || texture().width == 0 || texture().height == 0))
+        image_ = nullptr;
+    if (image_ == nullptr)
+        return;
+    class_columns_ = static_cast<std::int32_t>(texture().width) + margin + 1;
+    const std::size_t count = static_cast<std::size_t>(class_columns_) * (texture().height + margin + 1) + 3;
+    for (std::size_t side = 0; side < (reads_facing_ ? 2 : 1); ++side) {
+        classes_[side].reset(static_cast<std::uint8_t*>(std::calloc(count, 1)));
+        if (classes_[side] == nullptr)
+            throw std::bad_alloc();
+    }
+}
+
+TexelClass TransparencyLookup::classify(bool is_backface, std::int32_t column, std::int32_t row) const {
+    const Texture& image = texture();
+    const std::int64_t reach = image.interpolation == TextureInterpolation::Linear ? 1 : 0;
+    bool stops = true, passes = true;
+    for (std::int64_t y = row; y <= row + reach; ++y)
+        for (std::int64_t x = column; x <= column + reach; ++x) {
+            const Rgb transparent = evaluate_transparent(material_, image.at(x, y), is_backface);
+            stops &= transparent == Rgb(0.0f);
+            passes &= transparent == Rgb(1.0f);
+        }
+    const TexelClass found = stops ? TexelClass::Stops : passes ? TexelClass::Passes : TexelClass::Mixed;
+    std::uint8_t* classes = classes_[is_backface && reads_facing_].get();
+    std::atomic_ref(classes[std::ptrdiff_t{row + margin} * class_columns_ + column + margin])
+        .store(static_cast<std::uint8_t>(found), std::memory_order_relaxed);
+    return found;
+}
+
+Rgb TransparencyLookup::at(std::span<const vec2> uvs, bool is_backface) const {
+    return evaluate_transparent(material_, {.is_backface = is_backface}, uvs);
+}
+} // namespace tyndall::light_shafts

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The share of light that a material lets pass, for millions of points: where an image decides, each of its texels
+// remembers whether all points around it stop light, or all let it pass, so that only borders run the material's program.
+// Bound:    a byte per texel, found out when it is first asked for; one gather per 4 to 16 points, and a program of some
+//           100 ns per point on a border, or where the image is neither 0 nor 1.
+#pragma once
+#include "core/math.hpp"
+#include "shading/material.hpp"
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <span>
+
+namespace tyndall::light_shafts {
+/// What the points between neighbouring texels (or of one texel, where the image is not filtered) do with light.
+enum class TexelClass : std::uint8_t { Unknown = 0, Stops = 1, Passes = 2, Mixed = 3 };
+
+class TransparencyLookup {
+public:
+    /// The material must outlive this.
+    explicit TransparencyLookup(const Material& material);
+
+    [[nodiscard]] const Material& material() const { return material_; }
+    [[nodiscard]] bool is_coloured() const { return is_coloured_; }
+    [[nodiscard]] bool reads_facing() const { return reads_facing_; }
+    /// The one image that decides; nothing for a constant, or where several do.
+    [[nodiscard]] const SurfaceOp* image() const { return image_; }
+    [[nodiscard]] const Texture& texture() const { return *material_.textures[image_->texture]; }
+
+    /// Classes of texel (column, row) at (row + margin) * class_columns() + column + margin, for columns in
+    /// [-margin, width], where -margin and width stand for all that lies beyond. Aligned; three bytes follow the last.
+    static constexpr std::int32_t margin = 2;
+    [[nodiscard]] std::int32_t class_columns() const { return class_columns_; }
+    [[nodiscard]] const std::uint8_t* classes(bool is_backface) const {
+        return classes_[is_backface && reads_facing_].get();
+    }
+    /// Finds the class out and remembers it; safe from many threads, which all find the same.
+    TexelClass classify(bool is_backface, std::int32_t column, std::int32_t row) const;
+    /// By the material's program. uvs as evaluate_transparent takes them.
+    [[nodiscard]] Rgb at(std::span<const vec2> uvs, bool is_backface) const;
+
+private:
+    struct Free {
+        void operator()(std::uint8_t* bytes) const { std::free(bytes); }
+    };
+    const Material& material_;
+    const SurfaceOp* image_ = nullptr;
+    bool is_coloured_ = false, reads_facing_ = false;
+    std::int32_t class_columns_ = 0;
+    std::unique_ptr<std::uint8_t[], Free> classes_[2]; ///< Front; back, if that differs. Zeroed pages until touched.
+};
+} // namespace tyndall::light_shafts
