@@ -77,7 +77,7 @@ std::unique_ptr<Visibility> fill_rows(const Preparation& preparation, PreparedRo
                                       const FillRows& fill) {
     slope_rows::Rows& rows = *prepared.rows;
     const std::vector<PartialOccluderInstance> instances = relevant(rows.layout, preparation.occluders);
-    PartialShading partial{.instances = instances, .light = preparation.light, .seed = seed};
+    PartialShading partial(instances, preparation.light, seed);
     if (std::ranges::none_of(instances, [](const auto& instance) { return instance.mesh->is_coloured; })) {
         fill(rows, partial, prepared.statistics);
         return std::make_unique<RowsVisibility>(preparation, std::move(rows), std::move(prepared.statistics));

@@ -107,7 +107,8 @@ public:
             find_shadows(*strip_, strip, shadows);
             partial.clear();
             for (const PartialCut& cut : shadows.partial)
-                append_partial_shadows(scene_, strip_->meshes[cut.mesh], cut, strip, partial);
+                if (!shadows.opaque.covers(cut.near_m, cut.far_m))
+                    append_partial(cut, strip, shadows.opaque, partial);
             append_lit_intervals(shadows.opaque, partial, rows.intervals);
             rows.end_ray();
         }
@@ -115,6 +116,19 @@ public:
     [[nodiscard]] const Statistics& statistics() const override { return statistics_; }
 
 private:
+    /// What stops all light joins the opaque shadows, which hide others from being looked up at all.
+    void append_partial(const PartialCut& cut, const StripRay& ray, ShadowUnion& opaque,
+                        std::vector<PartialShadow>& partial) const {
+        thread_local std::vector<PartialShadow> of_cut;
+        of_cut.clear();
+        append_partial_shadows(scene_, strip_->meshes[cut.mesh], cut, ray, of_cut);
+        for (const PartialShadow& shadow : of_cut)
+            if (shadow.transmittance == Rgb(0.0f))
+                opaque.insert(shadow.near_m, shadow.far_m);
+            else
+                partial.push_back(shadow);
+    }
+
     const Scene& scene_;
     LightSample light_;
     std::shared_ptr<const StripScene> strip_;

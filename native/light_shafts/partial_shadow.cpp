@@ -120,17 +120,11 @@ void append_partial_shadows(const Scene& scene, const StripMesh& mesh, const Par
     std::ranges::sort(borders);
     const vec3 normal_in_object(glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0])));
     const dvec3 from_x = dvec3(ray.coordinates.x.direction), from_y = dvec3(ray.coordinates.y.direction);
-    for (std::size_t border = 1; border < borders.size(); ++border) {
-        const double first = borders[border - 1], last = borders[border], middle = 0.5 * (first + last);
-        if (!(first < last))
-            continue;
-        const auto x = [&](double share) { return at.segment.x0 + share * (at.segment.x1 - at.segment.x0); };
-        const auto y = [&](double share) { return at.segment.y0 + share * (at.segment.y1 - at.segment.y0); };
-        const double a = onto_ray(ray, x(first), y(first)), b = onto_ray(ray, x(last), y(last));
-        const dvec2 barycentrics = at.from + middle * (at.to - at.from);
+    const auto x = [&](double share) { return at.segment.x0 + share * (at.segment.x1 - at.segment.x0); };
+    const auto y = [&](double share) { return at.segment.y0 + share * (at.segment.y1 - at.segment.y0); };
+    const auto transmittance_at = [&](double share) {
         // The shadow ray's own direction, from the ray's point to the light: a material may tell front from back.
-        const double lit_x = onto_ray(ray, x(middle), y(middle));
-        const dvec3 towards_light = (x(middle) - lit_x) * from_x + y(middle) * from_y;
+        const dvec3 towards_light = (x(share) - onto_ray(ray, x(share), y(share))) * from_x + y(share) * from_y;
         const double length = glm::length(towards_light);
         const Ray shadow_ray{.origin = vec3(0.0f),
                              .direction = length > 0.0 ? vec3(towards_light / length) : vec3(from_y),
@@ -138,41 +132,64 @@ void append_partial_shadows(const Scene& scene, const StripMesh& mesh, const Par
         const Hit hit{.distance_m = 0.0f,
                       .instance = mesh.instance,
                       .triangle = cut.triangle,
-                      .barycentrics = vec2(barycentrics),
+                      .barycentrics = vec2(at.from + share * (at.to - at.from)),
                       .geometric_normal = normal_in_object};
-        shadows.push_back({static_cast<float>(std::min(a, b)), static_cast<float>(std::max(a, b)),
-                           scene.transparency(shadow_ray, hit)});
+        return scene.transparency(shadow_ray, hit);
+    };
+    // Most neighbours stop all light, or none: their shadows are one.
+    double first = 0.0;
+    Rgb transmittance(1.0f);
+    const auto append_up_to = [&](double last) {
+        if (!(first < last) || transmittance == Rgb(1.0f))
+            return;
+        const double a = onto_ray(ray, x(first), y(first)), b = onto_ray(ray, x(last), y(last));
+        shadows.push_back({static_cast<float>(std::min(a, b)), static_cast<float>(std::max(a, b)), transmittance});
+    };
+    for (std::size_t border = 1; border < borders.size(); ++border) {
+        if (!(borders[border - 1] < borders[border]))
+            continue;
+        const Rgb next = transmittance_at(0.5 * (borders[border - 1] + borders[border]));
+        if (next == transmittance)
+            continue;
+        append_up_to(borders[border - 1]);
+        first = borders[border - 1];
+        transmittance = next;
     }
+    append_up_to(1.0);
 }
 
 namespace {
-/// Appends [near, far], cut at the ends of the partial shadows that overlap it.
-void append_dimmed(float near_m, float far_m, std::span<const PartialShadow> partial, std::vector<LitInterval>& lit) {
-    thread_local std::vector<float> ends;
-    ends.assign({near_m, far_m});
-    for (const PartialShadow& shadow : partial)
-        for (const float end : {shadow.near_m, shadow.far_m})
-            if (near_m < end && end < far_m)
-                ends.push_back(end);
-    std::ranges::sort(ends);
-    for (std::size_t end = 1; end < ends.size(); ++end) {
-        if (!(ends[end - 1] < ends[end]))
-            continue;
-        Rgb transmittance(1.0f);
-        for (const PartialShadow& shadow : partial) {
-            if (shadow.near_m > ends[end - 1])
-                break; // sorted by near end
-            if (shadow.far_m >= ends[end])
+/// Dims consecutive intervals by the partial shadows, which are sorted by their near ends.
+class Dimmer {
+public:
+    explicit Dimmer(std::span<const PartialShadow> partial) : partial_(partial) {}
+
+    /// Appends [near, far], cut at the ends of the shadows that overlap it. Calls must ascend.
+    void append(float near_m, float far_m, std::vector<LitInterval>& lit) {
+        const std::size_t first_of_call = lit.size();
+        while (near_m < far_m) {
+            for (; next_ < partial_.size() && partial_[next_].near_m <= near_m; ++next_)
+                active_.push_back(partial_[next_]);
+            std::erase_if(active_, [&](const PartialShadow& shadow) { return shadow.far_m <= near_m; });
+            float end_m = next_ < partial_.size() ? std::min(far_m, partial_[next_].near_m) : far_m;
+            Rgb transmittance(1.0f);
+            for (const PartialShadow& shadow : active_) {
+                end_m = std::min(end_m, shadow.far_m);
                 transmittance *= shadow.transmittance;
+            }
+            if (lit.size() > first_of_call && lit.back().far_m == near_m && lit.back().transmittance == transmittance)
+                lit.back().far_m = end_m;
+            else if (transmittance != Rgb(0.0f))
+                lit.push_back({near_m, end_m, transmittance});
+            near_m = end_m;
         }
-        if (transmittance == Rgb(0.0f))
-            continue;
-        if (!lit.empty() && end > 1 && lit.back().far_m == ends[end - 1] && lit.back().transmittance == transmittance)
-            lit.back().far_m = ends[end];
-        else
-            lit.push_back({ends[end - 1], ends[end], transmittance});
     }
-}
+
+private:
+    std::span<const PartialShadow> partial_;
+    std::size_t next_ = 0;
+    std::vector<PartialShadow> active_; ///< In the order of partial_, which products keep.
+};
 } // namespace
 
 void append_lit_intervals(const ShadowUnion& opaque, std::vector<PartialShadow>& partial,
@@ -185,13 +202,14 @@ void append_lit_intervals(const ShadowUnion& opaque, std::vector<PartialShadow>&
                std::tie(b.near_m, b.far_m, b.transmittance.x, b.transmittance.y, b.transmittance.z);
     });
     float from_m = opaque.open_near_m();
+    Dimmer dimmer(partial);
     const auto append = [&](float to_m) {
         if (!(from_m < to_m))
             return;
         if (partial.empty())
             lit.push_back({.near_m = from_m, .far_m = to_m});
         else
-            append_dimmed(from_m, to_m, partial, lit);
+            dimmer.append(from_m, to_m, lit);
     };
     for (const ShadowInterval& shadow : opaque.intervals()) {
         append(shadow.near_m);

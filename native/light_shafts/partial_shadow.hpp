@@ -12,7 +12,7 @@ struct PartialShadow {
     Rgb transmittance;
 };
 
-/// Appends the shadows of one cut triangle, near to far. A texture is evaluated between every two texel borders that
+/// Appends the shadows of one cut triangle, in any order, without parts through which all light passes. A texture is evaluated between every two texel borders that
 /// the cut crosses: exact for unfiltered textures; for filtered ones the error is that of the midpoint rule on a texel.
 /// A cut across more than 1,024 texels takes 1,024 even steps.
 void append_partial_shadows(const Scene& scene, const StripMesh& mesh, const PartialCut& cut, const StripRay& ray,

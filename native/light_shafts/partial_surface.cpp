@@ -10,6 +10,11 @@ static std::uint32_t hash_of(const vec3& v) {
                 std::bit_cast<std::uint32_t>(v.z));
 }
 
+PartialShading::PartialShading(std::span<const PartialOccluderInstance> all, const LightSample& sample,
+                               std::uint32_t frame_seed)
+    : instances(all), light(sample),
+      seed(hash(frame_seed, hash_of(sample.is_directional ? sample.towards_light : sample.position))) {}
+
 /// As shadow rays see it, which go from the lit point to the light: they leave a triangle by its back.
 static bool faces_away(const PartialOccluderInstance& instance, std::uint32_t triangle, const LightSample& light) {
     const MeshArrays& arrays = *instance.mesh->arrays;
@@ -30,12 +35,12 @@ PartialSurface partial_surface(const PartialShading& shading, std::uint32_t inst
     const std::size_t slot = arrays.material_slots.empty() ? 0 : arrays.material_slots[triangle];
     PartialSurface surface{.slot = &placed.mesh->slots[std::min(slot, placed.mesh->slots.size() - 1)],
                            .triangle = triangle,
+                           .instance = placed.index,
+                           .slice = static_cast<std::uint32_t>(slice),
+                           .seed = shading.seed,
                            .channel = shading.channel};
-    const LightSample& light = shading.light;
-    surface.seed = hash(shading.seed, hash_of(light.is_directional ? light.towards_light : light.position),
-                        placed.index, triangle, static_cast<std::uint32_t>(slice));
     const TransparencyLookup& lookup = *surface.slot->lookup;
-    surface.is_backface = lookup.reads_facing() && faces_away(placed, triangle, light);
+    surface.is_backface = lookup.reads_facing() && faces_away(placed, triangle, shading.light);
     const SurfaceOp* image = lookup.image();
     if (image == nullptr)
         return surface;
@@ -65,6 +70,8 @@ static float threshold(std::uint32_t seed, std::int32_t line) {
 }
 
 bool PartialSurface::stops(float transmittance, std::int32_t line) const {
-    return transmittance <= 0.0f || (transmittance < 1.0f && threshold(seed, line) >= transmittance);
+    if (transmittance <= 0.0f || transmittance >= 1.0f)
+        return transmittance <= 0.0f;
+    return threshold(hash(seed, instance, triangle, slice), line) >= transmittance;
 }
 } // namespace tyndall::light_shafts

@@ -13,17 +13,22 @@
 namespace tyndall::light_shafts {
 /// The light that rows are filled for, and what it meets.
 struct PartialShading {
+    /// `frame_seed`: other seeds, and other lights, draw independently.
+    PartialShading(std::span<const PartialOccluderInstance> instances, const LightSample& light,
+                   std::uint32_t frame_seed);
+
     std::span<const PartialOccluderInstance> instances;
     const LightSample& light;
+    std::uint32_t seed;
     int channel = 0; ///< Of the transmittance.
-    std::uint32_t seed = 0;
 };
 
 /// One triangle in one slice.
 struct PartialSurface {
     const PartialOccluderMesh::Slot* slot = nullptr;
     std::uint32_t triangle = 0; ///< Of the scene's mesh.
-    std::uint32_t seed = 0;
+    std::uint32_t instance = 0; ///< Of the scene.
+    std::uint32_t slice = 0, seed = 0;
     int channel = 0;
     bool is_backface = false;
     vec2 uv{0.0f}, uv_run[2]{}; ///< In the deciding image: at the first corner, and what the two others add.

@@ -3,6 +3,7 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <vector>
 
 namespace tyndall::light_shafts {
@@ -26,6 +27,16 @@ public:
     [[nodiscard]] const ShadowInterval& longest() const { return longest_; }
     /// Disjoint and ascending, within the open ends.
     [[nodiscard]] const std::vector<ShadowInterval>& intervals() const { return intervals_; }
+
+    /// All of [near_m, far_m] is shadowed, or lies outside the ray.
+    [[nodiscard]] bool covers(float near_m, float far_m) const {
+        near_m = std::max(near_m, open_near_m_);
+        far_m = std::min(far_m, open_far_m_);
+        if (!(near_m < far_m))
+            return true;
+        const auto after = std::ranges::upper_bound(intervals_, near_m, {}, &ShadowInterval::near_m);
+        return after != intervals_.begin() && std::prev(after)->far_m >= far_m;
+    }
 
     void insert(float near_m, float far_m) {
         if (!(far_m > open_near_m_ && near_m < open_far_m_ && near_m < far_m))
