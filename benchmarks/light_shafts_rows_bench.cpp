@@ -47,7 +47,7 @@ Prepared* prepared(benchmark::State& state) {
         slope_rows::make_layout(*slope_rows::make_frame(scene->view, scene->sun), scene->rays,
                                 layout_config(static_cast<std::uint32_t>(state.range(1))), progress));
     slope_rows::raster(*made.rows, scene->occluders, progress);
-    made.order = row_query::by_slice(made.rows->layout, scene->rays, progress);
+    made.order = row_query::by_wedge(made.rows->layout, scene->rays, progress);
     for (const std::uint32_t ray : made.order)
         made.sorted.push_back(scene->rays[ray]);
     return &made;
@@ -97,10 +97,10 @@ void query(const slope_rows::Rows& rows, std::span<const ViewRay> rays, const st
 }
 
 /// The same for rays in the picture's order, one grey piece each, as light_shafts.cpp asks.
-void query_by_slice(const slope_rows::Rows& rows, const ShaftScene& scene, std::span<Rgb> radiance) {
+void query_by_wedge(const slope_rows::Rows& rows, const ShaftScene& scene, std::span<Rgb> radiance) {
     const std::span<const ViewRay> rays = scene.rays;
     Progress progress;
-    const std::vector<std::uint32_t> order = row_query::by_slice(rows.layout, rays, progress);
+    const std::vector<std::uint32_t> order = row_query::by_wedge(rows.layout, rays, progress);
     constexpr std::size_t rays_per_call = 256;
     parallel_blocks(rays.size(), rays_per_call, progress, [&](std::size_t begin, std::size_t end) {
         thread_local row_query::Unanswered unanswered;
@@ -109,6 +109,10 @@ void query_by_slice(const slope_rows::Rows& rows, const ShaftScene& scene, std::
         thread_local PieceRows some_pieces;
         some_pieces.clear();
         of_some.fill(Rgb(0.0f));
+        for (std::size_t i = begin; i < end; ++i) {
+            __builtin_prefetch(&rays[order[i]]);
+            __builtin_prefetch(&radiance[order[i]], 1);
+        }
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t ray = order[i];
             some[i - begin] = rays[ray];
@@ -208,7 +212,7 @@ static void sun_moved(benchmark::State& state, bool by_map) {
                     rows, progress);
         else
             slope_rows::raster(rows, scene.occluders, progress);
-        query_by_slice(rows, scene, radiance);
+        query_by_wedge(rows, scene, radiance);
     }
     report_error(state, scene, radiance);
 }

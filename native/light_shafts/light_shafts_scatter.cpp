@@ -49,6 +49,8 @@ void PreparedLights::gather(std::span<const ViewRay> rays, std::span<const std::
     block.rays.clear(), block.target.clear(), block.length_m.clear(), block.segments.clear();
     block.local.clear();
     block.first_segment.assign(1, 0);
+    for (const std::uint32_t index : order) // they lie in many lines of the picture
+        __builtin_prefetch(&rays[index]);
     for (const std::uint32_t index : order) {
         const ViewRay& ray = rays[index];
         const MediaRay clipped = clip_to_media(media, ray, block.segments);

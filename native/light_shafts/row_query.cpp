@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 #include "light_shafts/slope_rows_kernels.hpp"
 #include <algorithm>
+#include <utility>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "light_shafts/row_query.cpp"
@@ -115,6 +116,24 @@ void lit_intervals_of(const Rows& rows, const ViewRay* rays, std::size_t count, 
         }
     }
 }
+
+/// The slices nearest to rays, those of rows that exist.
+void find_slices_of(const Layout& layout, std::span<const ViewRay> rays, std::int32_t* slices) {
+    static constexpr hn::RebindToSigned<LineTag> di;
+    const auto d = lines_tag;
+    const auto last = hn::Set(d, static_cast<float>(layout.slice_count() - 1));
+    alignas(64) std::array<std::int32_t, PlacedRays::capacity> found;
+    PlacedRays placed;
+    for (std::size_t start = 0; start < rays.size(); start += PlacedRays::capacity) {
+        const std::size_t count = std::min(PlacedRays::capacity, rays.size() - start);
+        place_rays(layout.frame, rays.subspan(start, count), placed);
+        for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+            const auto slice = slices_at(layout, hn::Load(d, &placed.slice_coordinate[i]));
+            hn::Store(hn::ConvertTo(di, hn::Min(hn::Max(slice, hn::Zero(d)), last)), di, &found[i]);
+        }
+        std::copy_n(found.begin(), count, slices + start);
+    }
+}
 } // namespace tyndall::light_shafts::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -122,46 +141,69 @@ HWY_AFTER_NAMESPACE();
 namespace tyndall::light_shafts {
 HWY_EXPORT(lit_runs_of);
 HWY_EXPORT(lit_intervals_of);
+HWY_EXPORT(find_slices_of);
 } // namespace tyndall::light_shafts
 
 namespace tyndall::light_shafts::row_query {
 void lit_intervals(const slope_rows::Rows& rows, std::span<const ViewRay> rays, LitRows& lit, Uncovered& uncovered) {
     HWY_DYNAMIC_DISPATCH(lit_intervals_of)(rows, rays.data(), rays.size(), lit, uncovered);
 }
-std::vector<std::uint32_t> by_slice(const slope_rows::Layout& layout, std::span<const ViewRay> rays,
+/// Of a wedge: pieces of the picture that stay in the cache, slice by slice within each.
+static void sort_by_slice(std::span<std::uint32_t> order, const std::vector<std::int32_t>& slice_of) {
+    constexpr std::size_t rays_at_once = 2048;
+    std::array<std::uint32_t, rays_at_once> unsorted;
+    for (std::size_t start = 0; start < order.size(); start += rays_at_once) {
+        const auto some = order.subspan(start, std::min(rays_at_once, order.size() - start));
+        std::array<std::size_t, slices_per_wedge> next{};
+        for (std::size_t i = 0; i < some.size(); ++i) {
+            unsorted[i] = some[i];
+            ++next[static_cast<std::uint32_t>(slice_of[some[i]]) % slices_per_wedge];
+        }
+        std::size_t total = 0;
+        for (std::size_t& first : next)
+            total += std::exchange(first, total);
+        for (std::size_t i = 0; i < some.size(); ++i)
+            some[next[static_cast<std::uint32_t>(slice_of[unsorted[i]]) % slices_per_wedge]++] = unsorted[i];
+    }
+}
+
+std::vector<std::uint32_t> by_wedge(const slope_rows::Layout& layout, std::span<const ViewRay> rays,
                                     const Progress& progress) {
     if (layout.rows.empty())
         return {};
-    const auto last_slice = static_cast<std::int32_t>(layout.rows.size()) - 1;
-    // Counts per block and slice: a block knows where its rays of a slice go, and all blocks are dealt out at once.
+    const std::size_t wedge_count = layout.rows.size() / slices_per_wedge + 1;
+    // Counts per block and wedge: a block knows where its rays of a wedge go, and all blocks are dealt out at once.
     constexpr std::size_t rays_per_block = std::size_t{1} << 15;
     std::vector<std::vector<std::uint32_t>> next((rays.size() + rays_per_block - 1) / rays_per_block);
-    std::vector<std::uint32_t> slice_of(rays.size()), order(rays.size());
+    std::vector<std::int32_t> slice_of(rays.size());
+    std::vector<std::uint32_t> order(rays.size());
+    const auto wedge_of = [&](std::size_t ray) { return static_cast<std::uint32_t>(slice_of[ray]) / slices_per_wedge; };
     parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
         std::vector<std::uint32_t>& counts = next[begin / rays_per_block];
-        counts.assign(layout.rows.size(), 0);
-        slope_rows::PlacedRays placed;
-        for (std::size_t start = begin; start < end; start += slope_rows::PlacedRays::capacity) {
-            const std::size_t count = std::min(slope_rows::PlacedRays::capacity, end - start);
-            slope_rows::place_rays(layout.frame, rays.subspan(start, count), placed);
-            for (std::size_t i = 0; i < count; ++i) {
-                const std::int32_t slice = slope_rows::nearest_slice(layout, placed.slice_coordinate[i]);
-                slice_of[start + i] = static_cast<std::uint32_t>(std::clamp(slice, 0, last_slice));
-                ++counts[slice_of[start + i]];
-            }
-        }
+        counts.assign(wedge_count, 0);
+        HWY_DYNAMIC_DISPATCH(find_slices_of)(layout, rays.subspan(begin, end - begin), &slice_of[begin]);
+        for (std::size_t ray = begin; ray < end; ++ray)
+            ++counts[wedge_of(ray)];
     });
     std::uint32_t total = 0;
-    for (std::size_t slice = 0; slice < layout.rows.size(); ++slice)
-        for (auto& counts : next) {
-            const std::uint32_t count = counts[slice];
-            counts[slice] = total;
-            total += count;
-        }
+    std::vector<std::uint32_t> first_of_wedge;
+    for (std::size_t wedge = 0; wedge < wedge_count; ++wedge) {
+        first_of_wedge.push_back(total);
+        for (auto& counts : next)
+            total += std::exchange(counts[wedge], total);
+    }
+    first_of_wedge.push_back(total);
     parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t ray = begin; ray < end; ++ray)
-            order[next[begin / rays_per_block][slice_of[ray]]++] = static_cast<std::uint32_t>(ray);
+            order[next[begin / rays_per_block][wedge_of(ray)]++] = static_cast<std::uint32_t>(ray);
     });
+    parallel_for(
+        wedge_count, progress,
+        [&](std::size_t wedge) {
+            const std::uint32_t first = first_of_wedge[wedge];
+            sort_by_slice(std::span(order).subspan(first, first_of_wedge[wedge + 1] - first), slice_of);
+        },
+        16);
     return order;
 }
 void lit_runs(const slope_rows::RowView& row, float slope, std::int32_t first, std::int32_t last,

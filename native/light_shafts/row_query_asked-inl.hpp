@@ -11,12 +11,13 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::light_shafts::HWY_NAMESPACE {
-/// Rays with pieces, in columns; a vector may be loaded from any of them on.
+/// Rays with pieces, in columns.
 struct Asked {
     template <class Value>
     using Column = std::array<Value, PlacedRays::capacity + block_lines>;
     alignas(64) Column<float> slope, first_line, last_line, near_index, m_per_line, near_m, far_m;
     alignas(64) Column<std::int32_t> number, slice, first_piece, piece_count; ///< number: of the ray in the block.
+    alignas(64) Column<std::int32_t> order;                                   ///< Slice by slice.
     std::size_t count = 0;
     std::uint32_t first_of_call = 0; ///< Ray of the call that has number 0.
 
@@ -64,38 +65,40 @@ struct Asked {
         }
     }
 
-    /// By slices, which keep their order, so that neighbours in the picture stay neighbours. Rays in more than
-    /// most_slices slices share too little, and stay where they are.
+    /// Puts rays of a slice side by side, in the order that they come in: neighbours in the picture stay neighbours.
+    /// Rays in more than most_slices slices share too little, and stay where they are.
     void sort() {
         constexpr std::int32_t most_slices = 1024;
-        bool is_sorted = true;
-        std::int32_t least = count > 0 ? slice[0] : 0, most = least;
-        for (std::size_t i = 1; i < count; ++i) {
-            is_sorted = is_sorted && slice[i - 1] <= slice[i];
-            least = std::min(least, slice[i]);
-            most = std::max(most, slice[i]);
-        }
-        if (is_sorted || most - least >= most_slices)
+        if (count == 0)
             return;
-        std::array<std::uint16_t, most_slices> next{};
+        static constexpr hn::RebindToSigned<LineTag> di;
+        const auto last = hn::Set(di, slice[count - 1]);
+        for (std::size_t i = 0; i < block_lines; i += hn::Lanes(di)) // what a vector reads past the end
+            hn::StoreU(last, di, &slice[count + i]);
+        auto all_least = last, all_most = last, falls = hn::Zero(di);
+        for (std::size_t i = 0; i < count; i += hn::Lanes(di)) {
+            const auto here = hn::Load(di, &slice[i]);
+            falls = hn::Or(falls, hn::VecFromMask(di, hn::Lt(hn::LoadU(di, &slice[i + 1]), here)));
+            all_least = hn::Min(all_least, here);
+            all_most = hn::Max(all_most, here);
+            hn::Store(hn::Add(hn::Iota(di, 0), hn::Set(di, static_cast<std::int32_t>(i))), di, &order[i]);
+        }
+        const std::int32_t least = hn::GetLane(hn::MinOfLanes(di, all_least)),
+                           most = hn::GetLane(hn::MaxOfLanes(di, all_most));
+        if (hn::AllTrue(di, hn::Eq(falls, hn::Zero(di))) || most - least >= most_slices)
+            return;
+        std::array<std::uint16_t, most_slices> next;
+        const auto slice_count = static_cast<std::size_t>(most - least + 1);
+        std::fill_n(next.begin(), slice_count, std::uint16_t{0});
         for (std::size_t i = 0; i < count; ++i)
             ++next[static_cast<std::size_t>(slice[i] - least)];
         std::uint16_t total = 0;
-        for (std::int32_t s = 0; s <= most - least; ++s)
-            total = static_cast<std::uint16_t>(total + std::exchange(next[static_cast<std::size_t>(s)], total));
-        Column<std::uint16_t> place;
+        for (std::size_t s = 0; s < slice_count; ++s)
+            total = static_cast<std::uint16_t>(total + std::exchange(next[s], total));
         for (std::size_t i = 0; i < count; ++i)
-            place[i] = next[static_cast<std::size_t>(slice[i] - least)]++;
-        const auto move = [&](auto& column) {
-            const auto from = column;
-            for (std::size_t i = 0; i < count; ++i)
-                column[place[i]] = from[i];
-        };
-        for (auto* column : {&slope, &first_line, &last_line, &near_index, &m_per_line, &near_m, &far_m})
-            move(*column);
-        for (auto* column : {&number, &slice, &first_piece, &piece_count})
-            move(*column);
+            order[next[static_cast<std::size_t>(slice[i] - least)]++] = static_cast<std::int32_t>(i);
     }
+    [[nodiscard]] std::size_t ray(std::size_t at) const { return static_cast<std::size_t>(order[at]); }
 };
 } // namespace tyndall::light_shafts::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -54,24 +54,31 @@ struct RowHits {
     [[nodiscard]] RowHit hit(std::size_t i) const { return {slice[i], first[i], last[i], near_index[i]}; }
 };
 
+/// nearest_slice on vectors.
+HWY_INLINE hn::Vec<LineTag> slices_at(const Layout& layout, hn::Vec<LineTag> coordinate) {
+    const auto d = lines_tag;
+    const auto half = hn::Set(d, 0.5f);
+    auto slice = hn::Div(hn::Sub(coordinate, hn::Set(d, layout.first_slice)), hn::Set(d, layout.slice_step));
+    if (layout.slices_per_turn > 0) {
+        const auto turn = hn::Set(d, static_cast<float>(layout.slices_per_turn));
+        slice = hn::IfThenElse(hn::Lt(slice, hn::Neg(half)), hn::Add(slice, turn), slice);
+        slice = hn::IfThenElse(hn::Ge(slice, hn::Sub(turn, half)), hn::Sub(slice, turn), slice);
+    }
+    return hn::Floor(hn::Add(slice, half));
+}
+
 HWY_INLINE void find_rows(const Layout& layout, const PlacedRays& placed, std::size_t count, RowHits& hits) {
     static constexpr hn::RebindToSigned<LineTag> whole_tag;
     const auto d = lines_tag;
     const auto di = whole_tag;
     const auto set = [&](float value) { return hn::Set(d, value); };
     const Frame& frame = layout.frame;
-    const auto half = set(0.5f), turn = set(static_cast<float>(layout.slices_per_turn));
+    const auto half = set(0.5f);
     static_assert(sizeof(RowExtent) == 24);
     const auto* extents = reinterpret_cast<const std::int32_t*>(layout.rows.data());
     const auto& radius = frame.is_orthographic ? placed.radial : placed.radial_per_m;
     for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-        auto slice =
-            hn::Div(hn::Sub(hn::Load(d, &placed.slice_coordinate[i]), set(layout.first_slice)), set(layout.slice_step));
-        if (layout.slices_per_turn > 0) {
-            slice = hn::IfThenElse(hn::Lt(slice, set(-0.5f)), hn::Add(slice, turn), slice);
-            slice = hn::IfThenElse(hn::Ge(slice, hn::Sub(turn, half)), hn::Sub(slice, turn), slice);
-        }
-        slice = hn::Floor(hn::Add(slice, half));
+        const auto slice = slices_at(layout, hn::Load(d, &placed.slice_coordinate[i]));
         const auto has_slice =
             hn::And(hn::Ge(slice, hn::Zero(d)), hn::Lt(slice, set(static_cast<float>(layout.slice_count()))));
         const auto row = hn::ConvertTo(di, hn::IfThenElseZero(has_slice, slice));

@@ -34,13 +34,13 @@ void add_scattered_of(const Rows& rows, std::span<const ViewRay> rays, const Pie
         const ScatterPiece* first_piece = pieces.pieces.data() + pieces.first[start];
         for (std::size_t begin = 0, end; begin < asked.count; begin = end) {
             for (end = begin + 1; end < asked.count && end - begin < lanes; ++end)
-                if (asked.slice[end] != asked.slice[begin])
+                if (asked.slice[asked.ray(end)] != asked.slice[asked.ray(begin)])
                     break;
             if (end - begin < least_packet ||
                 !add_packet(rows, asked, begin, end, first_piece, radiance.subspan(start),
                             lit_length_m.empty() ? lit_length_m : lit_length_m.subspan(start)))
                 for (std::size_t ray = begin; ray < end; ++ray)
-                    add_alone(rows, asked, ray, first_piece, batch, radiance, lit_length_m, unanswered);
+                    add_alone(rows, asked, asked.ray(ray), first_piece, batch, radiance, lit_length_m, unanswered);
         }
     }
     flush(rows, batch, radiance, lit_length_m, unanswered);

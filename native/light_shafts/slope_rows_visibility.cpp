@@ -154,7 +154,7 @@ static void add_some(const Visibility& visibility, std::span<const std::uint32_t
 
 std::vector<std::uint32_t> RowsVisibility::coherent_order(std::span<const ViewRay> rays,
                                                           const Progress& progress) const {
-    return row_query::by_slice(rows_.layout, rays, progress);
+    return row_query::by_wedge(rows_.layout, rays, progress);
 }
 
 void RowsVisibility::add_scattered(std::span<const ViewRay> rays, const PieceRows& pieces, std::span<Rgb> radiance,

@@ -90,3 +90,44 @@ TEST_CASE("the fused sum over lit lines equals the integral over lit intervals")
                 }
     }
 }
+
+// Both paths sum the same terms: one ray in a call is asked with lines side by side, many with rays side by side. Gains
+// per line from thin (parabolas) over dense (tables) to those that only the first path takes.
+TEST_CASE("a ray scatters the same light alone and among its neighbours") {
+    const Soup soup(make_soup(200, 3.0f, 0.5f, vec3(0.0f), 12));
+    const Setting setting = settings()[0];
+    const auto rays = make_rays(setting, 80);
+    const slope_rows::Rows rows = make_rows(setting, soup, rays, 700);
+    const auto order = row_query::by_wedge(rows.layout, rays, Progress{});
+    std::vector<ViewRay> sorted;
+    for (const std::uint32_t ray : order)
+        sorted.push_back(rays[ray]);
+    for (const float sigma_per_m : {0.01f, 0.1f, 2.0f, 20.0f})
+        for (const bool is_grey : {true, false})
+            for (const SimdTarget target : available_simd_targets()) {
+                CAPTURE(sigma_per_m);
+                CAPTURE(is_grey);
+                CAPTURE(static_cast<int>(target));
+                const ForcedSimdTarget force(target);
+                const PieceRows pieces = random_pieces(sorted, sigma_per_m, is_grey);
+                std::vector<Rgb> together(sorted.size(), Rgb(0.0f));
+                row_query::Unanswered unanswered, alone_unanswered;
+                row_query::add_scattered(rows, sorted, pieces, together, {}, unanswered);
+                double worst = 0.0, mean = 0.0;
+                for (std::size_t r = 0; r < sorted.size(); ++r) {
+                    PieceRows own;
+                    own.pieces.assign(pieces.pieces.begin() + pieces.first[r],
+                                      pieces.pieces.begin() + pieces.first[r + 1]);
+                    own.end_ray();
+                    Rgb alone(0.0f);
+                    row_query::add_scattered(rows, std::span(sorted).subspan(r, 1), own, std::span(&alone, 1), {},
+                                             alone_unanswered);
+                    worst = std::max(worst,
+                                     double{glm::length(together[r] - alone)} / (double{glm::length(alone)} + 1e-12));
+                    mean += double{glm::length(alone)};
+                }
+                CHECK(mean > 0.0);
+                CHECK(worst < 2e-5); // 16 roundings of a power, and 3e-7 of each exponential
+                CHECK(unanswered.steep.size() == alone_unanswered.steep.size());
+            }
+}

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Rays of one slice side by side, a lane each, and where their pieces lie in the row, compiled once per SIMD target.
+#if defined(TYNDALL_ROW_QUERY_PLACE_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef TYNDALL_ROW_QUERY_PLACE_INL
+#undef TYNDALL_ROW_QUERY_PLACE_INL
+#else
+#define TYNDALL_ROW_QUERY_PLACE_INL
+#endif
+#include "light_shafts/row_query_asked-inl.hpp"
+#include "light_shafts/row_query_pieces-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace tyndall::light_shafts::HWY_NAMESPACE {
+using LaneMask = hn::Mask<LineTag>;
+using I = hn::Vec<decltype(di)>;
+
+static HWY_INLINE float least_of(V v) { return hn::GetLane(hn::MinOfLanes(d, v)); }
+static HWY_INLINE float most_of(V v) { return hn::GetLane(hn::MaxOfLanes(d, v)); }
+static HWY_INLINE V clamped(V value, V low, V high) { return hn::Min(hn::Max(value, low), high); }
+
+/// Blocks of a row as all rays of a packet see them, a bit each, counted from `first`.
+struct PacketBlocks {
+    static constexpr std::size_t most_words = 65; // 65536 lines and the margins
+    std::int32_t first, end;
+    std::array<std::uint64_t, most_words> all_lit, some_lit;
+
+    /// Whether any line may be lit for any slope between the two.
+    bool find(const RowView& row, float least_slope, float most_slope, std::int32_t first_line,
+              std::int32_t last_line) {
+        first = (first_line - row.first) / block_lines;
+        end = (last_line - row.first) / block_lines + 1;
+        const V least = hn::Set(d, least_slope), most = hn::Set(d, most_slope);
+        std::uint64_t any = 0;
+        for (std::int32_t start = first, word = 0; start < end; start += blocks_per_word, ++word) {
+            std::uint64_t lit = 0, some = 0;
+            for (std::int32_t group = 0; group < std::min(blocks_per_word, end - start); group += block_lines) {
+                lit |= std::uint64_t{at_or_above(least, row.highest + start + group)} << group;
+                some |= std::uint64_t{at_or_above(most, row.lowest + start + group)} << group;
+            }
+            some &= bits_between(first, end, start);
+            all_lit[static_cast<std::size_t>(word)] = lit & some;
+            some_lit[static_cast<std::size_t>(word)] = some;
+            any |= some;
+        }
+        return any != 0;
+    }
+    /// Of the 64 blocks from `start` on, those in [begin, past).
+    static std::uint64_t bits_between(std::int32_t begin, std::int32_t past, std::int32_t start) {
+        const auto below = [&](std::int32_t block) { // bits of blocks before it
+            const std::int32_t count = std::clamp(block - start, 0, blocks_per_word);
+            return count == blocks_per_word ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1;
+        };
+        return below(past) & ~below(begin);
+    }
+};
+
+/// What the rays of a packet are, a lane each.
+struct PacketRays {
+    RowView row;
+    float least_slope, most_slope;
+    V slope, near_m, far_m, near_index, step, first_line, last_line;
+    I first_piece, piece_count;
+    PacketBlocks blocks;
+};
+
+/// One piece of each ray: where it lies in the row.
+struct PacketPiece {
+    LaneMask is_here, has_whole;
+    V near_m;                                             ///< Its own, which depths are counted from.
+    V whole_begin, whole_past;                            ///< Whole lines; the same where there are none.
+    V begin_middle, begin_length, end_middle, end_length; ///< What is left over at both ends, metres.
+    LaneMask begin_lit, end_lit;
+    std::int32_t outer_begin, outer_end; ///< Blocks that any ray has lines of.
+    std::int32_t inner_begin, inner_end; ///< Blocks that all rays have all lines of.
+};
+
+/// Nothing is known of the medium yet: most pieces end here, in the dark.
+static HWY_INLINE bool place_piece(const PacketRays& rays, V piece_near, V piece_far, LaneMask has_piece,
+                                   PacketPiece& piece) {
+    const V one = hn::Set(d, 1.0f), half = hn::Set(d, 0.5f);
+    const V begin = hn::Max(piece_near, rays.near_m), end = hn::Min(piece_far, rays.far_m);
+    piece.is_here = hn::And(has_piece, hn::Lt(begin, end));
+    if (hn::AllFalse(d, piece.is_here))
+        return false;
+    piece.near_m = piece_near;
+    const V per_m = hn::Div(one, rays.step), past = hn::Add(rays.last_line, one);
+    const auto index_at = [&](V t) { return hn::MulAdd(hn::Sub(t, rays.near_m), per_m, rays.near_index); };
+    const auto distance_at = [&](V index) {
+        return hn::MulAdd(hn::Sub(index, rays.near_index), rays.step, rays.near_m);
+    };
+    piece.whole_begin = clamped(hn::Ceil(index_at(begin)), rays.first_line, past);
+    piece.whole_past = clamped(hn::Floor(index_at(end)), rays.first_line, past);
+    const V left = clamped(distance_at(piece.whole_begin), begin, end);
+    const V right = hn::Max(clamped(distance_at(piece.whole_past), begin, end), left);
+    piece.begin_length = hn::Sub(left, begin);
+    piece.end_length = hn::Sub(end, right);
+    piece.begin_middle = hn::MulAdd(half, piece.begin_length, begin);
+    piece.end_middle = hn::NegMulAdd(half, piece.end_length, end);
+    const auto is_lit_at = [&](V line) {
+        const auto at = hn::ConvertTo(di, hn::Sub(clamped(line, rays.first_line, rays.last_line),
+                                                  hn::Set(d, static_cast<float>(rays.row.first))));
+        return hn::And(piece.is_here, hn::Ge(rays.slope, hn::GatherIndex(d, rays.row.slopes, at)));
+    };
+    piece.begin_lit = is_lit_at(hn::Sub(piece.whole_begin, one));
+    piece.end_lit = is_lit_at(piece.whole_past);
+    piece.has_whole = hn::And(piece.is_here, hn::Lt(piece.whole_begin, piece.whole_past));
+    piece.outer_begin = piece.outer_end = piece.inner_begin = piece.inner_end = 0;
+    if (!hn::AllFalse(d, piece.has_whole)) {
+        const V big = hn::Set(d, 1e9f), none = hn::Zero(d);
+        const auto block_of = [&](float line) {
+            return (static_cast<std::int32_t>(line) - rays.row.first) / block_lines;
+        };
+        const auto block_after = [&](float line) {
+            return (static_cast<std::int32_t>(line) - rays.row.first + block_lines - 1) / block_lines;
+        };
+        const V begin_or_big = hn::IfThenElse(piece.has_whole, piece.whole_begin, big),
+                begin_or_none = hn::IfThenElse(piece.has_whole, piece.whole_begin, none),
+                past_or_big = hn::IfThenElse(piece.has_whole, piece.whole_past, big),
+                past_or_none = hn::IfThenElse(piece.has_whole, piece.whole_past, none);
+        piece.outer_begin = block_of(least_of(begin_or_big));
+        piece.outer_end = block_after(most_of(past_or_none));
+        piece.inner_begin = block_after(most_of(begin_or_none));
+        piece.inner_end = std::max(piece.inner_begin, block_of(least_of(past_or_big)));
+        std::uint64_t any = 0;
+        for (std::int32_t start = rays.blocks.first, word = 0; start < piece.outer_end;
+             start += blocks_per_word, ++word)
+            any |= rays.blocks.some_lit[static_cast<std::size_t>(word)] &
+                   PacketBlocks::bits_between(piece.outer_begin, piece.outer_end, start);
+        if (any != 0)
+            return true;
+        piece.outer_end = piece.outer_begin;
+    }
+    return !hn::AllFalse(d, hn::Or(piece.begin_lit, piece.end_lit));
+}
+
+} // namespace tyndall::light_shafts::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
