@@ -21,6 +21,8 @@ using glm::vec4;
 
 /// A value per colour channel of Blender's scene-linear space (Rec. 709 primaries): a radiance, a coefficient, an albedo.
 using Rgb = glm::vec3;
+/// Mean of the channels.
+[[nodiscard]] inline float average(const Rgb& value) { return (value.x + value.y + value.z) * (1.0f / 3.0f); }
 
 /// Axis-aligned box; empty while any min exceeds its max.
 struct Bounds3 {

@@ -167,7 +167,7 @@ static float lit_length_of(std::span<const LitInterval> lit, std::span<const Loc
     float length_m = 0.0f;
     for (const LitInterval& interval : lit) {
         const Rgb& transmittance = interval.transmittance;
-        const float share = (transmittance.x + transmittance.y + transmittance.z) * (1.0f / 3.0f);
+        const float share = average(transmittance);
         for (const LocalRays::Segment& segment : segments)
             length_m += share * std::max(0.0f, std::min(interval.far_m, segment.far_m) -
                                                    std::max(interval.near_m, segment.near_m));

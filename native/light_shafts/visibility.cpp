@@ -22,9 +22,7 @@ void Visibility::add_scattered(std::span<const ViewRay> rays, const PieceRows& p
                     continue;
                 radiance[ray] += lit.transmittance * scattered(pieces.pieces[at], near_m, far_m);
                 if (!lit_length_m.empty())
-                    lit_length_m[ray] +=
-                        (far_m - near_m) *
-                        ((lit.transmittance.x + lit.transmittance.y + lit.transmittance.z) * (1.0f / 3.0f));
+                    lit_length_m[ray] += (far_m - near_m) * average(lit.transmittance);
             }
         }
     }

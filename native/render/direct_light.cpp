@@ -36,6 +36,7 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
         statistics.report("World \"" + scene.world().name() +
                           "\" shines through its own endless medium, which lets nothing through: bound the fog with a "
                           "fog box");
+    ray_counts_.assign(light_count(), 1);
 }
 
 Ray DirectLight::shadow_ray(const SurfacePoint& point, const vec3& direction) const {
@@ -45,22 +46,48 @@ Ray DirectLight::shadow_ray(const SurfacePoint& point, const vec3& direction) co
     return ray;
 }
 
-void DirectLight::at(std::span<const SurfacePoint> points, const PairIndex& first_pair,
-                     std::span<Irradiance> irradiance) const {
-    std::fill_n(irradiance.begin(), points.size(), Irradiance{});
+static LitPoints lanes_of(std::span<const SurfacePoint> points) {
     LitPoints lanes;
     for (std::size_t lane = 0; lane < points.size(); ++lane) {
         const SurfacePoint& point = points[lane];
         lanes.set(lane, point.shading.position, point.shading.shading_normal, point.spawn, point.pixel_seed);
     }
-    // A light has the same pair wherever it shines: what one point skips does not shift another light's numbers.
-    PairIndex pair = first_pair;
-    for (const AimedLight& light : lights_) {
-        add_light(light, points, lanes, pair, irradiance);
-        ++pair.pair_index;
+    return lanes;
+}
+
+bool DirectLight::has_strata(std::size_t light) const {
+    return light >= lights_.size() || lights_[light].aim.has_size();
+}
+
+void DirectLight::at(std::span<const SurfacePoint> points, const PairIndex& first_pair,
+                     std::span<Irradiance> irradiance) const {
+    std::fill_n(irradiance.begin(), points.size(), Irradiance{});
+    const LitPoints lanes = lanes_of(points);
+    for (std::size_t light = 0; light < light_count(); ++light)
+        add(light, points, lanes, first_pair, irradiance);
+}
+
+void DirectLight::add_one(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,
+                          std::span<Irradiance> irradiance) const {
+    add(light, points, lanes_of(points), first_pair, irradiance);
+}
+
+void DirectLight::add(std::size_t light, std::span<const SurfacePoint> points, const LitPoints& lanes,
+                      const PairIndex& first_pair, std::span<Irradiance> irradiance) const {
+    const bool is_world = light >= lights_.size();
+    if (!is_world && lights_[light].aim.may_light(lanes) == 0)
+        return;
+    const std::uint32_t count = ray_counts_[light];
+    const float share = 1.0f / static_cast<float>(count);
+    for (std::uint32_t ray = 0; ray < count; ++ray) {
+        // A light has the same pair wherever it shines: what one point skips does not shift another light's numbers.
+        const PairIndex pair{first_pair.sample_index * count + ray,
+                             first_pair.pair_index + static_cast<std::uint32_t>(light)};
+        if (is_world)
+            add_world(points, lanes, pair, share, irradiance);
+        else
+            add_light(lights_[light], points, lanes, pair, share, irradiance);
     }
-    if (has_world_light_)
-        add_world(points, lanes, pair, irradiance);
 }
 
 void DirectLight::finish(const Light& light, const SurfacePoint& point, Ray& ray, Rgb& arriving) const {
@@ -104,16 +131,14 @@ static Ray ray_of(const AimedRays& aimed, std::size_t lane) {
 }
 
 void DirectLight::add_light(const AimedLight& aimed, std::span<const SurfacePoint> points, const LitPoints& lanes,
-                            const PairIndex& pair, std::span<Irradiance> irradiance) const {
-    if (aimed.aim.may_light(lanes) == 0)
-        return;
+                            const PairIndex& pair, float share, std::span<Irradiance> irradiance) const {
     const Light& light = scene_.lights()[aimed.index];
     AimedRays towards;
     ShadowRays shadow;
     for (LaneSet left = aimed.aim.aim(lanes, pair, towards); left != 0; left &= left - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(left));
         Ray ray = ray_of(towards, lane);
-        Rgb arriving = towards.weight[lane] * light.strength;
+        Rgb arriving = share * towards.weight[lane] * light.strength;
         finish(light, points[lane], ray, arriving);
         if (arriving != Rgb(0.0f))
             shadow.push(ray, arriving, lane);
@@ -132,7 +157,7 @@ void DirectLight::add_light(const AimedLight& aimed, std::span<const SurfacePoin
 }
 
 void DirectLight::add_world(std::span<const SurfacePoint> points, const LitPoints& lanes, const PairIndex& pair,
-                            std::span<Irradiance> irradiance) const {
+                            float share, std::span<Irradiance> irradiance) const {
     const World& world = scene_.world();
     const auto power_share = [](float a, float b) { return a * a / (a * a + b * b); };
     AimedRays towards;
@@ -140,11 +165,11 @@ void DirectLight::add_world(std::span<const SurfacePoint> points, const LitPoint
     for (LaneSet left = LightAim::aim_at_world(lanes, pair, towards); left != 0; left &= left - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(left));
         const Ray ray = ray_of(towards, lane);
-        const float share = world.has_image() ? power_share(cosine_hemisphere_pdf_per_sr(towards.weight[lane]),
-                                                            world.pdf_per_sr(ray.direction))
-                                              : 1.0f;
-        if (share > 0.0f)
-            shadow.push(ray, pi * share * world.radiance(ray.direction), lane);
+        const float weight = world.has_image() ? power_share(cosine_hemisphere_pdf_per_sr(towards.weight[lane]),
+                                                             world.pdf_per_sr(ray.direction))
+                                               : 1.0f;
+        if (weight > 0.0f)
+            shadow.push(ray, pi * share * weight * world.radiance(ray.direction), lane);
     }
     add_from_world(shadow, irradiance);
     if (!world.has_image())
@@ -159,7 +184,7 @@ void DirectLight::add_world(std::span<const SurfacePoint> points, const LitPoint
             continue;
         const float weight =
             power_share(sample.pdf_per_sr, cosine_hemisphere_pdf_per_sr(cosine)) * cosine / sample.pdf_per_sr;
-        shadow.push(shadow_ray(point, sample.direction), weight * sample.radiance, index);
+        shadow.push(shadow_ray(point, sample.direction), share * weight * sample.radiance, index);
     }
     add_from_world(shadow, irradiance);
 }

@@ -4,8 +4,8 @@
 //           1997, section 9.2 (power heuristic), between the cosine and the image.
 // Differs:  every light is asked at every point, not one picked at random: no noise from the choice. In packets a shadow
 //           ray costs less than to learn what its light contributes, which a choice has to know of all of them.
-// Bound:    one shadow ray per light that may reach the point, in packets of 16 points; one of its own for the world,
-//           two for an image of it.
+// Bound:    a shadow ray per light that may reach the point, in packets of 16 points; one of its own for the world, two
+//           for an image of it; times a light's ray count.
 #pragma once
 #include "render/light_aim.hpp"
 #include "render/pixel_samples.hpp"
@@ -33,17 +33,30 @@ public:
     /// from `first_pair` on. Faster where the points are neighbours; the results do not depend on it.
     void at(std::span<const SurfacePoint> points, const PairIndex& first_pair, std::span<Irradiance> irradiance) const;
 
+    /// Those that light surfaces, the world's light last.
+    [[nodiscard]] std::size_t light_count() const { return lights_.size() + (has_world_light_ ? 1 : 0); }
+    /// False: one shadow ray of a point tells all that there is to know.
+    [[nodiscard]] bool has_strata(std::size_t light) const;
+    /// Shadow rays per point, to as many strata of a light; 1 before. Powers of two keep them well spread.
+    void set_ray_counts(std::vector<std::uint32_t> per_light) { ray_counts_ = std::move(per_light); }
+    /// What at() adds for one of the lights.
+    void add_one(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,
+                 std::span<Irradiance> irradiance) const;
+
 private:
     struct AimedLight {
         std::uint32_t index; ///< Into Scene::lights.
         LightAim aim;
     };
     struct ShadowRays;
+    void add(std::size_t light, std::span<const SurfacePoint> points, const LitPoints& lanes,
+             const PairIndex& first_pair, std::span<Irradiance> irradiance) const;
+    /// One stratum, which stands for `share` of the light.
     void add_light(const AimedLight& aimed, std::span<const SurfacePoint> points, const LitPoints& lanes,
-                   const PairIndex& pair, std::span<Irradiance> irradiance) const;
+                   const PairIndex& pair, float share, std::span<Irradiance> irradiance) const;
     /// What the lanes leave out: a spot's cone, the lift off a smooth surface's terminator.
     void finish(const Light& light, const SurfacePoint& point, Ray& ray, Rgb& arriving) const;
-    void add_world(std::span<const SurfacePoint> points, const LitPoints& lanes, const PairIndex& pair,
+    void add_world(std::span<const SurfacePoint> points, const LitPoints& lanes, const PairIndex& pair, float share,
                    std::span<Irradiance> irradiance) const;
     void add_from_world(ShadowRays& shadow, std::span<Irradiance> irradiance) const;
     /// Towards the light, lifted off a smooth surface's terminator.
@@ -51,7 +64,8 @@ private:
 
     const Scene& scene_;
     const Media& media_;
-    std::vector<AimedLight> lights_; ///< Those that light surfaces.
+    std::vector<AimedLight> lights_;        ///< Those that light surfaces.
+    std::vector<std::uint32_t> ray_counts_; ///< Per light_count.
     bool has_media_, has_world_light_;
 };
 } // namespace tyndall::render

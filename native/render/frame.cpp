@@ -3,10 +3,12 @@
 #include "core/parallel.hpp"
 #include "light_shafts/shared_strata.hpp"
 #include "render/pixel_noise.hpp"
+#include "render/shadow_ray_counts.hpp"
 #include "render/surface_pass.hpp"
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <numeric>
 #include <optional>
 
 namespace tyndall::render {
@@ -63,6 +65,11 @@ public:
         }
         if (media_.is_empty())
             statistics_.skip("light shafts", "no medium in the scene");
+        std::vector<std::uint32_t> ray_counts =
+            count_shadow_rays(scene_, media_, light_, camera_, filter_, config_.seed, progress_);
+        statistics_.count("direct light: shadow rays per surface point",
+                          std::accumulate(ray_counts.begin(), ray_counts.end(), 0.0));
+        light_.set_ray_counts(std::move(ray_counts));
     }
 
     Film render() {

@@ -45,6 +45,7 @@ struct PairIndex {
 class LightAim {
 public:
     explicit LightAim(const Light& light);
+    [[nodiscard]] bool has_size() const { return has_size_; }
 
     /// Points at which light may arrive: not those before which the whole light stands below the horizon, or shines past.
     [[nodiscard]] LaneSet may_light(const LitPoints& points) const;

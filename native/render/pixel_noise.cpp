@@ -7,9 +7,7 @@ namespace tyndall::render {
 PixelNoise::PixelNoise(std::uint32_t width_px, std::uint32_t height_px)
     : width_px_(width_px), height_px_(height_px), pixels_(std::size_t{width_px} * height_px) {}
 
-void PixelNoise::add(std::size_t pixel, const Rgb& radiance) {
-    pixels_[pixel].current += (radiance.x + radiance.y + radiance.z) * (1.0f / 3.0f);
-}
+void PixelNoise::add(std::size_t pixel, const Rgb& radiance) { pixels_[pixel].current += average(radiance); }
 
 void PixelNoise::end_sample(const std::vector<std::uint8_t>& is_active) {
     for (std::size_t pixel = 0; pixel < pixels_.size(); ++pixel)

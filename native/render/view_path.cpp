@@ -11,8 +11,6 @@ static constexpr std::uint32_t pairs_per_layer = 256;
 // Blender's default: a surface that covers less does not show in Depth, Normal and Position.
 static constexpr float alpha_threshold = 0.5f;
 
-static float average(const Rgb& value) { return (value.x + value.y + value.z) * (1.0f / 3.0f); }
-
 /// A ray on its way.
 struct ViewPath::Follower {
     std::size_t index = 0; ///< Of its camera ray.

@@ -62,7 +62,7 @@ Rgb result_of(const SurfaceOp& op, const Registers& registers, bool is_backface,
     case Code::Clamp:
         return glm::clamp(a, 0.0f, 1.0f);
     case Code::Average:
-        return Rgb((a.x + a.y + a.z) * (1.0f / 3.0f));
+        return Rgb(average(a));
     case Code::Backfacing:
         return Rgb(is_backface ? 1.0f : 0.0f);
     }

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/shadow_ray_counts.hpp"
+#include "core/parallel.hpp"
+#include "core/random.hpp"
+#include "render/pixel_samples.hpp"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace tyndall::render {
+/// Time of a camera ray with all that follows from it, in shadow rays.
+static constexpr double camera_ray_cost = 8.0;
+static constexpr std::uint32_t most_rays = 16;
+/// Noise counts relative to its pixel, but for pixels darker than this share of the frame's mean.
+static constexpr double darkest_share = 0.05;
+
+std::vector<std::uint32_t> best_ray_counts(std::span<const PixelVariances> pixels, std::size_t light_count) {
+    std::vector<std::uint32_t> counts(light_count, 1);
+    double cost = camera_ray_cost + static_cast<double>(light_count);
+    std::vector<double> variances;
+    for (const PixelVariances& pixel : pixels)
+        variances.push_back(std::accumulate(pixel.of_light.begin(), pixel.of_light.end(), pixel.of_camera));
+    // Up to a factor, the mean standard error of a pixel in a fixed time if a light's variance changed.
+    const auto noise_with = [&](std::size_t light, double variance_gain, double more_cost) {
+        double noise = 0.0;
+        for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel)
+            noise += std::sqrt(std::max(0.0, variances[pixel] + variance_gain * pixels[pixel].of_light[light]));
+        return noise * std::sqrt(cost + more_cost);
+    };
+    for (bool is_better = true; is_better;) {
+        is_better = false;
+        for (std::size_t light = 0; light < light_count; ++light) {
+            const double more_cost = counts[light], variance_gain = -0.5 / counts[light];
+            if (counts[light] == most_rays ||
+                noise_with(light, variance_gain, more_cost) >= noise_with(light, 0.0, 0.0))
+                continue;
+            for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel)
+                variances[pixel] += variance_gain * pixels[pixel].of_light[light];
+            cost += more_cost;
+            counts[light] *= 2;
+            is_better = true;
+        }
+    }
+    return counts;
+}
+
+namespace {
+/// Pixels of a square of the pilot: neighbours, which trace faster together.
+constexpr std::uint32_t square_px = 4;
+constexpr std::size_t pixels_per_square = std::size_t{square_px} * square_px;
+constexpr std::uint32_t most_squares_along = 8;
+constexpr std::uint32_t camera_rays = 4, shadow_rays = 2; ///< Of a pixel; of a camera ray and light.
+
+/// Brightness of a pixel's camera rays and its variances in the pilot.
+struct OfPixel {
+    double mean = 0.0, camera_variance = 0.0; ///< Camera: of all but the shadow rays' choice.
+    std::vector<double> light_variances;
+};
+
+class Pilot {
+public:
+    Pilot(const Scene& scene, const Media& media, const DirectLight& light, const Camera& camera,
+          const FilterSampler& filter, std::uint32_t seed)
+        : scene_(scene), media_(media), light_(light), camera_(camera), filter_(filter), seed_(seed),
+          width_px_(std::min(square_px, camera.width_px)), height_px_(std::min(square_px, camera.height_px)),
+          columns_(squares_along(camera.width_px)), rows_(squares_along(camera.height_px)) {}
+
+    [[nodiscard]] std::size_t square_count() const { return std::size_t{columns_} * rows_; }
+
+    [[nodiscard]] std::vector<OfPixel> of_square(std::uint32_t index) const {
+        const std::uint32_t x0 = place(index % columns_, columns_, camera_.width_px - width_px_),
+                            y0 = place(index / columns_, rows_, camera_.height_px - height_px_);
+        std::vector<Lit> lights(light_.light_count());
+        Lit emitted;
+        for (std::uint32_t ray = 0; ray < camera_rays; ++ray)
+            shade(x0, y0, ray, lights, emitted);
+        std::vector<OfPixel> pixels;
+        for (std::size_t pixel = 0; pixel < std::size_t{width_px_} * height_px_; ++pixel)
+            pixels.push_back(of_pixel(pixel, lights, emitted));
+        return pixels;
+    }
+
+private:
+    /// By one light: brightness of each pixel in each camera ray with each shadow ray.
+    struct Lit {
+        std::array<std::array<std::array<float, shadow_rays>, camera_rays>, pixels_per_square> of_pixel{};
+    };
+
+    [[nodiscard]] static std::uint32_t squares_along(std::uint32_t frame_px) {
+        return std::clamp(frame_px / square_px, 1u, most_squares_along);
+    }
+    /// First pixel of square `index` of `count` in a frame with room for their beginnings.
+    [[nodiscard]] static std::uint32_t place(std::uint32_t index, std::uint32_t count, std::uint32_t room_px) {
+        return static_cast<std::uint32_t>(std::uint64_t{room_px} * (2 * index + 1) / (2 * count));
+    }
+
+    /// One camera ray of each pixel of a square, up to the first surface.
+    void shade(std::uint32_t x0, std::uint32_t y0, std::uint32_t camera_ray, std::span<Lit> lights,
+               Lit& emitted) const {
+        std::array<Ray, pixels_per_square> rays;
+        std::array<Hit, pixels_per_square> hits;
+        std::array<SurfacePoint, pixels_per_square> points;
+        std::array<Rgb, pixels_per_square> reflected;
+        std::array<std::size_t, pixels_per_square> pixels;
+        std::array<std::uint32_t, pixels_per_square> seeds;
+        const std::size_t pixel_count = std::size_t{width_px_} * height_px_;
+        for (std::uint32_t pixel = 0; pixel < pixel_count; ++pixel) {
+            const std::uint32_t x = x0 + pixel % width_px_, y = y0 + pixel / width_px_;
+            seeds[pixel] = hash(seed_, y * camera_.width_px + x);
+            const vec2 offset = filter_.offset_px(pixel_pair(seeds[pixel], camera_ray, 0));
+            rays[pixel] = camera_.ray(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y);
+        }
+        scene_.closest_hits(std::span(rays).first(pixel_count), hits);
+        std::size_t count = 0;
+        for (std::uint32_t pixel = 0; pixel < pixel_count; ++pixel) {
+            const Hit& hit = hits[pixel];
+            if (!hit.is_hit())
+                continue;
+            points[count] = surface_point(scene_, rays[pixel], hit, seeds[pixel]);
+            Ray inside = rays[pixel];
+            inside.far_m = hit.distance_m;
+            const Rgb passing = media_.is_empty() ? Rgb(1.0f) : media_.transmittance(inside);
+            const SurfaceClosures closures = scene_.closures(points[count].shading, hit);
+            emitted.of_pixel[pixel][camera_ray].fill(average(passing * closures.emission));
+            reflected[count] = passing * closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
+            pixels[count++] = pixel;
+        }
+        std::array<DirectLight::Irradiance, pixels_per_square> irradiance;
+        for (std::size_t light = 0; light < lights.size(); ++light)
+            for (std::uint32_t ray = 0; ray < shadow_rays; ++ray) {
+                irradiance.fill({});
+                for (std::size_t point = 0; point < count; ++point)
+                    points[point].pixel_seed = hash(seeds[pixels[point]], 1 + camera_ray * shadow_rays + ray);
+                light_.add_one(light, std::span(points).first(count), {0, 1}, irradiance);
+                for (std::size_t point = 0; point < count; ++point)
+                    lights[light].of_pixel[pixels[point]][camera_ray][ray] =
+                        average(reflected[point] * irradiance[point].sum());
+            }
+    }
+
+    static OfPixel of_pixel(std::size_t pixel, std::span<const Lit> lights, const Lit& emitted) {
+        OfPixel found{.mean = 0.0, .camera_variance = 0.0, .light_variances = std::vector<double>(lights.size())};
+        std::array<std::array<double, shadow_rays>, camera_rays> brightness{};
+        for (std::uint32_t ray = 0; ray < camera_rays; ++ray) {
+            brightness[ray].fill(emitted.of_pixel[pixel][ray][0]);
+            for (std::size_t light = 0; light < lights.size(); ++light) {
+                const auto [a, b] = lights[light].of_pixel[pixel][ray];
+                brightness[ray][0] += a;
+                brightness[ray][1] += b;
+                const double difference = double{a} - b;
+                found.light_variances[light] += 0.5 * difference * difference / camera_rays;
+            }
+            found.mean += 0.5 * (brightness[ray][0] + brightness[ray][1]) / camera_rays;
+        }
+        // Of a product of differences, independent but for the camera rays, the lights' own noise averages out.
+        for (std::uint32_t ray = 0; ray < camera_rays; ray += 2)
+            found.camera_variance += (brightness[ray][0] - brightness[ray + 1][0]) *
+                                     (brightness[ray][1] - brightness[ray + 1][1]) / camera_rays;
+        return found;
+    }
+
+    const Scene& scene_;
+    const Media& media_;
+    const DirectLight& light_;
+    const Camera& camera_;
+    const FilterSampler& filter_;
+    std::uint32_t seed_, width_px_, height_px_; ///< Of a square.
+    std::uint32_t columns_, rows_;              ///< Of squares.
+};
+} // namespace
+
+std::vector<std::uint32_t> count_shadow_rays(const Scene& scene, const Media& media, const DirectLight& light,
+                                             const Camera& camera, const FilterSampler& filter, std::uint32_t seed,
+                                             const Progress& progress) {
+    bool has_choice = false;
+    for (std::size_t index = 0; index < light.light_count(); ++index)
+        has_choice = has_choice || light.has_strata(index);
+    if (!has_choice)
+        return std::vector<std::uint32_t>(light.light_count(), 1);
+    const Pilot pilot(scene, media, light, camera, filter, seed);
+    std::vector<std::vector<OfPixel>> squares(pilot.square_count());
+    parallel_for(
+        squares.size(), progress,
+        [&](std::size_t index) { squares[index] = pilot.of_square(static_cast<std::uint32_t>(index)); }, 1);
+    std::vector<OfPixel> pixels;
+    for (const std::vector<OfPixel>& square : squares)
+        pixels.insert(pixels.end(), square.begin(), square.end());
+    std::erase_if(pixels, [](const OfPixel& pixel) { return !std::isfinite(pixel.mean); });
+    double frame_mean = 0.0;
+    for (const OfPixel& pixel : pixels)
+        frame_mean += pixel.mean / static_cast<double>(pixels.size());
+    std::vector<PixelVariances> variances;
+    for (OfPixel& pixel : pixels) {
+        const double scale = pixel.mean + darkest_share * frame_mean;
+        if (!(scale > 0.0))
+            continue;
+        for (double& variance : pixel.light_variances)
+            variance /= scale * scale;
+        variances.push_back({std::max(0.0, pixel.camera_variance / (scale * scale)), std::move(pixel.light_variances)});
+    }
+    return best_ray_counts(variances, light.light_count());
+}
+} // namespace tyndall::render

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where a pixel's noise comes from its light, a camera ray is worth several shadow rays.
+#include "render/shadow_ray_counts.hpp"
+#include "support/scenes.hpp"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <doctest/doctest.h>
+
+using namespace tyndall;
+using namespace tyndall::support;
+
+namespace {
+/// Looks straight down at the ground from inside of a box whose lid has a hole, or from under the open sky.
+std::unique_ptr<Scene> room_under_sky(bool has_lid) {
+    std::vector<Part> parts{{.mesh = square()}};
+    if (has_lid) // two halves of a lid above the ground, with a slit between them
+        for (const float side : {-1.0f, 1.0f})
+            parts.push_back({.mesh = square(), .world_from_object = translation({side * 1.2f, 0, 0.5f})});
+    SceneDescription description = make_scene(parts)->description();
+    description.world = World("sky", Rgb(1.0f));
+    return std::make_unique<Scene>(std::move(description), Progress());
+}
+Camera camera_above_ground() {
+    Camera camera;
+    camera.world_from_camera = translation({0, 0, 0.4f});
+    camera.clip_near_m = 0.01f;
+    camera.width_px = camera.height_px = 40;
+    return camera;
+}
+std::uint32_t rays_to_sky(const Scene& scene) {
+    const Media media(scene, Progress());
+    Statistics statistics;
+    const render::DirectLight light(scene, media, statistics);
+    const render::FilterSampler filter(render::PixelFilter::BlackmanHarris, 1.5f);
+    return render::count_shadow_rays(scene, media, light, camera_above_ground(), filter, 3, Progress()).back();
+}
+} // namespace
+
+TEST_CASE("the best number of shadow rays is sqrt((v_light / c_light) / (v_camera / c_camera)), as powers of two go") {
+    for (const double ratio : {0.01, 0.1, 0.4, 1.0, 3.0, 20.0, 1000.0}) {
+        const std::array pixels{render::PixelVariances{.of_camera = 1.0, .of_light = {ratio}}};
+        const std::uint32_t best = render::best_ray_counts(pixels, 1).front();
+        const auto noise = [&](double count) { return (1.0 + ratio / count) * (8.0 + count); };
+        for (std::uint32_t other = 1; other <= 16; other *= 2)
+            CHECK(noise(best) <= noise(other) * (1.0 + 1e-12));
+    }
+}
+
+TEST_CASE("each light gets its own number, and pixels without light have no say") {
+    const std::vector<render::PixelVariances> pixels(
+        9, render::PixelVariances{.of_camera = 0.01, .of_light = {0.0, 0.5, 0.01}});
+    const std::vector<std::uint32_t> counts = render::best_ray_counts(pixels, 3);
+    CHECK(counts[0] == 1);
+    CHECK(counts[1] > counts[2]);
+    CHECK(render::best_ray_counts({}, 2) == std::vector<std::uint32_t>{1, 1});
+}
+
+TEST_CASE("under an open sky one ray says all, below a slit it takes many") {
+    CHECK(rays_to_sky(*room_under_sky(false)) == 1);
+    CHECK(rays_to_sky(*room_under_sky(true)) >= 8);
+}
+
+TEST_CASE("several shadow rays are the mean of as many samples with one") {
+    const auto scene = room_under_sky(true);
+    const Media media(*scene, Progress());
+    Statistics statistics;
+    render::DirectLight light(*scene, media, statistics);
+    const Ray down{.origin = {0.1f, 0.2f, 0.4f}, .direction = {0, 0, -1}};
+    const render::SurfacePoint point = render::surface_point(*scene, down, scene->closest_hit(down), 7);
+    for (const std::uint32_t sample : {0u, 1u, 5u}) {
+        glm::dvec3 mean(0.0);
+        light.set_ray_counts({1});
+        render::DirectLight::Irradiance irradiance;
+        for (std::uint32_t ray = 0; ray < 8; ++ray) {
+            light.at({&point, 1}, {.sample_index = sample * 8 + ray, .pair_index = 0}, {&irradiance, 1});
+            mean += glm::dvec3(irradiance.sum()) / 8.0;
+        }
+        light.set_ray_counts({8});
+        light.at({&point, 1}, {.sample_index = sample, .pair_index = 0}, {&irradiance, 1});
+        CHECK(mean.x > 0.0);
+        CHECK(glm::length(glm::dvec3(irradiance.sum()) - mean) < 1e-6 * glm::length(mean));
+    }
+}
