@@ -78,7 +78,7 @@ void local(benchmark::State& state, const std::string& name, bool is_grey, bool 
         std::ranges::fill(radiance, Rgb(0.0f));
         for (std::size_t block = 0; block < blocks.size(); ++block)
             scatter.add_scattered(columns[block], &stripes,
-                                  std::span(radiance).subspan(block * 256, columns[block].size()), {});
+                                  std::span(radiance).subspan(block * 256, columns[block].size()), {}, {});
         benchmark::DoNotOptimize(radiance.data());
         stripes.asked.clear();
     }

@@ -64,6 +64,8 @@ void PreparedLights::gather(std::span<const ViewRay> rays, std::span<const std::
         block.first_segment.push_back(static_cast<std::uint32_t>(block.segments.size()));
     }
     block.all_radiance.assign(block.rays.size(), Rgb(0.0f));
+    for (std::vector<Rgb>* const apart : {&block.from_points, &block.all_unshadowed})
+        apart->assign(block.keeps_points_apart ? block.rays.size() : 0, Rgb(0.0f));
     block.visibility.assign(block.rays.size(), 0.0f);
 }
 
@@ -80,20 +82,25 @@ void PreparedLights::add(const Beam& beam, Block& block) const {
     }
     if (block.local.is_empty())
         block.local.assign(media, block.rays, block.first_segment, block.segments);
-    beam.local->add_scattered(block.local, beam.visibility.get(), block.radiance,
+    beam.local->add_scattered(block.local, beam.visibility.get(), block.radiance, block.unshadowed,
                               block.wants_visibility ? std::span(block.lit_length_m) : std::span<float>());
 }
 
 void PreparedLights::add(const LightBeams& light, const Turn& turn, Block& block) const {
     block.lit_length_m.assign(block.rays.size(), 0.0f);
     block.radiance.assign(block.rays.size(), Rgb(0.0f));
+    const bool is_apart = block.keeps_points_apart && light.beams.front().local.has_value();
+    block.unshadowed.assign(is_apart ? block.rays.size() : 0, Rgb(0.0f));
     const Deal mine = deal(light.beams.size(), turn);
     for (std::size_t index = mine.first; index < mine.last; ++index)
         add(light.beams[spread(index, light.beams.size())], block);
     const float share = mine.weight / static_cast<float>(light.beams.size() * lights.size());
     const auto most = static_cast<float>(mine.last - mine.first);
+    std::vector<Rgb>& sum = is_apart ? block.from_points : block.all_radiance;
     for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
-        block.all_radiance[ray] += mine.weight * block.radiance[ray];
+        sum[ray] += mine.weight * block.radiance[ray];
+        if (is_apart)
+            block.all_unshadowed[ray] += mine.weight * block.unshadowed[ray];
         if (block.length_m[ray] > 0.0f)
             block.visibility[ray] += share * std::min(most, block.lit_length_m[ray] / block.length_m[ray]);
     }
@@ -101,7 +108,7 @@ void PreparedLights::add(const LightBeams& light, const Turn& turn, Block& block
 
 void Shafts::scatter(std::span<const ViewRay> rays, std::span<Rgb> radiance, std::span<float> average_visibility,
                      const Progress& progress, Turn turn) const {
-    scatter(rays, {}, {Scattered{radiance, average_visibility}}, progress, turn);
+    scatter(rays, {}, {Scattered{radiance, average_visibility, {}, {}}}, progress, turn);
 }
 
 std::vector<Air> Shafts::find_air(std::span<const ViewRay> rays, const Progress& progress) const {
@@ -154,11 +161,13 @@ void Shafts::scatter(std::span<const ViewRay> rays, std::span<const std::uint8_t
             " cells");
     const std::array used = cells.empty() ? std::array{true, false, false} : sides_used(turn.count);
     for (std::size_t side = 0; side < shared_sides.size(); ++side) {
-        const auto& [radiance, visibility] = out[side];
-        require(!used[side] ||
-                    (radiance.size() == rays.size() && (visibility.empty() || visibility.size() == rays.size())),
+        const auto& [radiance, visibility, from_points, unshadowed] = out[side];
+        const auto fits = [&](std::size_t size) { return size == 0 || size == rays.size(); };
+        require(!used[side] || (radiance.size() == rays.size() && fits(visibility.size()) && fits(from_points.size()) &&
+                                from_points.size() == unshadowed.size()),
                 "scatter: ", rays.size(), " rays, but room for ", radiance.size(), " results");
-        std::ranges::fill(radiance, Rgb(0.0f));
+        for (const std::span<Rgb> light : {radiance, from_points, unshadowed})
+            std::ranges::fill(light, Rgb(0.0f));
         std::ranges::fill(visibility, 0.0f);
     }
     if (is_empty())
@@ -193,6 +202,7 @@ void PreparedLights::scatter_side(std::span<const ViewRay> rays, std::span<const
         parallel_blocks(mine.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
             thread_local Block block;
             block.wants_visibility = !out.average_visibility.empty();
+            block.keeps_points_apart = !out.from_points.empty();
             gather(rays, mine.subspan(begin, end - begin), block);
             for (const LightBeams& light : lights) {
                 const Sharing shared = cells.empty() || is_alone ? Sharing{} : sharing(light.beams.size(), turn.count);
@@ -202,6 +212,10 @@ void PreparedLights::scatter_side(std::span<const ViewRay> rays, std::span<const
             }
             for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
                 out.radiance[block.target[ray]] = block.all_radiance[ray];
+                if (block.keeps_points_apart) {
+                    out.from_points[block.target[ray]] = block.from_points[ray];
+                    out.from_points_unshadowed[block.target[ray]] = block.all_unshadowed[ray];
+                }
                 if (!out.average_visibility.empty())
                     out.average_visibility[block.target[ray]] = block.visibility[ray];
             }

@@ -39,7 +39,7 @@ void LightShares::add(const DirectionalScatter& light) {
 
 void LightShares::add(const LocalScatter& light) {
     std::vector<Rgb> radiance(rays_.size(), Rgb(0.0f));
-    light.add_scattered(local_rays_, nullptr, radiance, {});
+    light.add_scattered(local_rays_, nullptr, radiance, {}, {});
     double sum = 0.0;
     for (const Rgb& of_ray : radiance)
         sum += luminance(of_ray);

@@ -24,8 +24,10 @@ LocalScatter::LocalScatter(const Media& media, const LightSample& light, bool at
 /// Cuts lit parts of rays into smooth pieces and integrates them, a few hundred at a time.
 class LocalScatter::Batch {
 public:
-    void begin(const LocalScatter& light, const LocalRays& rays, const LocalSupport& support, std::span<Rgb> radiance) {
-        light_ = &light, rays_ = &rays, support_ = &support, radiance_ = radiance;
+    void begin(const LocalScatter& light, const LocalRays& rays, const LocalSupport& support, std::span<Rgb> radiance,
+               std::span<Rgb> unshadowed) {
+        light_ = &light, rays_ = &rays, support_ = &support, radiance_ = radiance, unshadowed_ = unshadowed;
+        is_lit_ = true, is_unshadowed_ = false;
         pieces_.clear();
     }
     /// The lit parts of one ray, near to far.
@@ -35,18 +37,24 @@ public:
 private:
     [[nodiscard]] double distance(LocalSupport::Distance which) const { return support_->distance[which][ray_]; }
     void prepare_splits();
+    void cut(std::span<const LitInterval> lit);
     void append(const LocalRays::Segment& segment, double x0, double x1, const Rgb& transmittance);
 
     const LocalScatter* light_ = nullptr;
     const LocalRays* rays_ = nullptr;
     const LocalSupport* support_ = nullptr;
-    std::span<Rgb> radiance_;
+    std::span<Rgb> radiance_, unshadowed_;
     std::size_t ray_ = 0;
+    bool is_lit_ = true, is_unshadowed_ = false; ///< What the pieces to come count as.
     double light_x_ = 0.0;
     std::vector<double> splits_; ///< As distances from the light's foot, ascending.
     std::vector<LocalCrossing> crossings_;
     LocalPieces pieces_;
-    std::array<Rgb, LocalPieces::capacity> transmittance_;
+    struct Target {
+        Rgb transmittance;
+        bool is_lit, is_unshadowed;
+    };
+    std::array<Target, LocalPieces::capacity> targets_;
 };
 
 void LocalScatter::Batch::prepare_splits() {
@@ -71,10 +79,27 @@ void LocalScatter::Batch::prepare_splits() {
 void LocalScatter::Batch::add(std::size_t ray, std::span<const LitInterval> lit) {
     ray_ = ray, light_x_ = distance(LocalSupport::LightX);
     prepare_splits();
+    if (unshadowed_.empty()) {
+        cut(lit);
+        return;
+    }
+    const double begin = light_x_ + distance(LocalSupport::Begin), end = light_x_ + distance(LocalSupport::End);
+    is_lit_ = lit.size() == 1 && lit[0].near_m <= begin && lit[0].far_m >= end && lit[0].transmittance == Rgb(1.0f);
+    is_unshadowed_ = true;
+    const ViewRay& whole = rays_->ray(ray);
+    const LitInterval all{.near_m = whole.near_m, .far_m = whole.far_m};
+    cut({&all, 1});
+    if (!is_lit_) {
+        is_lit_ = true, is_unshadowed_ = false;
+        cut(lit);
+    }
+}
+
+void LocalScatter::Batch::cut(std::span<const LitInterval> lit) {
     const double begin = distance(LocalSupport::Begin), end = distance(LocalSupport::End);
     const double light_y = distance(LocalSupport::LightY);
     auto split = splits_.begin();
-    const auto segments = rays_->segments_of(ray);
+    const auto segments = rays_->segments_of(ray_);
     auto segment = segments.begin();
     for (const LitInterval& interval : lit) {
         double from = std::max(begin, interval.near_m - light_x_);
@@ -150,15 +175,21 @@ void LocalScatter::Batch::append(const LocalRays::Segment& segment, double x0, d
     pieces_.is_grey[at] = all_grey ? 1 : 0;
     pieces_.ray[at] = static_cast<std::int32_t>(ray_);
     pieces_.set[at] = static_cast<std::int32_t>(segment.set);
-    transmittance_[at] = transmittance;
+    targets_[at] = {transmittance, is_lit_, is_unshadowed_};
 }
 
 void LocalScatter::Batch::flush() {
     integrate(light_->shape_, light_->sigma_t_at_light_, *support_, rays_->sets(), pieces_);
-    for (std::size_t at = 0; at < pieces_.count; ++at)
-        radiance_[static_cast<std::size_t>(pieces_.ray[at])] +=
-            light_->light_.strength * transmittance_[at] *
-            Rgb(pieces_.sum[0][at], pieces_.sum[1][at], pieces_.sum[2][at]);
+    for (std::size_t at = 0; at < pieces_.count; ++at) {
+        const auto ray = static_cast<std::size_t>(pieces_.ray[at]);
+        const Target& target = targets_[at];
+        const Rgb sum = light_->light_.strength * target.transmittance *
+                        Rgb(pieces_.sum[0][at], pieces_.sum[1][at], pieces_.sum[2][at]);
+        if (target.is_lit)
+            radiance_[ray] += sum;
+        if (target.is_unshadowed)
+            unshadowed_[ray] += sum;
+    }
     pieces_.clear();
 }
 
@@ -176,7 +207,7 @@ static float lit_length_of(std::span<const LitInterval> lit, std::span<const Loc
 }
 
 void LocalScatter::add_scattered(const LocalRays& rays, const Visibility* visibility, std::span<Rgb> radiance,
-                                 std::span<float> lit_length_m) const {
+                                 std::span<Rgb> unshadowed, std::span<float> lit_length_m) const {
     struct Workspace {
         LocalSupport support;
         Batch batch;
@@ -218,9 +249,9 @@ void LocalScatter::add_scattered(const LocalRays& rays, const Visibility* visibi
     const auto lit_of = [&](std::size_t row) {
         return std::span(lit.intervals).subspan(lit.first[row], lit.first[row + 1] - lit.first[row]);
     };
-    batch.begin(*this, rays, support, radiance);
+    batch.begin(*this, rays, support, radiance, unshadowed);
     for (std::size_t index = 0; index < reached.size(); ++index)
-        if (const auto own = lit_of(wants_length ? reached[index] : index); !own.empty())
+        if (const auto own = lit_of(wants_length ? reached[index] : index); !own.empty() || !unshadowed.empty())
             batch.add(reached[index], own);
     batch.flush();
     if (wants_length)

@@ -26,9 +26,10 @@ public:
     [[nodiscard]] bool is_black() const { return is_black_; }
     /// Adds to each ray the radiance that it sends to the camera where `visibility` says that it is lit, W/(m^2 sr); no
     /// visibility: all of it. To lit_length_m, unless its span is empty, the lit length in media, inside the cone or not,
-    /// weighted by the mean of the shadows' transmittance: that asks for whole rays, of which most may be outside.
+    /// weighted by the mean of the shadows' transmittance: that asks for whole rays, of which most may be outside. To
+    /// unshadowed, unless its span is empty, what the light would send if nothing cast a shadow.
     void add_scattered(const LocalRays& rays, const Visibility* visibility, std::span<Rgb> radiance,
-                       std::span<float> lit_length_m) const;
+                       std::span<Rgb> unshadowed, std::span<float> lit_length_m) const;
 
 private:
     class Batch;

@@ -21,7 +21,7 @@ void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t fi
     const auto width = static_cast<std::int32_t>(picture.width_px),
                height = static_cast<std::int32_t>(picture.height_px);
     const auto share_of = [&](std::int32_t offset) { return std::abs(offset) == reach ? 0.5f : 1.0f; };
-    const bool has_visibility = !shared.average_visibility.empty();
+    const bool has_visibility = !shared.average_visibility.empty(), has_points = !shared.from_points.empty();
     parallel_for(
         end_row - first_row, progress,
         [&](std::size_t row) {
@@ -32,7 +32,7 @@ void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t fi
                     const Air& air = picture.air[ray];
                     if (picture.cells[ray] == alone_cell || !(air.opacity > 0.0f))
                         continue;
-                    Rgb radiance(0.0f);
+                    Rgb radiance(0.0f), from_points(0.0f), unshadowed(0.0f);
                     float visibility = 0.0f, weight_sum = 0.0f, opacity_sum = 0.0f;
                     for (std::int32_t dy = std::max(-reach, -y); dy <= std::min(reach, height - 1 - y); ++dy)
                         for (std::int32_t dx = std::max(-reach, -x); dx <= std::min(reach, width - 1 - x); ++dx) {
@@ -47,6 +47,10 @@ void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t fi
                                 continue;
                             const float weight = share_of(dx) * share_of(dy);
                             radiance += weight * shared.radiance[other];
+                            if (has_points) {
+                                from_points += weight * shared.from_points[other];
+                                unshadowed += weight * shared.from_points_unshadowed[other];
+                            }
                             if (has_visibility)
                                 visibility += weight * shared.average_visibility[other];
                             weight_sum += weight;
@@ -54,6 +58,10 @@ void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t fi
                         }
                     // Neither sum is 0: the ray itself is like itself.
                     sum.radiance[ray] += radiance * (air.opacity / opacity_sum);
+                    for (int channel = 0; has_points && channel < 3; ++channel)
+                        if (unshadowed[channel] > 0.0f)
+                            sum.radiance[ray][channel] += from_points[channel] / unshadowed[channel] *
+                                                          shared.from_points_unshadowed[ray][channel];
                     if (has_visibility)
                         sum.average_visibility[ray] += visibility / weight_sum;
                 }

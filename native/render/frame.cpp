@@ -28,6 +28,7 @@ struct ScatteredParts {
     struct Light {
         std::vector<Rgb> radiance;
         std::vector<float> visibility;
+        std::vector<Rgb> from_points, from_points_unshadowed; ///< Of what is shared.
     };
     std::array<Light, light_shafts::shared_sides.size()> of_side;
     std::vector<std::uint8_t> cells;    ///< Of the parts' pixels; empty: nothing is shared.
@@ -207,6 +208,10 @@ private:
         }
         for (std::size_t side = 0; side < used.size(); ++side) {
             room.of_side[side].radiance.resize(used[side] ? waiting.rays.size() : 0);
+            if (side > 0) {
+                room.of_side[side].from_points.resize(room.of_side[side].radiance.size());
+                room.of_side[side].from_points_unshadowed.resize(room.of_side[side].radiance.size());
+            }
             if (sums_.wants(Pass::ShaftsVisibility))
                 room.of_side[side].visibility.resize(room.of_side[side].radiance.size());
         }
@@ -221,11 +226,11 @@ private:
         const std::size_t count = waiting.first[std::size_t{band.end_row} * width()] - first;
         std::array<light_shafts::Scattered, light_shafts::shared_sides.size()> out;
         for (std::size_t side = 0; side < out.size(); ++side) {
-            auto& [radiance, visibility] = scattered.of_side[side];
-            if (!radiance.empty())
-                out[side].radiance = std::span(radiance).subspan(first, count);
-            if (!visibility.empty())
-                out[side].average_visibility = std::span(visibility).subspan(first, count);
+            auto& [radiance, visibility, from_points, unshadowed] = scattered.of_side[side];
+            const auto part_of = [&](auto& values) {
+                return values.empty() ? std::span(values) : std::span(values).subspan(first, count);
+            };
+            out[side] = {part_of(radiance), part_of(visibility), part_of(from_points), part_of(unshadowed)};
         }
         const std::span<const std::uint8_t> cells(scattered.cells);
         shafts_->scatter(std::span(waiting.rays).subspan(first, count),
@@ -239,13 +244,14 @@ private:
     /// Adds that light to the film, with what the neighbours of each pixel have found.
     void add_shafts(const Band& band, const WaitingParts& waiting, ScatteredParts& scattered) {
         const auto start = Clock::now();
-        auto& [radiance, visibility] = scattered.of_side[0];
+        auto& [radiance, visibility, from_points, unshadowed] = scattered.of_side[0];
         for (std::size_t side = 1; side < scattered.of_side.size(); ++side)
             if (const auto& shared = scattered.of_side[side]; !shared.radiance.empty())
                 light_shafts::add_shared(
                     {width(), region_.y1 - region_.y0, waiting.first, scattered.air, scattered.cells},
                     light_shafts::shared_sides[side], band.first_row, band.end_row,
-                    {shared.radiance, shared.visibility}, {radiance, visibility}, progress_);
+                    {shared.radiance, shared.visibility, shared.from_points, shared.from_points_unshadowed},
+                    {radiance, visibility, from_points, unshadowed}, progress_);
         const std::size_t first_pixel = std::size_t{band.first_row} * width();
         parallel_for(std::size_t{band.end_row} * width() - first_pixel, progress_, [&](std::size_t index) {
             const std::size_t pixel = first_pixel + index;

@@ -146,6 +146,29 @@ TEST_CASE("what is lit and what is dark add up to the whole, on every instructio
         }
     }
 }
+TEST_CASE("what a light would send without shadows is asked beside them, bit for bit") {
+    const Light spot = narrow_spot();
+    const LightSample light = sample_light(spot, 0, vec3(0.5f));
+    const Nest nest(light.position);
+    const LocalRays local = nest.rays.columns();
+    const LocalScatter scatter(nest.media, light, true);
+    const std::vector<Rgb> black(local.size(), Rgb(0.0f));
+    std::vector<Rgb> alone = black;
+    scatter.add_scattered(local, nullptr, alone, {}, {});
+    const Stripes half(0.0f, 0.25f, 0.5f), nothing(0.0f, 0.0f, 0.5f);
+    for (const Stripes* shadows : {&half, &nothing}) {
+        std::vector<Rgb> shadowed = black, radiance = black, unshadowed = black;
+        scatter.add_scattered(local, shadows, shadowed, {}, {});
+        scatter.add_scattered(local, shadows, radiance, unshadowed, {});
+        CHECK(radiance == shadowed);
+        CHECK(unshadowed == alone);
+        CHECK(unshadowed != radiance);
+    }
+    std::vector<Rgb> radiance = black, unshadowed = black;
+    scatter.add_scattered(local, nullptr, radiance, unshadowed, {});
+    CHECK(radiance == alone);
+    CHECK(unshadowed == alone);
+}
 TEST_CASE(
     "only what the cone holds is asked for shadows, unless the lit length is wanted, which counts all of the ray") {
     const Light spot = narrow_spot();
@@ -156,8 +179,8 @@ TEST_CASE(
     std::vector<Rgb> radiance(local.size(), Rgb(0.0f)), again = radiance;
     std::vector<float> lit_length_m(local.size(), 0.0f);
     const Stripes sparing(0.0f, 0.5f, 0.5f), generous(0.0f, 0.5f, 0.5f);
-    scatter.add_scattered(local, &sparing, radiance, {});
-    scatter.add_scattered(local, &generous, again, lit_length_m);
+    scatter.add_scattered(local, &sparing, radiance, {}, {});
+    scatter.add_scattered(local, &generous, again, {}, lit_length_m);
     CHECK(sparing.asked.size() < local.size() / 2);
     for (const ViewRay& ray : sparing.asked)
         for (const float at_m : {ray.near_m, ray.far_m}) {
@@ -187,7 +210,7 @@ TEST_CASE("in ever denser soot a ray shows what the light gives its first instan
         MediaRays rays{media, {}, {0}, {}};
         rays.add({{-1, 0, 0}, glm::normalize(vec3(2, 1, 0.5f)), 0.0f, 5.0f});
         std::vector<Rgb> radiance(1, Rgb(0.0f));
-        LocalScatter(media, sample, false).add_scattered(rays.columns(), nullptr, radiance, {});
+        LocalScatter(media, sample, false).add_scattered(rays.columns(), nullptr, radiance, {}, {});
         const double away2 = glm::dot(dvec3(1.5, 1.0, 0.7), dvec3(1.5, 1.0, 0.7));
         const double expected = 1.0 / (4.0 * std::numbers::pi * away2); // sigma_s / sigma_t is 1
         CHECK(std::abs(radiance[0].x / expected - 1.0) < 3.0 / (sigma * std::sqrt(away2)) + 1e-4);

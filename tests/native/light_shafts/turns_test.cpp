@@ -138,8 +138,8 @@ TEST_CASE("a pixel takes in every cell of the square once, and nothing from wher
                     const bool is_alone = cells[first_ray[pixel]] == light_shafts::alone_cell;
                     shared[first_ray[pixel]] = Rgb(is_far || is_alone ? 100.0f : is_mine ? 1.0f : 0.0f);
                 }
-            light_shafts::add_shared({width, height, first_ray, air, cells}, side, 0, height, {shared, visibility},
-                                     {sum, visibility_sum}, progress);
+            light_shafts::add_shared({width, height, first_ray, air, cells}, side, 0, height,
+                                     {shared, visibility, {}, {}}, {sum, visibility_sum, {}, {}}, progress);
             const auto at = [&](std::uint32_t x, std::uint32_t y) { return sum[first_ray[y * width + x]].x; };
             CHECK(std::abs(at(2, 8) - 1.0f / float(side * side)) < 1e-6f);
             CHECK(std::abs(at(8, 7) - 1.0f / float(side * side)) < 1e-6f);
@@ -166,9 +166,30 @@ TEST_CASE("where light is in proportion to the opacity of the air, sharing chang
     }
     const std::vector<std::uint8_t> cells(air.size(), 0);
     std::vector<Rgb> sum(air.size(), Rgb(0.0f));
-    light_shafts::add_shared({width, height, first_ray, air, cells}, 4, 0, height, {shared, {}}, {sum, {}}, progress);
+    light_shafts::add_shared({width, height, first_ray, air, cells}, 4, 0, height, {shared, {}, {}, {}},
+                             {sum, {}, {}, {}}, progress);
     for (std::size_t ray = 0; ray < air.size(); ++ray)
         CHECK(glm::length(sum[ray] - shared[ray]) <= 1e-6f * glm::length(shared[ray]));
+}
+
+TEST_CASE("where a light at a point is equally lit, sharing changes nothing: a beam keeps its edge and each colour") {
+    constexpr std::uint32_t width = 9, height = 9;
+    Progress progress;
+    std::vector<std::uint32_t> first_ray{0};
+    std::vector<Rgb> lit, unshadowed;
+    for (std::uint32_t pixel = 0; pixel < width * height; ++pixel) {
+        unshadowed.push_back(pixel % width < 4 ? Rgb(0.0f) : Rgb(1.0f, float(pixel / width), 0.01f * float(pixel)));
+        lit.push_back(Rgb(0.5f, 0.25f, 1.0f) * unshadowed.back());
+        first_ray.push_back(pixel + 1);
+    }
+    const std::vector<light_shafts::Air> air(lit.size(), light_shafts::Air{2.0f, 3.0f, 0.5f});
+    const std::vector<std::uint8_t> cells(lit.size(), 0);
+    const std::vector<Rgb> none(lit.size(), Rgb(0.0f));
+    std::vector<Rgb> sum = none;
+    light_shafts::add_shared({width, height, first_ray, air, cells}, 4, 0, height, {none, {}, lit, unshadowed},
+                             {sum, {}, {}, {}}, progress);
+    for (std::size_t ray = 0; ray < lit.size(); ++ray)
+        CHECK(glm::length(sum[ray] - lit[ray]) <= 1e-6f * glm::length(lit[ray]));
 }
 
 TEST_CASE("rays that pass close to a lamp share nothing and ask for all strata themselves") {
