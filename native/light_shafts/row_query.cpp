@@ -150,7 +150,7 @@ void lit_intervals(const slope_rows::Rows& rows, std::span<const ViewRay> rays, 
 }
 /// Of a wedge: pieces of the picture that stay in the cache, slice by slice within each.
 static void sort_by_slice(std::span<std::uint32_t> order, const std::vector<std::int32_t>& slice_of) {
-    constexpr std::size_t rays_at_once = 2048;
+    constexpr std::size_t rays_at_once = 256 * slices_per_wedge;
     std::array<std::uint32_t, rays_at_once> unsorted;
     for (std::size_t start = 0; start < order.size(); start += rays_at_once) {
         const auto some = order.subspan(start, std::min(rays_at_once, order.size() - start));

@@ -18,7 +18,7 @@ struct Uncovered {
 /// Appends the lit intervals of each ray; a ray that rows cannot answer gets none and is named in `uncovered`.
 void lit_intervals(const slope_rows::Rows& rows, std::span<const ViewRay> rays, LitRows& lit, Uncovered& uncovered);
 
-inline constexpr std::uint32_t slices_per_wedge = 8;
+inline constexpr std::uint32_t slices_per_wedge = 32;
 /// The rays in the order of wedges, which are groups of consecutive slices; within a wedge some thousand at a time,
 /// slice by slice, in the order that they come in. Queried so, a row is read while it is in the cache, and rays, too,
 /// are fetched and written in stretches of the picture (one slice after the other, fetching rays takes longer than
