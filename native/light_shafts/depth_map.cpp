@@ -70,6 +70,22 @@ private:
 };
 } // namespace
 
+namespace {
+/// The sides of a face's pyramid: inside where dot(normal, p) >= 0.
+struct Pyramid {
+    std::array<vec3, 4> normals;
+    Pyramid(const vec2& low, const vec2& high)
+        : normals{vec3(1, 0, -low.x), vec3(-1, 0, high.x), vec3(0, 1, -low.y), vec3(0, -1, high.y)} {}
+    /// A bit per side that the point lies outside of, and one for behind the light.
+    [[nodiscard]] unsigned sides_outside(const vec3& p, float least_z) const {
+        unsigned bits = p.z >= least_z ? 0 : 1;
+        for (std::size_t side = 0; side < normals.size(); ++side)
+            bits |= glm::dot(normals[side], p) >= 0.0f ? 0 : 2u << side;
+        return bits;
+    }
+};
+} // namespace
+
 /// Clips triangles to the face's pyramid and puts them into (1/z, x/z, y/z).
 static std::size_t place_in_face(const DepthMap& map, const MapWindow& window, const OccluderInstance& instance,
                                  const OccluderBlock& block, std::size_t start, std::int32_t first, std::int32_t end,
@@ -83,19 +99,37 @@ static std::size_t place_in_face(const DepthMap& map, const MapWindow& window, c
     // A little more than the window, so that triangles end outside; nearer than 1e-6 of a triangle's own distance from
     // the light, 1/z has no digits left.
     const vec2 margin = 0.01f * (window.max - window.min), low = window.min - margin, high = window.max + margin;
+    const Pyramid pyramid(low, high);
+    // What lies outside of one side with all its corners is nowhere inside; a block ends here at once.
+    const auto row_y = [&](std::int32_t row) {
+        return layout.first_slice + static_cast<float>(row) * layout.slice_step;
+    };
+    const Pyramid rows({low.x, std::max(low.y, row_y(first - 1))}, {high.x, std::min(high.y, row_y(end))});
+    unsigned all_outside = ~0u;
+    for (std::size_t corner = 0; start == 0 && corner < 8; ++corner) {
+        const vec3 at((corner & 1) != 0 ? block.bounds.max.x : block.bounds.min.x,
+                      (corner & 2) != 0 ? block.bounds.max.y : block.bounds.min.y,
+                      (corner & 4) != 0 ? block.bounds.max.z : block.bounds.min.z);
+        all_outside &= rows.sides_outside(face_from_object * at + offset, 0.0f);
+    }
+    if (start == 0 && all_outside != 0)
+        return block.count;
     for (; start < block.count && placed.count + most_triangles <= PlacedTriangles::capacity; ++start) {
         std::array<vec3, 3> p;
         for (std::size_t c = 0; c < 3; ++c)
             p[c] = face_from_object * block.corner(start, c) + offset;
-        FacePolygon polygon(p[0], p[1], p[2]);
         const float farthest = std::max(p[0].z, std::max(p[1].z, p[2].z));
-        if (!(farthest > 0.0f))
+        if (!(farthest > 0.0f) ||
+            (rows.sides_outside(p[0], 0.0f) & rows.sides_outside(p[1], 0.0f) & rows.sides_outside(p[2], 0.0f)) != 0)
             continue;
-        polygon.clip({0, 0, 1}, 1e-6f * farthest);
-        polygon.clip({1, 0, -low.x}, 0.0f);
-        polygon.clip({-1, 0, high.x}, 0.0f);
-        polygon.clip({0, 1, -low.y}, 0.0f);
-        polygon.clip({0, -1, high.y}, 0.0f);
+        FacePolygon polygon(p[0], p[1], p[2]);
+        const float least_z = 1e-6f * farthest;
+        if ((pyramid.sides_outside(p[0], least_z) | pyramid.sides_outside(p[1], least_z) |
+             pyramid.sides_outside(p[2], least_z)) != 0) {
+            polygon.clip({0, 0, 1}, least_z);
+            for (const vec3& normal : pyramid.normals)
+                polygon.clip(normal, 0.0f);
+        }
         for (std::size_t t = 0; t < polygon.triangle_count(); ++t) {
             const std::size_t count = placed.count;
             float lowest = high.y, highest = low.y;
