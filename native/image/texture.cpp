@@ -13,6 +13,8 @@ namespace tyndall {
 namespace {
 /// Texel coordinates of an axis; -1 where the extension reads transparent black.
 std::int64_t wrap(std::int64_t texel, std::int64_t count, TextureExtension extension) {
+    if (texel >= 0 && texel < count)
+        return texel;
     switch (extension) {
     case TextureExtension::Repeat: {
         const std::int64_t rest = texel % count;
@@ -30,6 +32,20 @@ std::int64_t wrap(std::int64_t texel, std::int64_t count, TextureExtension exten
     return texel < 0 || texel >= count ? -1 : texel;
 }
 
+float value_of(const Texture& texture, std::size_t index) {
+    return texture.floats.empty() ? static_cast<float>(texture.bytes[index]) / 255.0f : texture.floats[index];
+}
+
+float alpha_of_texel(const Texture& texture, std::int64_t column, std::int64_t row) {
+    const std::int64_t x = wrap(column, texture.width, texture.extension);
+    const std::int64_t y = wrap(row, texture.height, texture.extension);
+    if (x < 0 || y < 0)
+        return 0.0f;
+    return texture.has_alpha
+               ? value_of(texture, 4 * (static_cast<std::size_t>(y) * texture.width + static_cast<std::size_t>(x)) + 3)
+               : 1.0f;
+}
+
 /// Encoded colour with associated alpha.
 vec4 texel(const Texture& texture, std::int64_t column, std::int64_t row) {
     const std::int64_t x = wrap(column, texture.width, texture.extension);
@@ -38,11 +54,8 @@ vec4 texel(const Texture& texture, std::int64_t column, std::int64_t row) {
         return vec4(0.0f);
     const std::size_t first = 4 * (static_cast<std::size_t>(y) * texture.width + static_cast<std::size_t>(x));
     vec4 value;
-    for (int channel = 0; channel < 4; ++channel) {
-        const std::size_t index = first + static_cast<std::size_t>(channel);
-        value[channel] =
-            texture.floats.empty() ? static_cast<float>(texture.bytes[index]) / 255.0f : texture.floats[index];
-    }
+    for (int channel = 0; channel < 4; ++channel)
+        value[channel] = value_of(texture, first + static_cast<std::size_t>(channel));
     if (!texture.has_alpha)
         return {vec3(value), 1.0f};
     return {vec3(value) * value.w, value.w};
@@ -64,21 +77,26 @@ vec4 decoded(const Texture& texture, const vec4& value) {
 }
 } // namespace
 
+/// What `texel` says at uv: of the texel there, or of the four around, mixed.
+template <typename Texel>
+static auto interpolated(const Texture& texture, vec2 uv, const Texel& texel) {
+    const vec2 position(bounded(uv.x * static_cast<float>(texture.width)),
+                        bounded(uv.y * static_cast<float>(texture.height)));
+    if (texture.interpolation == TextureInterpolation::Closest)
+        return texel(texture, floor_to_texel(position.x), floor_to_texel(position.y));
+    const vec2 corner = position - 0.5f; // texel centres lie at half texels
+    const std::int64_t x = floor_to_texel(corner.x), y = floor_to_texel(corner.y);
+    const vec2 share = glm::clamp(corner - vec2(static_cast<float>(x), static_cast<float>(y)), 0.0f, 1.0f);
+    return glm::mix(glm::mix(texel(texture, x, y), texel(texture, x + 1, y), share.x),
+                    glm::mix(texel(texture, x, y + 1), texel(texture, x + 1, y + 1), share.x), share.y);
+}
+
 vec4 Texture::lookup(vec2 uv) const {
-    if (width == 0 || height == 0)
-        return missing_image;
-    const vec2 position(bounded(uv.x * static_cast<float>(width)), bounded(uv.y * static_cast<float>(height)));
-    vec4 value;
-    if (interpolation == TextureInterpolation::Closest) {
-        value = texel(*this, floor_to_texel(position.x), floor_to_texel(position.y));
-    } else {
-        const vec2 corner = position - 0.5f; // texel centres lie at half texels
-        const std::int64_t x = floor_to_texel(corner.x), y = floor_to_texel(corner.y);
-        const vec2 share = glm::clamp(corner - vec2(static_cast<float>(x), static_cast<float>(y)), 0.0f, 1.0f);
-        value = glm::mix(glm::mix(texel(*this, x, y), texel(*this, x + 1, y), share.x),
-                         glm::mix(texel(*this, x, y + 1), texel(*this, x + 1, y + 1), share.x), share.y);
-    }
-    return decoded(*this, value);
+    return width == 0 || height == 0 ? missing_image : decoded(*this, interpolated(*this, uv, texel));
+}
+
+float Texture::alpha(vec2 uv) const {
+    return width == 0 || height == 0 ? missing_image.w : interpolated(*this, uv, alpha_of_texel);
 }
 
 vec4 Texture::at(std::int64_t column, std::int64_t row) const {

@@ -25,7 +25,9 @@ struct Texture {
 
     /// Colour (scene-linear, as Cycles reads the node's Color output) and alpha at uv; magenta without pixels.
     [[nodiscard]] vec4 lookup(vec2 uv) const;
-    /// The same of one texel, without interpolation; `column` and `row` may lie outside.
+    /// lookup(uv).w alone, at less cost.
+    [[nodiscard]] float alpha(vec2 uv) const;
+    /// As lookup, of one texel, without interpolation; `column` and `row` may lie outside.
     [[nodiscard]] vec4 at(std::int64_t column, std::int64_t row) const;
 };
 } // namespace tyndall

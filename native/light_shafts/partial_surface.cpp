@@ -55,6 +55,8 @@ PartialSurface partial_surface(const PartialShading& shading, std::uint32_t inst
 }
 
 float PartialSurface::transmittance(const vec2& weights) const {
+    if (slot->lookup->is_straight())
+        return slot->lookup->at(uv + weights.x * uv_run[0] + weights.y * uv_run[1])[channel];
     thread_local std::vector<vec2> uvs;
     uvs.clear();
     for (const vec2* corners : slot->corner_uvs) {

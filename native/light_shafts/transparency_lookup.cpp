@@ -13,9 +13,10 @@ static bool read_the_same(const SurfaceOp& a, const SurfaceOp& b) {
 
 TransparencyLookup::TransparencyLookup(const Material& material)
     : material_(material), is_coloured_(has_coloured_transparency(material)) {
-    bool is_one_image = true;
+    bool is_one_image = true, reads_alpha_alone = true;
     for (const SurfaceOp* op : operations_of_transparent(material)) {
         reads_facing_ |= op->code == Code::Backfacing;
+        reads_alpha_alone &= op->code != Code::Texture && op->code != Code::Backfacing;
         if (op->code != Code::Texture && op->code != Code::TextureAlpha)
             continue;
         is_one_image &= image_ == nullptr || read_the_same(*image_, *op);
@@ -25,6 +26,14 @@ TransparencyLookup::TransparencyLookup(const Material& material)
         image_ = nullptr;
     if (image_ == nullptr)
         return;
+    at_no_alpha_ = evaluate_transparent(material, vec4(0.0f), false);
+    per_alpha_ = evaluate_transparent(material, vec4(1.0f), false) - at_no_alpha_;
+    is_straight_ = reads_alpha_alone;
+    for (int step = 1; is_straight_ && step < 64; ++step) {
+        const float alpha = static_cast<float>(step) / 64.0f;
+        const Rgb bend = evaluate_transparent(material, vec4(alpha), false) - (at_no_alpha_ + alpha * per_alpha_);
+        is_straight_ = glm::length(bend) < 1e-6f;
+    }
     class_columns_ = static_cast<std::int32_t>(texture().width) + margin + 1;
     const std::size_t count = static_cast<std::size_t>(class_columns_) * (texture().height + margin + 1) + 3;
     for (std::size_t side = 0; side < (reads_facing_ ? 2 : 1); ++side) {

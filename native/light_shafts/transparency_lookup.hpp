@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The share of light that a material lets pass, for millions of points: where an image decides, each of its texels
 // remembers whether all points around it stop light, or all let it pass, so that only borders run the material's program.
-// Bound:    a byte per texel, found out when it is first asked for; one gather per 4 to 16 points, and a program of some
-//           100 ns per point on a border, or where the image is neither 0 nor 1.
+// Bound:    a byte per texel, found out when it is first asked for; one gather per 4 to 16 points, and one at a time on a
+//           border, or where the image is neither 0 nor 1: 10 ns where opacity is the image's alpha, else some 100 ns.
 #pragma once
 #include "core/math.hpp"
 #include "shading/material.hpp"
@@ -36,6 +36,12 @@ public:
     }
     /// Finds the class out and remembers it; safe from many threads, which all find the same.
     TexelClass classify(bool is_backface, std::int32_t column, std::int32_t row) const;
+    /// The program does nothing but turn the deciding image's alpha into opacity, by a straight line, on both sides.
+    [[nodiscard]] bool is_straight() const { return is_straight_; }
+    /// If that is so: at a point of the deciding image.
+    [[nodiscard]] Rgb at(const vec2& uv_in_image) const {
+        return at_no_alpha_ + texture().alpha(uv_in_image) * per_alpha_;
+    }
     /// By the material's program. uvs as evaluate_transparent takes them.
     [[nodiscard]] Rgb at(std::span<const vec2> uvs, bool is_backface) const;
 
@@ -45,7 +51,8 @@ private:
     };
     const Material& material_;
     const SurfaceOp* image_ = nullptr;
-    bool is_coloured_ = false, reads_facing_ = false;
+    bool is_coloured_ = false, reads_facing_ = false, is_straight_ = false;
+    Rgb at_no_alpha_{0.0f}, per_alpha_{0.0f};
     std::int32_t class_columns_ = 0;
     std::unique_ptr<std::uint8_t[], Free> classes_[2]; ///< Front; back, if that differs. Zeroed pages until touched.
 };
