@@ -21,6 +21,7 @@ static Occlusion occlusion_of(const Material& material) {
 StripScene make_strip_scene(const Scene& scene, const Progress& progress) {
     const SceneDescription& description = scene.description();
     StripScene strip;
+    strip.lookups.resize(description.materials.size());
     std::vector<Bounds3> boxes;
     for (std::uint32_t index = 0; index < description.instances.size(); ++index) {
         const Instance& instance = description.instances[index];
@@ -28,9 +29,13 @@ StripScene make_strip_scene(const Scene& scene, const Progress& progress) {
         if (!instance.casts_shadow || mesh.triangle_count() == 0)
             continue;
         std::vector<Occlusion> slots(std::max<std::size_t>(instance.slot_count, 1));
-        for (std::size_t slot = 0; slot < slots.size(); ++slot)
-            slots[slot] =
-                occlusion_of(description.materials[description.slot_materials[instance.first_slot_material + slot]]);
+        for (std::size_t slot = 0; slot < slots.size(); ++slot) {
+            const std::uint32_t index_of_material = description.slot_materials[instance.first_slot_material + slot];
+            const Material& material = description.materials[index_of_material];
+            slots[slot] = occlusion_of(material);
+            if (auto& lookup = strip.lookups[index_of_material]; slots[slot] == Occlusion::Partial && !lookup)
+                lookup = std::make_unique<const TransparencyLookup>(material);
+        }
         if (std::ranges::all_of(slots, [](Occlusion occlusion) { return occlusion == Occlusion::None; }))
             continue;
         if (std::ranges::all_of(slots, [](Occlusion occlusion) { return occlusion == Occlusion::Opaque; }))
@@ -121,7 +126,7 @@ private:
                         std::vector<PartialShadow>& partial) const {
         thread_local std::vector<PartialShadow> of_cut;
         of_cut.clear();
-        append_partial_shadows(scene_, strip_->meshes[cut.mesh], cut, ray, of_cut);
+        append_partial_shadows(scene_, *strip_, cut, ray, of_cut);
         for (const PartialShadow& shadow : of_cut)
             if (shadow.transmittance == Rgb(0.0f))
                 opaque.insert(shadow.near_m, shadow.far_m);

@@ -2,6 +2,7 @@
 #include "light_shafts/partial_shadow.hpp"
 #include <algorithm>
 #include <array>
+#include <optional>
 
 namespace tyndall::light_shafts {
 namespace {
@@ -59,50 +60,64 @@ double onto_ray(const StripRay& ray, double x, double y) {
     return ray.is_local ? x + y * (x - double{ray.light_x}) / (double{ray.light_y} - y) : x - double{ray.cotangent} * y;
 }
 
-/// Shares of the way from one end of the cut to the other at which it crosses the borders of texels.
-void append_texel_borders(const Material& material, const MeshArrays& mesh, std::uint32_t triangle,
-                          const BarycentricCut& cut, std::vector<double>& borders) {
+/// UV coordinates of an image's operation at the corners of a triangle; nothing where the mesh lacks the UV map.
+std::optional<std::array<dvec2, 3>> image_corners(const Material& material, const SurfaceOp& op, const MeshArrays& mesh,
+                                                  std::uint32_t triangle) {
+    const std::string& name = material.uv_map_names[op.texture_uv];
+    const auto map =
+        name.empty() ? mesh.uv_maps.begin() : std::ranges::find(mesh.uv_maps, name, &MeshArrays::UvMap::name);
+    if (map == mesh.uv_maps.end())
+        return std::nullopt;
+    std::array<dvec2, 3> corners;
+    for (std::size_t corner = 0; corner < 3; ++corner)
+        corners[corner] =
+            dvec2(glm::dmat3(op.uv_matrix) * dvec3(dvec2(map->corner_uvs[std::size_t{3} * triangle + corner]), 1.0));
+    return corners;
+}
+dvec2 between(const std::array<dvec2, 3>& corners, const dvec2& at) {
+    return corners[0] + at.x * (corners[1] - corners[0]) + at.y * (corners[2] - corners[0]);
+}
+
+/// Adds the shares of the way from one end of the cut to the other at which it crosses the borders of an image's texels;
+/// keeps the order.
+void add_texel_borders(const Texture& texture, const dvec2& uv_from, const dvec2& uv_to, std::vector<double>& borders) {
     constexpr double most_borders = 1024.0;
-    for (const SurfaceOp& op : material.program) {
-        if (op.code != SurfaceOp::Code::Texture && op.code != SurfaceOp::Code::TextureAlpha)
-            continue;
-        const std::string& name = material.uv_map_names[op.texture_uv];
-        const auto map =
-            name.empty() ? mesh.uv_maps.begin() : std::ranges::find(mesh.uv_maps, name, &MeshArrays::UvMap::name);
-        if (map == mesh.uv_maps.end())
-            continue;
-        const vec2* corner = &map->corner_uvs[std::size_t{3} * triangle];
-        const auto texel_at = [&](const dvec2& at) {
-            const dvec2 uv =
-                dvec2(corner[0]) + at.x * dvec2(corner[1] - corner[0]) + at.y * dvec2(corner[2] - corner[0]);
-            const dvec3 mapped = glm::dmat3(op.uv_matrix) * dvec3(uv, 1.0);
-            const Texture& texture = *material.textures[op.texture];
-            // Linear interpolation bends at the centres of texels, unfiltered lookup jumps at their borders.
-            const double shift = texture.interpolation == TextureInterpolation::Linear ? 0.5 : 0.0;
-            return dvec2(mapped.x * texture.width - shift, mapped.y * texture.height - shift);
-        };
-        const dvec2 from = texel_at(cut.from), to = texel_at(cut.to);
-        if (!std::isfinite(from.x + from.y + to.x + to.y))
-            continue;
-        const double crossed = std::abs(to.x - from.x) + std::abs(to.y - from.y);
-        if (crossed > most_borders) {
-            for (double step = 1.0; step < most_borders; ++step)
-                borders.push_back(step / most_borders);
-            continue;
-        }
-        for (int axis = 0; axis < 2; ++axis) {
-            const double low = std::min(from[axis], to[axis]), high = std::max(from[axis], to[axis]);
-            for (double border = std::floor(low) + 1.0; border < high; ++border)
-                borders.push_back((border - from[axis]) / (to[axis] - from[axis]));
-        }
+    // Linear interpolation bends at the centres of texels, unfiltered lookup jumps at their borders.
+    const double shift = texture.interpolation == TextureInterpolation::Linear ? 0.5 : 0.0;
+    const dvec2 size(texture.width, texture.height);
+    const dvec2 from = uv_from * size - shift, to = uv_to * size - shift;
+    if (!std::isfinite(from.x + from.y + to.x + to.y))
+        return;
+    const auto merge_from = [&](std::size_t first) {
+        const auto middle = borders.begin() + static_cast<std::ptrdiff_t>(first);
+        if (middle != borders.end() && *middle > borders.back())
+            std::reverse(middle, borders.end());
+        std::inplace_merge(borders.begin(), middle, borders.end());
+    };
+    const double crossed = std::abs(to.x - from.x) + std::abs(to.y - from.y);
+    if (crossed > most_borders) {
+        const std::size_t first = borders.size();
+        for (double step = 1.0; step < most_borders; ++step)
+            borders.push_back(step / most_borders);
+        merge_from(first);
+        return;
+    }
+    for (int axis = 0; axis < 2; ++axis) {
+        const std::size_t first = borders.size();
+        const double low = std::min(from[axis], to[axis]), high = std::max(from[axis], to[axis]);
+        for (double border = std::floor(low) + 1.0; border < high; ++border)
+            borders.push_back((border - from[axis]) / (to[axis] - from[axis]));
+        merge_from(first);
     }
 }
 } // namespace
 
-void append_partial_shadows(const Scene& scene, const StripMesh& mesh, const PartialCut& cut, const StripRay& ray,
+void append_partial_shadows(const Scene& scene, const StripScene& strip, const PartialCut& cut, const StripRay& ray,
                             std::vector<PartialShadow>& shadows) {
-    const Instance& instance = scene.description().instances[mesh.instance];
-    const MeshArrays& arrays = scene.description().meshes[instance.mesh_index]->arrays();
+    const StripMesh& mesh = strip.meshes[cut.mesh];
+    const SceneDescription& description = scene.description();
+    const Instance& instance = description.instances[mesh.instance];
+    const MeshArrays& arrays = description.meshes[instance.mesh_index]->arrays();
     const Material& material = scene.material(mesh.instance, cut.triangle);
     if (material.is_constant()) {
         shadows.push_back({cut.near_m, cut.far_m, material.constant.transparent});
@@ -114,15 +129,31 @@ void append_partial_shadows(const Scene& scene, const StripMesh& mesh, const Par
     BarycentricCut at;
     if (!cut_between_ray_and_light(ray.coordinates.in_object(instance.world_from_object), corners, ray, at))
         return;
+    const TransparencyLookup& lookup =
+        *strip.lookups[static_cast<std::size_t>(&material - description.materials.data())];
     thread_local std::vector<double> borders;
-    borders.assign({0.0, 1.0});
-    append_texel_borders(material, arrays, cut.triangle, at, borders);
-    std::ranges::sort(borders);
+    borders.assign({0.0});
+    bool is_straight = false;
+    dvec2 uv_from(0.0), uv_run(0.0); // in the deciding image
+    for (const SurfaceOp& op : material.program) {
+        const bool reads_image = op.code == SurfaceOp::Code::Texture || op.code == SurfaceOp::Code::TextureAlpha;
+        if (!reads_image || (lookup.image() != nullptr && lookup.image() != &op))
+            continue;
+        if (const auto uvs = image_corners(material, op, arrays, cut.triangle)) {
+            uv_from = between(*uvs, at.from);
+            uv_run = between(*uvs, at.to) - uv_from;
+            is_straight = lookup.is_straight();
+            add_texel_borders(*material.textures[op.texture], uv_from, uv_from + uv_run, borders);
+        }
+    }
+    borders.push_back(1.0);
     const vec3 normal_in_object(glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0])));
     const dvec3 from_x = dvec3(ray.coordinates.x.direction), from_y = dvec3(ray.coordinates.y.direction);
     const auto x = [&](double share) { return at.segment.x0 + share * (at.segment.x1 - at.segment.x0); };
     const auto y = [&](double share) { return at.segment.y0 + share * (at.segment.y1 - at.segment.y0); };
     const auto transmittance_at = [&](double share) {
+        if (is_straight)
+            return lookup.at(vec2(uv_from + share * uv_run));
         // The shadow ray's own direction, from the ray's point to the light: a material may tell front from back.
         const dvec3 towards_light = (x(share) - onto_ray(ray, x(share), y(share))) * from_x + y(share) * from_y;
         const double length = glm::length(towards_light);

@@ -15,7 +15,7 @@ struct PartialShadow {
 /// Appends the shadows of one cut triangle, in any order, without parts through which all light passes. A texture is evaluated between every two texel borders that
 /// the cut crosses: exact for unfiltered textures; for filtered ones the error is that of the midpoint rule on a texel.
 /// A cut across more than 1,024 texels takes 1,024 even steps.
-void append_partial_shadows(const Scene& scene, const StripMesh& mesh, const PartialCut& cut, const StripRay& ray,
+void append_partial_shadows(const Scene& scene, const StripScene& strip, const PartialCut& cut, const StripRay& ray,
                             std::vector<PartialShadow>& shadows);
 
 /// Appends what is left of [near_m, far_m] of a ray: outside the opaque shadows whole, inside partial ones dimmed by

@@ -11,6 +11,7 @@
 //           itself, is told from y > 0 before anything is divided.
 #pragma once
 #include "light_shafts/shadow_union.hpp"
+#include "light_shafts/transparency_lookup.hpp"
 #include "scene/plane_cut.hpp"
 #include "scene/triangle_bvh.hpp"
 #include <cstdint>
@@ -48,6 +49,7 @@ struct PartialCut {
 };
 struct StripScene {
     std::vector<StripMesh> meshes;
+    std::vector<std::unique_ptr<const TransparencyLookup>> lookups; ///< Per material of the scene; null: none needed.
     WideBvh top;          ///< Over the meshes' boxes in the scene's space; a leaf holds one mesh.
     vec3 top_reach{0.0f}; ///< Largest absolute coordinate of those boxes, per axis.
 };
