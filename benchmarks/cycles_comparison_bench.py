@@ -54,11 +54,12 @@ class Setting:
 LADDER = (
     Setting(1, 0.1),
     Setting(1, 0.03),
-    Setting(2, 0.05),
-    Setting(4, 0.05),
-    Setting(8, 0.02, 0.02),
-    Setting(16, 0.02, 0.01, repetitions=1),
-    Setting(32, 0.01, 0.005, repetitions=1),
+    Setting(1, 0.01),
+    Setting(2, 0.02),
+    Setting(4, 0.01),
+    Setting(8, 0.01, 0.01, repetitions=1),
+    Setting(16, 0.01, 0.005, repetitions=1),
+    Setting(32, 0.005, 0.003, repetitions=1),
 )
 #: Of the pixels: how many of the worst are left out.
 TRIMMED_SHARE = 0.001
