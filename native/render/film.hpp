@@ -4,6 +4,7 @@
 #include "core/math.hpp"
 #include "core/progress.hpp"
 #include "core/statistics.hpp"
+#include "render/shared_irradiance.hpp"
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -77,6 +78,7 @@ struct PathSample {
     Rgb diffuse_colour{0.0f}, emission{0.0f}; ///< Through what lies in front.
     Rgb lit{0.0f}, unshadowed{0.0f};          ///< Irradiance from lights with and without occluders.
     Rgb transmittance{1.0f};                  ///< Through the media before that surface.
+    WorldLit world_lit;                       ///< Its light is in `radiance`, too.
 };
 
 /// Sums of samples. Pixels are independent: threads may add to different ones. Samples of a pixel come in order.
@@ -85,6 +87,8 @@ public:
     FilmSums(std::uint32_t width_px, std::uint32_t height_px, const PassSet& passes, const dvec3& origin_in_world);
     [[nodiscard]] bool wants(Pass pass) const { return offsets_[static_cast<std::size_t>(pass)].has_value(); }
     void add(std::size_t pixel, const PathSample& sample);
+    /// More light of the sample that was added last to this pixel.
+    void add_light(std::size_t pixel, const Rgb& radiance) { add_colour(pixel, Pass::Combined, radiance); }
     /// The light shafts of the sample that was added last to this pixel.
     void add_shafts(std::size_t pixel, const Rgb& radiance, float visibility);
     /// The film so far; a pixel without a sample is 0.

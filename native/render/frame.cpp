@@ -71,6 +71,9 @@ public:
         statistics_.count("direct light: shadow rays per surface point",
                           std::accumulate(ray_counts.begin(), ray_counts.end(), 0.0));
         light_.set_ray_counts(std::move(ray_counts));
+        // Where one ray is enough, there is nothing to smooth.
+        if (const std::uint32_t rays = light_.even_world_ray_count(); rays > 1 && config_.shafts.shares_strata)
+            world_reach_px_ = shared_reach_px(std::uint64_t{rays} * config_.pixel_samples);
     }
 
     Film render() {
@@ -119,8 +122,13 @@ private:
     /// One pass: the surfaces of the whole picture, which then appears, and after them the shafts.
     void render_sample(std::uint32_t sample, const std::vector<Band>& bands) {
         WaitingParts waiting;
-        for (const Band& band : bands) {
-            trace(sample, band, waiting);
+        world_lit_.assign(world_reach_px_ > 0 ? pixel_count() : 0, WorldLit{});
+        // A band's pixels look at neighbours in the next one.
+        for (std::size_t index = 0; index <= bands.size(); ++index) {
+            if (index < bands.size())
+                trace(sample, bands[index], waiting);
+            if (world_reach_px_ > 0 && index > 0)
+                share_world_light(bands[index - 1]);
             update_now_and_then();
         }
         if (sample == 0 && !media_.is_empty())
@@ -182,10 +190,32 @@ private:
                 sums_.add(pixel, found);
                 if (noise_)
                     noise_->add(pixel, found.radiance);
+                if (world_reach_px_ > 0)
+                    world_lit_[pixel] = found.world_lit;
             },
             waiting, progress_);
         surface_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
         advance(sample, band, 0.0, has_shafts ? surface_share : 1.0);
+    }
+
+    void share_world_light(const Band& band) {
+        const auto start = Clock::now();
+        parallel_for(
+            band.end_row - band.first_row, progress_,
+            [&](std::size_t row) {
+                const auto y = static_cast<std::uint32_t>(band.first_row + row);
+                for (std::uint32_t x = 0; x < width(); ++x) {
+                    const std::size_t pixel = std::size_t{y} * width() + x;
+                    const Rgb gain = shared_light_gain(world_lit_, width(), world_reach_px_, x, y);
+                    if (gain == Rgb(0.0f))
+                        continue;
+                    sums_.add_light(pixel, gain);
+                    if (noise_)
+                        noise_->add(pixel, gain);
+                }
+            },
+            1);
+        surface_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
     }
 
     [[nodiscard]] ScatteredParts room_for(std::uint32_t sample, const WaitingParts& waiting) const {
@@ -299,7 +329,8 @@ private:
     std::optional<PixelNoise> noise_;     ///< None: every pixel takes all samples.
     std::vector<std::uint8_t> is_active_; ///< Per pixel: takes further samples.
     std::size_t active_count_, sample_count_ = 0;
-    std::uint32_t round_samples_;
+    std::uint32_t round_samples_, world_reach_px_ = 0;
+    std::vector<WorldLit> world_lit_; ///< Per pixel, of one pass, where neighbours share it.
     std::size_t shaft_ray_count_ = 0;
     double surface_seconds_ = 0.0, shaft_seconds_ = 0.0;
     std::optional<Clock::time_point> last_update_;

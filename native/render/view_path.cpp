@@ -102,7 +102,11 @@ void ViewPath::follow(std::span<const Ray> camera_rays, std::span<const std::uin
         light_.at(std::span(lit_points).first(lit_count), {sample_index, 1 + layer * pairs_per_layer}, irradiances);
         for (std::size_t i = 0; i < lit_count; ++i) {
             PathSample& sample = samples[lit_indices[i]];
-            sample.radiance += lit_throughputs[i] * lit_albedos[i] * irradiances[i].sum();
+            const Rgb albedo = lit_throughputs[i] * lit_albedos[i];
+            sample.radiance += albedo * irradiances[i].sum();
+            if (sample.world_lit.albedo == Rgb(0.0f))
+                sample.world_lit = {lit_points[i].shading.position, lit_points[i].shading.shading_normal, albedo,
+                                    irradiances[i].from_world};
             sample.lit += lit_throughputs[i] * irradiances[i].from_lights;
             sample.unshadowed += lit_throughputs[i] * irradiances[i].unshadowed;
         }

@@ -248,18 +248,22 @@ static std::unique_ptr<Scene> noisy_scene() {
         Rgb(0.3f), {lamp});
 }
 
-TEST_CASE("a region is a crop of the full frame, bit for bit") {
+TEST_CASE("a region is a crop of the full frame, bit for bit, but for what pixels share at its border") {
     const auto scene = noisy_scene();
     const Camera camera = camera_above(24);
-    FrameConfig config = config_with(3);
-    const Film full = film_of(*scene, camera, config);
-    config.region = render::Region{5, 7, 18, 21};
-    const Film crop = film_of(*scene, camera, config);
-    REQUIRE(crop.width_px == 13);
-    REQUIRE(crop.height_px == 14);
-    for (std::uint32_t y = 0; y < crop.height_px; ++y)
-        for (std::uint32_t x = 0; x < crop.width_px; ++x)
-            REQUIRE(colour(crop, Pass::Combined, x, y) == colour(full, Pass::Combined, x + 5, y + 7));
+    for (const bool shares : {false, true}) {
+        FrameConfig config = config_with(3);
+        config.shafts.shares_strata = shares;
+        const Film full = film_of(*scene, camera, config);
+        config.region = render::Region{5, 7, 18, 21};
+        const Film crop = film_of(*scene, camera, config);
+        REQUIRE(crop.width_px == 13);
+        REQUIRE(crop.height_px == 14);
+        const std::uint32_t border = shares ? 2 : 0;
+        for (std::uint32_t y = border; y < crop.height_px - border; ++y)
+            for (std::uint32_t x = border; x < crop.width_px - border; ++x)
+                REQUIRE(colour(crop, Pass::Combined, x, y) == colour(full, Pass::Combined, x + 5, y + 7));
+    }
 }
 
 TEST_CASE("the picture's bits do not depend on the number of threads") {
