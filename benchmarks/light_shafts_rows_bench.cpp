@@ -16,7 +16,7 @@
 namespace tyndall::bench {
 using namespace light_shafts;
 namespace {
-constexpr std::size_t rays_per_block = 4096;
+constexpr std::size_t rays_per_call = 256; // as light_shafts_scatter.cpp asks
 
 struct Prepared {
     ShaftScene* scene = nullptr;
@@ -65,63 +65,65 @@ ScatterPiece make_piece(const ShaftScene& scene, const ViewRay& ray, int index, 
     return piece;
 }
 
-/// One grey piece per ray, or three coloured ones, as a fog box and its light-side crossings make them.
-std::vector<PieceRows> make_pieces(const ShaftScene& scene, std::span<const ViewRay> rays, bool is_full) {
+/// Three coloured pieces per ray, as a fog box and its light-side crossings make them.
+std::vector<PieceRows> make_coloured_pieces(const ShaftScene& scene, std::span<const ViewRay> rays) {
     std::vector<PieceRows> blocks;
-    for (std::size_t start = 0; start < rays.size(); start += rays_per_block) {
+    for (std::size_t start = 0; start < rays.size(); start += rays_per_call) {
         PieceRows& block = blocks.emplace_back();
-        for (const ViewRay& ray : rays.subspan(start, std::min(rays_per_block, rays.size() - start))) {
-            const int count = is_full ? 3 : 1;
-            for (int p = 0; p < count; ++p)
-                block.pieces.push_back(make_piece(scene, ray, p, count));
+        for (const ViewRay& ray : rays.subspan(start, std::min(rays_per_call, rays.size() - start))) {
+            for (int p = 0; p < 3; ++p)
+                block.pieces.push_back(make_piece(scene, ray, p, 3));
             block.end_ray();
         }
     }
     return blocks;
 }
 
-struct Answer {
-    std::vector<Rgb> radiance;
-};
-void query(const slope_rows::Rows& rows, std::span<const ViewRay> rays, const std::vector<PieceRows>& pieces,
-           Answer& answer) {
+/// One grey piece, as long as any ray, for each ray of a call: light that is not attenuated on its way to the fog.
+PieceRows make_grey_pieces(const ShaftScene& scene) {
+    ViewRay longest{};
+    longest.far_m = 1e6f;
+    PieceRows rows;
+    for (std::size_t ray = 0; ray < rays_per_call; ++ray) {
+        rows.pieces.push_back(make_piece(scene, longest, 0, 1));
+        rows.end_ray();
+    }
+    return rows;
+}
+
+/// `pieces` of each call, or of all of them.
+void query(const slope_rows::Rows& rows, std::span<const ViewRay> rays, std::span<const PieceRows> pieces,
+           std::span<Rgb> radiance) {
     Progress progress;
-    answer.radiance.resize(rays.size());
-    parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
+    parallel_blocks(rays.size(), rays_per_call, progress, [&](std::size_t begin, std::size_t end) {
         thread_local row_query::Unanswered unanswered;
-        std::fill(answer.radiance.begin() + static_cast<std::ptrdiff_t>(begin),
-                  answer.radiance.begin() + static_cast<std::ptrdiff_t>(end), Rgb(0.0f));
-        row_query::add_scattered(rows, rays.subspan(begin, end - begin), pieces[begin / rays_per_block],
-                                 std::span(answer.radiance).subspan(begin, end - begin), {}, unanswered);
+        const std::span<Rgb> of_call = radiance.subspan(begin, end - begin);
+        std::ranges::fill(of_call, Rgb(0.0f));
+        row_query::add_scattered(rows, rays.subspan(begin, end - begin),
+                                 pieces.size() == 1 ? pieces[0] : pieces[begin / rays_per_call], of_call, {},
+                                 unanswered);
     });
 }
 
-/// The same for rays in the picture's order, one grey piece each, as light_shafts.cpp asks.
-void query_by_wedge(const slope_rows::Rows& rows, const ShaftScene& scene, std::span<Rgb> radiance) {
+/// The same for rays in the picture's order.
+void query_by_wedge(const slope_rows::Rows& rows, const ShaftScene& scene, const PieceRows& pieces,
+                    std::span<Rgb> radiance) {
     const std::span<const ViewRay> rays = scene.rays;
     Progress progress;
     const std::vector<std::uint32_t> order = row_query::by_wedge(rows.layout, rays, progress);
-    constexpr std::size_t rays_per_call = 256;
     parallel_blocks(rays.size(), rays_per_call, progress, [&](std::size_t begin, std::size_t end) {
         thread_local row_query::Unanswered unanswered;
         std::array<ViewRay, rays_per_call> some;
         std::array<Rgb, rays_per_call> of_some;
-        thread_local PieceRows some_pieces;
-        some_pieces.clear();
         of_some.fill(Rgb(0.0f));
         for (std::size_t i = begin; i < end; ++i) {
             __builtin_prefetch(&rays[order[i]]);
             __builtin_prefetch(&radiance[order[i]], 1);
         }
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t ray = order[i];
-            some[i - begin] = rays[ray];
-            some_pieces.pieces.push_back(make_piece(scene, rays[ray], 0, 1));
-            some_pieces.end_ray();
-        }
-        const std::size_t count = end - begin;
-        row_query::add_scattered(rows, std::span(some).first(count), some_pieces, std::span(of_some).first(count), {},
-                                 unanswered);
+        for (std::size_t i = begin; i < end; ++i)
+            some[i - begin] = rays[order[i]];
+        row_query::add_scattered(rows, std::span(some).first(end - begin), pieces,
+                                 std::span(of_some).first(end - begin), {}, unanswered);
         for (std::size_t i = begin; i < end; ++i)
             radiance[order[i]] = of_some[i - begin];
     });
@@ -180,13 +182,13 @@ static void map_and_rectify(benchmark::State& state) {
 }
 static void query_sorted(benchmark::State& state, bool is_full) {
     if (Prepared* made = prepared(state)) {
-        const std::vector<PieceRows> pieces = make_pieces(*made->scene, made->sorted, is_full);
-        Answer answer;
+        const std::vector<PieceRows> pieces =
+            is_full ? make_coloured_pieces(*made->scene, made->sorted) : std::vector{make_grey_pieces(*made->scene)};
+        std::vector<Rgb> radiance(made->sorted.size()), in_order(radiance.size());
         for (auto _ : state)
-            query(*made->rows, made->sorted, pieces, answer);
-        std::vector<Rgb> in_order(answer.radiance.size());
+            query(*made->rows, made->sorted, pieces, radiance);
         for (std::size_t i = 0; i < in_order.size(); ++i)
-            in_order[made->order[i]] = answer.radiance[i];
+            in_order[made->order[i]] = radiance[i];
         report_error(state, *made->scene, in_order); // the middle channel of the full case is the grey one
         report_transitions(state, *made);
     }
@@ -202,6 +204,7 @@ static void sun_moved(benchmark::State& state, bool by_map) {
         return;
     const ShaftScene& scene = *made->scene;
     std::vector<Rgb> radiance(scene.rays.size());
+    const PieceRows pieces = make_grey_pieces(scene);
     for (auto _ : state) {
         slope_rows::Rows rows(slope_rows::make_layout(*slope_rows::make_frame(scene.view, scene.sun), scene.rays,
                                                       layout_config(static_cast<std::uint32_t>(state.range(1))),
@@ -212,7 +215,7 @@ static void sun_moved(benchmark::State& state, bool by_map) {
                     rows, progress);
         else
             slope_rows::raster(rows, scene.occluders, progress);
-        query_by_wedge(rows, scene, radiance);
+        query_by_wedge(rows, scene, pieces, radiance);
     }
     report_error(state, scene, radiance);
 }

@@ -49,7 +49,7 @@ struct PacketSum {
         V terms_sum[channels], lines_sum = hn::Zero(d);
         V of_block[channels][block_lines], first_depth[channels], of_lit[channels];
         for (int c = 0; c < channels; ++c) {
-            fill_powers(exp_of(d, hn::Mul(gain[c], hn::Set(d, -float{block_lines}))), of_block[c]);
+            fill_powers(terms.block_ratio(gain[c]), of_block[c]);
             first_depth[c] = hn::MulAdd(media_[c].depth_per_m, origin, media_[c].depth_at_near); // where line 0 begins
             of_lit[c] = terms_sum[c] = hn::Zero(d);
         }
@@ -125,6 +125,8 @@ static void add_piece(const PacketRays& rays, const PacketPiece& piece, const Pa
     V scattered[channels]; // of a source of one
     for (int c = 0; c < channels; ++c) {
         const auto of_end = [&](LaneMask is_lit, V middle, V length) {
+            if (hn::AllFalse(d, is_lit))
+                return hn::Zero(d);
             const V depth = hn::MulAdd(media[c].depth_per_m, hn::Sub(middle, piece.near_m), media[c].depth_at_near);
             const V mean = mean_around_middle(hn::Mul(half, hn::Mul(media[c].depth_per_m, length)));
             return hn::IfThenElseZero(is_lit, hn::Mul(length, hn::Mul(exp_of(d, hn::Neg(depth)), mean)));

@@ -63,6 +63,12 @@ public:
             block_sum[c] = of_moments(c, hn::Set(d, 16.0f), hn::Set(d, 120.0f), hn::Set(d, 1240.0f));
         }
     }
+    /// Of a block's terms to those of the block before: exp(-x), its series to x^4: 1e-9 for |x| <= 0.04.
+    [[nodiscard]] static HWY_INLINE V block_ratio(V gain) {
+        const V x = hn::Mul(gain, hn::Set(d, -float{block_lines}));
+        const V p = hn::MulAdd(x, hn::Set(d, 1.0f / 24), hn::Set(d, 1.0f / 6));
+        return hn::MulAdd(hn::MulAdd(hn::MulAdd(p, x, hn::Set(d, 0.5f)), x, hn::Set(d, 1.0f)), x, hn::Set(d, 1.0f));
+    }
     HWY_INLINE void add_up(const PacketRays& rays, const float* slopes, V (&sum)[channels], V& lines) const {
         const std::uint32_t lit = at_or_above(hn::Set(d, rays.least_slope), slopes);
         I packed = hn::Set(di, packed_table.lower[lit & 255] + packed_table.upper[lit >> 8]);
@@ -131,6 +137,9 @@ public:
             block_sum[c] = hn::Mul(hn::Mul(hn::Add(one, in_block_[c][1]), hn::Add(one, in_block_[c][2])),
                                    hn::Mul(hn::Add(one, in_block_[c][4]), hn::Add(one, in_block_[c][8])));
         }
+    }
+    [[nodiscard]] static HWY_INLINE V block_ratio(V gain) {
+        return exp_of(d, hn::Mul(gain, hn::Set(d, -float{block_lines})));
     }
     HWY_INLINE void add_up(const PacketRays& rays, const float* slopes, V (&sum)[channels], V& lines) const {
         add_up_if([&](std::size_t line) { return hn::Ge(rays.slope, hn::Set(d, slopes[line])); }, sum, lines);

@@ -17,15 +17,32 @@ static HWY_INLINE V dot(const vec3& axis, V x, V y, V z) {
     return hn::MulAdd(set(axis.x), x, hn::MulAdd(set(axis.y), y, hn::Mul(set(axis.z), z)));
 }
 
-void place_rays_of(const Frame& frame, const ViewRay* rays, std::size_t count, PlacedRays& placed) {
+/// The eight numbers of rays from `i` on, a lane each; past the last ray it is repeated.
+static HWY_INLINE void load_rays(const ViewRay* rays, std::size_t i, std::size_t count,
+                                 const std::array<V*, 8>& fields) {
     static_assert(sizeof(ViewRay) == 8 * sizeof(float));
     const auto* floats = reinterpret_cast<const float*>(rays);
+    if (i + hn::Lanes(d) <= count) { // in fours: the first and the second half of a ray take turns
+        V low[4], high[4];
+        hn::LoadInterleaved4(d, floats + 8 * i, low[0], low[1], low[2], low[3]);
+        hn::LoadInterleaved4(d, floats + 8 * i + 4 * hn::Lanes(d), high[0], high[1], high[2], high[3]);
+        for (std::size_t f = 0; f < 4; ++f) {
+            *fields[f] = hn::ConcatEven(d, high[f], low[f]);
+            *fields[f + 4] = hn::ConcatOdd(d, high[f], low[f]);
+        }
+        return;
+    }
     const auto stride = hn::Mul(hn::Iota(di, 0), hn::Set(di, 8));
     const auto last = hn::Set(di, static_cast<std::int32_t>(8 * (count - 1)));
+    const auto at = hn::Min(hn::Add(stride, hn::Set(di, static_cast<std::int32_t>(8 * i))), last);
+    for (std::size_t f = 0; f < 8; ++f)
+        *fields[f] = hn::GatherIndex(d, floats + f, at);
+}
+
+void place_rays_of(const Frame& frame, const ViewRay* rays, std::size_t count, PlacedRays& placed) {
     for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-        const auto at = hn::Min(hn::Add(stride, hn::Set(di, static_cast<std::int32_t>(8 * i))), last);
-        const auto field = [&](int index) { return hn::GatherIndex(d, floats + index, at); };
-        const V dx = field(3), dy = field(4), dz = field(5), near_m = field(6), far_m = field(7);
+        V ox, oy, oz, dx, dy, dz, near_m, far_m;
+        load_rays(rays, i, count, {&ox, &oy, &oz, &dx, &dy, &dz, &near_m, &far_m});
         const V du = dot(frame.u, dx, dy, dz), dv = dot(frame.v, dx, dy, dz), da = dot(frame.axis, dx, dy, dz);
         V slice, slope, axial = hn::Zero(d), radial = hn::Zero(d), radial_per_m;
         if (!frame.is_orthographic) {
@@ -33,8 +50,8 @@ void place_rays_of(const Frame& frame, const ViewRay* rays, std::size_t count, P
             radial_per_m = hn::Sqrt(hn::MulAdd(du, du, hn::Mul(dv, dv)));
             slope = hn::Div(da, radial_per_m);
         } else {
-            const V px = hn::Sub(field(0), set(frame.origin.x)), py = hn::Sub(field(1), set(frame.origin.y)),
-                    pz = hn::Sub(field(2), set(frame.origin.z));
+            const V px = hn::Sub(ox, set(frame.origin.x)), py = hn::Sub(oy, set(frame.origin.y)),
+                    pz = hn::Sub(oz, set(frame.origin.z));
             const V pu = dot(frame.u, px, py, pz), pv = dot(frame.v, px, py, pz);
             axial = dot(frame.axis, px, py, pz);
             if (frame.is_parallel) {
