@@ -2,6 +2,7 @@
 #include "light_shafts/ray_outline.hpp"
 #include "core/parallel.hpp"
 #include <algorithm>
+#include <array>
 
 namespace tyndall::light_shafts {
 namespace {
@@ -26,20 +27,48 @@ float pixel_size(bool is_orthographic, std::span<const ViewRay> rays) {
     return *middle;
 }
 
+/// Places of up to most_neighbours rays, in columns: loops without an exit run on vectors.
+struct Places {
+    std::array<float, most_neighbours> x, y, z;
+    Places(bool is_orthographic, std::span<const ViewRay> rays) {
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const vec3 place = place_of(is_orthographic, rays[i]);
+            x[i] = place.x, y[i] = place.y, z[i] = place.z;
+        }
+    }
+    [[nodiscard]] vec3 at(std::size_t i) const { return {x[i], y[i], z[i]}; }
+};
+
+/// How many rays from the first on lie no more than four pixels from the one before.
+std::size_t count_neighbours(const Places& places, std::size_t count, float pixel) {
+    std::array<int, most_neighbours> is_far{};
+    for (std::size_t i = 1; i < count; ++i) {
+        const float x = places.x[i] - places.x[i - 1], y = places.y[i] - places.y[i - 1],
+                    z = places.z[i] - places.z[i - 1];
+        is_far[i] = !(x * x + y * y + z * z <= 16.0f * pixel * pixel);
+    }
+    const auto end = is_far.begin() + static_cast<std::ptrdiff_t>(count);
+    return static_cast<std::size_t>(std::find(is_far.begin(), end, 1) - is_far.begin());
+}
+
 /// All lie on the way from the first to the last, to a pixel and a half.
-bool are_in_line(bool is_orthographic, std::span<const ViewRay> rays, float pixel) {
-    const vec3 first = place_of(is_orthographic, rays.front()), way = place_of(is_orthographic, rays.back()) - first;
+bool are_in_line(const Places& places, std::size_t count, float pixel) {
+    const vec3 first = places.at(0), way = places.at(count - 1) - first;
     const float length = glm::length(way);
     if (!(length > 0.0f))
         return false;
     const vec3 unit = way / length;
-    return std::ranges::all_of(rays, [&](const ViewRay& ray) {
-        const vec3 offset = place_of(is_orthographic, ray) - first;
-        const float along = glm::dot(offset, unit);
-        const vec3 aside = offset - along * unit;
-        return along >= -0.5f * pixel && along <= length + 0.5f * pixel &&
-               glm::dot(aside, aside) <= 2.25f * pixel * pixel;
-    });
+    int strays = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float x = places.x[i] - first.x, y = places.y[i] - first.y, z = places.z[i] - first.z;
+        const float along = x * unit.x + y * unit.y + z * unit.z;
+        const float aside_x = x - along * unit.x, aside_y = y - along * unit.y, aside_z = z - along * unit.z;
+        const float aside = aside_x * aside_x + aside_y * aside_y + aside_z * aside_z;
+        const int is_in_line =
+            int{along >= -0.5f * pixel} & int{along <= length + 0.5f * pixel} & int{aside <= 2.25f * pixel * pixel};
+        strays |= 1 - is_in_line;
+    }
+    return strays == 0;
 }
 
 RaySpan span_of(bool is_orthographic, std::span<const ViewRay> rays, float pixel) {
@@ -65,16 +94,13 @@ RaySpan span_of(bool is_orthographic, std::span<const ViewRay> rays, float pixel
 
 static void append_spans(bool is_orthographic, std::span<const ViewRay> rays, float pixel,
                          std::vector<RaySpan>& spans) {
-    const auto is_next = [&](std::size_t i) {
-        const vec3 step = place_of(is_orthographic, rays[i]) - place_of(is_orthographic, rays[i - 1]);
-        return glm::dot(step, step) <= 16.0f * pixel * pixel;
-    };
     for (std::size_t begin = 0, end; begin < rays.size(); begin = end) {
-        end = begin + 1;
-        while (end < rays.size() && end - begin < most_neighbours && is_next(end))
-            ++end;
-        const auto neighbours = rays.subspan(begin, end - begin);
-        if (are_in_line(is_orthographic, neighbours, pixel))
+        const auto ahead = rays.subspan(begin, std::min(most_neighbours, rays.size() - begin));
+        const Places places(is_orthographic, ahead);
+        const std::size_t count = count_neighbours(places, ahead.size(), pixel);
+        end = begin + count;
+        const auto neighbours = ahead.first(count);
+        if (are_in_line(places, count, pixel))
             spans.push_back(span_of(is_orthographic, neighbours, pixel));
         else
             for (const ViewRay& ray : neighbours)

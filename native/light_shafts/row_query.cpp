@@ -148,22 +148,22 @@ namespace tyndall::light_shafts::row_query {
 void lit_intervals(const slope_rows::Rows& rows, std::span<const ViewRay> rays, LitRows& lit, Uncovered& uncovered) {
     HWY_DYNAMIC_DISPATCH(lit_intervals_of)(rows, rays.data(), rays.size(), lit, uncovered);
 }
-/// Of a wedge: pieces of the picture that stay in the cache, slice by slice within each.
-static void sort_by_slice(std::span<std::uint32_t> order, const std::vector<std::int32_t>& slice_of) {
+/// Of a wedge: pieces of the picture that stay in the cache, slice by slice within each. `slice_in_wedge` of each ray.
+static void sort_by_slice(std::span<std::uint32_t> order, std::span<const std::uint8_t> slice_in_wedge) {
     constexpr std::size_t rays_at_once = 256 * slices_per_wedge;
     std::array<std::uint32_t, rays_at_once> unsorted;
     for (std::size_t start = 0; start < order.size(); start += rays_at_once) {
         const auto some = order.subspan(start, std::min(rays_at_once, order.size() - start));
-        std::array<std::size_t, slices_per_wedge> next{};
-        for (std::size_t i = 0; i < some.size(); ++i) {
-            unsorted[i] = some[i];
-            ++next[static_cast<std::uint32_t>(slice_of[some[i]]) % slices_per_wedge];
-        }
-        std::size_t total = 0;
-        for (std::size_t& first : next)
+        const auto slices = slice_in_wedge.subspan(start, some.size());
+        std::array<std::uint32_t, slices_per_wedge> next{};
+        for (const std::uint8_t slice : slices)
+            ++next[slice];
+        std::uint32_t total = 0;
+        for (std::uint32_t& first : next)
             total += std::exchange(first, total);
+        std::ranges::copy(some, unsorted.begin());
         for (std::size_t i = 0; i < some.size(); ++i)
-            some[next[static_cast<std::uint32_t>(slice_of[unsorted[i]]) % slices_per_wedge]++] = unsorted[i];
+            some[next[slices[i]]++] = unsorted[i];
     }
 }
 
@@ -177,6 +177,7 @@ std::vector<std::uint32_t> by_wedge(const slope_rows::Layout& layout, std::span<
     std::vector<std::vector<std::uint32_t>> next((rays.size() + rays_per_block - 1) / rays_per_block);
     std::vector<std::int32_t> slice_of(rays.size());
     std::vector<std::uint32_t> order(rays.size());
+    std::vector<std::uint8_t> slice_in_wedge(rays.size()); // in the order of `order`
     const auto wedge_of = [&](std::size_t ray) { return static_cast<std::uint32_t>(slice_of[ray]) / slices_per_wedge; };
     parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
         std::vector<std::uint32_t>& counts = next[begin / rays_per_block];
@@ -194,14 +195,18 @@ std::vector<std::uint32_t> by_wedge(const slope_rows::Layout& layout, std::span<
     }
     first_of_wedge.push_back(total);
     parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t ray = begin; ray < end; ++ray)
-            order[next[begin / rays_per_block][wedge_of(ray)]++] = static_cast<std::uint32_t>(ray);
+        for (std::size_t ray = begin; ray < end; ++ray) {
+            const std::uint32_t place = next[begin / rays_per_block][wedge_of(ray)]++;
+            order[place] = static_cast<std::uint32_t>(ray);
+            slice_in_wedge[place] =
+                static_cast<std::uint8_t>(static_cast<std::uint32_t>(slice_of[ray]) % slices_per_wedge);
+        }
     });
     parallel_for(
         wedge_count, progress,
         [&](std::size_t wedge) {
-            const std::uint32_t first = first_of_wedge[wedge];
-            sort_by_slice(std::span(order).subspan(first, first_of_wedge[wedge + 1] - first), slice_of);
+            const std::uint32_t first = first_of_wedge[wedge], count = first_of_wedge[wedge + 1] - first;
+            sort_by_slice(std::span(order).subspan(first, count), std::span(slice_in_wedge).subspan(first, count));
         },
         16);
     return order;

@@ -93,11 +93,14 @@ struct PacketSum {
                 const auto touches = hn::And(piece.has_whole, hn::And(hn::Lt(begin, width), hn::Gt(past, hn::Zero(d))));
                 const auto is_cut = hn::And(touches, hn::Or(hn::Gt(begin, hn::Zero(d)), hn::Lt(past, width)));
                 V sum[channels], lines = width;
-                if ((all >> block & 1) != 0 && hn::AllFalse(d, is_cut))
+                const float* slopes = rays.row.slopes + (start + block) * block_lines;
+                if (!hn::AllFalse(d, is_cut))
+                    terms.add_up_range(rays, slopes, begin, past, sum, lines);
+                else if ((all >> block & 1) == 0)
+                    terms.add_up(rays, slopes, sum, lines);
+                else
                     for (int c = 0; c < channels; ++c)
                         sum[c] = terms.block_sum[c];
-                else
-                    terms.add_up_range(rays, rays.row.slopes + (start + block) * block_lines, begin, past, sum, lines);
                 lines_sum = hn::IfThenElse(touches, hn::Add(lines_sum, lines), lines_sum);
                 for (int c = 0; c < channels; ++c) { // the weight of a ray that is elsewhere may be infinite
                     const V weight = hn::Mul(of_block[c][block % block_lines], of_group[block / block_lines][c]);
