@@ -111,8 +111,8 @@ class TyndallLightShaftSettings(PropertyGroup):
     shares_strata: BoolProperty(
         name="Share between Pixels",
         description="Where a light has more samples than a pixel, neighbouring pixels take different ones and share "
-        "what they find: many times faster, and blurs soft shafts by at most two pixels. Off asks for all of them in "
-        "every pixel. The exact method never shares",
+        "what they find: many times faster, and blurs soft shafts by at most two pixels; so for few samples with the "
+        "world's light on surfaces. Off asks for all of them in every pixel. The exact method never shares",
         default=True,
         update=tag,
         override=OVERRIDABLE,

@@ -72,7 +72,7 @@ public:
                           std::accumulate(ray_counts.begin(), ray_counts.end(), 0.0));
         light_.set_ray_counts(std::move(ray_counts));
         // Where one ray is enough, there is nothing to smooth.
-        if (const std::uint32_t rays = light_.even_world_ray_count(); rays > 1 && config_.shafts.shares_strata)
+        if (const std::uint32_t rays = light_.even_world_ray_count(); rays > 1 && shares_strata())
             world_reach_px_ = shared_reach_px(std::uint64_t{rays} * config_.pixel_samples);
     }
 
@@ -99,6 +99,9 @@ public:
 
 private:
     [[nodiscard]] std::uint32_t width() const { return region_.x1 - region_.x0; }
+    [[nodiscard]] bool shares_strata() const {
+        return config_.shafts.shares_strata && config_.shafts.method != light_shafts::Method::Exact;
+    }
     [[nodiscard]] std::size_t pixel_count() const { return std::size_t{region_.y1 - region_.y0} * width(); }
     [[nodiscard]] std::vector<Band> all_bands() const {
         std::vector<Band> bands;
@@ -221,7 +224,7 @@ private:
     [[nodiscard]] ScatteredParts room_for(std::uint32_t sample, const WaitingParts& waiting) const {
         ScatteredParts room;
         std::array used{true, false, false};
-        if (config_.shafts.shares_strata && config_.shafts.method != light_shafts::Method::Exact)
+        if (shares_strata())
             used = shafts_->sides_used(round_samples_);
         if (used[1] || used[2]) {
             // Each round deals the cells out anew: 5 is a step along the squares of 4 x 4 and of 2 x 2.

@@ -23,7 +23,7 @@ struct FrameConfig {
     std::optional<Region> region;
     bool is_film_transparent = false;
     PassSet passes;
-    light_shafts::Config shafts; ///< shares_strata holds for the world's light on surfaces, too.
+    light_shafts::Config shafts; ///< Neighbours share the world's light on surfaces as they do strata.
     std::uint32_t seed = 0;
     int thread_count = 0; ///< 0: all.
 };
