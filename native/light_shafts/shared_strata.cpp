@@ -21,6 +21,10 @@ void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t fi
     const auto width = static_cast<std::int32_t>(picture.width_px),
                height = static_cast<std::int32_t>(picture.height_px);
     const auto share_of = [&](std::int32_t offset) { return std::abs(offset) == reach ? 0.5f : 1.0f; };
+    // A pixel's own stratum alone would draw the edge of a cone where no other stratum has it.
+    const auto share_here = [&](std::int32_t offset) {
+        return std::max(0.0f, 1.0f - static_cast<float>(std::abs(offset)) / std::max(1.0f, static_cast<float>(reach)));
+    };
     const bool has_visibility = !shared.average_visibility.empty(), has_points = !shared.from_points.empty();
     parallel_for(
         end_row - first_row, progress,
@@ -32,8 +36,8 @@ void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t fi
                     const Air& air = picture.air[ray];
                     if (picture.cells[ray] == alone_cell || !(air.opacity > 0.0f))
                         continue;
-                    Rgb radiance(0.0f), from_points(0.0f), unshadowed(0.0f);
-                    float visibility = 0.0f, weight_sum = 0.0f, opacity_sum = 0.0f;
+                    Rgb radiance(0.0f), from_points(0.0f), unshadowed(0.0f), unshadowed_here(0.0f);
+                    float visibility = 0.0f, weight_sum = 0.0f, weight_here = 0.0f, opacity_sum = 0.0f;
                     for (std::int32_t dy = std::max(-reach, -y); dy <= std::min(reach, height - 1 - y); ++dy)
                         for (std::int32_t dx = std::max(-reach, -x); dx <= std::min(reach, width - 1 - x); ++dx) {
                             const auto beside = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(pixel) +
@@ -50,6 +54,9 @@ void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t fi
                             if (has_points) {
                                 from_points += weight * shared.from_points[other];
                                 unshadowed += weight * shared.from_points_unshadowed[other];
+                                const float here = share_here(dx) * share_here(dy);
+                                unshadowed_here += here * shared.from_points_unshadowed[other];
+                                weight_here += here;
                             }
                             if (has_visibility)
                                 visibility += weight * shared.average_visibility[other];
@@ -60,8 +67,8 @@ void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t fi
                     sum.radiance[ray] += radiance * (air.opacity / opacity_sum);
                     for (int channel = 0; has_points && channel < 3; ++channel)
                         if (unshadowed[channel] > 0.0f)
-                            sum.radiance[ray][channel] += from_points[channel] / unshadowed[channel] *
-                                                          shared.from_points_unshadowed[ray][channel];
+                            sum.radiance[ray][channel] +=
+                                from_points[channel] / unshadowed[channel] * unshadowed_here[channel] / weight_here;
                     if (has_visibility)
                         sum.average_visibility[ray] += visibility / weight_sum;
                 }

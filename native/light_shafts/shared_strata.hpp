@@ -6,7 +6,7 @@
 // Differs:  only lights whose strata outnumber the samples take part, hard shafts stay as sharp as their pixels; a tent
 //           over one period and a pixel counts every stratum exactly once; neighbours count where their air lies alike,
 //           and in proportion to its opacity: the rim of a cloud stays a rim; of a light at a point they count by how
-//           much of it is in shadow: a beam keeps the edge of its cone;
+//           much of it is in shadow: a beam keeps the edge of its cone, to a pixel;
 //           rays that pass close to a lamp, where its light changes from pixel to pixel, share nothing.
 // Bound:    9 or 25 neighbours per ray; a light is asked once per ray instead of once per stratum. Unbiased over the
 //           square; its blur of at most two pixels ends when the samples reach the number of strata.

@@ -186,10 +186,22 @@ TEST_CASE("where a light at a point is equally lit, sharing changes nothing: a b
     const std::vector<std::uint8_t> cells(lit.size(), 0);
     const std::vector<Rgb> none(lit.size(), Rgb(0.0f));
     std::vector<Rgb> sum = none;
-    light_shafts::add_shared({width, height, first_ray, air, cells}, 4, 0, height, {none, {}, lit, unshadowed},
+    light_shafts::add_shared({width, height, first_ray, air, cells}, 2, 0, height, {none, {}, lit, unshadowed},
                              {sum, {}, {}, {}}, progress);
     for (std::size_t ray = 0; ray < lit.size(); ++ray)
         CHECK(glm::length(sum[ray] - lit[ray]) <= 1e-6f * glm::length(lit[ray]));
+    // In squares of 4 the edge itself is one of several strata: a pixel to each side.
+    sum = none;
+    light_shafts::add_shared({width, height, first_ray, air, cells}, 4, 0, height, {none, {}, lit, unshadowed},
+                             {sum, {}, {}, {}}, progress);
+    for (std::uint32_t y = 1; y + 1 < height; ++y)
+        for (std::uint32_t x = 0; x + 1 < width; ++x) {
+            const Rgb &here = lit[y * width + x], &found = sum[y * width + x];
+            if (x < 3 || x > 4)
+                CHECK(glm::length(found - here) <= 1e-6f * glm::length(here));
+            else
+                CHECK(glm::length(found - (x == 3 ? 0.25f : 0.75f) * lit[y * width + 5]) < 0.02f);
+        }
 }
 
 TEST_CASE("rays that pass close to a lamp share nothing and ask for all strata themselves") {
