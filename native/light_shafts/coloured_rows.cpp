@@ -73,12 +73,20 @@ std::vector<PartialOccluderInstance> relevant(const slope_rows::Layout& layout, 
 }
 } // namespace
 
+static bool is_coloured(const PartialOccluderInstance& instance) { return instance.mesh->is_coloured; }
+
+slope_rows::LayoutConfig sharing_memory(slope_rows::LayoutConfig layout, const Occluders& occluders) {
+    if (std::ranges::any_of(occluders.partial_instances, is_coloured))
+        layout.memory_limit_bytes /= 3;
+    return layout;
+}
+
 std::unique_ptr<Visibility> fill_rows(const Preparation& preparation, PreparedRows prepared, std::uint32_t seed,
                                       const FillRows& fill) {
     slope_rows::Rows& rows = *prepared.rows;
     const std::vector<PartialOccluderInstance> instances = relevant(rows.layout, preparation.occluders);
     PartialShading partial(instances, preparation.light, seed);
-    if (std::ranges::none_of(instances, [](const auto& instance) { return instance.mesh->is_coloured; })) {
+    if (std::ranges::none_of(instances, is_coloured)) {
         fill(rows, partial, prepared.statistics);
         return std::make_unique<RowsVisibility>(preparation, std::move(rows), std::move(prepared.statistics));
     }

@@ -8,6 +8,9 @@
 #include <functional>
 
 namespace tyndall::light_shafts {
+/// A third of the memory for each set, where some surface is coloured.
+[[nodiscard]] slope_rows::LayoutConfig sharing_memory(slope_rows::LayoutConfig layout, const Occluders& occluders);
+
 using FillRows = std::function<void(slope_rows::Rows& rows, const PartialShading& partial, Statistics& statistics)>;
 /// `prepared` has rows. `seed` is of what is drawn for surfaces that let a part of the light pass. Throws what fill does.
 [[nodiscard]] std::unique_ptr<Visibility> fill_rows(const Preparation& preparation, PreparedRows prepared,

@@ -24,7 +24,7 @@ std::unique_ptr<Visibility> make_epipolar_beam(const Scene& scene, const Occlude
                                                std::shared_ptr<const StripOnDemand> strip, const Config& config,
                                                Progress& progress) {
     const Preparation preparation{scene, occluders, view, light, outline, std::move(strip), progress};
-    PreparedRows prepared = prepare_rows(preparation, layout_of(config), "EPIPOLAR");
+    PreparedRows prepared = prepare_rows(preparation, sharing_memory(layout_of(config), occluders), "EPIPOLAR");
     if (prepared.instead)
         return std::move(prepared.instead);
     return fill_rows(preparation, std::move(prepared), config.seed,

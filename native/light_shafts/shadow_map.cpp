@@ -106,7 +106,7 @@ std::unique_ptr<Visibility> make_shadow_map_beam(const Scene& scene, const Occlu
                                                  std::shared_ptr<const StripOnDemand> strip, const Config& config,
                                                  Progress& progress) {
     const Preparation preparation{scene, occluders, view, light, outline, std::move(strip), progress};
-    const slope_rows::LayoutConfig layout = map_layout_of(config);
+    const slope_rows::LayoutConfig layout = sharing_memory(map_layout_of(config), occluders);
     PreparedRows prepared = prepare_rows(preparation, layout, "SHADOW_MAP");
     if (prepared.instead)
         return std::move(prepared.instead);

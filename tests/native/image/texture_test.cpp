@@ -73,6 +73,21 @@ TEST_CASE("a masked texel's colour does not bleed into its neighbour") {
     leaf.has_alpha = false;
     CHECK(leaf.lookup({0.75f, 0.5f}) == vec4(9, 0, 9, 1));
 }
+TEST_CASE("alpha alone is the alpha of a whole lookup, and a texel alone what a closest lookup shows") {
+    Texture leaf{.name = "leaf", .width = 3, .height = 2};
+    for (int index = 0; index < 24; ++index)
+        leaf.bytes.push_back(static_cast<std::uint8_t>(37 * index % 256));
+    using enum TextureExtension;
+    for (const bool has_alpha : {false, true})
+        for (const auto extension : {Repeat, Extend, Clip, Mirror})
+            for (const auto interpolation : {TextureInterpolation::Closest, TextureInterpolation::Linear}) {
+                leaf.has_alpha = has_alpha, leaf.extension = extension, leaf.interpolation = interpolation;
+                for (float u = -2.7f; u < 3.0f; u += 0.13f)
+                    CHECK(leaf.alpha({u, 0.8f - u}) == leaf.lookup({u, 0.8f - u}).w);
+                leaf.interpolation = TextureInterpolation::Closest;
+                CHECK(leaf.at(4, -1) == leaf.lookup({4.5f / 3.0f, -0.5f / 2.0f}));
+            }
+}
 TEST_CASE("the table of the sRGB curve errs by less than 5e-7, and the two curves are each other's inverse") {
     double worst = 0.0;
     for (int step = 0; step <= 100000; ++step) {
