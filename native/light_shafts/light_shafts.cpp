@@ -40,12 +40,12 @@ Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::sp
         statistics.skip("light shafts", "no view ray meets a medium");
         return;
     }
-    const std::vector<ScatteringLight> lights = find_scattering_lights(
+    std::vector<ScatteringLight> lights = find_scattering_lights(
         scene, media, config, count_strata(scene, media, view, clipped, config, progress), statistics);
     if (lights.empty())
         statistics.skip("light shafts", "no light scatters in a medium");
     else
-        prepared_->prepare(scene, view, clipped, lights, config, progress);
+        prepared_->prepare(scene, view, clipped, std::move(lights), config, progress);
 }
 
 Result run(const Scene& scene, const View& view, std::span<const ViewRay> rays, const Config& config,

@@ -69,21 +69,22 @@ void PreparedLights::gather(std::span<const ViewRay> rays, std::span<const std::
     block.visibility.assign(block.rays.size(), 0.0f);
 }
 
-void PreparedLights::add(const Beam& beam, Block& block) const {
-    if (beam.directional) {
-        block.pieces.clear();
-        for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
-            beam.directional->append_pieces(block.rays[ray], block.segments_of(ray), block.pieces.pieces);
-            block.pieces.end_ray();
+void PreparedLights::add(const LightBeams& light, std::size_t stratum, Block& block) const {
+    const std::span lit_length_m = block.wants_visibility ? std::span(block.lit_length_m) : std::span<float>();
+    for (const Beam& beam : std::span(light.beams).subspan(stratum * light.parts, light.parts)) {
+        if (beam.directional) {
+            block.pieces.clear();
+            for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
+                beam.directional->append_pieces(block.rays[ray], block.segments_of(ray), block.pieces.pieces);
+                block.pieces.end_ray();
+            }
+            beam.visibility->add_scattered(block.rays, block.pieces, block.radiance, lit_length_m);
+            continue;
         }
-        beam.visibility->add_scattered(block.rays, block.pieces, block.radiance,
-                                       block.wants_visibility ? std::span(block.lit_length_m) : std::span<float>());
-        return;
+        if (block.local.is_empty())
+            block.local.assign(media, block.rays, block.first_segment, block.segments);
+        beam.local->add_scattered(block.local, beam.visibility.get(), block.radiance, block.unshadowed, lit_length_m);
     }
-    if (block.local.is_empty())
-        block.local.assign(media, block.rays, block.first_segment, block.segments);
-    beam.local->add_scattered(block.local, beam.visibility.get(), block.radiance, block.unshadowed,
-                              block.wants_visibility ? std::span(block.lit_length_m) : std::span<float>());
 }
 
 void PreparedLights::add(const LightBeams& light, const Turn& turn, Block& block) const {
@@ -91,10 +92,10 @@ void PreparedLights::add(const LightBeams& light, const Turn& turn, Block& block
     block.radiance.assign(block.rays.size(), Rgb(0.0f));
     const bool is_apart = block.keeps_points_apart && light.beams.front().local.has_value();
     block.unshadowed.assign(is_apart ? block.rays.size() : 0, Rgb(0.0f));
-    const Deal mine = deal(light.beams.size(), turn);
+    const Deal mine = deal(light.stratum_count(), turn);
     for (std::size_t index = mine.first; index < mine.last; ++index)
-        add(light.beams[spread(index, light.beams.size())], block);
-    const float share = mine.weight / static_cast<float>(light.beams.size() * lights.size());
+        add(light, spread(index, light.stratum_count()), block);
+    const float share = mine.weight / static_cast<float>(light.stratum_count() * lights.size());
     const auto most = static_cast<float>(mine.last - mine.first);
     std::vector<Rgb>& sum = is_apart ? block.from_points : block.all_radiance;
     for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
@@ -134,7 +135,7 @@ void Shafts::set_alone(std::span<const ViewRay> rays, const View& view, float sp
     constexpr float spacings = 8.0f; // the mean of 1 / distance over two pixels around is then right to 2 %
     std::vector<vec3> lamps;
     for (const LightBeams& light : prepared_->lights)
-        if (light.beams.front().local && sharing(light.beams.size(), turn_count).count > 1)
+        if (light.beams.front().local && sharing(light.stratum_count(), turn_count).count > 1)
             lamps.push_back(prepared_->media.scene().lights()[light.light].position);
     parallel_for(rays.size(), progress, [&](std::size_t ray) {
         for (const vec3& lamp : lamps) {
@@ -150,7 +151,7 @@ void Shafts::set_alone(std::span<const ViewRay> rays, const View& view, float sp
 std::array<bool, shared_sides.size()> Shafts::sides_used(std::uint32_t turn_count) const {
     std::array<bool, shared_sides.size()> used{true}; // rays that are alone, even where every light is shared
     for (const LightBeams& light : prepared_->lights)
-        used[sharing(light.beams.size(), turn_count).side] = true;
+        used[sharing(light.stratum_count(), turn_count).side] = true;
     return used;
 }
 
@@ -205,7 +206,8 @@ void PreparedLights::scatter_side(std::span<const ViewRay> rays, std::span<const
             block.keeps_points_apart = !out.from_points.empty();
             gather(rays, mine.subspan(begin, end - begin), block);
             for (const LightBeams& light : lights) {
-                const Sharing shared = cells.empty() || is_alone ? Sharing{} : sharing(light.beams.size(), turn.count);
+                const Sharing shared =
+                    cells.empty() || is_alone ? Sharing{} : sharing(light.stratum_count(), turn.count);
                 const std::uint32_t turns_before = is_alone ? 0 : cell * shared.count / cell_count * turn.count;
                 if (!block.rays.empty() && shared.side == side)
                     add(light, {turns_before + turn.index, shared.count * turn.count}, block);

@@ -220,14 +220,16 @@ void LocalScatter::add_scattered(const LocalRays& rays, const Visibility* visibi
     find_support(shape_, rays, support);
     const bool wants_length = !lit_length_m.empty();
     asked.clear(), reached.clear(), lit.clear();
-    const double* const begins = support.distance[LocalSupport::Begin].data();
-    const double* const ends = support.distance[LocalSupport::End].data();
+    // For the lit length whole rays are asked, or what of them lies in the light's cell.
+    const bool asks_cells = wants_length && shape_.has_cell, asks_all = wants_length && !shape_.has_cell;
+    const auto& begins = support.distance[asks_cells ? LocalSupport::CellBegin : LocalSupport::Begin];
+    const auto& ends = support.distance[asks_cells ? LocalSupport::CellEnd : LocalSupport::End];
     for (std::uint32_t ray = 0; ray < rays.size(); ++ray) {
         const double begin = begins[ray], end = ends[ray];
         if (!(begin < end))
             continue;
         reached.push_back(ray);
-        if (wants_length)
+        if (asks_all)
             continue;
         ViewRay& part = asked.emplace_back(rays.ray(ray));
         // Rounded outwards: the exact ends are in `support`.
@@ -238,7 +240,7 @@ void LocalScatter::add_scattered(const LocalRays& rays, const Visibility* visibi
         part.near_m = std::max(part.near_m, outwards(light_x + begin, -1.0));
         part.far_m = std::min(part.far_m, outwards(light_x + end, 1.0));
     }
-    const std::span<const ViewRay> rays_to_ask = wants_length ? rays.rays() : std::span<const ViewRay>(asked);
+    const std::span<const ViewRay> rays_to_ask = asks_all ? rays.rays() : std::span<const ViewRay>(asked);
     if (visibility != nullptr)
         visibility->lit_intervals(rays_to_ask, lit);
     else
@@ -249,13 +251,20 @@ void LocalScatter::add_scattered(const LocalRays& rays, const Visibility* visibi
     const auto lit_of = [&](std::size_t row) {
         return std::span(lit.intervals).subspan(lit.first[row], lit.first[row + 1] - lit.first[row]);
     };
+    const auto is_shone_on = [&](std::uint32_t ray) {
+        return support.distance[LocalSupport::Begin][ray] < support.distance[LocalSupport::End][ray];
+    };
     batch.begin(*this, rays, support, radiance, unshadowed);
     for (std::size_t index = 0; index < reached.size(); ++index)
-        if (const auto own = lit_of(wants_length ? reached[index] : index); !own.empty() || !unshadowed.empty())
+        if (const auto own = lit_of(asks_all ? reached[index] : index);
+            is_shone_on(reached[index]) && (!own.empty() || !unshadowed.empty()))
             batch.add(reached[index], own);
     batch.flush();
-    if (wants_length)
+    if (asks_all)
         for (std::size_t ray = 0; ray < rays.size(); ++ray)
             lit_length_m[ray] += lit_length_of(lit_of(ray), rays.segments_of(ray));
+    else if (asks_cells)
+        for (std::size_t index = 0; index < reached.size(); ++index)
+            lit_length_m[reached[index]] += lit_length_of(lit_of(index), rays.segments_of(reached[index]));
 }
 } // namespace tyndall::light_shafts

@@ -64,6 +64,21 @@ static HWY_INLINE Interval inside_cone(const V3& q, const V3& v, double cosine) 
     return {begin, end};
 }
 
+/// Keeps what lies where at_foot + x per_m is positive.
+static HWY_INLINE void clip_to_half_space(V at_foot, V per_m, V& begin, V& end) {
+    const V zero = hn::Zero(d), horizon = hn::Neg(hn::Div(at_foot, per_m));
+    begin = hn::IfThenElse(hn::Gt(per_m, zero), hn::Max(begin, horizon), begin);
+    end = hn::IfThenElse(hn::Lt(per_m, zero), hn::Min(end, horizon), end);
+    const auto is_below = hn::And(hn::Eq(per_m, zero), hn::Le(at_foot, zero));
+    end = hn::IfThenElse(is_below, begin, end);
+}
+static HWY_INLINE void clip_to_cell(const LocalShape& shape, const V3& foot, const V3& along, V& begin, V& end) {
+    for (std::size_t plane = 0; plane < shape.cell_normals.size(); ++plane)
+        if (const dvec3& normal = shape.cell_normals[plane]; normal != dvec3(0.0))
+            clip_to_half_space(hn::Add(dot(normal, foot), set(shape.cell_heights[plane])), dot(normal, along), begin,
+                               end);
+}
+
 void find_support_of(const LocalShape& shape, const LocalRays& rays, LocalSupport& support) {
     const auto keep = [&](LocalSupport::Distance which, std::size_t at, V value) {
         hn::StoreU(value, d, &support.distance[which][at]);
@@ -85,17 +100,17 @@ void find_support_of(const LocalShape& shape, const LocalRays& rays, LocalSuppor
         const V least = hn::Max(hn::Mul(set(1e-6), hn::Sqrt(dot(start, start))), set(1e-18));
         const V light_y = hn::Max(hn::Sqrt(dot(foot, foot)), least), light_y2 = hn::Mul(light_y, light_y);
         V begin = hn::Sub(in(LocalRays::Near), light_x), end = hn::Sub(in(LocalRays::Far), light_x);
+        if (shape.has_cell) {
+            clip_to_cell(shape, foot, along, begin, end);
+            keep(LocalSupport::CellBegin, at, begin), keep(LocalSupport::CellEnd, at, end);
+        }
         keep(LocalSupport::LightX, at, light_x);
         keep(LocalSupport::LightY, at, light_y);
         keep_term(LocalSupport::LightY2, at, light_y2);
         keep_term(LocalSupport::SoftenedY, at, hn::Sqrt(hn::Add(light_y2, set(shape.softening_m2))));
         if (shape.has_normal) {
-            const V at_foot = dot(shape.normal, foot), per_m = dot(shape.normal, along), zero = hn::Zero(d);
-            const V horizon = hn::Neg(hn::Div(at_foot, per_m));
-            begin = hn::IfThenElse(hn::Gt(per_m, zero), hn::Max(begin, horizon), begin);
-            end = hn::IfThenElse(hn::Lt(per_m, zero), hn::Min(end, horizon), end);
-            const auto is_below = hn::And(hn::Eq(per_m, zero), hn::Le(at_foot, zero));
-            end = hn::IfThenElse(is_below, begin, end);
+            const V at_foot = dot(shape.normal, foot), per_m = dot(shape.normal, along);
+            clip_to_half_space(at_foot, per_m, begin, end);
             keep(LocalSupport::Normal0, at, at_foot);
             keep(LocalSupport::NormalX, at, per_m);
         }
@@ -128,8 +143,13 @@ HWY_AFTER_NAMESPACE();
 namespace tyndall::light_shafts {
 LocalShape::LocalShape(const LightSample& light)
     : position(light.position), has_normal(light.emission_normal != vec3(0.0f)), is_soft(light.softening_m2 > 0.0f),
-      has_cone(light.spot != nullptr), has_soft_edge(false), keeps_cosine(false), normal(light.emission_normal),
-      falloff_offset(light.falloff_offset), softening_m2(light.softening_m2) {
+      faces_receivers(light.faces_receivers), has_cone(light.spot != nullptr), has_soft_edge(false),
+      keeps_cosine(false), normal(light.emission_normal), falloff_offset(light.falloff_offset),
+      softening_m2(light.softening_m2), has_cell(light.cell != nullptr) {
+    for (std::size_t plane = 0; has_cell && plane < cell_normals.size(); ++plane) {
+        cell_normals[plane] = dvec3(light.cell->inwards[plane]);
+        cell_heights[plane] = glm::dot(cell_normals[plane], position - dvec3(light.cell->apex));
+    }
     if (!has_cone)
         return;
     const Light& spot = *light.spot;

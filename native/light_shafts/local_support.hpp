@@ -14,12 +14,15 @@ namespace tyndall::light_shafts {
 struct LocalShape {
     explicit LocalShape(const LightSample& light);
     dvec3 position;
-    bool has_normal, is_soft, has_cone, has_soft_edge;
+    bool has_normal, is_soft, faces_receivers, has_cone, has_soft_edge;
     bool keeps_cosine;    ///< Up to 3.x the spot's cosine stays a factor.
     dvec3 normal;         ///< Cosine lobe of a stratum of a sphere.
     dvec3 falloff_offset; ///< Of a stratum of a facing disc; see LightSample.
     double softening_m2;
-    glm::dmat3 cone_from_world{1.0}; ///< To where the cone is tested, axis along +Z.
+    bool has_cell;
+    std::array<dvec3, 4> cell_normals{};  ///< Of the planes that bound the light's cell, inwards; zero: no plane.
+    std::array<double, 4> cell_heights{}; ///< Of the light over them, metres.
+    glm::dmat3 cone_from_world{1.0};      ///< To where the cone is tested, axis along +Z.
     double cos_half = 0.0, cos_inner = 0.0;
     double one_minus_cos_half = 0.0, per_smooth = 0.0; ///< 1 / width of the soft edge in cosine.
 };
@@ -35,6 +38,8 @@ struct LocalSupport {
         LightY, ///< Between light and foot; at least 1e-6 of the way from the ray's origin to the light.
         Normal0,
         NormalX, ///< normal . (point - position) at the foot, and per metre along the ray.
+        CellBegin,
+        CellEnd, ///< What of the ray's media lies in the light's cell, in the cone or not; only with a cell.
         DistanceCount
     };
     enum Term : std::uint8_t {

@@ -45,15 +45,17 @@ static Config config_of_share(const Config& config, float share_of_frame, float 
 }
 
 void PreparedLights::prepare(const Scene& scene, const View& view, std::span<const ViewRay> clipped,
-                             std::span<const ScatteringLight> lights_to_prepare, const Config& config,
-                             Progress& progress) {
+                             std::vector<ScatteringLight> lights_to_prepare, const Config& config, Progress& progress) {
     LightShares shares(media, clipped);
-    for (const ScatteringLight& light : lights_to_prepare) {
-        LightBeams beams{.light = light.index, .beams = {}};
-        for (const LightSample& sample : light.samples) {
+    for (ScatteringLight& light : lights_to_prepare) {
+        LightBeams beams{.light = light.index, .beams = {}, .parts = light.parts};
+        for (std::size_t index = 0; index < light.samples.size(); ++index) {
             progress.poll();
+            const LightSample& sample = light.samples[index];
             Beam beam;
             beam.sample = sample;
+            if (!light.cells.empty())
+                beam.cell = &light.cells[index];
             if (sample.is_directional)
                 shares.add(beam.directional.emplace(media, sample, config.attenuates_light));
             else
@@ -66,6 +68,7 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
             statistics.skip("light shafts of " + light.name, "no medium scatters its light");
         else
             lights.push_back(std::move(beams));
+        disc_cells.push_back(std::move(light.cells)); // the samples' pointers into it stay
     }
     std::vector<std::pair<Beam*, float>> all_beams; // with the share of their light
     for (LightBeams& light : lights)
@@ -89,15 +92,17 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         all_beams.size(), progress,
         [&](std::size_t index) {
             auto& [beam, share_of_light] = all_beams[index];
-            const Config share = config_of_share(config, shares.share(beam->share), share_of_light);
-            if (config.method == Method::Exact)
+            if (config.method == Method::Exact) {
                 beam->visibility = make_exact_strip(scene, beam->sample, strip);
-            else if (config.method == Method::Epipolar)
-                beam->visibility = make_epipolar_beam(scene, occluders, view, beam->sample, outer_rays, strip_on_demand,
-                                                      share, progress);
-            else
-                beam->visibility = make_shadow_map_beam(scene, occluders, view, beam->sample, outer_rays,
-                                                        strip_on_demand, share, progress);
+                return;
+            }
+            const Config share = config_of_share(config, shares.share(beam->share), share_of_light);
+            std::vector<RaySpan> in_cell;
+            if (beam->cell != nullptr)
+                in_cell = clip_to_cell(outer_rays, beam->cell->directions, beam->cell->reach_m);
+            MakeBeamVisibility& make = config.method == Method::Epipolar ? make_epipolar_beam : make_shadow_map_beam;
+            beam->visibility = make(scene, occluders, view, beam->sample, beam->cell != nullptr ? in_cell : outer_rays,
+                                    strip_on_demand, share, progress);
         },
         1);
     float most = -1.0f;

@@ -21,7 +21,8 @@ MediaRay clip_to_media(const Media& media, const ViewRay& ray, std::vector<Mediu
 /// One light sample, ready for rays.
 struct Beam {
     LightSample sample;
-    std::size_t share = 0; ///< Into LightShares.
+    const DiscCell* cell = nullptr; ///< Of a lamp with something inside it.
+    std::size_t share = 0;          ///< Into LightShares.
     std::unique_ptr<const Visibility> visibility;
     std::optional<DirectionalScatter> directional;
     std::optional<LocalScatter> local;
@@ -29,6 +30,8 @@ struct Beam {
 struct LightBeams {
     std::size_t light; ///< Into Scene::lights; the world follows after the last one.
     std::vector<Beam> beams;
+    std::size_t parts = 1; ///< Consecutive beams that make a stratum: they light different points.
+    [[nodiscard]] std::size_t stratum_count() const { return beams.size() / parts; }
 };
 
 /// The rays of a block with their media: found once, used by every light.
@@ -53,14 +56,15 @@ struct Block {
 struct PreparedLights {
     const Media& media;
     std::vector<LightBeams> lights;
+    std::vector<std::vector<DiscCell>> disc_cells = {}; ///< What samples point to.
     const Visibility* finest = nullptr; ///< Of the sample that carries most light, and so has the largest rows.
     Statistics statistics;
 
     /// Makes the beams of `lights` for rays that are clipped to the media. Throws Cancelled.
     void prepare(const Scene& scene, const View& view, std::span<const ViewRay> clipped,
-                 std::span<const ScatteringLight> lights_to_prepare, const Config& config, Progress& progress);
+                 std::vector<ScatteringLight> lights_to_prepare, const Config& config, Progress& progress);
     void gather(std::span<const ViewRay> rays, std::span<const std::uint32_t> order, Block& block) const;
-    void add(const Beam& beam, Block& block) const;
+    void add(const LightBeams& light, std::size_t stratum, Block& block) const;
     void add(const LightBeams& light, const Turn& turn, Block& block) const;
     /// Of the lights that squares of shared_sides[side] pixels share.
     void scatter_side(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells,

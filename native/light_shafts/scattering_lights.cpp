@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/scattering_lights.hpp"
+#include "core/random.hpp"
 #include "core/sobol.hpp"
 #include "light_shafts/local_scatter.hpp"
 #include "light_shafts/scatter_pieces.hpp"
@@ -22,6 +23,11 @@ vec3 stratum(std::uint32_t index, std::uint32_t count, std::uint32_t seed) {
     return glm::min(vec3(glm::fract(point + shift + static_cast<double>(seed) * turn)), vec3(0x1.fffffep-1f));
 }
 
+/// A stratum of a lamp stands for a patch of its surface, whose area over pi this is.
+static float patch_m2(const Light& light, std::uint32_t count) {
+    return light.radius_m * light.radius_m / static_cast<float>(count);
+}
+
 /// Stratum `index` of `count` of a light. A stratum of a lamp stands for a patch of its surface: near it the light of a
 /// point would grow without bound, that of a disc as large is intensity / (r^2 + disc_radius^2) on its axis. What the
 /// softening takes away farther off falls with 1 / count. One stratum alone is the lamp's centre, not a point of its rim.
@@ -36,13 +42,53 @@ static LightSample stratum_of(const Light& light, std::uint32_t light_index, std
     }
     LightSample sample = sample_light(light, light_index, stratum(index, count, seed));
     if (light.kind != LightKind::Sun) {
-        // The area over pi: of a patch of the sphere; a disc that faces the receiver is soft already, save in its middle.
-        const float patch_m2 = light.radius_m * light.radius_m / static_cast<float>(count);
-        sample.softening_m2 =
-            light.body == LightBody::Sphere ? 4.0f * patch_m2 : std::max(sample.softening_m2, 0.5f * patch_m2);
+        // A disc that faces the receiver is soft already, save in its middle.
+        sample.softening_m2 = light.body == LightBody::Sphere
+                                  ? 4.0f * patch_m2(light, count)
+                                  : std::max(sample.softening_m2, 0.5f * patch_m2(light, count));
     }
     sample.strength *= 1.0f / static_cast<float>(count);
     return sample;
+}
+
+/// The strata of a lamp with something inside it: points of a disc in each of many cells of directions.
+static void add_disc_strata(const Light& light, std::uint32_t count, std::uint32_t per_quarter, std::uint32_t seed,
+                            ScatteringLight& scattering) {
+    std::vector<vec2> disc;
+    for (std::uint32_t index = 0; index < count; ++index) {
+        // At random: turns that went with a stratum's place on the disc would be a bias.
+        const auto bits = pcg4d({index, count, seed, static_cast<std::uint32_t>(scattering.index)});
+        const vec3 turn(unit_float(bits[0]), unit_float(bits[1]), unit_float(bits[2]));
+        const std::vector<DiscCell> cells = make_disc_cells(light, per_quarter, turn);
+        scattering.parts = cells.size();
+        scattering.cells.insert(scattering.cells.end(), cells.begin(), cells.end());
+        disc.insert(disc.end(), cells.size(), vec2(stratum(index, count, seed)));
+    }
+    for (std::size_t part = 0; part < scattering.cells.size(); ++part) { // which no longer move
+        LightSample sample =
+            sample_disc(light, static_cast<std::uint32_t>(scattering.index), scattering.cells[part], disc[part]);
+        sample.softening_m2 = std::max(sample.softening_m2, 0.5f * patch_m2(light, count));
+        sample.strength *= 1.0f / static_cast<float>(count);
+        scattering.samples.push_back(sample);
+    }
+}
+
+/// See cells_per_quarter; below 0 for lights that need no cells.
+static std::vector<float> weights_of_discs(const Scene& scene, const StrataCounts& counts) {
+    std::vector<float> weights(scene.lights().size(), -1.0f);
+    float roots = 0.0f;
+    for (std::size_t index = 0; index < weights.size(); ++index) {
+        const Light& light = scene.lights()[index];
+        if (counts.of_light[index] <= 1 || light.kind == LightKind::Sun || light.body != LightBody::FacingDisc ||
+            !light.casts_shadow || !has_occluder_within(scene, light.position, light.radius_m))
+            continue;
+        weights[index] = counts.shares.empty() ? 1.0f : std::sqrt(counts.shares[index]);
+        roots += weights[index];
+    }
+    for (float& weight : weights)
+        if (weight > 0.0f)
+            weight *= counts.shares.empty() ? 1.0f : roots;
+    return weights;
 }
 
 /// A spot whose cone passes by the sphere around all bounded media.
@@ -71,6 +117,7 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
                                                     const StrataCounts& counts, Statistics& statistics) {
     std::vector<ScatteringLight> lights;
     constexpr const char* remedy = "the world's medium has no end and swallows it: put the fog into a box";
+    const std::vector<float> weights = weights_of_discs(scene, counts);
     const bool drowns_suns = swallows_all(media, config.attenuates_light);
     for (std::uint32_t index = 0; index < scene.lights().size(); ++index) {
         const Light& light = scene.lights()[index];
@@ -94,6 +141,11 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
         }
         ScatteringLight& scattering = lights.emplace_back(ScatteringLight{light.name, index, {}});
         const std::uint32_t count = counts.of_light[index];
+        if (weights[index] >= 0.0f) {
+            add_disc_strata(light, count, cells_per_quarter(config.error_target, weights[index], count), config.seed,
+                            scattering);
+            continue;
+        }
         for (std::uint32_t sample = 0; sample < count; ++sample)
             scattering.samples.push_back(stratum_of(light, index, sample, count, config.seed));
     }

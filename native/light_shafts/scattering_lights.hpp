@@ -2,6 +2,7 @@
 // The lights of a scene as samples without a size, each with its share of the strength; and why others are left out.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
+#include "light_shafts/turning_disc.hpp"
 #include <vector>
 
 namespace tyndall::light_shafts {
@@ -10,6 +11,9 @@ struct ScatteringLight {
     std::string name;
     std::size_t index; ///< Into Scene::lights; the world follows after the last one.
     std::vector<LightSample> samples;
+    /// Of a lamp with something inside it: what its samples stand in, one each; `parts` of them make a stratum.
+    std::vector<DiscCell> cells = {};
+    std::size_t parts = 1;
 };
 
 /// Point `index` of `count` that fill the unit cube evenly: the Hammersley set, shifted by the seed. The first two numbers
@@ -20,6 +24,8 @@ struct ScatteringLight {
 struct StrataCounts {
     std::vector<std::uint32_t> of_light; ///< Per Scene::lights; 1 for those without a size.
     std::uint32_t of_world = 0;
+    /// Per Scene::lights: what they give to the frame's scattered light, where that is known; else empty.
+    std::vector<float> shares = {};
 };
 [[nodiscard]] bool has_size(const Light& light);
 

@@ -24,11 +24,11 @@ std::uint32_t strata_for_error(double deviation, double error, std::uint32_t mos
 static double variance_of(const PreparedLights& pilot, const LightBeams& light, Block& block, double& light_sum) {
     const std::size_t ray_count = block.rays.size();
     std::vector<double> sum(ray_count), sum_of_squares(ray_count);
-    const auto strata = static_cast<double>(light.beams.size());
-    for (const Beam& beam : light.beams) {
+    const auto strata = static_cast<double>(light.stratum_count());
+    for (std::size_t stratum = 0; stratum < light.stratum_count(); ++stratum) {
         block.radiance.assign(ray_count, Rgb(0.0f));
         block.lit_length_m.assign(ray_count, 0.0f);
-        pilot.add(beam, block);
+        pilot.add(light, stratum, block);
         for (std::size_t ray = 0; ray < ray_count; ++ray) {
             const double value = strata * mean(block.radiance[ray]);
             sum[ray] += value;
@@ -57,8 +57,9 @@ StrataCounts count_strata(const Scene& scene, const Media& media, const View& vi
     if (!config.adapts_strata || (most.of_light == few.of_light && most.of_world == few.of_world))
         return most;
 
-    Statistics ignored; // the frame's own preparation reports
-    const std::vector<ScatteringLight> lights = find_scattering_lights(scene, media, config, few, ignored);
+    few.shares.assign(scene.lights().size(), 0.0f); // as few cells as can be, where something stands in a lamp
+    Statistics ignored;                             // the frame's own preparation reports
+    std::vector<ScatteringLight> lights = find_scattering_lights(scene, media, config, few, ignored);
     std::vector<ViewRay> some;
     const std::size_t step = std::max<std::size_t>(1, rays.size() / pilot_rays);
     for (std::size_t ray = step / 2; ray < rays.size(); ray += step)
@@ -67,26 +68,30 @@ StrataCounts count_strata(const Scene& scene, const Media& media, const View& vi
     coarse.method = config.method == Method::Exact ? Method::Exact : Method::Epipolar;
     coarse.resolution = 256; // of a whole light; 128 lines for each of 4 strata
     PreparedLights pilot{.media = media, .lights = {}, .statistics = {}};
-    pilot.prepare(scene, view, some, lights, coarse, progress);
+    pilot.prepare(scene, view, some, std::move(lights), coarse, progress);
 
     Block block;
     std::vector<std::uint32_t> all(some.size());
     std::iota(all.begin(), all.end(), 0u);
     pilot.gather(some, all, block);
     double frame_sum = 0.0;
-    std::vector<double> deviations;
+    std::vector<double> deviations, sums;
     for (const LightBeams& light : pilot.lights) {
         progress.poll();
+        sums.push_back(-frame_sum);
         deviations.push_back(std::sqrt(variance_of(pilot, light, block, frame_sum)));
+        sums.back() += frame_sum;
     }
     const double frame_mean = frame_sum / static_cast<double>(std::max<std::size_t>(some.size(), 1));
     const auto with_size = static_cast<double>(
-        std::ranges::count_if(pilot.lights, [](const LightBeams& light) { return light.beams.size() > 1; }));
+        std::ranges::count_if(pilot.lights, [](const LightBeams& light) { return light.stratum_count() > 1; }));
     const double error = double{config.error_target} * frame_mean / std::sqrt(std::max(with_size, 1.0));
     StrataCounts counts = few;
     for (std::size_t index = 0; index < pilot.lights.size(); ++index) {
         const std::size_t light = pilot.lights[index].light;
         const bool is_world = light == scene.lights().size();
+        if (!is_world)
+            counts.shares[light] = frame_sum > 0.0 ? static_cast<float>(sums[index] / frame_sum) : 1.0f;
         std::uint32_t& count = is_world ? counts.of_world : counts.of_light[light];
         // Never fewer than the pilot had: it may have missed a penumbra.
         count = std::max(count,

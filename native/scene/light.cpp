@@ -48,7 +48,8 @@ Rgb intensity_w_per_sr(const LightSample& sample, const vec3& from_light) {
 
 float irradiance_per_intensity(const LightSample& sample, const vec3& point) {
     const vec3 way = point - sample.position - sample.falloff_offset;
-    return 1.0f / (glm::dot(way, way) + sample.softening_m2);
+    const float distance2 = glm::dot(way, way), softened2 = distance2 + sample.softening_m2;
+    return sample.faces_receivers ? std::sqrt(distance2 / softened2) / softened2 : 1.0f / softened2;
 }
 
 /// What all samples of a light have in common; complete for a light without a size.

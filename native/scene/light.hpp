@@ -2,6 +2,7 @@
 // Lights with Blender's units, already converted to radiometric ones by the sync; positions are in the scene's space.
 #pragma once
 #include "core/math.hpp"
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -39,6 +40,12 @@ struct Light {
     bool is_camera_visible = false; ///< Cycles 4 draws lights with a size where the artist enables camera rays.
 };
 
+/// Points whose direction from the apex lies between planes through it.
+struct DirectionCell {
+    vec3 apex{0.0f};
+    std::array<vec3, 4> inwards{}; ///< Normals of the planes; those that are zero do not count.
+};
+
 /// A light without a size: one stratum of a Light. The mean over the strata of one light is the light.
 struct LightSample {
     bool is_directional = true;
@@ -49,8 +56,12 @@ struct LightSample {
     /// Local: from position to where the inverse square is measured from, and what is added to the squared distance.
     vec3 falloff_offset{0.0f};
     float softening_m2 = 0.0f;
-    const Light* spot = nullptr;   ///< Local: shaped by this spot's cone; the light must outlive the sample.
-    std::uint32_t light_index = 0; ///< Into Scene::lights; lights of the world follow after the last one.
+    /// Local: a patch of a disc that turns to each point: inverse square times the cosine at the patch, D / (D^2 + softening)^1.5
+    /// for a point at distance D from position + falloff_offset.
+    bool faces_receivers = false;
+    const DirectionCell* cell = nullptr; ///< Local: other points it does not light; must outlive the sample.
+    const Light* spot = nullptr;         ///< Local: shaped by this spot's cone; the light must outlive the sample.
+    std::uint32_t light_index = 0;       ///< Into Scene::lights; lights of the world follow after the last one.
     bool casts_shadow = true;
 };
 
@@ -59,7 +70,7 @@ struct LightSample {
 /// Intensity of a local sample towards a unit direction that leaves it, W/sr: strength, cosine lobe and spot together.
 [[nodiscard]] Rgb intensity_w_per_sr(const LightSample& sample, const vec3& from_light);
 /// Irradiance per intensity, 1/m^2, that a local sample gives a point that faces it: the inverse square of its distance
-/// to position + falloff_offset, softened.
+/// to position + falloff_offset, softened. Its cell is for those who ask to know.
 [[nodiscard]] float irradiance_per_intensity(const LightSample& sample, const vec3& point);
 /// The stratum of `light` at `u` in [0, 1)^3; its strength is that of the whole light. A light of size 0 ignores u; the
 /// third number is the depth of a stratum of a facing disc: strata that tie it to the others lean to one side.

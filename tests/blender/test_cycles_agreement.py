@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Is it right? Combined equals Cycles with direct light and single scattering, within Cycles' own noise.
 
-On every push fourteen scenes meet every kind of light, medium, camera and occluder at least once, by EXACT and by
+On every push sixteen scenes meet every kind of light, medium, camera and occluder at least once, by EXACT and by
 EPIPOLAR. The long tests change one thing at a time, and then try all pairs of a light with a medium, an occluder or a
-camera: where one of the fourteen fails, they tell which part of it is wrong. A failure leaves a picture in
+camera: where one of the sixteen fails, they tell which part of it is wrong. A failure leaves a picture in
 out/cycles_agreement: ours, Cycles', and ten times the difference (red: ours is brighter).
 """
 
@@ -38,9 +38,11 @@ from support.cycles_reference import (
 PICTURES = Path(__file__).parents[2] / "out" / "cycles_agreement"
 #: Ours per pixel, on surfaces: under a light with a size they are sampled, as in Cycles.
 SURFACE_SAMPLES = {"point 0.2 m": 128, "spot 0.1 m": 128, "sun 2 degrees": 128, "sun 20 degrees": 256, "many": 64}
-SURFACE_SAMPLES |= {"world": 512, "world image": 512}
+SURFACE_SAMPLES |= {"spot in a can": 128, "point in a shelf": 128, "world": 512, "world image": 512}
 #: Light from everywhere takes many directions: a quarter of the pixels, and four times as many directions.
 SMALL = {"world", "world image"}
+#: Of lamps with something inside them each stratum is 150 discs, in as many cells of directions.
+LIGHT_SAMPLES = {"spot in a can": 64, "point in a shelf": 64}
 #: A verdict that leaves out more pixels than this says little.
 MOST_LEFT_OUT = 0.2
 
@@ -56,6 +58,8 @@ EVERYTHING_ONCE = (
     Arrangement("spot blend 0.5", "sphere", "towards light", "grid"),
     Arrangement("spot 0.1 m", "dense", "shifted", "instances"),
     Arrangement("spot 120 degrees", "thin", "perspective", "grid"),
+    Arrangement("spot in a can", "camera inside", "perspective", "none"),
+    Arrangement("point in a shelf", "camera inside", "orthographic", "none"),
     Arrangement("world", "camera outside", "perspective", "monkey"),
     Arrangement("world image", "g -0.5", "perspective", "grid"),
     Arrangement("many", "coloured", "orthographic", "glass"),
@@ -102,10 +106,15 @@ def check(arrangement: Arrangement, methods: tuple[str, ...], cycles_samples: in
     cycles = cycles_pixels(scene, cycles_samples, seed=1), cycles_pixels(scene, cycles_samples, seed=2)
     on_edges = pixels_on_edges(scene)
     surface_samples = SURFACE_SAMPLES.get(arrangement.light, 1)
-    firsts = tyndall_pixels(scene, methods, surface_samples=surface_samples, world_samples=world_samples)
+    samples = {
+        "surface_samples": surface_samples,
+        "light_samples": LIGHT_SAMPLES.get(arrangement.light, 256),
+        "world_samples": world_samples,
+    }
+    firsts = tyndall_pixels(scene, methods, **samples)
     seconds = firsts  # a light without a size is not sampled
     if arrangement.light in SURFACE_SAMPLES:
-        seconds = tyndall_pixels(scene, methods, surface_samples=surface_samples, world_samples=world_samples, seed=1)
+        seconds = tyndall_pixels(scene, methods, **samples, seed=1)
     failures = []
     for method, first, second in zip(methods, firsts, seconds, strict=True):
         verdict = agreement((first, second), cycles, on_edges, cycles_samples)

@@ -41,6 +41,8 @@ def open_room(path: Path) -> bpy.types.Scene:
     for thing in bpy.data.objects:
         if thing.type == "LIGHT" and thing.data.type == "AREA":
             thing.hide_render = True
+        if thing.type == "LIGHT":  # the same rays would see lamps through these walls, once they pass through them
+            thing.data.cycles.use_multiple_importance_sampling = False
         if thing.type == "MESH":  # rays that leave the haze after the last bounce still end on what glows, and see it
             thing.visible_volume_scatter = False
     for material in bpy.data.materials:
@@ -128,12 +130,8 @@ def test_the_beam_through_the_window_is_that_of_cycles(room: bpy.types.Scene, tm
     assert found.error < 0.015  # a few pixels on the window's frame
 
 
-def test_all_lamps_are_close_to_cycles(room: bpy.types.Scene, tmp_path: Path) -> None:
-    """Around lamps of 0.25 m that stand inside shelves the haze is up to 15 % darker than in Cycles, the picture 1 %.
-
-    Perhaps because strata that stand still are hidden by other boards than Cycles' discs, which turn towards each
-    point.
-    """
-    found = compare(room, tmp_path, "EPIPOLAR", light_samples=8, cycles_samples=48)
+def test_all_lamps_are_those_of_cycles(room: bpy.types.Scene, tmp_path: Path) -> None:
+    """Ten of them, of 0.25 m, reach into shelves and walls; all together the haze has Cycles' mean."""
+    found = compare(room, tmp_path, "EPIPOLAR", light_samples=8, cycles_samples=96)
     print(found)
-    assert abs(found.mean_error) < 0.02
+    assert abs(found.mean_error) < 0.004  # Cycles' own mean is known to 0.1 %

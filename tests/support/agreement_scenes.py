@@ -117,6 +117,25 @@ def _world_constant() -> None:
     background.inputs["Strength"].default_value = 1.2
 
 
+def _lamp_in_a_can() -> None:
+    """Inside the lamp: a tube that is narrower than the spot's radius."""
+    _light("SPOT", energy=700.0, spot_size=radians(100), spot_blend=0.2, shadow_soft_size=0.1)
+    mesh = bpy.data.meshes.new("Can")
+    shape = bmesh.new()
+    bmesh.ops.create_cone(shape, segments=24, radius1=0.08, radius2=0.08, depth=0.16, cap_ends=False)
+    shape.to_mesh(mesh)
+    shape.free()
+    mesh.materials.append(diffuse((0.5, 0.5, 0.5)))
+    _link("Can", mesh, bpy.data.objects["Spot"].matrix_world)
+
+
+def _lamp_in_a_shelf() -> None:
+    """Inside the lamp: two boards, half of its radius away."""
+    _light("POINT", energy=500.0, shadow_soft_size=0.2)
+    for height in (-0.1, 0.12):
+        _plane("Board", Matrix.Translation(LIGHT_AT + Vector((0, 0, height))), diffuse((0.5, 0.5, 0.5)))
+
+
 def _many() -> None:
     _light("SUN", energy=3.0, angle=0.0)
     _light(
@@ -163,6 +182,8 @@ LIGHTS: dict[str, Callable[[], None]] = {
         spot_blend=0.1,
         shadow_soft_size=0.0,
     ),
+    "spot in a can": _lamp_in_a_can,
+    "point in a shelf": _lamp_in_a_shelf,
     "world": _world_constant,
     "world image": _world_image,
     "many": _many,
