@@ -93,10 +93,8 @@ struct Kernel {
                 hn::Sub(hn::Add(hn::Add(x2, s.light_y2), set(offset2)), hn::MulAdd(x, s.offset_x, s.offset0));
             const V inverse_way2 = reciprocal_of(d, way2);
             share = hn::Mul(share, hn::Mul(hn::Add(x2, s.softened_y2), inverse_way2));
-            if (shape.faces_receivers) { // times the cosine at the patch
-                const V below = hn::Max(hn::Sub(way2, set(shape.softening_m2)), hn::Zero(d));
-                share = hn::Mul(share, hn::Sqrt(hn::Mul(below, inverse_way2)));
-            }
+            const V cosine2 = hn::NegMulAdd(set(shape.softening_m2), inverse_way2, set(1.0f)); // at the patch of a disc
+            share = shape.faces_receivers ? hn::Mul(share, hn::Sqrt(hn::Max(cosine2, hn::Zero(d)))) : share;
         }
         if (!shape.has_cone)
             return share;

@@ -3,17 +3,18 @@
 // Based on: Cycles' point and spot light with soft falloff (blender/cycles, v3.4.0 light.h, v4.5.0 and v5.0.0 point.h and
 //           spot.h): a uniform disc through the lamp's centre that turns to face each receiver.
 // Differs:  strata have to stand still. The ball of scene/light.cpp looks like that disc from everywhere, but has a depth:
-//           what stands between its front and its back hides other strata than those of the disc (17 % of the light
-//           between two boards half a radius away). So directions from the centre are cut into cells, each a pyramid of
-//           planes, and in each cell stands a disc that faces its middle. Seen from afar, at an angle t from there, that
-//           disc is the facing one narrowed by cos t, whatever stands before it: project an occluder's point o along the
-//           direction w onto the plane through the centre across m, and in the plane of w and m it lies at o.u / cos t.
-//           There is no error of first order. Discs are widened by the cell's mean of cos t; cells are turned at random
-//           for each stratum, so that what remains averages out: no seam is seen.
-// Bound:    points at distance D see the disc tilted: R sin t / D, which cancels over a cell. From afar a penumbra's width
-//           is off by 4 % in cells of 45 degrees, (4 / k^2) % in a k-th of it, to either side; in the mean over strata a
-//           tenth of a percent of the lamp's light at the worst place of the penumbra. A lamp has 6 x 2 x 2 cells, a
-//           spot those of its cone and five more; a view ray passes through few of them.
+//           what stands between its front and its back hides other strata than those of the disc; between two boards
+//           half a radius away it is 22 % too bright. So directions from the centre are cut into cells, each a pyramid of
+//           planes, and in each cell stands a disc that faces its middle. Seen from afar, at an angle t from there, it is
+//           the facing disc narrowed by cos t behind whatever stands wholly before it: project a point o along the
+//           direction w onto the plane across m, and in the plane of w and m it lies at o.u / cos t. What pierces the disc
+//           is met at another height, by a factor of 1 / (1 - tan a tan t) for a plane at the angle a to w. Errors of
+//           first order cancel over a cell. Discs are widened by the cell's mean of cos t, and cells turned at random for
+//           each stratum: no seam is seen.
+// Bound:    the error of the mean falls with the square of the cells' width (measured against marching, 4 to a quarter of
+//           a turn): +0.7 % of the lamp's light between two boards half a radius away, +0.5 % in a can of 0.8 radii, 0.1 %
+//           with one board, 0.02 % in a soup. A lamp has 6 k^2 cells, a spot those of its cone and five more; a view ray
+//           passes through few of them, but each is a light sample that is prepared.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
 #include "light_shafts/ray_outline.hpp"

@@ -5,7 +5,8 @@
 // Differs:  Cycles turns a disc towards each receiver; shadow maps and slices need strata that stand still. Points of the
 //           ball with density 1 / sqrt(r^2 - rho^2), the shadow of a uniform 3-sphere, look like that disc from every
 //           side. With 1 / (D^2 + rho^2), D from the ball's centre, their fluence is exactly the disc's at any distance:
-//           2 (1 - D / sqrt(D^2 + r^2)) / r^2, term by term. What remains is a penumbra that is off by (r / D)^2.
+//           2 (1 - D / sqrt(D^2 + r^2)) / r^2, term by term. What remains is a penumbra that is off by (r / D)^2;
+//           where something stands in the ball, see light_shafts/turning_disc.hpp.
 #include "scene/light.hpp"
 #include "core/sampling.hpp"
 #include <algorithm>

@@ -56,8 +56,8 @@ struct LightSample {
     /// Local: from position to where the inverse square is measured from, and what is added to the squared distance.
     vec3 falloff_offset{0.0f};
     float softening_m2 = 0.0f;
-    /// Local: a patch of a disc that turns to each point: inverse square times the cosine at the patch, D / (D^2 + softening)^1.5
-    /// for a point at distance D from position + falloff_offset.
+    /// Local: a patch of a disc that turns to each point. Inverse square times the cosine at the patch:
+    /// D / (D^2 + softening)^1.5 for a point at distance D from position + falloff_offset.
     bool faces_receivers = false;
     const DirectionCell* cell = nullptr; ///< Local: other points it does not light; must outlive the sample.
     const Light* spot = nullptr;         ///< Local: shaped by this spot's cone; the light must outlive the sample.
