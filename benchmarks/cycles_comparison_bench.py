@@ -93,8 +93,8 @@ def open_scene(name: str) -> bpy.types.Scene:
     render.image_settings.color_mode = "RGB"
     scene.tyndall.pixel_filter = scene.cycles.pixel_filter_type = "BLACKMAN_HARRIS"
     scene.tyndall.filter_width_px = scene.cycles.filter_width = 1.5
-    # Glowing meshes are seen, and light nothing: Tyndall has no light from meshes yet. In Cycles rays that leave fog or a
-    # surface after the last bounce still end on them, and see them glow: 0.7 % of the stage's light.
+    # Glowing meshes are seen, and light nothing: Tyndall has no light from meshes yet. In Cycles rays that leave fog or
+    # a surface after the last bounce still end on them, and see them glow: 0.7 % of the stage's light.
     glowing = set()
     for material in bpy.data.materials:
         material.cycles.emission_sampling = "NONE"

@@ -60,7 +60,6 @@ struct Part {
     std::array<float, 2> begin{1.0f, 0.0f}, end{0.0f, 1.0f};
 };
 constexpr std::uint32_t most_halvings = 24;
-
 /// What a vector of pieces needs at all its points.
 struct Lanes {
     V x0, x1, light_y2, softened_y2;
