@@ -3,6 +3,7 @@
 #include "light_shafts/depth_map.hpp"
 #include <algorithm>
 #include <array>
+#include <span>
 
 namespace tyndall::light_shafts {
 using namespace slope_rows;
@@ -60,6 +61,18 @@ struct Face {
         high = window.max + margin;
     }
 
+    /// All the points lie outside of one side of what the rows [first, end) see, or behind the light.
+    [[nodiscard]] bool misses(std::span<const vec3> points, std::int32_t first, std::int32_t end) const {
+        const auto row_y = [&](std::int32_t row) {
+            return layout.first_slice + static_cast<float>(row) * layout.slice_step;
+        };
+        const float low_y = std::max(low.y, row_y(first - 1)), high_y = std::min(high.y, row_y(end));
+        unsigned outside = ~0u;
+        for (const vec3& p : points)
+            outside &= (p.z <= 0.0f ? 1u : 0u) | (p.x < low.x * p.z ? 2u : 0u) | (p.x > high.x * p.z ? 4u : 0u) |
+                       (p.y < low_y * p.z ? 8u : 0u) | (p.y > high_y * p.z ? 16u : 0u);
+        return outside != 0;
+    }
     /// Nearer than 1e-6 of a triangle's own distance from the light, 1 / z has no digits left.
     void place(Part part, float farthest, std::int32_t index, std::int32_t first, std::int32_t end,
                PlacedPartials& placed) const {
@@ -99,23 +112,33 @@ void raster_partial_depth(DepthMap& map, const MapWindow& window, const PartialS
         return;
     }
     const Face face(map, window);
-    raster_partial(
-        *map.texels, shading, progress,
-        [&](const PartialOccluderInstance& instance, const OccluderBlock& block, std::size_t start, std::int32_t first,
-            std::int32_t end, PlacedPartials& placed) {
-            constexpr std::size_t most_parts = 6; // of a triangle clipped by five planes
-            const mat4& scene_from_object = *instance.scene_from_object;
-            const mat3 face_from_object = face.from_scene * mat3(scene_from_object);
-            const vec3 offset = face.from_scene * (vec3(scene_from_object[3]) - face.origin);
-            for (; start < block.count && placed.count + most_parts <= PlacedTriangles::capacity; ++start) {
-                const auto at = [&](std::size_t c) { return face_from_object * block.corner(start, c) + offset; };
-                const std::array<Corner, 3> triangle{Corner{at(0), {0, 0}}, Corner{at(1), {1, 0}},
-                                                     Corner{at(2), {0, 1}}};
-                const float farthest = std::max({triangle[0].at.z, triangle[1].at.z, triangle[2].at.z});
-                if (farthest > 0.0f)
-                    face.place(Part(triangle), farthest, static_cast<std::int32_t>(start), first, end, placed);
-            }
-            return start;
-        });
+    raster_partial(*map.texels, shading, progress,
+                   [&](const PartialOccluderInstance& instance, const OccluderBlock& block, std::size_t start,
+                       std::int32_t first, std::int32_t end, PlacedPartials& placed) {
+                       constexpr std::size_t most_parts = 6; // of a triangle clipped by five planes
+                       const mat4& scene_from_object = *instance.scene_from_object;
+                       const mat3 face_from_object = face.from_scene * mat3(scene_from_object);
+                       const vec3 offset = face.from_scene * (vec3(scene_from_object[3]) - face.origin);
+                       const auto at = [&](const vec3& p) { return face_from_object * p + offset; };
+                       if (start == 0) {
+                           std::array<vec3, 8> box;
+                           const auto& [min, max] = block.bounds;
+                           for (std::size_t corner = 0; corner < 8; ++corner)
+                               box[corner] = at({(corner & 1) != 0 ? max.x : min.x, (corner & 2) != 0 ? max.y : min.y,
+                                                 (corner & 4) != 0 ? max.z : min.z});
+                           if (face.misses(box, first, end))
+                               return std::size_t{block.count};
+                       }
+                       for (; start < block.count && placed.count + most_parts <= PlacedTriangles::capacity; ++start) {
+                           const std::array<vec3, 3> p{at(block.corner(start, 0)), at(block.corner(start, 1)),
+                                                       at(block.corner(start, 2))};
+                           if (face.misses(p, first, end))
+                               continue;
+                           const Part triangle({Corner{p[0], {0, 0}}, Corner{p[1], {1, 0}}, Corner{p[2], {0, 1}}});
+                           face.place(triangle, std::max({p[0].z, p[1].z, p[2].z}), static_cast<std::int32_t>(start),
+                                      first, end, placed);
+                       }
+                       return start;
+                   });
 }
 } // namespace tyndall::light_shafts
