@@ -105,12 +105,18 @@ void Scene::drop_unusable_instances() {
         statistics_.report("object '" + description_.object_names[name_index] + "'" +
                            (count > 1 ? ", " + std::to_string(count) + " instances," : "") + " left out: " + reason);
     }
-    for (const auto& mesh : description_.meshes)
-        if (mesh != nullptr && mesh->non_finite_triangle_count() + mesh->degenerate_triangle_count() > 0)
-            statistics_.report("mesh '" + mesh->arrays().name + "': left out " +
-                               std::to_string(mesh->non_finite_triangle_count()) +
-                               " triangles with a vertex that is not finite and " +
-                               std::to_string(mesh->degenerate_triangle_count()) + " without area");
+    for (const auto& mesh : description_.meshes) {
+        if (mesh == nullptr)
+            continue;
+        std::string what;
+        for (const auto& [count, kind] : {std::pair{mesh->non_finite_triangle_count(), "a vertex that is not finite"},
+                                          {mesh->degenerate_triangle_count(), "no area"}})
+            if (count > 0)
+                what += (what.empty() ? "" : " and ") + std::to_string(count) +
+                        (count == 1 ? " triangle with " : " triangles with ") + kind;
+        if (!what.empty())
+            statistics_.report("mesh '" + mesh->arrays().name + "': left out " + what);
+    }
 }
 
 /// A broken parent's matrix, or a driver that divides by 0, reaches a light's numbers; one NaN would blacken the frame.

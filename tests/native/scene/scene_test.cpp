@@ -193,7 +193,10 @@ TEST_CASE("unusable triangles are counted, named, and their neighbours keep slot
     CHECK(mesh->arrays().uv_maps[0].corner_uvs[2] == vec2(7, 8));
     CHECK(mesh->bounds().max == vec3(1, 1, 0));
     CHECK(make_scene({{.mesh = mesh}})->statistics().reports[0] ==
-          "mesh 'damaged': left out 1 triangles with a vertex that is not finite and 2 without area");
+          "mesh 'damaged': left out 1 triangle with a vertex that is not finite and 2 triangles with no area");
+    const auto flat =
+        mesh_of({.name = "flat", .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}, {0, 1, 1}}});
+    CHECK(make_scene({{.mesh = flat}})->statistics().reports[0] == "mesh 'flat': left out 1 triangle with no area");
 }
 TEST_CASE("arrays that do not fit together are refused, and the mesh and the place are named") {
     MeshArrays arrays{.name = "M", .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 3}}};
