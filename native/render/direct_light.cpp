@@ -59,10 +59,6 @@ bool DirectLight::has_strata(std::size_t light) const {
     return light >= lights_.size() || lights_[light].aim.has_size();
 }
 
-std::uint32_t DirectLight::even_world_ray_count() const {
-    return has_world_light_ && !scene_.world().has_image() ? ray_counts_.back() : 0;
-}
-
 void DirectLight::at(std::span<const SurfacePoint> points, const PairIndex& first_pair,
                      std::span<Irradiance> irradiance) const {
     std::fill_n(irradiance.begin(), points.size(), Irradiance{});

@@ -39,8 +39,8 @@ public:
     [[nodiscard]] bool has_strata(std::size_t light) const;
     /// Shadow rays per point, to as many strata of a light; 1 before. Powers of two keep them well spread.
     void set_ray_counts(std::vector<std::uint32_t> per_light) { ray_counts_ = std::move(per_light); }
-    /// Of a world of one radiance: its shadow rays per point; 0: there is none, or it has an image.
-    [[nodiscard]] std::uint32_t even_world_ray_count() const;
+    /// There is a world of one radiance.
+    [[nodiscard]] bool has_even_world() const { return has_world_light_ && !scene_.world().has_image(); }
     /// What at() adds for one of the lights.
     void add_one(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,
                  std::span<Irradiance> irradiance) const;

@@ -66,14 +66,7 @@ public:
         }
         if (media_.is_empty())
             statistics_.skip("light shafts", "no medium in the scene");
-        std::vector<std::uint32_t> ray_counts =
-            count_shadow_rays(scene_, media_, light_, camera_, filter_, config_.seed, progress_);
-        statistics_.count("direct light: shadow rays per surface point",
-                          std::accumulate(ray_counts.begin(), ray_counts.end(), 0.0));
-        light_.set_ray_counts(std::move(ray_counts));
-        // Where one ray is enough, there is nothing to smooth.
-        if (const std::uint32_t rays = light_.even_world_ray_count(); rays > 1 && shares_strata())
-            world_reach_px_ = shared_reach_px(std::uint64_t{rays} * config_.pixel_samples);
+        set_shadow_rays();
     }
 
     Film render() {
@@ -112,6 +105,18 @@ private:
             bands.push_back({y - region_.y0, end_y - region_.y0});
         }
         return bands;
+    }
+
+    /// How many shadow rays a light gets per surface point, and how far neighbours share those of the world.
+    void set_shadow_rays() {
+        const bool may_share = shares_strata() && shared_reach_px(config_.pixel_samples) > 0;
+        ShadowRayCounts counts =
+            count_shadow_rays(scene_, media_, light_, camera_, filter_, config_.seed, may_share, progress_);
+        statistics_.count("direct light: shadow rays per surface point",
+                          std::accumulate(counts.of_light.begin(), counts.of_light.end(), 0.0));
+        if (counts.is_world_shared)
+            world_reach_px_ = shared_reach_px(std::uint64_t{counts.of_light.back()} * config_.pixel_samples);
+        light_.set_ray_counts(std::move(counts.of_light));
     }
 
     /// After a round of samples: whether some pixels go on.

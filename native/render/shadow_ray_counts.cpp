@@ -10,13 +10,16 @@
 #include <numeric>
 
 namespace tyndall::render {
-/// Time of a camera ray with all that follows from it, in shadow rays.
-static constexpr double camera_ray_cost = 8.0;
+/// Time of a camera ray with all that follows from it, in shadow rays, where a square of pixels sees one plane. Among
+/// leaves a shadow ray takes as long as all the rest, and a camera ray, which is another place as well, is always worth
+/// more: it falls with the square of the share of a pixel's square that lies in the pixel's plane.
+static constexpr double most_camera_ray_cost = 8.0;
 static constexpr std::uint32_t most_rays = 16;
 /// Noise counts relative to its pixel, but for pixels darker than this share of the frame's mean.
 static constexpr double darkest_share = 0.05;
 
-std::vector<std::uint32_t> best_ray_counts(std::span<const PixelVariances> pixels, std::size_t light_count) {
+std::vector<std::uint32_t> best_ray_counts(std::span<const PixelVariances> pixels, std::size_t light_count,
+                                           double camera_ray_cost) {
     std::vector<std::uint32_t> counts(light_count, 1);
     double cost = camera_ray_cost + static_cast<double>(light_count);
     std::vector<double> variances;
@@ -57,6 +60,7 @@ constexpr std::uint32_t camera_rays = 4, shadow_rays = 2; ///< Of a pixel; of a 
 struct OfPixel {
     double mean = 0.0, camera_variance = 0.0; ///< Camera: of all but the shadow rays' choice.
     std::vector<double> light_variances;
+    double neighbour_count = 1.0; ///< Pixels of its square that lie in its plane, itself included.
 };
 
 class Pilot {
@@ -74,11 +78,18 @@ public:
                             y0 = place(index / columns_, rows_, camera_.height_px - height_px_);
         std::vector<Lit> lights(light_.light_count());
         Lit emitted;
+        std::array<WorldLit, pixels_per_square> surfaces;
         for (std::uint32_t ray = 0; ray < camera_rays; ++ray)
-            shade(x0, y0, ray, lights, emitted);
+            shade(x0, y0, ray, lights, emitted, surfaces);
         std::vector<OfPixel> pixels;
-        for (std::size_t pixel = 0; pixel < std::size_t{width_px_} * height_px_; ++pixel)
+        for (std::size_t pixel = 0; pixel < std::size_t{width_px_} * height_px_; ++pixel) {
             pixels.push_back(of_pixel(pixel, lights, emitted));
+            const auto shares = [&](const WorldLit& other) {
+                return other.albedo != Rgb(0.0f) && is_coplanar(surfaces[pixel], other);
+            };
+            const auto count = std::count_if(surfaces.begin(), surfaces.end(), shares);
+            pixels.back().neighbour_count = std::max(1.0, static_cast<double>(count));
+        }
         return pixels;
     }
 
@@ -96,9 +107,9 @@ private:
         return static_cast<std::uint32_t>(std::uint64_t{room_px} * (2 * index + 1) / (2 * count));
     }
 
-    /// One camera ray of each pixel of a square, up to the first surface.
-    void shade(std::uint32_t x0, std::uint32_t y0, std::uint32_t camera_ray, std::span<Lit> lights,
-               Lit& emitted) const {
+    /// One camera ray of each pixel of a square, up to the first surface: `surfaces` has the last ray's.
+    void shade(std::uint32_t x0, std::uint32_t y0, std::uint32_t camera_ray, std::span<Lit> lights, Lit& emitted,
+               std::span<WorldLit> surfaces) const {
         std::array<Ray, pixels_per_square> rays;
         std::array<Hit, pixels_per_square> hits;
         std::array<SurfacePoint, pixels_per_square> points;
@@ -125,6 +136,8 @@ private:
             const SurfaceClosures closures = scene_.closures(points[count].shading, hit);
             emitted.of_pixel[pixel][camera_ray].fill(average(passing * closures.emission));
             reflected[count] = passing * closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
+            surfaces[pixel] = {points[count].shading.position, points[count].shading.shading_normal, reflected[count],
+                               Rgb(0.0f)};
             pixels[count++] = pixel;
         }
         std::array<DirectLight::Irradiance, pixels_per_square> irradiance;
@@ -171,14 +184,15 @@ private:
 };
 } // namespace
 
-std::vector<std::uint32_t> count_shadow_rays(const Scene& scene, const Media& media, const DirectLight& light,
-                                             const Camera& camera, const FilterSampler& filter, std::uint32_t seed,
-                                             const Progress& progress) {
+ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const DirectLight& light,
+                                  const Camera& camera, const FilterSampler& filter, std::uint32_t seed,
+                                  bool may_share_world, const Progress& progress) {
+    const std::size_t light_count = light.light_count();
     bool has_choice = false;
-    for (std::size_t index = 0; index < light.light_count(); ++index)
+    for (std::size_t index = 0; index < light_count; ++index)
         has_choice = has_choice || light.has_strata(index);
     if (!has_choice)
-        return std::vector<std::uint32_t>(light.light_count(), 1);
+        return {.of_light = std::vector<std::uint32_t>(light_count, 1)};
     const Pilot pilot(scene, media, light, camera, filter, seed);
     std::vector<std::vector<OfPixel>> squares(pilot.square_count());
     parallel_for(
@@ -188,18 +202,27 @@ std::vector<std::uint32_t> count_shadow_rays(const Scene& scene, const Media& me
     for (const std::vector<OfPixel>& square : squares)
         pixels.insert(pixels.end(), square.begin(), square.end());
     std::erase_if(pixels, [](const OfPixel& pixel) { return !std::isfinite(pixel.mean); });
-    double frame_mean = 0.0;
-    for (const OfPixel& pixel : pixels)
+    double frame_mean = 0.0, plane_share = 0.0;
+    for (const OfPixel& pixel : pixels) {
         frame_mean += pixel.mean / static_cast<double>(pixels.size());
-    std::vector<PixelVariances> variances;
+        plane_share += pixel.neighbour_count / static_cast<double>(pixels_per_square * pixels.size());
+    }
+    const double camera_ray_cost = most_camera_ray_cost * plane_share * plane_share;
+    std::vector<PixelVariances> alone, shared;
     for (OfPixel& pixel : pixels) {
         const double scale = pixel.mean + darkest_share * frame_mean;
         if (!(scale > 0.0))
             continue;
         for (double& variance : pixel.light_variances)
             variance /= scale * scale;
-        variances.push_back({std::max(0.0, pixel.camera_variance / (scale * scale)), std::move(pixel.light_variances)});
+        alone.push_back({std::max(0.0, pixel.camera_variance / (scale * scale)), std::move(pixel.light_variances)});
+        shared.push_back(alone.back());
+        shared.back().of_light.back() /= pixel.neighbour_count;
     }
-    return best_ray_counts(variances, light.light_count());
+    ShadowRayCounts counts{.of_light = best_ray_counts(alone, light_count, camera_ray_cost)};
+    counts.is_world_shared = may_share_world && light.has_even_world() && counts.of_light.back() > 1;
+    if (counts.is_world_shared)
+        counts.of_light = best_ray_counts(shared, light_count, camera_ray_cost);
+    return counts;
 }
 } // namespace tyndall::render

@@ -8,8 +8,7 @@ std::uint32_t shared_reach_px(std::uint64_t rays_per_pixel) {
     return rays_per_pixel <= 16 ? 2 : rays_per_pixel <= 64 ? 1 : 0;
 }
 
-/// In much the same plane: corners, steps and leaves share nothing.
-static bool is_coplanar(const WorldLit& a, const WorldLit& b) {
+bool is_coplanar(const WorldLit& a, const WorldLit& b) {
     constexpr float least_cosine = 0.95f, most_sine = 0.2f;
     if (glm::dot(a.normal, b.normal) < least_cosine)
         return false;

@@ -24,6 +24,9 @@ struct WorldLit {
 /// Pixels to each side that share, for so many shadow rays of a pixel in all its samples: 2, 1 or 0.
 [[nodiscard]] std::uint32_t shared_reach_px(std::uint64_t rays_per_pixel);
 
+/// In much the same plane: corners, steps and leaves share nothing.
+[[nodiscard]] bool is_coplanar(const WorldLit& a, const WorldLit& b);
+
 /// What sharing changes in pixel (x, y) of a picture in rows: its albedo times the difference between its neighbours' mean
 /// irradiance and its own. Neighbours are surfaces in the same plane.
 [[nodiscard]] Rgb shared_light_gain(std::span<const WorldLit> pixels, std::uint32_t width_px, std::uint32_t reach_px,

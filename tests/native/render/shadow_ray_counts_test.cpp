@@ -28,19 +28,19 @@ Camera camera_above_ground() {
     camera.width_px = camera.height_px = 40;
     return camera;
 }
-std::uint32_t rays_to_sky(const Scene& scene) {
+render::ShadowRayCounts rays_to_sky(const Scene& scene, bool may_share = false) {
     const Media media(scene, Progress());
     Statistics statistics;
     const render::DirectLight light(scene, media, statistics);
     const render::FilterSampler filter(render::PixelFilter::BlackmanHarris, 1.5f);
-    return render::count_shadow_rays(scene, media, light, camera_above_ground(), filter, 3, Progress()).back();
+    return render::count_shadow_rays(scene, media, light, camera_above_ground(), filter, 3, may_share, Progress());
 }
 } // namespace
 
 TEST_CASE("the best number of shadow rays is sqrt((v_light / c_light) / (v_camera / c_camera)), as powers of two go") {
     for (const double ratio : {0.01, 0.1, 0.4, 1.0, 3.0, 20.0, 1000.0}) {
         const std::array pixels{render::PixelVariances{.of_camera = 1.0, .of_light = {ratio}}};
-        const std::uint32_t best = render::best_ray_counts(pixels, 1).front();
+        const std::uint32_t best = render::best_ray_counts(pixels, 1, 8.0).front();
         const auto noise = [&](double count) { return (1.0 + ratio / count) * (8.0 + count); };
         for (std::uint32_t other = 1; other <= 16; other *= 2)
             CHECK(noise(best) <= noise(other) * (1.0 + 1e-12));
@@ -50,15 +50,22 @@ TEST_CASE("the best number of shadow rays is sqrt((v_light / c_light) / (v_camer
 TEST_CASE("each light gets its own number, and pixels without light have no say") {
     const std::vector<render::PixelVariances> pixels(
         9, render::PixelVariances{.of_camera = 0.01, .of_light = {0.0, 0.5, 0.01}});
-    const std::vector<std::uint32_t> counts = render::best_ray_counts(pixels, 3);
+    const std::vector<std::uint32_t> counts = render::best_ray_counts(pixels, 3, 8.0);
     CHECK(counts[0] == 1);
     CHECK(counts[1] > counts[2]);
-    CHECK(render::best_ray_counts({}, 2) == std::vector<std::uint32_t>{1, 1});
+    CHECK(render::best_ray_counts({}, 2, 8.0) == std::vector<std::uint32_t>{1, 1});
 }
 
 TEST_CASE("under an open sky one ray says all, below a slit it takes many") {
-    CHECK(rays_to_sky(*room_under_sky(false)) == 1);
-    CHECK(rays_to_sky(*room_under_sky(true)) >= 8);
+    CHECK(rays_to_sky(*room_under_sky(false)).of_light.back() == 1);
+    CHECK(rays_to_sky(*room_under_sky(true)).of_light.back() >= 8);
+}
+
+TEST_CASE("with what neighbours find, a pixel needs fewer; where one ray says all, nothing is shared") {
+    const auto open = rays_to_sky(*room_under_sky(false), true), room = rays_to_sky(*room_under_sky(true), true);
+    CHECK(!open.is_world_shared);
+    CHECK(room.is_world_shared);
+    CHECK(room.of_light.back() < rays_to_sky(*room_under_sky(true)).of_light.back());
 }
 
 TEST_CASE("several shadow rays are the mean of as many samples with one") {
