@@ -134,9 +134,13 @@ def remove():
         return ROOT / ".deps" / f"bpy{self.version.replace('.', '')}" / "bin/python"
 
     def run(self, script: str) -> Run:
-        """Run a script that has read the user's preferences, which a bare import of bpy does not."""
+        """Run a script that has read the user's preferences, which a bare import of bpy does not.
+
+        bpy 4.2 crashes when it reads them, with or without us: there each run begins with Blender's own.
+        """
         path = self.user_folder / "script.py"
-        path.write_text(f"import bpy\nbpy.ops.wm.read_userpref()\n{script}", encoding="utf-8")
+        read = "" if self.version == "4.2" else "bpy.ops.wm.read_userpref()\n"
+        path.write_text(f"import bpy\n{read}{script}", encoding="utf-8")
         environment = {"HOME": str(self.user_folder), "BLENDER_USER_RESOURCES": str(self.user_folder / "resources")}
         return run([self.python, path], environment)
 
