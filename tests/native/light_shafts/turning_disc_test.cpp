@@ -118,7 +118,9 @@ ScatteringLight scattering_light_of(const Scene& scene, const Config& config) {
     Progress progress;
     Statistics statistics;
     const Media media(scene, progress);
-    return find_scattering_lights(scene, media, config, {.of_light = {config.light_samples}}, statistics).at(0);
+    std::vector<ScatteringLight> lights =
+        find_scattering_lights(scene, media, config, {.of_light = {config.light_samples}}, statistics);
+    return std::move(lights.at(0)); // the samples point into its cells: a copy would not keep them
 }
 bool is_inside(const DirectionCell& cell, const vec3& direction) {
     return std::ranges::all_of(cell.inwards, [&](const vec3& n) { return glm::dot(n, direction) >= 0.0f; });
