@@ -13,8 +13,6 @@ fireflies, would decide alone); rel_error_of_all has them.
 
 from __future__ import annotations
 
-import argparse
-import json
 import math
 import statistics
 import sys
@@ -28,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import tyndall.blender
+from report import Row, argument_parser, row, write_report
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ("window_hall", "stage_spots", "forest_clearing")
@@ -143,11 +142,6 @@ def trimmed_mean(squared: Picture, badness: Picture) -> float:
     return float(squared[of_pixel <= np.quantile(of_pixel, 1.0 - TRIMMED_SHARE)].mean())
 
 
-def row(name: str, seconds: float, **more: float | str | bool) -> dict[str, float | str | bool]:
-    """One line of the report, in the shape of Google Benchmark's."""
-    return {"name": name, "run_name": name, "real_time": seconds, "time_unit": "s", **more}
-
-
 def first_time(ladder: list[tuple[float, float]], error: float) -> float | None:
     """Time at which the ladder of (seconds, error) has come down to an error; between rungs by their powers.
 
@@ -166,7 +160,7 @@ def first_time(ladder: list[tuple[float, float]], error: float) -> float | None:
     return None
 
 
-def compare(name: str, few: int, many: int) -> list[dict[str, float | str | bool]]:
+def compare(name: str, few: int, many: int) -> list[Row]:
     """Rows of one scene."""
     scene = open_scene(name)
     ours = [(setting, *tyndall_render(scene, setting)) for setting in LADDER]
@@ -220,9 +214,7 @@ def compare(name: str, few: int, many: int) -> list[dict[str, float | str | bool
 
 def main() -> None:
     """Compare the examples and write the report."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--context", type=Path, required=True)
-    parser.add_argument("--output", type=Path, required=True)
+    parser = argument_parser(__doc__)
     parser.add_argument("--cycles-samples", type=int, nargs=2, default=(256, 1024), metavar=("FEW", "MANY"))
     parser.add_argument("scenes", nargs="*", default=SCENES)
     arguments = parser.parse_args(sys.argv[1:])
@@ -231,10 +223,7 @@ def main() -> None:
         rows = [line for name in arguments.scenes for line in compare(name, *arguments.cycles_samples)]
     finally:
         tyndall.blender.disable()
-    context = json.loads(arguments.context.read_text(encoding="utf-8")) | {"blender": bpy.app.version_string}
-    part = arguments.output.with_suffix(".json.part")
-    part.write_text(json.dumps({"context": context, "benchmarks": rows}, indent=1) + "\n", encoding="utf-8")
-    part.replace(arguments.output)
+    write_report(rows, arguments)
 
 
 if __name__ == "__main__":

@@ -6,18 +6,16 @@ scripts/python benchmarks/first_pixel_bench.py --context FILE --output FILE
 
 from __future__ import annotations
 
-import argparse
-import json
 import statistics
 import time
 from collections.abc import Callable
-from pathlib import Path
 from unittest import mock
 
 import bpy
 import numpy as np
 
 import tyndall.blender
+from report import Row, argument_parser, row, write_report
 from tyndall import Progress
 from tyndall.renderer import Film, RenderConfig, Session
 from tyndall.scene_description import Camera
@@ -88,22 +86,16 @@ def first_pixel_s() -> float:
 
 def main() -> None:
     """Time both scenes and write the report."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--context", type=Path, required=True)
-    parser.add_argument("--output", type=Path, required=True)
-    arguments = parser.parse_args()
+    arguments = argument_parser(__doc__).parse_args()
     tyndall.blender.enable()
-    rows = []
+    rows: list[Row] = []
     for make in (a_million_triangles, many_instances):
         make()
         seconds = statistics.median(first_pixel_s() for _ in range(REPETITIONS))
-        rows.append({"name": make.__name__, "run_name": make.__name__, "real_time": seconds, "time_unit": "s"})
+        rows.append(row(make.__name__, seconds))
         print(rows[-1], flush=True)
     tyndall.blender.disable()
-    context = json.loads(arguments.context.read_text(encoding="utf-8")) | {"blender": bpy.app.version_string}
-    part = arguments.output.with_suffix(".json.part")
-    part.write_text(json.dumps({"context": context, "benchmarks": rows}, indent=1) + "\n", encoding="utf-8")
-    part.replace(arguments.output)
+    write_report(rows, arguments)
 
 
 if __name__ == "__main__":
