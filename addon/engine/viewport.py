@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
-from bpy.types import Context, Depsgraph, RenderEngine
+from bpy.types import Context, Depsgraph, RenderEngine, SpaceView3D
 
 from tyndall.renderer import Session
 
@@ -64,7 +64,7 @@ class Viewport:
         """Hand on what has changed, and draw what there is."""
         view = _view_of(context, depsgraph)
         if self._is_scene_outdated:
-            self._read_scene(engine, view, depsgraph)
+            self._read_scene(engine, view, context.space_data, depsgraph)
         elif not view.is_like(self._view):
             self.worker.show(view)
         self._view = view
@@ -75,7 +75,7 @@ class Viewport:
         self.worker.close()
         self._texture = None
 
-    def _read_scene(self, engine: RenderEngine, view: View, depsgraph: Depsgraph) -> None:
+    def _read_scene(self, engine: RenderEngine, view: View, space: SpaceView3D, depsgraph: Depsgraph) -> None:
         slice_ends = time.monotonic() + self._slice_s
 
         def poll() -> None:
@@ -83,7 +83,7 @@ class Viewport:
                 raise _SliceOver
 
         try:
-            description = self._reader.read(depsgraph, Reports(), poll, is_live=True)
+            description = self._reader.read(depsgraph, Reports(), poll, is_live=True, viewport=space)
         except _SliceOver:
             # What was read stays; but a part that is longer than a slice would never be.
             self._slice_s *= 2.0

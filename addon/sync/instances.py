@@ -4,6 +4,8 @@
 The depsgraph yields what is drawn: objects, and instances of collections, particles and geometry nodes, nested ones
 already resolved. Curves, texts and metaballs come twice, as themselves and as the mesh they evaluate to: only items
 whose data is a Mesh count, as in Cycles.
+What hides an instance is its instancer: the view layer's "indirect only", and in a window what that viewport hides, as
+in local view. The depsgraph of a window is that of all its viewports, and holds collections that are hidden there.
 Reading ``instance.object`` makes a new Python object each time (1.4 us), ``instance.instance_object`` does not: it
 alone names the mesh of an instance, unless that object has geometry nodes, whose instances may be of any mesh.
 ``object_instances.foreach_get`` would read the matrices three times as fast, but leaks the instances of the last object
@@ -22,7 +24,15 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from bpy.types import Depsgraph, DepsgraphObjectInstance, Material, Mesh, Object
+    from bpy.types import (
+        Depsgraph,
+        DepsgraphObjectInstance,
+        LayerCollection,
+        Material,
+        Mesh,
+        Object,
+        SpaceView3D,
+    )
     from mathutils import Matrix
     from numpy.typing import NDArray
 
@@ -30,6 +40,17 @@ if TYPE_CHECKING:
 
 _POLL_EVERY = 2048  #: Instances between two polls, about 5 ms.
 _UNDRAWN = {"CURVES": "hair curves", "POINTCLOUD": "point clouds", "VOLUME": "volume grids"}
+
+#: Of a 3D viewport, by kind of object: all that may have a mesh or instances, and lights.
+_SWITCHES = {
+    "MESH": "show_object_viewport_mesh",
+    "CURVE": "show_object_viewport_curve",
+    "SURFACE": "show_object_viewport_surf",
+    "META": "show_object_viewport_meta",
+    "FONT": "show_object_viewport_font",
+    "EMPTY": "show_object_viewport_empty",
+    "LIGHT": "show_object_viewport_light",
+}
 
 
 @dataclass(kw_only=True, eq=False)
@@ -54,9 +75,11 @@ class Placement:
         return np.fromiter(numbers, np.float64, 16 * len(self.matrices)).reshape(-1, 4, 4)
 
 
-def read_placements(depsgraph: Depsgraph, reports: Reports, poll: Callable[[], None]) -> list[Placement]:
-    """Of meshes and lights. ``poll`` is called every few milliseconds and raises to stop."""
-    grouping = _Grouping(depsgraph, reports)
+def read_placements(
+    depsgraph: Depsgraph, reports: Reports, poll: Callable[[], None], viewport: SpaceView3D | None = None
+) -> list[Placement]:
+    """Of meshes and lights; of those, what ``viewport`` shows. ``poll`` is called every few milliseconds, may raise."""
+    grouping = _Grouping(depsgraph, reports, viewport)
     for index, instance in enumerate(depsgraph.object_instances):
         if index % _POLL_EVERY == 0:
             poll()
@@ -67,21 +90,43 @@ def read_placements(depsgraph: Depsgraph, reports: Reports, poll: Callable[[], N
 
 
 class _Grouping:
-    def __init__(self, depsgraph: Depsgraph, reports: Reports) -> None:
+    def __init__(self, depsgraph: Depsgraph, reports: Reports, viewport: SpaceView3D | None) -> None:
         self._depsgraph = depsgraph
         self._reports = reports
+        self._viewport = viewport
+        self._hidden_kinds = {kind for kind, shows in _SWITCHES.items() if viewport and not getattr(viewport, shows)}
+        self._has_indirect_only = _is_any_indirect_only(depsgraph.view_layer_eval.layer_collection)
         self._placements: dict[tuple[object, ...], Placement | None] = {}
-        self._plain: dict[Object, Placement | None] = {}  # of objects all of whose instances look the same
-        self._limited_parents = {
-            thing
-            for thing in depsgraph.objects
-            if thing.is_instancer and not (thing.visible_camera and thing.visible_shadow)
-        }
+        # Of objects all of whose instances look the same, but for what limits their instancer.
+        self._plain: dict[tuple[Object, Object | None], Placement | None] = {}
+        self._limited = {thing for thing in depsgraph.objects if self._is_limited(thing)}
+
+    def _is_limited(self, thing: Object) -> bool:
+        """Whether it is hidden from something, and what it instances with it."""
+        return not (self._is_camera_visible(thing) and thing.visible_shadow) or self._is_hidden(thing)
+
+    def _is_camera_visible(self, thing: Object) -> bool:
+        if self._has_indirect_only and thing.indirect_only_get(view_layer=self._depsgraph.view_layer_eval):
+            return False
+        return bool(thing.visible_camera)
+
+    def _is_hidden(self, thing: Object) -> bool:
+        """In the viewport, and what it instances with it: a hidden kind of object hides no instances of another one."""
+        viewport = self._viewport
+        if viewport is None:
+            return False
+        if thing.type not in self._hidden_kinds:
+            return not thing.visible_in_viewport_get(viewport)
+        if viewport.local_view and not thing.local_view_get(viewport):
+            return True
+        return not thing.visible_get(view_layer=self._depsgraph.view_layer_eval)
 
     def placement_of(self, instance: DepsgraphObjectInstance) -> Placement | None:
-        source = instance.instance_object
-        if source is not None and source in self._plain:
-            return self._plain[source]
+        source, limit = instance.instance_object, None
+        if source is not None:
+            limit = self._limit(instance.parent) if self._limited else None
+            if (source, limit) in self._plain:
+                return self._plain[source, limit]
         thing, parent = instance.object, instance.parent if source is not None else None
         data = thing.data
         if data is None or not instance.show_self:  # an empty, or an instancer that hides itself
@@ -90,25 +135,31 @@ class _Grouping:
         # An instance, and the mesh of a curve, come as a copy of their object that lives for one step: its original
         # has an address of its own.
         owner = (source or thing).original
-        limit = parent if parent in self._limited_parents else None
+        limit = self._limit(parent or thing)
         key = (owner.as_pointer(), data.as_pointer(), limit and limit.as_pointer())
         if key not in self._placements:
             self._placements[key] = self._new_placement(thing, owner, parent)
-        if source is not None and not self._limited_parents and not _may_hold_other_meshes(source):
-            self._plain[source] = self._placements[key]
+        if source is not None and not _may_hold_other_meshes(source):
+            self._plain[source, limit] = self._placements[key]
         return self._placements[key]
+
+    def _limit(self, shown_by: Object) -> Object | None:
+        return shown_by if shown_by in self._limited else None
 
     def _new_placement(self, thing: Object, owner: Object, parent: Object | None) -> Placement | None:
         is_mesh, is_light = isinstance(thing.data, bpy.types.Mesh), isinstance(thing.data, bpy.types.Light)
+        # Not asked of `thing`: Python's copy of an instance is that of its original, with the original's visibility.
+        if owner.type in self._hidden_kinds or self._is_hidden(parent or thing):
+            return None
         if thing.type in _UNDRAWN:
             self._reports.add(f'Object "{thing.name}"', f"{_UNDRAWN[thing.type]} are not drawn")
         if not (is_mesh or is_light):
             return None
         source = owner.evaluated_get(self._depsgraph)
-        is_camera_visible = source.visible_camera and (parent is None or parent.visible_camera)
+        is_camera_visible = source.visible_camera and self._is_camera_visible(parent or source)
         casts_shadow = source.visible_shadow and (parent is None or parent.visible_shadow)
         if is_mesh:
-            self._report_unsupported(source)
+            self._report_unsupported(source, parent or source)
             if not (is_camera_visible or casts_shadow):
                 return None
         return Placement(
@@ -121,14 +172,18 @@ class _Grouping:
             depends_on={thing.original.as_pointer() for thing in (thing.data, owner, parent) if thing is not None},
         )
 
-    def _report_unsupported(self, thing: Object) -> None:
-        if thing.is_holdout:
+    def _report_unsupported(self, thing: Object, shown_by: Object) -> None:
+        if shown_by.holdout_get(view_layer=self._depsgraph.view_layer_eval):  # its own switch, or its collection's
             self._reports.add(f'Object "{thing.name}"', "drawn, not held out: holdouts are not supported")
         if thing.is_shadow_catcher:
             self._reports.add(f'Object "{thing.name}"', "drawn as it is: shadow catchers are not supported")
 
     def placements(self) -> list[Placement]:
         return [placement for placement in self._placements.values() if placement is not None]
+
+
+def _is_any_indirect_only(collection: LayerCollection) -> bool:
+    return collection.indirect_only or any(_is_any_indirect_only(child) for child in collection.children)
 
 
 def _may_hold_other_meshes(source: Object) -> bool:

@@ -23,7 +23,7 @@ from .worlds import read_world
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from bpy.types import Depsgraph, World
+    from bpy.types import Depsgraph, SpaceView3D, World
 
 
 class SceneReader:
@@ -43,11 +43,18 @@ class SceneReader:
                 self._stale.add(update.id.original.as_pointer())
 
     def read(
-        self, depsgraph: Depsgraph, reports: Reports, poll: Callable[[], None], *, is_live: bool = False
+        self,
+        depsgraph: Depsgraph,
+        reports: Reports,
+        poll: Callable[[], None],
+        *,
+        is_live: bool = False,
+        viewport: SpaceView3D | None = None,
     ) -> SceneDescription:
         """Everything that renders. ``poll`` is called every few milliseconds and may raise to stop.
 
         ``is_live`` promises that ``note_updates`` heard of every update of this depsgraph since the last read of it.
+        ``viewport`` leaves out what it hides: in local view, by collection, by kind of object.
         """
         self._forget_stale(depsgraph, is_live=is_live)
         self._images.start_frame()
@@ -55,7 +62,7 @@ class SceneReader:
         layer = depsgraph.view_layer_eval
         placements = [
             placement
-            for placement in read_placements(depsgraph, reports, poll)
+            for placement in read_placements(depsgraph, reports, poll, viewport)
             if layer.use_solid or placement.data is None
         ]
         materials = MaterialReader(reports, self._images, layer.material_override)

@@ -60,6 +60,14 @@ def test_the_viewport_shows_the_rendered_picture(play: Callable[..., Any]) -> No
     assert facts["threads_after"] == 0
 
 
+def test_the_viewport_follows_local_view(play: Callable[..., Any]) -> None:
+    """The / key isolates what is selected; fog counts as every other object does, and so do lamps."""
+    levels = play("local_view").facts["levels"]
+    assert levels["whole"] == levels["whole again"]
+    assert levels["without the fog"] == levels["fog hidden by its eye"] != levels["whole"]
+    assert levels["lamp alone"] < min(levels["fog and lamp alone"], levels["without the fog"])
+
+
 def test_a_render_in_the_window_equals_the_headless_one(play: Callable[..., Any]) -> None:
     """F12 and ``blender -b`` give the same bits; Esc ends a render that would take hours."""
     played = play("render")
