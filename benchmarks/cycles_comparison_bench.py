@@ -52,9 +52,12 @@ class Setting:
 
 LADDER = (
     Setting(1, 0.1),
+    Setting(1, 0.05),
     Setting(1, 0.03),
     Setting(1, 0.01),
+    Setting(2, 0.05),
     Setting(2, 0.02),
+    Setting(4, 0.05),
     Setting(4, 0.01),
     Setting(8, 0.01, 0.01, repetitions=1),
     Setting(16, 0.01, 0.005, repetitions=1),

@@ -7,6 +7,7 @@
 #pragma once
 #include "core/progress.hpp"
 #include "core/statistics.hpp"
+#include "scene/camera.hpp"
 #include "scene/media.hpp"
 #include "scene/scene.hpp"
 #include <array>
@@ -27,6 +28,11 @@ struct View {
     vec3 position{0.0f};      ///< Perspective: all rays leave from here.
     vec3 direction{0, 0, -1}; ///< Orthographic: all rays go this way.
 };
+[[nodiscard]] inline View view_of(const Camera& camera) {
+    return {.is_orthographic = camera.kind == CameraKind::Orthographic,
+            .position = camera.position(),
+            .direction = camera.forward()};
+}
 
 enum class Method : std::uint8_t { Exact = 0, Epipolar = 1, ShadowMap = 2 };
 

@@ -110,8 +110,8 @@ private:
     /// How many shadow rays a light gets per surface point, and how far neighbours share those of the world.
     void set_shadow_rays() {
         const bool may_share = shares_strata() && shared_reach_px(config_.pixel_samples) > 0;
-        ShadowRayCounts counts =
-            count_shadow_rays(scene_, media_, light_, camera_, filter_, config_.seed, may_share, progress_);
+        ShadowRayCounts counts = count_shadow_rays(scene_, media_, light_, camera_, filter_, config_.seed, may_share,
+                                                   config_.shafts, progress_);
         statistics_.count("direct light: shadow rays per surface point",
                           std::accumulate(counts.of_light.begin(), counts.of_light.end(), 0.0));
         if (counts.is_world_shared)
@@ -155,18 +155,13 @@ private:
         }
     }
 
-    [[nodiscard]] light_shafts::View view() const {
-        return {.is_orthographic = camera_.kind == CameraKind::Orthographic,
-                .position = camera_.position(),
-                .direction = camera_.forward()};
-    }
     /// Between neighbouring rays in the picture's middle: radians, or metres of an orthographic camera.
     [[nodiscard]] float pixel_spacing() const {
         return (camera_.window_right - camera_.window_left) / static_cast<float>(camera_.width_px);
     }
     void prepare_shafts(const WaitingParts& waiting) {
         const StageTimer timer(statistics_, "light shafts: prepare");
-        shafts_.emplace(scene_, media_, view(), waiting.rays, config_.shafts, progress_);
+        shafts_.emplace(scene_, media_, light_shafts::view_of(camera_), waiting.rays, config_.shafts, progress_);
         statistics_.append(shafts_->statistics());
         if (shafts_->is_empty())
             shafts_.reset();
@@ -241,7 +236,8 @@ private:
                                                             region_.x0 + static_cast<std::uint32_t>(pixel % width()),
                                                             region_.y0 + static_cast<std::uint32_t>(pixel / width()))) %
                                               16));
-            shafts_->set_alone(waiting.rays, view(), pixel_spacing(), round_samples_, room.cells, progress_);
+            shafts_->set_alone(waiting.rays, light_shafts::view_of(camera_), pixel_spacing(), round_samples_,
+                               room.cells, progress_);
             room.air = shafts_->find_air(waiting.rays, progress_);
         }
         for (std::size_t side = 0; side < used.size(); ++side) {

@@ -10,18 +10,20 @@
 #include <numeric>
 
 namespace tyndall::render {
-/// Time of a camera ray with all that follows from it, in shadow rays, where a square of pixels sees one plane. Among
-/// leaves a shadow ray takes as long as all the rest, and a camera ray, which is another place as well, is always worth
-/// more: it falls with the square of the share of a pixel's square that lies in the pixel's plane.
-static constexpr double most_camera_ray_cost = 8.0;
+/// Time of a camera ray with all that follows from it, and of a ray to a lamp or sun, in rays to the world: where a square
+/// of pixels sees one plane, and among leaves. There a ray to the world, which goes alone, takes as long as all that a
+/// camera ray needs, and the rays to a sun still go side by side. Between these, by the square of the share of a pixel's
+/// square that lies in the pixel's plane.
+static constexpr double camera_ray_cost_in_plane = 8.0, camera_ray_cost_in_leaves = 2.5;
+static constexpr double lamp_ray_cost_in_plane = 0.9, lamp_ray_cost_in_leaves = 0.25;
 static constexpr std::uint32_t most_rays = 16;
 /// Noise counts relative to its pixel, but for pixels darker than this share of the frame's mean.
 static constexpr double darkest_share = 0.05;
 
-std::vector<std::uint32_t> best_ray_counts(std::span<const PixelVariances> pixels, std::size_t light_count,
-                                           double camera_ray_cost) {
+std::vector<std::uint32_t> best_ray_counts(std::span<const PixelVariances> pixels, const RayCosts& costs) {
+    const std::size_t light_count = costs.of_light.size();
     std::vector<std::uint32_t> counts(light_count, 1);
-    double cost = camera_ray_cost + static_cast<double>(light_count);
+    double cost = std::accumulate(costs.of_light.begin(), costs.of_light.end(), costs.of_camera);
     std::vector<double> variances;
     for (const PixelVariances& pixel : pixels)
         variances.push_back(std::accumulate(pixel.of_light.begin(), pixel.of_light.end(), pixel.of_camera));
@@ -35,7 +37,7 @@ std::vector<std::uint32_t> best_ray_counts(std::span<const PixelVariances> pixel
     for (bool is_better = true; is_better;) {
         is_better = false;
         for (std::size_t light = 0; light < light_count; ++light) {
-            const double more_cost = counts[light], variance_gain = -0.5 / counts[light];
+            const double more_cost = counts[light] * costs.of_light[light], variance_gain = -0.5 / counts[light];
             if (counts[light] == most_rays ||
                 noise_with(light, variance_gain, more_cost) >= noise_with(light, 0.0, 0.0))
                 continue;
@@ -56,11 +58,32 @@ constexpr std::size_t pixels_per_square = std::size_t{square_px} * square_px;
 constexpr std::uint32_t most_squares_along = 8;
 constexpr std::uint32_t camera_rays = 4, shadow_rays = 2; ///< Of a pixel; of a camera ray and light.
 
-/// Brightness of a pixel's camera rays and its variances in the pilot.
+/// What the pilot finds of a pixel.
 struct OfPixel {
-    double mean = 0.0, camera_variance = 0.0; ///< Camera: of all but the shadow rays' choice.
+    /// Of each camera ray with each of its shadow rays: of surfaces and of the world behind them, without the fog.
+    std::array<std::array<double, shadow_rays>, camera_rays> brightness{};
+    std::array<double, camera_rays> opacity{}; ///< Of the fog in front of these.
     std::vector<double> light_variances;
     double neighbour_count = 1.0; ///< Pixels of its square that lie in its plane, itself included.
+    double fog = 0.0;             ///< Brightness of opaque fog here.
+
+    [[nodiscard]] double mean() const {
+        double sum = 0.0;
+        for (std::size_t ray = 0; ray < camera_rays; ++ray)
+            sum += 0.5 * (brightness[ray][0] + brightness[ray][1]) + fog * opacity[ray];
+        return sum / camera_rays;
+    }
+    /// Variance of all but the shadow rays' choice.
+    [[nodiscard]] double camera_variance() const {
+        double sum = 0.0;
+        // Of a product of differences, independent but for the camera rays, the lights' own noise averages out.
+        for (std::size_t ray = 0; ray < camera_rays; ray += 2) {
+            const double of_fog = fog * (opacity[ray] - opacity[ray + 1]);
+            sum += (brightness[ray][0] - brightness[ray + 1][0] + of_fog) *
+                   (brightness[ray][1] - brightness[ray + 1][1] + of_fog);
+        }
+        return std::max(0.0, sum / camera_rays);
+    }
 };
 
 class Pilot {
@@ -73,17 +96,28 @@ public:
 
     [[nodiscard]] std::size_t square_count() const { return std::size_t{columns_} * rows_; }
 
+    /// One view ray per square, up to its first surface.
+    [[nodiscard]] std::vector<light_shafts::ViewRay> rays() const {
+        std::vector<light_shafts::ViewRay> rays;
+        for (std::uint32_t index = 0; index < square_count(); ++index) {
+            const Ray ray =
+                camera_.ray(static_cast<float>(first_x(index)) + 0.5f, static_cast<float>(first_y(index)) + 0.5f);
+            const Hit hit = scene_.closest_hit(ray);
+            rays.push_back({ray.origin, ray.direction, ray.near_m, hit.is_hit() ? hit.distance_m : ray.far_m});
+        }
+        return rays;
+    }
+
     [[nodiscard]] std::vector<OfPixel> of_square(std::uint32_t index) const {
-        const std::uint32_t x0 = place(index % columns_, columns_, camera_.width_px - width_px_),
-                            y0 = place(index / columns_, rows_, camera_.height_px - height_px_);
+        const std::uint32_t x0 = first_x(index), y0 = first_y(index);
         std::vector<Lit> lights(light_.light_count());
-        Lit emitted;
+        Seen seen;
         std::array<WorldLit, pixels_per_square> surfaces;
         for (std::uint32_t ray = 0; ray < camera_rays; ++ray)
-            shade(x0, y0, ray, lights, emitted, surfaces);
+            shade(x0, y0, ray, lights, seen, surfaces);
         std::vector<OfPixel> pixels;
         for (std::size_t pixel = 0; pixel < std::size_t{width_px_} * height_px_; ++pixel) {
-            pixels.push_back(of_pixel(pixel, lights, emitted));
+            pixels.push_back(of_pixel(pixel, lights, seen));
             const auto shares = [&](const WorldLit& other) {
                 return other.albedo != Rgb(0.0f) && is_coplanar(surfaces[pixel], other);
             };
@@ -99,6 +133,11 @@ private:
         std::array<std::array<std::array<float, shadow_rays>, camera_rays>, pixels_per_square> of_pixel{};
     };
 
+    /// Without any light: what glows, and the fog's opacity in front of it, of each pixel in each camera ray.
+    struct Seen {
+        std::array<std::array<float, camera_rays>, pixels_per_square> emitted{}, opacity{};
+    };
+
     [[nodiscard]] static std::uint32_t squares_along(std::uint32_t frame_px) {
         return std::clamp(frame_px / square_px, 1u, most_squares_along);
     }
@@ -107,8 +146,15 @@ private:
         return static_cast<std::uint32_t>(std::uint64_t{room_px} * (2 * index + 1) / (2 * count));
     }
 
+    [[nodiscard]] std::uint32_t first_x(std::uint32_t square) const {
+        return place(square % columns_, columns_, camera_.width_px - width_px_);
+    }
+    [[nodiscard]] std::uint32_t first_y(std::uint32_t square) const {
+        return place(square / columns_, rows_, camera_.height_px - height_px_);
+    }
+
     /// One camera ray of each pixel of a square, up to the first surface: `surfaces` has the last ray's.
-    void shade(std::uint32_t x0, std::uint32_t y0, std::uint32_t camera_ray, std::span<Lit> lights, Lit& emitted,
+    void shade(std::uint32_t x0, std::uint32_t y0, std::uint32_t camera_ray, std::span<Lit> lights, Seen& seen,
                std::span<WorldLit> surfaces) const {
         std::array<Ray, pixels_per_square> rays;
         std::array<Hit, pixels_per_square> hits;
@@ -127,14 +173,18 @@ private:
         std::size_t count = 0;
         for (std::uint32_t pixel = 0; pixel < pixel_count; ++pixel) {
             const Hit& hit = hits[pixel];
-            if (!hit.is_hit())
-                continue;
-            points[count] = surface_point(scene_, rays[pixel], hit, seeds[pixel]);
             Ray inside = rays[pixel];
-            inside.far_m = hit.distance_m;
+            if (hit.is_hit())
+                inside.far_m = hit.distance_m;
             const Rgb passing = media_.is_empty() ? Rgb(1.0f) : media_.transmittance(inside);
+            seen.opacity[pixel][camera_ray] = 1.0f - average(passing);
+            if (!hit.is_hit()) {
+                seen.emitted[pixel][camera_ray] = average(passing * scene_.world().radiance(inside.direction));
+                continue;
+            }
+            points[count] = surface_point(scene_, rays[pixel], hit, seeds[pixel]);
             const SurfaceClosures closures = scene_.closures(points[count].shading, hit);
-            emitted.of_pixel[pixel][camera_ray].fill(average(passing * closures.emission));
+            seen.emitted[pixel][camera_ray] = average(passing * closures.emission);
             reflected[count] = passing * closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
             surfaces[pixel] = {points[count].shading.position, points[count].shading.shading_normal, reflected[count],
                                Rgb(0.0f)};
@@ -153,24 +203,19 @@ private:
             }
     }
 
-    static OfPixel of_pixel(std::size_t pixel, std::span<const Lit> lights, const Lit& emitted) {
-        OfPixel found{.mean = 0.0, .camera_variance = 0.0, .light_variances = std::vector<double>(lights.size())};
-        std::array<std::array<double, shadow_rays>, camera_rays> brightness{};
+    static OfPixel of_pixel(std::size_t pixel, std::span<const Lit> lights, const Seen& seen) {
+        OfPixel found{.light_variances = std::vector<double>(lights.size())};
         for (std::uint32_t ray = 0; ray < camera_rays; ++ray) {
-            brightness[ray].fill(emitted.of_pixel[pixel][ray][0]);
+            found.opacity[ray] = seen.opacity[pixel][ray];
+            found.brightness[ray].fill(seen.emitted[pixel][ray]);
             for (std::size_t light = 0; light < lights.size(); ++light) {
                 const auto [a, b] = lights[light].of_pixel[pixel][ray];
-                brightness[ray][0] += a;
-                brightness[ray][1] += b;
+                found.brightness[ray][0] += a;
+                found.brightness[ray][1] += b;
                 const double difference = double{a} - b;
                 found.light_variances[light] += 0.5 * difference * difference / camera_rays;
             }
-            found.mean += 0.5 * (brightness[ray][0] + brightness[ray][1]) / camera_rays;
         }
-        // Of a product of differences, independent but for the camera rays, the lights' own noise averages out.
-        for (std::uint32_t ray = 0; ray < camera_rays; ray += 2)
-            found.camera_variance += (brightness[ray][0] - brightness[ray + 1][0]) *
-                                     (brightness[ray][1] - brightness[ray + 1][1]) / camera_rays;
         return found;
     }
 
@@ -182,11 +227,45 @@ private:
     std::uint32_t seed_, width_px_, height_px_; ///< Of a square.
     std::uint32_t columns_, rows_;              ///< Of squares.
 };
+
+/// Brightness of opaque fog in each square of the pilot, if fog were as bright all along its ray as it is in the mean: with
+/// one stratum per light, which a few rays ask for by EXACT in less time than rows take to be laid out.
+std::vector<double> fog_brightness(const Scene& scene, const Media& media, const Camera& camera, const Pilot& pilot,
+                                   light_shafts::Config config, Progress& progress) {
+    std::vector<double> brightness(pilot.square_count());
+    if (media.is_empty())
+        return brightness;
+    config.method = light_shafts::Method::Exact;
+    config.light_samples = 1;
+    config.world_samples = std::min(config.world_samples, 1u);
+    config.adapts_strata = false;
+    const std::vector<light_shafts::ViewRay> rays = pilot.rays();
+    const light_shafts::Shafts shafts(scene, media, light_shafts::view_of(camera), rays, config, progress);
+    if (shafts.is_empty())
+        return brightness;
+    std::vector<Rgb> radiance(rays.size());
+    shafts.scatter(rays, radiance, {}, progress);
+    const std::vector<light_shafts::Air> air = shafts.find_air(rays, progress);
+    for (std::size_t square = 0; square < rays.size(); ++square)
+        if (air[square].opacity > 0.0f && std::isfinite(average(radiance[square])))
+            brightness[square] = average(radiance[square]) / air[square].opacity;
+    return brightness;
+}
+
+RayCosts costs_where(double plane_share, const DirectLight& light) {
+    const double weight = plane_share * plane_share;
+    const double of_lamp = std::lerp(lamp_ray_cost_in_leaves, lamp_ray_cost_in_plane, weight);
+    RayCosts costs{.of_camera = std::lerp(camera_ray_cost_in_leaves, camera_ray_cost_in_plane, weight),
+                   .of_light = std::vector<double>(light.light_count(), of_lamp)};
+    if (light.has_world())
+        costs.of_light.back() = 1.0;
+    return costs;
+}
 } // namespace
 
 ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const DirectLight& light,
                                   const Camera& camera, const FilterSampler& filter, std::uint32_t seed,
-                                  bool may_share_world, const Progress& progress) {
+                                  bool may_share_world, const light_shafts::Config& shafts, Progress& progress) {
     const std::size_t light_count = light.light_count();
     bool has_choice = false;
     for (std::size_t index = 0; index < light_count; ++index)
@@ -198,31 +277,35 @@ ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const 
     parallel_for(
         squares.size(), progress,
         [&](std::size_t index) { squares[index] = pilot.of_square(static_cast<std::uint32_t>(index)); }, 1);
+    const std::vector<double> fog = fog_brightness(scene, media, camera, pilot, shafts, progress);
     std::vector<OfPixel> pixels;
-    for (const std::vector<OfPixel>& square : squares)
-        pixels.insert(pixels.end(), square.begin(), square.end());
-    std::erase_if(pixels, [](const OfPixel& pixel) { return !std::isfinite(pixel.mean); });
+    for (std::size_t square = 0; square < squares.size(); ++square)
+        for (OfPixel& pixel : squares[square]) {
+            pixel.fog = fog[square];
+            pixels.push_back(std::move(pixel));
+        }
+    std::erase_if(pixels, [](const OfPixel& pixel) { return !std::isfinite(pixel.mean()); });
     double frame_mean = 0.0, plane_share = 0.0;
     for (const OfPixel& pixel : pixels) {
-        frame_mean += pixel.mean / static_cast<double>(pixels.size());
+        frame_mean += pixel.mean() / static_cast<double>(pixels.size());
         plane_share += pixel.neighbour_count / static_cast<double>(pixels_per_square * pixels.size());
     }
-    const double camera_ray_cost = most_camera_ray_cost * plane_share * plane_share;
+    const RayCosts costs = costs_where(plane_share, light);
     std::vector<PixelVariances> alone, shared;
     for (OfPixel& pixel : pixels) {
-        const double scale = pixel.mean + darkest_share * frame_mean;
+        const double scale = pixel.mean() + darkest_share * frame_mean;
         if (!(scale > 0.0))
             continue;
         for (double& variance : pixel.light_variances)
             variance /= scale * scale;
-        alone.push_back({std::max(0.0, pixel.camera_variance / (scale * scale)), std::move(pixel.light_variances)});
+        alone.push_back({pixel.camera_variance() / (scale * scale), std::move(pixel.light_variances)});
         shared.push_back(alone.back());
         shared.back().of_light.back() /= pixel.neighbour_count;
     }
-    ShadowRayCounts counts{.of_light = best_ray_counts(alone, light_count, camera_ray_cost)};
+    ShadowRayCounts counts{.of_light = best_ray_counts(alone, costs)};
     counts.is_world_shared = may_share_world && light.has_even_world() && counts.of_light.back() > 1;
     if (counts.is_world_shared)
-        counts.of_light = best_ray_counts(shared, light_count, camera_ray_cost);
+        counts.of_light = best_ray_counts(shared, costs);
     return counts;
 }
 } // namespace tyndall::render

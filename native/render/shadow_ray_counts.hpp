@@ -6,10 +6,12 @@
 //           (v_0 + sum v_l / n_l) (c_0 + sum n_l c_l), with the variances v and costs c of a camera ray (0) and of a
 //           light's shadow ray, is least at n_l = sqrt((v_l / c_l) / (v_0 / c_0)).
 // Differs:  one number per light and frame, from a pilot, for the least mean standard error of a pixel (edges with much
-//           variance, which no shadow ray lessens, do not decide for all); costs are guessed by how fine the geometry is:
-//           results must not depend on the clock.
-// Bound:    8 shadow rays per light and 4 camera rays, of 1,024 pixels: some 20 ms with 15 lights.
+//           variance, which no shadow ray lessens, do not decide for all); fog hides noise, and its brightness is found by
+//           a few rays; costs are guessed by how fine the geometry is: results must not depend on the clock.
+// Bound:    8 shadow rays per light and 4 camera rays, of 1,024 pixels: some 20 ms with 15 lights; and 64 rays through
+//           the fog.
 #pragma once
+#include "light_shafts/light_shafts.hpp"
 #include "render/direct_light.hpp"
 #include "render/pixel_filter.hpp"
 #include "render/shared_irradiance.hpp"
@@ -23,15 +25,19 @@ struct ShadowRayCounts {
 /// `may_share_world`: neighbours in one plane may share its light, see shared_irradiance.hpp. Throws Cancelled.
 [[nodiscard]] ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const DirectLight& light,
                                                 const Camera& camera, const FilterSampler& filter, std::uint32_t seed,
-                                                bool may_share_world, const Progress& progress);
+                                                bool may_share_world, const light_shafts::Config& shafts,
+                                                Progress& progress);
 
 /// Of the samples of one pixel, relative to the square of its brightness.
 struct PixelVariances {
     double of_camera;             ///< Of one camera ray, if its light were known.
     std::vector<double> of_light; ///< Of one shadow ray to each light.
 };
-/// The powers of two up to 16 with the least mean standard error of a pixel in a fixed time; a camera ray costs as much as
-/// camera_ray_cost shadow rays.
-[[nodiscard]] std::vector<std::uint32_t> best_ray_counts(std::span<const PixelVariances> pixels,
-                                                         std::size_t light_count, double camera_ray_cost);
+/// Times, up to a factor: of a camera ray with its shading and its shafts, and of a shadow ray to each light.
+struct RayCosts {
+    double of_camera;
+    std::vector<double> of_light;
+};
+/// The powers of two up to 16 with the least mean standard error of a pixel in a fixed time.
+[[nodiscard]] std::vector<std::uint32_t> best_ray_counts(std::span<const PixelVariances> pixels, const RayCosts& costs);
 } // namespace tyndall::render

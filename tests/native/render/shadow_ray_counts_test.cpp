@@ -11,7 +11,7 @@ using namespace tyndall;
 using namespace tyndall::support;
 
 namespace {
-/// Looks straight down at the ground from inside of a box whose lid has a hole, or from under the open sky.
+/// Looks straight down at the ground from under a lid with a slit, or from under the open sky.
 std::unique_ptr<Scene> room_under_sky(bool has_lid) {
     std::vector<Part> parts{{.mesh = square()}};
     if (has_lid) // two halves of a lid above the ground, with a slit between them
@@ -33,32 +33,59 @@ render::ShadowRayCounts rays_to_sky(const Scene& scene, bool may_share = false) 
     Statistics statistics;
     const render::DirectLight light(scene, media, statistics);
     const render::FilterSampler filter(render::PixelFilter::BlackmanHarris, 1.5f);
-    return render::count_shadow_rays(scene, media, light, camera_above_ground(), filter, 3, may_share, Progress());
+    Progress progress;
+    return render::count_shadow_rays(scene, media, light, camera_above_ground(), filter, 3, may_share, {}, progress);
 }
 } // namespace
 
 TEST_CASE("the best number of shadow rays is sqrt((v_light / c_light) / (v_camera / c_camera)), as powers of two go") {
-    for (const double ratio : {0.01, 0.1, 0.4, 1.0, 3.0, 20.0, 1000.0}) {
-        const std::array pixels{render::PixelVariances{.of_camera = 1.0, .of_light = {ratio}}};
-        const std::uint32_t best = render::best_ray_counts(pixels, 1, 8.0).front();
-        const auto noise = [&](double count) { return (1.0 + ratio / count) * (8.0 + count); };
-        for (std::uint32_t other = 1; other <= 16; other *= 2)
-            CHECK(noise(best) <= noise(other) * (1.0 + 1e-12));
-    }
+    for (const double ratio : {0.01, 0.1, 0.4, 1.0, 3.0, 20.0, 1000.0})
+        for (const double cost : {0.1, 1.0, 5.0}) {
+            const std::array pixels{render::PixelVariances{.of_camera = 1.0, .of_light = {ratio}}};
+            const std::uint32_t best = render::best_ray_counts(pixels, {8.0, {cost}}).front();
+            const auto noise = [&](double count) { return (1.0 + ratio / count) * (8.0 + count * cost); };
+            for (std::uint32_t other = 1; other <= 16; other *= 2)
+                CHECK(noise(best) <= noise(other) * (1.0 + 1e-12));
+        }
 }
 
 TEST_CASE("each light gets its own number, and pixels without light have no say") {
     const std::vector<render::PixelVariances> pixels(
         9, render::PixelVariances{.of_camera = 0.01, .of_light = {0.0, 0.5, 0.01}});
-    const std::vector<std::uint32_t> counts = render::best_ray_counts(pixels, 3, 8.0);
+    const std::vector<std::uint32_t> counts = render::best_ray_counts(pixels, {8.0, {1.0, 1.0, 1.0}});
     CHECK(counts[0] == 1);
     CHECK(counts[1] > counts[2]);
-    CHECK(render::best_ray_counts({}, 2, 8.0) == std::vector<std::uint32_t>{1, 1});
+    CHECK(render::best_ray_counts({}, {8.0, {1.0, 1.0}}) == std::vector<std::uint32_t>{1, 1});
 }
 
 TEST_CASE("under an open sky one ray says all, below a slit it takes many") {
     CHECK(rays_to_sky(*room_under_sky(false)).of_light.back() == 1);
     CHECK(rays_to_sky(*room_under_sky(true)).of_light.back() >= 8);
+}
+
+TEST_CASE("blades of grass in bright fog are edges between more and less of it, which no shadow ray smooths") {
+    const auto rays_in_fog = [](float lamp_w) {
+        std::vector<Part> parts{{.mesh = square()}};
+        for (const float side : {-1.0f, 1.0f})
+            parts.push_back({.mesh = square(), .world_from_object = translation({side * 1.2f, 0, 0.5f})});
+        for (int blade = -20; blade <= 20; ++blade) // half a pixel wide, far above the ground
+            parts.push_back({.mesh = square(),
+                             .world_from_object = glm::scale(translation({0.01f * static_cast<float>(blade), 0, 0.2f}),
+                                                             vec3(0.0025f, 1.0f, 1.0f))});
+        Part fog{.mesh = cube()};
+        fog.material = {.name = "fog", .medium_index = 0, .has_surface = false};
+        parts.push_back(fog);
+        Medium medium{.name = "fog", .lobes = {{.sigma_s_per_m = Rgb(0.5f)}}};
+        Light lamp{.name = "lamp",
+                   .kind = LightKind::Point,
+                   .strength = Rgb(lamp_w),
+                   .position = {0, 0, 0.45f},
+                   .lights_surfaces = false};
+        SceneDescription description = make_scene(parts, {medium}, {lamp})->description();
+        description.world = World("sky", Rgb(1.0f));
+        return rays_to_sky(Scene(std::move(description), Progress())).of_light.back();
+    };
+    CHECK(rays_in_fog(0.0f) >= 2 * rays_in_fog(100.0f));
 }
 
 TEST_CASE("with what neighbours find, a pixel needs fewer; where one ray says all, nothing is shared") {
