@@ -95,7 +95,9 @@ HWY_INLINE void PieceBatch::evaluate() {
         };
         const auto is_same = hn::And(same_as_red(1), same_as_red(2));
         hn::Store(hn::IfThenElseZero(is_same, one), d, &is_grey[i]);
-        const bool shares_red = hn::AllTrue(d, hn::And(is_same, hn::Gt(in(source_per_m[0]), hn::Set(d, 1e-30f))));
+        const auto differs = hn::Not(hn::And(is_same, hn::Gt(in(source_per_m[0]), hn::Set(d, 1e-30f))));
+        // Of pieces alone: what an earlier call left behind them must not decide.
+        const bool shares_red = hn::AllFalse(d, hn::And(differs, hn::FirstN(d, std::min(lanes, count - i))));
         V steep = hn::Zero(d);
         for (std::size_t c = 0; c < 3; ++c) {
             const V source = in(source_per_m[c]), at_near = in(depth_at_near[c]), slope_c = in(depth_per_m[c]);
