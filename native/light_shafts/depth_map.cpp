@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "light_shafts/depth_map.hpp"
-#include <algorithm>
+#include "light_shafts/depth_map_face.hpp"
 
 namespace tyndall::light_shafts {
 using namespace slope_rows;
@@ -35,118 +34,22 @@ static Layout layout_of(const DepthMap& map, const MapWindow& window, std::uint3
     return layout;
 }
 
-namespace {
-/// A convex polygon in a face's (x, y, z), clipped plane by plane.
-class FacePolygon {
-public:
-    FacePolygon(const vec3& a, const vec3& b, const vec3& c) : count_(3) {
-        corners_[0] = a;
-        corners_[1] = b;
-        corners_[2] = c;
-    }
-    /// Keeps dot(normal, p) >= least. Based on: Sutherland and Hodgman 1974.
-    void clip(const vec3& normal, float least) {
-        std::array<vec3, 10> kept;
-        std::size_t kept_count = 0;
-        for (std::size_t i = 0; i < count_; ++i) {
-            const vec3 &from = corners_[i], &to = corners_[(i + 1) % count_];
-            const float from_side = glm::dot(normal, from) - least, to_side = glm::dot(normal, to) - least;
-            if (from_side >= 0.0f)
-                kept[kept_count++] = from;
-            if ((from_side >= 0.0f) != (to_side >= 0.0f))
-                kept[kept_count++] = from + from_side / (from_side - to_side) * (to - from);
-        }
-        corners_ = kept;
-        count_ = kept_count;
-    }
-    [[nodiscard]] std::size_t triangle_count() const { return count_ < 3 ? 0 : count_ - 2; }
-    [[nodiscard]] const vec3& corner(std::size_t triangle, std::size_t i) const {
-        return corners_[i == 0 ? 0 : triangle + i];
-    }
-
-private:
-    std::array<vec3, 10> corners_;
-    std::size_t count_;
-};
-} // namespace
-
-namespace {
-/// The sides of a face's pyramid: inside where dot(normal, p) >= 0.
-struct Pyramid {
-    std::array<vec3, 4> normals;
-    Pyramid(const vec2& low, const vec2& high)
-        : normals{vec3(1, 0, -low.x), vec3(-1, 0, high.x), vec3(0, 1, -low.y), vec3(0, -1, high.y)} {}
-    /// A bit per side that the point lies outside of, and one for behind the light.
-    [[nodiscard]] unsigned sides_outside(const vec3& p, float least_z) const {
-        unsigned bits = p.z >= least_z ? 0 : 1;
-        for (std::size_t side = 0; side < normals.size(); ++side)
-            bits |= glm::dot(normals[side], p) >= 0.0f ? 0 : 2u << side;
-        return bits;
-    }
-};
-} // namespace
-
-/// Clips triangles to the face's pyramid and puts them into (1/z, x/z, y/z).
-static std::size_t place_in_face(const DepthMap& map, const MapWindow& window, const OccluderInstance& instance,
-                                 const OccluderBlock& block, std::size_t start, std::int32_t first, std::int32_t end,
-                                 PlacedTriangles& placed) {
-    constexpr std::size_t most_triangles = 6; // of a triangle clipped by five planes
-    const Layout& layout = map.texels->layout;
-    const mat4& scene_from_object = *instance.scene_from_object;
-    const mat3 face_from_scene = glm::transpose(mat3(map.x_axis, map.y_axis, map.z_axis));
-    const mat3 face_from_object = face_from_scene * mat3(scene_from_object);
-    const vec3 offset = face_from_scene * (vec3(scene_from_object[3]) - map.origin);
-    // A little more than the window, so that triangles end outside; nearer than 1e-6 of a triangle's own distance from
-    // the light, 1/z has no digits left.
-    const vec2 margin = 0.01f * (window.max - window.min), low = window.min - margin, high = window.max + margin;
-    const Pyramid pyramid(low, high);
-    // What lies outside of one side with all its corners is nowhere inside; a block ends here at once.
-    const auto row_y = [&](std::int32_t row) {
-        return layout.first_slice + static_cast<float>(row) * layout.slice_step;
-    };
-    const Pyramid rows({low.x, std::max(low.y, row_y(first - 1))}, {high.x, std::min(high.y, row_y(end))});
-    unsigned all_outside = ~0u;
-    for (std::size_t corner = 0; start == 0 && corner < 8; ++corner) {
-        const vec3 at((corner & 1) != 0 ? block.bounds.max.x : block.bounds.min.x,
-                      (corner & 2) != 0 ? block.bounds.max.y : block.bounds.min.y,
-                      (corner & 4) != 0 ? block.bounds.max.z : block.bounds.min.z);
-        all_outside &= rows.sides_outside(face_from_object * at + offset, 0.0f);
-    }
-    if (start == 0 && all_outside != 0)
+/// Puts triangles into (1/z, x/z, y/z).
+static std::size_t place_in_face(const DepthMapFace& face, const OccluderInstance& instance, const OccluderBlock& block,
+                                 std::size_t start, std::int32_t first, std::int32_t end, PlacedTriangles& placed) {
+    const DepthMapFace::FromObject at = face.from_object(*instance.scene_from_object);
+    if (start == 0 && face.misses(at, block.bounds, first, end))
         return block.count;
-    for (; start < block.count && placed.count + most_triangles <= PlacedTriangles::capacity; ++start) {
-        std::array<vec3, 3> p;
-        for (std::size_t c = 0; c < 3; ++c)
-            p[c] = face_from_object * block.corner(start, c) + offset;
-        const float farthest = std::max(p[0].z, std::max(p[1].z, p[2].z));
-        if (!(farthest > 0.0f) ||
-            (rows.sides_outside(p[0], 0.0f) & rows.sides_outside(p[1], 0.0f) & rows.sides_outside(p[2], 0.0f)) != 0)
+    for (; start < block.count && placed.count + DepthMapFace::most_triangles <= PlacedTriangles::capacity; ++start) {
+        const std::array<vec3, 3> triangle{at(block.corner(start, 0)), at(block.corner(start, 1)),
+                                           at(block.corner(start, 2))};
+        if (face.misses(triangle, first, end))
             continue;
-        FacePolygon polygon(p[0], p[1], p[2]);
-        const float least_z = 1e-6f * farthest;
-        if ((pyramid.sides_outside(p[0], least_z) | pyramid.sides_outside(p[1], least_z) |
-             pyramid.sides_outside(p[2], least_z)) != 0) {
-            polygon.clip({0, 0, 1}, least_z);
-            for (const vec3& normal : pyramid.normals)
-                polygon.clip(normal, 0.0f);
-        }
-        for (std::size_t t = 0; t < polygon.triangle_count(); ++t) {
-            const std::size_t count = placed.count;
-            float lowest = high.y, highest = low.y;
-            for (std::size_t c = 0; c < 3; ++c) {
-                const vec3& corner = polygon.corner(t, c);
-                const float y = corner.y / corner.z;
-                placed.axy[3 * c][count] = 1.0f / corner.z;
-                placed.axy[3 * c + 1][count] = corner.x / corner.z;
-                placed.axy[3 * c + 2][count] = y;
-                lowest = std::min(lowest, y);
-                highest = std::max(highest, y);
-            }
-            placed.first_slice[count] = std::ceil((lowest - layout.first_slice) / layout.slice_step - 0.01f);
-            placed.last_slice[count] = std::floor((highest - layout.first_slice) / layout.slice_step + 0.01f);
-            placed.count += placed.first_slice[count] < static_cast<float>(end) &&
-                            placed.last_slice[count] >= static_cast<float>(first);
-        }
+        face.place(triangle, first, end, placed, [&](std::size_t t, std::size_t c, const vec3& corner) {
+            placed.axy[3 * c][t] = 1.0f / corner.z;
+            placed.axy[3 * c + 1][t] = corner.x / corner.z;
+            return placed.axy[3 * c + 2][t] = corner.y / corner.z;
+        });
     }
     return start;
 }
@@ -154,12 +57,14 @@ static std::size_t place_in_face(const DepthMap& map, const MapWindow& window, c
 void raster_depth(DepthMap& map, const MapWindow& window, std::uint32_t resolution, const Occluders& occluders,
                   const Progress& progress) {
     map.texels = std::make_unique<Rows>(layout_of(map, window, resolution));
-    Placer placer;
-    if (map.is_perspective)
-        placer = [&](const OccluderInstance& instance, const OccluderBlock& block, std::size_t start,
-                     std::int32_t first, std::int32_t end, PlacedTriangles& placed) {
-            return place_in_face(map, window, instance, block, start, first, end, placed);
-        };
-    raster(*map.texels, occluders, progress, placer);
+    if (!map.is_perspective) {
+        raster(*map.texels, occluders, progress);
+        return;
+    }
+    const DepthMapFace face(map, window);
+    raster(*map.texels, occluders, progress,
+           [&](const OccluderInstance& instance, const OccluderBlock& block, std::size_t start, std::int32_t first,
+               std::int32_t end,
+               PlacedTriangles& placed) { return place_in_face(face, instance, block, start, first, end, placed); });
 }
 } // namespace tyndall::light_shafts

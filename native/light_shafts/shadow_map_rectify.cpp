@@ -10,20 +10,10 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "light_shafts/slope_rows_frame-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::light_shafts::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-using namespace slope_rows;
-using Tag = hn::CappedTag<float, 16>;
-using V = hn::Vec<Tag>;
-static constexpr Tag d;
-static constexpr hn::RebindToSigned<Tag> di;
-
-static HWY_INLINE V set(float value) { return hn::Set(d, value); }
-static HWY_INLINE V linear_at(const Linear& f, V a, V r) {
-    return hn::MulAdd(set(f.per_axial), a, hn::MulAdd(set(f.per_radial), r, set(f.at_origin)));
-}
-
 /// DepthMap::depth_at, 4 to 16 points at a time.
 static HWY_INLINE V depth_at(const DepthMap& map, V x, V y) {
     const Layout& layout = map.texels->layout;
@@ -71,7 +61,7 @@ void rectify_row_of(const ShadowMap& map, Rows& rows, std::size_t slice, const v
     const auto per_line = hn::Add(hn::Iota(di, 0), hn::Iota(di, 0));
     for (std::int32_t i = extent.first; i < extent.end; i += static_cast<std::int32_t>(hn::Lanes(d))) {
         V a, r;
-        hn::Mask<Tag> is_hit; // an infinite a times a zero coefficient is no number
+        Mask is_hit; // an infinite a times a zero coefficient is no number
         if (frame.is_angular) {
             const auto* components = reinterpret_cast<const float*>(line_directions + i);
             const V axial = hn::GatherIndex(d, components, per_line),
