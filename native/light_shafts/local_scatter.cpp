@@ -27,7 +27,6 @@ public:
     void begin(const LocalScatter& light, const LocalRays& rays, const LocalSupport& support, std::span<Rgb> radiance,
                std::span<Rgb> unshadowed) {
         light_ = &light, rays_ = &rays, support_ = &support, radiance_ = radiance, unshadowed_ = unshadowed;
-        is_lit_ = true, is_unshadowed_ = false;
         pieces_.clear();
     }
     /// The lit parts of one ray, near to far.
@@ -35,25 +34,29 @@ public:
     void flush();
 
 private:
+    /// What a piece's light is added to.
+    struct Counts {
+        bool as_lit, as_unshadowed;
+    };
+    struct Target {
+        Rgb transmittance;
+        Counts counts;
+    };
+
     [[nodiscard]] double distance(LocalSupport::Distance which) const { return support_->distance[which][ray_]; }
     void prepare_splits();
-    void cut(std::span<const LitInterval> lit);
-    void append(const LocalRays::Segment& segment, double x0, double x1, const Rgb& transmittance);
+    void cut(std::span<const LitInterval> lit, const Counts& counts);
+    void append(const LocalRays::Segment& segment, double x0, double x1, const Target& target);
 
     const LocalScatter* light_ = nullptr;
     const LocalRays* rays_ = nullptr;
     const LocalSupport* support_ = nullptr;
     std::span<Rgb> radiance_, unshadowed_;
     std::size_t ray_ = 0;
-    bool is_lit_ = true, is_unshadowed_ = false; ///< What the pieces to come count as.
     double light_x_ = 0.0;
     std::vector<double> splits_; ///< As distances from the light's foot, ascending.
     std::vector<LocalCrossing> crossings_;
     LocalPieces pieces_;
-    struct Target {
-        Rgb transmittance;
-        bool is_lit, is_unshadowed;
-    };
     std::array<Target, LocalPieces::capacity> targets_;
 };
 
@@ -80,22 +83,20 @@ void LocalScatter::Batch::add(std::size_t ray, std::span<const LitInterval> lit)
     ray_ = ray, light_x_ = distance(LocalSupport::LightX);
     prepare_splits();
     if (unshadowed_.empty()) {
-        cut(lit);
+        cut(lit, {.as_lit = true, .as_unshadowed = false});
         return;
     }
     const double begin = light_x_ + distance(LocalSupport::Begin), end = light_x_ + distance(LocalSupport::End);
-    is_lit_ = lit.size() == 1 && lit[0].near_m <= begin && lit[0].far_m >= end && lit[0].transmittance == Rgb(1.0f);
-    is_unshadowed_ = true;
+    const bool is_all_lit =
+        lit.size() == 1 && lit[0].near_m <= begin && lit[0].far_m >= end && lit[0].transmittance == Rgb(1.0f);
     const ViewRay& whole = rays_->ray(ray);
     const LitInterval all{.near_m = whole.near_m, .far_m = whole.far_m};
-    cut({&all, 1});
-    if (!is_lit_) {
-        is_lit_ = true, is_unshadowed_ = false;
-        cut(lit);
-    }
+    cut({&all, 1}, {.as_lit = is_all_lit, .as_unshadowed = true});
+    if (!is_all_lit)
+        cut(lit, {.as_lit = true, .as_unshadowed = false});
 }
 
-void LocalScatter::Batch::cut(std::span<const LitInterval> lit) {
+void LocalScatter::Batch::cut(std::span<const LitInterval> lit, const Counts& counts) {
     const double begin = distance(LocalSupport::Begin), end = distance(LocalSupport::End);
     const double light_y = distance(LocalSupport::LightY);
     auto split = splits_.begin();
@@ -127,13 +128,13 @@ void LocalScatter::Batch::cut(std::span<const LitInterval> lit) {
                                                       : to);
             if (!(from < to))
                 break; // the rest of this lit part lies in air
-            append(*segment, from, to, interval.transmittance);
+            append(*segment, from, to, {interval.transmittance, counts});
             from = to;
         }
     }
 }
 
-void LocalScatter::Batch::append(const LocalRays::Segment& segment, double x0, double x1, const Rgb& transmittance) {
+void LocalScatter::Batch::append(const LocalRays::Segment& segment, double x0, double x1, const Target& target) {
     if (pieces_.count == LocalPieces::capacity)
         flush();
     const std::size_t at = pieces_.count++;
@@ -175,7 +176,7 @@ void LocalScatter::Batch::append(const LocalRays::Segment& segment, double x0, d
     pieces_.is_grey[at] = all_grey ? 1 : 0;
     pieces_.ray[at] = static_cast<std::int32_t>(ray_);
     pieces_.set[at] = static_cast<std::int32_t>(segment.set);
-    targets_[at] = {transmittance, is_lit_, is_unshadowed_};
+    targets_[at] = target;
 }
 
 void LocalScatter::Batch::flush() {
@@ -185,9 +186,9 @@ void LocalScatter::Batch::flush() {
         const Target& target = targets_[at];
         const Rgb sum = light_->light_.strength * target.transmittance *
                         Rgb(pieces_.sum[0][at], pieces_.sum[1][at], pieces_.sum[2][at]);
-        if (target.is_lit)
+        if (target.counts.as_lit)
             radiance_[ray] += sum;
-        if (target.is_unshadowed)
+        if (target.counts.as_unshadowed)
             unshadowed_[ray] += sum;
     }
     pieces_.clear();
