@@ -129,27 +129,27 @@ private:
 
     /// One pass: the surfaces of the whole picture, which then appears, and after them the shafts.
     void render_sample(std::uint32_t sample, const std::vector<Band>& bands) {
-        WaitingParts waiting;
+        waiting_.clear();
         world_lit_.assign(world_reach_px_ > 0 ? pixel_count() : 0, WorldLit{});
         // A band's pixels look at neighbours in the next one.
         for (std::size_t index = 0; index <= bands.size(); ++index) {
             if (index < bands.size())
-                trace(sample, bands[index], waiting);
+                trace(sample, bands[index]);
             if (world_reach_px_ > 0 && index > 0)
                 share_world_light(bands[index - 1]);
             update_now_and_then();
         }
         if (sample == 0 && !media_.is_empty())
-            prepare_shafts(waiting);
+            prepare_shafts();
         if (!shafts_)
             return;
-        ScatteredParts scattered = room_for(sample, waiting);
+        make_room(sample);
         // A band's pixels look at neighbours in the next one.
         for (std::size_t index = 0; index <= bands.size(); ++index) {
             if (index < bands.size())
-                scatter(sample, bands[index], waiting, scattered);
+                scatter(sample, bands[index]);
             if (index > 0) {
-                add_shafts(bands[index - 1], waiting, scattered);
+                add_shafts(bands[index - 1]);
                 update_now_and_then();
             }
         }
@@ -159,9 +159,9 @@ private:
     [[nodiscard]] float pixel_spacing() const {
         return (camera_.window_right - camera_.window_left) / static_cast<float>(camera_.width_px);
     }
-    void prepare_shafts(const WaitingParts& waiting) {
+    void prepare_shafts() {
         const StageTimer timer(statistics_, "light shafts: prepare");
-        shafts_.emplace(scene_, media_, light_shafts::view_of(camera_), waiting.rays, config_.shafts, progress_);
+        shafts_.emplace(scene_, media_, light_shafts::view_of(camera_), waiting_.rays, config_.shafts, progress_);
         statistics_.append(shafts_->statistics());
         if (shafts_->is_empty())
             shafts_.reset();
@@ -178,7 +178,7 @@ private:
     }
 
     /// Adds the surfaces' light of one sample to each pixel; appends the parts of its rays that lie in media.
-    void trace(std::uint32_t sample, const Band& band, WaitingParts& waiting) {
+    void trace(std::uint32_t sample, const Band& band) {
         say(sample, "surfaces");
         const auto start = Clock::now();
         const bool has_shafts = sample == 0 ? !media_.is_empty() : shafts_.has_value();
@@ -196,7 +196,7 @@ private:
                 if (world_reach_px_ > 0)
                     world_lit_[pixel] = found.world_lit;
             },
-            waiting, progress_);
+            waiting_, progress_);
         surface_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
         advance(sample, band, 0.0, has_shafts ? surface_share : 1.0);
     }
@@ -221,53 +221,53 @@ private:
         surface_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
     }
 
-    [[nodiscard]] ScatteredParts room_for(std::uint32_t sample, const WaitingParts& waiting) const {
-        ScatteredParts room;
+    void make_room(std::uint32_t sample) {
         std::array used{true, false, false};
         if (shares_strata())
             used = shafts_->sides_used(round_samples_);
+        scattered_.cells.clear();
         if (used[1] || used[2]) {
             // Each round deals the cells out anew: 5 is a step along the squares of 4 x 4 and of 2 x 2.
             const std::uint32_t turned = sample / round_samples_ * 5;
             for (std::size_t pixel = 0; pixel < pixel_count(); ++pixel)
-                room.cells.insert(
-                    room.cells.end(), waiting.first[pixel + 1] - waiting.first[pixel],
+                scattered_.cells.insert(
+                    scattered_.cells.end(), waiting_.first[pixel + 1] - waiting_.first[pixel],
                     static_cast<std::uint8_t>((turned + light_shafts::cell_of_pixel(
                                                             region_.x0 + static_cast<std::uint32_t>(pixel % width()),
                                                             region_.y0 + static_cast<std::uint32_t>(pixel / width()))) %
                                               16));
-            shafts_->set_alone(waiting.rays, light_shafts::view_of(camera_), pixel_spacing(), round_samples_,
-                               room.cells, progress_);
-            room.air = shafts_->find_air(waiting.rays, progress_);
+            shafts_->set_alone(waiting_.rays, light_shafts::view_of(camera_), pixel_spacing(), round_samples_,
+                               scattered_.cells, progress_);
+            scattered_.air = shafts_->find_air(waiting_.rays, progress_);
         }
         for (std::size_t side = 0; side < used.size(); ++side) {
-            room.of_side[side].radiance.resize(used[side] ? waiting.rays.size() : 0);
+            ScatteredParts::Light& light = scattered_.of_side[side];
+            light.radiance.resize(used[side] ? waiting_.rays.size() : 0);
             if (side > 0) {
-                room.of_side[side].from_points.resize(room.of_side[side].radiance.size());
-                room.of_side[side].from_points_unshadowed.resize(room.of_side[side].radiance.size());
+                light.from_points.resize(light.radiance.size());
+                light.from_points_unshadowed.resize(light.radiance.size());
             }
             if (sums_.wants(Pass::ShaftsVisibility))
-                room.of_side[side].visibility.resize(room.of_side[side].radiance.size());
+                light.visibility.resize(light.radiance.size());
         }
-        return room;
     }
 
     /// Asks for the light that the media scatter into the parts of a band.
-    void scatter(std::uint32_t sample, const Band& band, const WaitingParts& waiting, ScatteredParts& scattered) {
+    void scatter(std::uint32_t sample, const Band& band) {
         say(sample, "light shafts");
         const auto start = Clock::now();
-        const std::size_t first = waiting.first[std::size_t{band.first_row} * width()];
-        const std::size_t count = waiting.first[std::size_t{band.end_row} * width()] - first;
+        const std::size_t first = waiting_.first[std::size_t{band.first_row} * width()];
+        const std::size_t count = waiting_.first[std::size_t{band.end_row} * width()] - first;
         std::array<light_shafts::Scattered, light_shafts::shared_sides.size()> out;
         for (std::size_t side = 0; side < out.size(); ++side) {
-            auto& [radiance, visibility, from_points, unshadowed] = scattered.of_side[side];
+            auto& [radiance, visibility, from_points, unshadowed] = scattered_.of_side[side];
             const auto part_of = [&](auto& values) {
                 return values.empty() ? std::span(values) : std::span(values).subspan(first, count);
             };
             out[side] = {part_of(radiance), part_of(visibility), part_of(from_points), part_of(unshadowed)};
         }
-        const std::span<const std::uint8_t> cells(scattered.cells);
-        shafts_->scatter(std::span(waiting.rays).subspan(first, count),
+        const std::span<const std::uint8_t> cells(scattered_.cells);
+        shafts_->scatter(std::span(waiting_.rays).subspan(first, count),
                          cells.empty() ? cells : cells.subspan(first, count), out, progress_,
                          {sample % round_samples_, round_samples_});
         shaft_ray_count_ += count;
@@ -276,13 +276,13 @@ private:
     }
 
     /// Adds that light to the film, with what the neighbours of each pixel have found.
-    void add_shafts(const Band& band, const WaitingParts& waiting, ScatteredParts& scattered) {
+    void add_shafts(const Band& band) {
         const auto start = Clock::now();
-        auto& [radiance, visibility, from_points, unshadowed] = scattered.of_side[0];
-        for (std::size_t side = 1; side < scattered.of_side.size(); ++side)
-            if (const auto& shared = scattered.of_side[side]; !shared.radiance.empty())
+        auto& [radiance, visibility, from_points, unshadowed] = scattered_.of_side[0];
+        for (std::size_t side = 1; side < scattered_.of_side.size(); ++side)
+            if (const auto& shared = scattered_.of_side[side]; !shared.radiance.empty())
                 light_shafts::add_shared(
-                    {width(), region_.y1 - region_.y0, waiting.first, scattered.air, scattered.cells},
+                    {width(), region_.y1 - region_.y0, waiting_.first, scattered_.air, scattered_.cells},
                     light_shafts::shared_sides[side], band.first_row, band.end_row,
                     {shared.radiance, shared.visibility, shared.from_points, shared.from_points_unshadowed},
                     {radiance, visibility, from_points, unshadowed}, progress_);
@@ -291,8 +291,8 @@ private:
             const std::size_t pixel = first_pixel + index;
             Rgb sum(0.0f);
             float visible = 0.0f, weight_sum = 0.0f;
-            for (std::uint32_t part = waiting.first[pixel]; part < waiting.first[pixel + 1]; ++part) {
-                const Rgb& weight = waiting.weights[part];
+            for (std::uint32_t part = waiting_.first[pixel]; part < waiting_.first[pixel + 1]; ++part) {
+                const Rgb& weight = waiting_.weights[part];
                 sum += weight * radiance[part];
                 const float total = weight.x + weight.y + weight.z;
                 weight_sum += total;
@@ -335,6 +335,8 @@ private:
     std::size_t active_count_, sample_count_ = 0;
     std::uint32_t round_samples_, world_reach_px_ = 0;
     std::vector<WorldLit> world_lit_; ///< Per pixel, of one pass, where neighbours share it.
+    WaitingParts waiting_;            ///< Of the current pass; as scattered_, kept for its memory.
+    ScatteredParts scattered_;
     std::size_t shaft_ray_count_ = 0;
     double surface_seconds_ = 0.0, shaft_seconds_ = 0.0;
     std::optional<Clock::time_point> last_update_;

@@ -11,5 +11,11 @@ struct WaitingParts {
     std::vector<std::uint32_t> first{0}; ///< Pixel p owns the parts [first[p] .. first[p + 1]).
     std::vector<light_shafts::ViewRay> rays;
     std::vector<Rgb> weights;
+
+    void clear() {
+        first.assign(1, 0);
+        rays.clear();
+        weights.clear();
+    }
 };
 } // namespace tyndall::render
