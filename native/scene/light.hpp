@@ -2,6 +2,7 @@
 // Lights with Blender's units, already converted to radiometric ones by the sync; positions are in the scene's space.
 #pragma once
 #include "core/math.hpp"
+#include "scene/occluder_edit.hpp"
 #include <array>
 #include <cstdint>
 #include <string>
@@ -37,6 +38,7 @@ struct Light {
     bool casts_shadow = true;
     bool lights_surfaces = true;
     bool scatters_in_media = true;
+    std::vector<OccluderEdit> occluder_edits; ///< In the order in which they are made.
     bool is_camera_visible = false; ///< Cycles 4 draws lights with a size where the artist enables camera rays.
 };
 
