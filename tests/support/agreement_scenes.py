@@ -61,17 +61,29 @@ def diffuse(colour: tuple[float, float, float]) -> bpy.types.Material:
     return material
 
 
-def _plane(name: str, matrix: Matrix, material: bpy.types.Material, cells: int = 1) -> bpy.types.Object:
+def _mesh(
+    name: str, make: Callable[[bmesh.types.BMesh], object], material: bpy.types.Material | None = None
+) -> bpy.types.Mesh:
     mesh = bpy.data.meshes.new(name)
     shape = bmesh.new()
-    bmesh.ops.create_grid(shape, x_segments=cells, y_segments=cells, size=0.5, calc_uvs=False)
+    make(shape)
     shape.to_mesh(mesh)
     shape.free()
+    if material is not None:
+        mesh.materials.append(material)
+    return mesh
+
+
+def _plane(name: str, matrix: Matrix, material: bpy.types.Material, cells: int = 1) -> bpy.types.Object:
+    mesh = _mesh(
+        name,
+        lambda shape: bmesh.ops.create_grid(shape, x_segments=cells, y_segments=cells, size=0.5, calc_uvs=False),
+        material,
+    )
     layer = mesh.uv_layers.new(name="UVMap")
     for loop in mesh.loops:
         corner = mesh.vertices[loop.vertex_index].co
         layer.data[loop.index].uv = (corner.x + 0.5, corner.y + 0.5)
-    mesh.materials.append(material)
     return _link(name, mesh, matrix)
 
 
@@ -120,13 +132,12 @@ def _world_constant() -> None:
 def _lamp_in_a_can() -> None:
     """Inside the lamp: a tube that is narrower than the spot's radius."""
     _light("SPOT", energy=700.0, spot_size=radians(100), spot_blend=0.2, shadow_soft_size=0.1)
-    mesh = bpy.data.meshes.new("Can")
-    shape = bmesh.new()
-    bmesh.ops.create_cone(shape, segments=24, radius1=0.08, radius2=0.08, depth=0.16, cap_ends=False)
-    shape.to_mesh(mesh)
-    shape.free()
-    mesh.materials.append(diffuse((0.5, 0.5, 0.5)))
-    _link("Can", mesh, bpy.data.objects["Spot"].matrix_world)
+    can = _mesh(
+        "Can",
+        lambda shape: bmesh.ops.create_cone(shape, segments=24, radius1=0.08, radius2=0.08, depth=0.16, cap_ends=False),
+        diffuse((0.5, 0.5, 0.5)),
+    )
+    _link("Can", can, bpy.data.objects["Spot"].matrix_world)
 
 
 def _lamp_in_a_shelf() -> None:
@@ -208,21 +219,13 @@ def _box(
     node: str,
     **inputs: object,
 ) -> bpy.types.Object:
-    mesh = bpy.data.meshes.new("Box")
-    shape = bmesh.new()
-    bmesh.ops.create_cube(shape, size=1.0)
-    shape.to_mesh(mesh)
-    shape.free()
+    mesh = _mesh("Box", lambda shape: bmesh.ops.create_cube(shape, size=1.0))
     centre, size = (Vector(low) + Vector(high)) / 2, Vector(high) - Vector(low)
     return _medium(mesh, Matrix.LocRotScale(centre, None, size), node, **inputs)
 
 
 def _sphere() -> None:
-    mesh = bpy.data.meshes.new("Sphere")
-    shape = bmesh.new()
-    bmesh.ops.create_uvsphere(shape, u_segments=24, v_segments=12, radius=2.2)
-    shape.to_mesh(mesh)
-    shape.free()
+    mesh = _mesh("Sphere", lambda shape: bmesh.ops.create_uvsphere(shape, u_segments=24, v_segments=12, radius=2.2))
     _medium(mesh, Matrix.Translation((0.0, 0.4, 1.6)), SCATTER, Density=0.25, Anisotropy=0.2)
 
 
@@ -303,40 +306,32 @@ CAMERAS: dict[str, Callable[[], None]] = {
 def _grid() -> None:
     """A plate with 5 x 5 holes above the floor."""
     cells = 11
-    mesh = bpy.data.meshes.new("Grid")
-    shape = bmesh.new()
-    bmesh.ops.create_grid(shape, x_segments=cells, y_segments=cells, size=1.5)
-    holes = [face for index, face in enumerate(shape.faces) if index % cells % 2 and index // cells % 2]
-    bmesh.ops.delete(shape, geom=holes, context="FACES_ONLY")
-    shape.to_mesh(mesh)
-    shape.free()
-    mesh.materials.append(diffuse((0.7, 0.7, 0.7)))
+
+    def make(shape: bmesh.types.BMesh) -> None:
+        bmesh.ops.create_grid(shape, x_segments=cells, y_segments=cells, size=1.5)
+        holes = [face for index, face in enumerate(shape.faces) if index % cells % 2 and index // cells % 2]
+        bmesh.ops.delete(shape, geom=holes, context="FACES_ONLY")
+
     _link(
         "Grid",
-        mesh,
+        _mesh("Grid", make, diffuse((0.7, 0.7, 0.7))),
         Matrix.LocRotScale(Vector((-0.3, 0.8, 2.2)), None, None) @ Matrix.Rotation(0.3, 4, "Y"),
     )
 
 
 def _monkey() -> None:
-    mesh = bpy.data.meshes.new("Monkey")
-    shape = bmesh.new()
-    bmesh.ops.create_monkey(shape)
-    shape.to_mesh(mesh)
-    shape.free()
-    mesh.materials.append(diffuse((0.6, 0.5, 0.4)))
-    _link("Monkey", mesh, Matrix.Translation((0, 0.8, 1.7)) @ Matrix.Rotation(0.5, 4, "Z"))
+    monkey = _mesh("Monkey", bmesh.ops.create_monkey, diffuse((0.6, 0.5, 0.4)))
+    _link("Monkey", monkey, Matrix.Translation((0, 0.8, 1.7)) @ Matrix.Rotation(0.5, 4, "Z"))
 
 
 def _instances() -> None:
     """A nested collection: posts, in rows, instanced thrice, one of them mirrored."""
     post, row = bpy.data.collections.new("Post"), bpy.data.collections.new("Row")
-    mesh = bpy.data.meshes.new("Post")
-    shape = bmesh.new()
-    bmesh.ops.create_cone(shape, segments=8, radius1=0.12, radius2=0.05, depth=2.0, cap_ends=True)
-    shape.to_mesh(mesh)
-    shape.free()
-    mesh.materials.append(diffuse((0.7, 0.6, 0.3)))
+    mesh = _mesh(
+        "Post",
+        lambda shape: bmesh.ops.create_cone(shape, segments=8, radius1=0.12, radius2=0.05, depth=2.0, cap_ends=True),
+        diffuse((0.7, 0.6, 0.3)),
+    )
     post.objects.link(bpy.data.objects.new("Post", mesh))
     for index in range(4):
         empty = bpy.data.objects.new("Post", None)
