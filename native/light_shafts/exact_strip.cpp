@@ -4,20 +4,8 @@
 #include "core/parallel.hpp"
 #include "light_shafts/partial_shadow.hpp"
 #include "scene/triangle_bvh.hpp"
-#include "shading/surface_program.hpp"
 
 namespace tyndall::light_shafts {
-static Occlusion occlusion_of(const Material& material) {
-    if (!material.has_surface)
-        return Occlusion::None;
-    if (material.is_constant()) {
-        if (material.constant.transparent == Rgb(1.0f))
-            return Occlusion::None;
-        return material.constant.transparent == Rgb(0.0f) ? Occlusion::Opaque : Occlusion::Partial;
-    }
-    return is_opaque_everywhere(material) ? Occlusion::Opaque : Occlusion::Partial;
-}
-
 StripScene make_strip_scene(const Scene& scene, const Progress& progress) {
     const SceneDescription& description = scene.description();
     StripScene strip;

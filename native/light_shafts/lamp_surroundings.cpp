@@ -2,6 +2,7 @@
 // Does anything reach into a lamp? Asked of Embree's hierarchy, once per lamp.
 #include "core/errors.hpp"
 #include "light_shafts/turning_disc.hpp"
+#include "shading/surface_program.hpp"
 #include <embree3/rtcore.h>
 
 namespace tyndall::light_shafts {
@@ -47,8 +48,7 @@ static bool look_at_triangle(RTCPointQueryFunctionArguments* found) {
     const Instance& instance = description.instances[instance_index];
     if (search.is_found || !instance.casts_shadow)
         return false;
-    const Material& material = search.scene.material(instance_index, found->primID);
-    if (!material.has_surface || (material.is_constant() && material.constant.transparent == Rgb(1.0f)))
+    if (is_transparent_everywhere(search.scene.material(instance_index, found->primID)))
         return false;
     const MeshArrays& mesh = description.meshes[instance.mesh_index]->arrays();
     vec3 corners[3];

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/occluders.hpp"
 #include "core/parallel.hpp"
-#include "shading/surface_program.hpp"
 #include <algorithm>
 #include <map>
 #include <numeric>
@@ -9,14 +8,6 @@
 
 namespace tyndall::light_shafts {
 namespace {
-enum class Passage : std::uint8_t { Everything, Something, Nothing };
-
-Passage passage(const Material& material) {
-    if (!material.has_surface || (material.is_constant() && material.constant.transparent == Rgb(1.0f)))
-        return Passage::Everything;
-    return is_opaque_everywhere(material) ? Passage::Nothing : Passage::Something;
-}
-
 /// A mesh with the slots whose triangles stop light.
 struct MeshUse {
     std::uint32_t mesh;
@@ -41,9 +32,9 @@ Uses uses_of(const SceneDescription& scene, const Instance& instance) {
     PartialUse partial{.mesh = instance.mesh_index, .materials = {}};
     for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot) {
         const std::uint32_t material = scene.slot_materials[instance.first_slot_material + slot];
-        const Passage passes = passage(scene.materials[material]);
-        opaque.is_opaque.push_back(passes == Passage::Nothing);
-        partial.materials.push_back(passes == Passage::Something ? material : PartialUse::none);
+        const Occlusion occlusion = occlusion_of(scene.materials[material]);
+        opaque.is_opaque.push_back(occlusion == Occlusion::Opaque);
+        partial.materials.push_back(occlusion == Occlusion::Partial ? material : PartialUse::none);
     }
     Uses uses;
     if (std::ranges::any_of(partial.materials, [](std::uint32_t material) { return material != PartialUse::none; }))
@@ -61,8 +52,7 @@ template <typename IsWanted>
 std::vector<std::uint32_t> select(const MeshArrays& mesh, std::size_t slot_count, const IsWanted& is_wanted) {
     std::vector<std::uint32_t> selected;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        const std::size_t slot = mesh.material_slots.empty() ? 0 : mesh.material_slots[t];
-        if (is_wanted(std::min(slot, slot_count - 1)))
+        if (is_wanted(std::min<std::size_t>(mesh.slot_of(t), slot_count - 1)))
             selected.push_back(t);
     }
     return selected;
@@ -96,9 +86,8 @@ std::unique_ptr<const PartialOccluderMesh> make_partial_mesh(const MeshArrays& m
         slot.lookup = lookup_of[material];
         partial->is_coloured |= slot.lookup->is_coloured();
         for (const std::string& name : slot.lookup->material().uv_map_names) {
-            const auto map =
-                name.empty() ? mesh.uv_maps.begin() : std::ranges::find(mesh.uv_maps, name, &MeshArrays::UvMap::name);
-            slot.corner_uvs.push_back(map == mesh.uv_maps.end() ? nullptr : map->corner_uvs.data());
+            const MeshArrays::UvMap* map = mesh.uv_map(name);
+            slot.corner_uvs.push_back(map == nullptr ? nullptr : map->corner_uvs.data());
         }
     }
     return partial;

@@ -63,10 +63,8 @@ double onto_ray(const StripRay& ray, double x, double y) {
 /// UV coordinates of an image's operation at the corners of a triangle; nothing where the mesh lacks the UV map.
 std::optional<std::array<dvec2, 3>> image_corners(const Material& material, const SurfaceOp& op, const MeshArrays& mesh,
                                                   std::uint32_t triangle) {
-    const std::string& name = material.uv_map_names[op.texture_uv];
-    const auto map =
-        name.empty() ? mesh.uv_maps.begin() : std::ranges::find(mesh.uv_maps, name, &MeshArrays::UvMap::name);
-    if (map == mesh.uv_maps.end())
+    const MeshArrays::UvMap* map = mesh.uv_map(material.uv_map_names[op.texture_uv]);
+    if (map == nullptr)
         return std::nullopt;
     std::array<dvec2, 3> corners;
     for (std::size_t corner = 0; corner < 3; ++corner)

@@ -32,7 +32,7 @@ PartialSurface partial_surface(const PartialShading& shading, std::uint32_t inst
                                std::int32_t slice) {
     const PartialOccluderInstance& placed = shading.instances[instance];
     const MeshArrays& arrays = *placed.mesh->arrays;
-    const std::size_t slot = arrays.material_slots.empty() ? 0 : arrays.material_slots[triangle];
+    const std::size_t slot = arrays.slot_of(triangle);
     PartialSurface surface{.slot = &placed.mesh->slots[std::min(slot, placed.mesh->slots.size() - 1)],
                            .triangle = triangle,
                            .instance = placed.index,

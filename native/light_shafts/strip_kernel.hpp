@@ -27,12 +27,6 @@ struct StripRay {
     float near_m = 0.0f, far_m = 0.0f;
 };
 
-/// How triangles of one mesh instance occlude.
-enum class Occlusion : std::uint8_t {
-    Opaque = 0,
-    Partial = 1, ///< Its cut is kept for an evaluation of the material.
-    None = 2,    ///< No surface.
-};
 struct StripMesh {
     const TriangleBvh* bvh = nullptr;
     mat4 world_from_object{1.0f};

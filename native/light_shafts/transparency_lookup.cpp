@@ -7,6 +7,12 @@
 namespace tyndall::light_shafts {
 using Code = SurfaceOp::Code;
 
+Occlusion occlusion_of(const Material& material) {
+    if (is_transparent_everywhere(material))
+        return Occlusion::None;
+    return is_opaque_everywhere(material) ? Occlusion::Opaque : Occlusion::Partial;
+}
+
 static bool read_the_same(const SurfaceOp& a, const SurfaceOp& b) {
     return a.texture == b.texture && a.texture_uv == b.texture_uv && a.uv_matrix == b.uv_matrix;
 }

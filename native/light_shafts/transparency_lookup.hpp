@@ -12,6 +12,14 @@
 #include <span>
 
 namespace tyndall::light_shafts {
+/// How triangles of a material occlude.
+enum class Occlusion : std::uint8_t {
+    Opaque = 0,
+    Partial = 1, ///< How much passes is looked up at each point.
+    None = 2,    ///< No surface, or one that lets all light pass.
+};
+[[nodiscard]] Occlusion occlusion_of(const Material& material);
+
 /// What the points between neighbouring texels (or of one texel, where the image is not filtered) do with light.
 enum class TexelClass : std::uint8_t { Unknown = 0, Stops = 1, Passes = 2, Mixed = 3 };
 

@@ -161,7 +161,7 @@ struct MediumCrossings::Query {
         const SceneDescription& description = self->scene_.description();
         const tyndall::Instance& of_scene = description.instances[instance.scene_instance];
         const MeshArrays& arrays = description.meshes[of_scene.mesh_index]->arrays();
-        const std::uint16_t slot = arrays.material_slots.empty() ? std::uint16_t{0} : arrays.material_slots[hit.primID];
+        const std::uint16_t slot = arrays.slot_of(hit.primID);
         const std::int32_t boundary =
             instance.boundary_of_slot[std::min<std::size_t>(slot, instance.boundary_of_slot.size() - 1)];
         if (boundary < 0)

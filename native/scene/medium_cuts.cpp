@@ -43,7 +43,7 @@ void append_medium_cuts(const SceneDescription& scene, const MediumBoundary& bou
     const Instance& instance = scene.instances[boundary.instance];
     const MeshArrays& arrays = scene.meshes[instance.mesh_index]->arrays();
     const auto cut_one = [&](std::size_t triangle) {
-        const std::uint16_t slot = arrays.material_slots.empty() ? std::uint16_t{0} : arrays.material_slots[triangle];
+        const std::uint16_t slot = arrays.slot_of(triangle);
         if (medium_of_slot(scene, instance, slot) != boundary.medium)
             return;
         const uvec3& corners = arrays.triangles[triangle];

@@ -8,8 +8,7 @@
 namespace tyndall {
 const Material& Scene::material(std::uint32_t instance_index, std::uint32_t triangle) const {
     const Instance& instance = description_.instances[instance_index];
-    const std::vector<std::uint16_t>& slots = description_.meshes[instance.mesh_index]->arrays().material_slots;
-    return slot_material(instance, slots.empty() ? 0 : slots[triangle]);
+    return slot_material(instance, description_.meshes[instance.mesh_index]->arrays().slot_of(triangle));
 }
 
 template <typename Value>
@@ -20,10 +19,8 @@ static Value interpolate(const Value& a, const Value& b, const Value& c, vec2 ba
 /// The values of the material's UV maps at a hit; a map that the mesh lacks is (0, 0), as in Cycles.
 static void look_up_uvs(const Material& material, const MeshArrays& mesh, const Hit& hit, std::vector<vec2>& uvs) {
     for (const std::string& name : material.uv_map_names) {
-        const auto map = name.empty() ? mesh.uv_maps.begin()
-                                      : std::find_if(mesh.uv_maps.begin(), mesh.uv_maps.end(),
-                                                     [&](const MeshArrays::UvMap& m) { return m.name == name; });
-        if (map == mesh.uv_maps.end()) {
+        const MeshArrays::UvMap* map = mesh.uv_map(name);
+        if (map == nullptr) {
             uvs.emplace_back(0.0f);
             continue;
         }

@@ -5,6 +5,11 @@
 #include <algorithm>
 
 namespace tyndall {
+const MeshArrays::UvMap* MeshArrays::uv_map(const std::string& map_name) const {
+    const auto found = map_name.empty() ? uv_maps.begin() : std::ranges::find(uv_maps, map_name, &UvMap::name);
+    return found == uv_maps.end() ? nullptr : &*found;
+}
+
 static void validate(const MeshArrays& arrays) {
     const std::size_t triangle_count = arrays.triangles.size();
     const auto has_length = [&](std::size_t length, std::size_t expected, const auto&... what) {

@@ -23,6 +23,12 @@ struct MeshArrays {
         std::vector<vec2> corner_uvs; ///< 3 per triangle.
     };
     std::vector<UvMap> uv_maps = {}; ///< The first is the active one for rendering.
+
+    [[nodiscard]] std::uint16_t slot_of(std::size_t triangle) const {
+        return material_slots.empty() ? std::uint16_t{0} : material_slots[triangle];
+    }
+    /// The UV map of this name, the active one for an empty name; nothing where the mesh lacks it.
+    [[nodiscard]] const UvMap* uv_map(const std::string& map_name) const;
 };
 
 class TriangleMesh {

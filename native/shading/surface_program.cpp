@@ -195,6 +195,10 @@ bool is_opaque_everywhere(const Material& material) {
                                   : ends_as_zero(material, material.transparent_register);
 }
 
+bool is_transparent_everywhere(const Material& material) {
+    return !material.has_surface || (material.is_constant() && material.constant.transparent == Rgb(1.0f));
+}
+
 bool glows_nowhere(const Material& material) {
     if (!material.has_surface)
         return true;

@@ -26,6 +26,8 @@ void validate(const Material& material);
 
 /// No light passes, whatever the program reads: shadow rays may stop without looking.
 [[nodiscard]] bool is_opaque_everywhere(const Material& material);
+/// All light passes: there is no surface, or one that is transparent by a constant.
+[[nodiscard]] bool is_transparent_everywhere(const Material& material);
 /// No light is emitted, whatever the program reads.
 [[nodiscard]] bool glows_nowhere(const Material& material);
 } // namespace tyndall
