@@ -15,9 +15,10 @@ namespace tyndall::light_shafts::HWY_NAMESPACE {
 struct Asked {
     template <class Value>
     using Column = std::array<Value, PlacedRays::capacity + block_lines>;
-    alignas(64) Column<float> slope, first_line, last_line, near_index, m_per_line, near_m, far_m;
+    alignas(64) Column<float> slope, first_line, last_line, near_index, m_per_line, lines_per_m, near_m, far_m;
     alignas(64) Column<std::int32_t> number, slice, first_piece, piece_count; ///< number: of the ray in the block.
-    alignas(64) Column<std::int32_t> order;                                   ///< Slice by slice.
+    alignas(64) Column<std::int32_t> order;                                   ///< Slice by slice, unless is_in_order.
+    bool is_in_order = true;                                                  ///< They come slice by slice.
     std::size_t count = 0;
     std::uint32_t first_of_call = 0; ///< Ray of the call that has number 0.
 
@@ -46,15 +47,18 @@ struct Asked {
                     .push_back(first_of_call + static_cast<std::uint32_t>(ray));
             }
             const auto kept = hn::And(is_asked, is_covered);
+            const bool keeps_all = hn::AllTrue(d, kept);
             const auto keep = [&](auto value, auto& column) {
                 const hn::DFromV<decltype(value)> tag;
-                hn::StoreU(hn::Compress(value, hn::RebindMask(tag, kept)), tag, &column[count]);
+                hn::StoreU(keeps_all ? value : hn::Compress(value, hn::RebindMask(tag, kept)), tag, &column[count]);
             };
             keep(hn::Load(d, &placed.slope[i]), slope);
             keep(hn::ConvertTo(d, hn::Load(di, &hits.first[i])), first_line);
             keep(hn::ConvertTo(d, hn::Load(di, &hits.last[i])), last_line);
             keep(hn::Load(d, &hits.near_index[i]), near_index);
-            keep(hn::Div(hn::Set(d, layout.line_step), hn::Load(d, &placed.radial_per_m[i])), m_per_line);
+            const auto radial_per_m = hn::Load(d, &placed.radial_per_m[i]);
+            keep(hn::Div(hn::Set(d, layout.line_step), radial_per_m), m_per_line);
+            keep(hn::Mul(radial_per_m, hn::Set(d, 1.0f / layout.line_step)), lines_per_m);
             keep(near, near_m);
             keep(far, far_m);
             keep(hn::Add(hn::Iota(di, 0), hn::Set(di, static_cast<std::int32_t>(i))), number);
@@ -69,6 +73,7 @@ struct Asked {
     /// Rays in more than most_slices slices share too little, and stay where they are.
     void sort() {
         constexpr std::int32_t most_slices = 1024;
+        is_in_order = true;
         if (count == 0)
             return;
         static constexpr hn::RebindToSigned<LineTag> di;
@@ -81,11 +86,11 @@ struct Asked {
             falls = hn::Or(falls, hn::VecFromMask(di, hn::Lt(hn::LoadU(di, &slice[i + 1]), here)));
             all_least = hn::Min(all_least, here);
             all_most = hn::Max(all_most, here);
-            hn::Store(hn::Add(hn::Iota(di, 0), hn::Set(di, static_cast<std::int32_t>(i))), di, &order[i]);
         }
         const std::int32_t least = hn::GetLane(hn::MinOfLanes(di, all_least)),
                            most = hn::GetLane(hn::MaxOfLanes(di, all_most));
-        if (hn::AllTrue(di, hn::Eq(falls, hn::Zero(di))) || most - least >= most_slices)
+        is_in_order = hn::AllTrue(di, hn::Eq(falls, hn::Zero(di))) || most - least >= most_slices;
+        if (is_in_order)
             return;
         std::array<std::uint16_t, most_slices> next;
         const auto slice_count = static_cast<std::size_t>(most - least + 1);
@@ -98,7 +103,23 @@ struct Asked {
         for (std::size_t i = 0; i < count; ++i)
             order[next[static_cast<std::size_t>(slice[i] - least)]++] = static_cast<std::int32_t>(i);
     }
-    [[nodiscard]] std::size_t ray(std::size_t at) const { return static_cast<std::size_t>(order[at]); }
+    /// Of the rays of one slice from `begin` on, of which a vector takes as many as it can: how many.
+    [[nodiscard]] std::size_t count_together(std::size_t begin) const {
+        static constexpr hn::RebindToSigned<LineTag> di;
+        const std::size_t most = std::min(count - begin, hn::Lanes(di));
+        std::size_t together = 1;
+        if (is_in_order) {
+            const auto others = hn::Ne(hn::LoadU(di, &slice[begin]), hn::Set(di, slice[begin]));
+            const auto first_other = hn::FindFirstTrue(di, others);
+            return first_other < 0 ? most : std::min(most, static_cast<std::size_t>(first_other));
+        }
+        while (together < most && slice[ray(begin + together)] == slice[ray(begin)])
+            ++together;
+        return together;
+    }
+    [[nodiscard]] std::size_t ray(std::size_t at) const {
+        return is_in_order ? at : static_cast<std::size_t>(order[at]);
+    }
 };
 } // namespace tyndall::light_shafts::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -82,11 +82,21 @@ HWY_INLINE void find_rows(const Layout& layout, const PlacedRays& placed, std::s
         const auto has_slice =
             hn::And(hn::Ge(slice, hn::Zero(d)), hn::Lt(slice, set(static_cast<float>(layout.slice_count()))));
         const auto row = hn::ConvertTo(di, hn::IfThenElseZero(has_slice, slice));
-        const auto at = hn::Mul(row, hn::Set(di, 6));
-        const auto from = hn::ConvertTo(d, hn::GatherIndex(di, extents + offsetof(RowExtent, first) / 4, at));
-        const auto to = hn::ConvertTo(d, hn::GatherIndex(di, extents + offsetof(RowExtent, end) / 4, at));
-        const auto smallest =
-            hn::GatherIndex(d, reinterpret_cast<const float*>(extents) + offsetof(RowExtent, smallest_slope) / 4, at);
+        const auto of_row = [&](std::size_t offset) {
+            return hn::GatherIndex(di, extents + offset / 4, hn::Mul(row, hn::Set(di, 6)));
+        };
+        auto from = hn::Zero(d), to = from, smallest = from;
+        const std::int32_t first_row = hn::GetLane(row);
+        if (hn::AllTrue(di, hn::Eq(row, hn::Set(di, first_row)))) { // as rays in the order of slices mostly are
+            const RowExtent& extent = layout.rows[static_cast<std::size_t>(first_row)];
+            from = set(static_cast<float>(extent.first));
+            to = set(static_cast<float>(extent.end));
+            smallest = set(extent.smallest_slope);
+        } else {
+            from = hn::ConvertTo(d, of_row(offsetof(RowExtent, first)));
+            to = hn::ConvertTo(d, of_row(offsetof(RowExtent, end)));
+            smallest = hn::BitCast(d, of_row(offsetof(RowExtent, smallest_slope)));
+        }
         const auto index_of = [&](const PlacedRays::Column& line) {
             return hn::Mul(hn::Sub(hn::Load(d, &line[i]), set(layout.first_line)), set(1.0f / layout.line_step));
         };

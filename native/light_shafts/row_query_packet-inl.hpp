@@ -190,13 +190,30 @@ static bool add_pieces(const PacketRays& rays, const ScatterPiece* pieces, V (&r
     return true;
 }
 
+/// Pieces of a vector of rays from `begin` on: those of many rays do not come from the cache, and gathers wait for them.
+static HWY_INLINE void prefetch_pieces(const Asked& asked, std::size_t begin, const ScatterPiece* pieces) {
+    if (begin >= asked.count)
+        return;
+    const std::size_t last = std::min(begin + lanes, asked.count) - 1;
+    const auto* const end = reinterpret_cast<const char*>(pieces + asked.first_piece[last] + asked.piece_count[last]);
+    for (const auto* at = reinterpret_cast<const char*>(pieces + asked.first_piece[begin]); at < end; at += 64)
+        __builtin_prefetch(at);
+}
+
 /// Rays [begin, end) of one slice, at most `lanes`; false where they have to be asked one by one.
 static bool add_packet(const Rows& rows, const Asked& asked, std::size_t begin, std::size_t end,
                        const ScatterPiece* pieces, std::span<Rgb> radiance, std::span<float> lit_length_m) {
     // Lanes without a ray are like the first, but have no pieces.
     const auto is_member = hn::RebindMask(di, hn::FirstN(d, end - begin));
-    const I at = hn::IfThenElse(is_member, hn::LoadU(di, &asked.order[begin]), hn::Set(di, asked.order[begin]));
-    const auto column = [&](const Asked::Column<float>& values) { return hn::GatherIndex(d, values.data(), at); };
+    const I first = hn::Set(di, static_cast<std::int32_t>(asked.ray(begin)));
+    const I at = asked.is_in_order ? first : hn::IfThenElse(is_member, hn::LoadU(di, &asked.order[begin]), first);
+    const auto column = [&]<class Value>(const Asked::Column<Value>& values) {
+        const hn::Simd<Value, lanes, 0> tag;
+        if (!asked.is_in_order)
+            return hn::GatherIndex(tag, values.data(), at);
+        return hn::IfThenElse(hn::RebindMask(tag, is_member), hn::LoadU(tag, &values[begin]),
+                              hn::Set(tag, values[begin]));
+    };
     PacketRays packet;
     packet.row = rows.row(asked.slice[asked.ray(begin)]);
     packet.slope = column(asked.slope);
@@ -208,21 +225,37 @@ static bool add_packet(const Rows& rows, const Asked& asked, std::size_t begin, 
                             static_cast<std::int32_t>(least_of(packet.first_line)),
                             static_cast<std::int32_t>(most_of(packet.last_line))))
         return true;
+    prefetch_pieces(asked, end, pieces); // where these rays are lit, the next ones mostly are
     packet.near_m = column(asked.near_m);
     packet.far_m = column(asked.far_m);
     packet.near_index = column(asked.near_index);
     packet.step = column(asked.m_per_line);
-    packet.first_piece = hn::GatherIndex(di, asked.first_piece.data(), at);
-    packet.piece_count = hn::IfThenElseZero(is_member, hn::GatherIndex(di, asked.piece_count.data(), at));
+    packet.lines_per_m = column(asked.lines_per_m);
+    packet.first_piece = column(asked.first_piece);
+    packet.piece_count = hn::IfThenElseZero(is_member, column(asked.piece_count));
     V sums[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)}, length_m = hn::Zero(d);
     if (!add_pieces(packet, pieces, sums, length_m))
         return false;
+    const auto number_at = [&](std::size_t ray) { return static_cast<std::size_t>(asked.number[asked.ray(ray)]); };
+    const std::size_t first_number = number_at(begin);
+    if (asked.is_in_order && end - begin == lanes && number_at(end - 1) - first_number == lanes - 1) {
+        static_assert(sizeof(Rgb) == 3 * sizeof(float));
+        float* const of_rays = &radiance[first_number].x;
+        V red, green, blue;
+        hn::LoadInterleaved3(d, of_rays, red, green, blue);
+        hn::StoreInterleaved3(hn::Add(red, sums[0]), hn::Add(green, sums[1]), hn::Add(blue, sums[2]), d, of_rays);
+        if (!lit_length_m.empty()) {
+            float* const lengths_m = &lit_length_m[first_number];
+            hn::StoreU(hn::Add(hn::LoadU(d, lengths_m), length_m), d, lengths_m);
+        }
+        return true;
+    }
     alignas(64) float results[4][lanes];
     for (std::size_t c = 0; c < 3; ++c)
         hn::Store(sums[c], d, results[c]);
     hn::Store(length_m, d, results[3]);
     for (std::size_t lane = 0; lane < end - begin; ++lane) {
-        const auto ray = static_cast<std::size_t>(asked.number[asked.ray(begin + lane)]);
+        const std::size_t ray = number_at(begin + lane);
         radiance[ray] += Rgb(results[0][lane], results[1][lane], results[2][lane]);
         if (!lit_length_m.empty())
             lit_length_m[ray] += results[3][lane];

@@ -58,7 +58,7 @@ struct PacketBlocks {
 struct PacketRays {
     RowView row;
     float least_slope, most_slope;
-    V slope, near_m, far_m, near_index, step, first_line, last_line;
+    V slope, near_m, far_m, near_index, step, lines_per_m, first_line, last_line;
     I first_piece, piece_count;
     PacketBlocks blocks;
 };
@@ -83,8 +83,8 @@ static HWY_INLINE bool place_piece(const PacketRays& rays, V piece_near, V piece
     if (hn::AllFalse(d, piece.is_here))
         return false;
     piece.near_m = piece_near;
-    const V per_m = hn::Div(one, rays.step), past = hn::Add(rays.last_line, one);
-    const auto index_at = [&](V t) { return hn::MulAdd(hn::Sub(t, rays.near_m), per_m, rays.near_index); };
+    const V past = hn::Add(rays.last_line, one);
+    const auto index_at = [&](V t) { return hn::MulAdd(hn::Sub(t, rays.near_m), rays.lines_per_m, rays.near_index); };
     const auto distance_at = [&](V index) {
         return hn::MulAdd(hn::Sub(index, rays.near_index), rays.step, rays.near_m);
     };

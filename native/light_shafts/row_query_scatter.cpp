@@ -33,9 +33,7 @@ void add_scattered_of(const Rows& rows, std::span<const ViewRay> rays, const Pie
         asked.sort();
         const ScatterPiece* first_piece = pieces.pieces.data() + pieces.first[start];
         for (std::size_t begin = 0, end; begin < asked.count; begin = end) {
-            for (end = begin + 1; end < asked.count && end - begin < lanes; ++end)
-                if (asked.slice[asked.ray(end)] != asked.slice[asked.ray(begin)])
-                    break;
+            end = begin + asked.count_together(begin);
             if (end - begin < least_packet ||
                 !add_packet(rows, asked, begin, end, first_piece, radiance.subspan(start),
                             lit_length_m.empty() ? lit_length_m : lit_length_m.subspan(start)))
