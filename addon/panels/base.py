@@ -13,6 +13,8 @@ ENGINE = "TYNDALL"
 
 #: Width of a letter of the interface's font at a scale of 1, in pixels: an average over English text.
 _LETTER_WIDTH_PX = 6.5
+#: Of a table's width.
+_NAME_SHARE = 0.7
 
 
 class PropertiesPanel:
@@ -48,11 +50,28 @@ def draw_without_output(layout: UILayout, owner: Material | World, color_name: s
         layout.prop(owner, color_name)
 
 
+def _wrapped(text: str, width_px: float) -> list[str]:
+    """Lines of a text, at the interface's scale of 1: a label does not wrap, but cuts its middle out."""
+    return textwrap.wrap(text, max(20, int(width_px / _LETTER_WIDTH_PX)))
+
+
+def _width_px(context: Context) -> float:
+    return float(context.region.width / context.preferences.system.ui_scale)
+
+
 def draw_text(layout: UILayout, context: Context, text: str, icon: str = "NONE") -> None:
-    """Wrap a sentence to the region's width: a label does not wrap, but cuts its middle out."""
-    scale = context.preferences.system.ui_scale
-    letters = max(20, int((context.region.width - 60 * scale) / (_LETTER_WIDTH_PX * scale)))
+    """Wrap a sentence to the region's width."""
     column = layout.column(align=True)
     column.scale_y = 0.8
-    for index, line in enumerate(textwrap.wrap(text, letters)):
+    for index, line in enumerate(_wrapped(text, _width_px(context) - 60)):
         column.label(text=line, icon=icon if index == 0 else ("NONE" if icon == "NONE" else "BLANK1"))
+
+
+def draw_value(layout: UILayout, context: Context, name: str, value: str) -> None:
+    """Write a row of a table; a long name takes several lines."""
+    *above, last = _wrapped(name[:1].upper() + name[1:], _NAME_SHARE * (_width_px(context) - 20))
+    for line in above:
+        layout.label(text=line)
+    row = layout.split(factor=_NAME_SHARE)
+    row.label(text=last)
+    row.label(text=value)

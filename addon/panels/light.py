@@ -89,7 +89,7 @@ class TYNDALL_PT_light_nodes(LightPanel, Panel):
         if output:
             layout.template_node_view(light.node_tree, output, output.inputs["Surface"])
         else:
-            layout.label(text="Emission nodes would multiply power and colour", icon="INFO")
+            draw_text(layout, context, "Emission nodes would multiply power and colour", icon="INFO")
 
 
 CLASSES = (TYNDALL_PT_light, TYNDALL_PT_beam_shape, TYNDALL_PT_light_nodes)

@@ -26,11 +26,10 @@ class TYNDALL_PT_light_shafts(PropertiesPanel, Panel):
         target.prop(shafts, "error_target")
         resolution = column.column(align=True)
         resolution.active = shafts.method != "EXACT"
-        resolution.prop(shafts, "resolution", text="Resolution (0: auto)")
+        resolution.prop(shafts, "resolution")
         column = layout.column(align=True)
-        most = "Max " if shafts.adapts_strata else ""
-        column.prop(shafts, "light_samples", text=f"{most}Light Samples")
-        column.prop(shafts, "world_samples", text=f"{most}World Samples")
+        column.prop(shafts, "light_samples")
+        column.prop(shafts, "world_samples")
         column.prop(shafts, "adapts_strata")
         sharing = column.column(align=True)
         sharing.active = shafts.method != "EXACT"

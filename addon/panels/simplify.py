@@ -25,11 +25,11 @@ class TYNDALL_PT_simplify(PropertiesPanel, Panel):
         render = context.scene.render
         layout.active = render.use_simplify
         column = layout.column(align=True)
-        column.prop(render, "simplify_subdivision", text="Subdivision in Viewport")
-        column.prop(render, "simplify_subdivision_render", text="Renders")
+        column.prop(render, "simplify_subdivision", text="Subdivision")
+        column.prop(render, "simplify_subdivision_render", text="In Renders")
         column = layout.column(align=True)
-        column.prop(render, "simplify_child_particles", text="Children in Viewport")
-        column.prop(render, "simplify_child_particles_render", text="Renders")
+        column.prop(render, "simplify_child_particles", text="Child Hairs")
+        column.prop(render, "simplify_child_particles_render", text="In Renders")
 
 
 CLASSES = (TYNDALL_PT_simplify,)

@@ -3,10 +3,14 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
 from bpy.types import Context, Panel
 
 from ..last_render import statistics_of
-from .base import PropertiesPanel, draw_text
+from .base import PropertiesPanel, draw_text, draw_value
 
 #: Longer lists are cut here and copied whole: a scene of thousands of materials must not make the panel slow.
 REPORTS_SHOWN = 12
@@ -18,6 +22,27 @@ def duration_text(seconds: float) -> str:
         return f"{seconds * 1e3:.3g} ms"
     minutes, rest = divmod(seconds, 60)
     return f"{int(minutes)} min {rest:.0f} s" if minutes else f"{seconds:.3g} s"
+
+
+def summed_stages(stages: Iterable[Mapping[str, Any]]) -> list[tuple[str, float]]:
+    """Names and seconds; stages that each light or frame part goes through come as one, with their number."""
+    seconds: dict[str, list[float]] = {}
+    for stage in stages:
+        seconds.setdefault(stage["name"], []).append(stage["seconds"])
+    return [(f"{name} ({len(all_s)})" if len(all_s) > 1 else name, sum(all_s)) for name, all_s in seconds.items()]
+
+
+def grouped_reports(reports: Iterable[str]) -> list[str]:
+    """Reports that differ by the name of their culprit alone, as one that names the first."""
+    names: dict[tuple[str, str], list[str]] = {}
+    for report in reports:
+        kind, *rest = re.split(r'("[^"]*")', report, maxsplit=1)
+        name, note = rest or ("", "")
+        names.setdefault((kind, note), []).append(name)
+    return [
+        f"{kind}{named[0]}" + (f" and {len(named) - 1} more" if len(named) > 1 else "") + note
+        for (kind, note), named in names.items()
+    ]
 
 
 class TYNDALL_PT_statistics(PropertiesPanel, Panel):
@@ -32,13 +57,11 @@ class TYNDALL_PT_statistics(PropertiesPanel, Panel):
         layout = self.layout
         statistics = statistics_of(context.scene.name) or {}
         grid = layout.column(align=True)
-        for stage in statistics.get("stages", ()):
-            row = grid.split(factor=0.7)
-            row.label(text=stage["name"].capitalize())
-            row.label(text=duration_text(stage["seconds"]))
+        for name, seconds in summed_stages(statistics.get("stages", ())):
+            draw_value(grid, context, name, duration_text(seconds))
         for skipped in statistics.get("skipped", ()):
             draw_text(layout, context, f"Skipped {skipped['what']}: {skipped['reason']}", icon="REMOVE")
-        reports = statistics.get("reports", ())
+        reports = grouped_reports(statistics.get("reports", ()))
         for report in reports[:REPORTS_SHOWN]:
             draw_text(layout, context, report, icon="ERROR")
         if len(reports) > REPORTS_SHOWN:
@@ -55,9 +78,7 @@ class TYNDALL_PT_counts(PropertiesPanel, Panel):
     def draw(self, context: Context) -> None:
         grid = self.layout.column(align=True)
         for name, value in sorted((statistics_of(context.scene.name) or {}).get("counts", {}).items()):
-            row = grid.split(factor=0.7)
-            row.label(text=name.capitalize())
-            row.label(text=f"{value:,.6g}" if value % 1 else f"{int(value):,}")
+            draw_value(grid, context, name, f"{value:,.6g}" if value % 1 else f"{int(value):,}")
 
 
 CLASSES = (TYNDALL_PT_statistics, TYNDALL_PT_counts)

@@ -86,6 +86,16 @@ def test_last_render_shows_what_was_done_skipped_and_replaced(scene: bpy.types.S
     assert drawn(panels.statistics.TYNDALL_PT_counts) == ["Lit share", "0.25", "Triangles", "1,000,000"]
 
 
+def test_last_render_says_once_what_many_lights_and_materials_share(scene: bpy.types.Scene) -> None:
+    """A stage of lamps passes through the same steps, and its lenses lack the same: a page of it helps nobody."""
+    stages = [{"name": "slope rows: raster", "seconds": 0.25}, {"name": "scatter", "seconds": 3.0}] * 4
+    reports = [f'Material "Lens.{index:03}" glows' for index in range(16)] + ['Object "Fog": hidden', "no camera"]
+    last_render.record(scene.name, {"stages": stages, "reports": reports})
+    shown = drawn(panels.statistics.TYNDALL_PT_statistics)
+    assert shown[:4] == ["Slope rows: raster (4)", "1 s", "Scatter (4)", "12 s"]
+    assert shown[4:7] == ['Material "Lens.000" and 15 more glows', 'Object "Fog": hidden', "no camera"]
+
+
 def test_statistics_of_another_file_are_forgotten(scene: bpy.types.Scene) -> None:
     """Scenes of different files often have the same name."""
     last_render.record(scene.name, STATISTICS)
