@@ -5,12 +5,24 @@
 // Bound:    10 ns a pair where many pixels ask at once, three times that alone.
 #pragma once
 #include "core/sobol.hpp"
+#include "scene/camera.hpp"
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
 
 namespace tyndall::render {
+/// By the place in the full frame: a region has the full frame's noise, too.
+[[nodiscard]] inline std::uint32_t pixel_seed(const Camera& camera, std::uint32_t seed, std::uint32_t x,
+                                              std::uint32_t y) {
+    return hash(seed, y * camera.width_px + x);
+}
+/// Through the pixel's centre, or so far beside it.
+[[nodiscard]] inline Ray pixel_ray(const Camera& camera, std::uint32_t x, std::uint32_t y,
+                                   const vec2& offset_px = vec2(0.0f)) {
+    return camera.ray(static_cast<float>(x) + 0.5f + offset_px.x, static_cast<float>(y) + 0.5f + offset_px.y);
+}
+
 /// Pair `pair_index` of sample `sample_index` of a pixel, in [0, 1)^2.
 [[nodiscard]] constexpr vec2 pixel_pair(std::uint32_t pixel_seed, std::uint32_t sample_index,
                                         std::uint32_t pair_index) {

@@ -100,8 +100,7 @@ public:
     [[nodiscard]] std::vector<light_shafts::ViewRay> rays() const {
         std::vector<light_shafts::ViewRay> rays;
         for (std::uint32_t index = 0; index < square_count(); ++index) {
-            const Ray ray =
-                camera_.ray(static_cast<float>(first_x(index)) + 0.5f, static_cast<float>(first_y(index)) + 0.5f);
+            const Ray ray = pixel_ray(camera_, first_x(index), first_y(index));
             const Hit hit = scene_.closest_hit(ray);
             rays.push_back({ray.origin, ray.direction, ray.near_m, hit.is_hit() ? hit.distance_m : ray.far_m});
         }
@@ -165,9 +164,8 @@ private:
         const std::size_t pixel_count = std::size_t{width_px_} * height_px_;
         for (std::uint32_t pixel = 0; pixel < pixel_count; ++pixel) {
             const std::uint32_t x = x0 + pixel % width_px_, y = y0 + pixel / width_px_;
-            seeds[pixel] = hash(seed_, y * camera_.width_px + x);
-            const vec2 offset = filter_.offset_px(pixel_pair(seeds[pixel], camera_ray, 0));
-            rays[pixel] = camera_.ray(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y);
+            seeds[pixel] = pixel_seed(camera_, seed_, x, y);
+            rays[pixel] = pixel_ray(camera_, x, y, filter_.offset_px(pixel_pair(seeds[pixel], camera_ray, 0)));
         }
         scene_.closest_hits(std::span(rays).first(pixel_count), hits);
         std::size_t count = 0;
@@ -291,21 +289,22 @@ ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const 
         plane_share += pixel.neighbour_count / static_cast<double>(pixels_per_square * pixels.size());
     }
     const RayCosts costs = costs_where(plane_share, light);
-    std::vector<PixelVariances> alone, shared;
+    const auto scale_of = [&](const OfPixel& pixel) { return pixel.mean() + darkest_share * frame_mean; };
+    std::erase_if(pixels, [&](const OfPixel& pixel) { return !(scale_of(pixel) > 0.0); });
+    std::vector<PixelVariances> variances;
     for (OfPixel& pixel : pixels) {
-        const double scale = pixel.mean() + darkest_share * frame_mean;
-        if (!(scale > 0.0))
-            continue;
+        const double scale = scale_of(pixel);
         for (double& variance : pixel.light_variances)
             variance /= scale * scale;
-        alone.push_back({pixel.camera_variance() / (scale * scale), std::move(pixel.light_variances)});
-        shared.push_back(alone.back());
-        shared.back().of_light.back() /= pixel.neighbour_count;
+        variances.push_back({pixel.camera_variance() / (scale * scale), std::move(pixel.light_variances)});
     }
-    ShadowRayCounts counts{.of_light = best_ray_counts(alone, costs)};
+    ShadowRayCounts counts{.of_light = best_ray_counts(variances, costs)};
     counts.is_world_shared = may_share_world && light.has_even_world() && counts.of_light.back() > 1;
-    if (counts.is_world_shared)
-        counts.of_light = best_ray_counts(shared, costs);
+    if (counts.is_world_shared) {
+        for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel)
+            variances[pixel].of_light.back() /= pixels[pixel].neighbour_count;
+        counts.of_light = best_ray_counts(variances, costs);
+    }
     return counts;
 }
 } // namespace tyndall::render

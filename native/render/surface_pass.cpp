@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/surface_pass.hpp"
 #include "core/parallel.hpp"
+#include "render/pixel_samples.hpp"
 #include <algorithm>
 #include <array>
 
@@ -59,8 +60,7 @@ void SurfacePass::trace_square(const Call& call, std::uint32_t x0, std::uint32_t
             }
             xs[count] = x;
             ys[count] = y;
-            // By the place in the full frame: a region has the full frame's noise, too.
-            seeds[count++] = hash(config_.seed, y * camera_.width_px + x);
+            seeds[count++] = pixel_seed(camera_, config_.seed, x, y);
         }
     if (wanted_count == 0)
         return;
@@ -69,10 +69,8 @@ void SurfacePass::trace_square(const Call& call, std::uint32_t x0, std::uint32_t
     std::array<Ray, rays_per_square> rays;
     if (config_.pixel_samples > 1)
         pixel_pairs(these_seeds, call.sample_index, 0, u);
-    for (std::size_t i = 0; i < count; ++i) {
-        const vec2 offset = config_.pixel_samples > 1 ? filter_.offset_px(u[i]) : vec2(0.0f);
-        rays[i] = camera_.ray(static_cast<float>(xs[i]) + 0.5f + offset.x, static_cast<float>(ys[i]) + 0.5f + offset.y);
-    }
+    for (std::size_t i = 0; i < count; ++i)
+        rays[i] = pixel_ray(camera_, xs[i], ys[i], config_.pixel_samples > 1 ? filter_.offset_px(u[i]) : vec2(0.0f));
     std::array<PathSample, rays_per_square> samples;
     for (std::vector<MediumPart>& parts : caught.parts_of_square)
         parts.clear();
