@@ -38,7 +38,7 @@ struct Light {
     bool casts_shadow = true;
     bool lights_surfaces = true;
     bool scatters_in_media = true;
-    std::vector<OccluderEdit> occluder_edits; ///< In the order in which they are made.
+    std::vector<OccluderEdit> occluder_edits = {}; ///< In the order in which they are made.
     bool is_camera_visible = false; ///< Cycles 4 draws lights with a size where the artist enables camera rays.
 };
 
