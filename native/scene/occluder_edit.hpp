@@ -47,9 +47,9 @@ struct OccluderEdit {
     float size_m = 0.1f;
     /// Lamps: sizes are measured this far from the light, and grow with the distance. (0, 1e6].
     float distance_m = 5.0f;
-    HoleNoise noise; ///< Holes.
+    HoleNoise noise = {}; ///< Holes.
     bool affects_all = true;
-    std::vector<std::uint32_t> objects; ///< Into SceneDescription::object_names, rising; unless it affects all.
-    std::shared_ptr<const LightMask> mask;
+    std::vector<std::uint32_t> objects = {}; ///< Into SceneDescription::object_names, rising; unless it affects all.
+    std::shared_ptr<const LightMask> mask = {};
 };
 } // namespace tyndall
