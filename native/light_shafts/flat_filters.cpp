@@ -150,12 +150,14 @@ static void filter_tile(bool is_dilation, const MapSpan& from, const MapSpan& to
     row.values.assign(row.stride * static_cast<std::size_t>(std::bit_width(2 * disc.half_widths[0] + 1)), nothing);
     // One line for each row that the row at hand reaches; that of the row which it reaches last is the next one's first.
     const std::ptrdiff_t line_count = 2 * radius + 1;
-    float* lines = scratch_of(static_cast<std::size_t>(line_count) * disc_tile_width);
+    // Lines a power of two apart would seem to overlap to a CPU that compares the last 12 bits of addresses.
+    constexpr std::ptrdiff_t line_stride = disc_tile_width + 16;
+    float* lines = scratch_of(static_cast<std::size_t>(line_count * line_stride));
     const auto line_of = [&](std::ptrdiff_t y) {
-        return lines + (y - (y_begin - 2 * radius)) % line_count * std::ptrdiff_t{disc_tile_width};
+        return lines + (y - (y_begin - 2 * radius)) % line_count * line_stride;
     };
     outputs.resize(static_cast<std::size_t>(line_count));
-    std::fill_n(lines, line_count * std::ptrdiff_t{disc_tile_width}, nothing);
+    std::fill_n(lines, line_count * line_stride, nothing);
     for (std::ptrdiff_t y = y_begin - radius; y < y_end + radius; ++y) {
         std::fill_n(line_of(y + radius), disc_tile_width, nothing);
         if (0 <= y && y < from.height) {
