@@ -5,6 +5,7 @@ from bpy.props import PointerProperty
 from bpy.types import Light, Scene, ViewLayer
 from bpy.utils import register_class, unregister_class
 
+from . import occluder_edits
 from .light import TyndallLightSettings
 from .light_shafts import TyndallLightShaftSettings
 from .scene import TyndallSceneSettings
@@ -12,7 +13,13 @@ from .tagging import OVERRIDABLE, tag
 from .view_layer import TyndallViewLayerSettings
 
 #: In the order of registration: a group before the group that points to it.
-CLASSES = (TyndallLightShaftSettings, TyndallSceneSettings, TyndallLightSettings, TyndallViewLayerSettings)
+CLASSES = (
+    *occluder_edits.CLASSES,
+    TyndallLightShaftSettings,
+    TyndallSceneSettings,
+    TyndallLightSettings,
+    TyndallViewLayerSettings,
+)
 OWNERS = ((Scene, TyndallSceneSettings), (Light, TyndallLightSettings), (ViewLayer, TyndallViewLayerSettings))
 
 

@@ -2,8 +2,9 @@
 """``scene.tyndall``: sampling, pixel filter, threads, and the groups of the rooms."""
 
 from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
-from bpy.types import PropertyGroup
+from bpy.types import Object, PropertyGroup
 
+from ..edited_light import is_shaft_light
 from .light_shafts import TyndallLightShaftSettings
 from .tagging import OVERRIDABLE, tag
 
@@ -12,6 +13,10 @@ PIXEL_FILTERS = (
     ("GAUSSIAN", "Gaussian", "Soft", 1),
     ("BLACKMAN_HARRIS", "Blackman-Harris", "Sharp without ringing; the default of Cycles, too", 2),
 )
+
+
+def is_light_of_scene(settings: PropertyGroup, thing: Object) -> bool:
+    return is_shaft_light(thing) and settings.id_data.objects.get(thing.name) == thing
 
 
 class TyndallSceneSettings(PropertyGroup):
@@ -95,6 +100,15 @@ class TyndallSceneSettings(PropertyGroup):
         name="Light Shafts",
         description="How light that media scatter is computed",
         type=TyndallLightShaftSettings,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    edited_light: PointerProperty(
+        name="Light",
+        description="Whose edits the sidebar shows while the active object is no light: choose it to go on editing "
+        "while you move its occluders",
+        type=Object,
+        poll=is_light_of_scene,
         update=tag,
         override=OVERRIDABLE,
     )

@@ -89,6 +89,18 @@ def read_placements(
     return grouping.placements()
 
 
+def instanced_names(depsgraph: Depsgraph, poll: Callable[[], None]) -> dict[int, set[str]]:
+    """By identity of an original object of the scene: names, as placements have them, of all that it instances."""
+    names: dict[int, set[str]] = {}
+    for index, instance in enumerate(depsgraph.object_instances):
+        if index % _POLL_EVERY == 0:
+            poll()
+        if instance.is_instance:
+            by = instance.parent.original.as_pointer()
+            names.setdefault(by, set()).add(instance.instance_object.original.name)
+    return names
+
+
 class _Grouping:
     def __init__(self, depsgraph: Depsgraph, reports: Reports, viewport: SpaceView3D | None) -> None:
         self._depsgraph = depsgraph

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .instances import Placement
+    from .occluder_edits import OccluderEditReader
     from .reports import Reports
 
 _IS_BLENDER_4 = bpy.app.version >= (4, 0, 0)
@@ -26,8 +27,8 @@ _IS_BLENDER_4 = bpy.app.version >= (4, 0, 0)
 _INTENSITY_PER_WATT = 1.0 / (4.0 * math.pi)
 
 
-def read_lights(placement: Placement, reports: Reports) -> Iterator[Light]:
-    """One light per instance."""
+def read_lights(placement: Placement, edits: OccluderEditReader, reports: Reports) -> Iterator[Light]:
+    """One light per instance. Edits of its occluders are for the air: a light that no air scatters has none."""
     thing, data = placement.source, placement.source.data
     name = placement.object_name
     if data.type == "AREA":
@@ -38,6 +39,8 @@ def read_lights(placement: Placement, reports: Reports) -> Iterator[Light]:
     ):
         reports.add(f'Light "{name}"', "lights everything: light linking is not supported")
     strength = _strength(data, reports, name)
+    scatters_in_media = thing.visible_volume_scatter and data.tyndall.scatters_in_media
+    occluder_edits = edits.read(data, name) if scatters_in_media else ()
     radius_m = 0.0 if data.type == "SUN" else data.shadow_soft_size
     for matrix in placement.world_from_object():
         yield Light(
@@ -53,7 +56,8 @@ def read_lights(placement: Placement, reports: Reports) -> Iterator[Light]:
             body=_body(data),
             casts_shadow=_casts_shadow(data),
             lights_surfaces=thing.visible_diffuse,
-            scatters_in_media=thing.visible_volume_scatter and data.tyndall.scatters_in_media,
+            scatters_in_media=scatters_in_media,
+            occluder_edits=occluder_edits,
         )
 
 

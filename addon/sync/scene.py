@@ -14,9 +14,11 @@ from tyndall.scene_description import Instances, Light, Mesh, SceneDescription
 
 from .images import ImageReader
 from .instances import Placement, read_placements
+from .light_masks import MaskReader
 from .lights import read_lights
 from .materials import MaterialReader
 from .meshes import read_mesh
+from .occluder_edits import OccluderEditReader
 from .reports import Reports
 from .worlds import read_world
 
@@ -31,6 +33,7 @@ class SceneReader:
 
     def __init__(self) -> None:
         self._images = ImageReader()
+        self._masks = MaskReader()
         self._meshes: dict[str, Mesh] = {}
         self._live: dict[int, tuple[Mesh | None, set[int]]] = {}  # by address of the evaluated mesh, while it lives
         self._live_depsgraph = 0
@@ -58,6 +61,7 @@ class SceneReader:
         """
         self._forget_stale(depsgraph, is_live=is_live)
         self._images.start_frame()
+        self._masks.start_frame()
         poll()
         layer = depsgraph.view_layer_eval
         placements = [
@@ -72,15 +76,18 @@ class SceneReader:
         if depsgraph.mode == "RENDER" and depsgraph.scene_eval.render.use_motion_blur:
             reports.add(f'Scene "{depsgraph.scene_eval.name}"', "motion blur is not drawn")
         poll()
+        drawn = frozenset(placement.object_name for placement in placements if placement.data is not None)
+        edits = OccluderEditReader(depsgraph, drawn, self._images, self._masks, reports, poll)
         description = SceneDescription(
             instances=instances,
-            lights=_lights(placements, reports),
+            lights=_lights(placements, edits, reports),
             world=replace(world, medium=materials.add_medium(medium)),
             materials=tuple(materials.materials),
             media=tuple(materials.media),
             reports=reports.lines(),
         )
         self._images.end_frame()
+        self._masks.end_frame()
         self._meshes = {group.mesh.key: group.mesh for group in instances}
         return description
 
@@ -170,7 +177,7 @@ def _world_of(depsgraph: Depsgraph) -> World | None:
     return getattr(layer, "world_override", None) or depsgraph.scene_eval.world
 
 
-def _lights(placements: list[Placement], reports: Reports) -> tuple[Light, ...]:
+def _lights(placements: list[Placement], edits: OccluderEditReader, reports: Reports) -> tuple[Light, ...]:
     return tuple(
-        light for placement in placements if placement.data is None for light in read_lights(placement, reports)
+        light for placement in placements if placement.data is None for light in read_lights(placement, edits, reports)
     )

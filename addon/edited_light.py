@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which light the tools for shafts work on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bpy.types import Light, Object
+
+if TYPE_CHECKING:
+    from bpy.types import Context
+
+
+def is_shaft_light(thing: Object | None) -> bool:
+    """Whether it is a light that we draw."""
+    return thing is not None and thing.type == "LIGHT" and thing.data.type != "AREA"
+
+
+def edited_light(context: Context) -> Light | None:
+    """That of the Properties editor; in other editors the active object's, or else the one chosen for the scene."""
+    light = getattr(context, "light", None)
+    if isinstance(light, Light):
+        return light
+    if is_shaft_light(context.object):
+        return context.object.data
+    chosen = context.scene.tyndall.edited_light
+    return chosen.data if is_shaft_light(chosen) and context.scene.objects.get(chosen.name) == chosen else None
