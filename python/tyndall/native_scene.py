@@ -232,7 +232,7 @@ def _usable(sources: Iterable[_Part], build: Callable[[_Part], Any], kind: str, 
 
 def _require_finite(part: object, path: str = "") -> None:
     """Raise InvalidInput that names the first field of a light, medium or world that is not finite."""
-    if isinstance(part, Image):
+    if isinstance(part, Image) or (isinstance(part, tuple) and part and isinstance(part[0], str)):
         return
     if is_dataclass(part):
         for entry in fields(part):

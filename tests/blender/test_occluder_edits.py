@@ -547,6 +547,8 @@ def test_each_setting_reaches_the_dependency_graph(sun: bpy.types.Light, updated
 def test_a_moved_slider_sends_the_light_and_no_geometry(sun: bpy.types.Light) -> None:
     """Live, as in a viewport: meshes are the same objects, the session finds them in place, and renders anew."""
     add_edits("CLOSE")
+    edit = sun.tyndall.occluder_edits[0]
+    edit.target, edit.target_object, edit.mask_image = "OBJECT", bpy.data.objects["Cube"], image("Mask", np.eye(8))
     reader, session = SceneReader(), Session()
 
     def note(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
@@ -556,7 +558,7 @@ def test_a_moved_slider_sends_the_light_and_no_geometry(sun: bpy.types.Light) ->
     try:
         before = read(reader, is_live=True)
         session.update(before, Progress())
-        sun.tyndall.occluder_edits[0].size_m = 0.75
+        edit.size_m = 0.75
         bpy.context.view_layer.update()
         after = read(reader, is_live=True)
         session.update(after, Progress())
