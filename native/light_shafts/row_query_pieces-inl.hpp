@@ -32,6 +32,46 @@ static HWY_INLINE V mean_around_middle(V x) {
     return hn::MulAdd(p, z, hn::Set(d, 1.0f));
 }
 
+static HWY_INLINE V clamped(V value, V low, V high) { return hn::Min(hn::Max(value, low), high); }
+
+/// Rays in their rows, a lane each.
+struct RaysInRow {
+    V near_m, near_index; ///< near_index: of near_m, in lines.
+    V step, lines_per_m;  ///< Along the ray: metres per line, and 1 / step.
+    V first_line, last_line;
+    [[nodiscard]] HWY_INLINE V distance_at(V index) const {
+        return hn::MulAdd(hn::Sub(index, near_index), step, near_m);
+    }
+};
+/// One piece of each ray: whole lines of the row, and what is left over at both ends, metres.
+struct PieceInRow {
+    V whole_begin, whole_past; ///< Lines; the same where none is whole.
+    V begin_middle, begin_length, end_middle, end_length;
+
+    HWY_INLINE void place(const RaysInRow& rays, V begin, V end) {
+        const V one = hn::Set(d, 1.0f), half = hn::Set(d, 0.5f);
+        const V past = hn::Add(rays.last_line, one);
+        const auto index_at = [&](V t) {
+            return hn::MulAdd(hn::Sub(t, rays.near_m), rays.lines_per_m, rays.near_index);
+        };
+        whole_begin = clamped(hn::Ceil(index_at(begin)), rays.first_line, past);
+        whole_past = clamped(hn::Floor(index_at(end)), rays.first_line, past);
+        const V left = clamped(rays.distance_at(whole_begin), begin, end);
+        const V right = hn::Max(clamped(rays.distance_at(whole_past), begin, end), left);
+        begin_length = hn::Sub(left, begin);
+        end_length = hn::Sub(end, right);
+        begin_middle = hn::MulAdd(half, begin_length, begin);
+        end_middle = hn::NegMulAdd(half, end_length, end);
+    }
+    /// The line that what is left over belongs to.
+    [[nodiscard]] HWY_INLINE V line_before(const RaysInRow& rays) const {
+        return clamped(hn::Sub(whole_begin, hn::Set(d, 1.0f)), rays.first_line, rays.last_line);
+    }
+    [[nodiscard]] HWY_INLINE V line_after(const RaysInRow& rays) const {
+        return clamped(whole_past, rays.first_line, rays.last_line);
+    }
+};
+
 /// Pieces of some rays in columns, so that all but the sum over lines runs on whole vectors of pieces.
 struct PieceBatch {
     static constexpr std::size_t capacity = 256;
@@ -63,32 +103,23 @@ HWY_INLINE void PieceBatch::evaluate() {
     const V one = hn::Set(d, 1.0f), half = hn::Set(d, 0.5f);
     for (std::size_t i = 0; i < count; i += lanes) {
         const auto in = [&](const Column<float>& column) { return hn::Load(d, &column[i]); };
-        const V ray_near = in(ray_near_m), start = in(near_index), step = in(m_per_line), begin = in(begin_m),
-                end = in(end_m), first = in(first_line), past = hn::Add(in(last_line), one),
-                own_near = in(piece_near_m);
-        const V per_m = hn::Div(one, step);
-        const auto index_at = [&](V t) { return hn::MulAdd(hn::Sub(t, ray_near), per_m, start); };
-        const auto distance_at = [&](V index) { return hn::MulAdd(hn::Sub(index, start), step, ray_near); };
-        const auto clamped = [](V value, V low, V high) { return hn::Min(hn::Max(value, low), high); };
-        const V whole_begin = clamped(hn::Ceil(index_at(begin)), first, past);
-        const V whole_past = clamped(hn::Floor(index_at(end)), first, past);
-        const V left = clamped(distance_at(whole_begin), begin, end);
-        const V right = hn::Max(clamped(distance_at(whole_past), begin, end), left);
-        const V begin_length = hn::Sub(left, begin), end_length = hn::Sub(end, right);
-        const V in_row = hn::Sub(whole_begin, in(row_start));
+        const V step = in(m_per_line), own_near = in(piece_near_m);
+        const RaysInRow rays{in(ray_near_m), in(near_index), step, hn::Div(one, step), in(first_line), in(last_line)};
+        PieceInRow piece;
+        piece.place(rays, in(begin_m), in(end_m));
+        const V in_row = hn::Sub(piece.whole_begin, in(row_start));
         const V block_line = hn::MulAdd(hn::Floor(hn::Mul(in_row, hn::Set(d, 1.0f / block_lines))),
                                         hn::Set(d, float{block_lines}), in(row_start));
-        const V lines_before_last =
-            hn::Mul(hn::Floor(hn::Mul(hn::Sub(hn::Sub(whole_past, one), block_line), hn::Set(d, 1.0f / block_lines))),
-                    hn::Set(d, float{block_lines}));
-        const V block_middle = hn::MulAdd(half, step, distance_at(block_line));
-        const V begin_middle = hn::MulAdd(half, begin_length, begin), end_middle = hn::NegMulAdd(half, end_length, end);
-        hn::Store(begin_length, d, &begin_length_m[i]);
-        hn::Store(end_length, d, &end_length_m[i]);
-        hn::Store(hn::ConvertTo(di, whole_begin), di, &whole_first[i]);
-        hn::Store(hn::ConvertTo(di, whole_past), di, &whole_end[i]);
-        hn::Store(hn::ConvertTo(di, clamped(hn::Sub(whole_begin, one), first, in(last_line))), di, &line_before[i]);
-        hn::Store(hn::ConvertTo(di, clamped(whole_past, first, in(last_line))), di, &line_after[i]);
+        const V lines_before_last = hn::Mul(
+            hn::Floor(hn::Mul(hn::Sub(hn::Sub(piece.whole_past, one), block_line), hn::Set(d, 1.0f / block_lines))),
+            hn::Set(d, float{block_lines}));
+        const V block_middle = hn::MulAdd(half, step, rays.distance_at(block_line));
+        hn::Store(piece.begin_length, d, &begin_length_m[i]);
+        hn::Store(piece.end_length, d, &end_length_m[i]);
+        hn::Store(hn::ConvertTo(di, piece.whole_begin), di, &whole_first[i]);
+        hn::Store(hn::ConvertTo(di, piece.whole_past), di, &whole_end[i]);
+        hn::Store(hn::ConvertTo(di, piece.line_before(rays)), di, &line_before[i]);
+        hn::Store(hn::ConvertTo(di, piece.line_after(rays)), di, &line_after[i]);
         const auto same_as_red = [&](std::size_t c) {
             return hn::And(hn::Eq(in(depth_per_m[c]), in(depth_per_m[0])),
                            hn::Eq(in(depth_at_near[c]), in(depth_at_near[0])));
@@ -98,6 +129,7 @@ HWY_INLINE void PieceBatch::evaluate() {
         const auto differs = hn::Not(hn::And(is_same, hn::Gt(in(source_per_m[0]), hn::Set(d, 1e-30f))));
         // Of pieces alone: what an earlier call left behind them must not decide.
         const bool shares_red = hn::AllFalse(d, hn::And(differs, hn::FirstN(d, std::min(lanes, count - i))));
+        const V line_count = hn::Sub(hn::Add(rays.last_line, one), rays.first_line);
         V steep = hn::Zero(d);
         for (std::size_t c = 0; c < 3; ++c) {
             const V source = in(source_per_m[c]), at_near = in(depth_at_near[c]), slope_c = in(depth_per_m[c]);
@@ -128,10 +160,10 @@ HWY_INLINE void PieceBatch::evaluate() {
             hn::Store(exp_of(d, hn::Mul(line_gain, hn::Set(d, -256.0f))), d, &of_group[c][i]);
             hn::Store(exp_of(d, hn::Neg(hn::Mul(line_gain, lines_before_last))), d, &last_block[c][i]);
             hn::Store(mean_at(block_middle, step), d, &per_line[c][i]);
-            hn::Store(mean_at(begin_middle, begin_length), d, &at_begin[c][i]);
-            hn::Store(mean_at(end_middle, end_length), d, &at_end[c][i]);
+            hn::Store(mean_at(piece.begin_middle, piece.begin_length), d, &at_begin[c][i]);
+            hn::Store(mean_at(piece.end_middle, piece.end_length), d, &at_end[c][i]);
             const auto overflows = hn::Or(hn::Gt(hn::Abs(line_gain), hn::Set(d, 2.0f)),
-                                          hn::Lt(hn::Mul(line_gain, hn::Sub(past, first)), hn::Set(d, -40.0f)));
+                                          hn::Lt(hn::Mul(line_gain, line_count), hn::Set(d, -40.0f)));
             steep = hn::IfThenElse(overflows, one, steep);
         }
         hn::Store(steep, d, &is_steep[i]);

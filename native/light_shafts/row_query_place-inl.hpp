@@ -16,7 +16,6 @@ using I = hn::Vec<decltype(di)>;
 
 static HWY_INLINE float least_of(V v) { return hn::GetLane(hn::MinOfLanes(d, v)); }
 static HWY_INLINE float most_of(V v) { return hn::GetLane(hn::MaxOfLanes(d, v)); }
-static HWY_INLINE V clamped(V value, V low, V high) { return hn::Min(hn::Max(value, low), high); }
 
 /// Blocks of a row as all rays of a packet see them, a bit each, counted from `first`.
 struct PacketBlocks {
@@ -55,20 +54,18 @@ struct PacketBlocks {
 };
 
 /// What the rays of a packet are, a lane each.
-struct PacketRays {
+struct PacketRays : RaysInRow {
     RowView row;
     float least_slope, most_slope;
-    V slope, near_m, far_m, near_index, step, lines_per_m, first_line, last_line;
+    V slope, far_m;
     I first_piece, piece_count;
     PacketBlocks blocks;
 };
 
 /// One piece of each ray: where it lies in the row.
-struct PacketPiece {
+struct PacketPiece : PieceInRow {
     LaneMask is_here, has_whole;
-    V near_m;                                             ///< Its own, which depths are counted from.
-    V whole_begin, whole_past;                            ///< Whole lines; the same where there are none.
-    V begin_middle, begin_length, end_middle, end_length; ///< What is left over at both ends, metres.
+    V near_m; ///< Its own, which depths are counted from.
     LaneMask begin_lit, end_lit;
     std::int32_t outer_begin, outer_end; ///< Blocks that any ray has lines of.
     std::int32_t inner_begin, inner_end; ///< Blocks that all rays have all lines of.
@@ -77,32 +74,18 @@ struct PacketPiece {
 /// Nothing is known of the medium yet: most pieces end here, in the dark.
 static HWY_INLINE bool place_piece(const PacketRays& rays, V piece_near, V piece_far, LaneMask has_piece,
                                    PacketPiece& piece) {
-    const V one = hn::Set(d, 1.0f), half = hn::Set(d, 0.5f);
     const V begin = hn::Max(piece_near, rays.near_m), end = hn::Min(piece_far, rays.far_m);
     piece.is_here = hn::And(has_piece, hn::Lt(begin, end));
     if (hn::AllFalse(d, piece.is_here))
         return false;
     piece.near_m = piece_near;
-    const V past = hn::Add(rays.last_line, one);
-    const auto index_at = [&](V t) { return hn::MulAdd(hn::Sub(t, rays.near_m), rays.lines_per_m, rays.near_index); };
-    const auto distance_at = [&](V index) {
-        return hn::MulAdd(hn::Sub(index, rays.near_index), rays.step, rays.near_m);
-    };
-    piece.whole_begin = clamped(hn::Ceil(index_at(begin)), rays.first_line, past);
-    piece.whole_past = clamped(hn::Floor(index_at(end)), rays.first_line, past);
-    const V left = clamped(distance_at(piece.whole_begin), begin, end);
-    const V right = hn::Max(clamped(distance_at(piece.whole_past), begin, end), left);
-    piece.begin_length = hn::Sub(left, begin);
-    piece.end_length = hn::Sub(end, right);
-    piece.begin_middle = hn::MulAdd(half, piece.begin_length, begin);
-    piece.end_middle = hn::NegMulAdd(half, piece.end_length, end);
+    piece.place(rays, begin, end);
     const auto is_lit_at = [&](V line) {
-        const auto at = hn::ConvertTo(di, hn::Sub(clamped(line, rays.first_line, rays.last_line),
-                                                  hn::Set(d, static_cast<float>(rays.row.first))));
+        const auto at = hn::ConvertTo(di, hn::Sub(line, hn::Set(d, static_cast<float>(rays.row.first))));
         return hn::And(piece.is_here, hn::Ge(rays.slope, hn::GatherIndex(d, rays.row.slopes, at)));
     };
-    piece.begin_lit = is_lit_at(hn::Sub(piece.whole_begin, one));
-    piece.end_lit = is_lit_at(piece.whole_past);
+    piece.begin_lit = is_lit_at(piece.line_before(rays));
+    piece.end_lit = is_lit_at(piece.line_after(rays));
     piece.has_whole = hn::And(piece.is_here, hn::Lt(piece.whole_begin, piece.whole_past));
     piece.outer_begin = piece.outer_end = piece.inner_begin = piece.inner_end = 0;
     if (!hn::AllFalse(d, piece.has_whole)) {
