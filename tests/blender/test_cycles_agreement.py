@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Is it right? Combined equals Cycles with direct light and single scattering, within Cycles' own noise.
 
-On every push sixteen scenes meet every kind of light, medium, camera and occluder at least once, by EXACT and by
+On every push seventeen scenes meet every kind of light, medium, camera and occluder at least once, by EXACT and by
 EPIPOLAR. The long tests change one thing at a time, and then try all pairs of a light with a medium, an occluder or a
-camera: where one of the sixteen fails, they tell which part of it is wrong. A failure leaves a picture in
+camera: where one of the seventeen fails, they tell which part of it is wrong. A failure leaves a picture in
 out/cycles_agreement: ours, Cycles', and ten times the difference (red: ours is brighter).
 """
 
@@ -44,6 +44,8 @@ SURFACE_SAMPLES |= {"spot in a can": 128, "point in a shelf": 128, "world": 512,
 SMALL = {"world", "world image"}
 #: Of lamps with something inside them each stratum is 150 discs, in as many cells of directions.
 LIGHT_SAMPLES = {"spot in a can": 64, "point in a shelf": 64}
+#: Their cells are as wide as the error target asks for: half as wide as with the default, where Cycles is less noisy.
+FINE_ERROR_TARGET = 5e-4
 #: A verdict that leaves out more pixels than this says little.
 MOST_LEFT_OUT = 0.2
 
@@ -59,6 +61,7 @@ EVERYTHING_ONCE = (
     Arrangement("spot blend 0.5", "sphere", "towards light", "grid"),
     Arrangement("spot 0.1 m", "dense", "shifted", "instances"),
     Arrangement("spot 120 degrees", "thin", "perspective", "grid"),
+    Arrangement("spot 180 degrees", "camera inside", "orthographic", "grid"),
     Arrangement("spot in a can", "camera inside", "perspective", "none"),
     Arrangement("point in a shelf", "camera inside", "orthographic", "none"),
     Arrangement("world", "camera outside", "perspective", "monkey"),
@@ -85,6 +88,10 @@ ONE_BY_ONE = tuple(
         ]
     )
 )
+#: Its diffuse rays do not see the glowing box (support/agreement_scenes.py), and Cycles sends such rays to the world as
+#: well as to lights: half of the world's light then passes the box undimmed. Glow or not, that makes 8 % of difference;
+#: with a box that diffuse rays see and that does not glow, 0.004 %.
+NOT_COMPARABLE = {Arrangement(light=light, medium="emission") for light in SMALL}
 PAIRS = tuple(
     [Arrangement(light=light, medium=medium) for light in LIGHTS for medium in MEDIA]
     + [Arrangement(light=light, occluder=occluder) for light in LIGHTS for occluder in OCCLUDERS]
@@ -106,6 +113,8 @@ def check(arrangement: Arrangement, methods: tuple[str, ...], cycles_samples: in
         cycles_samples = max(cycles_samples, 16 * FEW_CYCLES_SAMPLES)
     cycles = cycles_pixels(scene, cycles_samples, seed=1), cycles_pixels(scene, cycles_samples, seed=2)
     on_edges = pixels_on_edges(scene)
+    if arrangement.light in LIGHT_SAMPLES and cycles_samples > FEW_CYCLES_SAMPLES:
+        scene.tyndall.shafts.error_target = FINE_ERROR_TARGET
     surface_samples = SURFACE_SAMPLES.get(arrangement.light, 1)
     samples = {
         "surface_samples": surface_samples,
@@ -153,7 +162,9 @@ def test_each_alone_equals_cycles(arrangement: Arrangement) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("arrangement", [pair for pair in dict.fromkeys(PAIRS) if pair not in ONE_BY_ONE], ids=str)
+@pytest.mark.parametrize(
+    "arrangement", [pair for pair in dict.fromkeys(PAIRS) if pair not in {*ONE_BY_ONE, *NOT_COMPARABLE}], ids=str
+)
 def test_pairs_equal_cycles(arrangement: Arrangement) -> None:
     """Lights with every medium, every occluder and every camera."""
     check(arrangement, ("EXACT",))

@@ -193,6 +193,13 @@ LIGHTS: dict[str, Callable[[], None]] = {
         spot_blend=0.1,
         shadow_soft_size=0.0,
     ),
+    "spot 180 degrees": lambda: _light(
+        "SPOT",
+        energy=700.0,
+        spot_size=radians(180),
+        spot_blend=0.0,
+        shadow_soft_size=0.0,
+    ),
     "spot in a can": _lamp_in_a_can,
     "point in a shelf": _lamp_in_a_shelf,
     "world": _world_constant,
