@@ -13,7 +13,7 @@ from bpy.types import Context, Light, Operator, PropertyGroup
 
 from ..animation_paths import forget_item
 from ..edited_light import edited_light
-from ..properties.occluder_edits import KIND_LABELS, KINDS, edits_in_order, unique_name
+from ..properties.occluder_edits import KIND_NAMES, KINDS, edits_in_order, unique_name
 
 if TYPE_CHECKING:
     from ..properties.occluder_edits import TyndallOccluderEdit
@@ -103,7 +103,7 @@ class TYNDALL_OT_occluder_edit_add(_ListOperator, Operator):
 
     def execute(self, context: Context) -> set[str]:
         light = edited_light(context)
-        edit = _new_edit(light, KIND_LABELS[self.kind])
+        edit = _new_edit(light, KIND_NAMES[self.kind])
         edit.kind = self.kind
         edit.size_m = _NEW_SIZES_M[self.kind]
         light.update_tag()

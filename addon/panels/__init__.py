@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Our panels in the Properties editor, and which of Blender's own show beside them."""
+"""Our panels in the Properties editor and the 3D view's sidebar, and which of Blender's own show beside them."""
 
 from bpy.utils import register_class, unregister_class
 
@@ -9,6 +9,7 @@ from . import (
     light_shafts,
     material,
     objects,
+    occluder_edits,
     passes,
     presets,
     sampling,
@@ -32,6 +33,7 @@ CLASSES = (
     *world.CLASSES,
     *objects.CLASSES,
     *light.CLASSES,
+    *occluder_edits.CLASSES,
     *material.CLASSES,
 )
 

@@ -14,8 +14,11 @@ import numpy as np
 import pytest
 
 from addon.animation_paths import path_without_item
+from addon.panels import occluder_edits
 from addon.properties.occluder_edits import edits_in_order
+from addon.properties.scene import is_light_of_scene
 from addon.sync.scene import SceneReader
+from support.recording_layout import drawn
 from support.small_scenes import CUBE_CORNERS, CUBE_FACES, add, cube, empty_scene, light, mesh, plane, read
 from tyndall import Progress
 from tyndall.renderer import Session
@@ -320,12 +323,12 @@ def test_a_library_override_keeps_its_changes_and_its_own_edits(library: Path, t
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "override.blend"))
     data = bpy.context.view_layer.objects.active.data
     assert data.override_library is not None
-    assert names(data) == ["Fill Holes", "Draw Out Silhouettes", "Make Holes"]
+    assert names(data) == ["Fill Holes", "Silhouettes", "Make Holes"]
     assert data.tyndall.occluder_edits["Fill Holes"].size_m == 3.0
     data.tyndall.active_occluder_edit = 0
     with pytest.raises(RuntimeError, match='"Fill Holes" comes from the library'):
         bpy.ops.tyndall.occluder_edit_remove()
-    data.tyndall.active_occluder_edit = data.tyndall.occluder_edits.find("Draw Out Silhouettes")
+    data.tyndall.active_occluder_edit = data.tyndall.occluder_edits.find("Silhouettes")
     assert bpy.ops.tyndall.occluder_edit_remove() == {"FINISHED"}
     assert names(data) == ["Fill Holes", "Make Holes"]
 
@@ -352,11 +355,11 @@ def test_keys_and_drivers_stay_with_their_edits(sun: bpy.types.Light) -> None:
     """After moves, and after the removal of an edit before, between or after them."""
     keyed(sun)
     at_first = values_by_name()
-    assert at_first["Fill Holes Along View"][0] == 2.0
-    assert at_first["Draw Out Silhouettes"] == (3.0, 31.0)
+    assert at_first["Fill Along View"][0] == 2.0
+    assert at_first["Silhouettes"] == (3.0, 31.0)
     for _ in range(2):
         bpy.ops.tyndall.occluder_edit_move(direction="UP")
-    assert names(sun) == ["Draw Out Silhouettes", "Fill Holes", "Fill Holes Along View"]
+    assert names(sun) == ["Silhouettes", "Fill Holes", "Fill Along View"]
     assert values_by_name() == at_first
 
     sun.tyndall.active_occluder_edit = 0
@@ -368,7 +371,7 @@ def test_keys_and_drivers_stay_with_their_edits(sun: bpy.types.Light) -> None:
 
     sun.tyndall.active_occluder_edit = 0
     bpy.ops.tyndall.occluder_edit_remove()
-    assert values_by_name() == {"Draw Out Silhouettes": (3.0, 31.0)}
+    assert values_by_name() == {"Silhouettes": (3.0, 31.0)}
     bpy.ops.tyndall.occluder_edit_remove()
     assert not curves(sun)
     assert not sun.animation_data.drivers
@@ -397,8 +400,8 @@ def test_keys_in_nla_strips_are_renumbered_too(sun: bpy.types.Light) -> None:
     animation.action = None
     sun.tyndall.active_occluder_edit = 0
     bpy.ops.tyndall.occluder_edit_remove()
-    assert values_by_name()["Draw Out Silhouettes"][0] == 3.0
-    assert values_by_name()["Fill Holes Along View"][0] == 2.0
+    assert values_by_name()["Silhouettes"][0] == 3.0
+    assert values_by_name()["Fill Along View"][0] == 2.0
 
 
 def test_drivers_that_read_an_edit_follow_it(sun: bpy.types.Light) -> None:
@@ -446,7 +449,7 @@ def test_a_new_edit_comes_after_the_active_one(sun: bpy.types.Light) -> None:
     sun.tyndall.active_occluder_edit = 1
     sun.tyndall.occluder_edits[1].noise.seed = 5
     assert bpy.ops.tyndall.occluder_edit_duplicate() == {"FINISHED"}
-    assert names(sun) == ["Fill Holes", "Fill Holes Along View", "Fill Holes Along View.001", "Draw Out Silhouettes"]
+    assert names(sun) == ["Fill Holes", "Fill Along View", "Fill Along View.001", "Silhouettes"]
     copied = sun.tyndall.occluder_edits[3]
     assert sun.tyndall.active_occluder_edit == 3
     assert (copied.kind, copied.size_m, copied.noise.seed) == ("EPIPOLAR_CLOSE", 2.0, 5)
@@ -508,6 +511,61 @@ def test_every_operator_is_undone_and_redone(sun: bpy.types.Light, operator: str
     assert state() == before
     bpy.ops.ed.redo()
     assert state() == after
+
+
+# What is shown
+
+
+def shown(owner: bpy.types.Light, *, in_sidebar: bool = False) -> list[str]:
+    panels = occluder_edits
+    panel = panels.TYNDALL_PT_sidebar_occluder_edits if in_sidebar else panels.TYNDALL_PT_occluder_edits
+    return drawn(panel, light=None if in_sidebar else owner)
+
+
+def test_the_list_shows_edits_in_their_order(sun: bpy.types.Light) -> None:
+    """Although they never move in their collection; an empty list says what it is for."""
+    assert any("add an edit" in line for line in shown(sun))
+    add_edits("CLOSE", "SILHOUETTE", "HOLES")
+    bpy.ops.tyndall.occluder_edit_move(direction="UP")
+    rows = [line for line in shown(sun) if line.startswith("row: ")]
+    assert rows == ["row: Fill Holes", "row: Make Holes", "row: Silhouettes"]
+    assert shown(sun)[-5:] == shown(sun, in_sidebar=True)[-5:]
+
+
+SIZES = {"CLOSE": {"size_m", "shape"}, "EPIPOLAR_CLOSE": {"size_m"}, "SILHOUETTE": {"size_m"}, "HOLES": {"probability"}}
+
+
+@pytest.mark.parametrize("light_type", ["SUN", "POINT", "SPOT"])
+@pytest.mark.parametrize("kind", SIZES)
+def test_only_settings_that_the_edit_reads_are_shown(sun: bpy.types.Light, kind: str, light_type: str) -> None:
+    """By its kind, the light's, and what it affects."""
+    sun.type = light_type
+    data = bpy.context.object.data  # another type of light is another type in Python
+    add_edits(kind)
+    edit = data.tyndall.occluder_edits[0]
+    settings = set(shown(data))
+    assert settings & {"size_m", "shape", "probability"} == SIZES[kind]
+    assert ("distance_m" in settings) == (light_type != "SUN")
+    assert not settings & {"target_object", "target_collection", "mask_channel", "mask_size_m"}
+    edit.target, edit.mask_image = "COLLECTION", image("Mask", np.ones((2, 2)))
+    settings = set(shown(data))
+    assert {"target_collection", "mask_image", "mask_channel"} <= settings
+    assert ("mask_size_m" in settings) == (light_type == "SUN")
+
+
+def test_the_sidebar_offers_lights_while_none_is_active(sun: bpy.types.Light) -> None:
+    """Lights of this scene that are rendered, and no other objects."""
+    bpy.context.view_layer.objects.active = bpy.data.objects["Cube"]
+    assert shown(sun, in_sidebar=True)[0] == "edited_light"
+    settings = bpy.context.scene.tyndall
+    area, elsewhere = light("AREA", (0, 0, 1)), bpy.data.objects.new("Elsewhere", sun)
+    offered = [thing for thing in bpy.data.objects if is_light_of_scene(settings, thing)]
+    assert offered == [bpy.data.objects["Sun"]]
+    assert area not in offered
+    assert elsewhere not in offered
+    settings.edited_light = bpy.data.objects["Sun"]
+    add_edits("HOLES")
+    assert "probability" in shown(sun, in_sidebar=True)
 
 
 # What a change costs

@@ -30,16 +30,45 @@ class RecordingLayout:
         assert icon in ICONS
         self.shown.append(name)
 
+    def separator(self, **_options: object) -> None:
+        pass
+
+    def menu(self, name: str, text: str = "", icon: str = "NONE") -> None:
+        assert icon in ICONS
+        getattr(bpy.types, name).draw(SimpleNamespace(layout=self), bpy.context)
+        self.shown.append(text or name)
+
+    def template_list(
+        self, kind: str, _list_id: str, owner: Any, items: str, active_owner: Any, active: str, **_options: object
+    ) -> None:
+        """Rows in the order in which the list shows them."""
+        ui_list = getattr(bpy.types, kind)
+        assert active in active_owner.bl_rna.properties
+        rows = getattr(owner, items)
+        _flags, places = ui_list.filter_items(None, bpy.context, owner, items)
+        for index in sorted(range(len(rows)), key=lambda index: places[index]):
+            ui_list.draw_item(None, bpy.context, self, owner, rows[index], 0, active_owner, active)
+            self.shown.append(f"row: {rows[index].name}")
+
     def label(self, text: str = "", icon: str = "NONE") -> None:
         assert icon in ICONS
         self.shown.append(text)
 
-    def operator(self, idname: str, text: str = "", icon: str = "NONE") -> Any:
+    def operator(self, idname: str, text: str = "", icon: str = "NONE", **_options: object) -> Any:
         assert icon in ICONS
         module, name = idname.split(".")
         operator = getattr(getattr(bpy.ops, module), name)
         self.shown.append(text or idname)
         return _OperatorProperties(frozenset(operator.get_rna_type().properties.keys()))
+
+    def operator_menu_enum(self, idname: str, name: str, text: str = "", icon: str = "NONE") -> None:
+        self.operator(idname, text, icon).require(name)
+
+    def template_ID(self, owner: Any, name: str, **operators: str) -> None:  # noqa: N802  Blender's name
+        self.prop(owner, name)
+        for idname in (operators["new"], operators["open"]):
+            module, operator = idname.split(".")
+            getattr(getattr(bpy.ops, module), operator).get_rna_type()
 
     def template_node_view(self, tree: Any, node: Any, socket: Any) -> None:
         assert node.inputs[socket.name] == socket
@@ -51,8 +80,11 @@ class _OperatorProperties:
     def __init__(self, names: frozenset[str]) -> None:
         object.__setattr__(self, "_names", names)
 
-    def __setattr__(self, name: str, value: object) -> None:
+    def require(self, name: str) -> None:
         assert name in self._names, f"the operator has no property {name}"
+
+    def __setattr__(self, name: str, value: object) -> None:
+        self.require(name)
 
 
 class HeadlessContext:

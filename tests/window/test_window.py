@@ -90,3 +90,20 @@ def test_a_render_in_the_window_equals_the_headless_one(play: Callable[..., Any]
     facts = json.loads((played.folder / "comparison.json").read_text())
     assert facts["contrast"] > 0.01, "an empty picture would prove nothing"
     assert facts["largest_difference"] == 0.0
+
+
+def test_each_button_of_the_occluder_edits_does_what_it_says(play: Callable[..., Any]) -> None:
+    """In the sidebar, by the mouse; Ctrl-Z takes the last one back."""
+    played = play("occluder_edits")
+    assert played.facts["lists"] == {
+        "add": ["Fill Holes"],
+        "duplicate": ["Fill Holes", "Fill Holes.001"],
+        "up": ["Fill Holes.001", "Fill Holes"],
+        "eye": ["Fill Holes.001 off", "Fill Holes"],
+        "down": ["Fill Holes", "Fill Holes.001 off"],
+        "solo": ["Fill Holes", "Fill Holes.001 off solo"],
+        "remove": ["Fill Holes"],
+        "undo": ["Fill Holes", "Fill Holes.001 off solo"],
+        "redo": ["Fill Holes"],
+    }
+    assert not [line for line in played.console.splitlines() if any(text in line for text in COMPLAINTS)]

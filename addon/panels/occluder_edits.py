@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The list of a light's occluder edits: in its own properties, and in the 3D view's sidebar beside what it shapes."""
+
+from __future__ import annotations
+
+from bpy.types import Context, Light, Menu, Panel, UILayout, UIList
+
+from ..edited_light import edited_light, is_shaft_light
+from ..operators.occluder_edits import active_edit
+from ..properties.light import TyndallLightSettings
+from ..properties.occluder_edits import KIND_ICONS, TyndallHoleNoise, TyndallOccluderEdit, edits_in_order
+from .base import PropertiesPanel, draw_text
+from .light import LightPanel
+
+#: Regions from this width on, at a scale of 1, have room for labels beside fields.
+_SPLIT_WIDTH_PX = 300
+#: What the size of an edit is, by kind; holes have none.
+_SIZE_LABELS = {"CLOSE": "Hole Size", "EPIPOLAR_CLOSE": "Hole Length", "SILHOUETTE": "Grow By"}
+
+
+class TYNDALL_UL_occluder_edits(UIList):
+    def draw_item(
+        self,
+        context: Context,
+        layout: UILayout,
+        data: TyndallLightSettings,
+        item: TyndallOccluderEdit,
+        icon: int,
+        active_data: object,
+        active_property: str,
+    ) -> None:
+        is_soloed = any(other.is_solo for other in data.occluder_edits)
+        row = layout.row(align=True)
+        row.active = item.is_solo if is_soloed else item.is_enabled
+        row.prop(item, "name", text="", emboss=False, icon=KIND_ICONS[item.kind])
+        if item.is_solo:
+            solo = row.operator("tyndall.occluder_edit_solo", text="", icon="SOLO_ON", emboss=False)
+            solo.index = data.occluder_edits.find(item.name)
+        else:
+            row.prop(item, "is_enabled", text="", icon="HIDE_OFF" if item.is_enabled else "HIDE_ON", emboss=False)
+
+    def filter_items(self, context: Context, data: object, propname: str) -> tuple[list[int], list[int]]:
+        """In the order in which they are made; edits themselves never move, for the sake of their keys."""
+        return [], places(data.id_data)
+
+
+def places(light: Light) -> list[int]:
+    """Of each edit of a light: its place in the order in which they are made."""
+    edits = light.tyndall.occluder_edits
+    by_place = sorted(range(len(edits)), key=lambda index: edits[index].order)
+    place_of = {index: place for place, index in enumerate(by_place)}
+    return [place_of[index] for index in range(len(edits))]
+
+
+class TYNDALL_MT_occluder_edits(Menu):
+    bl_label = "Occluder Edit Specials"
+
+    def draw(self, context: Context) -> None:
+        self.layout.operator("tyndall.occluder_edit_duplicate", text="Duplicate", icon="DUPLICATE")
+        self.layout.operator("tyndall.occluder_edit_solo", text="Solo", icon="SOLO_ON").index = -1
+
+
+def draw_edits(layout: UILayout, context: Context, light: Light) -> None:
+    """Draw the list, and under it what the active edit reads."""
+    if light.type == "AREA":
+        draw_text(layout, context, "Area lights are not rendered yet: use a spot or a point light", icon="ERROR")
+        return
+    settings = light.tyndall
+    edit = active_edit(light)
+    row = layout.row()
+    row.template_list(
+        "TYNDALL_UL_occluder_edits",
+        "",
+        settings,
+        "occluder_edits",
+        settings,
+        "active_occluder_edit",
+        rows=5 if edit else 3,
+    )
+    column = row.column(align=True)
+    column.operator_menu_enum("tyndall.occluder_edit_add", "kind", text="", icon="ADD")
+    column.operator("tyndall.occluder_edit_remove", text="", icon="REMOVE")
+    if edit is None:
+        draw_text(layout, context, "Reshape its shafts: add an edit of what stands in the light's way", icon="INFO")
+        return
+    column.separator()
+    column.menu("TYNDALL_MT_occluder_edits", text="", icon="DOWNARROW_HLT")
+    column.separator()
+    column.operator("tyndall.occluder_edit_move", text="", icon="TRIA_UP").direction = "UP"
+    column.operator("tyndall.occluder_edit_move", text="", icon="TRIA_DOWN").direction = "DOWN"
+    if not settings.scatters_in_media:
+        draw_text(layout, context, "Scatter in Media is off: the light has no shafts to shape", icon="ERROR")
+    column = layout.column()
+    column.active = edit.is_solo or (edit.is_enabled and not any(other.is_solo for other in edits_in_order(light)))
+    # Beside a label of its own, a field of a narrow sidebar would cut both.
+    is_wide = context.region.width >= _SPLIT_WIDTH_PX * context.preferences.system.ui_scale
+    column.use_property_split = is_wide
+    draw_edit(column, light, edit, is_wide=is_wide)
+
+
+def draw_edit(layout: UILayout, light: Light, edit: TyndallOccluderEdit, *, is_wide: bool) -> None:
+    """Draw the settings that an edit of its kind reads, for this kind of light."""
+
+    def draw_choice(column: UILayout, name: str) -> None:
+        column.prop(edit, name) if is_wide else column.prop(edit, name, text="")
+
+    column = layout.column()
+    draw_choice(column, "kind")
+    if edit.kind == "CLOSE":
+        draw_choice(column, "shape")
+    column = layout.column(align=True)
+    if edit.kind == "HOLES":
+        draw_noise(column, edit.noise)
+    else:
+        column.prop(edit, "size_m", text=_SIZE_LABELS[edit.kind])
+    if light.type != "SUN":
+        layout.column().prop(edit, "distance_m")
+    column = layout.column()
+    draw_choice(column, "target")
+    if edit.target == "OBJECT":
+        draw_choice(column, "target_object")
+    elif edit.target == "COLLECTION":
+        draw_choice(column, "target_collection")
+    column = layout.column()
+    draw_mask(column, edit, is_wide=is_wide)
+    if edit.mask_image is not None:
+        draw_choice(column, "mask_channel")
+        if light.type == "SUN":
+            column.prop(edit, "mask_size_m", text="Width" if is_wide else "Mask Width")
+
+
+def draw_mask(column: UILayout, edit: TyndallOccluderEdit, *, is_wide: bool) -> None:
+    if is_wide:
+        column.template_ID(edit, "mask_image", new="image.new", open="image.open", text="Mask")
+    else:
+        column.label(text="Mask")
+        column.template_ID(edit, "mask_image", new="image.new", open="image.open")
+
+
+def draw_noise(column: UILayout, noise: TyndallHoleNoise) -> None:
+    column.prop(noise, "probability")
+    column.prop(noise, "scale_m")
+    column.prop(noise, "octaves")
+    persistence = column.column(align=True)
+    persistence.active = noise.octaves > 1
+    persistence.prop(noise, "persistence")
+    column.separator()
+    column.prop(noise, "sway")
+    turn = column.column(align=True)
+    turn.active = noise.sway > 0.0
+    turn.prop(noise, "turn_rad")
+    column.prop(noise, "seed")
+
+
+class TYNDALL_PT_occluder_edits(LightPanel, Panel):
+    bl_label = "Occluder Edits"
+
+    def draw(self, context: Context) -> None:
+        draw_edits(self.layout, context, context.light)
+
+
+class TYNDALL_PT_sidebar_occluder_edits(Panel):
+    bl_label = "Shape: Occluder Edits"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Light Shafts"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return context.engine in PropertiesPanel.COMPAT_ENGINES
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        light = edited_light(context)
+        if is_shaft_light(context.object):
+            layout.label(text=context.object.name, icon=f"LIGHT_{light.type}")
+        else:
+            layout.prop(context.scene.tyndall, "edited_light", text="")
+        if light is None:
+            draw_text(layout, context, "Make a light active, or choose one here, to shape its shafts", icon="INFO")
+            return
+        draw_edits(layout, context, light)
+
+
+CLASSES = (
+    TYNDALL_UL_occluder_edits,
+    TYNDALL_MT_occluder_edits,
+    TYNDALL_PT_occluder_edits,
+    TYNDALL_PT_sidebar_occluder_edits,
+)
