@@ -18,6 +18,7 @@ struct SceneWithMedia {
 
 void bind_core(py::module_& native);
 void bind_materials(py::module_& native);
+void bind_occluder_edits(py::module_& native);
 void bind_scene(py::module_& native);
 void bind_render(py::module_& native);
 } // namespace tyndall::bindings

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bindings/arrays.hpp"
 #include "bindings/bind.hpp"
+#include "light_shafts/light_depth_picture.hpp"
 #include "render/frame.hpp"
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
@@ -83,6 +84,14 @@ static std::pair<py::dict, Statistics> render_film(const SceneWithMedia& built, 
     return {to_planes(film), std::move(film.statistics)};
 }
 
+static std::pair<py::array, py::array> make_light_depth(const SceneWithMedia& built, std::size_t light,
+                                                        std::uint32_t resolution, const Progress& progress) {
+    light_shafts::LightDepthPicture picture =
+        without_gil([&] { return light_shafts::light_depth_picture(built.scene, light, resolution, progress); });
+    return {to_numpy(std::move(picture.before), {picture.height, picture.width}),
+            to_numpy(std::move(picture.after), {picture.height, picture.width})};
+}
+
 void bind_render(py::module_& native) {
     py::class_<Camera>(native, "Camera")
         .def(py::init(&make_camera), "kind"_a, "world_from_camera"_a, "window"_a, "clip_m"_a, "size_px"_a,
@@ -97,5 +106,10 @@ void bind_render(py::module_& native) {
                R"(Planes by name, float32 (height, width, channels), rows bottom to top, and statistics.
 
 on_update is called with the planes so far about twice a second. Releases the GIL. InvalidInput; Cancelled.)");
+    native.def("light_depth_picture", &make_light_depth, "scene"_a, "light"_a, "resolution"_a, "progress"_a,
+               R"(A light's depth map before and after its occluder edits, float32 (height, width), rows bottom to top.
+
+0 is nearest to the light, 1 farthest or nothing; a point light's faces lie three by two. Edits along the view do not
+show. light: into the scene's lights. Releases the GIL. InvalidInput; Cancelled.)");
 }
 } // namespace tyndall::bindings

@@ -11,6 +11,7 @@ PYBIND11_MODULE(_native, native) {
     py::register_exception<Cancelled>(native, "Cancelled", PyExc_Exception);
     bind_core(native);
     bind_materials(native);
+    bind_occluder_edits(native);
     bind_scene(native);
     bind_render(native);
 }

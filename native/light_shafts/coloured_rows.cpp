@@ -87,16 +87,17 @@ std::unique_ptr<Visibility> fill_rows(const Preparation& preparation, PreparedRo
     const std::vector<PartialOccluderInstance> instances = relevant(rows.layout, preparation.occluders);
     PartialShading partial(instances, preparation.light, seed);
     if (std::ranges::none_of(instances, is_coloured)) {
-        fill(rows, partial, prepared.statistics);
-        return std::make_unique<RowsVisibility>(preparation, std::move(rows), std::move(prepared.statistics));
+        std::shared_ptr<const Visibility> instead = fill(rows, partial, prepared.statistics);
+        return std::make_unique<RowsVisibility>(preparation, std::move(rows), std::move(prepared.statistics),
+                                                std::move(instead));
     }
     Channels channels;
     for (std::size_t c = 0; c < 3; ++c) {
         partial.channel = static_cast<int>(c);
         slope_rows::Rows own(rows.layout);
         Statistics ignored; // three times the same
-        fill(own, partial, c == 0 ? prepared.statistics : ignored);
-        channels[c] = std::make_unique<RowsVisibility>(preparation, std::move(own), Statistics{});
+        std::shared_ptr<const Visibility> instead = fill(own, partial, c == 0 ? prepared.statistics : ignored);
+        channels[c] = std::make_unique<RowsVisibility>(preparation, std::move(own), Statistics{}, std::move(instead));
     }
     prepared.statistics.count("slope rows: sets for coloured surfaces", 3.0);
     return std::make_unique<ColouredRows>(std::move(channels), std::move(prepared.statistics));

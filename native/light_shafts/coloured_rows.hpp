@@ -11,7 +11,9 @@ namespace tyndall::light_shafts {
 /// A third of the memory for each set, where some surface is coloured.
 [[nodiscard]] slope_rows::LayoutConfig sharing_memory(slope_rows::LayoutConfig layout, const Occluders& occluders);
 
-using FillRows = std::function<void(slope_rows::Rows& rows, const PartialShading& partial, Statistics& statistics)>;
+/// Returns what answers the rays that rows cannot; nothing: the exact strip does.
+using FillRows = std::function<std::shared_ptr<const Visibility>(slope_rows::Rows& rows, const PartialShading& partial,
+                                                                 Statistics& statistics)>;
 /// `prepared` has rows. `seed` is of what is drawn for surfaces that let a part of the light pass. Throws what fill does.
 [[nodiscard]] std::unique_ptr<Visibility> fill_rows(const Preparation& preparation, PreparedRows prepared,
                                                     std::uint32_t seed, const FillRows& fill);

@@ -4,7 +4,7 @@
 namespace tyndall::light_shafts {
 using namespace slope_rows;
 
-static Layout layout_of(const DepthMap& map, const MapWindow& window, std::uint32_t resolution) {
+static Layout layout_of(const DepthMap& map, const MapWindow& window, glm::uvec2 texels) {
     Layout layout;
     Frame& frame = layout.frame;
     frame.origin = map.origin;
@@ -15,16 +15,15 @@ static Layout layout_of(const DepthMap& map, const MapWindow& window, std::uint3
     frame.x = {0, 0, 1};
     frame.y = {0, 1, 0};
     frame.w = {1, 0, 0};
-    const auto texels = static_cast<float>(resolution);
-    const vec2 step = glm::max(window.max - window.min, vec2(1e-30f)) / texels;
+    const vec2 step = glm::max(window.max - window.min, vec2(1e-30f)) / vec2(texels);
     layout.line_step = step.x;
     layout.first_line = window.min.x;
     layout.slice_step = step.y;
     layout.first_slice = window.min.y + 0.5f * step.y;
-    layout.line_count = static_cast<std::int32_t>(resolution);
+    layout.line_count = static_cast<std::int32_t>(texels.x);
     const std::int32_t padded = (layout.line_count + block_lines - 1) / block_lines * block_lines;
-    layout.rows.resize(resolution);
-    layout.slice_directions.assign(resolution, vec2(1, 0));
+    layout.rows.resize(texels.y);
+    layout.slice_directions.assign(texels.y, vec2(1, 0));
     for (std::size_t y = 0; y < layout.rows.size(); ++y)
         layout.rows[y] = {
             .first = 0, .end = padded, .offset = y * static_cast<std::size_t>(padded), .smallest_slope = no_occluder};
@@ -54,9 +53,9 @@ static std::size_t place_in_face(const DepthMapFace& face, const OccluderInstanc
     return start;
 }
 
-void raster_depth(DepthMap& map, const MapWindow& window, std::uint32_t resolution, const Occluders& occluders,
+void raster_depth(DepthMap& map, const MapWindow& window, glm::uvec2 texels, const Occluders& occluders,
                   const Progress& progress) {
-    map.texels = std::make_unique<Rows>(layout_of(map, window, resolution));
+    map.texels = std::make_unique<Rows>(layout_of(map, window, texels));
     if (!map.is_perspective) {
         raster(*map.texels, occluders, progress);
         return;

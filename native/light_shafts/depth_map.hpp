@@ -15,6 +15,9 @@ struct DepthMap {
     vec3 origin{0.0f}, x_axis{1, 0, 0}, y_axis{0, 1, 0}, z_axis{0, 0, 1}; ///< Perspective: z leaves the light.
     std::unique_ptr<slope_rows::Rows> texels;
 
+    [[nodiscard]] vec3 axes_of(const vec3& v) const {
+        return {glm::dot(x_axis, v), glm::dot(y_axis, v), glm::dot(z_axis, v)};
+    }
     /// Largest depth at the texel that holds (x, y); no_occluder outside. Parallel: metres along z; perspective: 1/z.
     [[nodiscard]] float depth_at(float x, float y) const {
         const slope_rows::Layout& layout = texels->layout;
@@ -32,7 +35,7 @@ struct MapWindow {
     vec2 min, max;
 };
 /// Throws Cancelled.
-void raster_depth(DepthMap& map, const MapWindow& window, std::uint32_t resolution, const Occluders& occluders,
+void raster_depth(DepthMap& map, const MapWindow& window, glm::uvec2 texels, const Occluders& occluders,
                   const Progress& progress);
 /// Adds what lets a part of the light pass to the texels of raster_depth. Throws Cancelled.
 void raster_partial_depth(DepthMap& map, const MapWindow& window, const PartialShading& shading,

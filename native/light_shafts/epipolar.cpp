@@ -28,10 +28,12 @@ std::unique_ptr<Visibility> make_epipolar_beam(const Scene& scene, const Occlude
     if (prepared.instead)
         return std::move(prepared.instead);
     return fill_rows(preparation, std::move(prepared), config.seed,
-                     [&](slope_rows::Rows& rows, const PartialShading& partial, Statistics& statistics) {
+                     [&](slope_rows::Rows& rows, const PartialShading& partial,
+                         Statistics& statistics) -> std::shared_ptr<const Visibility> {
                          const StageTimer timer(statistics, "slope rows: raster");
                          slope_rows::raster(rows, occluders, progress);
                          slope_rows::raster_partial(rows, partial, progress);
+                         return nullptr;
                      });
 }
 } // namespace tyndall::light_shafts

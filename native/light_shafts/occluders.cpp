@@ -164,8 +164,8 @@ std::unique_ptr<const OccluderMesh> make_occluder_mesh(std::span<const vec3> pos
     return mesh;
 }
 
-void Occluders::add(const OccluderMesh* mesh, const mat4* scene_from_object) {
-    instances.push_back({mesh, scene_from_object});
+void Occluders::add(const OccluderMesh* mesh, const mat4* scene_from_object, std::uint32_t index) {
+    instances.push_back({mesh, scene_from_object, index});
     for (const OccluderBlock& block : mesh->blocks)
         triangle_count += block.count;
 }
@@ -222,7 +222,7 @@ Occluders gather_occluders(const SceneDescription& scene, const Progress& progre
         },
         1);
     for (const auto& [use, instance] : opaque.instances)
-        occluders.add(occluders.meshes[use].get(), &scene.instances[instance].world_from_object);
+        occluders.add(occluders.meshes[use].get(), &scene.instances[instance].world_from_object, instance);
     for (const auto& [use, instance] : partial.instances)
         if (const auto& mesh = occluders.partial_meshes[use]; !mesh->triangles.empty())
             occluders.partial_instances.push_back({mesh.get(), &scene.instances[instance].world_from_object, instance});

@@ -32,6 +32,7 @@ struct OccluderMesh {
 struct OccluderInstance {
     const OccluderMesh* mesh = nullptr;
     const mat4* scene_from_object = nullptr;
+    std::uint32_t index = 0; ///< Into SceneDescription::instances.
 };
 
 /// The triangles of a mesh that let a part of the light pass.
@@ -63,7 +64,7 @@ struct Occluders {
 
     [[nodiscard]] bool is_empty() const { return triangle_count == 0 && partial_instances.empty(); }
     /// `scene_from_object` must outlive this.
-    void add(const OccluderMesh* mesh, const mat4* scene_from_object);
+    void add(const OccluderMesh* mesh, const mat4* scene_from_object, std::uint32_t index = 0);
 };
 /// Sorts the triangles into blocks; keeps nothing of its arguments.
 [[nodiscard]] std::unique_ptr<const OccluderMesh> make_occluder_mesh(std::span<const vec3> positions,

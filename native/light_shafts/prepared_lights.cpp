@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 #include "light_shafts/exact_strip.hpp"
 #include "light_shafts/light_shares.hpp"
+#include "light_shafts/occluder_edits.hpp"
 #include "light_shafts/occluders.hpp"
 #include "light_shafts/ray_outline.hpp"
 #include <algorithm>
@@ -70,29 +71,46 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
             lights.push_back(std::move(beams));
         disc_cells.push_back(std::move(light.cells)); // the samples' pointers into it stay
     }
-    std::vector<std::pair<Beam*, float>> all_beams; // with the share of their light
-    for (LightBeams& light : lights)
-        for (Beam& beam : light.beams)
-            all_beams.emplace_back(&beam, 1.0f / static_cast<float>(light.beams.size()));
-    progress.set_message("Light shafts: " + std::to_string(all_beams.size()) + " light samples");
+    struct BeamToPrepare {
+        Beam* beam;
+        float share_of_light;
+        const OccluderEdits* edits;
+    };
+    std::vector<BeamToPrepare> all_beams;
+    std::vector<std::unique_ptr<const OccluderEdits>> edits;
     std::shared_ptr<const StripScene> strip;
     Occluders occluders;
     const auto strip_on_demand = std::make_shared<const StripOnDemand>(scene);
     std::vector<RaySpan> outer_rays;
-    if (all_beams.empty())
+    if (lights.empty())
         return;
+    const auto is_edited = [&](const LightBeams& light) {
+        return light.light < scene.lights().size() && !scene.lights()[light.light].occluder_edits.empty();
+    };
     if (config.method == Method::Exact) {
         const StageTimer timer(statistics, "light shafts: hierarchies for cuts");
         strip = std::make_shared<const StripScene>(make_strip_scene(scene, progress));
-    } else {
+    }
+    if (config.method != Method::Exact || std::ranges::any_of(lights, is_edited)) {
         occluders = gather_occluders(scene.description(), progress);
         outer_rays = outline(view.is_orthographic, clipped, progress);
     }
+    for (LightBeams& light : lights) {
+        const OccluderEdits* of_light = nullptr;
+        if (is_edited(light)) {
+            edits.push_back(
+                std::make_unique<const OccluderEdits>(scene.description(), scene.lights()[light.light], occluders));
+            of_light = edits.back()->is_empty() ? nullptr : edits.back().get();
+        }
+        for (Beam& beam : light.beams)
+            all_beams.push_back({&beam, 1.0f / static_cast<float>(light.beams.size()), of_light});
+    }
+    progress.set_message("Light shafts: " + std::to_string(all_beams.size()) + " light samples");
     parallel_for(
         all_beams.size(), progress,
         [&](std::size_t index) {
-            auto& [beam, share_of_light] = all_beams[index];
-            if (config.method == Method::Exact) {
+            auto& [beam, share_of_light, of_light] = all_beams[index];
+            if (config.method == Method::Exact && of_light == nullptr) {
                 beam->visibility = make_exact_strip(scene, beam->sample, strip);
                 return;
             }
@@ -100,9 +118,14 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
             std::vector<RaySpan> in_cell;
             if (beam->cell != nullptr)
                 in_cell = clip_to_cell(outer_rays, beam->cell->directions, beam->cell->reach_m);
+            const std::span<const RaySpan> rays = beam->cell != nullptr ? in_cell : outer_rays;
+            if (of_light != nullptr) {
+                beam->visibility = make_edited_beam(scene, *of_light, occluders, view, beam->sample, rays,
+                                                    strip_on_demand, share, progress);
+                return;
+            }
             MakeBeamVisibility& make = config.method == Method::Epipolar ? make_epipolar_beam : make_shadow_map_beam;
-            beam->visibility = make(scene, occluders, view, beam->sample, beam->cell != nullptr ? in_cell : outer_rays,
-                                    strip_on_demand, share, progress);
+            beam->visibility = make(scene, occluders, view, beam->sample, rays, strip_on_demand, share, progress);
         },
         1);
     float most = -1.0f;

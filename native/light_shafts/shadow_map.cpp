@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/shadow_map.hpp"
 #include "light_shafts/coloured_rows.hpp"
+#include "light_shafts/map_visibility.hpp"
+#include "light_shafts/occluder_edits.hpp"
 #include "light_shafts/slope_rows_visibility.hpp"
 #include <algorithm>
 #include <numbers>
@@ -9,8 +11,14 @@ namespace tyndall::light_shafts {
 using namespace slope_rows;
 
 /// Where the rows' light lines pierce the plane across a sun.
-static MapWindow sun_window(const Layout& layout) {
+static MapWindow sun_window(const Layout& layout, const SunPlace& place) {
     const Frame& frame = layout.frame;
+    DepthMap face;
+    face.origin = place.origin;
+    face.x_axis = place.x_axis;
+    face.y_axis = place.y_axis;
+    face.z_axis = place.z_axis;
+    const RowsOnMap on_map(frame, face);
     MapWindow window{vec2(std::numeric_limits<float>::infinity()), vec2(-std::numeric_limits<float>::infinity())};
     for (std::size_t s = 0; s < layout.rows.size(); ++s) {
         const RowExtent& row = layout.rows[s];
@@ -19,13 +27,26 @@ static MapWindow sun_window(const Layout& layout) {
             if (row.first == row.end)
                 continue;
             const float r = layout.first_line + static_cast<float>(line) * layout.line_step;
-            const vec2 point = r * layout.slice_directions[s] + vec2(0.0f, across);
+            const vec2 point = on_map.at(r * layout.slice_directions[s] + vec2(0.0f, across));
             window.min = glm::min(window.min, point);
             window.max = glm::max(window.max, point);
         }
     }
     const vec2 margin = 0.001f * (window.max - window.min);
     return {window.min - margin, window.max + margin};
+}
+
+RowsOnMap::RowsOnMap(const Frame& frame, const DepthMap& map)
+    : offset(map.axes_of(frame.origin - map.origin)), along_u(map.axes_of(frame.u)), along_v(map.axes_of(frame.v)) {}
+
+/// The window's texels as squares of a grid that only its own size decides, in steps of a quarter of an octave.
+static glm::uvec2 snap(MapWindow& window, std::uint32_t resolution) {
+    const vec2 size = window.max - window.min;
+    const float texel = std::exp2(
+        std::ceil(4.0f * std::log2(std::max({size.x, size.y, 1e-30f}) / static_cast<float>(resolution))) / 4.0f);
+    const vec2 first = glm::floor(window.min / texel), last = glm::ceil(window.max / texel);
+    window = {first * texel, last * texel};
+    return glm::uvec2(glm::max(last - first, vec2(1.0f)));
 }
 
 /// A cone that one perspective face can hold, with Cycles' transform of directions doing nothing but turn.
@@ -59,22 +80,17 @@ FacePoint face_point(const ShadowMap& map, const vec3& from_light) {
     return best;
 }
 
-ShadowMap raster_shadow_map(const Layout& layout, const LightSample& light, std::uint32_t resolution,
-                            const Occluders& occluders, const Progress& progress, const PartialShading* partial) {
+/// `raster_face(face, window)` fills a face.
+template <typename RasterFace>
+static ShadowMap raster_faces(const SunPlace& sun, const LightSample& light, const RasterFace& raster_face) {
     ShadowMap map;
-    const auto raster_face = [&](DepthMap& face, const MapWindow& window) {
-        raster_depth(face, window, resolution, occluders, progress);
-        if (partial != nullptr)
-            raster_partial_depth(face, window, *partial, progress);
-    };
     if (light.is_directional) {
         DepthMap& face = map.faces.emplace_back();
-        const Frame& frame = layout.frame;
-        face.origin = frame.origin;
-        face.x_axis = frame.u;
-        face.y_axis = frame.v;
-        face.z_axis = frame.axis;
-        raster_face(face, sun_window(layout));
+        face.origin = sun.origin;
+        face.x_axis = sun.x_axis;
+        face.y_axis = sun.y_axis;
+        face.z_axis = sun.z_axis;
+        raster_face(face, sun.window);
         return map;
     }
     if (is_narrow_spot(light)) {
@@ -88,6 +104,36 @@ ShadowMap raster_shadow_map(const Layout& layout, const LightSample& light, std:
          {vec3(1, 0, 0), vec3(-1, 0, 0), vec3(0, 1, 0), vec3(0, -1, 0), vec3(0, 0, 1), vec3(0, 0, -1)})
         raster_face(map.faces.emplace_back(make_face(light.position, axis)), {vec2(-1.0f), vec2(1.0f)});
     return map;
+}
+
+ShadowMap raster_shadow_map(const Layout& layout, const LightSample& light, std::uint32_t resolution,
+                            const Occluders& occluders, const Progress& progress, const PartialShading* partial) {
+    const Frame& frame = layout.frame;
+    SunPlace sun{frame.origin, frame.u, frame.v, frame.axis};
+    if (light.is_directional)
+        sun.window = sun_window(layout, sun);
+    return raster_faces(sun, light, [&](DepthMap& face, const MapWindow& window) {
+        raster_depth(face, window, glm::uvec2(resolution), occluders, progress);
+        if (partial != nullptr)
+            raster_partial_depth(face, window, *partial, progress);
+    });
+}
+
+SunPlace sun_place(const Layout& layout, const vec3& x_axis, const vec3& y_axis) {
+    // From the scene's origin, which stays.
+    SunPlace place{vec3(0.0f), x_axis, y_axis, layout.frame.axis};
+    place.window = sun_window(layout, place);
+    return place;
+}
+
+ShadowMap raster_filter_map(const SunPlace& place, float margin, const LightSample& light, std::uint32_t resolution,
+                            const Occluders& occluders, const Progress& progress, const PartialShading& partial) {
+    return raster_faces(place, light, [&](DepthMap& face, MapWindow window) {
+        window = {window.min - margin, window.max + margin};
+        const glm::uvec2 texels = snap(window, resolution);
+        raster_depth(face, window, texels, occluders, progress);
+        raster_partial_depth(face, window, partial, progress);
+    });
 }
 
 /// As many lines as texels, and a slice per line: the rows then add little to the error of the map.
@@ -110,18 +156,45 @@ std::unique_ptr<Visibility> make_shadow_map_beam(const Scene& scene, const Occlu
     PreparedRows prepared = prepare_rows(preparation, layout, "SHADOW_MAP");
     if (prepared.instead)
         return std::move(prepared.instead);
-    return fill_rows(preparation, std::move(prepared), config.seed,
-                     [&](Rows& rows, const PartialShading& partial, Statistics& statistics) {
-                         ShadowMap map;
-                         {
-                             const StageTimer timer(statistics, "shadow map: raster");
-                             map = raster_shadow_map(rows.layout, light, layout.lines, occluders, progress, &partial);
-                         }
-                         {
-                             const StageTimer timer(statistics, "shadow map: rectify");
-                             rectify(map, rows, progress);
-                         }
-                         statistics.count("shadow map: faces", static_cast<double>(map.faces.size()));
-                     });
+    return fill_rows(
+        preparation, std::move(prepared), config.seed,
+        [&](Rows& rows, const PartialShading& partial, Statistics& statistics) -> std::shared_ptr<const Visibility> {
+            ShadowMap map;
+            {
+                const StageTimer timer(statistics, "shadow map: raster");
+                map = raster_shadow_map(rows.layout, light, layout.lines, occluders, progress, &partial);
+            }
+            {
+                const StageTimer timer(statistics, "shadow map: rectify");
+                rectify(map, rows, progress);
+            }
+            statistics.count("shadow map: faces", static_cast<double>(map.faces.size()));
+            return nullptr;
+        });
+}
+
+std::unique_ptr<Visibility> make_edited_beam(const Scene& scene, const OccluderEdits& edits, const Occluders& occluders,
+                                             const View& view, const LightSample& light,
+                                             std::span<const RaySpan> outline,
+                                             std::shared_ptr<const StripOnDemand> strip, const Config& config,
+                                             Progress& progress) {
+    const Preparation preparation{scene, occluders, view, light, outline, std::move(strip), progress};
+    slope_rows::LayoutConfig layout = sharing_memory(map_layout_of(config), occluders);
+    edits.add_margins(layout);
+    PreparedRows prepared = prepare_rows(preparation, layout, "edited occluders");
+    if (prepared.instead)
+        return std::move(prepared.instead);
+    // A resolution that the artist sets is kept.
+    if (const std::uint32_t lines = edits.finer_lines(prepared.rows->layout, layout.lines);
+        config.resolution == 0 && lines > layout.lines) {
+        layout.lines = lines;
+        prepared = prepare_rows(preparation, layout, "edited occluders");
+    }
+    return fill_rows(
+        preparation, std::move(prepared), config.seed,
+        [&](Rows& rows, const PartialShading& partial, Statistics& statistics) -> std::shared_ptr<const Visibility> {
+            return std::make_shared<const MapVisibility>(
+                edits.fill(rows, light, layout.lines, partial, statistics, progress));
+        });
 }
 } // namespace tyndall::light_shafts

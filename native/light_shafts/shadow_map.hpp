@@ -18,8 +18,27 @@ struct ShadowMap {
 [[nodiscard]] ShadowMap raster_shadow_map(const slope_rows::Layout& layout, const LightSample& light,
                                           std::uint32_t resolution, const Occluders& occluders,
                                           const Progress& progress, const PartialShading* partial = nullptr);
+/// Where a sun's map lies; lamps stand where they are.
+struct SunPlace {
+    vec3 origin{0.0f}, x_axis{1, 0, 0}, y_axis{0, 1, 0}, z_axis{0, 0, 1}; ///< z: towards the sun.
+    MapWindow window{};
+};
+/// Around what the rows' light lines need, along the given axes.
+[[nodiscard]] SunPlace sun_place(const slope_rows::Layout& layout, const vec3& x_axis, const vec3& y_axis);
+/// The same for filters: texels are square and stay where they are while the camera moves, and there are more of them, by
+/// `margin` on every side: metres of a sun, tangents of a lamp's face. `resolution`: along the longer side, or a little
+/// less.
+[[nodiscard]] ShadowMap raster_filter_map(const SunPlace& place, float margin, const LightSample& light,
+                                          std::uint32_t resolution, const Occluders& occluders,
+                                          const Progress& progress, const PartialShading& partial);
 /// Fills the rows: each sample from the texel that its light line falls into. Throws Cancelled.
 void rectify(const ShadowMap& map, slope_rows::Rows& rows, const Progress& progress);
+/// From the coordinates of a sun's frame to those of its map.
+struct RowsOnMap {
+    vec3 offset, along_u, along_v; ///< offset.z: a frame's axial zero as the map counts depth.
+    RowsOnMap(const slope_rows::Frame& frame, const DepthMap& map);
+    [[nodiscard]] vec2 at(const vec2& uv) const { return vec2(offset + uv.x * along_u + uv.y * along_v); }
+};
 /// The face and its coordinates for a direction that leaves the light; nothing where no face looks.
 struct FacePoint {
     const DepthMap* face = nullptr;

@@ -57,6 +57,9 @@ void rectify_row_of(const ShadowMap& map, Rows& rows, std::size_t slice, const v
     const float across = frame.is_parallel ? layout.first_slice + static_cast<float>(slice) * layout.slice_step : 0.0f;
     const vec2 direction = layout.slice_directions[slice];
     const vec3 outwards = direction.x * frame.u + direction.y * frame.v;
+    const RowsOnMap on_map(frame, map.faces.front());
+    // x and y on a sun's map: at r = 0, and per r.
+    const vec2 at_axis = on_map.at({0.0f, across}), per_r = on_map.at(direction) - vec2(on_map.offset);
     float* row = rows.slopes.get() + extent.offset;
     const auto per_line = hn::Add(hn::Iota(di, 0), hn::Iota(di, 0));
     for (std::int32_t i = extent.first; i < extent.end; i += static_cast<std::int32_t>(hn::Lanes(d))) {
@@ -76,8 +79,10 @@ void rectify_row_of(const ShadowMap& map, Rows& rows, std::size_t slice, const v
         } else {
             const V line = hn::Add(hn::ConvertTo(d, hn::Add(hn::Iota(di, 0), hn::Set(di, i))), set(0.5f));
             r = hn::MulAdd(line, set(layout.line_step), set(layout.first_line));
-            a = depth_at(map.faces[0], hn::Mul(r, set(direction.x)), hn::MulAdd(r, set(direction.y), set(across)));
-            is_hit = hn::Gt(a, set(no_occluder));
+            const V depth = depth_at(map.faces[0], hn::MulAdd(r, set(per_r.x), set(at_axis.x)),
+                                     hn::MulAdd(r, set(per_r.y), set(at_axis.y)));
+            is_hit = hn::Gt(depth, set(no_occluder));
+            a = hn::Sub(depth, set(on_map.offset.z));
         }
         const V slope = hn::Div(linear_at(frame.y, a, r), linear_at(frame.w, a, r));
         hn::Store(hn::IfThenElse(is_hit, slope, set(no_occluder)), d, row + (i - extent.first));

@@ -239,7 +239,8 @@ static std::vector<GroupNeeds> find_group_needs(const Layout& layout, std::int32
     return groups;
 }
 
-static void place_rows(Layout& layout, std::int32_t slice_count, const std::vector<GroupNeeds>& groups) {
+static void place_rows(Layout& layout, std::int32_t slice_count, const std::vector<GroupNeeds>& groups,
+                       const LayoutConfig& config) {
     layout.rows.assign(static_cast<std::size_t>(slice_count), {});
     layout.slice_directions.assign(static_cast<std::size_t>(slice_count) + 16, vec2(1, 0));
     layout.sample_count = 0;
@@ -254,8 +255,8 @@ static void place_rows(Layout& layout, std::int32_t slice_count, const std::vect
         RowExtent& row = layout.rows[s];
         row.offset = layout.sample_count;
         if (needs.first <= needs.last) {
-            const float first = (needs.first - layout.first_line) / layout.line_step - 2.0f;
-            const float last = (needs.last - layout.first_line) / layout.line_step + 2.0f;
+            const float first = (needs.first - config.margin_before - layout.first_line) / layout.line_step - 2.0f;
+            const float last = (needs.last + config.margin_after - layout.first_line) / layout.line_step + 2.0f;
             row.first = std::clamp(static_cast<std::int32_t>(first), 0, padded - 1) / block_lines * block_lines;
             row.end = std::clamp((static_cast<std::int32_t>(last) / block_lines + 1) * block_lines, row.first, padded);
             row.smallest_slope = needs.smallest_slope - 1e-3f * std::abs(needs.smallest_slope);
@@ -287,13 +288,15 @@ Layout make_layout(const Frame& frame, std::span<const RaySpan> spans, const Lay
                    const Progress& progress) {
     Layout layout;
     layout.frame = frame;
-    const Needs needs = find_needs(frame, spans, progress);
+    Needs needs = find_needs(frame, spans, progress);
     if (!(needs.lowest_line <= needs.highest_line))
         return layout;
+    needs.lowest_line -= config.margin_before;
+    needs.highest_line += config.margin_after;
     for (auto lines = static_cast<float>(config.lines);; lines *= 0.8f) {
         place_lines(layout, needs, static_cast<std::uint32_t>(lines));
         const std::int32_t slice_count = place_slices(layout, needs, config.slices_per_line);
-        place_rows(layout, slice_count, find_group_needs(layout, slice_count, spans, progress));
+        place_rows(layout, slice_count, find_group_needs(layout, slice_count, spans, progress), config);
         if (layout.sample_count * 9 / 2 <= config.memory_limit_bytes || lines < 32.0f)
             return layout;
     }

@@ -50,6 +50,9 @@ struct LayoutConfig {
     std::uint32_t lines = 2048;   ///< Along the longest row, [16, 65536].
     float slices_per_line = 1.0f; ///< Density of slices at the far border relative to that of lines.
     std::size_t memory_limit_bytes = std::size_t{2} << 30;
+    /// Lines beyond what the rays need, towards the camera and away from it: metres, or radians of an angular frame. For
+    /// filters along the rows.
+    float margin_before = 0.0f, margin_after = 0.0f;
 };
 /// Rows for the rays, which are finite. Throws Cancelled.
 [[nodiscard]] Layout make_layout(const Frame& frame, std::span<const RaySpan> spans, const LayoutConfig& config,

@@ -78,13 +78,17 @@ PreparedRows prepare_rows(const Preparation& preparation, const slope_rows::Layo
     return prepared;
 }
 
-RowsVisibility::RowsVisibility(const Preparation& preparation, slope_rows::Rows rows, Statistics statistics)
+RowsVisibility::RowsVisibility(const Preparation& preparation, slope_rows::Rows rows, Statistics statistics,
+                               std::shared_ptr<const Visibility> instead)
     : scene_(preparation.scene), light_(preparation.light), strip_(preparation.strip), rows_(std::move(rows)),
-      statistics_(std::move(statistics)) {}
+      statistics_(std::move(statistics)), other_(std::move(instead)) {}
 
-const Visibility& RowsVisibility::exact() const {
-    std::call_once(exact_once_, [this] { exact_ = make_exact_strip(scene_, light_, strip_->get()); });
-    return *exact_;
+const Visibility& RowsVisibility::other() const {
+    std::call_once(other_once_, [this] {
+        if (other_ == nullptr)
+            other_ = make_exact_strip(scene_, light_, strip_->get());
+    });
+    return *other_;
 }
 
 void RowsVisibility::lit_intervals(std::span<const ViewRay> rays, LitRows& lit) const {
@@ -97,16 +101,16 @@ void RowsVisibility::lit_intervals(std::span<const ViewRay> rays, LitRows& lit) 
     outside_count_ += uncovered.outside.size();
     if (uncovered.near_epipole.empty() && uncovered.outside.empty())
         return;
-    // Rebuild the rows of this call with the exact answers between; such calls are rare.
-    std::vector<ViewRay> exact_rays;
-    std::vector<std::int32_t> exact_row(rays.size(), -1);
+    // Rebuild the rows of this call with the other answers between; such calls are rare.
+    std::vector<ViewRay> other_rays;
+    std::vector<std::int32_t> other_row(rays.size(), -1);
     for (const auto* indices : {&uncovered.near_epipole, &uncovered.outside})
         for (const std::uint32_t ray : *indices) {
-            exact_row[ray] = static_cast<std::int32_t>(exact_rays.size());
-            exact_rays.push_back(rays[ray]);
+            other_row[ray] = static_cast<std::int32_t>(other_rays.size());
+            other_rays.push_back(rays[ray]);
         }
-    LitRows exact_lit;
-    exact().lit_intervals(exact_rays, exact_lit);
+    LitRows other_lit;
+    other().lit_intervals(other_rays, other_lit);
     const std::vector<LitInterval> from_rows(lit.intervals.begin() + static_cast<std::ptrdiff_t>(first_interval),
                                              lit.intervals.end());
     const std::vector<std::uint32_t> offsets(lit.first.begin() + static_cast<std::ptrdiff_t>(first_row),
@@ -118,9 +122,9 @@ void RowsVisibility::lit_intervals(std::span<const ViewRay> rays, LitRows& lit) 
                              from.begin() + static_cast<std::ptrdiff_t>(end));
     };
     for (std::size_t ray = 0; ray < rays.size(); ++ray) {
-        if (exact_row[ray] >= 0) {
-            const auto row = static_cast<std::size_t>(exact_row[ray]);
-            append(exact_lit.intervals, exact_lit.first[row], exact_lit.first[row + 1]);
+        if (other_row[ray] >= 0) {
+            const auto row = static_cast<std::size_t>(other_row[ray]);
+            append(other_lit.intervals, other_lit.first[row], other_lit.first[row + 1]);
         } else
             append(from_rows, offsets[ray] - first_interval, offsets[ray + 1] - first_interval);
         lit.end_ray();
@@ -172,7 +176,7 @@ void RowsVisibility::add_scattered(std::span<const ViewRay> rays, const PieceRow
     outside_count_ += unanswered.outside.size();
     for (const auto* indices : {&unanswered.near_epipole, &unanswered.outside})
         if (!indices->empty())
-            add_some(exact(), *indices, rays, pieces, radiance, lit_length_m, false);
+            add_some(other(), *indices, rays, pieces, radiance, lit_length_m, false);
     if (!unanswered.steep.empty())
         add_some(*this, unanswered.steep, rays, pieces, radiance, lit_length_m, true);
 }

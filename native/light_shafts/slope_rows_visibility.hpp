@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Visibility from slope rows, however they were filled; the few rays that rows cannot answer go to the exact strip.
+// Visibility from slope rows, however they were filled; the few rays that rows cannot answer go to the exact strip, or
+// to the map that they came from where its occluders are edited.
 #pragma once
 #include "light_shafts/exact_strip.hpp"
 #include "light_shafts/occluders.hpp"
@@ -20,8 +21,10 @@ struct Preparation {
 
 class RowsVisibility final : public Visibility {
 public:
-    /// `scene` must outlive this. The exact strip is built when the first ray needs it.
-    RowsVisibility(const Preparation& preparation, slope_rows::Rows rows, Statistics statistics);
+    /// `scene` must outlive this. Rays that rows cannot answer go to `instead`; without it, to the exact strip, which is
+    /// built when the first of them comes.
+    RowsVisibility(const Preparation& preparation, slope_rows::Rows rows, Statistics statistics,
+                   std::shared_ptr<const Visibility> instead = nullptr);
     void lit_intervals(std::span<const ViewRay> rays, LitRows& lit) const override;
     void add_scattered(std::span<const ViewRay> rays, const PieceRows& pieces, std::span<Rgb> radiance,
                        std::span<float> lit_length_m) const override;
@@ -29,20 +32,20 @@ public:
                                                             const Progress& progress) const override;
     [[nodiscard]] const Statistics& statistics() const override { return statistics_; }
     [[nodiscard]] const slope_rows::Rows& rows() const { return rows_; }
-    /// Rays answered by the exact strip so far: too close to the epipole, or beyond the prepared rows.
+    /// Rays that rows could not answer so far: too close to the epipole, or beyond the prepared rows.
     [[nodiscard]] std::size_t near_epipole_count() const { return near_epipole_count_; }
     [[nodiscard]] std::size_t outside_count() const { return outside_count_; }
 
 private:
-    const Visibility& exact() const;
+    const Visibility& other() const;
 
     const Scene& scene_;
     LightSample light_;
     std::shared_ptr<const StripOnDemand> strip_;
     slope_rows::Rows rows_;
     Statistics statistics_;
-    mutable std::once_flag exact_once_;
-    mutable std::unique_ptr<Visibility> exact_;
+    mutable std::once_flag other_once_;
+    mutable std::shared_ptr<const Visibility> other_;
     mutable std::atomic<std::size_t> near_epipole_count_ = 0, outside_count_ = 0;
 };
 

@@ -77,4 +77,11 @@ using MakeBeamVisibility = std::unique_ptr<Visibility>(const Scene& scene, const
                                                        Progress& progress);
 MakeBeamVisibility make_epipolar_beam;
 MakeBeamVisibility make_shadow_map_beam;
+class OccluderEdits;
+/// A sample of a light whose occluders are edited: by its depth map, whatever the method.
+std::unique_ptr<Visibility> make_edited_beam(const Scene& scene, const OccluderEdits& edits, const Occluders& occluders,
+                                             const View& view, const LightSample& light,
+                                             std::span<const RaySpan> outline,
+                                             std::shared_ptr<const StripOnDemand> strip, const Config& config,
+                                             Progress& progress);
 } // namespace tyndall::light_shafts

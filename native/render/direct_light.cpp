@@ -18,7 +18,7 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
         const Light& light = scene.lights()[index];
         if (!light.lights_surfaces || light.strength == Rgb(0.0f))
             continue;
-        lights_.push_back({index, LightAim(light)});
+        lights_.push_back({index, LightAim(light), light_shafts::SurfaceHoles::make(scene, light)});
         if (light.kind == LightKind::Sun && media.fills_world())
             statistics.report("Light \"" + light.name +
                               "\" is infinitely far away in the world's endless medium, which lets nothing of it "
@@ -143,7 +143,9 @@ void DirectLight::add_light(const AimedLight& aimed, std::span<const SurfacePoin
         if (arriving != Rgb(0.0f))
             shadow.push(ray, arriving, lane);
     }
-    if (light.casts_shadow)
+    if (light.casts_shadow && aimed.holes)
+        aimed.holes->shadow_transmittances(shadow.all(), shadow.passing);
+    else if (light.casts_shadow)
         scene_.shadow_transmittances(shadow.all(), shadow.passing);
     else
         shadow.passing.fill(Rgb(1.0f));

@@ -7,6 +7,7 @@
 // Bound:    a shadow ray per light that may reach the point, in packets of 16 points; one of its own for the world, two
 //           for an image of it; times a light's ray count.
 #pragma once
+#include "light_shafts/surface_holes.hpp"
 #include "render/light_aim.hpp"
 #include "render/pixel_samples.hpp"
 #include "render/surface_point.hpp"
@@ -51,6 +52,7 @@ private:
     struct AimedLight {
         std::uint32_t index; ///< Into Scene::lights.
         LightAim aim;
+        std::unique_ptr<const light_shafts::SurfaceHoles> holes; ///< Nothing: it meets its occluders as they are.
     };
     struct ShadowRays;
     void add(std::size_t light, std::span<const SurfacePoint> points, const LitPoints& lanes,

@@ -60,6 +60,8 @@ struct QueryContext {
     const Scene& scene;
     const Ray* rays; ///< By RTCRay::id.
     Rgb* passing;    ///< By RTCRay::id: light that passes, of shadow rays.
+    const std::uint64_t* bits_of_instance = nullptr;
+    std::uint64_t ignored = 0;
 };
 
 static Hit hit_of(const RTCRay& ray, const RTCHit& hit) {
@@ -90,6 +92,10 @@ static void attenuate(const RTCFilterFunctionNArguments* arguments) {
             continue;
         const RTCRay ray = rtcGetRayFromRayN(arguments->ray, arguments->N, lane);
         const RTCHit hit = rtcGetHitFromHitN(arguments->hit, arguments->N, lane);
+        if (context.ignored != 0 && (context.bits_of_instance[hit.instID[0]] & context.ignored) != 0) {
+            arguments->valid[lane] = 0;
+            continue;
+        }
         Rgb& passing = context.passing[ray.id];
         passing *= context.scene.transparency(context.rays[ray.id], hit_of(ray, hit));
         if (passing != Rgb(0.0f))
@@ -143,10 +149,15 @@ void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits) const {
     }
 }
 
-Rgb Scene::shadow_transmittance(const Ray& ray) const {
+Rgb Scene::shadow_transmittance(const Ray& ray) const { return shadow_transmittance(ray, {}, 0); }
+
+Rgb Scene::shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> bits_of_instance,
+                                std::uint64_t ignored) const {
     Rgb passing(1.0f);
     QueryContext context(*this, &ray, &passing);
-    if (lets_light_pass_)
+    context.bits_of_instance = bits_of_instance.data();
+    context.ignored = ignored;
+    if (lets_light_pass_ || ignored != 0)
         context.embree.filter = attenuate;
     RTCRay query = embree_ray(ray, shadow_mask);
     rtcOccluded1(embree_scene_, &context.embree, &query);

@@ -94,6 +94,9 @@ public:
     /// Light that passes along the ray through transparent surfaces, per channel; 0 behind an opaque one. Media are
     /// not included. Only instances that cast shadows count.
     [[nodiscard]] Rgb shadow_transmittance(const Ray& ray) const;
+    /// The same without the instances of which bits_of_instance, one per instance, shares a bit with `ignored`.
+    [[nodiscard]] Rgb shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> bits_of_instance,
+                                           std::uint64_t ignored) const;
     /// The same for rays of neighbouring points towards one light: at less than half of the time.
     void shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing) const;
 

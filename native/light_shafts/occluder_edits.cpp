@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/occluder_edits.hpp"
+#include "core/parallel.hpp"
+#include "light_shafts/flat_filters.hpp"
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <map>
+#include <sstream>
+
+namespace tyndall::light_shafts {
+using namespace slope_rows;
+
+static bool is_of_map(EditKind kind) { return kind == EditKind::Close || kind == EditKind::Holes; }
+
+bool edit_does_something(const OccluderEdit& edit) {
+    if (!edit.affects_all && edit.objects.empty())
+        return false;
+    return edit.kind == EditKind::Holes ? edit.noise.probability > 0.0f : edit.size_m > 0.0f;
+}
+
+bool edit_means(const OccluderEdit& edit, const Instance& instance) {
+    return edit.affects_all || std::ranges::binary_search(edit.objects, instance.name_index);
+}
+
+vec3 middle_of(const OccluderEdit& edit, const SceneDescription& scene) {
+    Bounds3 bounds;
+    for (const Instance& instance : scene.instances) {
+        if (!instance.casts_shadow || !edit_means(edit, instance))
+            continue;
+        const Bounds3& box = scene.meshes[instance.mesh_index]->bounds();
+        for (std::size_t corner = 0; corner < 8 && !box.is_empty(); ++corner)
+            bounds.grow(vec3(instance.world_from_object * vec4((corner & 1) != 0 ? box.max.x : box.min.x,
+                                                               (corner & 2) != 0 ? box.max.y : box.min.y,
+                                                               (corner & 4) != 0 ? box.max.z : box.min.z, 1.0f)));
+    }
+    return bounds.is_empty() ? vec3(0.0f) : bounds.centre();
+}
+
+OccluderEdits::OccluderEdits(const SceneDescription& scene, const Light& light, const Occluders& occluders)
+    : light_name_(light.name), is_sun_(light.kind == LightKind::Sun), space_(light, light.position, 1.0f) {
+    for (const OccluderEdit& edit : light.occluder_edits)
+        if (edit_does_something(edit))
+            edits_.push_back(
+                {.what = &edit,
+                 .noise = edit.kind == EditKind::Holes ? std::make_shared<const HoleNoiseField>(edit.noise) : nullptr,
+                 .space = LightSpace(light, middle_of(edit, scene), edit.distance_m)});
+    std::map<std::vector<bool>, Group> groups;
+    const auto group_of = [&](std::uint32_t index) -> Group& {
+        std::vector<bool> is_meant;
+        for (const Edit& edit : edits_)
+            is_meant.push_back(edit_means(*edit.what, scene.instances[index]));
+        const auto [group, is_new] = groups.try_emplace(is_meant);
+        for (std::size_t edit = 0; is_new && edit < edits_.size(); ++edit)
+            if (is_meant[edit])
+                group->second.edits.push_back(edit);
+        return group->second;
+    };
+    for (const OccluderInstance& instance : occluders.instances)
+        group_of(instance.index).occluders.add(instance.mesh, instance.scene_from_object, instance.index);
+    for (const PartialOccluderInstance& instance : occluders.partial_instances)
+        group_of(instance.index).occluders.partial_instances.push_back(instance);
+    for (auto& [is_meant, group] : groups)
+        groups_.push_back(std::move(group));
+}
+
+bool OccluderEdits::is_empty() const {
+    return std::ranges::all_of(groups_, [](const Group& group) { return group.edits.empty(); });
+}
+
+float OccluderEdits::reach_on_map(const OccluderEdit& edit) const {
+    return 0.5f * (is_sun_ ? edit.size_m : edit.size_m / edit.distance_m);
+}
+
+float OccluderEdits::length_on_rows(const OccluderEdit& edit) const { return 2.0f * reach_on_map(edit); }
+
+void OccluderEdits::add_margins(LayoutConfig& layout) const {
+    for (const Edit& edit : edits_) {
+        if (is_of_map(edit.what->kind))
+            continue;
+        layout.margin_before += length_on_rows(*edit.what);
+        if (edit.what->kind == EditKind::EpipolarClose)
+            layout.margin_after += length_on_rows(*edit.what);
+    }
+}
+
+/// Of a filter's reach, or of the noise's cells: what shows its form.
+static constexpr float samples_per_reach = 2.0f;
+/// Finer only where the error target asks for it: memory goes with the square, and a light has many strata.
+static constexpr std::uint32_t most_lines_for_filters = 2048;
+
+static std::uint32_t finer(float extent, float spacing, std::uint32_t now) {
+    const float wanted = std::min(extent / spacing, static_cast<float>(most_lines_for_filters));
+    return std::max(now, static_cast<std::uint32_t>(wanted));
+}
+
+std::uint32_t OccluderEdits::finer_lines(const Layout& layout, std::uint32_t lines) const {
+    std::uint32_t result = lines;
+    for (const Edit& edit : edits_)
+        if (!is_of_map(edit.what->kind))
+            result = std::max(result, finer(layout.line_step * static_cast<float>(lines),
+                                            length_on_rows(*edit.what) / samples_per_reach, lines));
+    return result;
+}
+
+/// What a texel must not exceed by far: the radius of a kernel, or the size of the noise's finest cells but one.
+float OccluderEdits::detail_on_map(const OccluderEdit& edit) const {
+    if (edit.kind == EditKind::Close)
+        return reach_on_map(edit);
+    const float cell_m = edit.noise.scale_m / static_cast<float>(1u << std::min(edit.noise.octaves - 1, 1u));
+    return is_sun_ ? cell_m : cell_m / edit.distance_m;
+}
+
+std::uint32_t OccluderEdits::finer_resolution(const SunPlace& place, std::uint32_t resolution) const {
+    const vec2 size = is_sun_ ? place.window.max - place.window.min : vec2(2.0f);
+    const float extent = std::max(size.x, size.y) + 2.0f * map_margin();
+    std::uint32_t result = resolution;
+    for (const Edit& edit : edits_)
+        if (is_of_map(edit.what->kind))
+            result = std::max(result, finer(extent, detail_on_map(*edit.what) / samples_per_reach, resolution));
+    return result;
+}
+
+void OccluderEdits::report_what_is_too_fine(const ShadowMap& map, const Layout& layout, Statistics& statistics) const {
+    for (const Edit& edit : edits_) {
+        const bool of_map = is_of_map(edit.what->kind);
+        const float step = of_map ? map.faces.front().texels->layout.line_step : layout.line_step;
+        const float detail = of_map ? detail_on_map(*edit.what) : length_on_rows(*edit.what);
+        if (detail >= step)
+            continue;
+        const float metres = (is_sun_ ? 1.0f : edit.what->distance_m) * step;
+        std::ostringstream text;
+        text << "Light \"" << light_name_ << "\": its edit \"" << edit.what->name
+             << "\" is too fine to show: a texel is " << std::setprecision(2) << metres
+             << " m wide; raise the shafts' resolution, or take fewer light samples";
+        statistics.report(text.str());
+    }
+}
+
+void OccluderEdits::edit_face(const Edit& edit, DepthMap& face, const Progress& progress) const {
+    const OccluderEdit& what = *edit.what;
+    Rows& texels = *face.texels;
+    const Layout& layout = texels.layout;
+    const std::ptrdiff_t stride = layout.rows.front().end;
+    std::vector<float> before;
+    if (what.kind == EditKind::Close) {
+        if (what.mask)
+            before.assign(texels.slopes.get(), texels.slopes.get() + layout.sample_count);
+        flat_filters::close_map({texels.slopes.get(), layout.line_count, layout.slice_count(), stride}, what.shape,
+                                reach_on_map(what) / layout.line_step, progress);
+        if (!what.mask)
+            return;
+    }
+    parallel_blocks(layout.rows.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
+        std::vector<float> x, y, z;
+        std::vector<std::uint8_t> is_hole;
+        for (std::size_t row = begin; row < end; ++row) {
+            float* slopes = texels.slopes.get() + layout.rows[row].offset;
+            edit.space.place_row(face, static_cast<std::int32_t>(row), x, y, z);
+            is_hole.resize(x.size());
+            if (edit.noise && z.empty())
+                edit.noise->holes(x, y, is_hole);
+            else if (edit.noise)
+                edit.noise->holes(x, y, z, is_hole);
+            for (std::size_t column = 0; column < x.size(); ++column) {
+                const auto is_masked = [&] {
+                    const vec3 place(x[column], y[column], z.empty() ? 0.0f : z[column]);
+                    return what.mask && edit.space.look_up(*what.mask, place) < 0.5f;
+                };
+                if (edit.noise && is_hole[column] != 0 && !is_masked())
+                    slopes[column] = no_occluder;
+                else if (!edit.noise && is_masked())
+                    slopes[column] = before[layout.rows[row].offset + column];
+            }
+        }
+    });
+}
+
+void OccluderEdits::edit_rows(const Edit& edit, Rows& rows, const Progress& progress) const {
+    const auto lines = static_cast<std::int32_t>(std::lround(length_on_rows(*edit.what) / rows.layout.line_step));
+    parallel_blocks(rows.layout.rows.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t slice = begin; slice < end; ++slice) {
+            const RowExtent& extent = rows.layout.rows[slice];
+            const std::span row(rows.slopes.get() + extent.offset, static_cast<std::size_t>(extent.end - extent.first));
+            if (edit.what->kind == EditKind::EpipolarClose)
+                flat_filters::close_row(row, lines + 1);
+            else
+                flat_filters::dilate_row_forward(row, lines);
+        }
+    });
+}
+
+/// The larger one of each sample, in `into`.
+static void keep_larger(Rows& into, const Rows& from, const Progress& progress) {
+    parallel_blocks(into.layout.sample_count, 1 << 16, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t sample = begin; sample < end; ++sample)
+            into.slopes[sample] = std::max(into.slopes[sample], from.slopes[sample]);
+    });
+}
+
+float OccluderEdits::map_margin() const {
+    float margin = 0.0f;
+    for (const Edit& edit : edits_)
+        if (edit.what->kind == EditKind::Close)
+            margin += 2.0f * reach_on_map(*edit.what); // grown, and shrunk again
+    return is_sun_ ? margin : std::min(margin, 1.0f);
+}
+
+std::pair<vec3, vec3> OccluderEdits::axes_across(const LightSample& sample) const {
+    return space_.across(sample.towards_light);
+}
+
+ShadowMap OccluderEdits::map_of(const Group& group, const SunPlace& place, const LightSample& sample,
+                                std::uint32_t resolution, const PartialShading& partial,
+                                const Progress& progress) const {
+    PartialShading shading = partial;
+    shading.instances = group.occluders.partial_instances;
+    ShadowMap map = raster_filter_map(place, map_margin(), sample, finer_resolution(place, resolution), group.occluders,
+                                      progress, shading);
+    for (const std::size_t edit : group.edits)
+        if (is_of_map(edits_[edit].what->kind))
+            for (DepthMap& face : map.faces)
+                edit_face(edits_[edit], face, progress);
+    return map;
+}
+
+/// The nearer one of each texel, in `into`; takes a map over as it is where there is none yet.
+static void merge(ShadowMap& into, ShadowMap map, const Progress& progress) {
+    if (into.faces.empty()) {
+        into = std::move(map);
+        return;
+    }
+    for (std::size_t face = 0; face < map.faces.size(); ++face)
+        keep_larger(*into.faces[face].texels, *map.faces[face].texels, progress);
+}
+
+ShadowMap OccluderEdits::map(const SunPlace& place, const LightSample& sample, std::uint32_t resolution,
+                             const PartialShading& partial, const Progress& progress) const {
+    ShadowMap all;
+    for (const Group& group : groups_)
+        merge(all, map_of(group, place, sample, resolution, partial, progress), progress);
+    return all;
+}
+
+ShadowMap OccluderEdits::fill(Rows& rows, const LightSample& sample, std::uint32_t resolution,
+                              const PartialShading& partial, Statistics& statistics, const Progress& progress) const {
+    SunPlace place;
+    if (is_sun_) {
+        const auto [x_axis, y_axis] = axes_across(sample);
+        place = sun_place(rows.layout, x_axis, y_axis);
+    }
+    ShadowMap all;
+    std::optional<Rows> own;
+    for (const Group& group : groups_) {
+        const StageTimer timer(statistics, "occluder edits");
+        const bool is_first = all.faces.empty();
+        if (!is_first && !own)
+            own.emplace(rows.layout);
+        Rows& filled = is_first ? rows : *own;
+        ShadowMap map = map_of(group, place, sample, resolution, partial, progress);
+        rectify(map, filled, progress);
+        for (const std::size_t edit : group.edits)
+            if (!is_of_map(edits_[edit].what->kind))
+                edit_rows(edits_[edit], filled, progress);
+        if (!is_first)
+            keep_larger(rows, filled, progress);
+        merge(all, std::move(map), progress);
+    }
+    parallel_blocks(rows.layout.rows.size(), 64, progress, [&](std::size_t begin, std::size_t end) {
+        summarise_slices(rows, static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end));
+    });
+    statistics.count("occluder edits: groups of objects", static_cast<double>(groups_.size()));
+    report_what_is_too_fine(all, rows.layout, statistics);
+    return all;
+}
+} // namespace tyndall::light_shafts

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/surface_holes.hpp"
+#include "core/errors.hpp"
+#include "light_shafts/occluder_edits.hpp"
+
+namespace tyndall::light_shafts {
+std::unique_ptr<const SurfaceHoles> SurfaceHoles::make(const Scene& scene, const Light& light) {
+    std::unique_ptr<SurfaceHoles> holes(new SurfaceHoles(scene));
+    for (const OccluderEdit& edit : light.occluder_edits)
+        if (edit.kind == EditKind::Holes && edit.affects_surfaces && edit_does_something(edit))
+            holes->edits_.push_back(
+                {.what = &edit,
+                 .noise = HoleNoiseField(edit.noise),
+                 .space = LightSpace(light, middle_of(edit, scene.description()), edit.distance_m)});
+    if (holes->edits_.empty())
+        return nullptr;
+    require(holes->edits_.size() <= 64, "light \"", light.name, "\" has ", holes->edits_.size(),
+            " edits with holes for surfaces: 64 are the most");
+    for (const Instance& instance : scene.description().instances) {
+        std::uint64_t bits = 0;
+        for (std::size_t edit = 0; edit < holes->edits_.size(); ++edit)
+            bits |= edit_means(*holes->edits_[edit].what, instance) ? std::uint64_t{1} << edit : 0;
+        holes->bits_of_instance_.push_back(bits);
+    }
+    return holes;
+}
+
+void SurfaceHoles::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing) const {
+    thread_local std::vector<float> x, y, z;
+    thread_local std::vector<std::uint8_t> is_hole;
+    thread_local std::vector<std::uint64_t> open;
+    open.assign(rays.size(), 0);
+    is_hole.resize(rays.size());
+    for (std::size_t index = 0; index < edits_.size(); ++index) {
+        const Edit& edit = edits_[index];
+        x.clear();
+        y.clear();
+        z.clear();
+        for (const Ray& ray : rays) {
+            const vec3 place = edit.space.place_of(ray);
+            x.push_back(place.x);
+            y.push_back(place.y);
+            z.push_back(place.z);
+        }
+        if (edit.space.is_flat())
+            edit.noise.holes(x, y, is_hole);
+        else
+            edit.noise.holes(x, y, z, is_hole);
+        for (std::size_t ray = 0; ray < rays.size(); ++ray)
+            if (is_hole[ray] != 0 &&
+                (!edit.what->mask || edit.space.look_up(*edit.what->mask, {x[ray], y[ray], z[ray]}) >= 0.5f))
+                open[ray] |= std::uint64_t{1} << index;
+    }
+    for (std::size_t ray = 0; ray < rays.size(); ++ray)
+        passing[ray] = scene_.shadow_transmittance(rays[ray], bits_of_instance_, open[ray]);
+}
+} // namespace tyndall::light_shafts
