@@ -3,9 +3,9 @@
 
 from bpy.utils import register_class, unregister_class
 
-from . import fog_box, occluder_edits, presets, reports
+from . import fog_box, light_depth, occluder_edits, presets, reports
 
-CLASSES = (*fog_box.CLASSES, *occluder_edits.CLASSES, *reports.CLASSES, *presets.CLASSES)
+CLASSES = (*fog_box.CLASSES, *light_depth.CLASSES, *occluder_edits.CLASSES, *reports.CLASSES, *presets.CLASSES)
 
 
 def register() -> None:

@@ -111,6 +111,7 @@ def draw_edit(layout: UILayout, light: Light, edit: TyndallOccluderEdit, *, is_w
     column = layout.column(align=True)
     if edit.kind == "HOLES":
         draw_noise(column, edit.noise)
+        layout.column().prop(edit, "affects_surfaces")
     else:
         column.prop(edit, "size_m", text=_SIZE_LABELS[edit.kind])
     if light.type != "SUN":
@@ -127,6 +128,7 @@ def draw_edit(layout: UILayout, light: Light, edit: TyndallOccluderEdit, *, is_w
         draw_choice(column, "mask_channel")
         if light.type == "SUN":
             column.prop(edit, "mask_size_m", text="Width" if is_wide else "Mask Width")
+    layout.operator("tyndall.show_light_depth", icon="IMAGE_DATA")
 
 
 def draw_mask(column: UILayout, edit: TyndallOccluderEdit, *, is_wide: bool) -> None:

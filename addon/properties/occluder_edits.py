@@ -251,6 +251,14 @@ class TyndallOccluderEdit(PropertyGroup):
         update=tag,
         override=OVERRIDABLE,
     )
+    affects_surfaces: BoolProperty(
+        name="Light Surfaces",
+        description="Light falls through the holes onto surfaces, too: floor and air agree. Off, surfaces keep their "
+        "shadows",
+        default=False,
+        update=tag,
+        override=OVERRIDABLE,
+    )
     distance_m: FloatProperty(
         name="At Distance",
         description="Sizes are measured this far from the lamp; as its light spreads, they grow in proportion",

@@ -14,7 +14,19 @@ from numpy.typing import NDArray
 from tyndall.closed_meshes import open_edge_count
 
 from . import _native
-from .scene_description import Image, Instances, Light, Material, Medium, Mesh, SceneDescription, TextureUse, World
+from .occluder_edits import build_occluder_edits
+from .scene_description import (
+    Image,
+    Instances,
+    Light,
+    Material,
+    Medium,
+    Mesh,
+    OccluderEdit,
+    SceneDescription,
+    TextureUse,
+    World,
+)
 
 _BYTE = np.arange(256) / 255.0
 #: IEC 61966-2-1: linear below 0.04045.
@@ -89,6 +101,7 @@ class BuiltScene:
 
     scene: _native.Scene
     origin_in_world: NDArray[np.float64]  #: (3,): what native positions are relative to.
+    light_names: list[str]  #: Of the native lights, in their order.
     reports: list[str]
 
 
@@ -103,7 +116,21 @@ def build_scene(description: SceneDescription, parts: NativeParts, progress: _na
     materials.append(_build_material(_DEFAULT_MATERIAL, []))
     slots = [group.materials or (default_material,) for group in groups]
     first_slots = np.cumsum([0, *map(len, slots)])[:-1]
-    lights = _usable(description.lights, lambda light: _build_light(light, origin), "Light", reports)
+    object_names = [name for group in groups for name in group.object_names]
+    built_lights = [
+        (source.name, light)
+        for source, light in zip(
+            description.lights,
+            _built(
+                description.lights,
+                lambda light: _build_light(light, origin, build_occluder_edits(light, object_names, reports)),
+                "Light",
+                reports,
+            ),
+            strict=True,
+        )
+        if light is not None
+    ]
     # A medium is pointed to by index: one that cannot be used becomes an empty one.
     media = [
         part if part is not None else _build_medium(Medium(name=medium.name))
@@ -119,7 +146,7 @@ def build_scene(description: SceneDescription, parts: NativeParts, progress: _na
         meshes=[parts.meshes[key] for key in mesh_keys],
         mesh_indices=_repeated([mesh_index[group.mesh.key] for group in groups], counts, np.uint32),
         world_from_object=_relative_matrices(groups, origin),
-        object_names=[name for group in groups for name in group.object_names],
+        object_names=object_names,
         first_slot_materials=_repeated(first_slots, counts, np.uint32),
         slot_counts=_repeated([len(slot) for slot in slots], counts, np.uint16),
         is_camera_visible=_repeated([group.is_camera_visible for group in groups], counts, np.uint8),
@@ -127,12 +154,13 @@ def build_scene(description: SceneDescription, parts: NativeParts, progress: _na
         slot_materials=np.array([index for slot in slots for index in slot], dtype=np.uint32),
         materials=materials,
         media=media,
-        lights=lights,
+        lights=[light for _, light in built_lights],
         world=_build_world(description.world, parts, reports),
         world_medium=description.world.medium,
         progress=progress,
     )
-    return BuiltScene(scene=scene, origin_in_world=origin, reports=reports)
+    light_names = [name for name, _ in built_lights]
+    return BuiltScene(scene=scene, origin_in_world=origin, light_names=light_names, reports=reports)
 
 
 def _repeated(values: Iterable[int], counts: list[int], dtype: type[np.integer[Any]]) -> NDArray[Any]:
@@ -232,7 +260,7 @@ def _usable(sources: Iterable[_Part], build: Callable[[_Part], Any], kind: str, 
 
 def _require_finite(part: object, path: str = "") -> None:
     """Raise InvalidInput that names the first field of a light, medium or world that is not finite."""
-    if isinstance(part, Image) or (isinstance(part, tuple) and part and isinstance(part[0], str)):
+    if isinstance(part, Image | OccluderEdit):  # a broken edit does not cost its light
         return
     if is_dataclass(part):
         for entry in fields(part):
@@ -322,7 +350,9 @@ def _build_medium(medium: Medium) -> _native.Medium:
     )
 
 
-def _build_light(light: Light, origin: NDArray[np.float64]) -> _native.Light:
+def _build_light(
+    light: Light, origin: NDArray[np.float64], occluder_edits: list[_native.OccluderEdit]
+) -> _native.Light:
     rotation_and_scale = light.world_from_light[:3, :3]
     axis = -rotation_and_scale[:, 2]
     length = float(np.linalg.norm(axis))
@@ -348,6 +378,7 @@ def _build_light(light: Light, origin: NDArray[np.float64]) -> _native.Light:
         casts_shadow=light.casts_shadow,
         lights_surfaces=light.lights_surfaces,
         scatters_in_media=light.scatters_in_media,
+        occluder_edits=occluder_edits,
     )
 
 

@@ -88,6 +88,7 @@ class Session:
         self._origin_in_world: NDArray[np.float64] = np.zeros(3)
         self._update_seconds = 0.0
         self._reports: list[str] = []
+        self._light_names: list[str] = []
 
     @property
     def statistics(self) -> dict[str, Any]:
@@ -111,6 +112,7 @@ class Session:
         if self._scene is None or current != self._fingerprint:
             built = build_scene(description, self._parts, progress)
             self._scene, self._origin_in_world, self._reports = built.scene, built.origin_in_world, built.reports
+            self._light_names = built.light_names
             self._fingerprint = current
             self._parts.counts["scene rebuilt"] = 1
         else:
@@ -141,6 +143,22 @@ class Session:
         merged = _merged(*parts)
         merged["counts"]["peak memory, MiB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         return Film(planes=planes, statistics=merged)
+
+    def light_depth_picture(
+        self, light_name: str, resolution: int, progress: _native.Progress
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """A light's depth map before and after its occluder edits, (height, width), rows bottom to top.
+
+        0 is nearest to the light, 1 farthest or nothing. ``resolution``: texels along the longer side, [16, 16384]; the
+        six faces of a point light lie three by two. Edits along the view do not show. Of several lights of one name,
+        the first. Raises ``InvalidInput``, which names the culprit, and ``Cancelled``.
+        """
+        if self._scene is None or light_name not in self._light_names:
+            raise _native.InvalidInput(f'Light "{light_name}" is not in the scene, or cannot be used')
+        before, after = _native.light_depth_picture(
+            self._scene, self._light_names.index(light_name), resolution, progress
+        )
+        return before, after
 
 
 def _merged(*parts: dict[str, Any]) -> dict[str, Any]:

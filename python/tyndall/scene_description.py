@@ -214,7 +214,7 @@ class LightMask:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OccluderEdit:
-    """An edit of what stands between a light and the air; surfaces see the occluders as they are."""
+    """An edit of what stands between a light and the air; surfaces see the occluders as they are, unless it says so."""
 
     name: str
     kind: EditKind
@@ -223,6 +223,7 @@ class OccluderEdit:
     size_m: float = 0.1
     distance_m: float = 5.0  #: Lamps: sizes are measured this far from the light, and grow with the distance.
     noise: HoleNoise = field(default_factory=HoleNoise)  #: HOLES.
+    affects_surfaces: bool = False  #: HOLES: light falls through them onto surfaces, too.
     objects: tuple[str, ...] | None = None  #: Names of the objects that it means; None: all.
     mask: LightMask | None = None
 

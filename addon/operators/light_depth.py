@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Show what a light sees of its occluders, before and after their edits, as two images."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+from bpy.props import IntProperty
+from bpy.types import Context, Image, Operator
+
+from tyndall import InvalidInput, Progress
+from tyndall.renderer import Session
+
+from ..edited_light import edited_light
+from ..sync.reports import Reports
+from ..sync.scene import SceneReader
+
+if TYPE_CHECKING:
+    from bpy.types import Light, Object
+    from numpy.typing import NDArray
+
+
+class TYNDALL_OT_show_light_depth(Operator):
+    """Render the light's depth map as it is and as its edits leave it: black is near the light, white far or nothing.
+
+    Edits along the view depend on the camera, and do not show
+    """
+
+    bl_idname = "tyndall.show_light_depth"
+    bl_label = "Show Depth Map"
+    bl_options = {"REGISTER"}
+
+    resolution: IntProperty(
+        name="Resolution", description="Texels along the longer side", default=1024, min=16, max=16384, subtype="PIXEL"
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        light = edited_light(context)
+        if light is None:
+            cls.poll_message_set("Make a light active, or choose one in the sidebar")
+        elif light.type == "AREA":
+            cls.poll_message_set("Area lights are not rendered yet: use a spot or a point light")
+        else:
+            return True
+        return False
+
+    def execute(self, context: Context) -> set[str]:
+        light = edited_light(context)
+        thing = _first_object_of(context, light)
+        if thing is None:
+            self.report({"ERROR"}, f'Light "{light.name}" is not in the scene')
+            return {"CANCELLED"}
+        session = Session()
+        session.update(SceneReader().read(context.evaluated_depsgraph_get(), Reports(), lambda: None), Progress())
+        try:
+            pictures = session.light_depth_picture(thing.name, self.resolution, Progress())
+        except InvalidInput as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        before, after = (
+            _write_image(f"{thing.name} depth {when}", picture)
+            for when, picture in zip(("before", "after"), pictures, strict=True)
+        )
+        _show(context, after)
+        self.report({"INFO"}, f'The depth map is in the images "{before.name}" and "{after.name}"')
+        return {"FINISHED"}
+
+
+def _first_object_of(context: Context, light: Light) -> Object | None:
+    active = context.object
+    if active is not None and active.data == light:
+        return active
+    return next((thing for thing in context.scene.objects if thing.data == light), None)
+
+
+def _write_image(name: str, picture: NDArray[np.float32]) -> Image:
+    height, width = picture.shape
+    image = bpy.data.images.get(name)
+    if image is None:
+        image = bpy.data.images.new(name, width, height, float_buffer=True, is_data=True)
+    elif tuple(image.size) != (width, height):
+        image.scale(width, height)
+    pixels = np.ones((height, width, 4), np.float32)
+    pixels[..., :3] = picture[..., None]
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+    return image
+
+
+def _show(context: Context, image: Image) -> None:
+    """Show it in an image editor of this window, if one is open that does not show a render."""
+    for area in context.screen.areas if context.screen else ():
+        if area.type == "IMAGE_EDITOR" and (area.spaces.active.image or image).type != "RENDER_RESULT":
+            area.spaces.active.image = image
+            return
+
+
+CLASSES = (TYNDALL_OT_show_light_depth,)
