@@ -35,7 +35,9 @@ TEST_CASE("lit stretches of a map are those of the points on the ray, each asked
             CHECK(last <= ray.far_m);
             for (int i = 0; i < steps; ++i) {
                 const float t = ray.near_m + (static_cast<float>(i) + 0.5f) / steps * (ray.far_m - ray.near_m);
-                const bool is_in = std::any_of(intervals.begin(), intervals.end(), [&](const LitInterval& part) { return part.near_m <= t && t <= part.far_m; });
+                const bool is_in = std::any_of(intervals.begin(), intervals.end(), [&](const LitInterval& part) {
+                    return part.near_m <= t && t <= part.far_m;
+                });
                 const vec3 point = ray.origin + t * ray.direction;
                 bool is_lit = false;
                 if (setting.light.is_directional) {
