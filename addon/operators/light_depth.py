@@ -10,12 +10,8 @@ import numpy as np
 from bpy.props import IntProperty
 from bpy.types import Context, Image, Operator
 
-from tyndall import InvalidInput, Progress
-from tyndall.renderer import Session
-
+from ..availability import why_not
 from ..edited_light import edited_light
-from ..sync.reports import Reports
-from ..sync.scene import SceneReader
 
 if TYPE_CHECKING:
     from bpy.types import Light, Object
@@ -43,11 +39,20 @@ class TYNDALL_OT_show_light_depth(Operator):
             cls.poll_message_set("Make a light active, or choose one in the sidebar")
         elif light.type == "AREA":
             cls.poll_message_set("Area lights are not rendered yet: use a spot or a point light")
+        elif why_not() is not None:
+            cls.poll_message_set("Tyndall cannot render here: its panel in the Render properties says why")
         else:
             return True
         return False
 
     def execute(self, context: Context) -> set[str]:
+        # All panels register where the native core does not load; only what computes needs it.
+        from tyndall import InvalidInput, Progress
+        from tyndall.renderer import Session
+
+        from ..sync.reports import Reports
+        from ..sync.scene import SceneReader
+
         light = edited_light(context)
         thing = _first_object_of(context, light)
         if thing is None:

@@ -89,7 +89,7 @@ def draw_edits(layout: UILayout, context: Context, light: Light) -> None:
     column.operator("tyndall.occluder_edit_move", text="", icon="TRIA_UP").direction = "UP"
     column.operator("tyndall.occluder_edit_move", text="", icon="TRIA_DOWN").direction = "DOWN"
     if not settings.scatters_in_media:
-        draw_text(layout, context, "Scatter in Media is off: the light has no shafts to shape", icon="ERROR")
+        draw_text(layout, context, "Scatter in Media is off: only holes that light surfaces show", icon="ERROR")
     column = layout.column()
     column.active = edit.is_solo or (edit.is_enabled and not any(other.is_solo for other in edits_in_order(light)))
     # Beside a label of its own, a field of a narrow sidebar would cut both.

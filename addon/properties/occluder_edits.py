@@ -48,7 +48,7 @@ KINDS = (
         "Make Holes",
         (
             "Noise cuts holes, so that light falls through in new shafts: through solid walls, too. Surfaces keep "
-            "their shadows"
+            "their shadows, unless asked otherwise"
         ),
         "MOD_NOISE",
         3,
@@ -251,14 +251,6 @@ class TyndallOccluderEdit(PropertyGroup):
         update=tag,
         override=OVERRIDABLE,
     )
-    affects_surfaces: BoolProperty(
-        name="Light Surfaces",
-        description="Light falls through the holes onto surfaces, too: floor and air agree. Off, surfaces keep their "
-        "shadows",
-        default=False,
-        update=tag,
-        override=OVERRIDABLE,
-    )
     distance_m: FloatProperty(
         name="At Distance",
         description="Sizes are measured this far from the lamp; as its light spreads, they grow in proportion",
@@ -274,6 +266,14 @@ class TyndallOccluderEdit(PropertyGroup):
         override=OVERRIDABLE,
     )
     noise: PointerProperty(name="Noise", type=TyndallHoleNoise, update=tag, override=OVERRIDABLE)
+    affects_surfaces: BoolProperty(
+        name="Light Surfaces",
+        description="Light falls through these holes onto surfaces, too, so that a floor agrees with the air above "
+        "it. Costs a lookup of the noise per shadow ray, and another ray where that finds a hole",
+        default=False,
+        update=tag,
+        override=OVERRIDABLE,
+    )
     target: EnumProperty(
         name="Affects",
         description="Which occluders are edited. Those with the same edits are closed together",

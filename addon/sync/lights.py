@@ -28,7 +28,7 @@ _INTENSITY_PER_WATT = 1.0 / (4.0 * math.pi)
 
 
 def read_lights(placement: Placement, edits: OccluderEditReader, reports: Reports) -> Iterator[Light]:
-    """One light per instance. Edits of its occluders are for the air: a light that no air scatters has none."""
+    """One light per instance. One that no air scatters needs only those edits of its occluders that surfaces see."""
     thing, data = placement.source, placement.source.data
     name = placement.object_name
     if data.type == "AREA":
@@ -40,7 +40,7 @@ def read_lights(placement: Placement, edits: OccluderEditReader, reports: Report
         reports.add(f'Light "{name}"', "lights everything: light linking is not supported")
     strength = _strength(data, reports, name)
     scatters_in_media = thing.visible_volume_scatter and data.tyndall.scatters_in_media
-    occluder_edits = edits.read(data, name) if scatters_in_media else ()
+    occluder_edits = tuple(edit for edit in edits.read(data, name) if scatters_in_media or edit.affects_surfaces)
     radius_m = 0.0 if data.type == "SUN" else data.shadow_soft_size
     for matrix in placement.world_from_object():
         yield Light(
