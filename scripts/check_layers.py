@@ -6,7 +6,7 @@
 
 Two parts of one layer (image and volume; two rooms) never meet. python/ knows Blender only in tyndall/blender/, the
 one seam, which is also the only place that may import the add-on; the add-on imports itself relatively, because it
-runs under three names.
+runs under three names, and needs the native core only where it computes.
 
     scripts/check_layers.py [ROOT]
 """
@@ -49,6 +49,9 @@ BLENDER_MODULES = {
 }
 NAMES_OF_ADDON = ("addon", "tyndall_blender", "bl_ext", "tyndall.blender.addon")
 SEAM = "tyndall.blender"
+#: Parts of the add-on that need the native core; where that does not load, all others register nevertheless.
+PARTS_WITH_CORE = {"engine", "sync"}
+NAMES_WITH_CORE = ("tyndall", "addon.engine", "addon.sync")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
@@ -122,7 +125,7 @@ def python_violations(root: Path) -> Iterator[str]:
 
 
 def addon_violations(root: Path) -> Iterator[str]:
-    """Imports in addon/ that name the add-on absolutely, or point back at the seam that registers it."""
+    """Imports in addon/ that name it absolutely, point back at the seam, or need the core while it registers."""
     base = root / "addon"
     for path in sorted(base.rglob("*.py")):
         package = ".".join(("addon", *path.relative_to(base).parent.parts))
@@ -136,6 +139,12 @@ def addon_violations(root: Path) -> Iterator[str]:
                 yield f"{where}: imports {name}; the add-on runs under three names, so it imports itself relatively"
             elif is_within(name, (SEAM,)):
                 yield f"{where}: imports {name}; the seam registers the add-on, and never the other way round"
+        if not PARTS_WITH_CORE & set(path.relative_to(base).parts):
+            at_once = ast.Module([node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)], [])
+            for number, name in imported_names(at_once, package):
+                is_named_above = number not in relative and is_within(name, (*NAMES_OF_ADDON, SEAM))
+                if is_within(name, NAMES_WITH_CORE) and not is_named_above:
+                    yield f"{path.relative_to(root)}:{number}: imports {name}, which needs the core, at once"
 
 
 def main() -> int:

@@ -50,6 +50,8 @@ def test_the_tree_as_it_is_has_no_arrow_that_points_up() -> None:
         ("addon/a.py", "from addon.engine import b", "imports itself relatively"),
         ("addon/a.py", "import tyndall_blender", "imports itself relatively"),
         ("addon/a.py", "from tyndall.blender import enable", "never the other way round"),
+        ("addon/operators/a.py", "from tyndall import Progress", "needs the core, at once"),
+        ("addon/panels/a.py", "from ..sync.scene import SceneReader", "needs the core, at once"),
     ],
 )
 def test_a_planted_violation_is_found_at_its_line(path: str, line: str, reason: str, tmp_path: Path) -> None:
@@ -71,6 +73,7 @@ def test_a_planted_violation_is_found_at_its_line(path: str, line: str, reason: 
         ("python/tyndall/blender/__init__.py", "import bpy\nfrom .addon import register"),
         ("python/tyndall/__main__.py", "from tyndall.blender import enable"),
         ("python/tyndall/a.py", "import bpyish\nfrom .scene_description import Camera"),
+        ("addon/operators/a.py", "def f():\n    from tyndall import Progress\n    from ..sync import scene"),
         ("addon/sync/a.py", "import bpy\nimport tyndall\nfrom ..properties import b"),
     ],
 )
