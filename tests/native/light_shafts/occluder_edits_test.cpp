@@ -118,6 +118,32 @@ TEST_CASE("a hole closes when the kernel reaches across it, and stays as it is w
         }
 }
 
+TEST_CASE("a hole closes, too, for a camera that sees nothing but the middle of the beam through it") {
+    for (const LightKind kind : light_kinds)
+        for (const EditKind edit : {EditKind::Close, EditKind::EpipolarClose}) {
+            CAPTURE(static_cast<int>(kind));
+            CAPTURE(static_cast<int>(edit));
+            Stage stage({{.mesh = mesh_of(plate_with_hole(0.3f))}}, kind);
+            stage.light.spot_half_angle_rad = 0.6f;
+            stage.light.spot_axis = {0, 0, -1};
+            stage.light.towards_light = {0, 0, 1};
+            stage.light.position = {0, 0, 5};
+            std::vector<ViewRay> middle;
+            for (float height_m = -0.3f; height_m < -0.1f; height_m += 0.02f) {
+                const vec3 towards = vec3(0.0f, 0.0f, height_m) - stage.view.position;
+                const float distance_m = glm::length(towards);
+                middle.push_back({stage.view.position, towards / distance_m, distance_m - 0.05f, distance_m + 0.05f});
+            }
+            stage.rays = middle;
+            const auto lit_with = [&](float size_m) {
+                OccluderEdit close{.name = "close", .kind = edit, .size_m = size_m, .distance_m = 5.0f};
+                return total(lit_lengths(*edited(stage, {close}, 4096), stage.rays));
+            };
+            CHECK(lit_with(1e-4f) == doctest::Approx(0.1 * static_cast<double>(middle.size())).epsilon(1e-3));
+            CHECK(lit_with(1.4f) == 0.0);
+        }
+}
+
 TEST_CASE("holes everywhere in an object are its absence, and leave what the edit does not mean") {
     for (const LightKind kind : light_kinds) {
         CAPTURE(static_cast<int>(kind));
@@ -177,6 +203,12 @@ TEST_CASE("a silhouette grows away from the camera: the air before the object is
         const double shadow_before = total(lit_lengths(*before, stage.rays)),
                      shadow_after = total(lit_lengths(*after, stage.rays));
         CHECK(shadow_after < shadow_before - 50.0);
+        // A camera that sees nothing but the middle of that shadow asks for no line near the board.
+        const vec3 towards = vec3(0.0f, 1.0f, -0.5f) - stage.view.position;
+        const float distance_m = glm::length(towards);
+        stage.rays = {{stage.view.position, towards / distance_m, distance_m - 0.02f, distance_m + 0.02f}};
+        CHECK(total(lit_lengths(*before, stage.rays)) == doctest::Approx(0.04).epsilon(1e-3));
+        CHECK(total(lit_lengths(*edited(stage, {grow}, 4096), stage.rays)) == 0.0);
     }
 }
 
