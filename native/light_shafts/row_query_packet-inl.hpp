@@ -87,24 +87,35 @@ struct PacketSum {
             }
             for (std::uint64_t left = some & ~inner; left != 0; left &= left - 1) { // some rays have none or some lines
                 const int block = std::countr_zero(left);
-                const V first = hn::Set(d, static_cast<float>(rays.row.first + (start + block) * block_lines)),
-                        width = hn::Set(d, float{block_lines});
-                const V begin = hn::Sub(piece.whole_begin, first), past = hn::Sub(piece.whole_past, first);
-                const auto touches = hn::And(piece.has_whole, hn::And(hn::Lt(begin, width), hn::Gt(past, hn::Zero(d))));
-                const auto is_cut = hn::And(touches, hn::Or(hn::Gt(begin, hn::Zero(d)), hn::Lt(past, width)));
-                V sum[channels], lines = width;
+                const I first = hn::Set(di, (start + block) * block_lines);
+                const I begin = hn::Sub(piece.begin_line, first), past = hn::Sub(piece.past_line, first);
                 const float* slopes = rays.row.slopes + (start + block) * block_lines;
-                if (!hn::AllFalse(d, is_cut))
+                V sum[channels], lines;
+                if constexpr (Terms::is_finite_anywhere) { // what is multiplied by no lines, too
+                    terms.add_up_range(rays, slopes, begin, past, sum, lines);
+                    lines_sum = hn::Add(lines_sum, lines);
+                    for (int c = 0; c < channels; ++c)
+                        terms_sum[c] = hn::MulAdd(hn::Mul(sum[c], of_block[c][block % block_lines]),
+                                                  of_group[block / block_lines][c], terms_sum[c]);
+                    continue;
+                }
+                const I width = hn::Set(di, block_lines);
+                const auto touches =
+                    hn::And(hn::Lt(begin, past), hn::And(hn::Lt(begin, width), hn::Gt(past, hn::Zero(di))));
+                const auto is_cut = hn::And(touches, hn::Or(hn::Gt(begin, hn::Zero(di)), hn::Lt(past, width)));
+                lines = hn::Set(d, float{block_lines});
+                if (!hn::AllFalse(di, is_cut))
                     terms.add_up_range(rays, slopes, begin, past, sum, lines);
                 else if ((all >> block & 1) == 0)
                     terms.add_up(rays, slopes, sum, lines);
                 else
                     for (int c = 0; c < channels; ++c)
                         sum[c] = terms.block_sum[c];
-                lines_sum = hn::IfThenElse(touches, hn::Add(lines_sum, lines), lines_sum);
+                const auto counts = hn::RebindMask(d, touches);
+                lines_sum = hn::IfThenElse(counts, hn::Add(lines_sum, lines), lines_sum);
                 for (int c = 0; c < channels; ++c) { // the weight of a ray that is elsewhere may be infinite
                     const V weight = hn::Mul(of_block[c][block % block_lines], of_group[block / block_lines][c]);
-                    terms_sum[c] = hn::IfThenElse(touches, hn::MulAdd(sum[c], weight, terms_sum[c]), terms_sum[c]);
+                    terms_sum[c] = hn::IfThenElse(counts, hn::MulAdd(sum[c], weight, terms_sum[c]), terms_sum[c]);
                 }
             }
         }

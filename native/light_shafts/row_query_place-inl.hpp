@@ -65,7 +65,8 @@ struct PacketRays : RaysInRow {
 /// One piece of each ray: where it lies in the row.
 struct PacketPiece : PieceInRow {
     LaneMask is_here, has_whole;
-    V near_m; ///< Its own, which depths are counted from.
+    V near_m;                ///< Its own, which depths are counted from.
+    I begin_line, past_line; ///< Whole lines, from the row's first; equal where none are.
     LaneMask begin_lit, end_lit;
     std::int32_t outer_begin, outer_end; ///< Blocks that any ray has lines of.
     std::int32_t inner_begin, inner_end; ///< Blocks that all rays have all lines of.
@@ -80,30 +81,28 @@ static HWY_INLINE bool place_piece(const PacketRays& rays, V piece_near, V piece
         return false;
     piece.near_m = piece_near;
     piece.place(rays, begin, end);
+    const V first = hn::Set(d, static_cast<float>(rays.row.first));
+    const auto in_row = [&](V line) { return hn::ConvertTo(di, hn::Sub(line, first)); };
     const auto is_lit_at = [&](V line) {
-        const auto at = hn::ConvertTo(di, hn::Sub(line, hn::Set(d, static_cast<float>(rays.row.first))));
-        return hn::And(piece.is_here, hn::Ge(rays.slope, hn::GatherIndex(d, rays.row.slopes, at)));
+        return hn::And(piece.is_here, hn::Ge(rays.slope, hn::GatherIndex(d, rays.row.slopes, in_row(line))));
     };
     piece.begin_lit = is_lit_at(piece.line_before(rays));
     piece.end_lit = is_lit_at(piece.line_after(rays));
     piece.has_whole = hn::And(piece.is_here, hn::Lt(piece.whole_begin, piece.whole_past));
+    const auto has_whole = hn::RebindMask(di, piece.has_whole);
+    piece.begin_line = in_row(piece.whole_begin);
+    piece.past_line = hn::IfThenElse(has_whole, in_row(piece.whole_past), piece.begin_line);
     piece.outer_begin = piece.outer_end = piece.inner_begin = piece.inner_end = 0;
     if (!hn::AllFalse(d, piece.has_whole)) {
-        const V big = hn::Set(d, 1e9f), none = hn::Zero(d);
-        const auto block_of = [&](float line) {
-            return (static_cast<std::int32_t>(line) - rays.row.first) / block_lines;
-        };
-        const auto block_after = [&](float line) {
-            return (static_cast<std::int32_t>(line) - rays.row.first + block_lines - 1) / block_lines;
-        };
-        const V begin_or_big = hn::IfThenElse(piece.has_whole, piece.whole_begin, big),
-                begin_or_none = hn::IfThenElse(piece.has_whole, piece.whole_begin, none),
-                past_or_big = hn::IfThenElse(piece.has_whole, piece.whole_past, big),
-                past_or_none = hn::IfThenElse(piece.has_whole, piece.whole_past, none);
-        piece.outer_begin = block_of(least_of(begin_or_big));
-        piece.outer_end = block_after(most_of(past_or_none));
-        piece.inner_begin = block_after(most_of(begin_or_none));
-        piece.inner_end = std::max(piece.inner_begin, block_of(least_of(past_or_big)));
+        const I big = hn::Set(di, 1 << 30);
+        const auto least_of_lines = [](I v) { return hn::GetLane(hn::MinOfLanes(di, v)); };
+        const auto most_of_lines = [](I v) { return hn::GetLane(hn::MaxOfLanes(di, v)); };
+        const auto block_after = [](std::int32_t line) { return (line + block_lines - 1) / block_lines; };
+        piece.outer_begin = least_of_lines(hn::IfThenElse(has_whole, piece.begin_line, big)) / block_lines;
+        piece.outer_end = block_after(most_of_lines(hn::IfThenElseZero(has_whole, piece.past_line)));
+        piece.inner_begin = block_after(most_of_lines(hn::IfThenElseZero(has_whole, piece.begin_line)));
+        piece.inner_end =
+            std::max(piece.inner_begin, least_of_lines(hn::IfThenElse(has_whole, piece.past_line, big)) / block_lines);
         std::uint64_t any = 0;
         for (std::int32_t start = rays.blocks.first, word = 0; start < piece.outer_end;
              start += blocks_per_word, ++word)

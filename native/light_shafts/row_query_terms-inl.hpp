@@ -38,6 +38,25 @@ struct PackedTable {
 };
 static constexpr PackedTable packed_table;
 
+/// The same up to each line, its own included, of the lower and of the upper half of a block.
+struct PackedPrefixes {
+    alignas(64) std::int32_t lower[256][8]{}, upper[256][8]{};
+    constexpr PackedPrefixes() {
+        for (std::uint32_t bits = 0; bits < 256; ++bits) {
+            std::int32_t of_lower = 0, of_upper = 0;
+            for (std::int32_t line = 0; line < 8; ++line) {
+                if ((bits >> line & 1) != 0) {
+                    of_lower += packed_line(line);
+                    of_upper += packed_line(line + 8);
+                }
+                lower[bits][line] = of_lower;
+                upper[bits][line] = of_upper;
+            }
+        }
+    }
+};
+static constexpr PackedPrefixes packed_prefixes;
+
 /// Of one channel: the optical depth that a line adds.
 template <int channels>
 using Gains = V[channels];
@@ -47,6 +66,7 @@ template <int channels>
 class ThinTerms {
 public:
     static constexpr float anchor = 0.5f * block_lines; ///< Terms are relative to the middle of a block, in lines.
+    static constexpr bool is_finite_anywhere = true;    ///< Also outside of a ray's piece, up to some blocks.
     V block_sum[channels];
 
     explicit ThinTerms(const Gains<channels>& gain) {
@@ -80,28 +100,48 @@ public:
         }
         unpack(packed, sum, lines);
     }
-    /// Of each ray only the lines in [begin, past).
-    HWY_INLINE void add_up_range(const PacketRays& rays, const float* slopes, V begin, V past, V (&sum)[channels],
+    /// Of each ray only the lines in [begin, past), which are counted from the block's first one.
+    HWY_INLINE void add_up_range(const PacketRays& rays, const float* slopes, I begin, I past, V (&sum)[channels],
                                  V& lines) const {
         const std::uint32_t lit = at_or_above(hn::Set(d, rays.least_slope), slopes);
-        I bits = hn::Set(di, static_cast<std::int32_t>(lit));
+        I packed = packed_between(lit, begin, past);
         for (std::uint32_t left = at_or_above(hn::Set(d, rays.most_slope), slopes) & ~lit; left != 0;
              left &= left - 1) {
             const int line = __builtin_ctz(left);
-            const auto is_lit = hn::RebindMask(di, hn::Ge(rays.slope, hn::Set(d, slopes[line])));
-            bits = hn::IfThenElse(is_lit, hn::Or(bits, hn::Set(di, 1 << line)), bits);
+            const auto is_inside = hn::And(hn::Lt(begin, hn::Set(di, line + 1)), hn::Gt(past, hn::Set(di, line)));
+            const auto is_lit = hn::And(is_inside, hn::RebindMask(di, hn::Ge(rays.slope, hn::Set(d, slopes[line]))));
+            packed = hn::IfThenElse(is_lit, hn::Add(packed, hn::Set(di, packed_line(line))), packed);
         }
-        const auto before = [](V line) { // bits of the lines before it
-            const I count = hn::ConvertTo(di, clamped(line, hn::Zero(d), hn::Set(d, float{block_lines})));
-            return hn::Sub(hn::Shl(hn::Set(di, 1), count), hn::Set(di, 1));
-        };
-        bits = hn::And(bits, hn::AndNot(before(begin), before(past)));
-        const I packed = hn::Add(hn::GatherIndex(di, packed_table.lower, hn::And(bits, hn::Set(di, 255))),
-                                 hn::GatherIndex(di, packed_table.upper, hn::ShiftRight<8>(bits)));
         unpack(packed, sum, lines);
     }
 
 private:
+    /// Of the lines whose bits are set, those that each ray has in [begin, past).
+    [[nodiscard]] static HWY_INLINE I packed_between(std::uint32_t lit, I begin, I past) {
+        if constexpr (lanes == block_lines) {
+            const hn::Half<decltype(di)> half;
+            const std::uint32_t low = lit & 255;
+            const auto upper =
+                hn::Add(hn::Load(half, packed_prefixes.upper[lit >> 8]), hn::Set(half, packed_prefixes.lower[low][7]));
+            const I up_to = hn::Combine(di, upper, hn::Load(half, packed_prefixes.lower[low]));
+            const auto before = [&](I line) {
+                const I last = hn::Min(hn::Sub(line, hn::Set(di, 1)), hn::Set(di, block_lines - 1));
+                const auto is_any = hn::Gt(line, hn::Zero(di));
+                const auto at = hn::IndicesFromVec(di, hn::IfThenElseZero(is_any, last));
+                return hn::IfThenElseZero(is_any, hn::TableLookupLanes(up_to, at));
+            };
+            return hn::Sub(before(past), before(begin));
+        } else {
+            const auto before = [](I line) { // bits of the lines before it
+                const I count = hn::Min(hn::Max(line, hn::Zero(di)), hn::Set(di, block_lines));
+                return hn::Sub(hn::Shl(hn::Set(di, 1), count), hn::Set(di, 1));
+            };
+            const I bits =
+                hn::And(hn::Set(di, static_cast<std::int32_t>(lit)), hn::AndNot(before(begin), before(past)));
+            return hn::Add(hn::GatherIndex(di, packed_table.lower, hn::And(bits, hn::Set(di, 255))),
+                           hn::GatherIndex(di, packed_table.upper, hn::ShiftRight<8>(bits)));
+        }
+    }
     [[nodiscard]] HWY_INLINE V of_moments(int c, V count, V sum, V squares) const {
         return hn::MulAdd(of_squares_[c], squares, hn::MulAdd(of_sum_[c], sum, hn::Mul(of_count_[c], count)));
     }
@@ -128,6 +168,7 @@ template <int channels>
 class DenseTerms {
 public:
     static constexpr float anchor = 0.5f; ///< Terms are relative to the middle of a block's first line.
+    static constexpr bool is_finite_anywhere = false;
     V block_sum[channels];
 
     explicit DenseTerms(const Gains<channels>& gain) {
@@ -144,14 +185,14 @@ public:
     HWY_INLINE void add_up(const PacketRays& rays, const float* slopes, V (&sum)[channels], V& lines) const {
         add_up_if([&](std::size_t line) { return hn::Ge(rays.slope, hn::Set(d, slopes[line])); }, sum, lines);
     }
-    /// Of each ray only the lines in [begin, past).
-    HWY_INLINE void add_up_range(const PacketRays& rays, const float* slopes, V begin, V past, V (&sum)[channels],
+    /// Of each ray only the lines in [begin, past), which are counted from the block's first one.
+    HWY_INLINE void add_up_range(const PacketRays& rays, const float* slopes, I begin, I past, V (&sum)[channels],
                                  V& lines) const {
         add_up_if(
             [&](std::size_t line) {
-                const V at = hn::Set(d, static_cast<float>(line));
+                const I at = hn::Set(di, static_cast<std::int32_t>(line));
                 return hn::And(hn::Ge(rays.slope, hn::Set(d, slopes[line])),
-                               hn::And(hn::Ge(at, begin), hn::Lt(at, past)));
+                               hn::RebindMask(d, hn::AndNot(hn::Gt(begin, at), hn::Gt(past, at))));
             },
             sum, lines);
     }
