@@ -85,7 +85,24 @@ struct PacketSum {
                     terms_sum[c] = hn::MulAdd(hn::Mul(sum[c], of_block[c][block % block_lines]),
                                               of_group[block / block_lines][c], terms_sum[c]);
             }
-            for (std::uint64_t left = some & ~inner; left != 0; left &= left - 1) { // some rays have none or some lines
+            std::uint64_t outer = some & ~inner; // some rays have none or some lines
+            if constexpr (Terms::is_finite_anywhere) {
+                const std::uint64_t lit_outside = all & outer & ~piece.border_blocks(start);
+                outer &= ~lit_outside;
+                for (std::uint64_t left = lit_outside; left != 0; left &= left - 1) { // all lines, or none
+                    const int block = std::countr_zero(left);
+                    const I first = hn::Set(di, (start + block) * block_lines);
+                    const auto is_inside = hn::AndNot(hn::Gt(piece.begin_line, first), hn::Gt(piece.past_line, first));
+                    const auto counts = hn::RebindMask(d, is_inside);
+                    lines_sum = hn::IfThenElse(counts, hn::Add(lines_sum, hn::Set(d, float{block_lines})), lines_sum);
+                    for (int c = 0; c < channels; ++c)
+                        of_lit[c] = hn::IfThenElse(
+                            counts,
+                            hn::MulAdd(of_group[block / block_lines][c], of_block[c][block % block_lines], of_lit[c]),
+                            of_lit[c]);
+                }
+            }
+            for (std::uint64_t left = outer; left != 0; left &= left - 1) {
                 const int block = std::countr_zero(left);
                 const I first = hn::Set(di, (start + block) * block_lines);
                 const I begin = hn::Sub(piece.begin_line, first), past = hn::Sub(piece.past_line, first);

@@ -70,6 +70,26 @@ struct PacketPiece : PieceInRow {
     LaneMask begin_lit, end_lit;
     std::int32_t outer_begin, outer_end; ///< Blocks that any ray has lines of.
     std::int32_t inner_begin, inner_end; ///< Blocks that all rays have all lines of.
+
+    /// Of the 64 blocks from `start` on, those that hold the first line of a ray, or the one past its last.
+    [[nodiscard]] std::uint64_t border_blocks(std::int32_t start) const {
+        static_assert(block_lines == 1 << 4);
+        const auto of_half = [&](std::int32_t first) {
+            const auto bit_of = [&](I line) {
+                const I block = hn::Sub(hn::ShiftRight<4>(line), hn::Set(di, first));
+                const auto is_in_half = hn::AndNot(hn::Lt(block, hn::Zero(di)), hn::Lt(block, hn::Set(di, 32)));
+                return hn::IfThenElseZero(is_in_half, hn::Shl(hn::Set(di, 1), hn::And(block, hn::Set(di, 31))));
+            };
+            alignas(64) std::uint64_t bits[lanes / 2];
+            const hn::Repartition<std::uint64_t, decltype(di)> pairs;
+            hn::Store(hn::BitCast(pairs, hn::Or(bit_of(begin_line), bit_of(past_line))), pairs, bits);
+            std::uint64_t all = 0;
+            for (const std::uint64_t pair : bits)
+                all |= pair;
+            return static_cast<std::uint32_t>(all | all >> 32);
+        };
+        return of_half(start) | std::uint64_t{of_half(start + 32)} << 32;
+    }
 };
 
 /// Nothing is known of the medium yet: most pieces end here, in the dark.

@@ -26,13 +26,15 @@ static constexpr float most_thin_gain = 2.5e-3f;
 static constexpr std::int32_t packed_line(std::int32_t line) { return 1 | line << 5 | line * line << 12; }
 /// Of the lines whose bits are set, those of the lower and of the upper half of a block.
 struct PackedTable {
-    alignas(64) std::int32_t lower[256]{}, upper[256]{};
+    alignas(64) std::int32_t lower[256]{}, upper[256]{}, line[block_lines]{};
     constexpr PackedTable() {
+        for (std::int32_t at = 0; at < block_lines; ++at)
+            line[at] = packed_line(at);
         for (std::uint32_t bits = 0; bits < 256; ++bits)
-            for (std::int32_t line = 0; line < 8; ++line)
-                if ((bits >> line & 1) != 0) {
-                    lower[bits] += packed_line(line);
-                    upper[bits] += packed_line(line + 8);
+            for (std::int32_t at = 0; at < 8; ++at)
+                if ((bits >> at & 1) != 0) {
+                    lower[bits] += packed_line(at);
+                    upper[bits] += packed_line(at + 8);
                 }
     }
 };
@@ -91,31 +93,34 @@ public:
     }
     HWY_INLINE void add_up(const PacketRays& rays, const float* slopes, V (&sum)[channels], V& lines) const {
         const std::uint32_t lit = at_or_above(hn::Set(d, rays.least_slope), slopes);
-        I packed = hn::Set(di, packed_table.lower[lit & 255] + packed_table.upper[lit >> 8]);
-        for (std::uint32_t left = at_or_above(hn::Set(d, rays.most_slope), slopes) & ~lit; left != 0;
-             left &= left - 1) {
-            const int line = __builtin_ctz(left);
-            const auto is_lit = hn::RebindMask(di, hn::Ge(rays.slope, hn::Set(d, slopes[line])));
-            packed = hn::IfThenElse(is_lit, hn::Add(packed, hn::Set(di, packed_line(line))), packed);
-        }
-        unpack(packed, sum, lines);
+        const I packed = hn::Set(di, packed_table.lower[lit & 255] + packed_table.upper[lit >> 8]);
+        unpack(add_doubtful(packed, lit, rays, slopes, [](int, auto is_lit) { return is_lit; }), sum, lines);
     }
     /// Of each ray only the lines in [begin, past), which are counted from the block's first one.
     HWY_INLINE void add_up_range(const PacketRays& rays, const float* slopes, I begin, I past, V (&sum)[channels],
                                  V& lines) const {
         const std::uint32_t lit = at_or_above(hn::Set(d, rays.least_slope), slopes);
-        I packed = packed_between(lit, begin, past);
-        for (std::uint32_t left = at_or_above(hn::Set(d, rays.most_slope), slopes) & ~lit; left != 0;
-             left &= left - 1) {
-            const int line = __builtin_ctz(left);
+        const auto if_inside = [&](int line, auto is_lit) {
             const auto is_inside = hn::And(hn::Lt(begin, hn::Set(di, line + 1)), hn::Gt(past, hn::Set(di, line)));
-            const auto is_lit = hn::And(is_inside, hn::RebindMask(di, hn::Ge(rays.slope, hn::Set(d, slopes[line]))));
-            packed = hn::IfThenElse(is_lit, hn::Add(packed, hn::Set(di, packed_line(line))), packed);
-        }
-        unpack(packed, sum, lines);
+            return hn::And(is_lit, is_inside);
+        };
+        unpack(add_doubtful(packed_between(lit, begin, past), lit, rays, slopes, if_inside), sum, lines);
     }
 
 private:
+    /// The lines that are lit for some rays only. No branchless first two: most blocks have none, 1.16 times slower.
+    template <class If>
+    [[nodiscard]] static HWY_INLINE I add_doubtful(I packed, std::uint32_t all_lit, const PacketRays& rays,
+                                                   const float* slopes, const If& if_counted) {
+        for (std::uint32_t left = at_or_above(hn::Set(d, rays.most_slope), slopes) & ~all_lit; left != 0;
+             left &= left - 1) {
+            const int line = __builtin_ctz(left);
+            const auto is_lit = hn::RebindMask(di, hn::Ge(rays.slope, hn::Set(d, slopes[line])));
+            packed =
+                hn::IfThenElse(if_counted(line, is_lit), hn::Add(packed, hn::Set(di, packed_table.line[line])), packed);
+        }
+        return packed;
+    }
     /// Of the lines whose bits are set, those that each ray has in [begin, past).
     [[nodiscard]] static HWY_INLINE I packed_between(std::uint32_t lit, I begin, I past) {
         if constexpr (lanes == block_lines) {
