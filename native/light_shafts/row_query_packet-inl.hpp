@@ -3,8 +3,9 @@
 // have almost the same slope: most blocks of 16 lines are wholly lit or dark for all of them together.
 // Based on: Wald et al., Interactive Rendering with Coherent Ray Tracing, Eurographics 2001 (packets).
 // Differs:  no traversal; per piece a table of the series' terms at the starts of 16 blocks.
-// Bound:    full HD, forest at 2,048 lines, per packet of 16 rays: 17 mixed blocks of 20 operations, 33 lit ones of 2,
-//           and about 500 for the rays' own numbers; 4 bytes per line and packet, from the first-level cache.
+// Bound:    full HD, forest at 2,048 lines, per packet of 16 rays (counted): 15 mixed blocks of 20 operations, 23 lit ones
+//           of 2, 15 that not all rays reach (41 in the RGB query of three pieces) of 5 to 35, and about 350 for the rays'
+//           own numbers; 4 bytes per line and packet, from the first-level cache.
 #if defined(TYNDALL_ROW_QUERY_PACKET_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TYNDALL_ROW_QUERY_PACKET_INL
 #undef TYNDALL_ROW_QUERY_PACKET_INL
