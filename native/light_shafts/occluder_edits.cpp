@@ -23,10 +23,11 @@ bool edit_means(const OccluderEdit& edit, const Instance& instance) {
     return edit.affects_all || std::ranges::binary_search(edit.objects, instance.name_index);
 }
 
-vec3 middle_of(const OccluderEdit& edit, const SceneDescription& scene) {
+template <typename IsWanted>
+static Bounds3 bounds_of_occluders(const SceneDescription& scene, const IsWanted& is_wanted) {
     Bounds3 bounds;
     for (const Instance& instance : scene.instances) {
-        if (!instance.casts_shadow || !edit_means(edit, instance))
+        if (!instance.casts_shadow || !is_wanted(instance))
             continue;
         const Bounds3& box = scene.meshes[instance.mesh_index]->bounds();
         for (std::size_t corner = 0; corner < 8 && !box.is_empty(); ++corner)
@@ -34,11 +35,19 @@ vec3 middle_of(const OccluderEdit& edit, const SceneDescription& scene) {
                                                                (corner & 2) != 0 ? box.max.y : box.min.y,
                                                                (corner & 4) != 0 ? box.max.z : box.min.z, 1.0f)));
     }
+    return bounds;
+}
+
+vec3 middle_of(const OccluderEdit& edit, const SceneDescription& scene) {
+    const Bounds3 bounds =
+        bounds_of_occluders(scene, [&](const Instance& instance) { return edit_means(edit, instance); });
     return bounds.is_empty() ? vec3(0.0f) : bounds.centre();
 }
 
 OccluderEdits::OccluderEdits(const SceneDescription& scene, const Light& light, const Occluders& occluders)
-    : light_name_(light.name), is_sun_(light.kind == LightKind::Sun), space_(light, light.position, 1.0f) {
+    : light_name_(light.name), is_sun_(light.kind == LightKind::Sun),
+      largest_size_(is_sun_ ? bounds_of_occluders(scene, [](const Instance&) { return true; }).diagonal_m() : 2.0f),
+      space_(light, light.position, 1.0f) {
     for (const OccluderEdit& edit : light.occluder_edits)
         if (edit_does_something(edit))
             edits_.push_back(
@@ -69,7 +78,7 @@ bool OccluderEdits::is_empty() const {
 }
 
 float OccluderEdits::reach_on_map(const OccluderEdit& edit) const {
-    return 0.5f * (is_sun_ ? edit.size_m : edit.size_m / edit.distance_m);
+    return 0.5f * std::min(is_sun_ ? edit.size_m : edit.size_m / edit.distance_m, largest_size_);
 }
 
 float OccluderEdits::length_on_rows(const OccluderEdit& edit) const { return 2.0f * reach_on_map(edit); }

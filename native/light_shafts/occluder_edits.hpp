@@ -68,6 +68,7 @@ private:
 
     std::string light_name_;
     bool is_sun_;
+    float largest_size_; ///< Of a filter: all occluders of a sun, metres; 45 degrees on either side of a lamp.
     LightSpace space_;
     std::vector<Edit> edits_;
     std::vector<Group> groups_;

@@ -75,6 +75,15 @@ def test_a_gap_closes_for_the_air_under_every_method_and_light(method: str, make
     assert shafts(fog_below_shutters(light, narrow), method) == pytest.approx(open_air, rel=0.02)
 
 
+@pytest.mark.parametrize("make_light", [sun, lamp])
+def test_a_kernel_larger_than_the_world_fills_what_there_is(make_light: object) -> None:
+    light = make_light()  # type: ignore[operator]
+    open_air = shafts(fog_below_shutters(light))
+    edits = [OccluderEdit(name="huge", kind=kind, size_m=1e6) for kind in EditKind if kind != EditKind.HOLES]
+    assert shafts(fog_below_shutters(light, edits[0])) < 0.1 * open_air
+    assert shafts(fog_below_shutters(light, *edits)) < 0.1 * open_air
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_along_the_view_a_gap_closes_where_it_is_crossed(method: str) -> None:
     """The camera looks straight down at the sun's foot: all its planes cross the gap there but those along it."""
@@ -165,10 +174,8 @@ def test_the_number_of_threads_changes_no_bit() -> None:
     )
     session = Session()
     session.update(fog_below_shutters(sun(), *edits), Progress())
-    films = [
-        session.render(camera_above(size_px=(24, 24)), RenderConfig(pixel_samples=1, thread_count=count), Progress())
-        for count in (1, 2)
-    ]
+    configs = [RenderConfig(pixel_samples=1, thread_count=n, shafts=ShaftConfig(resolution=512)) for n in (1, 2)]
+    films = [session.render(camera_above(size_px=(24, 24)), config, Progress()) for config in configs]
     assert np.array_equal(films[0].planes["Combined"], films[1].planes["Combined"])
 
 
