@@ -143,6 +143,7 @@ static void filter_tile(bool is_dilation, const MapSpan& from, const MapSpan& to
     const std::ptrdiff_t x_end = std::min<std::ptrdiff_t>(x_begin + disc_tile_width, from.width);
     const std::ptrdiff_t x_first = std::max<std::ptrdiff_t>(x_begin - reach, 0),
                          x_last = std::min<std::ptrdiff_t>(x_begin + disc_tile_width + reach, from.width);
+    constexpr std::ptrdiff_t rows_ahead = 6;
     const float nothing = neutral(is_dilation);
     thread_local DoubledRow row;
     thread_local std::vector<float*> outputs;
@@ -153,22 +154,27 @@ static void filter_tile(bool is_dilation, const MapSpan& from, const MapSpan& to
     // Lines a power of two apart would seem to overlap to a CPU that compares the last 12 bits of addresses.
     constexpr std::ptrdiff_t line_stride = disc_tile_width + 16;
     float* lines = scratch_of(static_cast<std::size_t>(line_count * line_stride));
-    const auto line_of = [&](std::ptrdiff_t y) {
-        return lines + (y - (y_begin - 2 * radius)) % line_count * line_stride;
-    };
+    // The lines take turns: outputs[radius + dy] is that of row y + dy.
     outputs.resize(static_cast<std::size_t>(line_count));
+    for (std::ptrdiff_t line = 0; line < line_count; ++line)
+        outputs[static_cast<std::size_t>(line)] = lines + line * line_stride;
     std::fill_n(lines, line_count * line_stride, nothing);
     for (std::ptrdiff_t y = y_begin - radius; y < y_end + radius; ++y) {
-        std::fill_n(line_of(y + radius), disc_tile_width, nothing);
         if (0 <= y && y < from.height) {
-            std::copy(from.values + y * from.stride + x_first, from.values + y * from.stride + x_last,
-                      row.values.data() + (x_first - (x_begin - reach)));
-            for (std::ptrdiff_t dy = -radius; dy <= radius; ++dy)
-                outputs[static_cast<std::size_t>(radius + dy)] = line_of(y + dy);
+            const float* texels = from.values + y * from.stride;
+            // Rows lie in different pages, across which the CPU does not look ahead by itself.
+            if (y + rows_ahead < from.height)
+                for (std::ptrdiff_t x = x_first; x < x_last; x += 16)
+                    __builtin_prefetch(texels + rows_ahead * from.stride + x);
+            std::copy(texels + x_first, texels + x_last, row.values.data() + (x_first - (x_begin - reach)));
             spread_row(is_dilation, disc, row, outputs.data());
         }
+        float* complete = outputs[0]; // no later row reaches it
         if (y - radius >= y_begin)
-            std::copy_n(line_of(y - radius), x_end - x_begin, to.values + (y - radius) * to.stride + x_begin);
+            std::copy_n(complete, x_end - x_begin, to.values + (y - radius) * to.stride + x_begin);
+        std::copy(outputs.begin() + 1, outputs.end(), outputs.begin());
+        outputs.back() = complete;
+        std::fill_n(complete, disc_tile_width, nothing);
     }
 }
 

@@ -108,6 +108,7 @@ void running_extreme_down_of(bool is_dilation, float* rows, std::size_t count, s
 
 template <typename Extreme>
 static void spread(const Disc& disc, DoubledRow& row, float* const* outputs) {
+    constexpr std::size_t together = 8; // vectors: a line is looked up once for all of them
     const std::size_t lanes = hn::Lanes(d), reach = disc.half_widths[0], width = disc_tile_width + 2 * reach;
     const auto level_of = [&](std::size_t half_width) { // of the widest that is no wider than the chord
         return static_cast<std::size_t>(std::bit_width(2 * half_width + 1)) - 1;
@@ -125,10 +126,15 @@ static void spread(const Disc& disc, DoubledRow& row, float* const* outputs) {
             ++end;
         const float* left = columns + level * row.stride - half_width;
         const float* right = left + 2 * half_width + 1 - (std::size_t{1} << level);
-        for (std::size_t x = 0; x < disc_tile_width; x += lanes) {
-            const V extreme = Extreme::of(hn::LoadU(d, left + x), hn::LoadU(d, right + x));
+        for (std::size_t x = 0; x < disc_tile_width; x += together * lanes) {
+            V extreme[together];
+            for (std::size_t i = 0; i < together; ++i)
+                extreme[i] = Extreme::of(hn::LoadU(d, left + x + i * lanes), hn::LoadU(d, right + x + i * lanes));
             const auto spread_to = [&](float* output) {
-                hn::Store(Extreme::of(hn::Load(d, output + x), extreme), d, output + x);
+                for (std::size_t i = 0; i < together; ++i) {
+                    float* to = output + x + i * lanes;
+                    hn::Store(Extreme::of(hn::Load(d, to), extreme[i]), d, to);
+                }
             };
             for (std::size_t row_away = dy; row_away < end; ++row_away) {
                 spread_to(outputs[disc.radius + row_away]);

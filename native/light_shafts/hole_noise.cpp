@@ -30,8 +30,7 @@ static std::uint32_t mixed(std::uint32_t seed, std::uint32_t number) {
 
 /// `stream` tells the mover's octaves from the others.
 static std::vector<Octave> make_octaves(const HoleNoise& noise, std::size_t dimensions, std::uint32_t stream) {
-    // Components within [-1, 1] are a gradient of length 1 on average when scaled by this; their sum over the corners,
-    // faded, is at most half a component per axis.
+    // Components within [-1, 1] are a gradient of length 1 on average when scaled by this.
     const double of_gradient = std::sqrt(3.0 / static_cast<double>(dimensions));
     double sum = 0.0, amplitude = 1.0, cell_per_m = 1.0 / double{noise.scale_m};
     std::vector<Octave> octaves(noise.octaves);
@@ -56,14 +55,8 @@ static std::vector<Octave> make_octaves(const HoleNoise& noise, std::size_t dime
         amplitude *= double{noise.persistence};
         cell_per_m *= 2.0;
     }
-    double rest = 0.0;
-    for (std::size_t i = octaves.size(); i-- > 0;) {
-        Octave& octave = octaves[i];
-        const double share = double{octave.amplitude} / sum * of_gradient;
-        octave.rest_bound = static_cast<float>(rest * (1.0 + 1e-5) + (rest > 0.0 ? 1e-5 : 0.0));
-        octave.amplitude = static_cast<float>(share / 2147483648.0);
-        rest += share * 0.5 * static_cast<double>(dimensions);
-    }
+    for (Octave& octave : octaves)
+        octave.amplitude = static_cast<float>(double{octave.amplitude} / sum * of_gradient / 2147483648.0);
     return octaves;
 }
 
@@ -99,8 +92,11 @@ static float measure_threshold(const Lookup& lookup, const HoleNoise& noise, std
 static Lookup make_lookup(const HoleNoise& noise, std::size_t dimensions) {
     Lookup lookup;
     lookup.octaves = make_octaves(noise, dimensions, 0);
-    if (noise.sway > 0.0f)
-        lookup.mover = make_octaves(noise, dimensions, 1);
+    if (noise.sway > 0.0f) {
+        HoleNoise mover = noise;
+        mover.octaves = std::min(noise.octaves, 2u);
+        lookup.mover = make_octaves(mover, dimensions, 1);
+    }
     lookup.cos_turn = static_cast<float>(std::cos(double{noise.turn_rad}));
     lookup.sin_turn = static_cast<float>(std::sin(double{noise.turn_rad}));
     const vec3 towards = dimensions == 2 ? vec3(0.8f, 0.6f, 0.0f) : vec3(0.64f, 0.48f, 0.6f);

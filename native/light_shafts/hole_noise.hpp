@@ -6,10 +6,11 @@
 //           shifted against one another. The threshold is a quantile of the noise as measured, so that `probability` is
 //           the share of holes. Over time not the point of the first lookup turns, which would fly the faster the
 //           farther it is from the middle, but the gradients: the noise neither drifts away nor changes its statistics.
-//           The first lookup reads a noise of its own, so that moving the second one leaves the share of holes alone.
-// Bound:    77 operations per octave and lookup in the plane, 180 in space; the second lookup ends where the octaves left
-//           could not lift a point over the threshold. SIMD targets round differently: 1e-6 of the noise's range, which
-//           decides about a point in 1e5. Of coordinates beyond 2^20 cells floats keep too little for the noise to be smooth.
+//           The first lookup reads a noise of its own, so that moving the second one leaves the share of holes alone,
+//           and no more than 2 octaves of it: finer ones move edges by less than they are rough already.
+// Bound:    85 operations per octave and lookup in the plane, 200 in space. SIMD targets round differently, by 1e-6 of the
+//           noise's range and more where floats know less of a coordinate, which decides about a point in 1e5. Beyond
+//           2^20 cells floats keep too little for the noise to be smooth.
 #pragma once
 #include "light_shafts/hole_noise_kernel.hpp"
 #include "scene/occluder_edit.hpp"

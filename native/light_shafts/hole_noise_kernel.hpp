@@ -11,8 +11,7 @@ namespace tyndall::light_shafts::hole_noise {
 struct Octave {
     std::array<std::array<float, 3>, 3> cell_per_m; ///< Rows: the lattice's axes.
     std::array<float, 3> offset;                    ///< In cells.
-    float amplitude;  ///< Of gradients with components within 2^31; all octaves together have gradients of length 1.
-    float rest_bound; ///< What the octaves after this one add or take away at most.
+    float amplitude; ///< Of gradients with components within 2^31; all octaves together have gradients of length 1.
     std::uint32_t seed;
 };
 struct Lookup {
