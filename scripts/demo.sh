@@ -43,7 +43,18 @@ stage "set-up" scripts/setup.sh
 stage "build and package" scripts/package.sh
 stage "install into Blender" install
 if ((window)); then
-    exec scripts/blender "$scene" -E TYNDALL
+    # Blender opens a file that was saved without a window in front of its outer walls.
+    exec scripts/blender "$scene" -E TYNDALL --python-expr '
+import bpy
+for area in bpy.context.window.screen.areas:
+    space = area.spaces.active
+    if area.type == "VIEW_3D":
+        space.region_3d.view_perspective = "CAMERA"
+        space.shading.type = "RENDERED"
+        space.overlay.show_overlays = False
+    elif area.type == "PROPERTIES":
+        space.context = "RENDER"
+'
 fi
 stage "render" render
 ls -l --time-style=+ out/"$(basename "$scene" .blend)".{png,exr} | awk -v folder="$PWD" '{ print folder "/" $NF " (" $5 " bytes)" }'

@@ -25,6 +25,7 @@ export PATH="$PWD/.deps/build/bin:$PATH"
 work=build/package
 rm -rf "$work"
 mkdir -p "$work" build/logs dist
+touch "$work/begun" # the zip's date: what is edited while it is built is newer
 logged build python -m pip wheel . --no-deps --no-build-isolation --disable-pip-version-check -w "$work/built"
 # The libraries of OpenImageIO are found here and nowhere else; a wider use of this variable would hide a missing one.
 logged repair env LD_LIBRARY_PATH="$PWD/.deps/openimageio/lib" auditwheel repair "$work"/built/*.whl -w "$work/repaired"
@@ -33,6 +34,9 @@ logged repair env LD_LIBRARY_PATH="$PWD/.deps/openimageio/lib" auditwheel repair
 # calls of our Embree 3 would bind to it without any error, and every ray would miss: our copy gets names of its own.
 logged unpack wheel unpack "$work"/repaired/*.whl -d "$work/unpacked"
 unpacked=("$work"/unpacked/*)
+# A source that came while the module was built is declared and called, but not in it: the linker leaves that to the user.
+missing=$(nm -D --undefined-only "${unpacked[0]}"/tyndall/*.so | awk '$2 ~ /^_ZN[A-Z]*7tyndall/ { print $2; exit }')
+[[ -z $missing ]] || fail "$missing is not in the native module: the sources changed while it was built; run again"
 embree=("${unpacked[0]}"/tyndall.libs/libembree3-*.so*)
 nm -D --defined-only "${embree[0]}" | awk '$3 ~ /^rtc/ { print $3, "tyndall_" $3 }' >"$work/embree-symbols.txt"
 (($(wc -l <"$work/embree-symbols.txt") > 90)) || fail "only $(wc -l <"$work/embree-symbols.txt") rtc symbols in ${embree[0]}"
@@ -71,5 +75,6 @@ with zipfile.ZipFile(target, "w") as archive:
 PYTHON
 size=$(stat -c %s "$zip.part")
 ((size <= 40000000)) || fail "$zip would have $size bytes; at most 40 MB are allowed"
+touch -r "$work/begun" "$zip.part"
 mv "$zip.part" "$zip"
 echo "$zip ($((size / 1000000)) MB)"
