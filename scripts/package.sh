@@ -35,7 +35,7 @@ logged repair env LD_LIBRARY_PATH="$PWD/.deps/openimageio/lib" auditwheel repair
 logged unpack wheel unpack "$work"/repaired/*.whl -d "$work/unpacked"
 unpacked=("$work"/unpacked/*)
 # A source that came while the module was built is declared and called, but not in it: the linker leaves that to the user.
-missing=$(nm -D --undefined-only "${unpacked[0]}"/tyndall/*.so | awk '$2 ~ /^_ZN[A-Z]*7tyndall/ { print $2; exit }')
+missing=$(nm -D --undefined-only "${unpacked[0]}"/tyndall/*.so | awk '$2 ~ /^_ZN[A-Z]*7tyndall/ && !count++ { print $2 }')
 [[ -z $missing ]] || fail "$missing is not in the native module: the sources changed while it was built; run again"
 embree=("${unpacked[0]}"/tyndall.libs/libembree3-*.so*)
 nm -D --defined-only "${embree[0]}" | awk '$3 ~ /^rtc/ { print $3, "tyndall_" $3 }' >"$work/embree-symbols.txt"
