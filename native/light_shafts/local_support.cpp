@@ -161,11 +161,12 @@ LocalShape::LocalShape(const LightSample& light)
     has_soft_edge = smooth > 0.0;
     per_smooth = has_soft_edge ? 1.0 / smooth : 0.0;
     keeps_cosine = spot.spot_falloff == SpotFalloff::Blender3;
-    cone_from_world = glm::dmat3(dvec3(1, 0, 0), dvec3(0, 1, 0), dvec3(0, 0, -1)) *
-                      glm::dmat3(spot.light_from_world_directions); // shines along -Z
     if (keeps_cosine) {
         const auto [u, v] = orthonormal_basis(spot.spot_axis);
         cone_from_world = glm::transpose(glm::dmat3(dvec3(u), dvec3(v), dvec3(spot.spot_axis)));
+    } else {
+        cone_from_world = glm::dmat3(dvec3(1, 0, 0), dvec3(0, 1, 0), dvec3(0, 0, -1)) *
+                          glm::dmat3(spot.light_from_world_directions); // shines along -Z
     }
 }
 

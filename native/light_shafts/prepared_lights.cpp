@@ -9,7 +9,6 @@
 #include <algorithm>
 
 namespace tyndall::light_shafts {
-/// Appends the segments of a ray; in the world's medium an endless ray ends where 1e-17 of its light would be left.
 MediaRay clip_to_media(const Media& media, const ViewRay& ray, std::vector<MediumSegment>& segments) {
     const std::size_t first = segments.size();
     MediaRay result{.clipped = {ray.origin, ray.direction, ray.near_m, ray.near_m}};
@@ -139,5 +138,4 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
     }
     statistics.count("light shafts: light samples", static_cast<double>(all_beams.size()));
 }
-
 } // namespace tyndall::light_shafts

@@ -14,7 +14,6 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::light_shafts::HWY_NAMESPACE {
-
 /// Few lines, whose number the processor cannot guess: one short vector, wherever it begins.
 static constexpr hn::CappedTag<float, 4> few;
 static HWY_INLINE bool raster_few(const Rows& rows, const Segments& segments, std::size_t s, const RowExtent& extent) {

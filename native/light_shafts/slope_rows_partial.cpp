@@ -91,20 +91,18 @@ void raster_partial(Rows& rows, const PartialShading& shading, const Progress& p
             needed.push_back(i);
     if (needed.empty())
         return;
-    constexpr std::size_t samples_per_range = std::size_t{1} << 19;
-    const std::size_t range_count = 1 + rows.layout.sample_count / samples_per_range;
-    const std::size_t slices_per_range = (rows.layout.rows.size() + range_count - 1) / range_count;
-    parallel_blocks(rows.layout.rows.size(), slices_per_range, progress, [&](std::size_t begin, std::size_t end) {
-        PartialSlices slices(rows, shading, static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end));
-        for (std::size_t i = 0; i < needed.size(); ++i) {
-            if (i % 16 == 0)
-                progress.poll();
-            if (placer)
-                slices.add(placer, needed[i]);
-            else
-                slices.add(culling, needed[i]);
-        }
-        slices.finish();
-    });
+    parallel_blocks(
+        rows.layout.rows.size(), slices_per_range(rows.layout), progress, [&](std::size_t begin, std::size_t end) {
+            PartialSlices slices(rows, shading, static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end));
+            for (std::size_t i = 0; i < needed.size(); ++i) {
+                if (i % 16 == 0)
+                    progress.poll();
+                if (placer)
+                    slices.add(placer, needed[i]);
+                else
+                    slices.add(culling, needed[i]);
+            }
+            slices.finish();
+        });
 }
 } // namespace tyndall::light_shafts::slope_rows

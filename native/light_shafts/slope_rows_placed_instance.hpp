@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where an instance stands in the frame of slope rows, and what they need of its boxes.
+// Where an instance stands in the frame of slope rows, what they need of its boxes, and how rasters share the slices.
 #pragma once
 #include "light_shafts/slope_rows_culling.hpp"
 
@@ -27,4 +27,11 @@ struct PlacedInstance {
                                     extent_from_object * (0.5f * (bounds.max - bounds.min)) + slack_m, first, end);
     }
 };
+
+/// Consecutive slices that one thread fills: enough ranges to share the work, few enough to place most triangles once.
+inline std::size_t slices_per_range(const Layout& layout) {
+    constexpr std::size_t samples_per_range = std::size_t{1} << 19;
+    const std::size_t range_count = 1 + layout.sample_count / samples_per_range;
+    return (layout.rows.size() + range_count - 1) / range_count;
+}
 } // namespace tyndall::light_shafts::slope_rows

@@ -52,22 +52,19 @@ private:
 void raster(Rows& rows, const Occluders& occluders, const Progress& progress, const Placer& placer) {
     if (rows.layout.rows.empty())
         return;
-    // Enough ranges to share the work, few enough to place most triangles once.
-    constexpr std::size_t samples_per_range = std::size_t{1} << 19;
-    const std::size_t range_count = 1 + rows.layout.sample_count / samples_per_range;
-    const std::size_t slices_per_range = (rows.layout.rows.size() + range_count - 1) / range_count;
     const Culling culling(rows.layout);
-    parallel_blocks(rows.layout.rows.size(), slices_per_range, progress, [&](std::size_t begin, std::size_t end) {
-        SlicesRaster slices(rows, static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end));
-        for (std::size_t i = 0; i < occluders.instances.size(); ++i) {
-            if (i % 64 == 0)
-                progress.poll();
-            if (placer)
-                slices.add(placer, occluders.instances[i]);
-            else
-                slices.add(culling, occluders.instances[i]);
-        }
-        slices.finish();
-    });
+    parallel_blocks(rows.layout.rows.size(), slices_per_range(rows.layout), progress,
+                    [&](std::size_t begin, std::size_t end) {
+                        SlicesRaster slices(rows, static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end));
+                        for (std::size_t i = 0; i < occluders.instances.size(); ++i) {
+                            if (i % 64 == 0)
+                                progress.poll();
+                            if (placer)
+                                slices.add(placer, occluders.instances[i]);
+                            else
+                                slices.add(culling, occluders.instances[i]);
+                        }
+                        slices.finish();
+                    });
 }
 } // namespace tyndall::light_shafts::slope_rows

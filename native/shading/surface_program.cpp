@@ -131,17 +131,24 @@ SurfaceClosures evaluate(const Material& material, const ShadingPoint& point, st
             .emission = non_negative(registers[material.emission_register])};
 }
 
+/// Those that SurfaceClosures::transparent depends on, in their order.
+template <typename Visit>
+static void for_each_of_transparent(const Material& material, const Visit& visit) {
+    std::uint64_t live = live_operations(material, bit(material.transparent_register));
+    for (const SurfaceOp& op : material.program) {
+        if ((live & 1) != 0)
+            visit(op);
+        live = (live >> 1) | (std::uint64_t{1} << 63); // Past 64 operations all run.
+    }
+}
+
 template <typename ImageValue>
 static Rgb transparent_by(const Material& material, bool is_backface, const ImageValue& image_value) {
     if (material.is_constant())
         return material.constant.transparent;
     Registers registers{};
-    std::uint64_t live = live_operations(material, bit(material.transparent_register));
-    for (const SurfaceOp& op : material.program) {
-        if ((live & 1) != 0)
-            registers[op.out] = result_of(op, registers, is_backface, image_value);
-        live = (live >> 1) | (std::uint64_t{1} << 63); // Past 64 operations all run.
-    }
+    for_each_of_transparent(
+        material, [&](const SurfaceOp& op) { registers[op.out] = result_of(op, registers, is_backface, image_value); });
     return share(registers[material.transparent_register]);
 }
 
@@ -156,12 +163,7 @@ Rgb evaluate_transparent(const Material& material, const vec4& image_value, bool
 
 std::vector<const SurfaceOp*> operations_of_transparent(const Material& material) {
     std::vector<const SurfaceOp*> operations;
-    std::uint64_t live = live_operations(material, bit(material.transparent_register));
-    for (const SurfaceOp& op : material.program) {
-        if ((live & 1) != 0)
-            operations.push_back(&op);
-        live = (live >> 1) | (std::uint64_t{1} << 63);
-    }
+    for_each_of_transparent(material, [&](const SurfaceOp& op) { operations.push_back(&op); });
     return operations;
 }
 
