@@ -37,12 +37,13 @@ static Layout layout_of(const DepthMap& map, const MapWindow& window, glm::uvec2
 static std::size_t place_in_face(const DepthMapFace& face, const OccluderInstance& instance, const OccluderBlock& block,
                                  std::size_t start, std::int32_t first, std::int32_t end, PlacedTriangles& placed) {
     const DepthMapFace::FromObject at = face.from_object(*instance.scene_from_object);
-    if (start == 0 && face.misses(at, block.bounds, first, end))
+    const Pyramid rows = face.seen_by(first, end);
+    if (start == 0 && DepthMapFace::misses(rows, at, block.bounds))
         return block.count;
     for (; start < block.count && placed.count + DepthMapFace::most_triangles <= PlacedTriangles::capacity; ++start) {
         const std::array<vec3, 3> triangle{at(block.corner(start, 0)), at(block.corner(start, 1)),
                                            at(block.corner(start, 2))};
-        if (face.misses(triangle, first, end))
+        if (rows.misses(triangle))
             continue;
         face.place(triangle, first, end, placed, [&](std::size_t t, std::size_t c, const vec3& corner) {
             placed.axy[3 * c][t] = 1.0f / corner.z;

@@ -58,6 +58,14 @@ struct Pyramid {
             bits |= glm::dot(normals[side], p) >= 0.0f ? 0 : 1u << side;
         return bits;
     }
+    /// All the points lie outside of one side, or behind the light.
+    [[nodiscard]] bool misses(std::span<const vec3> points) const {
+        constexpr unsigned behind = 1u << 4;
+        unsigned outside = ~0u;
+        for (const vec3& p : points)
+            outside &= sides_outside(p) | (p.z > 0.0f ? 0 : behind);
+        return outside != 0;
+    }
 };
 
 class DepthMapFace {
@@ -79,24 +87,19 @@ public:
         return {from_scene_ * mat3(scene_from_object), from_scene_ * (vec3(scene_from_object[3]) - origin_)};
     }
 
-    /// All the points lie outside of one side of what the rows [first, end) see, or behind the light.
-    [[nodiscard]] bool misses(std::span<const vec3> points, std::int32_t first, std::int32_t end) const {
+    /// What the rows [first, end) see.
+    [[nodiscard]] Pyramid seen_by(std::int32_t first, std::int32_t end) const {
         const auto row_y = [&](std::int32_t row) {
             return layout_.first_slice + static_cast<float>(row) * layout_.slice_step;
         };
-        const Pyramid rows({low_.x, std::max(low_.y, row_y(first - 1))}, {high_.x, std::min(high_.y, row_y(end))});
-        constexpr unsigned behind = 1u << 4;
-        unsigned outside = ~0u;
-        for (const vec3& p : points)
-            outside &= rows.sides_outside(p) | (p.z > 0.0f ? 0 : behind);
-        return outside != 0;
+        return {{low_.x, std::max(low_.y, row_y(first - 1))}, {high_.x, std::min(high_.y, row_y(end))}};
     }
-    [[nodiscard]] bool misses(const FromObject& at, const Bounds3& box, std::int32_t first, std::int32_t end) const {
+    [[nodiscard]] static bool misses(const Pyramid& pyramid, const FromObject& at, const Bounds3& box) {
         std::array<vec3, 8> corners;
         for (std::size_t corner = 0; corner < corners.size(); ++corner)
             corners[corner] = at({(corner & 1) != 0 ? box.max.x : box.min.x, (corner & 2) != 0 ? box.max.y : box.min.y,
                                   (corner & 4) != 0 ? box.max.z : box.min.z});
-        return misses(corners, first, end);
+        return pyramid.misses(corners);
     }
 
     /// Appends what of a triangle lies in the face and may touch the rows [first, end), as triangles: `keep` puts a corner

@@ -21,11 +21,12 @@ static std::size_t place_in_face(const DepthMapFace& face, const PartialOccluder
                                  const OccluderBlock& block, std::size_t start, std::int32_t first, std::int32_t end,
                                  PlacedPartials& placed) {
     const DepthMapFace::FromObject at = face.from_object(*instance.scene_from_object);
-    if (start == 0 && face.misses(at, block.bounds, first, end))
+    const Pyramid rows = face.seen_by(first, end);
+    if (start == 0 && DepthMapFace::misses(rows, at, block.bounds))
         return block.count;
     for (; start < block.count && placed.count + DepthMapFace::most_triangles <= PlacedTriangles::capacity; ++start) {
         const std::array<vec3, 3> p{at(block.corner(start, 0)), at(block.corner(start, 1)), at(block.corner(start, 2))};
-        if (face.misses(p, first, end))
+        if (rows.misses(p))
             continue;
         const std::array<Corner, 3> triangle{Corner{p[0], {0, 0}}, Corner{p[1], {1, 0}}, Corner{p[2], {0, 1}}};
         face.place(triangle, first, end, placed, [&](std::size_t t, std::size_t c, const Corner& corner) {
