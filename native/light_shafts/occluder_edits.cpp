@@ -2,6 +2,7 @@
 #include "light_shafts/occluder_edits.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/flat_filters.hpp"
+#include "light_shafts/wide_closing.hpp"
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -155,8 +156,8 @@ void OccluderEdits::edit_face(const Edit& edit, DepthMap& face, const Progress& 
     if (what.kind == EditKind::Close) {
         if (what.mask)
             before.assign(texels.slopes.get(), texels.slopes.get() + layout.sample_count);
-        flat_filters::close_map({texels.slopes.get(), layout.line_count, layout.slice_count(), stride}, what.shape,
-                                reach_on_map(what) / layout.line_step, progress);
+        close_wide({texels.slopes.get(), layout.line_count, layout.slice_count(), stride}, what.shape,
+                   reach_on_map(what) / layout.line_step, progress);
         if (!what.mask)
             return;
     }
