@@ -6,7 +6,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import bpy
-import numpy as np
 from bpy.props import IntProperty
 from bpy.types import Context, Image, Operator
 
@@ -14,6 +13,7 @@ from ..availability import why_not
 from ..edited_light import edited_light
 
 if TYPE_CHECKING:
+    import numpy as np
     from bpy.types import Light, Object
     from numpy.typing import NDArray
 
@@ -88,6 +88,8 @@ def _write_image(name: str, picture: NDArray[np.float32]) -> Image:
         image = bpy.data.images.new(name, width, height, float_buffer=True, is_data=True)
     elif tuple(image.size) != (width, height):
         image.scale(width, height)
+    import numpy as np  # Debian's Blender comes without: the add-on must load, and say so
+
     pixels = np.ones((height, width, 4), np.float32)
     pixels[..., :3] = picture[..., None]
     image.pixels.foreach_set(pixels.ravel())
