@@ -16,6 +16,15 @@ def is_shaft_light(thing: Object | None) -> bool:
     return thing is not None and thing.type == "LIGHT" and thing.data.type != "AREA"
 
 
+def why_not_editable(light: Light | None) -> str | None:
+    """What a button says that works on the edited light; None: it may."""
+    if light is None:
+        return "Make a light active, or choose one in the sidebar"
+    if light.type == "AREA":
+        return "Area lights are not rendered yet: use a spot or a point light"
+    return None
+
+
 def edited_light(context: Context) -> Light | None:
     """That of the Properties editor; in other editors the active object's, or else the one chosen for the scene."""
     light = getattr(context, "light", None)

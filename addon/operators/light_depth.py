@@ -10,7 +10,7 @@ from bpy.props import IntProperty
 from bpy.types import Context, Image, Operator
 
 from ..availability import why_not
-from ..edited_light import edited_light
+from ..edited_light import edited_light, why_not_editable
 
 if TYPE_CHECKING:
     import numpy as np
@@ -34,11 +34,8 @@ class TYNDALL_OT_show_light_depth(Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        light = edited_light(context)
-        if light is None:
-            cls.poll_message_set("Make a light active, or choose one in the sidebar")
-        elif light.type == "AREA":
-            cls.poll_message_set("Area lights are not rendered yet: use a spot or a point light")
+        if (reason := why_not_editable(edited_light(context))) is not None:
+            cls.poll_message_set(reason)
         elif why_not() is not None:
             cls.poll_message_set("Tyndall cannot render here: its panel in the Render properties says why")
         else:

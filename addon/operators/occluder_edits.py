@@ -12,7 +12,7 @@ from bpy.props import EnumProperty, IntProperty
 from bpy.types import Context, Light, Operator, PropertyGroup
 
 from ..animation_paths import forget_item
-from ..edited_light import edited_light
+from ..edited_light import edited_light, why_not_editable
 from ..properties.occluder_edits import KIND_NAMES, KINDS, edits_in_order, unique_name
 
 if TYPE_CHECKING:
@@ -32,10 +32,8 @@ class _ListOperator:
     @classmethod
     def poll(cls, context: Context) -> bool:
         light = edited_light(context)
-        if light is None:
-            cls.poll_message_set("Make a light active, or choose one in the sidebar")
-        elif light.type == "AREA":
-            cls.poll_message_set("Area lights are not rendered yet: use a spot or a point light")
+        if (reason := why_not_editable(light)) is not None:
+            cls.poll_message_set(reason)
         elif light.library is not None:
             cls.poll_message_set("The light is linked: make a library override of it first")
         elif cls.needs_edit and active_edit(light) is None:

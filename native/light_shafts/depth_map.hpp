@@ -9,15 +9,20 @@
 #include "light_shafts/slope_rows_raster.hpp"
 
 namespace tyndall::light_shafts {
-/// Texels are Rows of a parallel layout: slice = y, line = x, slope = depth towards the light.
-struct DepthMap {
-    bool is_perspective = false;
-    vec3 origin{0.0f}, x_axis{1, 0, 0}, y_axis{0, 1, 0}, z_axis{0, 0, 1}; ///< Perspective: z leaves the light.
-    std::unique_ptr<slope_rows::Rows> texels;
+/// Where a map lies.
+struct MapAxes {
+    vec3 origin{0.0f}, x_axis{1, 0, 0}, y_axis{0, 1, 0}, z_axis{0, 0, 1}; ///< z: towards a sun; it leaves a lamp.
 
     [[nodiscard]] vec3 axes_of(const vec3& v) const {
         return {glm::dot(x_axis, v), glm::dot(y_axis, v), glm::dot(z_axis, v)};
     }
+};
+
+/// Texels are Rows of a parallel layout: slice = y, line = x, slope = depth towards the light.
+struct DepthMap : MapAxes {
+    bool is_perspective = false;
+    std::unique_ptr<slope_rows::Rows> texels;
+
     /// Largest depth at the texel that holds (x, y); no_occluder outside. Parallel: metres along z; perspective: 1/z.
     [[nodiscard]] float depth_at(float x, float y) const {
         const slope_rows::Layout& layout = texels->layout;

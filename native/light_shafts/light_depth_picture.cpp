@@ -8,9 +8,9 @@ namespace tyndall::light_shafts {
 using namespace slope_rows;
 
 /// All occluders as a sun sees them.
-static SunPlace place_of(const Scene& scene, const LightSpace& space, const vec3& towards_light) {
-    const auto [x_axis, y_axis] = space.across(towards_light);
-    SunPlace place{vec3(0.0f), x_axis, y_axis, towards_light};
+static SunPlace place_of(const Scene& scene, const OccluderEdits& edits, const LightSample& sample) {
+    const auto [x_axis, y_axis] = edits.axes_across(sample);
+    SunPlace place{.axes = {vec3(0.0f), x_axis, y_axis, sample.towards_light}};
     place.window = {vec2(std::numeric_limits<float>::infinity()), vec2(-std::numeric_limits<float>::infinity())};
     const Bounds3 bounds = scene.surface_bounds();
     for (std::size_t corner = 0; corner < 8; ++corner) {
@@ -84,11 +84,9 @@ LightDepthPicture light_depth_picture(const Scene& scene, std::size_t index, std
     require(!occluders.is_empty() && !scene.surface_bounds().is_empty(), "nothing casts a shadow before light \"",
             light.name, "\"");
     const LightSample sample = sample_light(light, static_cast<std::uint32_t>(index), vec3(0.5f));
-    SunPlace place;
-    if (light.kind == LightKind::Sun)
-        place = place_of(scene, LightSpace(light, light.position, 1.0f), sample.towards_light);
     const PartialShading partial(occluders.partial_instances, sample, 0);
     const OccluderEdits edits(scene.description(), light, occluders);
+    const SunPlace place = sample.is_directional ? place_of(scene, edits, sample) : SunPlace{};
     LightDepthPicture picture;
     const ShadowMap before =
         raster_filter_map(place, edits.map_margin(), sample, resolution, occluders, progress, partial);

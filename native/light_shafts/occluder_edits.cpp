@@ -14,51 +14,16 @@ using namespace slope_rows;
 
 static bool is_of_map(EditKind kind) { return kind == EditKind::Close || kind == EditKind::Holes; }
 
-bool edit_does_something(const OccluderEdit& edit) {
-    if (!edit.affects_all && edit.objects.empty())
-        return false;
-    return edit.kind == EditKind::Holes ? edit.noise.probability > 0.0f : edit.size_m > 0.0f;
-}
-
-bool edit_means(const OccluderEdit& edit, const Instance& instance) {
-    return edit.affects_all || std::ranges::binary_search(edit.objects, instance.name_index);
-}
-
-template <typename IsWanted>
-static Bounds3 bounds_of_occluders(const SceneDescription& scene, const IsWanted& is_wanted) {
-    Bounds3 bounds;
-    for (const Instance& instance : scene.instances) {
-        if (!instance.casts_shadow || !is_wanted(instance))
-            continue;
-        const Bounds3& box = scene.meshes[instance.mesh_index]->bounds();
-        for (std::size_t corner = 0; corner < 8 && !box.is_empty(); ++corner)
-            bounds.grow(vec3(instance.world_from_object * vec4((corner & 1) != 0 ? box.max.x : box.min.x,
-                                                               (corner & 2) != 0 ? box.max.y : box.min.y,
-                                                               (corner & 4) != 0 ? box.max.z : box.min.z, 1.0f)));
-    }
-    return bounds;
-}
-
-vec3 middle_of(const OccluderEdit& edit, const SceneDescription& scene) {
-    const Bounds3 bounds =
-        bounds_of_occluders(scene, [&](const Instance& instance) { return edit_means(edit, instance); });
-    return bounds.is_empty() ? vec3(0.0f) : bounds.centre();
-}
-
 OccluderEdits::OccluderEdits(const SceneDescription& scene, const Light& light, const Occluders& occluders)
     : light_name_(light.name), is_sun_(light.kind == LightKind::Sun),
-      largest_size_(is_sun_ ? bounds_of_occluders(scene, [](const Instance&) { return true; }).diagonal_m() : 2.0f),
-      space_(light, light.position, 1.0f) {
+      largest_size_(is_sun_ ? bounds_of_occluders(scene).diagonal_m() : 2.0f), space_(light, light.position, 1.0f) {
     for (const OccluderEdit& edit : light.occluder_edits)
         if (edit_does_something(edit))
-            edits_.push_back(
-                {.what = &edit,
-                 .noise = edit.kind == EditKind::Holes ? std::make_shared<const HoleNoiseField>(edit.noise) : nullptr,
-                 .space = LightSpace(light, middle_of(edit, scene), edit.distance_m)});
+            edits_.emplace_back(edit, light, scene);
     std::map<std::vector<bool>, Group> groups;
     const auto group_of = [&](std::uint32_t index) -> Group& {
         std::vector<bool> is_meant;
-        for (const Edit& edit : edits_)
+        for (const PlacedEdit& edit : edits_)
             is_meant.push_back(edit_means(*edit.what, scene.instances[index]));
         const auto [group, is_new] = groups.try_emplace(is_meant);
         for (std::size_t edit = 0; is_new && edit < edits_.size(); ++edit)
@@ -85,7 +50,7 @@ float OccluderEdits::reach_on_map(const OccluderEdit& edit) const {
 float OccluderEdits::length_on_rows(const OccluderEdit& edit) const { return 2.0f * reach_on_map(edit); }
 
 void OccluderEdits::add_margins(LayoutConfig& layout) const {
-    for (const Edit& edit : edits_) {
+    for (const PlacedEdit& edit : edits_) {
         if (is_of_map(edit.what->kind))
             continue;
         layout.margin_before += length_on_rows(*edit.what);
@@ -106,7 +71,7 @@ static std::uint32_t finer(float extent, float spacing, std::uint32_t now) {
 
 std::uint32_t OccluderEdits::finer_lines(const Layout& layout, std::uint32_t lines) const {
     std::uint32_t result = lines;
-    for (const Edit& edit : edits_)
+    for (const PlacedEdit& edit : edits_)
         if (!is_of_map(edit.what->kind))
             result = std::max(result, finer(layout.line_step * static_cast<float>(lines),
                                             length_on_rows(*edit.what) / samples_per_reach, lines));
@@ -125,14 +90,14 @@ std::uint32_t OccluderEdits::finer_resolution(const SunPlace& place, std::uint32
     const vec2 size = is_sun_ ? place.window.max - place.window.min : vec2(2.0f);
     const float extent = std::max(size.x, size.y) + 2.0f * map_margin();
     std::uint32_t result = resolution;
-    for (const Edit& edit : edits_)
+    for (const PlacedEdit& edit : edits_)
         if (is_of_map(edit.what->kind))
             result = std::max(result, finer(extent, detail_on_map(*edit.what) / samples_per_reach, resolution));
     return result;
 }
 
 void OccluderEdits::report_what_is_too_fine(const ShadowMap& map, const Layout& layout, Statistics& statistics) const {
-    for (const Edit& edit : edits_) {
+    for (const PlacedEdit& edit : edits_) {
         const bool of_map = is_of_map(edit.what->kind);
         const float step = of_map ? map.faces.front().texels->layout.line_step : layout.line_step;
         const float detail = of_map ? detail_on_map(*edit.what) : length_on_rows(*edit.what);
@@ -147,7 +112,7 @@ void OccluderEdits::report_what_is_too_fine(const ShadowMap& map, const Layout& 
     }
 }
 
-void OccluderEdits::edit_face(const Edit& edit, DepthMap& face, const Progress& progress) const {
+void OccluderEdits::edit_face(const PlacedEdit& edit, DepthMap& face, const Progress& progress) const {
     const OccluderEdit& what = *edit.what;
     Rows& texels = *face.texels;
     const Layout& layout = texels.layout;
@@ -168,14 +133,11 @@ void OccluderEdits::edit_face(const Edit& edit, DepthMap& face, const Progress& 
             float* slopes = texels.slopes.get() + layout.rows[row].offset;
             edit.space.place_row(face, static_cast<std::int32_t>(row), x, y, z);
             is_hole.resize(x.size());
-            if (edit.noise && z.empty())
-                edit.noise->holes(x, y, is_hole);
-            else if (edit.noise)
-                edit.noise->holes(x, y, z, is_hole);
+            if (edit.noise)
+                edit.find_holes(x, y, z, is_hole);
             for (std::size_t column = 0; column < x.size(); ++column) {
                 const auto is_masked = [&] {
-                    const vec3 place(x[column], y[column], z.empty() ? 0.0f : z[column]);
-                    return what.mask && edit.space.look_up(*what.mask, place) < 0.5f;
+                    return edit.is_masked_out({x[column], y[column], z.empty() ? 0.0f : z[column]});
                 };
                 if (edit.noise && is_hole[column] != 0 && !is_masked())
                     slopes[column] = no_occluder;
@@ -186,7 +148,7 @@ void OccluderEdits::edit_face(const Edit& edit, DepthMap& face, const Progress& 
     });
 }
 
-void OccluderEdits::edit_rows(const Edit& edit, Rows& rows, const Progress& progress) const {
+void OccluderEdits::edit_rows(const PlacedEdit& edit, Rows& rows, const Progress& progress) const {
     const auto lines = static_cast<std::int32_t>(std::lround(length_on_rows(*edit.what) / rows.layout.line_step));
     parallel_blocks(rows.layout.rows.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slice = begin; slice < end; ++slice) {
@@ -210,7 +172,7 @@ static void keep_larger(Rows& into, const Rows& from, const Progress& progress) 
 
 float OccluderEdits::map_margin() const {
     float margin = 0.0f;
-    for (const Edit& edit : edits_)
+    for (const PlacedEdit& edit : edits_)
         if (edit.what->kind == EditKind::Close)
             margin += 2.0f * reach_on_map(*edit.what); // grown, and shrunk again
     return is_sun_ ? margin : std::min(margin, 1.0f);

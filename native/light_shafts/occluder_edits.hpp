@@ -7,18 +7,11 @@
 //           Edits of the map come before those of rows.
 // Bound:    per group of objects one map, its filters and one set of rows.
 #pragma once
-#include "light_shafts/hole_noise.hpp"
-#include "light_shafts/light_space.hpp"
 #include "light_shafts/occluders.hpp"
+#include "light_shafts/placed_edit.hpp"
 #include "light_shafts/shadow_map.hpp"
 
 namespace tyndall::light_shafts {
-/// False: it leaves everything as it is.
-[[nodiscard]] bool edit_does_something(const OccluderEdit& edit);
-[[nodiscard]] bool edit_means(const OccluderEdit& edit, const Instance& instance);
-/// Of what the edit means: there, the strata of a sun agree about holes.
-[[nodiscard]] vec3 middle_of(const OccluderEdit& edit, const SceneDescription& scene);
-
 class OccluderEdits {
 public:
     /// `scene`, `light` and `occluders` must outlive this.
@@ -44,12 +37,6 @@ public:
                    const PartialShading& partial, Statistics& statistics, const Progress& progress) const;
 
 private:
-    /// An edit, ready for use.
-    struct Edit {
-        const OccluderEdit* what;
-        std::shared_ptr<const HoleNoiseField> noise; ///< Of holes.
-        LightSpace space;
-    };
     /// Objects that the same edits mean.
     struct Group {
         Occluders occluders;
@@ -63,14 +50,14 @@ private:
     [[nodiscard]] float reach_on_map(const OccluderEdit& edit) const;
     [[nodiscard]] float detail_on_map(const OccluderEdit& edit) const;
     [[nodiscard]] float length_on_rows(const OccluderEdit& edit) const;
-    void edit_face(const Edit& edit, DepthMap& face, const Progress& progress) const;
-    void edit_rows(const Edit& edit, slope_rows::Rows& rows, const Progress& progress) const;
+    void edit_face(const PlacedEdit& edit, DepthMap& face, const Progress& progress) const;
+    void edit_rows(const PlacedEdit& edit, slope_rows::Rows& rows, const Progress& progress) const;
 
     std::string light_name_;
     bool is_sun_;
     float largest_size_; ///< Of a filter: all occluders of a sun, metres; 45 degrees on either side of a lamp.
     LightSpace space_;
-    std::vector<Edit> edits_;
+    std::vector<PlacedEdit> edits_;
     std::vector<Group> groups_;
 };
 } // namespace tyndall::light_shafts

@@ -11,14 +11,9 @@ namespace tyndall::light_shafts {
 using namespace slope_rows;
 
 /// Where the rows' light lines pierce the plane across a sun.
-static MapWindow sun_window(const Layout& layout, const SunPlace& place) {
+static MapWindow sun_window(const Layout& layout, const MapAxes& axes) {
     const Frame& frame = layout.frame;
-    DepthMap face;
-    face.origin = place.origin;
-    face.x_axis = place.x_axis;
-    face.y_axis = place.y_axis;
-    face.z_axis = place.z_axis;
-    const RowsOnMap on_map(frame, face);
+    const RowsOnMap on_map(frame, axes);
     MapWindow window{vec2(std::numeric_limits<float>::infinity()), vec2(-std::numeric_limits<float>::infinity())};
     for (std::size_t s = 0; s < layout.rows.size(); ++s) {
         const RowExtent& row = layout.rows[s];
@@ -36,7 +31,7 @@ static MapWindow sun_window(const Layout& layout, const SunPlace& place) {
     return {window.min - margin, window.max + margin};
 }
 
-RowsOnMap::RowsOnMap(const Frame& frame, const DepthMap& map)
+RowsOnMap::RowsOnMap(const Frame& frame, const MapAxes& map)
     : offset(map.axes_of(frame.origin - map.origin)), along_u(map.axes_of(frame.u)), along_v(map.axes_of(frame.v)) {}
 
 /// The window's texels as squares of a grid that only its own size decides, in steps of a quarter of an octave.
@@ -86,10 +81,7 @@ static ShadowMap raster_faces(const SunPlace& sun, const LightSample& light, con
     ShadowMap map;
     if (light.is_directional) {
         DepthMap& face = map.faces.emplace_back();
-        face.origin = sun.origin;
-        face.x_axis = sun.x_axis;
-        face.y_axis = sun.y_axis;
-        face.z_axis = sun.z_axis;
+        static_cast<MapAxes&>(face) = sun.axes;
         raster_face(face, sun.window);
         return map;
     }
@@ -109,9 +101,9 @@ static ShadowMap raster_faces(const SunPlace& sun, const LightSample& light, con
 ShadowMap raster_shadow_map(const Layout& layout, const LightSample& light, std::uint32_t resolution,
                             const Occluders& occluders, const Progress& progress, const PartialShading* partial) {
     const Frame& frame = layout.frame;
-    SunPlace sun{frame.origin, frame.u, frame.v, frame.axis};
+    SunPlace sun{.axes = {frame.origin, frame.u, frame.v, frame.axis}};
     if (light.is_directional)
-        sun.window = sun_window(layout, sun);
+        sun.window = sun_window(layout, sun.axes);
     return raster_faces(sun, light, [&](DepthMap& face, const MapWindow& window) {
         raster_depth(face, window, glm::uvec2(resolution), occluders, progress);
         if (partial != nullptr)
@@ -121,9 +113,8 @@ ShadowMap raster_shadow_map(const Layout& layout, const LightSample& light, std:
 
 SunPlace sun_place(const Layout& layout, const vec3& x_axis, const vec3& y_axis) {
     // From the scene's origin, which stays.
-    SunPlace place{vec3(0.0f), x_axis, y_axis, layout.frame.axis};
-    place.window = sun_window(layout, place);
-    return place;
+    const MapAxes axes{vec3(0.0f), x_axis, y_axis, layout.frame.axis};
+    return {axes, sun_window(layout, axes)};
 }
 
 ShadowMap raster_filter_map(const SunPlace& place, float margin, const LightSample& light, std::uint32_t resolution,

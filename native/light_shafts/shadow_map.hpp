@@ -20,7 +20,7 @@ struct ShadowMap {
                                           const Progress& progress, const PartialShading* partial = nullptr);
 /// Where a sun's map lies; lamps stand where they are.
 struct SunPlace {
-    vec3 origin{0.0f}, x_axis{1, 0, 0}, y_axis{0, 1, 0}, z_axis{0, 0, 1}; ///< z: towards the sun.
+    MapAxes axes{};
     MapWindow window{};
 };
 /// Around what the rows' light lines need, along the given axes.
@@ -36,7 +36,7 @@ void rectify(const ShadowMap& map, slope_rows::Rows& rows, const Progress& progr
 /// From the coordinates of a sun's frame to those of its map.
 struct RowsOnMap {
     vec3 offset, along_u, along_v; ///< offset.z: a frame's axial zero as the map counts depth.
-    RowsOnMap(const slope_rows::Frame& frame, const DepthMap& map);
+    RowsOnMap(const slope_rows::Frame& frame, const MapAxes& map);
     [[nodiscard]] vec2 at(const vec2& uv) const { return vec2(offset + uv.x * along_u + uv.y * along_v); }
 };
 /// The face and its coordinates for a direction that leaves the light; nothing where no face looks.

@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/surface_holes.hpp"
 #include "core/errors.hpp"
-#include "light_shafts/occluder_edits.hpp"
 
 namespace tyndall::light_shafts {
 std::unique_ptr<const SurfaceHoles> SurfaceHoles::make(const Scene& scene, const Light& light) {
     std::unique_ptr<SurfaceHoles> holes(new SurfaceHoles(scene));
     for (const OccluderEdit& edit : light.occluder_edits)
         if (edit.kind == EditKind::Holes && edit.affects_surfaces && edit_does_something(edit))
-            holes->edits_.push_back(
-                {.what = &edit,
-                 .noise = HoleNoiseField(edit.noise),
-                 .space = LightSpace(light, middle_of(edit, scene.description()), edit.distance_m)});
+            holes->edits_.emplace_back(edit, light, scene.description());
     if (holes->edits_.empty())
         return nullptr;
     require(holes->edits_.size() <= 64, "light \"", light.name, "\" has ", holes->edits_.size(),
@@ -32,7 +28,7 @@ void SurfaceHoles::shadow_transmittances(std::span<const Ray> rays, std::span<Rg
     open.assign(rays.size(), 0);
     is_hole.resize(rays.size());
     for (std::size_t index = 0; index < edits_.size(); ++index) {
-        const Edit& edit = edits_[index];
+        const PlacedEdit& edit = edits_[index];
         x.clear();
         y.clear();
         z.clear();
@@ -42,13 +38,9 @@ void SurfaceHoles::shadow_transmittances(std::span<const Ray> rays, std::span<Rg
             y.push_back(place.y);
             z.push_back(place.z);
         }
-        if (edit.space.is_flat())
-            edit.noise.holes(x, y, is_hole);
-        else
-            edit.noise.holes(x, y, z, is_hole);
+        edit.find_holes(x, y, z, is_hole);
         for (std::size_t ray = 0; ray < rays.size(); ++ray)
-            if (is_hole[ray] != 0 &&
-                (!edit.what->mask || edit.space.look_up(*edit.what->mask, {x[ray], y[ray], z[ray]}) >= 0.5f))
+            if (is_hole[ray] != 0 && !edit.is_masked_out({x[ray], y[ray], z[ray]}))
                 open[ray] |= std::uint64_t{1} << index;
     }
     for (std::size_t ray = 0; ray < rays.size(); ++ray)

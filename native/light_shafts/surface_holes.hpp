@@ -4,8 +4,7 @@
 // Differs:  shadow rays are traced, without the objects that have a hole where the ray passes: no texel shows.
 // Bound:    one look-up of the noise per edit and ray; rays through holes are traced alone.
 #pragma once
-#include "light_shafts/hole_noise.hpp"
-#include "light_shafts/light_space.hpp"
+#include "light_shafts/placed_edit.hpp"
 #include <memory>
 #include <span>
 #include <vector>
@@ -20,15 +19,10 @@ public:
     void shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing) const;
 
 private:
-    struct Edit {
-        const OccluderEdit* what;
-        HoleNoiseField noise;
-        LightSpace space;
-    };
     explicit SurfaceHoles(const Scene& scene) : scene_(scene) {}
 
     const Scene& scene_;
-    std::vector<Edit> edits_;
+    std::vector<PlacedEdit> edits_;
     std::vector<std::uint64_t> bits_of_instance_; ///< A bit per edit that means it.
 };
 } // namespace tyndall::light_shafts

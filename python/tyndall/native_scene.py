@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 from tyndall.closed_meshes import open_edge_count
 
 from . import _native
-from .occluder_edits import build_occluder_edits
+from .native_lights import build_light
 from .scene_description import (
     Image,
     Instances,
-    Light,
     Material,
     Medium,
     Mesh,
@@ -123,7 +122,7 @@ def build_scene(description: SceneDescription, parts: NativeParts, progress: _na
             description.lights,
             _built(
                 description.lights,
-                lambda light: _build_light(light, origin, build_occluder_edits(light, object_names, reports)),
+                lambda light: build_light(light, origin, object_names, reports),
                 "Light",
                 reports,
             ),
@@ -347,38 +346,6 @@ def _build_medium(medium: Medium) -> _native.Medium:
         lobes=[(lobe.sigma_s_per_m, lobe.asymmetry_g) for lobe in medium.lobes],
         sigma_a_per_m=medium.sigma_a_per_m,
         emission_w_per_m3_sr=medium.emission_w_per_m3_sr,
-    )
-
-
-def _build_light(
-    light: Light, origin: NDArray[np.float64], occluder_edits: list[_native.OccluderEdit]
-) -> _native.Light:
-    rotation_and_scale = light.world_from_light[:3, :3]
-    axis = -rotation_and_scale[:, 2]
-    length = float(np.linalg.norm(axis))
-    if length == 0.0:
-        raise _native.InvalidInput("its matrix has no direction (scale 0)")
-    try:
-        light_from_world = np.linalg.inv(rotation_and_scale)
-    except np.linalg.LinAlgError:
-        raise _native.InvalidInput("its matrix is singular (scale 0)") from None
-    return _native.Light(
-        name=light.name,
-        kind=int(light.kind),
-        strength=light.strength,
-        position=tuple(light.world_from_light[:3, 3] - origin),
-        axis=tuple(axis / length),
-        light_from_world_directions=light_from_world.astype(np.float32, order="C"),
-        half_angle_rad=light.half_angle_rad,
-        radius_m=light.radius_m,
-        spot_half_angle_rad=light.spot_half_angle_rad,
-        spot_blend=light.spot_blend,
-        spot_falloff=int(light.spot_falloff),
-        body=int(light.body),
-        casts_shadow=light.casts_shadow,
-        lights_surfaces=light.lights_surfaces,
-        scatters_in_media=light.scatters_in_media,
-        occluder_edits=occluder_edits,
     )
 
 

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/placed_edit.hpp"
+#include <algorithm>
+
+namespace tyndall::light_shafts {
+bool edit_does_something(const OccluderEdit& edit) {
+    if (!edit.affects_all && edit.objects.empty())
+        return false;
+    return edit.kind == EditKind::Holes ? edit.noise.probability > 0.0f : edit.size_m > 0.0f;
+}
+
+bool edit_means(const OccluderEdit& edit, const Instance& instance) {
+    return edit.affects_all || std::ranges::binary_search(edit.objects, instance.name_index);
+}
+
+Bounds3 bounds_of_occluders(const SceneDescription& scene, const OccluderEdit* edit) {
+    Bounds3 bounds;
+    for (const Instance& instance : scene.instances) {
+        if (!instance.casts_shadow || (edit != nullptr && !edit_means(*edit, instance)))
+            continue;
+        const Bounds3& box = scene.meshes[instance.mesh_index]->bounds();
+        for (std::size_t corner = 0; corner < 8 && !box.is_empty(); ++corner)
+            bounds.grow(vec3(instance.world_from_object * vec4((corner & 1) != 0 ? box.max.x : box.min.x,
+                                                               (corner & 2) != 0 ? box.max.y : box.min.y,
+                                                               (corner & 4) != 0 ? box.max.z : box.min.z, 1.0f)));
+    }
+    return bounds;
+}
+
+/// The middle of what an edit means: there, the strata of a sun agree about holes.
+static vec3 middle_of(const Bounds3& bounds) { return bounds.is_empty() ? vec3(0.0f) : bounds.centre(); }
+
+PlacedEdit::PlacedEdit(const OccluderEdit& edit, const Light& light, const SceneDescription& scene)
+    : what(&edit), noise(edit.kind == EditKind::Holes ? std::make_shared<const HoleNoiseField>(edit.noise) : nullptr),
+      space(light, middle_of(bounds_of_occluders(scene, &edit)), edit.distance_m) {}
+
+void PlacedEdit::find_holes(std::span<const float> x, std::span<const float> y, std::span<const float> z,
+                            std::span<std::uint8_t> is_hole) const {
+    if (space.is_flat())
+        noise->holes(x, y, is_hole);
+    else
+        noise->holes(x, y, z, is_hole);
+}
+
+bool PlacedEdit::is_masked_out(const vec3& place) const {
+    return what->mask && space.look_up(*what->mask, place) < 0.5f;
+}
+} // namespace tyndall::light_shafts

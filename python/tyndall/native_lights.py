@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lights, as the native side takes them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import _native
+from .occluder_edits import build_occluder_edits
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from .scene_description import Light
+
+
+def build_light(
+    light: Light, origin: NDArray[np.float64], object_names: Sequence[str], reports: list[str]
+) -> _native.Light:
+    """The native light, relative to the origin. Raises InvalidInput; an edit that cannot be used is reported only."""
+    rotation_and_scale = light.world_from_light[:3, :3]
+    axis = -rotation_and_scale[:, 2]
+    length = float(np.linalg.norm(axis))
+    if length == 0.0:
+        raise _native.InvalidInput("its matrix has no direction (scale 0)")
+    try:
+        light_from_world = np.linalg.inv(rotation_and_scale)
+    except np.linalg.LinAlgError:
+        raise _native.InvalidInput("its matrix is singular (scale 0)") from None
+    return _native.Light(
+        name=light.name,
+        kind=int(light.kind),
+        strength=light.strength,
+        position=tuple(light.world_from_light[:3, 3] - origin),
+        axis=tuple(axis / length),
+        light_from_world_directions=light_from_world.astype(np.float32, order="C"),
+        half_angle_rad=light.half_angle_rad,
+        radius_m=light.radius_m,
+        spot_half_angle_rad=light.spot_half_angle_rad,
+        spot_blend=light.spot_blend,
+        spot_falloff=int(light.spot_falloff),
+        body=int(light.body),
+        casts_shadow=light.casts_shadow,
+        lights_surfaces=light.lights_surfaces,
+        scatters_in_media=light.scatters_in_media,
+        occluder_edits=build_occluder_edits(light, object_names, reports),
+    )
