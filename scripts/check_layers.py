@@ -24,6 +24,7 @@ LAYER_OF_PART = {
     "shading": 2,
     "scene": 3,
     "light_shafts": 4,
+    "transfer_functions": 4,
     "render": 5,
     "bindings": 6,
 }

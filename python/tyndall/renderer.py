@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from . import _native
 from .native_scene import NativeParts, build_scene, fingerprint
 from .scene_description import Camera, FloatArray, SceneDescription
+from .transfer_functions import WeightedFunction
 
 METHODS = ("EXACT", "EPIPOLAR", "SHADOW_MAP")
 PIXEL_FILTERS = ("BOX", "GAUSSIAN", "BLACKMAN_HARRIS")
@@ -62,6 +63,7 @@ class RenderConfig:
     film_transparent: bool = False
     passes: frozenset[str] = frozenset()  #: Names in PASSES; Combined is always there.
     shafts: ShaftConfig = field(default_factory=ShaftConfig)
+    transfer_functions: tuple[WeightedFunction, ...] = ()  #: What they make of the light that media scatter.
     seed: int = 0
     thread_count: int = 0  #: 0: all.
 
