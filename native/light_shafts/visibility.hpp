@@ -24,6 +24,9 @@ struct LitRows {
         intervals.clear();
     }
     void end_ray() { first.push_back(static_cast<std::uint32_t>(intervals.size())); }
+    [[nodiscard]] std::span<const LitInterval> of_ray(std::size_t ray) const {
+        return std::span(intervals).subspan(first[ray], first[ray + 1] - first[ray]);
+    }
 };
 
 /// Scatter pieces of consecutive rays in compressed rows.
@@ -35,6 +38,9 @@ struct PieceRows {
         pieces.clear();
     }
     void end_ray() { first.push_back(static_cast<std::uint32_t>(pieces.size())); }
+    [[nodiscard]] std::span<const ScatterPiece> of_ray(std::size_t ray) const {
+        return std::span(pieces).subspan(first[ray], first[ray + 1] - first[ray]);
+    }
 };
 
 class Visibility {
