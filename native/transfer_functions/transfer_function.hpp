@@ -67,9 +67,9 @@ enum class GradientShape : std::uint8_t { Linear = 0, Radial = 1 };
 
 /// What a diffusion layer has at a place.
 struct Constraint {
-    vec2 position{0.5f};       ///< In [0, 1]^2: of the function's x and y axis.
-    vec4 colour{1.0f};         ///< Scene-linear, with alpha in [0, 1].
-    std::optional<vec3> point; ///< A point of the scene: its view ray's parameters are the position, then.
+    vec2 position{0.5f};            ///< In [0, 1]^2: of the function's x and y axis.
+    vec4 colour{1.0f};              ///< Scene-linear, with alpha in [0, 1].
+    std::optional<vec3> point = {}; ///< A point of the scene: its view ray's parameters are the position, then.
 };
 
 struct Layer {
