@@ -81,9 +81,9 @@ struct Layer {
     /// Gradient: evenly spaced over [0, 1], both ends included; scene-linear with alpha, at least two.
     std::vector<vec4> ramp = {};
     GradientShape shape = GradientShape::Linear;
-    vec2 from{0.0f, 0.5f},
-        to{1.0f, 0.5f}; ///< Gradient: where the ramp begins and ends. Radial: its middle and its rim.
-    std::vector<Constraint> constraints = {}; ///< Diffusion.
+    /// Gradient: where the ramp begins and ends. Radial: its middle and its rim. At one place: the ramp's end everywhere.
+    vec2 from{0.0f, 0.5f}, to{1.0f, 0.5f};
+    std::vector<Constraint> constraints = {}; ///< Diffusion; at most 256. None: transparent.
     /// Diffusion, [0, 1]: 0 solves Laplace's equation, which has peaks at single constraints; larger ones bend like a
     /// plate over this length, in units of the function's sides.
     float smoothness = 0.25f;
@@ -106,5 +106,6 @@ struct WeightedFunction {
 };
 
 /// Throws InvalidInput that names layer and number.
+void require_usable(const Layer& layer);
 void require_usable(const TransferFunction& function);
 } // namespace tyndall::transfer_functions

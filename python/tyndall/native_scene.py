@@ -15,6 +15,7 @@ from tyndall.closed_meshes import open_edge_count
 
 from . import _native
 from .native_lights import build_light
+from .native_textures import build_texture
 from .scene_description import (
     Image,
     Instances,
@@ -280,7 +281,7 @@ def _build_materials(materials: tuple[Material, ...], parts: NativeParts, report
         if key not in kept:
             native = parts.textures.get(key)
             parts.counts["images sent" if native is None else "images reused"] += 1
-            kept[key] = native if native is not None else _build_texture(use, reports)
+            kept[key] = native if native is not None else build_texture(use, reports)
         return kept[key]
 
     result = []
@@ -292,22 +293,6 @@ def _build_materials(materials: tuple[Material, ...], parts: NativeParts, report
             result.append(_build_material(replace(_DEFAULT_MATERIAL, name=material.name, medium=material.medium), []))
     parts.textures = kept
     return result
-
-
-def _build_texture(use: TextureUse, reports: list[str]) -> _native.Texture:
-    pixels: NDArray[Any] = use.image.pixels
-    broken = 0 if pixels.dtype == np.uint8 else int((~np.isfinite(pixels).all(axis=2)).sum())
-    if broken:
-        pixels = np.nan_to_num(pixels, nan=0.0, posinf=0.0, neginf=0.0)
-        reports.append(f'Image "{use.image.name}": {broken} pixels that are not finite are drawn black')
-    return _native.Texture(
-        name=use.image.name,
-        pixels=pixels,
-        is_srgb=use.image.is_srgb,
-        has_alpha=use.image.has_alpha,
-        extension=int(use.extension),
-        interpolation=int(use.interpolation),
-    )
 
 
 def _build_material(material: Material, textures: list[_native.Texture]) -> _native.Material:
