@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Transfer functions: layers of colour over two parameters of a view ray (Kol 2018, section 5.4.2).
 
-``RenderConfig.transfer_functions`` takes them; native/transfer_functions/transfer_function.hpp says what each number does.
+``RenderConfig.transfer_functions`` takes them; native/transfer_functions/transfer_function.hpp says what the
+numbers do.
 """
 
 from __future__ import annotations
