@@ -47,7 +47,7 @@ class Viewport:
 
     def __init__(self, engine: RenderEngine) -> None:
         self.engine = weakref.ref(engine)
-        self.worker = ViewportWorker(Session())
+        self.worker = ViewportWorker(Session(kept_pictures=1))
         self._reader = SceneReader()
         self._is_scene_outdated = True
         self._slice_s = SLICE_S

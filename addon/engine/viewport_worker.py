@@ -180,7 +180,8 @@ class ViewportWorker:
 
     def _refine(self, session: Session, view: View, progress: Progress) -> None:
         """Show one picture after the other, each finer than the last; Cancelled once outdated."""
-        scale = SCALES[0]
+        # Where only colours of light shafts changed, the finished picture takes less time than a coarse one.
+        scale = 1 if session.has_picture(view.camera, view.config) else SCALES[0]
         self._patience_ends = time.monotonic() + self._patience_s
         self._patience_s *= 2.0
         while scale > 1:

@@ -2,7 +2,9 @@
 #include "bindings/arrays.hpp"
 #include "bindings/bind.hpp"
 #include "light_shafts/light_depth_picture.hpp"
+#include "render/asked_rays.hpp"
 #include "render/frame.hpp"
+#include "render/styled_shafts.hpp"
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 
@@ -41,7 +43,9 @@ static render::FrameConfig make_config(std::uint32_t pixel_samples, int pixel_fi
                                        float noise_threshold,
                                        const std::optional<std::array<std::uint32_t, 4>>& region_px,
                                        bool film_transparent, const std::vector<std::string>& passes,
-                                       const light_shafts::Config& shafts, std::uint32_t seed, int thread_count) {
+                                       const light_shafts::Config& shafts,
+                                       std::vector<transfer_functions::WeightedFunction> functions, bool keeps_unstyled,
+                                       std::uint32_t seed, int thread_count) {
     render::FrameConfig config{.pixel_samples = pixel_samples,
                                .pixel_filter = static_cast<render::PixelFilter>(pixel_filter),
                                .filter_width_px = filter_width_px,
@@ -50,6 +54,8 @@ static render::FrameConfig make_config(std::uint32_t pixel_samples, int pixel_fi
                                .is_film_transparent = film_transparent,
                                .passes = {},
                                .shafts = shafts,
+                               .transfer_functions = std::move(functions),
+                               .keeps_unstyled = keeps_unstyled,
                                .seed = seed,
                                .thread_count = thread_count};
     if (region_px)
@@ -70,9 +76,11 @@ static py::dict to_planes(render::Film& film) {
     return planes;
 }
 
-static std::pair<py::dict, Statistics> render_film(const SceneWithMedia& built, const Camera& camera,
-                                                   const render::FrameConfig& config, Progress& progress,
-                                                   const std::optional<py::function>& on_update) {
+using Unstyled = std::shared_ptr<const render::UnstyledFilm>;
+
+static std::tuple<py::dict, Statistics, Unstyled> render_film(const SceneWithMedia& built, const Camera& camera,
+                                                              const render::FrameConfig& config, Progress& progress,
+                                                              const std::optional<py::function>& on_update) {
     render::OnUpdate update;
     if (on_update)
         update = [&](render::Film film) {
@@ -81,7 +89,25 @@ static std::pair<py::dict, Statistics> render_film(const SceneWithMedia& built, 
         };
     render::Film film =
         without_gil([&] { return render::render(built.scene, built.media, camera, config, progress, update); });
-    return {to_planes(film), std::move(film.statistics)};
+    return {to_planes(film), std::move(film.statistics), std::move(film.unstyled)};
+}
+
+static py::dict restyle(const Unstyled& unstyled, std::vector<transfer_functions::WeightedFunction> functions,
+                        const Progress& progress) {
+    render::Film film = without_gil([&] { return render::styled(*unstyled, std::move(functions), progress); });
+    return to_planes(film);
+}
+
+static py::array find_ray_parameters(const SceneWithMedia& built, const Camera& camera,
+                                     const render::FrameConfig& config, const py::array& places_px,
+                                     Progress& progress) {
+    const auto places = to_vector<vec2, float>(places_px, {-1, 2}, "places_px");
+    const std::vector<vec2> found =
+        without_gil([&] { return render::ray_parameters(built.scene, built.media, camera, config, places, progress); });
+    std::vector<float> numbers;
+    for (const vec2& parameters : found)
+        numbers.insert(numbers.end(), {parameters.x, parameters.y});
+    return to_numpy(std::move(numbers), {static_cast<py::ssize_t>(found.size()), 2});
 }
 
 static std::pair<py::array, py::array> make_light_depth(const SceneWithMedia& built, std::size_t light,
@@ -101,11 +127,22 @@ void bind_render(py::module_& native) {
              "attenuates_light"_a, "adapts_strata"_a, "shares_strata"_a, "seed"_a);
     py::class_<render::FrameConfig>(native, "FrameConfig")
         .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "noise_threshold"_a,
-             "region_px"_a, "film_transparent"_a, "passes"_a, "shafts"_a, "seed"_a, "thread_count"_a);
-    native.def("render", &render_film, "scene"_a, "camera"_a, "config"_a, "progress"_a, "on_update"_a = py::none(),
-               R"(Planes by name, float32 (height, width, channels), rows bottom to top, and statistics.
+             "region_px"_a, "film_transparent"_a, "passes"_a, "shafts"_a, "transfer_functions"_a, "keeps_unstyled"_a,
+             "seed"_a, "thread_count"_a);
+    py::class_<render::UnstyledFilm, std::shared_ptr<render::UnstyledFilm>>(native, "UnstyledFilm");
+    native.def(
+        "render", &render_film, "scene"_a, "camera"_a, "config"_a, "progress"_a, "on_update"_a = py::none(),
+        R"(Planes by name, float32 (height, width, channels), rows bottom to top; statistics; and what restyle takes, or None.
 
 on_update is called with the planes so far about twice a second. Releases the GIL. InvalidInput; Cancelled.)");
+    native.def("restyle", &restyle, "unstyled"_a, "transfer_functions"_a, "progress"_a,
+               R"(The planes of a frame under changed layers of its transfer functions; their axes are the frame's.
+
+A constraint with a point that the frame had not keeps its position. Releases the GIL. InvalidInput; Cancelled.)");
+    native.def("ray_parameters", &find_ray_parameters, "scene"_a, "camera"_a, "config"_a, "places_px"_a, "progress"_a,
+               R"(Where the rays through raster positions, float32 (n, 2), are in the first transfer function: (n, 2).
+
+Releases the GIL. InvalidInput; Cancelled.)");
     native.def("light_depth_picture", &make_light_depth, "scene"_a, "light"_a, "resolution"_a, "progress"_a,
                R"(A light's depth map before and after its occluder edits, float32 (height, width), rows bottom to top.
 

@@ -88,6 +88,12 @@ struct Air {
 /// Sides of the squares of pixels that share the strata of a light, see shared_strata.hpp; 1: each pixel for itself.
 inline constexpr std::array<std::uint32_t, 3> shared_sides{1, 2, 4};
 
+/// Where a ray is lit: the length of its lit parts in media, weighted by the shadows' transmittance, and the integral of
+/// the distance over them; sums over the lights.
+struct LitMoments {
+    float length_m = 0.0f, moment_m2 = 0.0f;
+};
+
 struct PreparedLights;
 
 /// One frame's light shafts, prepared once and asked band by band, pass by pass: what a light needs (its hierarchy or
@@ -112,6 +118,9 @@ public:
     /// out[i] gets the light that squares of shared_sides[i] pixels share, still to be averaged by add_shared.
     void scatter(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells,
                  const std::array<Scattered, shared_sides.size()>& out, const Progress& progress, Turn turn) const;
+    /// One per ray, of the strata of this turn.
+    [[nodiscard]] std::vector<LitMoments> find_lit_moments(std::span<const ViewRay> rays, const Progress& progress,
+                                                           Turn turn = {}) const;
     /// One per ray.
     [[nodiscard]] std::vector<Air> find_air(std::span<const ViewRay> rays, const Progress& progress) const;
     /// Gives alone_cell to the rays that pass a lamp whose strata are shared at less than a few times the spacing of the

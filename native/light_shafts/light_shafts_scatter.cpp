@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 #include "light_shafts/prepared_lights.hpp"
 #include "light_shafts/shared_strata.hpp"
+#include "light_shafts/turns.hpp"
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -10,20 +11,6 @@
 
 namespace tyndall::light_shafts {
 namespace {
-/// The beams of a light that are this turn's: beams[permuted(i)] for i in [first, last), each `weight` times.
-struct Deal {
-    std::size_t first, last;
-    float weight;
-};
-Deal deal(std::size_t beam_count, const Turn& turn) {
-    if (beam_count >= turn.count)
-        return {.first = turn.index * beam_count / turn.count,
-                .last = (turn.index + 1) * beam_count / turn.count,
-                .weight = static_cast<float>(turn.count)};
-    const std::size_t beam = turn.index % beam_count;
-    const std::size_t use_count = turn.count / beam_count + (beam < turn.count % beam_count ? 1 : 0);
-    return {.first = beam, .last = beam + 1, .weight = static_cast<float>(turn.count) / static_cast<float>(use_count)};
-}
 /// Between how many cells of a square of pixels the strata of a light are dealt out, in one of turn_count passes.
 struct Sharing {
     std::size_t side = 0; ///< Into shared_sides.
@@ -35,14 +22,6 @@ Sharing sharing(std::size_t beam_count, std::uint32_t turn_count) {
         static_cast<std::uint32_t>(std::bit_floor(std::clamp<std::size_t>(beam_count / turn_count, 1, 16)));
     return {count == 1 ? 0u : count <= 4 ? 1u : 2u, count};
 }
-/// A permutation that spreads consecutive indices over all beams, by steps near the golden section.
-std::size_t spread(std::size_t index, std::size_t count) {
-    std::size_t step = std::max<std::size_t>(1, count * 618 / 1000);
-    while (std::gcd(step, count) != 1)
-        ++step;
-    return index * step % count;
-}
-
 } // namespace
 
 void PreparedLights::gather(std::span<const ViewRay> rays, std::span<const std::uint32_t> order, Block& block) const {

@@ -7,6 +7,7 @@
 #include "render/shared_irradiance.hpp"
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -60,10 +61,12 @@ struct Plane {
     Pass pass = Pass::Combined;
     std::vector<float> values; ///< Rows bottom to top; a pixel's channels side by side.
 };
+struct UnstyledFilm;
 struct Film {
     std::uint32_t width_px = 0, height_px = 0;
     std::vector<Plane> planes; ///< In the order of Pass; those that were asked for.
     Statistics statistics;
+    std::shared_ptr<const UnstyledFilm> unstyled = {}; ///< For styled(); where the frame's settings ask for it.
     [[nodiscard]] const Plane* find(Pass pass) const;
 };
 

@@ -2,8 +2,10 @@
 #include "render/frame.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/shared_strata.hpp"
+#include "render/asked_rays.hpp"
 #include "render/pixel_noise.hpp"
 #include "render/shadow_ray_counts.hpp"
+#include "render/styled_shafts.hpp"
 #include "render/surface_pass.hpp"
 #include <algorithm>
 #include <array>
@@ -64,8 +66,15 @@ public:
             round_samples_ = samples_per_round(config.pixel_samples);
             noise_.emplace(width(), region_.y1 - region_.y0);
         }
+        for (const auto& [function, weight] : config.transfer_functions)
+            transfer_functions::require_usable(function);
         if (media_.is_empty())
             statistics_.skip("light shafts", "no medium in the scene");
+        else if (!config.transfer_functions.empty()) {
+            parameters_.emplace(scene, camera, config.transfer_functions);
+            styled_.emplace(pixel_count(), parameters_->function_count());
+            seen_.resize(pixel_count());
+        }
         set_shadow_rays();
     }
 
@@ -78,12 +87,14 @@ public:
                 break;
         }
         progress_.advance_to(1.0f);
-        Film film = sums_.resolve(progress_);
+        Film film = picture();
         statistics_.stages.push_back({"camera rays and direct light", surface_seconds_});
         if (shafts_) {
             statistics_.stages.push_back({"light shafts: scatter", shaft_seconds_});
             statistics_.count("light shafts: rays", static_cast<double>(shaft_ray_count_));
         }
+        if (styled_)
+            statistics_.stages.push_back({"transfer functions", style_seconds_});
         statistics_.count("pixels", static_cast<double>(pixel_count()));
         statistics_.count("samples per pixel", static_cast<double>(sample_count_) / static_cast<double>(pixel_count()));
         film.statistics = std::move(statistics_);
@@ -91,6 +102,20 @@ public:
     }
 
 private:
+    /// So far.
+    Film picture() {
+        Film film = sums_.resolve(progress_);
+        if (!styled_)
+            return film;
+        const auto start = Clock::now();
+        const auto unstyled = std::make_shared<const UnstyledFilm>(
+            UnstyledFilm{std::move(film), styled_->resolve(progress_), placed_points_});
+        film = styled(*unstyled, config_.transfer_functions, progress_);
+        if (config_.keeps_unstyled)
+            film.unstyled = unstyled;
+        style_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
+        return film;
+    }
     [[nodiscard]] std::uint32_t width() const { return region_.x1 - region_.x0; }
     [[nodiscard]] bool shares_strata() const {
         return config_.shafts.shares_strata && config_.shafts.method != light_shafts::Method::Exact;
@@ -165,6 +190,22 @@ private:
         statistics_.append(shafts_->statistics());
         if (shafts_->is_empty())
             shafts_.reset();
+        else if (styled_)
+            placed_points_ =
+                place_points(view_path(), *shafts_, *parameters_, camera_, config_.transfer_functions, progress_);
+    }
+    [[nodiscard]] ViewPath view_path(bool collects_parts = true) const {
+        return {scene_,
+                media_,
+                light_,
+                camera_,
+                {.is_film_transparent = config_.is_film_transparent,
+                 .collects_parts = collects_parts,
+                 .lights_black_surfaces = config_.passes.has(Pass::Shadow)}};
+    }
+    [[nodiscard]] vec2 pixel_centre(std::size_t pixel) const {
+        return {static_cast<float>(region_.x0 + pixel % width()) + 0.5f,
+                static_cast<float>(region_.y0 + pixel / width()) + 0.5f};
     }
 
     void advance(std::uint32_t sample, const Band& band, double share_before, double share_of_sample) {
@@ -182,15 +223,14 @@ private:
         say(sample, "surfaces");
         const auto start = Clock::now();
         const bool has_shafts = sample == 0 ? !media_.is_empty() : shafts_.has_value();
-        const ViewPath path(scene_, media_, light_, camera_,
-                            {.is_film_transparent = config_.is_film_transparent,
-                             .collects_parts = has_shafts,
-                             .lights_black_surfaces = config_.passes.has(Pass::Shadow)});
+        const ViewPath path = view_path(has_shafts);
         const SurfacePass pass(path, camera_, region_, filter_, {config_.pixel_samples, config_.seed});
         pass.trace(
             {.sample_index = sample, .first_row = band.first_row, .end_row = band.end_row}, is_active_,
             [&](std::size_t pixel, const PathSample& found) {
                 sums_.add(pixel, found);
+                if (styled_)
+                    seen_[pixel] = parameters_->seen(found);
                 if (noise_)
                     noise_->add(pixel, found.radiance);
                 if (world_reach_px_ > 0)
@@ -240,6 +280,8 @@ private:
                                scattered_.cells, progress_);
             scattered_.air = shafts_->find_air(waiting_.rays, progress_);
         }
+        if (styled_ && parameters_->asks_for(transfer_functions::Axis::MeanLitPosition))
+            lit_moments_.resize(waiting_.rays.size());
         for (std::size_t side = 0; side < used.size(); ++side) {
             ScatteredParts::Light& light = scattered_.of_side[side];
             light.radiance.resize(used[side] ? waiting_.rays.size() : 0);
@@ -247,7 +289,7 @@ private:
                 light.from_points.resize(light.radiance.size());
                 light.from_points_unshadowed.resize(light.radiance.size());
             }
-            if (sums_.wants(Pass::ShaftsVisibility))
+            if (wants_visibility())
                 light.visibility.resize(light.radiance.size());
         }
     }
@@ -270,6 +312,10 @@ private:
         shafts_->scatter(std::span(waiting_.rays).subspan(first, count),
                          cells.empty() ? cells : cells.subspan(first, count), out, progress_,
                          {sample % round_samples_, round_samples_});
+        if (!lit_moments_.empty())
+            std::ranges::copy(shafts_->find_lit_moments(std::span(waiting_.rays).subspan(first, count), progress_,
+                                                        {sample % round_samples_, round_samples_}),
+                              lit_moments_.begin() + static_cast<std::ptrdiff_t>(first));
         shaft_ray_count_ += count;
         shaft_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
         advance(sample, band, surface_share, 1.0 - surface_share);
@@ -289,21 +335,31 @@ private:
         const std::size_t first_pixel = std::size_t{band.first_row} * width();
         parallel_for(std::size_t{band.end_row} * width() - first_pixel, progress_, [&](std::size_t index) {
             const std::size_t pixel = first_pixel + index;
-            Rgb sum(0.0f);
-            float visible = 0.0f, weight_sum = 0.0f;
-            for (std::uint32_t part = waiting_.first[pixel]; part < waiting_.first[pixel + 1]; ++part) {
-                const Rgb& weight = waiting_.weights[part];
-                sum += weight * radiance[part];
-                const float total = weight.x + weight.y + weight.z;
-                weight_sum += total;
-                visible += visibility.empty() ? 0.0f : total * visibility[part];
-            }
-            if (weight_sum > 0.0f)
-                sums_.add_shafts(pixel, sum, visible / weight_sum);
+            const std::size_t first = waiting_.first[pixel], count = waiting_.first[pixel + 1] - first;
+            const auto part_of = [&](const auto& values) {
+                return values.empty() ? std::span(values) : std::span(values).subspan(first, count);
+            };
+            const SeenShafts seen =
+                sum_of_parts(part_of(waiting_.weights), part_of(radiance), part_of(visibility), part_of(lit_moments_));
+            if (seen.meets_medium)
+                sums_.add_shafts(pixel, seen.radiance, seen.visibility);
+            if (styled_ && is_active_[pixel])
+                add_styled(pixel, seen);
             if (noise_)
-                noise_->add(pixel, sum);
+                noise_->add(pixel, seen.radiance);
         });
         shaft_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+    }
+
+    void add_styled(std::size_t pixel, const SeenShafts& shafts) {
+        std::vector<vec2> parameters;
+        for (std::size_t function = 0; function < parameters_->function_count() && shafts.meets_medium; ++function)
+            parameters.push_back(parameters_->at(function, pixel_centre(pixel), seen_[pixel], shafts));
+        styled_->add(pixel, seen_[pixel], shafts, parameters);
+    }
+    [[nodiscard]] bool wants_visibility() const {
+        return sums_.wants(Pass::ShaftsVisibility) ||
+               (styled_ && parameters_->asks_for(transfer_functions::Axis::AverageVisibility));
     }
 
     void update_now_and_then() {
@@ -311,7 +367,7 @@ private:
         if (!on_update_ || is_complete || (last_update_ && Clock::now() - *last_update_ < update_interval_))
             return;
         const auto start = Clock::now();
-        on_update_(sums_.resolve(progress_));
+        on_update_(picture());
         last_update_ = Clock::now();
         // A large film takes a while to hand out: never more than a tenth of the time.
         update_interval_ = std::max<Clock::duration>(least_update_interval, 9 * (*last_update_ - start));
@@ -337,8 +393,13 @@ private:
     std::vector<WorldLit> world_lit_; ///< Per pixel, of one pass, where neighbours share it.
     WaitingParts waiting_;            ///< Of the current pass; as scattered_, kept for its memory.
     ScatteredParts scattered_;
+    std::optional<RayParameters> parameters_; ///< With styled_ and seen_, where functions recolour the light shafts.
+    std::optional<StyledShafts> styled_;
+    std::vector<SeenSurface> seen_;                     ///< Per pixel, of the current pass.
+    std::vector<light_shafts::LitMoments> lit_moments_; ///< Per waiting part, where an axis asks.
+    std::vector<PlacedPoint> placed_points_;
     std::size_t shaft_ray_count_ = 0;
-    double surface_seconds_ = 0.0, shaft_seconds_ = 0.0;
+    double surface_seconds_ = 0.0, shaft_seconds_ = 0.0, style_seconds_ = 0.0;
     std::optional<Clock::time_point> last_update_;
     Clock::duration update_interval_ = least_update_interval;
 };

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One frame: camera rays, direct light, media and light shafts, put together into a film.
 // Data flow, per sample of all pixels: camera rays -> surfaces with their light -> parts of the rays that lie in media
-//            -> light shafts on all of them at once -> film.
+//            -> light shafts on all of them at once -> film -> transfer functions.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
 #include "render/film.hpp"
 #include "render/pixel_filter.hpp"
 #include "render/surface_pass.hpp"
 #include "scene/scene.hpp"
+#include "transfer_functions/transfer_function.hpp"
 #include <functional>
 #include <optional>
 
@@ -24,6 +25,8 @@ struct FrameConfig {
     bool is_film_transparent = false;
     PassSet passes;
     light_shafts::Config shafts; ///< Neighbours share the world's light on surfaces as they do strata.
+    std::vector<transfer_functions::WeightedFunction> transfer_functions; ///< Applied to the light shafts.
+    bool keeps_unstyled = false; ///< The film carries what a change of the functions' layers needs.
     std::uint32_t seed = 0;
     int thread_count = 0; ///< 0: all.
 };

@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from .kept_pictures import UnstyledPictures
 from .native_scene import NativeParts, build_scene, fingerprint
+from .native_transfer_functions import build_weighted_functions
 from .scene_description import Camera, FloatArray, SceneDescription
 from .transfer_functions import WeightedFunction
 
@@ -83,8 +85,11 @@ class Session:
     Not for two threads at once; ``progress.cancel()`` may come from any thread.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, kept_pictures: int = 0) -> None:
+        """``kept_pictures``: how many of the last are kept, so that changed transfer functions need no rays."""
+        self._unstyled = UnstyledPictures(kept_pictures)
         self._parts = NativeParts()
+        self._function_textures: dict[str, _native.Texture] = {}
         self._scene: _native.Scene | None = None
         self._fingerprint = b""
         self._origin_in_world: NDArray[np.float64] = np.zeros(3)
@@ -116,6 +121,7 @@ class Session:
             self._scene, self._origin_in_world, self._reports = built.scene, built.origin_in_world, built.reports
             self._light_names = built.light_names
             self._fingerprint = current
+            self._unstyled.clear()
             self._parts.counts["scene rebuilt"] = 1
         else:
             self._parts.count_all_as_reused()
@@ -134,17 +140,59 @@ class Session:
         """
         if self._scene is None:
             raise _native.InvalidInput("there is no scene to render: update the session first")
-        planes, statistics = _native.render(
+        kept = self._unstyled.find(camera, config)
+        reports: list[str] = []
+        functions = self._functions(config, reports)
+        if kept is not None:
+            start = perf_counter()
+            planes = _native.restyle(kept, functions, progress)
+            statistics = {
+                "stages": [{"name": "transfer functions", "seconds": perf_counter() - start}],
+                "skipped": [{"name": "rays", "reason": "only layers of transfer functions changed"}],
+                "counts": {},
+                "reports": reports,
+            }
+            return Film(planes=planes, statistics=statistics)
+        planes, native_statistics, unstyled = _native.render(
             self._scene,
             _native_camera(camera, self._origin_in_world),
-            _native_config(config),
+            _native_config(config, functions, keeps_unstyled=self._unstyled.capacity > 0),
             progress,
             None if on_update is None else lambda so_far: on_update(Film(planes=so_far)),
         )
-        parts = (self.statistics, self._scene.statistics.to_dict(), statistics.to_dict())
+        if unstyled is not None:
+            self._unstyled.keep(camera, config, unstyled)
+        parts = (self.statistics, self._scene.statistics.to_dict(), native_statistics.to_dict())
         merged = _merged(*parts)
+        merged["reports"] += reports
         merged["counts"]["peak memory, MiB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         return Film(planes=planes, statistics=merged)
+
+    def has_picture(self, camera: Camera, config: RenderConfig) -> bool:
+        """Whether ``render`` would only recolour a picture that is kept."""
+        return self._unstyled.find(camera, config) is not None
+
+    def ray_parameters(
+        self, camera: Camera, config: RenderConfig, places_px: FloatArray, progress: _native.Progress
+    ) -> FloatArray:
+        """Where the rays through raster positions, (n, 2), y up, are in the first of ``config.transfer_functions``.
+
+        (n, 2), [0, 1], over its x and y axis. Raises ``InvalidInput`` without a function, and ``Cancelled``.
+        """
+        if self._scene is None:
+            raise _native.InvalidInput("there is no scene to ask: update the session first")
+        found: FloatArray = _native.ray_parameters(
+            self._scene,
+            _native_camera(camera, self._origin_in_world),
+            _native_config(config, self._functions(config, []), keeps_unstyled=False),
+            np.ascontiguousarray(places_px, np.float32),
+            progress,
+        )
+        return found
+
+    def _functions(self, config: RenderConfig, reports: list[str]) -> list[_native.WeightedFunction]:
+        functions = config.transfer_functions
+        return build_weighted_functions(functions, self._origin_in_world, self._function_textures, reports)
 
     def light_depth_picture(
         self, light_name: str, resolution: int, progress: _native.Progress
@@ -195,7 +243,9 @@ def _native_camera(camera: Camera, origin_in_world: NDArray[np.float64]) -> _nat
     )
 
 
-def _native_config(config: RenderConfig) -> _native.FrameConfig:
+def _native_config(
+    config: RenderConfig, functions: list[_native.WeightedFunction], *, keeps_unstyled: bool
+) -> _native.FrameConfig:
     shafts = asdict(config.shafts) | {"method": _index(METHODS, config.shafts.method, "shafts.method")}
     return _native.FrameConfig(
         pixel_samples=config.pixel_samples,
@@ -206,6 +256,8 @@ def _native_config(config: RenderConfig) -> _native.FrameConfig:
         film_transparent=config.film_transparent,
         passes=sorted(config.passes),
         shafts=_native.ShaftConfig(**shafts),
+        transfer_functions=functions,
+        keeps_unstyled=keeps_unstyled,
         seed=config.seed,
         thread_count=config.thread_count,
     )

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/ray_parameters.hpp"
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tyndall::render {
+using transfer_functions::Axis;
+using transfer_functions::ParameterAxis;
+
+// Rays through the frame that a fitted range is taken from, and the share of their surfaces that it leaves out at either
+// end: a single far mountain must not push all else into a corner of the function.
+static constexpr std::uint32_t grid_width = 64, grid_height = 36;
+static constexpr double left_out = 0.02;
+
+static float luminance(const Rgb& colour) { return glm::dot(colour, Rgb(0.2126f, 0.7152f, 0.0722f)); }
+
+static const Light* reference_light(const Scene& scene) {
+    const Light* best = nullptr;
+    const auto is_better = [](const Light& light, const Light& than) {
+        const bool is_sun = light.kind == LightKind::Sun, was_sun = than.kind == LightKind::Sun;
+        return is_sun != was_sun ? is_sun : luminance(light.strength) > luminance(than.strength);
+    };
+    for (const Light& light : scene.lights())
+        if (light.scatters_in_media && (!best || is_better(light, *best)))
+            best = &light;
+    return best;
+}
+
+RayParameters::RayParameters(const Scene& scene, const Camera& camera,
+                             std::span<const transfer_functions::WeightedFunction> functions)
+    : scene_(scene), camera_(camera), light_(reference_light(scene)) {
+    for (const auto& [function, weight] : functions)
+        axes_.push_back({place(function.x), place(function.y)});
+}
+
+void RayParameters::look_around() {
+    if (!depths_m_.empty())
+        return;
+    const double origin_z = scene_.description().origin_in_world.z;
+    for (std::uint32_t row = 0; row < grid_height; ++row)
+        for (std::uint32_t column = 0; column < grid_width; ++column) {
+            const vec2 share((static_cast<float>(column) + 0.5f) / grid_width,
+                             (static_cast<float>(row) + 0.5f) / grid_height);
+            const Ray ray = camera_.ray(share.x * static_cast<float>(camera_.width_px),
+                                        share.y * static_cast<float>(camera_.height_px));
+            const Hit hit = scene_.closest_hit(ray);
+            if (!hit.is_hit())
+                continue;
+            const vec3 point = ray.origin + hit.distance_m * ray.direction;
+            depths_m_.push_back(glm::dot(point - camera_.position(), camera_.forward()));
+            heights_m_.push_back(static_cast<float>(point.z + origin_z));
+        }
+    std::ranges::sort(depths_m_);
+    std::ranges::sort(heights_m_);
+}
+
+RayParameters::PlacedAxis RayParameters::place(const ParameterAxis& axis) {
+    PlacedAxis placed{.axis = axis.axis, .low_m = axis.low_m, .high_m = axis.high_m, .mask = axis.mask.get()};
+    const bool has_range = axis.axis == Axis::Depth || axis.axis == Axis::MeanLitPosition || axis.axis == Axis::Height;
+    if (!has_range || !axis.is_fitted())
+        return placed;
+    look_around();
+    const std::vector<float>& seen = axis.axis == Axis::Height ? heights_m_ : depths_m_;
+    if (seen.empty()) { // nothing but sky, which is 1 whatever the range
+        placed.low_m = 0.0f, placed.high_m = 1.0f;
+        return placed;
+    }
+    const auto at = [&](double share) {
+        return seen[static_cast<std::size_t>(share * static_cast<double>(seen.size() - 1))];
+    };
+    placed.low_m = axis.axis == Axis::MeanLitPosition ? 0.0f : at(left_out);
+    placed.high_m = std::max(at(1.0 - left_out), std::nextafter(placed.low_m, INFINITY));
+    return placed;
+}
+
+bool RayParameters::asks_for(Axis axis) const {
+    return std::ranges::any_of(axes_, [&](const auto& two) { return two[0].axis == axis || two[1].axis == axis; });
+}
+
+vec2 RayParameters::range_m(std::size_t function, std::size_t axis) const {
+    return {axes_[function][axis].low_m, axes_[function][axis].high_m};
+}
+
+SeenSurface RayParameters::seen(const PathSample& sample) const {
+    return {.depth_m = sample.depth_m,
+            .height_m = static_cast<float>(sample.position.z + scene_.description().origin_in_world.z),
+            .opacity = 1.0f - average(sample.transmittance)};
+}
+
+float RayParameters::light_angle(vec2 place_px) const {
+    if (!light_)
+        return 1.0f;
+    const Ray ray = camera_.ray(place_px.x, place_px.y);
+    const vec3 to_light = light_->kind == LightKind::Sun ? light_->towards_light : light_->position - ray.origin;
+    // Exact near 0 and pi, unlike an arccosine.
+    const float angle = std::atan2(glm::length(glm::cross(ray.direction, to_light)), glm::dot(ray.direction, to_light));
+    return angle * std::numbers::inv_pi_v<float>;
+}
+
+float RayParameters::along(const PlacedAxis& axis, vec2 place_px, const SeenSurface& surface,
+                           const SeenShafts& shafts) const {
+    const auto in_range = [&](float value_m) { return (value_m - axis.low_m) / (axis.high_m - axis.low_m); };
+    const bool is_sky = surface.depth_m == 0.0f;
+    switch (axis.axis) {
+    case Axis::AverageVisibility:
+        return shafts.visibility;
+    case Axis::Depth:
+        return is_sky ? 1.0f : in_range(surface.depth_m);
+    case Axis::MeanLitPosition:
+        return shafts.lit_distance_m == 0.0f ? 0.0f : in_range(shafts.lit_distance_m);
+    case Axis::LightAngle:
+        return light_angle(place_px);
+    case Axis::OpticalDepth:
+        return surface.opacity;
+    case Axis::Height:
+        return is_sky ? 1.0f : in_range(surface.height_m);
+    case Axis::Mask:
+        break;
+    }
+    const vec2 size(static_cast<float>(camera_.width_px), static_cast<float>(camera_.height_px));
+    return axis.mask ? luminance(Rgb(axis.mask->lookup(place_px / size))) : 0.0f;
+}
+
+vec2 RayParameters::at(std::size_t function, vec2 place_px, const SeenSurface& surface,
+                       const SeenShafts& shafts) const {
+    const auto& [x, y] = axes_[function];
+    return glm::clamp(vec2(along(x, place_px, surface, shafts), along(y, place_px, surface, shafts)), 0.0f, 1.0f);
+}
+
+SeenShafts sum_of_parts(std::span<const Rgb> weights, std::span<const Rgb> radiance, std::span<const float> visibility,
+                        std::span<const light_shafts::LitMoments> moments) {
+    SeenShafts seen;
+    float weight_sum = 0.0f, lit_length_m = 0.0f, lit_moment_m2 = 0.0f;
+    for (std::size_t part = 0; part < weights.size(); ++part) {
+        const Rgb& weight = weights[part];
+        seen.radiance += weight * radiance[part];
+        const float total = weight.x + weight.y + weight.z;
+        weight_sum += total;
+        seen.visibility += visibility.empty() ? 0.0f : total * visibility[part];
+        if (!moments.empty()) {
+            lit_length_m += total * moments[part].length_m;
+            lit_moment_m2 += total * moments[part].moment_m2;
+        }
+    }
+    seen.meets_medium = weight_sum > 0.0f;
+    seen.visibility = seen.meets_medium ? seen.visibility / weight_sum : 0.0f;
+    seen.lit_distance_m = lit_length_m > 0.0f ? lit_moment_m2 / lit_length_m : 0.0f;
+    return seen;
+}
+} // namespace tyndall::render

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/styled_shafts.hpp"
+#include "core/errors.hpp"
+#include "core/parallel.hpp"
+#include "transfer_functions/apply.hpp"
+#include "transfer_functions/compose.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace tyndall::render {
+using transfer_functions::WeightedFunction;
+
+// Surfaces whose depths differ by less share a cell: a floor that leads away does, a branch before a wall does not.
+static constexpr double same_surface = 0.1;
+
+/// 0 for equal depths, 1 for very different ones; the sky is far from everything, but least from what is farthest.
+static double depth_difference(float a_m, float b_m) {
+    constexpr double sky_m = 1e10;
+    const double a = a_m == 0.0f ? sky_m : a_m, b = b_m == 0.0f ? sky_m : b_m;
+    return std::abs(a - b) / std::max(a, b);
+}
+
+StyledShafts::StyledShafts(std::size_t pixel_count, std::size_t function_count)
+    : function_count_(function_count), sample_counts_(pixel_count), cells_(pixel_count * cells_per_pixel),
+      parameters_(cells_.size() * function_count) {}
+
+std::size_t StyledShafts::cell_for(std::size_t pixel, float depth_m) const {
+    const std::size_t first = pixel * cells_per_pixel;
+    std::size_t nearest = first;
+    double least = 2.0;
+    for (std::size_t cell = first; cell < first + cells_per_pixel; ++cell) {
+        if (cells_[cell].count == 0)
+            return least < same_surface ? nearest : cell;
+        const double difference = depth_difference(cells_[cell].depth_m, depth_m);
+        if (difference < least)
+            least = difference, nearest = cell;
+    }
+    return nearest;
+}
+
+void StyledShafts::add(std::size_t pixel, const SeenSurface& surface, const SeenShafts& shafts,
+                       std::span<const vec2> parameters) {
+    ++sample_counts_[pixel];
+    if (!shafts.meets_medium)
+        return;
+    const std::size_t index = cell_for(pixel, surface.depth_m);
+    Cell& cell = cells_[index];
+    if (cell.count++ == 0)
+        cell.depth_m = surface.depth_m;
+    cell.radiance += shafts.radiance;
+    for (std::size_t function = 0; function < function_count_; ++function)
+        parameters_[index * function_count_ + function] += parameters[function];
+}
+
+UnstyledFilm::Entries StyledShafts::resolve(const Progress& progress) const {
+    const std::size_t pixel_count = sample_counts_.size();
+    std::vector<std::uint32_t> first(pixel_count + 1, 0);
+    for (std::size_t pixel = 0; pixel < pixel_count; ++pixel) {
+        std::uint32_t used = 0;
+        while (used < cells_per_pixel && cells_[pixel * cells_per_pixel + used].count > 0)
+            ++used;
+        first[pixel + 1] = first[pixel] + used;
+    }
+    const std::size_t count = first.back();
+    UnstyledFilm::Entries entries{.pixel = std::vector<std::uint32_t>(count),
+                                  .radiance = std::vector<Rgb>(count),
+                                  .share = std::vector<float>(count),
+                                  .parameters =
+                                      std::vector<std::vector<vec2>>(function_count_, std::vector<vec2>(count))};
+    constexpr std::size_t pixels_per_block = 1 << 14;
+    parallel_for(
+        pixel_count, progress,
+        [&](std::size_t pixel) {
+            const float per_sample = 1.0f / static_cast<float>(std::max(1u, sample_counts_[pixel]));
+            for (std::size_t entry = first[pixel]; entry < first[pixel + 1]; ++entry) {
+                const std::size_t index = pixel * cells_per_pixel + (entry - first[pixel]);
+                const Cell& cell = cells_[index];
+                const auto cell_count = static_cast<float>(cell.count);
+                entries.pixel[entry] = static_cast<std::uint32_t>(pixel);
+                entries.radiance[entry] = cell.radiance * per_sample;
+                entries.share[entry] = cell_count * per_sample;
+                for (std::size_t function = 0; function < function_count_; ++function)
+                    entries.parameters[function][entry] = parameters_[index * function_count_ + function] / cell_count;
+            }
+        },
+        pixels_per_block);
+    return entries;
+}
+
+/// Moves the constraints that stand for points of the scene to where these are in the function.
+static void place_constraints(const UnstyledFilm& unstyled, std::vector<WeightedFunction>& functions) {
+    for (std::size_t index = 0; index < functions.size(); ++index)
+        for (transfer_functions::Layer& layer : functions[index].function.layers)
+            for (transfer_functions::Constraint& constraint : layer.constraints)
+                for (const PlacedPoint& placed : unstyled.points)
+                    if (constraint.point == placed.point)
+                        constraint.position = placed.parameters[index];
+}
+
+static void add_change(Plane& plane, const UnstyledFilm::Entries& entries, std::span<const Rgb> change,
+                       const Progress& progress) {
+    const std::size_t channel_count = layout(plane.pass).channel_count;
+    constexpr std::size_t entries_per_block = 1 << 14;
+    parallel_blocks(entries.pixel.size(), entries_per_block, progress, [&](std::size_t begin, std::size_t end) {
+        // A block has every entry of its pixels but those that its neighbours have begun.
+        while (begin > 0 && begin < end && entries.pixel[begin] == entries.pixel[begin - 1])
+            ++begin;
+        while (end < entries.pixel.size() && entries.pixel[end] == entries.pixel[end - 1])
+            ++end;
+        for (std::size_t entry = begin; entry < end; ++entry)
+            for (int channel = 0; channel < 3; ++channel)
+                plane.values[entries.pixel[entry] * channel_count + static_cast<std::size_t>(channel)] +=
+                    change[entry][channel];
+    });
+}
+
+Film styled(const UnstyledFilm& unstyled, std::vector<WeightedFunction> functions, const Progress& progress) {
+    require(functions.size() == unstyled.entries.parameters.size(), "the picture was kept for ",
+            unstyled.entries.parameters.size(), " transfer functions, not ", functions.size());
+    Film film = unstyled.film;
+    place_constraints(unstyled, functions);
+    const UnstyledFilm::Entries& entries = unstyled.entries;
+    std::vector<Rgb> change(entries.pixel.size(), Rgb(0.0f));
+    bool changes = false;
+    for (std::size_t index = 0; index < functions.size(); ++index) {
+        const auto& [function, weight] = functions[index];
+        const transfer_functions::ComposedFunction composed =
+            transfer_functions::compose(function, transfer_functions::default_size, progress);
+        if (weight == 0.0f || composed.is_neutral())
+            continue;
+        changes = true;
+        transfer_functions::apply(composed, {function.use, function.strength, weight}, entries.parameters[index],
+                                  entries.radiance, entries.share, change, progress);
+    }
+    for (Plane& plane : film.planes)
+        if (changes && (plane.pass == Pass::Combined || plane.pass == Pass::Shafts))
+            add_change(plane, entries, change, progress);
+    return film;
+}
+} // namespace tyndall::render
