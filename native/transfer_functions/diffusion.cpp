@@ -4,10 +4,10 @@
 //           30(1), 1998; Finch, Snyder, Hoppe, Freeform vector graphics with controlled thin-plate splines, SIGGRAPH
 //           Asia 2011, for what such a field is to an artist.
 // Differs:  the Green's function is that of the square with flat borders, diagonal in cosines, and cut off after
-//           `modes` of them per axis: the field meets its constraints anywhere, not at texels. It bends over a 128th of
+//           `modes` of them per axis: the field meets its constraints anywhere, not at texels. It bends over a 256th of
 //           the sides at least, so that the peaks of Laplace's equation are as wide as a cosine can show. Constraints
-//           nearer to one another than `sharing_radius` share their values, the more the nearer they are: two at one
-//           place have their mean, and one that is dragged over another never bends the whole plate.
+//           nearer to one another than `sharing_radius` are tied by springs, the stiffer the nearer they are: two at one
+//           place have their mean there, and one that is dragged over another does not tilt the whole plate.
 // Bound:    modes^2 * n^2 multiplications for n constraints, and 4 * modes * size * (modes + size) for the field.
 #include "transfer_functions/diffusion.hpp"
 #include "core/parallel.hpp"
@@ -19,10 +19,8 @@
 namespace tyndall::transfer_functions {
 namespace {
 constexpr std::size_t modes = 128; ///< Cosines per axis, the constant one included.
-constexpr float least_smoothness = 1.0f / 128.0f;
+constexpr float least_smoothness = 1.0f / 256.0f;
 constexpr double sharing_radius = 1.0 / 64.0;
-/// Of the Green's function at its own place: two constraints at one place are one equation.
-constexpr double ridge = 1e-11;
 
 constexpr std::size_t padded(std::size_t count, std::size_t to) { return (count + to - 1) / to * to; }
 
@@ -42,24 +40,31 @@ double compliance(std::size_t k, std::size_t l, double smoothness) {
 
 using Rgba = std::array<double, 4>;
 
-/// Colours multiplied with alpha, shared among neighbours.
+/// Multiplied with alpha.
 std::vector<Rgba> values_of(std::span<const Constraint> constraints) {
-    std::vector<Rgba> values(constraints.size());
-    for (std::size_t i = 0; i < constraints.size(); ++i) {
-        Rgba sum{};
-        double weights = 0.0;
-        for (const Constraint& other : constraints) {
-            const dvec2 way = (dvec2(other.position) - dvec2(constraints[i].position)) / sharing_radius;
-            const double nearness = std::max(1.0 - glm::dot(way, way), 0.0), weight = nearness * nearness;
-            for (std::size_t c = 0; c < 4; ++c)
-                sum[c] += weight * static_cast<double>(other.colour[static_cast<int>(c)]) *
-                          (c < 3 ? static_cast<double>(other.colour.w) : 1.0);
-            weights += weight;
-        }
-        for (std::size_t c = 0; c < 4; ++c)
-            values[i][c] = sum[c] / weights;
+    std::vector<Rgba> values;
+    for (const Constraint& constraint : constraints) {
+        const glm::dvec4 colour(constraint.colour);
+        values.push_back({colour.x * colour.w, colour.y * colour.w, colour.z * colour.w, colour.w});
     }
     return values;
+}
+
+/// What a pair's springs give way, of what opposite forces at sharing_radius bend the plate: 1 at one place, 0 from there.
+double nearness(const Constraint& a, const Constraint& b) {
+    const dvec2 way = (dvec2(a.position) - dvec2(b.position)) / sharing_radius;
+    const double share = std::max(1.0 - glm::dot(way, way), 0.0);
+    return share * share;
+}
+
+/// Of the field at one place less that at another, sharing_radius away, bent by a force at the one; mean over the square.
+double compliance_nearby(std::span<const double> compliances) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < modes; ++k)
+        for (std::size_t l = 0; l < modes; ++l)
+            sum += compliances[k * modes + l] / ((k == 0 ? 1.0 : 2.0) * (l == 0 ? 1.0 : 2.0)) *
+                   (1.0 - cosine(k, sharing_radius));
+    return sum;
 }
 
 /// Solves matrix * x = right in place, by Gauss with partial pivoting.
@@ -107,8 +112,8 @@ struct Places {
 };
 
 /// Forces at the constraints, and behind them the field's mean: the field that they bend has the values.
-std::vector<Rgba> forces(const Places& places, std::vector<Rgba> values, std::span<const double> compliances,
-                         const Progress& progress) {
+std::vector<Rgba> forces(std::span<const Constraint> constraints, const Places& places,
+                         std::span<const double> compliances, const Progress& progress) {
     const std::size_t count = places.count;
     std::vector<std::vector<double>> matrix(count + 1, std::vector<double>(count + 1, 1.0));
     parallel_blocks(count, 8, progress, [&](std::size_t first, std::size_t end) {
@@ -126,10 +131,16 @@ std::vector<Rgba> forces(const Places& places, std::vector<Rgba> values, std::sp
                     matrix[first + row][column] += places.x[(first + row) * modes + k] * places.x[column * modes + k] *
                                                    product[row * places.padded_count + column];
         }
-        for (std::size_t row = first; row < end; ++row)
-            matrix[row][row] *= 1.0 + ridge;
     });
+    const double tie = compliance_nearby(compliances);
+    for (std::size_t row = 0; row < count; ++row)
+        for (std::size_t column = 0; column < count; ++column) {
+            const double give = tie * nearness(constraints[row], constraints[column]);
+            matrix[row][row] += give; // a constraint with itself: nothing, in sum
+            matrix[row][column] -= give;
+        }
     matrix[count][count] = 0.0;
+    std::vector<Rgba> values = values_of(constraints);
     values.push_back({});
     solve(matrix, values);
     return values;
@@ -154,7 +165,7 @@ Diffusion::Diffusion(std::span<const Constraint> constraints, float smoothness, 
         for (std::size_t l = 0; l < modes; ++l)
             compliances[k * modes + l] = compliance(k, l, static_cast<double>(std::max(smoothness, least_smoothness)));
     const Places places(constraints);
-    const std::vector<Rgba> force = forces(places, values_of(constraints), compliances, progress);
+    const std::vector<Rgba> force = forces(constraints, places, compliances, progress);
 
     for (std::size_t mode = 0; mode < modes; ++mode)
         for (std::size_t texel = 0; texel < size; ++texel)

@@ -232,51 +232,6 @@ TEST_CASE("what layers subtract counts until the last of them") {
     CHECK(colour_of({solid(grey), solid(half, BlendMode::Subtract), solid(half, BlendMode::Add)}) == grey);
 }
 
-TEST_CASE("a linear gradient rises evenly between its ends, and stays beyond them") {
-    const std::uint32_t size = 64;
-    const ComposedFunction function =
-        composed({gradient({{0, 0, 1, 1}, {1, 0, 0, 1}}, {0.25f, 0.5f}, {0.75f, 0.5f})}, size);
-    for (std::size_t y = 0; y < size; ++y)
-        for (std::size_t x = 0; x < size; ++x) {
-            const float share = glm::clamp((static_cast<float>(x) + 0.5f) / 32.0f - 0.5f, 0.0f, 1.0f);
-            const vec4 texel = function.texels[y * size + x];
-            CHECK(std::abs(texel.x - share) < 1e-6f);
-            CHECK(std::abs(texel.z - (1.0f - share)) < 1e-6f);
-        }
-    CHECK(function.texels[0] == vec4(0, 0, 1, 1));
-    CHECK(function.texels[size - 1] == vec4(1, 0, 0, 1));
-}
-
-TEST_CASE("a gradient's colours lie evenly along it, also aslant") {
-    const std::vector<vec4> ramp{{0, 0, 0, 1}, {4, 0, 0, 1}, {0, 0, 0, 0}};
-    const vec4 diagonal = composed({gradient(ramp, {0.0f, 0.0f}, {1.0f, 1.0f})}, 3).texels[4];
-    CHECK(diagonal == vec4(4, 0, 0, 1)); // the middle texel is the middle of the ramp
-    const ComposedFunction aslant = composed({gradient(ramp, {0.0f, 0.0f}, {1.0f, 1.0f})}, 64);
-    for (std::size_t y = 0; y < 64; ++y)
-        for (std::size_t x = 0; x + 1 < 64 && y >= 1; ++x) // what lies across the gradient is equal
-            CHECK(std::abs(aslant.texels[y * 64 + x].x - aslant.texels[(y - 1) * 64 + x + 1].x) < 2e-6f);
-}
-
-TEST_CASE("a radial gradient is round: its middle is the ramp's beginning, its rim the end") {
-    const std::uint32_t size = 65;
-    const ComposedFunction function =
-        composed({gradient({{1, 1, 1, 1}, {0, 0, 0, 1}}, {0.5f, 0.5f}, {0.5f, 0.9f}, GradientShape::Radial)}, size);
-    CHECK(function.texels[32 * size + 32] == vec4(1, 1, 1, 1));
-    for (std::int32_t y = 0; y < 65; ++y)
-        for (std::int32_t x = 0; x < 65; ++x) {
-            const double away = std::hypot(x - 32, y - 32) / 65.0;
-            const vec4 texel = function.texels[static_cast<std::size_t>(y * 65 + x)];
-            CHECK(std::abs(double{texel.x} - std::clamp(1 - away / 0.4, 0.0, 1.0)) < 2e-6);
-        }
-}
-
-TEST_CASE("a gradient whose ends meet is its end everywhere") {
-    for (const GradientShape shape : {GradientShape::Linear, GradientShape::Radial})
-        for (const vec4& texel :
-             composed({gradient({{1, 0, 0, 1}, {0, 1, 0, 1}}, {0.5f, 0.5f}, {0.5f, 0.5f}, shape)}, 4).texels)
-            CHECK(texel == vec4(0, 1, 0, 1));
-}
-
 TEST_CASE("a picture does not depend on the number of threads") {
     const std::vector<Layer> layers{
         gradient({{0, 0, 1, 1}, {1, 0, 0, 0.3f}}),
