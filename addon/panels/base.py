@@ -13,6 +13,8 @@ ENGINE = "TYNDALL"
 
 #: Width of a letter of the interface's font at a scale of 1, in pixels: an average over English text.
 _LETTER_WIDTH_PX = 6.5
+#: Regions from this width on, at a scale of 1, have room for labels beside fields.
+_SPLIT_WIDTH_PX = 300
 #: Of a table's width.
 _NAME_SHARE = 0.7
 
@@ -27,6 +29,23 @@ class PropertiesPanel:
     @classmethod
     def poll(cls, context: Context) -> bool:
         return context.engine in cls.COMPAT_ENGINES
+
+
+class SidebarPanel:
+    """A panel of the tab for light shafts in the 3D view's sidebar."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Light Shafts"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return context.engine in PropertiesPanel.COMPAT_ENGINES
+
+
+def is_wide_region(context: Context) -> bool:
+    """Whether there is room for labels beside fields: in a narrow sidebar both would be cut."""
+    return bool(context.region.width >= _SPLIT_WIDTH_PX * context.preferences.system.ui_scale)
 
 
 def draw_node_socket(layout: UILayout, owner: Material | World, socket_name: str) -> bool:

@@ -6,14 +6,13 @@ from __future__ import annotations
 from bpy.types import Context, Light, Menu, Panel, UILayout, UIList
 
 from ..edited_light import edited_light, is_shaft_light
+from ..item_lists import having_a_say, places
 from ..operators.occluder_edits import active_edit
 from ..properties.light import TyndallLightSettings
-from ..properties.occluder_edits import KIND_ICONS, TyndallHoleNoise, TyndallOccluderEdit, edits_in_order
-from .base import PropertiesPanel, draw_text
+from ..properties.occluder_edits import KIND_ICONS, TyndallHoleNoise, TyndallOccluderEdit
+from .base import SidebarPanel, draw_text, is_wide_region
 from .light import LightPanel
 
-#: Regions from this width on, at a scale of 1, have room for labels beside fields.
-_SPLIT_WIDTH_PX = 300
 #: What the size of an edit is, by kind; holes have none.
 _SIZE_LABELS = {"CLOSE": "Hole Size", "EPIPOLAR_CLOSE": "Hole Length", "SILHOUETTE": "Grow By"}
 
@@ -41,15 +40,7 @@ class TYNDALL_UL_occluder_edits(UIList):
 
     def filter_items(self, context: Context, data: object, propname: str) -> tuple[list[int], list[int]]:
         """In the order in which they are made; edits themselves never move, for the sake of their keys."""
-        return [], places(data.id_data)
-
-
-def places(light: Light) -> list[int]:
-    """Of each edit of a light: its place in the order in which they are made."""
-    edits = light.tyndall.occluder_edits
-    by_place = sorted(range(len(edits)), key=lambda index: edits[index].order)
-    place_of = {index: place for place, index in enumerate(by_place)}
-    return [place_of[index] for index in range(len(edits))]
+        return [], places(data.occluder_edits)
 
 
 class TYNDALL_MT_occluder_edits(Menu):
@@ -91,11 +82,9 @@ def draw_edits(layout: UILayout, context: Context, light: Light) -> None:
     if not settings.scatters_in_media:
         draw_text(layout, context, "Scatter in Media is off: only holes that light surfaces show", icon="ERROR")
     column = layout.column()
-    column.active = edit.is_solo or (edit.is_enabled and not any(other.is_solo for other in edits_in_order(light)))
-    # Beside a label of its own, a field of a narrow sidebar would cut both.
-    is_wide = context.region.width >= _SPLIT_WIDTH_PX * context.preferences.system.ui_scale
-    column.use_property_split = is_wide
-    draw_edit(column, light, edit, is_wide=is_wide)
+    column.active = edit in having_a_say(settings.occluder_edits)
+    column.use_property_split = is_wide_region(context)
+    draw_edit(column, light, edit, is_wide=is_wide_region(context))
 
 
 def draw_edit(layout: UILayout, light: Light, edit: TyndallOccluderEdit, *, is_wide: bool) -> None:
@@ -161,15 +150,8 @@ class TYNDALL_PT_occluder_edits(LightPanel, Panel):
         draw_edits(self.layout, context, context.light)
 
 
-class TYNDALL_PT_sidebar_occluder_edits(Panel):
+class TYNDALL_PT_sidebar_occluder_edits(SidebarPanel, Panel):
     bl_label = "Shape: Occluder Edits"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Light Shafts"
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return context.engine in PropertiesPanel.COMPAT_ENGINES
 
     def draw(self, context: Context) -> None:
         layout = self.layout

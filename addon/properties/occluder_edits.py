@@ -1,15 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""``light.tyndall.occluder_edits``: what is done to the occluders before a light, for the air's sake.
-
-Keys and drivers find an edit by its index, library overrides find it by its name: an edit never moves in its
-collection, ``order`` says when its turn is, and names are unique.
-"""
+"""``light.tyndall.occluder_edits``: what is done to the occluders before a light, for the air's sake."""
 
 from __future__ import annotations
 
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
-from bpy.types import Collection, Context, Image, Light, Object, PropertyGroup
+from bpy.types import Collection, Image, Object, PropertyGroup
 
+from ..item_lists import keep_name_unique
 from .tagging import OVERRIDABLE, tag, tag_pointer
 
 KINDS = (
@@ -79,35 +76,8 @@ MASK_CHANNELS = (
 TARGET_TYPES = frozenset({"MESH", "CURVE", "SURFACE", "META", "FONT", "EMPTY"})
 
 
-def unique_name(light: Light, wanted: str, besides: TyndallOccluderEdit | None = None) -> str:
-    """``wanted``, with a number like Blender's own where another edit of the light has that name."""
-    taken = {edit.name for edit in light.tyndall.occluder_edits if besides is None or edit != besides}
-    stem, name, number = wanted or "Edit", wanted or "Edit", 0
-    while name in taken:
-        number += 1
-        name = f"{stem}.{number:03d}"
-    return name
-
-
-def keep_name_unique(edit: TyndallOccluderEdit, _context: Context) -> None:
-    name = unique_name(edit.id_data, edit.name, besides=edit)
-    if name != edit.name:
-        edit.name = name
-
-
 def is_target(_edit: PropertyGroup, thing: Object) -> bool:
     return thing.type in TARGET_TYPES
-
-
-def edits_in_order(light: Light) -> list[TyndallOccluderEdit]:
-    """As they are made; of equal orders, which only a script can give, the older first."""
-    return sorted(light.tyndall.occluder_edits, key=lambda edit: edit.order)
-
-
-def edits_made(light: Light) -> list[TyndallOccluderEdit]:
-    """Those that have a say, in order: the soloed one, or all that are enabled."""
-    edits = edits_in_order(light)
-    return [edit for edit in edits if edit.is_solo] or [edit for edit in edits if edit.is_enabled]
 
 
 class TyndallHoleNoise(PropertyGroup):
@@ -190,6 +160,8 @@ class TyndallHoleNoise(PropertyGroup):
 
 
 class TyndallOccluderEdit(PropertyGroup):
+    UNNAMED = "Edit"
+
     name: StringProperty(
         name="Name",
         description="Unique among the light's edits: library overrides find an edit by its name",

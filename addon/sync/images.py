@@ -61,6 +61,13 @@ class ImageReader:
         return self._kept[key]
 
 
+def without_pixels(image: bpy.types.Image) -> str | None:
+    """What to say of an image that has none, because its file is missing or nothing was rendered; None: it has."""
+    if image.size[0] * image.size[1] > 0:
+        return None
+    return f'image "{image.name}", is missing or has no pixels ({_place(image)})'
+
+
 def _place(image: bpy.types.Image) -> str:
     return image.filepath or image.source.lower()
 

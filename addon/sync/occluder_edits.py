@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 from tyndall.scene_description import EditKind, HoleNoise, KernelShape, LightMask, OccluderEdit
 
-from ..properties.occluder_edits import edits_made
+from ..item_lists import having_a_say
+from .images import without_pixels
 from .instances import instanced_names
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ class OccluderEditReader:
         """
         originals = light.original.tyndall.occluder_edits
         edits = []
-        for edit in edits_made(light):
+        for edit in having_a_say(light.tyndall.occluder_edits):
             if edit.name not in originals:  # a script has removed it, and tagged nothing
                 continue
             culprit = f'Light "{light_name}", edit "{edit.name}"'
@@ -129,9 +130,8 @@ class OccluderEditReader:
         if original.mask_image is None:
             return None
         image = original.mask_image
-        if image.size[0] * image.size[1] == 0:
-            place = image.filepath or image.source.lower()
-            raise _CannotBeMade(f'its mask, image "{image.name}", is missing or has no pixels ({place})')
+        if (reason := without_pixels(image)) is not None:
+            raise _CannotBeMade(f"its mask, {reason}")
         pixels = self._images.read(image, self._reports, culprit)
         values = self._masks.read(pixels, original.mask_channel)
         return LightMask(name=image.name, values=values, size_m=size_m)

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from addon.animation_paths import path_without_item
+from addon.item_lists import in_order
 from addon.panels import occluder_edits
-from addon.properties.occluder_edits import edits_in_order
 from addon.properties.scene import is_light_of_scene
 from addon.sync.scene import SceneReader
 from support.recording_layout import drawn
@@ -44,7 +44,7 @@ def add_edits(*kinds: str) -> None:
 
 
 def names(owner: bpy.types.Light) -> list[str]:
-    return [edit.name for edit in edits_in_order(owner)]
+    return [edit.name for edit in in_order(owner.tyndall.occluder_edits)]
 
 
 def sent(light_name: str = "Sun") -> tuple[OccluderEdit, ...]:

@@ -42,9 +42,12 @@ def press(window: Any, keys: tuple[str, ...]) -> Iterator[float]:
 
 def edits_of(light: bpy.types.Light) -> list[str]:
     """In order: their names, and what is special about them."""
-    from addon.properties.occluder_edits import edits_in_order
+    from addon.item_lists import in_order
 
-    return [f"{edit.name}{'' if edit.is_enabled else ' off'}{' solo' * edit.is_solo}" for edit in edits_in_order(light)]
+    return [
+        f"{edit.name}{'' if edit.is_enabled else ' off'}{' solo' * edit.is_solo}"
+        for edit in in_order(light.tyndall.occluder_edits)
+    ]
 
 
 def session(window: Any) -> Iterator[float]:
