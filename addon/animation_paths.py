@@ -40,6 +40,21 @@ def forget_item(owner: ID, collection_path: str, index: int) -> None:
         target.data_path = renumbered(target.data_path) or target.data_path
 
 
+def make_actions_own(owner: ID) -> None:
+    """Call after ``copy()``: an action that other datablocks share, or that is linked, becomes the owner's own."""
+    if owner.animation_data is not None:
+        for user in _users_of_actions(owner.animation_data):
+            _make_own(user)
+
+
+def curves_at(owner: ID, path: str) -> list[FCurve]:
+    """F-Curves of the owner's present action that animate exactly this property."""
+    animation = owner.animation_data
+    if animation is None or animation.action is None:
+        return []
+    return [curve for curve in chain(*_curve_lists(animation)) if curve.data_path == path]
+
+
 def path_without_item(path: str, collection_path: str, index: int) -> str | None:
     """The path once item ``index`` of the collection is gone; None for a path into that item."""
     match = re.match(rf"{re.escape(collection_path)}\[(\d+)\]", path)

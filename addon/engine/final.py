@@ -18,6 +18,7 @@ from tyndall import Cancelled, Progress
 from .. import last_render
 from ..sync.cameras import read_camera
 from ..sync.reports import Reports
+from ..sync.transfer_functions import read_transfer_functions
 from . import failures, passes
 from .native_call import NativeCall
 from .sessions import kept_frame
@@ -81,9 +82,10 @@ class _Frame:
         self.engine.update_stats("", "Tyndall: reading the scene")
         reports = Reports()
         camera = self._camera(reports)
+        functions = read_transfer_functions(scene, self.depsgraph, kept.function_images, reports)
         description = kept.reader.read(self.depsgraph, reports, self._poll())
         read_s = time.perf_counter() - started
-        config = render_config(scene, view_layer, self.window)
+        config = render_config(scene, view_layer, self.window, functions)
 
         def work(progress: Progress, show: Callable[[Film], None]) -> Film:
             kept.session.update(description, progress)

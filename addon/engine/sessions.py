@@ -14,6 +14,7 @@ from bpy.app.handlers import persistent
 
 from tyndall.renderer import Session
 
+from ..sync.images import ImageReader
 from ..sync.scene import SceneReader
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ class KeptFrame:
     """The two sides of a sync: keys that the reader promises are keys that the session keeps."""
 
     reader: SceneReader = field(default_factory=SceneReader)
+    function_images: ImageReader = field(default_factory=ImageReader)
     session: Session = field(default_factory=Session)
 
 

@@ -15,6 +15,7 @@ from .passes import wanted_planes
 if TYPE_CHECKING:
     from bpy.types import RenderSettings, Scene, ViewLayer
 
+    from tyndall.transfer_functions import WeightedFunction
 
 _LEAST_RESOLUTION = 16  #: The property starts at 0, which picks a resolution; between them lies nothing useful.
 
@@ -42,7 +43,9 @@ def frame_window(render: RenderSettings, size_px: tuple[int, int]) -> FrameWindo
     return FrameWindow(size_px=size_px, region_px=(x0, y0, x1, y1))
 
 
-def render_config(scene: Scene, view_layer: ViewLayer, window: FrameWindow) -> RenderConfig:
+def render_config(
+    scene: Scene, view_layer: ViewLayer, window: FrameWindow, functions: tuple[WeightedFunction, ...] = ()
+) -> RenderConfig:
     """The settings of a final render of one view layer."""
     tyndall, shafts = scene.tyndall, scene.tyndall.shafts
     return RenderConfig(
@@ -64,6 +67,7 @@ def render_config(scene: Scene, view_layer: ViewLayer, window: FrameWindow) -> R
             shares_strata=shafts.shares_strata,
             seed=tyndall.seed,
         ),
+        transfer_functions=functions,
         seed=tyndall.seed,
         thread_count=tyndall.thread_count,
     )

@@ -21,14 +21,18 @@ from bpy.types import Context, Depsgraph, RenderEngine, SpaceView3D
 
 from tyndall.renderer import Session
 
+from ..sync.images import ImageReader
 from ..sync.reports import Reports
 from ..sync.scene import SceneReader
+from ..sync.transfer_functions import read_transfer_functions
 from .settings import render_config
 from .viewport_camera import camera_of_view, frame_of_view
 from .viewport_worker import Picture, View, ViewportWorker
 
 if TYPE_CHECKING:
     from gpu.types import GPUTexture
+
+    from tyndall.transfer_functions import WeightedFunction
 
 #: Time for which reading the scene holds up the window at once; a quarter of a second is what artists bear.
 SLICE_S = 0.15
@@ -49,6 +53,8 @@ class Viewport:
         self.engine = weakref.ref(engine)
         self.worker = ViewportWorker(Session(kept_pictures=1))
         self._reader = SceneReader()
+        self._function_images = ImageReader()
+        self._functions: tuple[WeightedFunction, ...] = ()
         self._is_scene_outdated = True
         self._slice_s = SLICE_S
         self._view: View | None = None
@@ -62,7 +68,9 @@ class Viewport:
 
     def draw(self, engine: RenderEngine, context: Context, depsgraph: Depsgraph) -> None:
         """Hand on what has changed, and draw what there is."""
-        view = _view_of(context, depsgraph)
+        if self._is_scene_outdated:
+            self._functions = read_transfer_functions(depsgraph.scene_eval, depsgraph, self._function_images, Reports())
+        view = _view_of(context, depsgraph, self._functions)
         if self._is_scene_outdated:
             self._read_scene(engine, view, context.space_data, depsgraph)
         elif not view.is_like(self._view):
@@ -172,10 +180,10 @@ def _tend() -> float | None:
     return POLL_S if open_viewports else None
 
 
-def _view_of(context: Context, depsgraph: Depsgraph) -> View:
+def _view_of(context: Context, depsgraph: Depsgraph, functions: tuple[WeightedFunction, ...]) -> View:
     scene, region = depsgraph.scene_eval, context.region_data
     frame = frame_of_view(context)
-    config = render_config(scene, depsgraph.view_layer_eval, frame)
+    config = render_config(scene, depsgraph.view_layer_eval, frame, functions)
     tyndall = scene.tyndall
     return View(
         camera=camera_of_view(np.array(region.window_matrix), np.array(region.view_matrix), frame.size_px),

@@ -3,9 +3,17 @@
 
 from bpy.utils import register_class, unregister_class
 
-from . import fog_box, light_depth, occluder_edits, presets, reports
+from . import fog_box, light_depth, occluder_edits, presets, reports, transfer_functions, transfer_states
 
-CLASSES = (*fog_box.CLASSES, *light_depth.CLASSES, *occluder_edits.CLASSES, *reports.CLASSES, *presets.CLASSES)
+CLASSES = (
+    *fog_box.CLASSES,
+    *light_depth.CLASSES,
+    *occluder_edits.CLASSES,
+    *transfer_functions.CLASSES,
+    *transfer_states.CLASSES,
+    *reports.CLASSES,
+    *presets.CLASSES,
+)
 
 
 def register() -> None:

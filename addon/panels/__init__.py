@@ -16,6 +16,7 @@ from . import (
     simplify,
     standard,
     statistics,
+    transfer_functions,
     unavailable,
     world,
 )
@@ -34,6 +35,7 @@ CLASSES = (
     *objects.CLASSES,
     *light.CLASSES,
     *occluder_edits.CLASSES,
+    *transfer_functions.CLASSES,
     *material.CLASSES,
 )
 

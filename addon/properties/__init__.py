@@ -1,26 +1,34 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings that are saved in the .blend: ``scene.tyndall``, ``light.tyndall`` and ``view_layer.tyndall``."""
+"""Settings that are saved in the .blend: ``tyndall`` of scenes, view layers, lights and node trees."""
 
 from bpy.props import PointerProperty
-from bpy.types import Light, Scene, ViewLayer
+from bpy.types import Light, NodeTree, Scene, ViewLayer
 from bpy.utils import register_class, unregister_class
 
-from . import occluder_edits
+from . import occluder_edits, transfer_functions, transfer_layers
 from .light import TyndallLightSettings
 from .light_shafts import TyndallLightShaftSettings
 from .scene import TyndallSceneSettings
 from .tagging import OVERRIDABLE, tag
+from .transfer_functions import TyndallTransferFunction
 from .view_layer import TyndallViewLayerSettings
 
 #: In the order of registration: a group before the group that points to it.
 CLASSES = (
     *occluder_edits.CLASSES,
+    *transfer_layers.CLASSES,
+    *transfer_functions.CLASSES,
     TyndallLightShaftSettings,
     TyndallSceneSettings,
     TyndallLightSettings,
     TyndallViewLayerSettings,
 )
-OWNERS = ((Scene, TyndallSceneSettings), (Light, TyndallLightSettings), (ViewLayer, TyndallViewLayerSettings))
+OWNERS = (
+    (Scene, TyndallSceneSettings),
+    (Light, TyndallLightSettings),
+    (ViewLayer, TyndallViewLayerSettings),
+    (NodeTree, TyndallTransferFunction),
+)
 
 
 def register() -> None:

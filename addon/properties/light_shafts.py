@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """``scene.tyndall.shafts``: how light that media scatter is computed. The media themselves are Blender's shaders."""
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty
 from bpy.types import PropertyGroup
 
-from .tagging import OVERRIDABLE, tag
+from .tagging import EXTENSIBLE, OVERRIDABLE, tag
+from .transfer_functions import TyndallTransferState
 
 METHODS = (
     (
@@ -122,6 +123,48 @@ class TyndallLightShaftSettings(PropertyGroup):
         description="Media dim light on its way from the lamp to where it is scattered, as in Cycles. Off is faster "
         "and brighter, and keeps a sun visible in a world filled with a medium, but it is not physical",
         default=True,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    use_transfer_functions: BoolProperty(
+        name="Use Transfer Functions",
+        description="Recolour the shafts. Off: they are physical",
+        default=True,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    transfer_mix: FloatProperty(
+        name="Mix",
+        description="How much of the recolouring there is: 0 is the physical picture",
+        subtype="FACTOR",
+        min=0.0,
+        max=1.0,
+        default=1.0,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    transfer_states: CollectionProperty(
+        name="Transfer States",
+        description="Transfer functions, in the order in which the scene goes through them; most scenes have one",
+        type=TyndallTransferState,
+        override=EXTENSIBLE,
+    )
+    active_transfer_state: IntProperty(
+        name="Active Transfer State",
+        description="Index of the state whose function is shown",
+        min=0,
+        options=set(),
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    transfer_state: FloatProperty(
+        name="State",
+        description="Which function the shafts show: 0 is the first of the list, 2.4 is 60 % of the third and 40 % of "
+        "the fourth. Keyframe it to go from one to the next",
+        min=0.0,
+        max=10000.0,
+        default=0.0,
+        step=10,
         update=tag,
         override=OVERRIDABLE,
     )

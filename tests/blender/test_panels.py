@@ -31,6 +31,7 @@ def new_material(name: str = "Material") -> bpy.types.Material:
 def test_every_panel_draws_in_the_factory_scene(scene: bpy.types.Scene) -> None:
     """No panel names a property, an operator or an icon that this version of Blender lacks."""
     last_render.record(scene.name, STATISTICS)
+    bpy.ops.tyndall.transfer_function_preset(preset="SUNRISE")
     for cls in PANELS:
         if cls.__name__ in {"TYNDALL_PT_unavailable", "TYNDALL_PT_render_presets", "TYNDALL_PT_beam_shape"}:
             continue  # each has a test of its own below

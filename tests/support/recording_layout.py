@@ -45,7 +45,9 @@ class RecordingLayout:
         ui_list = getattr(bpy.types, kind)
         assert active in active_owner.bl_rna.properties
         rows = getattr(owner, items)
-        _flags, places = ui_list.filter_items(None, bpy.context, owner, items)
+        places = range(len(rows))
+        if hasattr(ui_list, "filter_items"):
+            _flags, places = ui_list.filter_items(None, bpy.context, owner, items)
         for index in sorted(range(len(rows)), key=lambda index: places[index]):
             ui_list.draw_item(None, bpy.context, self, owner, rows[index], 0, active_owner, active)
             self.shown.append(f"row: {rows[index].name}")
@@ -64,11 +66,14 @@ class RecordingLayout:
     def operator_menu_enum(self, idname: str, name: str, text: str = "", icon: str = "NONE") -> None:
         self.operator(idname, text, icon).require(name)
 
-    def template_ID(self, owner: Any, name: str, **operators: str) -> None:  # noqa: N802  Blender's name
+    def template_ID(self, owner: Any, name: str, **options: str) -> None:  # noqa: N802  Blender's name
         self.prop(owner, name)
-        for idname in (operators["new"], operators["open"]):
-            module, operator = idname.split(".")
+        for kind in options.keys() & {"new", "open"}:
+            module, operator = options[kind].split(".")
             getattr(getattr(bpy.ops, module), operator).get_rna_type()
+
+    def template_color_ramp(self, owner: Any, name: str, **_options: object) -> None:
+        self.prop(owner, name)
 
     def template_node_view(self, tree: Any, node: Any, socket: Any) -> None:
         assert node.inputs[socket.name] == socket

@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The transfer functions that a frame shows, each with its share: keys and drivers have their values at this frame.
+
+What cannot be used as it is meant is left out, with one report that names function, layer and culprit.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from tyndall.transfer_functions import (
+    Axis,
+    BlendMode,
+    Constraint,
+    GradientShape,
+    Layer,
+    LayerKind,
+    ParameterAxis,
+    TransferFunction,
+    Use,
+    WeightedFunction,
+)
+
+from ..function_trees import Rgba, ramp_of
+from ..item_lists import having_a_say, in_order
+from ..properties.transfer_functions import RANGED_AXES
+from ..surface_points import Anchor, follow
+from ..transfer_states import shares
+from .images import without_pixels
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import bpy
+
+    from tyndall.scene_description import Image
+
+    from ..properties.transfer_functions import ParameterAxis as AxisSettings
+    from ..properties.transfer_functions import TyndallTransferFunction
+    from ..properties.transfer_layers import TyndallTransferConstraint, TyndallTransferLayer
+    from .images import ImageReader
+    from .reports import Reports
+
+#: Of a ramp, ends included: the size of the function's picture.
+RAMP_SAMPLES = 256
+
+
+class _CannotBeUsed(Exception):  # noqa: N818  said to the artist, not raised to a caller
+    pass
+
+
+def read_transfer_functions(
+    scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, images: ImageReader, reports: Reports
+) -> tuple[WeightedFunction, ...]:
+    """``scene`` may be evaluated, or the original. ``images`` are those of functions alone, kept from frame to frame.
+
+    Values are evaluated ones; pointers are the originals': evaluated ones may outlive what they point to.
+    """
+    images.start_frame()
+    try:
+        return tuple(_read(scene, FunctionReader(depsgraph, images, reports), depsgraph))
+    finally:
+        images.end_frame()
+
+
+def _read(scene: bpy.types.Scene, reader: FunctionReader, depsgraph: bpy.types.Depsgraph) -> Iterator[WeightedFunction]:
+    shafts = scene.evaluated_get(depsgraph).tyndall.shafts
+    if not shafts.use_transfer_functions:
+        return
+    states = in_order(scene.original.tyndall.shafts.transfer_states)
+    weights: dict[bpy.types.NodeTree, float] = {}
+    for place, share in shares(shafts.transfer_state, len(states)):
+        function, weight = states[place].function, share * shafts.transfer_mix
+        if function is not None and weight > 0.0:
+            weights[function] = weights.get(function, 0.0) + weight
+    for tree, weight in weights.items():
+        function = reader.read(tree)
+        if function.layers:
+            yield WeightedFunction(function=function, weight=weight)
+
+
+class FunctionReader:
+    """Reads functions of one frame; one that changes nothing has no layers."""
+
+    def __init__(self, depsgraph: bpy.types.Depsgraph, images: ImageReader, reports: Reports) -> None:
+        self._depsgraph = depsgraph
+        self._images = images
+        self._reports = reports
+
+    def read(self, tree: bpy.types.NodeTree) -> TransferFunction:
+        """``tree`` is the original."""
+        culprit = f'Transfer function "{tree.name}"'
+        settings, original = tree.evaluated_get(self._depsgraph).tyndall, tree.tyndall
+        try:
+            x = self._axis(settings.x, original.x, "x", culprit)
+            y = self._axis(settings.y, original.y, "y", culprit)
+        except _CannotBeUsed as reason:
+            self._reports.add(culprit, f"left out: {reason}")
+            return TransferFunction(name=tree.name)
+        return TransferFunction(
+            name=tree.name,
+            x=x,
+            y=y,
+            use=Use[settings.use],
+            strength=settings.strength,
+            layers=self._layers(settings, original, culprit),
+        )
+
+    def _axis(self, axis: AxisSettings, original: AxisSettings, name: str, culprit: str) -> ParameterAxis:
+        mask = None
+        range_m = 0.0, 0.0
+        if axis.axis == "MASK":
+            if original.mask is None:
+                raise _CannotBeUsed(f"its {name} axis has no mask image")
+            mask = self._image(original.mask, f"the mask of its {name} axis", culprit)
+        elif axis.axis in RANGED_AXES and not axis.fits_range:
+            range_m = axis.low_m, axis.high_m
+            if range_m[0] >= range_m[1]:
+                self._reports.add(culprit, f"the range of its {name} axis is empty: fitted to the frame instead")
+                range_m = 0.0, 0.0
+        return ParameterAxis(axis=Axis[axis.axis], range_m=range_m, mask=mask)
+
+    def _image(self, image: bpy.types.Image, what: str, culprit: str) -> Image:
+        if (reason := without_pixels(image)) is not None:
+            raise _CannotBeUsed(f"{what}, {reason}")
+        return self._images.read(image, self._reports, culprit)
+
+    def _layers(
+        self, settings: TyndallTransferFunction, original: TyndallTransferFunction, culprit: str
+    ) -> tuple[Layer, ...]:
+        layers = []
+        for layer in having_a_say(settings.layers):
+            if layer.name not in original.layers:  # a script has removed it, and tagged nothing
+                continue
+            of_layer = f'{culprit}, layer "{layer.name}"'
+            try:
+                layers.append(self._layer(layer, original.layers[layer.name], of_layer))
+            except _CannotBeUsed as reason:
+                self._reports.add(of_layer, f"left out: {reason}")
+        return tuple(layers)
+
+    def _layer(self, layer: TyndallTransferLayer, original: TyndallTransferLayer, culprit: str) -> Layer:
+        image = None
+        constraints: tuple[Constraint, ...] = ()
+        if layer.kind == "IMAGE":
+            if original.image is None:
+                raise _CannotBeUsed("it has no image")
+            image = self._image(original.image, "its picture", culprit)
+        elif layer.kind == "DIFFUSION":
+            if not original.constraints:
+                raise _CannotBeUsed("it has no constraints")
+            constraints = tuple(
+                self._constraint(constraint, original.constraints[constraint.name], culprit)
+                for constraint in layer.constraints
+                if constraint.name in original.constraints
+            )
+        return Layer(
+            name=layer.name,
+            kind=LayerKind[layer.kind],
+            mode=BlendMode[layer.blend_mode],
+            opacity=layer.opacity,
+            colour=tuple(layer.colour),
+            ramp=_ramp(layer) if layer.kind == "GRADIENT" else (),
+            shape=GradientShape[layer.shape],
+            start=tuple(layer.start),
+            end=tuple(layer.end),
+            constraints=constraints,
+            smoothness=layer.smoothness,
+            image=image,
+        )
+
+    def _constraint(
+        self, constraint: TyndallTransferConstraint, original: TyndallTransferConstraint, culprit: str
+    ) -> Constraint:
+        """One whose surface is gone stays where it was picked."""
+        point = None
+        if constraint.is_tracked:
+            try:
+                point = self._followed(constraint, original.tracked_object, culprit)
+            except _CannotBeUsed as reason:
+                self._reports.add(f'{culprit}, constraint "{constraint.name}"', f"stays where it was picked: {reason}")
+        return Constraint(position=tuple(constraint.position), colour=tuple(constraint.colour), point=point)
+
+    def _followed(
+        self, constraint: TyndallTransferConstraint, thing: bpy.types.Object | None, culprit: str
+    ) -> tuple[float, float, float]:
+        if thing is None:
+            raise _CannotBeUsed("its object is not set, or deleted")
+        if self._depsgraph.scene not in thing.users_scene:  # one that was deleted lives on in our pointer
+            raise _CannotBeUsed(f'its object "{thing.name}" is not in the scene')
+        anchor = Anchor(
+            triangle_index=constraint.triangle_index,
+            triangle_count=constraint.triangle_count,
+            weights=tuple(constraint.triangle_weights),
+            local_point=tuple(constraint.local_point),
+        )
+        followed = follow(anchor, thing.evaluated_get(self._depsgraph))
+        if followed is None:
+            raise _CannotBeUsed(f'its object "{thing.name}" has no surface any more')
+        if followed.is_by_place:
+            self._reports.add(
+                f'{culprit}, constraint "{constraint.name}"',
+                f'object "{thing.name}" has other triangles than when it was picked: followed by its place',
+            )
+        return followed.world_point
+
+
+def _ramp(layer: TyndallTransferLayer) -> tuple[Rgba, ...]:
+    ramp = ramp_of(layer)
+    if ramp is None:
+        raise _CannotBeUsed(f'its ramp, node "{layer.ramp_node}", was removed or renamed')
+    return tuple(tuple(ramp.evaluate(index / (RAMP_SAMPLES - 1))) for index in range(RAMP_SAMPLES))
