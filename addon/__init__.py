@@ -17,6 +17,7 @@ bl_info = {
     "category": "Render",
 }
 
+_PARTS = (".properties", ".transfer_function_preview", ".operators", ".panels", ".preferences", ".last_render")
 _registered: list[ModuleType] = []
 
 
@@ -24,7 +25,7 @@ def register() -> None:
     """Register everything, the engine last: nothing renders before its settings exist."""
     availability = import_module(".availability", __package__)
     engine = ".engine" if availability.load() else ".unavailable_engine"
-    for name in (".properties", ".operators", ".panels", ".preferences", ".last_render", engine):
+    for name in (*_PARTS, engine):
         module = import_module(name, __package__)
         module.register()
         _registered.append(module)

@@ -3,16 +3,26 @@
 
 from __future__ import annotations
 
-from bpy.types import Context, Menu, Panel, UILayout, UIList
+from bpy.types import Context, Menu, NodeTree, Panel, UILayout, UIList
 
 from ..function_trees import active_state, edited_function, ramp_of
 from ..item_lists import having_a_say, places
 from ..properties.light_shafts import TyndallLightShaftSettings
-from ..properties.transfer_functions import RANGED_AXES, ParameterAxis, TyndallTransferFunction, TyndallTransferState
+from ..properties.transfer_functions import (
+    AXIS_NAMES,
+    RANGED_AXES,
+    ParameterAxis,
+    TyndallTransferFunction,
+    TyndallTransferState,
+)
 from ..properties.transfer_layers import KIND_ICONS, TyndallTransferConstraint, TyndallTransferLayer
 from ..transfer_function_presets import PRESETS
+from ..transfer_function_preview import picture_of
 from ..transfer_states import shares
 from .base import PropertiesPanel, SidebarPanel, draw_text, is_wide_region
+
+#: Of a function's picture, in rows of the interface.
+_PICTURE_SCALE = 7.0
 
 
 class TYNDALL_UL_transfer_states(UIList):
@@ -114,6 +124,8 @@ def _draw_functions(layout: UILayout, context: Context) -> None:
         return
     layout.template_ID(state, "function", new="tyndall.transfer_function_new")
     layout.menu("TYNDALL_MT_transfer_function_presets", text="New from Preset", icon="PRESET")
+    if state.function is not None:
+        _draw_picture(layout, context, state.function)
     column = layout.column(align=True)
     column.use_property_split = is_wide_region(context)
     column.prop(shafts, "transfer_mix")
@@ -122,6 +134,19 @@ def _draw_functions(layout: UILayout, context: Context) -> None:
         column.prop(function, "use", text="Use" if is_wide_region(context) else "")
         if function.use == "REPLACE":
             column.prop(function, "strength")
+
+
+def _draw_picture(layout: UILayout, context: Context, tree: NodeTree) -> None:
+    icon, reason = picture_of(tree, context.view_layer.depsgraph)
+    if reason is not None:
+        draw_text(layout, context, reason, icon="ERROR")
+        return
+    column = layout.column(align=True)
+    column.label(text=f"Up: {AXIS_NAMES[tree.tyndall.y.axis]}")
+    column.template_icon(icon_value=icon, scale=_PICTURE_SCALE)
+    row = column.row()
+    row.alignment = "RIGHT"
+    row.label(text=f"Right: {AXIS_NAMES[tree.tyndall.x.axis]}")
 
 
 def _draw_axis(layout: UILayout, axis: ParameterAxis, label: str) -> None:

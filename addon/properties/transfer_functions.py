@@ -35,6 +35,7 @@ AXES = (
     ("HEIGHT", "Height", "Of the first surface, along the world's Z: 0 is low, 1 is high, and the sky", 5),
     ("MASK", "Mask", "Brightness of an image over the camera's frame", 6),
 )
+AXIS_NAMES = {identifier: label for identifier, label, _description, _number in AXES}
 #: Those that are measured in metres.
 RANGED_AXES = frozenset({"DEPTH", "MEAN_LIT_POSITION", "HEIGHT"})
 USES = (

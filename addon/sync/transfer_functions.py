@@ -82,8 +82,17 @@ def _read(scene: bpy.types.Scene, reader: FunctionReader, depsgraph: bpy.types.D
 class FunctionReader:
     """Reads functions of one frame; one that changes nothing has no layers."""
 
-    def __init__(self, depsgraph: bpy.types.Depsgraph, images: ImageReader, reports: Reports) -> None:
+    def __init__(
+        self,
+        depsgraph: bpy.types.Depsgraph,
+        images: ImageReader,
+        reports: Reports,
+        *,
+        follows_surfaces: bool = True,
+    ) -> None:
+        """Without ``follows_surfaces``, constraints are where they were picked."""
         self._depsgraph = depsgraph
+        self._follows_surfaces = follows_surfaces
         self._images = images
         self._reports = reports
 
@@ -174,7 +183,7 @@ class FunctionReader:
     ) -> Constraint:
         """One whose surface is gone stays where it was picked."""
         point = None
-        if constraint.is_tracked:
+        if constraint.is_tracked and self._follows_surfaces:
             try:
                 point = self._followed(constraint, original.tracked_object, culprit)
             except _CannotBeUsed as reason:

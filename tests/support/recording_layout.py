@@ -72,6 +72,9 @@ class RecordingLayout:
             module, operator = options[kind].split(".")
             getattr(getattr(bpy.ops, module), operator).get_rna_type()
 
+    def template_icon(self, **_options: object) -> None:
+        self.shown.append("icon")
+
     def template_color_ramp(self, owner: Any, name: str, **_options: object) -> None:
         self.prop(owner, name)
 
