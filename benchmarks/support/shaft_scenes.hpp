@@ -142,30 +142,39 @@ inline ShaftScene& forest_scene() {
 }
 
 /// Sponza-LowPoly from TYNDALL_SHARED_DATA, or from shared/data beside the repository; nothing where it is absent.
-inline ShaftScene* sponza_scene() {
-    static ShaftScene scene;
-    if (!scene.rays.empty())
-        return &scene;
+inline std::optional<support::TriangleSoup> load_sponza() {
     const char* folder = std::getenv("TYNDALL_SHARED_DATA");
     std::ifstream file((folder ? std::string(folder) : std::string("../shared/data")) +
                            "/sponza_lowpoly/Sponza_LowPoly.bin",
                        std::ios::binary);
     if (!file)
-        return nullptr;
+        return std::nullopt;
     std::vector<char> bytes((std::istreambuf_iterator<char>(file)), {});
+    support::TriangleSoup soup;
     // Two meshes, offsets as its .gltf states them; +Y up there.
     struct Part {
         std::size_t positions, position_count, indices, index_count;
     };
     for (const Part part : {Part{0, 64806, 777672, 175905}, Part{1129484, 4697, 1185848, 13347}}) {
-        const auto first = static_cast<std::uint32_t>(scene.soup.positions.size());
+        const auto first = static_cast<std::uint32_t>(soup.positions.size());
         const auto* p = reinterpret_cast<const vec3*>(bytes.data() + part.positions);
         for (std::size_t i = 0; i < part.position_count; ++i)
-            scene.soup.positions.push_back(0.008f * vec3(p[i].x, -p[i].z, p[i].y));
+            soup.positions.push_back(0.008f * vec3(p[i].x, -p[i].z, p[i].y));
         const auto* index = reinterpret_cast<const std::uint16_t*>(bytes.data() + part.indices);
         for (std::size_t i = 0; i < part.index_count; i += 3)
-            scene.soup.triangles.push_back(uvec3(index[i], index[i + 1], index[i + 2]) + first);
+            soup.triangles.push_back(uvec3(index[i], index[i + 1], index[i + 2]) + first);
     }
+    return soup;
+}
+
+inline ShaftScene* sponza_scene() {
+    static ShaftScene scene;
+    if (!scene.rays.empty())
+        return &scene;
+    std::optional<support::TriangleSoup> soup = load_sponza();
+    if (!soup)
+        return nullptr;
+    scene.soup = std::move(*soup);
     scene.sun.towards_light = glm::normalize(vec3(-0.5f, 0.2f, 0.8f));
     scene.sigma_t_per_m = 0.05f;
     const Bounds3 fog{.min = vec3(-15.5f, -9.5f, -1.1f), .max = vec3(14.5f, 9.5f, 11.5f)};

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How the texels of a light's map make the radiance of view rays: a sparse matrix, T, with a row for each ray.
+// Based on: Joseph, An Improved Algorithm for Reprojecting Rays through Pixel Images, IEEE Transactions on Medical Imaging
+//           1(3), 1982; Kol, dissertation, TU Delft 2018, section 5.4.2, where T is what marching would read.
+// Differs:  a ray reads the map where it crosses the middle of a column of texels (of a row, where it goes more along the
+//           columns), linearly between two of them, and linearly between two columns: at those crossings bilinear reading
+//           is just that. What is read follows from a straight line, so that a weight is all that is stored of a column,
+//           and no index: about a sixth of the bytes of compressed rows of bilinear weights, and no merging. Both products
+//           form the same weights by the same operations, so that T and its transpose are one matrix to the last bit.
+// Bound:    4 bytes and two texels (16 bytes each) per column that a ray is lit in; 12 multiply-adds.
+#pragma once
+#include "core/math.hpp"
+#include "core/progress.hpp"
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tyndall::light_shafts {
+/// A colour per texel, padded: rgb and nothing. Row by row, bottom to top, LightMapMatrix::pitch() apart.
+using MapTexels = std::vector<vec4>;
+
+/// Consecutive weights of a ray's row, one for each column (or row) of texels.
+struct RowStretch {
+    std::uint32_t ray;
+    std::uint32_t first_weight;
+    float across_at_first; ///< Position along the columns (rows), in texels; texel i has its centre at i.
+    float across_per_line;
+    std::uint16_t first_line; ///< Column (row) of the first weight.
+    std::uint16_t count;      ///< At least 1.
+    std::uint16_t strip;      ///< Of the map's rows, in which all its lines have their first texel.
+    bool goes_along_y;        ///< Lines are rows of texels, not columns.
+};
+
+class LightMapMatrix {
+public:
+    /// Rows of texels that the transpose adds up at a time: with their colours they stay in the second-level cache.
+    static constexpr std::uint32_t rows_per_strip = 32;
+
+    /// Rows of consecutive rays.
+    struct Part {
+        std::vector<RowStretch> stretches; ///< `ray` and `first_weight` count from the part's own beginning.
+        std::vector<float> weights;        ///< Four for each line where colours differ, else one.
+        std::uint32_t ray_count = 0;
+        /// Line i of the ray, of `line_weights`, crosses the map at across_at_first + i * across_per_line. `channels`
+        /// weights for each, 1 or 4. Dark lines at the ends, and many in a row between, are left out.
+        void add_ray(bool goes_along_y, std::uint32_t first_line, float across_at_first, float across_per_line,
+                     std::span<const float> line_weights, std::uint32_t channels);
+    };
+
+    /// Takes over the parts, in order. resolution: texels per side, [2, 65535].
+    LightMapMatrix(std::uint32_t resolution, bool is_coloured, std::vector<Part> parts, const Progress& progress);
+
+    [[nodiscard]] std::uint32_t resolution() const { return resolution_; }
+    /// From a texel to the one above it. What a ray writes to one row and reads from the next soon after must not lie a
+    /// multiple of 4 KiB apart, or nearly: the CPU would take the one for the other, and wait.
+    [[nodiscard]] std::uint32_t pitch() const { return pitch_of(resolution_); }
+    [[nodiscard]] static constexpr std::uint32_t pitch_of(std::uint32_t resolution) {
+        return (resolution + 187) / 256 * 256 + 68;
+    }
+    /// Of arrays of texels, with the gaps between rows.
+    [[nodiscard]] std::size_t texel_count() const { return std::size_t{resolution_} * pitch(); }
+    [[nodiscard]] std::size_t ray_count() const { return first_of_ray_.size() - 1; }
+    [[nodiscard]] bool is_coloured() const { return is_coloured_; }
+    /// Lines of texels that rays are lit in, all together; each stands for two texels.
+    [[nodiscard]] std::size_t weight_count() const { return weights_.size() / (is_coloured_ ? 4 : 1); }
+    [[nodiscard]] std::size_t byte_count() const;
+
+    /// What a product with T keeps from call to call.
+    using Scratch = std::vector<vec4>;
+    /// T texels: radiance per ray.
+    void multiply(std::span<const vec4> texels, std::span<vec4> radiance, Scratch& scratch,
+                  const Progress& progress) const;
+    /// Transpose of T times `radiance`, per texel; overwrites. No product's bits depend on the number of threads.
+    void multiply_transposed(std::span<const vec4> radiance, std::span<vec4> texels, const Progress& progress) const;
+    /// The same with squares of the weights: the diagonal of T'WT for weights W of the rays.
+    void square_columns(std::span<const vec4> ray_weights, std::span<vec4> texels, const Progress& progress) const;
+
+private:
+    template <typename Add>
+    void for_strips(std::span<vec4> texels, const Progress& progress, const Add& add) const;
+
+    std::uint32_t resolution_;
+    bool is_coloured_;
+    std::vector<RowStretch> stretches_; ///< Strip by strip, and in a strip ray by ray; so are the weights.
+    std::vector<float> weights_;
+    std::vector<std::uint32_t> first_of_strip_;
+    std::vector<std::uint32_t>
+        first_of_ray_; ///< Ray r owns stretches_[of_ray_[first_of_ray_[r] .. first_of_ray_[r + 1])].
+    std::vector<std::uint32_t> of_ray_;
+};
+} // namespace tyndall::light_shafts

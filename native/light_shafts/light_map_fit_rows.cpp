@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/light_map_fit_rows.hpp"
+#include "light_shafts/light_map_fit_kernel.hpp"
+#include "light_shafts/lit_pieces.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace tyndall::light_shafts {
+void grow_focus(const SeenRay& seen, const LightMapAxes& axes, Focus& focus) {
+    constexpr float thousandth = 6.9f;
+    float first_depth = -1.0f;
+    const vec2 origin = axes.metres(seen.ray.origin), per_m = axes.along(seen.ray.direction);
+    for_each_lit_part(seen.pieces, seen.lit, [&](const ScatterPiece& piece, float near_m, float far_m, const Rgb&) {
+        const auto depth_at = [&](float at_m) {
+            const Rgb depth = piece.depth_at_near + piece.depth_per_m * (at_m - piece.near_m);
+            return std::min({depth.x, depth.y, depth.z});
+        };
+        if (first_depth < 0.0f)
+            first_depth = depth_at(near_m);
+        const float most = first_depth + thousandth, near = depth_at(near_m), far = depth_at(far_m);
+        if (near > most && far > most)
+            return;
+        const float end_m = far > most ? std::lerp(near_m, far_m, (most - near) / (far - near)) : far_m;
+        focus.grow(origin + per_m * near_m);
+        focus.grow(origin + per_m * end_m);
+    });
+}
+
+static bool is_grey(const Rgb& value) { return value.x == value.y && value.x == value.z; }
+
+bool is_grey(const SeenRay& seen) {
+    return std::ranges::all_of(seen.lit, [](const LitInterval& lit) { return is_grey(lit.transmittance); }) &&
+           std::ranges::all_of(seen.pieces, [](const ScatterPiece& piece) {
+               return is_grey(piece.source_per_m) && is_grey(piece.depth_at_near) && is_grey(piece.depth_per_m);
+           });
+}
+
+/// sinh(x) / x: by how much a stretch scatters more than its middle says.
+static float sinh_share(float half_gain) {
+    const float square = half_gain * half_gain;
+    return 1.0f + square * (1.0f / 6.0f + square * (1.0f / 120.0f + square * (1.0f / 5040.0f)));
+}
+
+void RowMaker::add_cell(const ScatterPiece& piece, float near_m, float far_m, const Rgb& transmittance) {
+    const float length_m = far_m - near_m, middle_m = 0.5f * (near_m + far_m);
+    position_.push_back(along_at_zero_ + along_per_m_ * std::clamp(middle_m, enters_m_, leaves_m_));
+    const bool is_long = glm::any(glm::greaterThan(glm::abs(piece.depth_per_m) * length_m, Rgb(1.0f)));
+    const Rgb whole = is_long ? scattered(piece, near_m, far_m) : Rgb(0.0f);
+    for (int channel = 0; channel < (is_coloured_ ? 4 : 1); ++channel) {
+        if (channel == 3) {
+            depth_.push_back(0.0f);
+            amount_.push_back(0.0f);
+        } else if (is_long) {
+            depth_.push_back(0.0f);
+            amount_.push_back(transmittance[channel] * whole[channel]);
+        } else {
+            depth_.push_back(piece.depth_at_near[channel] + piece.depth_per_m[channel] * (middle_m - piece.near_m));
+            amount_.push_back(transmittance[channel] * piece.source_per_m[channel] * length_m *
+                              sinh_share(0.5f * piece.depth_per_m[channel] * length_m));
+        }
+    }
+}
+
+void RowMaker::add_part(const ScatterPiece& piece, float near_m, float far_m, const Rgb& transmittance) {
+    float from_m = near_m;
+    const auto add_until = [&](float to_m) {
+        if (from_m < to_m)
+            add_cell(piece, from_m, to_m, transmittance);
+        from_m = std::max(from_m, to_m);
+    };
+    add_until(std::min(enters_m_, far_m));
+    const float last_m = std::min(leaves_m_, far_m);
+    if (along_per_m_ != 0.0f && from_m < last_m) {
+        const float per_line_m = std::abs(1.0f / along_per_m_), sign = along_per_m_ > 0.0f ? 1.0f : -1.0f;
+        const float begin = sign * (along_at_zero_ + along_per_m_ * from_m),
+                    end = sign * (along_at_zero_ + along_per_m_ * last_m);
+        for (float line = std::floor(begin) + 1.0f; line < end; line += 1.0f)
+            add_until(std::min((line - sign * along_at_zero_) * per_line_m, last_m));
+    }
+    add_until(last_m);
+    add_until(far_m);
+}
+
+void RowMaker::add_row(const SeenRay& seen, LightMapMatrix::Part& part) {
+    const vec2 start = texel_at(place_, axes_.metres(seen.ray.origin)),
+               per_m = axes_.along(seen.ray.direction) / place_.texel_m();
+    const int axis = std::abs(per_m.y) > std::abs(per_m.x) ? 1 : 0;
+    along_at_zero_ = start[axis], along_per_m_ = per_m[axis];
+    enters_m_ = seen.ray.near_m, leaves_m_ = seen.ray.far_m;
+    const float last = static_cast<float>(place_.resolution) - 2.0f; // its two lines, and two texels of each, are there
+    for (int i = 0; i < 2; ++i) {
+        if (per_m[i] == 0.0f)
+            continue;
+        const float a = (1.0f - start[i]) / per_m[i], b = (last - start[i]) / per_m[i];
+        enters_m_ = std::max(enters_m_, std::min(a, b));
+        leaves_m_ = std::min(leaves_m_, std::max(a, b));
+    }
+    leaves_m_ = std::max(leaves_m_, enters_m_);
+    depth_.clear(), amount_.clear(), position_.clear();
+    for_each_lit_part(seen.pieces, seen.lit,
+                      [&](const ScatterPiece& piece, float near_m, float far_m, const Rgb& transmittance) {
+                          add_part(piece, near_m, far_m, transmittance);
+                      });
+    const std::size_t channels = is_coloured_ ? 4 : 1;
+    light_map_kernel::attenuate(depth_, amount_);
+    float lowest = std::numeric_limits<float>::infinity(), highest = -lowest;
+    for (float& position : position_) {
+        position = std::clamp(position, 0.0f, last);
+        lowest = std::min(lowest, position);
+        highest = std::max(highest, position);
+    }
+    if (position_.empty())
+        return part.add_ray(false, 0, 0.0f, 0.0f, {}, static_cast<std::uint32_t>(channels));
+    const float first = std::floor(lowest);
+    line_weights_.assign((static_cast<std::size_t>(highest - first) + 2) * channels, 0.0f);
+    for (std::size_t cell = 0; cell < position_.size(); ++cell) {
+        const float line = std::floor(position_[cell]), share = position_[cell] - line;
+        float* const weights = &line_weights_[static_cast<std::size_t>(line - first) * channels];
+        for (std::size_t channel = 0; channel < channels; ++channel) {
+            const float amount = amount_[cell * channels + channel];
+            weights[channel] += (1.0f - share) * amount;
+            weights[channels + channel] += share * amount;
+        }
+    }
+    // A ray straight into the light stays where it is.
+    const float slope = along_per_m_ == 0.0f ? 0.0f : per_m[1 - axis] / along_per_m_;
+    part.add_ray(axis == 1, static_cast<std::uint32_t>(first), start[1 - axis] + (first - start[axis]) * slope, slope,
+                 line_weights_, static_cast<std::uint32_t>(channels));
+}
+} // namespace tyndall::light_shafts
