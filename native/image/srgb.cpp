@@ -9,16 +9,16 @@ static double curve(double encoded) {
 }
 
 static constexpr int cell_count = 1024;
-static const std::array<float, cell_count + 1> table = [] {
-    std::array<float, cell_count + 1> values{};
-    for (int cell = 0; cell <= cell_count; ++cell)
+static const std::array<float, cell_count + 2> table = [] {
+    std::array<float, cell_count + 2> values{}; // 1 is within: white is frequent
+    for (int cell = 0; cell <= cell_count + 1; ++cell)
         values[static_cast<std::size_t>(cell)] = static_cast<float>(curve(static_cast<double>(cell) / cell_count));
     return values;
 }();
 
 float linear_from_srgb(float encoded) {
     const float position = encoded * cell_count;
-    if (!(position >= 0.0f && position < cell_count)) // beyond the table, or a NaN
+    if (!(position >= 0.0f && position <= cell_count)) // beyond the table, or a NaN
         return static_cast<float>(curve(encoded));
     const auto cell = static_cast<std::size_t>(position);
     return table[cell] + (position - static_cast<float>(cell)) * (table[cell + 1] - table[cell]);

@@ -3,7 +3,9 @@
 #pragma once
 #include "core/progress.hpp"
 #include "transfer_functions/diffusion.hpp"
+#include "transfer_functions/image_colours.hpp"
 #include "transfer_functions/transfer_function.hpp"
+#include <optional>
 #include <span>
 
 namespace tyndall::transfer_functions {
@@ -21,5 +23,6 @@ private:
     const Layer& layer_;
     std::uint32_t size_;
     std::optional<Diffusion> diffusion_;
+    std::optional<ImageColours> image_;
 };
 } // namespace tyndall::transfer_functions

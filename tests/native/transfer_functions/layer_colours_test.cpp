@@ -116,6 +116,25 @@ TEST_CASE("a larger image gives each texel the mean of its pixels, weighted by t
         }
 }
 
+TEST_CASE("an image of any size keeps its mean, and one that is large along one axis is smooth along the other") {
+    Texture strip{.name = "strip", .width = 333, .height = 2};
+    strip.extension = TextureExtension::Extend;
+    for (int row = 0; row < 2; ++row)
+        for (int column = 0; column < 333; ++column)
+            strip.floats.insert(strip.floats.end(), {static_cast<float>(column % 7), static_cast<float>(row), 0, 1});
+    const ComposedFunction function = composed(picture(std::make_shared<Texture>(strip)), 64);
+    double mean = 0, truth = 0;
+    for (std::size_t y = 0; y < 64; ++y)
+        for (std::size_t x = 0; x < 64; ++x) {
+            mean += double{function.texels[64 * y + x].x} / (64 * 64);
+            const float share = std::clamp((static_cast<float>(y) + 0.5f) / 32.0f - 0.5f, 0.0f, 1.0f);
+            CHECK(std::abs(function.texels[64 * y + x].y - share) < 1e-6f);
+        }
+    for (int column = 0; column < 333; ++column)
+        truth += static_cast<double>(column % 7) / 333;
+    CHECK(std::abs(mean - truth) < 1e-5);
+}
+
 TEST_CASE("a smaller image is smooth between its pixels, and keeps its rim to the border") {
     Texture two{.name = "two", .width = 2, .height = 1, .floats = {0, 0, 0, 1, 1, 1, 1, 1}};
     two.extension = TextureExtension::Extend;
