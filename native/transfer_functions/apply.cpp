@@ -18,6 +18,9 @@ void apply(const ComposedFunction& function, const Application& application, std
         return;
     require(function.texels.size() == std::size_t{function.size} * function.size, "a function of ", function.size,
             " texels per side has ", function.texels.size());
+    if (function.size == 1)
+        return apply({.size = 2, .texels = std::vector<vec4>(4, function.texels[0])}, application, parameters, radiance,
+                     share, change, progress);
     parallel_blocks(parameters.size(), 8192, progress, [&](std::size_t first, std::size_t end) {
         apply_to(function, application,
                  {.parameters = parameters.data() + first,

@@ -11,6 +11,6 @@ struct RayStretch {
     Rgb* change;
     std::size_t count;
 };
-/// Of a function that is not neutral.
+/// Of a function with two texels per side, or more.
 void apply_to(const ComposedFunction& function, const Application& application, const RayStretch& rays);
 } // namespace tyndall::transfer_functions
