@@ -36,16 +36,16 @@ static light_shafts::Config make_shafts(int method, float error_target, std::uin
             .attenuates_light = attenuates_light,
             .adapts_strata = adapts_strata,
             .shares_strata = shares_strata,
+            .visibility_light = {},
             .seed = seed};
 }
 
-static render::FrameConfig make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px,
-                                       float noise_threshold,
-                                       const std::optional<std::array<std::uint32_t, 4>>& region_px,
-                                       bool film_transparent, const std::vector<std::string>& passes,
-                                       const light_shafts::Config& shafts,
-                                       std::vector<transfer_functions::WeightedFunction> functions, bool keeps_unstyled,
-                                       std::uint32_t seed, int thread_count) {
+static render::FrameConfig
+make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px, float noise_threshold,
+            const std::optional<std::array<std::uint32_t, 4>>& region_px, bool film_transparent,
+            const std::vector<std::string>& passes, const light_shafts::Config& shafts,
+            std::vector<transfer_functions::WeightedFunction> functions, std::optional<std::uint32_t> reference_light,
+            bool keeps_unstyled, std::uint32_t seed, int thread_count) {
     render::FrameConfig config{.pixel_samples = pixel_samples,
                                .pixel_filter = static_cast<render::PixelFilter>(pixel_filter),
                                .filter_width_px = filter_width_px,
@@ -55,6 +55,7 @@ static render::FrameConfig make_config(std::uint32_t pixel_samples, int pixel_fi
                                .passes = {},
                                .shafts = shafts,
                                .transfer_functions = std::move(functions),
+                               .reference_light = reference_light,
                                .keeps_unstyled = keeps_unstyled,
                                .seed = seed,
                                .thread_count = thread_count};
@@ -127,8 +128,8 @@ void bind_render(py::module_& native) {
              "attenuates_light"_a, "adapts_strata"_a, "shares_strata"_a, "seed"_a);
     py::class_<render::FrameConfig>(native, "FrameConfig")
         .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "noise_threshold"_a,
-             "region_px"_a, "film_transparent"_a, "passes"_a, "shafts"_a, "transfer_functions"_a, "keeps_unstyled"_a,
-             "seed"_a, "thread_count"_a);
+             "region_px"_a, "film_transparent"_a, "passes"_a, "shafts"_a, "transfer_functions"_a, "reference_light"_a,
+             "keeps_unstyled"_a, "seed"_a, "thread_count"_a);
     py::class_<render::UnstyledFilm, std::shared_ptr<render::UnstyledFilm>>(native, "UnstyledFilm");
     native.def(
         "render", &render_film, "scene"_a, "camera"_a, "config"_a, "progress"_a, "on_update"_a = py::none(),

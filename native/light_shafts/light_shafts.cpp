@@ -22,6 +22,7 @@ Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::sp
                const Config& config, Progress& progress)
     : prepared_(std::make_unique<PreparedLights>(PreparedLights{.media = media, .lights = {}, .statistics = {}})) {
     validate(config);
+    prepared_->visibility_light = config.visibility_light;
     Statistics& statistics = prepared_->statistics;
     if (media.is_empty()) {
         statistics.skip("light shafts", "no medium in the scene");

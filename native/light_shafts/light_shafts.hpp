@@ -12,6 +12,7 @@
 #include "scene/scene.hpp"
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -52,12 +53,14 @@ struct Config {
     bool adapts_strata = false;
     /// Neighbouring pixels share the strata of lights that have more of them than a pixel has samples; never with EXACT.
     bool shares_strata = true;
+    /// Into Scene::lights: the visibility that is told is this light's; none: the mean over all lights.
+    std::optional<std::uint32_t> visibility_light = {};
     std::uint32_t seed = 0;
 };
 
 struct Result {
     std::vector<Rgb> radiance;             ///< Per ray, W/(m^2 sr): in-scattered, attenuated to the camera.
-    std::vector<float> average_visibility; ///< Per ray, [0, 1]: lit share of its length in media, mean over lights.
+    std::vector<float> average_visibility; ///< Per ray, [0, 1]: lit share of its length in media.
     Statistics statistics;
 };
 

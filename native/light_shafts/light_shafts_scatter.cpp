@@ -49,7 +49,8 @@ void PreparedLights::gather(std::span<const ViewRay> rays, std::span<const std::
 }
 
 void PreparedLights::add(const LightBeams& light, std::size_t stratum, Block& block) const {
-    const std::span lit_length_m = block.wants_visibility ? std::span(block.lit_length_m) : std::span<float>();
+    const bool tells_visibility = block.wants_visibility && visibility_share(light) > 0.0f;
+    const std::span lit_length_m = tells_visibility ? std::span(block.lit_length_m) : std::span<float>();
     for (const Beam& beam : std::span(light.beams).subspan(stratum * light.parts, light.parts)) {
         if (beam.directional) {
             block.pieces.clear();
@@ -74,7 +75,7 @@ void PreparedLights::add(const LightBeams& light, const Turn& turn, Block& block
     const Deal mine = deal(light.stratum_count(), turn);
     for (std::size_t index = mine.first; index < mine.last; ++index)
         add(light, spread(index, light.stratum_count()), block);
-    const float share = mine.weight / static_cast<float>(light.stratum_count() * lights.size());
+    const float share = visibility_share(light) * mine.weight / static_cast<float>(light.stratum_count());
     const auto most = static_cast<float>(mine.last - mine.first);
     std::vector<Rgb>& sum = is_apart ? block.from_points : block.all_radiance;
     for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {

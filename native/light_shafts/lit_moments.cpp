@@ -33,7 +33,9 @@ std::vector<LitMoments> Shafts::find_lit_moments(std::span<const ViewRay> rays, 
         prepared_->gather(rays, std::span(order).subspan(begin, end - begin), block);
         for (const LightBeams& light : prepared_->lights) {
             const Deal mine = deal(light.stratum_count(), turn);
-            const float weight = mine.weight / static_cast<float>(light.stratum_count());
+            const float weight = prepared_->visibility_share(light) * mine.weight;
+            if (weight == 0.0f)
+                continue;
             for (std::size_t index = mine.first; index < mine.last; ++index) {
                 const std::size_t first = spread(index, light.stratum_count()) * light.parts;
                 for (const Beam& beam : std::span(light.beams).subspan(first, light.parts)) {

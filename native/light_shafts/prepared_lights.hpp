@@ -57,12 +57,18 @@ struct PreparedLights {
     const Media& media;
     std::vector<LightBeams> lights;
     std::vector<std::vector<DiscCell>> disc_cells = {}; ///< What samples point to.
+    std::optional<std::uint32_t> visibility_light = {}; ///< See Config.
     const Visibility* finest = nullptr; ///< Of the sample that carries most light, and so has the largest rows.
     Statistics statistics;
 
     /// Makes the beams of `lights` for rays that are clipped to the media. Throws Cancelled.
     void prepare(const Scene& scene, const View& view, std::span<const ViewRay> clipped,
                  std::vector<ScatteringLight> lights_to_prepare, const Config& config, Progress& progress);
+    /// How much the visibility of a light counts.
+    [[nodiscard]] float visibility_share(const LightBeams& light) const {
+        return visibility_light ? (light.light == *visibility_light ? 1.0f : 0.0f)
+                                : 1.0f / static_cast<float>(lights.size());
+    }
     void gather(std::span<const ViewRay> rays, std::span<const std::uint32_t> order, Block& block) const;
     void add(const LightBeams& light, std::size_t stratum, Block& block) const;
     void add(const LightBeams& light, const Turn& turn, Block& block) const;

@@ -104,9 +104,12 @@ std::vector<vec2> ray_parameters(const Scene& scene, const Media& media, const C
     Statistics statistics;
     const DirectLight light(scene, media, statistics);
     const ViewPath path(scene, media, light, camera, {.collects_parts = true});
-    const RayParameters parameters(scene, camera, std::span(config.transfer_functions).first(1));
+    const RayParameters parameters(scene, camera, std::span(config.transfer_functions).first(1),
+                                   config.reference_light);
     const Asked asked(path, parameters, camera, places_px, progress);
-    const light_shafts::Shafts shafts(scene, media, light_shafts::view_of(camera), asked.parts.rays, config.shafts,
+    light_shafts::Config shaft_config = config.shafts;
+    shaft_config.visibility_light = parameters.visibility_light();
+    const light_shafts::Shafts shafts(scene, media, light_shafts::view_of(camera), asked.parts.rays, shaft_config,
                                       progress);
     std::vector<vec2> first;
     for (const std::vector<vec2>& of_ray : asked.find(shafts, parameters, progress))

@@ -2,10 +2,9 @@
 #include "render/frame.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/shared_strata.hpp"
-#include "render/asked_rays.hpp"
+#include "render/frame_style.hpp"
 #include "render/pixel_noise.hpp"
 #include "render/shadow_ray_counts.hpp"
-#include "render/styled_shafts.hpp"
 #include "render/surface_pass.hpp"
 #include <algorithm>
 #include <array>
@@ -66,15 +65,10 @@ public:
             round_samples_ = samples_per_round(config.pixel_samples);
             noise_.emplace(width(), region_.y1 - region_.y0);
         }
-        for (const auto& [function, weight] : config.transfer_functions)
-            transfer_functions::require_usable(function);
         if (media_.is_empty())
             statistics_.skip("light shafts", "no medium in the scene");
-        else if (!config.transfer_functions.empty()) {
-            parameters_.emplace(scene, camera, config.transfer_functions);
-            styled_.emplace(pixel_count(), parameters_->function_count());
-            seen_.resize(pixel_count());
-        }
+        else if (!config.transfer_functions.empty())
+            style_.emplace(scene, camera, config, pixel_count());
         set_shadow_rays();
     }
 
@@ -93,7 +87,7 @@ public:
             statistics_.stages.push_back({"light shafts: scatter", shaft_seconds_});
             statistics_.count("light shafts: rays", static_cast<double>(shaft_ray_count_));
         }
-        if (styled_)
+        if (style_)
             statistics_.stages.push_back({"transfer functions", style_seconds_});
         statistics_.count("pixels", static_cast<double>(pixel_count()));
         statistics_.count("samples per pixel", static_cast<double>(sample_count_) / static_cast<double>(pixel_count()));
@@ -105,14 +99,10 @@ private:
     /// So far.
     Film picture() {
         Film film = sums_.resolve(progress_);
-        if (!styled_)
+        if (!style_)
             return film;
         const auto start = Clock::now();
-        const auto unstyled = std::make_shared<const UnstyledFilm>(
-            UnstyledFilm{std::move(film), styled_->resolve(progress_), placed_points_});
-        film = styled(*unstyled, config_.transfer_functions, progress_);
-        if (config_.keeps_unstyled)
-            film.unstyled = unstyled;
+        film = style_->apply(std::move(film), progress_);
         style_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
         return film;
     }
@@ -186,13 +176,15 @@ private:
     }
     void prepare_shafts() {
         const StageTimer timer(statistics_, "light shafts: prepare");
-        shafts_.emplace(scene_, media_, light_shafts::view_of(camera_), waiting_.rays, config_.shafts, progress_);
+        light_shafts::Config shafts = config_.shafts;
+        if (style_)
+            shafts.visibility_light = style_->parameters().visibility_light();
+        shafts_.emplace(scene_, media_, light_shafts::view_of(camera_), waiting_.rays, shafts, progress_);
         statistics_.append(shafts_->statistics());
         if (shafts_->is_empty())
             shafts_.reset();
-        else if (styled_)
-            placed_points_ =
-                place_points(view_path(), *shafts_, *parameters_, camera_, config_.transfer_functions, progress_);
+        else if (style_)
+            style_->follow_points(view_path(), *shafts_, progress_);
     }
     [[nodiscard]] ViewPath view_path(bool collects_parts = true) const {
         return {scene_,
@@ -229,8 +221,8 @@ private:
             {.sample_index = sample, .first_row = band.first_row, .end_row = band.end_row}, is_active_,
             [&](std::size_t pixel, const PathSample& found) {
                 sums_.add(pixel, found);
-                if (styled_)
-                    seen_[pixel] = parameters_->seen(found);
+                if (style_)
+                    style_->see(pixel, found);
                 if (noise_)
                     noise_->add(pixel, found.radiance);
                 if (world_reach_px_ > 0)
@@ -280,7 +272,7 @@ private:
                                scattered_.cells, progress_);
             scattered_.air = shafts_->find_air(waiting_.rays, progress_);
         }
-        if (styled_ && parameters_->asks_for(transfer_functions::Axis::MeanLitPosition))
+        if (asks_for(transfer_functions::Axis::MeanLitPosition))
             lit_moments_.resize(waiting_.rays.size());
         for (std::size_t side = 0; side < used.size(); ++side) {
             ScatteredParts::Light& light = scattered_.of_side[side];
@@ -289,7 +281,7 @@ private:
                 light.from_points.resize(light.radiance.size());
                 light.from_points_unshadowed.resize(light.radiance.size());
             }
-            if (wants_visibility())
+            if (sums_.wants(Pass::ShaftsVisibility) || asks_for(transfer_functions::Axis::AverageVisibility))
                 light.visibility.resize(light.radiance.size());
         }
     }
@@ -343,23 +335,16 @@ private:
                 sum_of_parts(part_of(waiting_.weights), part_of(radiance), part_of(visibility), part_of(lit_moments_));
             if (seen.meets_medium)
                 sums_.add_shafts(pixel, seen.radiance, seen.visibility);
-            if (styled_ && is_active_[pixel])
-                add_styled(pixel, seen);
+            if (style_ && is_active_[pixel])
+                style_->add(pixel, pixel_centre(pixel), seen);
             if (noise_)
                 noise_->add(pixel, seen.radiance);
         });
         shaft_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
     }
 
-    void add_styled(std::size_t pixel, const SeenShafts& shafts) {
-        std::vector<vec2> parameters;
-        for (std::size_t function = 0; function < parameters_->function_count() && shafts.meets_medium; ++function)
-            parameters.push_back(parameters_->at(function, pixel_centre(pixel), seen_[pixel], shafts));
-        styled_->add(pixel, seen_[pixel], shafts, parameters);
-    }
-    [[nodiscard]] bool wants_visibility() const {
-        return sums_.wants(Pass::ShaftsVisibility) ||
-               (styled_ && parameters_->asks_for(transfer_functions::Axis::AverageVisibility));
+    [[nodiscard]] bool asks_for(transfer_functions::Axis axis) const {
+        return style_ && style_->parameters().asks_for(axis);
     }
 
     void update_now_and_then() {
@@ -393,11 +378,8 @@ private:
     std::vector<WorldLit> world_lit_; ///< Per pixel, of one pass, where neighbours share it.
     WaitingParts waiting_;            ///< Of the current pass; as scattered_, kept for its memory.
     ScatteredParts scattered_;
-    std::optional<RayParameters> parameters_; ///< With styled_ and seen_, where functions recolour the light shafts.
-    std::optional<StyledShafts> styled_;
-    std::vector<SeenSurface> seen_;                     ///< Per pixel, of the current pass.
+    std::optional<FrameStyle> style_;                   ///< Where functions recolour the light shafts.
     std::vector<light_shafts::LitMoments> lit_moments_; ///< Per waiting part, where an axis asks.
-    std::vector<PlacedPoint> placed_points_;
     std::size_t shaft_ray_count_ = 0;
     double surface_seconds_ = 0.0, shaft_seconds_ = 0.0, style_seconds_ = 0.0;
     std::optional<Clock::time_point> last_update_;

@@ -26,6 +26,9 @@ struct FrameConfig {
     PassSet passes;
     light_shafts::Config shafts; ///< Neighbours share the world's light on surfaces as they do strata.
     std::vector<transfer_functions::WeightedFunction> transfer_functions; ///< Applied to the light shafts.
+    /// Into Scene::lights: whose visibility, lit parts and angle the functions are about. None: the strongest sun's that
+    /// scatters; without one, the mean over all lights, and the angle to the strongest lamp.
+    std::optional<std::uint32_t> reference_light = {};
     bool keeps_unstyled = false; ///< The film carries what a change of the functions' layers needs.
     std::uint32_t seed = 0;
     int thread_count = 0; ///< 0: all.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/ray_parameters.hpp"
+#include "core/errors.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -15,7 +16,8 @@ static constexpr double left_out = 0.02;
 
 static float luminance(const Rgb& colour) { return glm::dot(colour, Rgb(0.2126f, 0.7152f, 0.0722f)); }
 
-static const Light* reference_light(const Scene& scene) {
+/// That scatters: a sun, if there is one.
+static const Light* strongest_light(const Scene& scene) {
     const Light* best = nullptr;
     const auto is_better = [](const Light& light, const Light& than) {
         const bool is_sun = light.kind == LightKind::Sun, was_sun = than.kind == LightKind::Sun;
@@ -28,8 +30,14 @@ static const Light* reference_light(const Scene& scene) {
 }
 
 RayParameters::RayParameters(const Scene& scene, const Camera& camera,
-                             std::span<const transfer_functions::WeightedFunction> functions)
-    : scene_(scene), camera_(camera), light_(reference_light(scene)) {
+                             std::span<const transfer_functions::WeightedFunction> functions,
+                             std::optional<std::uint32_t> reference_light)
+    : scene_(scene), camera_(camera) {
+    require(!reference_light || *reference_light < scene.lights().size(), "reference_light is ",
+            reference_light.value_or(0), ", but the scene has ", scene.lights().size(), " lights");
+    light_ = reference_light ? &scene.lights()[*reference_light] : strongest_light(scene);
+    if (light_ && (reference_light || light_->kind == LightKind::Sun))
+        visibility_light_ = static_cast<std::uint32_t>(light_ - scene.lights().data());
     for (const auto& [function, weight] : functions)
         axes_.push_back({place(function.x), place(function.y)});
 }

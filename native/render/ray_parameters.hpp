@@ -9,6 +9,7 @@
 #include "scene/scene.hpp"
 #include "transfer_functions/transfer_function.hpp"
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,9 +32,12 @@ class RayParameters {
 public:
     /// `functions` must outlive this.
     RayParameters(const Scene& scene, const Camera& camera,
-                  std::span<const transfer_functions::WeightedFunction> functions);
+                  std::span<const transfer_functions::WeightedFunction> functions,
+                  std::optional<std::uint32_t> reference_light);
 
     [[nodiscard]] std::size_t function_count() const { return axes_.size(); }
+    /// Whose visibility and lit parts are meant; none: the mean over all lights.
+    [[nodiscard]] std::optional<std::uint32_t> visibility_light() const { return visibility_light_; }
     [[nodiscard]] bool asks_for(transfer_functions::Axis axis) const;
     [[nodiscard]] SeenSurface seen(const PathSample& sample) const;
     /// Of the ray through raster position `place_px` of the full frame, over the axes of a function.
@@ -57,7 +61,8 @@ private:
     const Scene& scene_;
     const Camera& camera_;
     std::vector<std::array<PlacedAxis, 2>> axes_; ///< Per function.
-    const Light* light_ = nullptr; ///< That angles are measured from: the strongest sun that scatters, or else lamp.
+    const Light* light_ = nullptr;                ///< That angles are measured from.
+    std::optional<std::uint32_t> visibility_light_;
     std::vector<float> depths_m_, heights_m_; ///< Of the grid's surfaces, ascending; empty until an axis is fitted.
 };
 

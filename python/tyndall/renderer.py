@@ -66,6 +66,9 @@ class RenderConfig:
     passes: frozenset[str] = frozenset()  #: Names in PASSES; Combined is always there.
     shafts: ShaftConfig = field(default_factory=ShaftConfig)
     transfer_functions: tuple[WeightedFunction, ...] = ()  #: What they make of the light that media scatter.
+    #: Name of the light whose visibility, lit parts and angle the functions are about. "": the strongest sun that
+    #: scatters; without one, the mean over all lights, and the angle to the strongest lamp.
+    reference_light: str = ""
     seed: int = 0
     thread_count: int = 0  #: 0: all.
 
@@ -156,7 +159,7 @@ class Session:
         planes, native_statistics, unstyled = _native.render(
             self._scene,
             _native_camera(camera, self._origin_in_world),
-            _native_config(config, functions, keeps_unstyled=self._unstyled.capacity > 0),
+            self._native_config(config, functions, reports, keeps_unstyled=self._unstyled.capacity > 0),
             progress,
             None if on_update is None else lambda so_far: on_update(Film(planes=so_far)),
         )
@@ -184,11 +187,44 @@ class Session:
         found: FloatArray = _native.ray_parameters(
             self._scene,
             _native_camera(camera, self._origin_in_world),
-            _native_config(config, self._functions(config, []), keeps_unstyled=False),
+            self._native_config(config, self._functions(config, []), [], keeps_unstyled=False),
             np.ascontiguousarray(places_px, np.float32),
             progress,
         )
         return found
+
+    def _native_config(
+        self,
+        config: RenderConfig,
+        functions: list[_native.WeightedFunction],
+        reports: list[str],
+        *,
+        keeps_unstyled: bool,
+    ) -> _native.FrameConfig:
+        reference_light = None
+        if functions and config.reference_light in self._light_names:
+            reference_light = self._light_names.index(config.reference_light)
+        elif functions and config.reference_light:
+            reports.append(
+                f'Light "{config.reference_light}", which the transfer functions are about, is not drawn: they follow '
+                "the strongest sun, or all lights"
+            )
+        shafts = asdict(config.shafts) | {"method": _index(METHODS, config.shafts.method, "shafts.method")}
+        return _native.FrameConfig(
+            pixel_samples=config.pixel_samples,
+            pixel_filter=_index(PIXEL_FILTERS, config.pixel_filter, "pixel_filter"),
+            filter_width_px=config.filter_width_px,
+            noise_threshold=config.noise_threshold,
+            region_px=config.region_px,
+            film_transparent=config.film_transparent,
+            passes=sorted(config.passes),
+            shafts=_native.ShaftConfig(**shafts),
+            transfer_functions=functions,
+            reference_light=reference_light,
+            keeps_unstyled=keeps_unstyled,
+            seed=config.seed,
+            thread_count=config.thread_count,
+        )
 
     def _functions(self, config: RenderConfig, reports: list[str]) -> list[_native.WeightedFunction]:
         functions = config.transfer_functions
@@ -240,24 +276,4 @@ def _native_camera(camera: Camera, origin_in_world: NDArray[np.float64]) -> _nat
         window=camera.window,
         clip_m=camera.clip_m,
         size_px=camera.size_px,
-    )
-
-
-def _native_config(
-    config: RenderConfig, functions: list[_native.WeightedFunction], *, keeps_unstyled: bool
-) -> _native.FrameConfig:
-    shafts = asdict(config.shafts) | {"method": _index(METHODS, config.shafts.method, "shafts.method")}
-    return _native.FrameConfig(
-        pixel_samples=config.pixel_samples,
-        pixel_filter=_index(PIXEL_FILTERS, config.pixel_filter, "pixel_filter"),
-        filter_width_px=config.filter_width_px,
-        noise_threshold=config.noise_threshold,
-        region_px=config.region_px,
-        film_transparent=config.film_transparent,
-        passes=sorted(config.passes),
-        shafts=_native.ShaftConfig(**shafts),
-        transfer_functions=functions,
-        keeps_unstyled=keeps_unstyled,
-        seed=config.seed,
-        thread_count=config.thread_count,
     )
