@@ -153,7 +153,11 @@ def _draw_axis(layout: UILayout, axis: ParameterAxis, label: str) -> None:
     column = layout.column(align=True)
     column.label(text=label)
     column.prop(axis, "axis", text="")
-    if axis.axis in RANGED_AXES:
+    if axis.axis == "AVERAGE_VISIBILITY":
+        column.prop(axis, "fits_range")
+        if not axis.fits_range:
+            column.prop(axis, "full_visibility")
+    elif axis.axis in RANGED_AXES:
         column.prop(axis, "fits_range")
         if not axis.fits_range:
             column.prop(axis, "low_m")

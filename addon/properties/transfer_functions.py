@@ -80,6 +80,17 @@ class ParameterAxis:
         update=tag,
         override=OVERRIDABLE,
     )
+    full_visibility: FloatProperty(
+        name="Full At",
+        description="The average visibility that is 1: a hall whose air is lit for a fifth of the way needs no more",
+        subtype="FACTOR",
+        min=0.001,
+        max=1.0,
+        default=1.0,
+        precision=3,
+        update=tag,
+        override=OVERRIDABLE,
+    )
     mask: PointerProperty(
         name="Mask",
         description="Over the camera's frame: black is 0, white is 1",

@@ -117,17 +117,19 @@ class FunctionReader:
 
     def _axis(self, axis: AxisSettings, original: AxisSettings, name: str, culprit: str) -> ParameterAxis:
         mask = None
-        range_m = 0.0, 0.0
+        range_m, full_visibility = (0.0, 0.0), 0.0
         if axis.axis == "MASK":
             if original.mask is None:
                 raise _CannotBeUsed(f"its {name} axis has no mask image")
             mask = self._image(original.mask, f"the mask of its {name} axis", culprit)
+        elif axis.axis == "AVERAGE_VISIBILITY":
+            full_visibility = 0.0 if axis.fits_range else axis.full_visibility
         elif axis.axis in RANGED_AXES and not axis.fits_range:
             range_m = axis.low_m, axis.high_m
             if range_m[0] >= range_m[1]:
                 self._reports.add(culprit, f"the range of its {name} axis is empty: fitted to the frame instead")
                 range_m = 0.0, 0.0
-        return ParameterAxis(axis=Axis[axis.axis], range_m=range_m, mask=mask)
+        return ParameterAxis(axis=Axis[axis.axis], range_m=range_m, full_visibility=full_visibility, mask=mask)
 
     def _image(self, image: bpy.types.Image, what: str, culprit: str) -> Image:
         if (reason := without_pixels(image)) is not None:

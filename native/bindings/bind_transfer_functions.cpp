@@ -14,9 +14,13 @@ using Quadruple = std::array<float, 4>;
 static vec2 to_vec2(const Pair& pair) { return {pair[0], pair[1]}; }
 static vec4 to_vec4(const Quadruple& quadruple) { return {quadruple[0], quadruple[1], quadruple[2], quadruple[3]}; }
 
-static tf::ParameterAxis make_axis(int axis, const Pair& range_m, const std::optional<std::shared_ptr<Texture>>& mask) {
-    return {
-        .axis = static_cast<tf::Axis>(axis), .low_m = range_m[0], .high_m = range_m[1], .mask = mask.value_or(nullptr)};
+static tf::ParameterAxis make_axis(int axis, const Pair& range_m, float full_visibility,
+                                   const std::optional<std::shared_ptr<Texture>>& mask) {
+    return {.axis = static_cast<tf::Axis>(axis),
+            .low_m = range_m[0],
+            .high_m = range_m[1],
+            .full_visibility = full_visibility,
+            .mask = mask.value_or(nullptr)};
 }
 
 static tf::Constraint make_constraint(const Pair& position, const Quadruple& colour,
@@ -77,7 +81,8 @@ static py::array_t<float> compose_picture(const tf::TransferFunction& function, 
 }
 
 void bind_transfer_functions(py::module_& native) {
-    py::class_<tf::ParameterAxis>(native, "ParameterAxis").def(py::init(&make_axis), "axis"_a, "range_m"_a, "mask"_a);
+    py::class_<tf::ParameterAxis>(native, "ParameterAxis")
+        .def(py::init(&make_axis), "axis"_a, "range_m"_a, "full_visibility"_a, "mask"_a);
     py::class_<tf::Constraint>(native, "Constraint")
         .def(py::init(&make_constraint), "position"_a, "colour"_a, "point"_a,
              "point: relative to the scene's origin, or None.");

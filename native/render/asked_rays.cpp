@@ -49,29 +49,51 @@ struct Asked {
         }
     }
 
-    /// Per ray and function.
-    [[nodiscard]] std::vector<std::vector<vec2>> find(const light_shafts::Shafts& shafts,
-                                                      const RayParameters& parameters, const Progress& progress) const {
+    [[nodiscard]] std::vector<SeenShafts> find_shafts(const light_shafts::Shafts& shafts, bool asks_for_moments,
+                                                      const Progress& progress) const {
         std::vector<Rgb> radiance(parts.rays.size());
         std::vector<float> visibility(parts.rays.size());
         shafts.scatter(parts.rays, radiance, visibility, progress);
-        const std::vector<light_shafts::LitMoments> moments =
-            parameters.asks_for(transfer_functions::Axis::MeanLitPosition)
-                ? shafts.find_lit_moments(parts.rays, progress)
-                : std::vector<light_shafts::LitMoments>(parts.rays.size());
-        std::vector<std::vector<vec2>> found(places_px.size());
+        std::vector<light_shafts::LitMoments> moments(parts.rays.size());
+        if (asks_for_moments)
+            moments = shafts.find_lit_moments(parts.rays, progress);
+        std::vector<SeenShafts> found;
         for (std::size_t ray = 0; ray < places_px.size(); ++ray) {
             const std::size_t first = parts.first[ray], count = parts.first[ray + 1] - first;
-            const SeenShafts seen =
+            found.push_back(
                 sum_of_parts(std::span(parts.weights).subspan(first, count), std::span(radiance).subspan(first, count),
-                             std::span(visibility).subspan(first, count), std::span(moments).subspan(first, count));
-            for (std::size_t function = 0; function < parameters.function_count(); ++function)
-                found[ray].push_back(parameters.at(function, places_px[ray], surfaces[ray], seen));
+                             std::span(visibility).subspan(first, count), std::span(moments).subspan(first, count)));
         }
+        return found;
+    }
+
+    /// Per ray and function.
+    [[nodiscard]] std::vector<std::vector<vec2>> find(const light_shafts::Shafts& shafts,
+                                                      const RayParameters& parameters, const Progress& progress) const {
+        const std::vector<SeenShafts> seen =
+            find_shafts(shafts, parameters.asks_for(transfer_functions::Axis::MeanLitPosition), progress);
+        std::vector<std::vector<vec2>> found(places_px.size());
+        for (std::size_t ray = 0; ray < places_px.size(); ++ray)
+            for (std::size_t function = 0; function < parameters.function_count(); ++function)
+                found[ray].push_back(parameters.at(function, places_px[ray], surfaces[ray], seen[ray]));
         return found;
     }
 };
 } // namespace
+
+static void fit_visibility(const Asked& grid, const light_shafts::Shafts& shafts, RayParameters& parameters,
+                           const Progress& progress) {
+    std::vector<float> visibility;
+    for (const SeenShafts& seen : grid.find_shafts(shafts, false, progress))
+        visibility.push_back(seen.visibility);
+    parameters.fit_visibility(std::move(visibility));
+}
+
+void fit_visibility(const ViewPath& path, const light_shafts::Shafts& shafts, const Camera& camera,
+                    RayParameters& parameters, const Progress& progress) {
+    if (parameters.fits_visibility())
+        fit_visibility(Asked(path, parameters, camera, grid_places_px(camera), progress), shafts, parameters, progress);
+}
 
 std::vector<PlacedPoint> place_points(const ViewPath& path, const light_shafts::Shafts& shafts,
                                       const RayParameters& parameters, const Camera& camera,
@@ -104,13 +126,17 @@ std::vector<vec2> ray_parameters(const Scene& scene, const Media& media, const C
     Statistics statistics;
     const DirectLight light(scene, media, statistics);
     const ViewPath path(scene, media, light, camera, {.collects_parts = true});
-    const RayParameters parameters(scene, camera, std::span(config.transfer_functions).first(1),
-                                   config.reference_light);
+    RayParameters parameters(scene, camera, std::span(config.transfer_functions).first(1), config.reference_light);
     const Asked asked(path, parameters, camera, places_px, progress);
+    const Asked grid(path, parameters, camera,
+                     parameters.fits_visibility() ? grid_places_px(camera) : std::vector<vec2>(), progress);
+    std::vector<light_shafts::ViewRay> rays = asked.parts.rays;
+    rays.insert(rays.end(), grid.parts.rays.begin(), grid.parts.rays.end());
     light_shafts::Config shaft_config = config.shafts;
     shaft_config.visibility_light = parameters.visibility_light();
-    const light_shafts::Shafts shafts(scene, media, light_shafts::view_of(camera), asked.parts.rays, shaft_config,
-                                      progress);
+    const light_shafts::Shafts shafts(scene, media, light_shafts::view_of(camera), rays, shaft_config, progress);
+    if (parameters.fits_visibility())
+        fit_visibility(grid, shafts, parameters, progress);
     std::vector<vec2> first;
     for (const std::vector<vec2>& of_ray : asked.find(shafts, parameters, progress))
         first.push_back(of_ray.front());

@@ -13,6 +13,10 @@ namespace tyndall::render {
                                                const FrameConfig& config, std::span<const vec2> places_px,
                                                Progress& progress);
 
+/// Gives axes of visibility the range that the frame shows, where they ask for it.
+void fit_visibility(const ViewPath& path, const light_shafts::Shafts& shafts, const Camera& camera,
+                    RayParameters& parameters, const Progress& progress);
+
 /// Where the points that constraints stand for are in each function: those before the camera, each once.
 [[nodiscard]] std::vector<PlacedPoint> place_points(const ViewPath& path, const light_shafts::Shafts& shafts,
                                                     const RayParameters& parameters, const Camera& camera,

@@ -184,7 +184,7 @@ private:
         if (shafts_->is_empty())
             shafts_.reset();
         else if (style_)
-            style_->follow_points(view_path(), *shafts_, progress_);
+            style_->see_shafts(view_path(), *shafts_, progress_);
     }
     [[nodiscard]] ViewPath view_path(bool collects_parts = true) const {
         return {scene_,

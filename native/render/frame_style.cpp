@@ -16,7 +16,8 @@ void FrameStyle::add(std::size_t pixel, vec2 place_px, const SeenShafts& shafts)
     shafts_.add(pixel, seen_[pixel], shafts, parameters);
 }
 
-void FrameStyle::follow_points(const ViewPath& path, const light_shafts::Shafts& shafts, const Progress& progress) {
+void FrameStyle::see_shafts(const ViewPath& path, const light_shafts::Shafts& shafts, const Progress& progress) {
+    fit_visibility(path, shafts, camera_, parameters_, progress);
     points_ = place_points(path, shafts, parameters_, camera_, config_.transfer_functions, progress);
 }
 

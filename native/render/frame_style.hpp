@@ -17,8 +17,8 @@ public:
     void see(std::size_t pixel, const PathSample& sample) { seen_[pixel] = parameters_.seen(sample); }
     /// The light shafts before it; `place_px` is the pixel's centre in the full frame.
     void add(std::size_t pixel, vec2 place_px, const SeenShafts& shafts);
-    /// Finds out where the points are that constraints follow.
-    void follow_points(const ViewPath& path, const light_shafts::Shafts& shafts, const Progress& progress);
+    /// Fits what is fitted to the frame's light shafts, and finds out where the points are that constraints follow.
+    void see_shafts(const ViewPath& path, const light_shafts::Shafts& shafts, const Progress& progress);
     /// What the functions make of the film so far.
     [[nodiscard]] Film apply(Film film, const Progress& progress) const;
 

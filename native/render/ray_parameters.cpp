@@ -42,52 +42,76 @@ RayParameters::RayParameters(const Scene& scene, const Camera& camera,
         axes_.push_back({place(function.x), place(function.y)});
 }
 
+std::vector<vec2> grid_places_px(const Camera& camera) {
+    std::vector<vec2> places_px;
+    for (std::uint32_t row = 0; row < grid_height; ++row)
+        for (std::uint32_t column = 0; column < grid_width; ++column)
+            places_px.emplace_back(
+                (static_cast<float>(column) + 0.5f) / grid_width * static_cast<float>(camera.width_px),
+                (static_cast<float>(row) + 0.5f) / grid_height * static_cast<float>(camera.height_px));
+    return places_px;
+}
+
 void RayParameters::look_around() {
     if (!depths_m_.empty())
         return;
     const double origin_z = scene_.description().origin_in_world.z;
-    for (std::uint32_t row = 0; row < grid_height; ++row)
-        for (std::uint32_t column = 0; column < grid_width; ++column) {
-            const vec2 share((static_cast<float>(column) + 0.5f) / grid_width,
-                             (static_cast<float>(row) + 0.5f) / grid_height);
-            const Ray ray = camera_.ray(share.x * static_cast<float>(camera_.width_px),
-                                        share.y * static_cast<float>(camera_.height_px));
-            const Hit hit = scene_.closest_hit(ray);
-            if (!hit.is_hit())
-                continue;
-            const vec3 point = ray.origin + hit.distance_m * ray.direction;
-            depths_m_.push_back(glm::dot(point - camera_.position(), camera_.forward()));
-            heights_m_.push_back(static_cast<float>(point.z + origin_z));
-        }
+    for (const vec2& place_px : grid_places_px(camera_)) {
+        const Ray ray = camera_.ray(place_px.x, place_px.y);
+        const Hit hit = scene_.closest_hit(ray);
+        if (!hit.is_hit())
+            continue;
+        const vec3 point = ray.origin + hit.distance_m * ray.direction;
+        depths_m_.push_back(glm::dot(point - camera_.position(), camera_.forward()));
+        heights_m_.push_back(static_cast<float>(point.z + origin_z));
+    }
     std::ranges::sort(depths_m_);
     std::ranges::sort(heights_m_);
 }
 
+/// What that share of the values lies below.
+static float quantile(std::span<const float> ascending, double share) {
+    return ascending[static_cast<std::size_t>(share * static_cast<double>(ascending.size() - 1))];
+}
+
 RayParameters::PlacedAxis RayParameters::place(const ParameterAxis& axis) {
-    PlacedAxis placed{.axis = axis.axis, .low_m = axis.low_m, .high_m = axis.high_m, .mask = axis.mask.get()};
+    PlacedAxis placed{.axis = axis.axis,
+                      .low = axis.low_m,
+                      .high = axis.high_m,
+                      .waits_for_visibility = axis.axis == Axis::AverageVisibility && axis.is_fitted(),
+                      .mask = axis.mask.get()};
+    if (axis.axis == Axis::AverageVisibility)
+        placed.low = 0.0f, placed.high = axis.full_visibility;
     const bool has_range = axis.axis == Axis::Depth || axis.axis == Axis::MeanLitPosition || axis.axis == Axis::Height;
     if (!has_range || !axis.is_fitted())
         return placed;
     look_around();
     const std::vector<float>& seen = axis.axis == Axis::Height ? heights_m_ : depths_m_;
     if (seen.empty()) { // nothing but sky, which is 1 whatever the range
-        placed.low_m = 0.0f, placed.high_m = 1.0f;
+        placed.low = 0.0f, placed.high = 1.0f;
         return placed;
     }
-    const auto at = [&](double share) {
-        return seen[static_cast<std::size_t>(share * static_cast<double>(seen.size() - 1))];
-    };
-    placed.low_m = axis.axis == Axis::MeanLitPosition ? 0.0f : at(left_out);
-    placed.high_m = std::max(at(1.0 - left_out), std::nextafter(placed.low_m, INFINITY));
+    placed.low = axis.axis == Axis::MeanLitPosition ? 0.0f : quantile(seen, left_out);
+    placed.high = std::max(quantile(seen, 1.0 - left_out), std::nextafter(placed.low, INFINITY));
     return placed;
+}
+
+bool RayParameters::fits_visibility() const {
+    return std::ranges::any_of(
+        axes_, [](const auto& two) { return two[0].waits_for_visibility || two[1].waits_for_visibility; });
+}
+
+void RayParameters::fit_visibility(std::vector<float> visibility_of_grid) {
+    std::ranges::sort(visibility_of_grid);
+    const float most = quantile(visibility_of_grid, 1.0 - left_out);
+    for (auto& two : axes_)
+        for (PlacedAxis& axis : two)
+            if (axis.waits_for_visibility)
+                axis.high = most > 0.0f ? most : 1.0f;
 }
 
 bool RayParameters::asks_for(Axis axis) const {
     return std::ranges::any_of(axes_, [&](const auto& two) { return two[0].axis == axis || two[1].axis == axis; });
-}
-
-vec2 RayParameters::range_m(std::size_t function, std::size_t axis) const {
-    return {axes_[function][axis].low_m, axes_[function][axis].high_m};
 }
 
 SeenSurface RayParameters::seen(const PathSample& sample) const {
@@ -108,11 +132,11 @@ float RayParameters::light_angle(vec2 place_px) const {
 
 float RayParameters::along(const PlacedAxis& axis, vec2 place_px, const SeenSurface& surface,
                            const SeenShafts& shafts) const {
-    const auto in_range = [&](float value_m) { return (value_m - axis.low_m) / (axis.high_m - axis.low_m); };
+    const auto in_range = [&](float value) { return (value - axis.low) / (axis.high - axis.low); };
     const bool is_sky = surface.depth_m == 0.0f;
     switch (axis.axis) {
     case Axis::AverageVisibility:
-        return shafts.visibility;
+        return in_range(shafts.visibility);
     case Axis::Depth:
         return is_sky ? 1.0f : in_range(surface.depth_m);
     case Axis::MeanLitPosition:

@@ -14,6 +14,9 @@
 #include <vector>
 
 namespace tyndall::render {
+/// Raster positions of the rays that fitted ranges are taken from.
+[[nodiscard]] std::vector<vec2> grid_places_px(const Camera& camera);
+
 /// What a camera ray meets.
 struct SeenSurface {
     float depth_m = 0.0f;  ///< Of PathSample; 0: the sky.
@@ -43,13 +46,15 @@ public:
     /// Of the ray through raster position `place_px` of the full frame, over the axes of a function.
     [[nodiscard]] vec2 at(std::size_t function, vec2 place_px, const SeenSurface& surface,
                           const SeenShafts& shafts) const;
-    /// What 0 and 1 of an axis are, metres; zeros for one without a range.
-    [[nodiscard]] vec2 range_m(std::size_t function, std::size_t axis) const;
+    /// An axis of visibility takes its range from the frame: fit_visibility comes before at().
+    [[nodiscard]] bool fits_visibility() const;
+    void fit_visibility(std::vector<float> visibility_of_grid);
 
 private:
     struct PlacedAxis {
         transfer_functions::Axis axis;
-        float low_m, high_m;
+        float low, high; ///< What 0 and 1 are.
+        bool waits_for_visibility;
         const Texture* mask;
     };
     [[nodiscard]] PlacedAxis place(const transfer_functions::ParameterAxis& axis);

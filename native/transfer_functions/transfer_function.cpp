@@ -32,6 +32,7 @@ void require_pixels(const Texture* image, const std::string& name) {
 void require_axis(const ParameterAxis& axis, const std::string& name) {
     require_known(axis.axis, Axis::Mask, name);
     require(std::isfinite(axis.low_m) && std::isfinite(axis.high_m), name, "'s range is not finite");
+    require_in(axis.full_visibility, 0.0f, 1.0f, name + "'s full_visibility");
     if (axis.axis == Axis::Mask)
         require_pixels(axis.mask.get(), name + "'s mask");
 }

@@ -16,7 +16,7 @@
 namespace tyndall::transfer_functions {
 /// A parameter of a view ray, brought to [0, 1].
 enum class Axis : std::uint8_t {
-    AverageVisibility = 0, ///< Lit share of its length in media.
+    AverageVisibility = 0, ///< Lit share of its length in media, over full_visibility.
     Depth = 1,             ///< Of its first surface, along the camera's axis, over the range; the sky is 1.
     MeanLitPosition = 2,   ///< Mean distance of its lit points, over the range; 0 where nothing is lit.
     LightAngle = 3,        ///< Between the ray and the way to the light, over pi: 0 looks into the light.
@@ -28,8 +28,11 @@ struct ParameterAxis {
     Axis axis = Axis::AverageVisibility;
     /// Depth, MeanLitPosition, Height: what is 0 and what is 1. Where high_m <= low_m, fitted to what the frame shows.
     float low_m = 0.0f, high_m = 0.0f;
+    float full_visibility = 0.0f; ///< AverageVisibility: what is 1, [0, 1]. 0: fitted to what the frame shows.
     std::shared_ptr<const Texture> mask = {}; ///< Mask: its luminance.
-    [[nodiscard]] bool is_fitted() const { return high_m <= low_m; }
+    [[nodiscard]] bool is_fitted() const {
+        return axis == Axis::AverageVisibility ? full_visibility == 0.0f : high_m <= low_m;
+    }
 };
 
 /// How the function's colour C meets the radiance L.

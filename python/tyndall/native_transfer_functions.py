@@ -84,7 +84,12 @@ class _Builder:
         )
 
     def _axis(self, axis: ParameterAxis) -> _native.ParameterAxis:
-        return _native.ParameterAxis(axis=int(axis.axis), range_m=axis.range_m, mask=self._texture(axis.mask))
+        return _native.ParameterAxis(
+            axis=int(axis.axis),
+            range_m=axis.range_m,
+            full_visibility=axis.full_visibility,
+            mask=self._texture(axis.mask),
+        )
 
     def _layer(self, layer: Layer) -> _native.TransferLayer:
         try:

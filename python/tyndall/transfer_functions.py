@@ -18,7 +18,7 @@ Rgba = tuple[float, float, float, float]
 class Axis(IntEnum):
     """A parameter of a view ray, brought to [0, 1]."""
 
-    AVERAGE_VISIBILITY = 0  #: Lit share of its length in media.
+    AVERAGE_VISIBILITY = 0  #: Lit share of its length in media, over full_visibility.
     DEPTH = 1  #: Of its first surface, along the camera's axis, over the range; the sky is 1.
     MEAN_LIT_POSITION = 2  #: Mean distance of its lit points, over the range; 0 where nothing is lit.
     LIGHT_ANGLE = 3  #: Between the ray and the way to the light, over pi: 0 looks into the light.
@@ -82,6 +82,7 @@ class ParameterAxis:
     axis: Axis
     #: DEPTH, MEAN_LIT_POSITION, HEIGHT: what is 0 and what is 1; equal: fitted to what the frame shows.
     range_m: tuple[float, float] = (0.0, 0.0)
+    full_visibility: float = 0.0  #: AVERAGE_VISIBILITY: what is 1, [0, 1]; 0: fitted to what the frame shows.
     mask: Image | None = None  #: MASK.
 
 

@@ -68,7 +68,7 @@ Layer ramp(bool along_y = false) {
             .from = along_y ? vec2(0.5f, 0.0f) : vec2(0.0f, 0.5f),
             .to = along_y ? vec2(0.5f, 1.0f) : vec2(1.0f, 0.5f)};
 }
-TransferFunction function_of(std::vector<Layer> layers, ParameterAxis x = {.axis = Axis::AverageVisibility}) {
+TransferFunction function_of(std::vector<Layer> layers, ParameterAxis x = {.full_visibility = 1.0f}) {
     TransferFunction function;
     function.name = "function";
     function.x = std::move(x);
@@ -132,7 +132,7 @@ TEST_CASE("each axis measures what it says") {
     const auto scene = fog_over_plates();
     const Camera camera = camera_above();
     const Film film = film_of(*scene, config_with({}));
-    const auto visibility = shown(*scene, {.axis = Axis::AverageVisibility});
+    const auto visibility = shown(*scene, {.full_visibility = 1.0f});
     const auto depth = shown(*scene, {.axis = Axis::Depth, .low_m = 1.0f, .high_m = 6.0f});
     const auto height = shown(*scene, {.axis = Axis::Height, .low_m = 0.0f, .high_m = 4.0f});
     const auto opacity = shown(*scene, {.axis = Axis::OpticalDepth});
@@ -151,6 +151,11 @@ TEST_CASE("each axis measures what it says") {
         CHECK(std::abs(angle[pixel] - std::acos(glm::dot(ray.direction, to_sun)) / std::numbers::pi_v<float>) < texel);
     }
     CHECK(sees_sky);
+    // Fitted, what the best lit rays have is 1.
+    const auto fitted = shown(*scene, {});
+    const float most = *std::ranges::max_element(visibility);
+    for (std::size_t pixel = 0; pixel < visibility.size(); ++pixel)
+        CHECK(std::abs(fitted[pixel] - std::min(1.0f, visibility[pixel] / most)) < 0.02f);
 }
 
 TEST_CASE("the mean lit position of a ray that is lit from end to end is the middle of its fog") {
