@@ -17,7 +17,15 @@ bl_info = {
     "category": "Render",
 }
 
-_PARTS = (".properties", ".transfer_function_preview", ".operators", ".panels", ".preferences", ".last_render")
+_PARTS = (
+    ".properties",
+    ".transfer_function_preview",
+    ".operators",
+    ".panels",
+    ".constraint_markers",
+    ".preferences",
+    ".last_render",
+)
 _registered: list[ModuleType] = []
 
 

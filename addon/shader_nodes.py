@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import bpy
-from bpy.types import Material, Node, ShaderNodeTree, World
+from bpy.types import Material, Node, Object, ShaderNodeTree, World
 
 ALWAYS_HAS_NODES = bpy.app.version >= (5, 0, 0)  # there, even reading use_nodes warns that it goes away
 
@@ -27,3 +27,11 @@ def plugged_in(owner: Material | World | None, socket_name: str) -> Node | None:
     output = tree.get_output_node("CYCLES") if tree else None
     links = output.inputs[socket_name].links if output else ()
     return links[0].from_node if links else None
+
+
+def is_medium_only(owner: Object) -> bool:
+    """Whether all of an object's materials are media without a surface."""
+    materials = [slot.material for slot in owner.material_slots]
+    return bool(materials) and all(
+        plugged_in(material, "Volume") and not plugged_in(material, "Surface") for material in materials
+    )

@@ -3,7 +3,16 @@
 
 from bpy.utils import register_class, unregister_class
 
-from . import fog_box, light_depth, occluder_edits, presets, reports, transfer_functions, transfer_states
+from . import (
+    fog_box,
+    light_depth,
+    occluder_edits,
+    pick_constraint,
+    presets,
+    reports,
+    transfer_functions,
+    transfer_states,
+)
 
 CLASSES = (
     *fog_box.CLASSES,
@@ -11,6 +20,7 @@ CLASSES = (
     *occluder_edits.CLASSES,
     *transfer_functions.CLASSES,
     *transfer_states.CLASSES,
+    *pick_constraint.CLASSES,
     *reports.CLASSES,
     *presets.CLASSES,
 )

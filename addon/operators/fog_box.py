@@ -12,21 +12,13 @@ from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Context, Depsgraph, Material, Node, Object, Operator
 from mathutils import Vector
 
-from ..shader_nodes import plugged_in, use_nodes
+from ..shader_nodes import is_medium_only, plugged_in, use_nodes
 
 #: Half the side of the box in a scene without anything to enclose, metres.
 EMPTY_SCENE_HALF_SIDE_M = 5.0
 COPIED_MEDIA = frozenset({"ShaderNodeVolumePrincipled", "ShaderNodeVolumeScatter", "ShaderNodeVolumeAbsorption"})
 #: Into corners counted with z fastest and x slowest; outward.
 BOX_FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
-
-
-def is_medium_only(owner: Object) -> bool:
-    """Whether all of an object's materials are media without a surface: another fog box, to be left out."""
-    materials = [slot.material for slot in owner.material_slots]
-    return bool(materials) and all(
-        plugged_in(material, "Volume") and not plugged_in(material, "Surface") for material in materials
-    )
 
 
 def enclosed_points(depsgraph: Depsgraph, *, with_camera_and_lights: bool) -> Iterator[Vector]:

@@ -37,7 +37,7 @@ class _FunctionOperator(ListOperator):
         return OrderedList(edited_function(context).tyndall, "layers", "active_layer")
 
 
-class _ConstraintOperator(_FunctionOperator):
+class ConstraintOperator(_FunctionOperator):
     """Works on the constraints of the active layer, which diffuses them."""
 
     empty = "The layer has no constraints yet: add or pick one"
@@ -175,7 +175,7 @@ class TYNDALL_OT_transfer_layer_solo(_FunctionOperator, SoloItem, Operator):
     bl_label = "Solo Layer"
 
 
-class TYNDALL_OT_transfer_constraint_add(_ConstraintOperator, Operator):
+class TYNDALL_OT_transfer_constraint_add(ConstraintOperator, Operator):
     """Set another colour, in the middle of the function: move it from there, or pick it on the picture instead."""
 
     bl_idname = "tyndall.transfer_constraint_add"
@@ -189,7 +189,7 @@ class TYNDALL_OT_transfer_constraint_add(_ConstraintOperator, Operator):
         return {"FINISHED"}
 
 
-class TYNDALL_OT_transfer_constraint_remove(_ConstraintOperator, RemoveItem, Operator):
+class TYNDALL_OT_transfer_constraint_remove(ConstraintOperator, RemoveItem, Operator):
     """Remove the active constraint, with its keyframes and drivers."""
 
     bl_idname = "tyndall.transfer_constraint_remove"

@@ -227,6 +227,8 @@ def _draw_constraints(layout: UILayout, context: Context, layer: TyndallTransfer
     column = row.column(align=True)
     column.operator("tyndall.transfer_constraint_add", text="", icon="ADD")
     column.operator("tyndall.transfer_constraint_remove", text="", icon="REMOVE")
+    column.separator()
+    column.operator("tyndall.pick_constraint", text="", icon="EYEDROPPER")
     if layer.active_constraint >= len(layer.constraints):
         draw_text(layout, context, "Set a colour at a place: add a constraint", icon="INFO")
         return

@@ -113,7 +113,7 @@ class TyndallTransferConstraint(PropertyGroup):
     )
     tracked_object: PointerProperty(
         name="Object",
-        description="Whose surface the constraint follows",
+        description="What the constraint follows: its surface where that was picked, or else its place",
         type=Object,
         update=tag_pointer,
         override=OVERRIDABLE,
@@ -128,7 +128,8 @@ class TyndallTransferConstraint(PropertyGroup):
     )
     triangle_count: IntProperty(
         name="Triangles",
-        description="Of that mesh when the point was picked; with another count, the point is looked for by its place",
+        description="Of that mesh when the point was picked; with another count the point is looked for by its place. "
+        "0: it is fixed in the object's space",
         min=0,
         options=set(),
         update=tag,

@@ -6,6 +6,7 @@ What cannot be used as it is meant is left out, with one report that names funct
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tyndall.transfer_functions import (
@@ -24,7 +25,7 @@ from tyndall.transfer_functions import (
 from ..function_trees import Rgba, ramp_of
 from ..item_lists import having_a_say, in_order
 from ..properties.transfer_functions import RANGED_AXES
-from ..surface_points import Anchor, follow
+from ..surface_points import anchor_of, follow
 from ..transfer_states import shares
 from .images import without_pixels
 
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
     from tyndall.scene_description import Image
 
     from ..properties.transfer_functions import ParameterAxis as AxisSettings
-    from ..properties.transfer_functions import TyndallTransferFunction
     from ..properties.transfer_layers import TyndallTransferConstraint, TyndallTransferLayer
     from .images import ImageReader
     from .reports import Reports
@@ -98,22 +98,22 @@ class FunctionReader:
 
     def read(self, tree: bpy.types.NodeTree) -> TransferFunction:
         """``tree`` is the original."""
-        culprit = f'Transfer function "{tree.name}"'
+        function = self.read_without_layers(tree)
+        if function is None:
+            return TransferFunction(name=tree.name)
+        return replace(function, layers=self._layers(tree))
+
+    def read_without_layers(self, tree: bpy.types.NodeTree) -> TransferFunction | None:
+        """None: it cannot be used, for the reason that is in the reports."""
+        culprit = _culprit(tree)
         settings, original = tree.evaluated_get(self._depsgraph).tyndall, tree.tyndall
         try:
             x = self._axis(settings.x, original.x, "x", culprit)
             y = self._axis(settings.y, original.y, "y", culprit)
         except _CannotBeUsed as reason:
             self._reports.add(culprit, f"left out: {reason}")
-            return TransferFunction(name=tree.name)
-        return TransferFunction(
-            name=tree.name,
-            x=x,
-            y=y,
-            use=Use[settings.use],
-            strength=settings.strength,
-            layers=self._layers(settings, original, culprit),
-        )
+            return None
+        return TransferFunction(name=tree.name, x=x, y=y, use=Use[settings.use], strength=settings.strength)
 
     def _axis(self, axis: AxisSettings, original: AxisSettings, name: str, culprit: str) -> ParameterAxis:
         mask = None
@@ -136,18 +136,17 @@ class FunctionReader:
             raise _CannotBeUsed(f"{what}, {reason}")
         return self._images.read(image, self._reports, culprit)
 
-    def _layers(
-        self, settings: TyndallTransferFunction, original: TyndallTransferFunction, culprit: str
-    ) -> tuple[Layer, ...]:
+    def _layers(self, tree: bpy.types.NodeTree) -> tuple[Layer, ...]:
+        originals = tree.tyndall.layers
         layers = []
-        for layer in having_a_say(settings.layers):
-            if layer.name not in original.layers:  # a script has removed it, and tagged nothing
+        for layer in having_a_say(tree.evaluated_get(self._depsgraph).tyndall.layers):
+            if layer.name not in originals:  # a script has removed it, and tagged nothing
                 continue
-            of_layer = f'{culprit}, layer "{layer.name}"'
+            culprit = f'{_culprit(tree)}, layer "{layer.name}"'
             try:
-                layers.append(self._layer(layer, original.layers[layer.name], of_layer))
+                layers.append(self._layer(layer, originals[layer.name], culprit))
             except _CannotBeUsed as reason:
-                self._reports.add(of_layer, f"left out: {reason}")
+                self._reports.add(culprit, f"left out: {reason}")
         return tuple(layers)
 
     def _layer(self, layer: TyndallTransferLayer, original: TyndallTransferLayer, culprit: str) -> Layer:
@@ -199,13 +198,7 @@ class FunctionReader:
             raise _CannotBeUsed("its object is not set, or deleted")
         if self._depsgraph.scene not in thing.users_scene:  # one that was deleted lives on in our pointer
             raise _CannotBeUsed(f'its object "{thing.name}" is not in the scene')
-        anchor = Anchor(
-            triangle_index=constraint.triangle_index,
-            triangle_count=constraint.triangle_count,
-            weights=tuple(constraint.triangle_weights),
-            local_point=tuple(constraint.local_point),
-        )
-        followed = follow(anchor, thing.evaluated_get(self._depsgraph))
+        followed = follow(anchor_of(constraint), thing.evaluated_get(self._depsgraph))
         if followed is None:
             raise _CannotBeUsed(f'its object "{thing.name}" has no surface any more')
         if followed.is_by_place:
@@ -214,6 +207,10 @@ class FunctionReader:
                 f'object "{thing.name}" has other triangles than when it was picked: followed by its place',
             )
         return followed.world_point
+
+
+def _culprit(tree: bpy.types.NodeTree) -> str:
+    return f'Transfer function "{tree.name}"'
 
 
 def _ramp(layer: TyndallTransferLayer) -> tuple[Rgba, ...]:
