@@ -3,7 +3,7 @@
 // Based on: W3C, Compositing and Blending Level 1, 2015, sections 5.1 and 10: Cs' = (1 - ab) Cs + ab B(Cb, Cs).
 // Differs:  ab (mix of Cb and B by as) is the Mix node itself: two of its modes are not linear in their factor. What
 //           layers subtract below 0 counts until the last layer; the picture, which is light, has none of it.
-// Bound:    1 ns per texel and layer, 20 ns where it mixes hues; diffusion and images have bounds of their own.
+// Bound:    5 ns per texel and layer in Mix, 20 in the other modes; diffusion and images have bounds of their own.
 #include "transfer_functions/compose.hpp"
 #include "core/parallel.hpp"
 #include "transfer_functions/blend_modes.hpp"
