@@ -15,5 +15,6 @@ PYBIND11_MODULE(_native, native) {
     bind_scene(native);
     bind_transfer_functions(native);
     bind_render(native);
+    bind_light_map_fit(native);
 }
 } // namespace tyndall::bindings

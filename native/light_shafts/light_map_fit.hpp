@@ -45,6 +45,7 @@ public:
     /// Takes at most so many steps; false: the map is as good as it gets. After Cancelled it is that of the last whole step.
     bool iterate(std::uint32_t step_count, Progress& progress);
     [[nodiscard]] LightMap map() const;
+    [[nodiscard]] const LightMapPlace& place() const { return place_; }
     /// Of the first map and after each step.
     [[nodiscard]] std::span<const FitStep> history() const { return solver_->history(); }
     [[nodiscard]] const LightMapMatrix& matrix() const { return *matrix_; }

@@ -209,7 +209,6 @@ class Session:
                 f'Light "{config.reference_light}", which the transfer functions are about, is not drawn: they follow '
                 "the strongest sun, or all lights"
             )
-        shafts = asdict(config.shafts) | {"method": _index(METHODS, config.shafts.method, "shafts.method")}
         return _native.FrameConfig(
             pixel_samples=config.pixel_samples,
             pixel_filter=_index(PIXEL_FILTERS, config.pixel_filter, "pixel_filter"),
@@ -218,7 +217,7 @@ class Session:
             region_px=config.region_px,
             film_transparent=config.film_transparent,
             passes=sorted(config.passes),
-            shafts=_native.ShaftConfig(**shafts),
+            shafts=native_shafts(config.shafts),
             transfer_functions=functions,
             reference_light=reference_light,
             keeps_unstyled=keeps_unstyled,
@@ -239,12 +238,19 @@ class Session:
         six faces of a point light lie three by two. Edits along the view do not show. Of several lights of one name,
         the first. Raises ``InvalidInput``, which names the culprit, and ``Cancelled``.
         """
+        scene, light = self.native_light(light_name)
+        before, after = _native.light_depth_picture(scene, light, resolution, progress)
+        return before, after
+
+    def native_light(self, light_name: str) -> tuple[_native.Scene, int]:
+        """The scene, and which of its lights has that name, of several the first; for calls that ask about a light."""
         if self._scene is None or light_name not in self._light_names:
             raise _native.InvalidInput(f'Light "{light_name}" is not in the scene, or cannot be used')
-        before, after = _native.light_depth_picture(
-            self._scene, self._light_names.index(light_name), resolution, progress
-        )
-        return before, after
+        return self._scene, self._light_names.index(light_name)
+
+    def native_camera(self, camera: Camera) -> _native.Camera:
+        """The camera in the scene as last updated. Raises ``InvalidInput``."""
+        return _native_camera(camera, self._origin_in_world)
 
 
 def _merged(*parts: dict[str, Any]) -> dict[str, Any]:
@@ -277,3 +283,8 @@ def _native_camera(camera: Camera, origin_in_world: NDArray[np.float64]) -> _nat
         clip_m=camera.clip_m,
         size_px=camera.size_px,
     )
+
+
+def native_shafts(config: ShaftConfig) -> _native.ShaftConfig:
+    """Raises ``InvalidInput`` for a method that does not exist."""
+    return _native.ShaftConfig(**asdict(config) | {"method": _index(METHODS, config.method, "shafts.method")})
