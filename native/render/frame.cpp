@@ -68,7 +68,7 @@ public:
         if (media_.is_empty())
             statistics_.skip("light shafts", "no medium in the scene");
         else if (!config.transfer_functions.empty())
-            style_.emplace(scene, camera, config, pixel_count());
+            style_.emplace(scene, camera, config, width(), region_.y1 - region_.y0);
         set_shadow_rays();
     }
 

@@ -9,8 +9,9 @@
 namespace tyndall::render {
 class FrameStyle {
 public:
-    /// `config`, which has functions, and `camera` must outlive this. Throws InvalidInput.
-    FrameStyle(const Scene& scene, const Camera& camera, const FrameConfig& config, std::size_t pixel_count);
+    /// `config`, which has functions, and `camera` must outlive this; width and height are the region's. Throws InvalidInput.
+    FrameStyle(const Scene& scene, const Camera& camera, const FrameConfig& config, std::uint32_t width_px,
+               std::uint32_t height_px);
 
     [[nodiscard]] const RayParameters& parameters() const { return parameters_; }
     /// The surface of a pixel's current sample. Threads may see and add different pixels.

@@ -2,6 +2,7 @@
 #include "render/styled_shafts.hpp"
 #include "core/errors.hpp"
 #include "core/parallel.hpp"
+#include "render/steep_entries.hpp"
 #include "transfer_functions/apply.hpp"
 #include "transfer_functions/compose.hpp"
 #include <algorithm>
@@ -10,19 +11,9 @@
 namespace tyndall::render {
 using transfer_functions::WeightedFunction;
 
-// Surfaces whose depths differ by less share a cell: a floor that leads away does, a branch before a wall does not.
-static constexpr double same_surface = 0.1;
-
-/// 0 for equal depths, 1 for very different ones; the sky is far from everything, but least from what is farthest.
-static double depth_difference(float a_m, float b_m) {
-    constexpr double sky_m = 1e10;
-    const double a = a_m == 0.0f ? sky_m : a_m, b = b_m == 0.0f ? sky_m : b_m;
-    return std::abs(a - b) / std::max(a, b);
-}
-
-StyledShafts::StyledShafts(std::size_t pixel_count, std::size_t function_count)
-    : function_count_(function_count), sample_counts_(pixel_count), cells_(pixel_count * cells_per_pixel),
-      parameters_(cells_.size() * function_count) {}
+StyledShafts::StyledShafts(std::uint32_t width_px, std::uint32_t height_px, std::size_t function_count)
+    : width_px_(width_px), function_count_(function_count), sample_counts_(std::size_t{width_px} * height_px),
+      cells_(sample_counts_.size() * cells_per_pixel), parameters_(cells_.size() * function_count) {}
 
 std::size_t StyledShafts::cell_for(std::size_t pixel, float depth_m) const {
     const std::size_t first = pixel * cells_per_pixel;
@@ -67,6 +58,7 @@ UnstyledFilm::Entries StyledShafts::resolve(const Progress& progress) const {
                                   .share = std::vector<float>(count),
                                   .parameters =
                                       std::vector<std::vector<vec2>>(function_count_, std::vector<vec2>(count))};
+    std::vector<float> depth_m(count);
     constexpr std::size_t pixels_per_block = 1 << 14;
     parallel_for(
         pixel_count, progress,
@@ -79,12 +71,13 @@ UnstyledFilm::Entries StyledShafts::resolve(const Progress& progress) const {
                 entries.pixel[entry] = static_cast<std::uint32_t>(pixel);
                 entries.radiance[entry] = cell.radiance * per_sample;
                 entries.share[entry] = cell_count * per_sample;
+                depth_m[entry] = cell.depth_m;
                 for (std::size_t function = 0; function < function_count_; ++function)
                     entries.parameters[function][entry] = parameters_[index * function_count_ + function] / cell_count;
             }
         },
         pixels_per_block);
-    return entries;
+    return split_steep(std::move(entries), depth_m, width_px_, pixel_count, progress);
 }
 
 /// Moves the constraints that stand for points of the scene to where these are in the function.

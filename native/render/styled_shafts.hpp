@@ -28,7 +28,7 @@ struct UnstyledFilm {
     Film film; ///< As it is without transfer functions.
     struct Entries {
         std::vector<std::uint32_t> pixel;
-        std::vector<Rgb> radiance;                 ///< Its share of the pixel's.
+        std::vector<Rgb> radiance;                 ///< Its part of the pixel's.
         std::vector<float> share;                  ///< Of the pixel's samples.
         std::vector<std::vector<vec2>> parameters; ///< Per function.
     } entries;                                     ///< Those of a pixel lie side by side, pixels rise.
@@ -38,7 +38,7 @@ struct UnstyledFilm {
 /// Collects the samples of a frame. Pixels are independent: threads may add to different ones.
 class StyledShafts {
 public:
-    StyledShafts(std::size_t pixel_count, std::size_t function_count);
+    StyledShafts(std::uint32_t width_px, std::uint32_t height_px, std::size_t function_count);
     /// One per pixel and pass; `parameters`, one per function, are not read where the ray meets no medium.
     void add(std::size_t pixel, const SeenSurface& surface, const SeenShafts& shafts, std::span<const vec2> parameters);
     [[nodiscard]] UnstyledFilm::Entries resolve(const Progress& progress) const;
@@ -52,6 +52,7 @@ private:
     static constexpr std::size_t cells_per_pixel = 2;
     [[nodiscard]] std::size_t cell_for(std::size_t pixel, float depth_m) const;
 
+    std::uint32_t width_px_;
     std::size_t function_count_;
     std::vector<std::uint32_t> sample_counts_;
     std::vector<Cell> cells_;
