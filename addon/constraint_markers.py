@@ -73,7 +73,7 @@ def _markers_in_view(context: Context) -> Iterator[Marker]:
 
 
 def _markers_on_render(context: Context) -> Iterator[Marker]:
-    from .view_rays import marker_on_render, shows_render
+    from .engine.view_rays import marker_on_render, shows_render
 
     layer = shown_layer(context)
     if layer is None or context.scene.camera is None or not shows_render(context.area):

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bpy.types import Light, Object
+from bpy.types import Light, Object, PropertyGroup
 
 if TYPE_CHECKING:
     from bpy.types import Context
@@ -14,6 +14,11 @@ if TYPE_CHECKING:
 def is_shaft_light(thing: Object | None) -> bool:
     """Whether it is a light that we draw."""
     return thing is not None and thing.type == "LIGHT" and thing.data.type != "AREA"
+
+
+def is_light_of_scene(settings: PropertyGroup, thing: Object) -> bool:
+    """What a scene's settings can point to."""
+    return is_shaft_light(thing) and settings.id_data.objects.get(thing.name) == thing
 
 
 def why_not_editable(light: Light | None) -> str | None:

@@ -48,6 +48,7 @@ def render_config(
 ) -> RenderConfig:
     """The settings of a final render of one view layer."""
     tyndall, shafts = scene.tyndall, scene.tyndall.shafts
+    light = scene.original.tyndall.shafts.transfer_light  # that of the evaluated scene may dangle
     return RenderConfig(
         pixel_samples=tyndall.pixel_samples,
         pixel_filter=tyndall.pixel_filter,
@@ -68,6 +69,7 @@ def render_config(
             seed=tyndall.seed,
         ),
         transfer_functions=functions,
+        reference_light=light.name if light is not None else "",
         seed=tyndall.seed,
         thread_count=tyndall.thread_count,
     )

@@ -18,13 +18,16 @@ from .transfer_functions import ConstraintOperator
 if TYPE_CHECKING:
     from bpy.types import Depsgraph
 
+    from ..engine.view_rays import Hit, Place
     from ..properties.transfer_layers import TyndallTransferConstraint
-    from ..view_rays import Hit, Place
 
 #: Handed on while a click is waited for, so that the view can be moved.
 _NAVIGATION = frozenset(
     {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE", "NDOF_MOTION"}
 )
+#: A click shall not wait for more than the eye tells apart.
+_ERROR_TARGET = 0.01
+_LIGHT_SAMPLES = 16
 _HELP = "Click: set a colour there   |   Shift-click: and go on   |   Esc: end"
 
 
@@ -62,7 +65,7 @@ class TYNDALL_OT_pick_constraint(ConstraintOperator, Operator):
         return super().why_not(context)
 
     def execute(self, context: Context) -> set[str]:
-        from ..view_rays import frame_size_px, place_in_frame
+        from ..engine.view_rays import frame_size_px, place_in_frame
 
         depsgraph = context.evaluated_depsgraph_get()
         width_px, height_px = frame_size_px(context.scene)
@@ -99,7 +102,7 @@ class TYNDALL_OT_pick_constraint(ConstraintOperator, Operator):
         return result
 
     def _pick_under_mouse(self, context: Context, event: Event) -> bool:
-        from ..view_rays import place_under
+        from ..engine.view_rays import place_under
 
         depsgraph = context.evaluated_depsgraph_get()
         try:
@@ -119,7 +122,7 @@ class TYNDALL_OT_pick_constraint(ConstraintOperator, Operator):
         """Whether there is a new constraint."""
         from tyndall import InvalidInput
 
-        from ..view_rays import first_hit
+        from ..engine.view_rays import first_hit
 
         try:
             position = _parameters(context, depsgraph, place)
@@ -167,8 +170,8 @@ def _parameters(context: Context, depsgraph: Depsgraph, place: Place) -> tuple[f
     config = render_config(
         depsgraph.scene_eval, depsgraph.view_layer_eval, window, (WeightedFunction(function=function),)
     )
-    # One ray is looked up fastest where nothing is prepared for a frame of them.
-    config = replace(config, shafts=replace(config.shafts, method="EXACT"))
+    shafts = replace(config.shafts, method="EPIPOLAR", error_target=max(config.shafts.error_target, _ERROR_TARGET))
+    config = replace(config, shafts=replace(shafts, light_samples=min(shafts.light_samples, _LIGHT_SAMPLES)))
     session = Session()
     session.update(SceneReader().read(depsgraph, Reports(), lambda: None), Progress())
     (position,) = session.ray_parameters(place.camera, config, np.array([place.place_px], np.float32), Progress())

@@ -295,6 +295,9 @@ class _Axes:
         function = edited_function(context).tyndall
         _draw_axis(self.layout, function.x, "X: left to right")
         _draw_axis(self.layout, function.y, "Y: bottom to top")
+        column = self.layout.column(align=True)
+        column.label(text="About the light")
+        column.prop(context.scene.tyndall.shafts, "transfer_light", text="")
 
 
 class _States:

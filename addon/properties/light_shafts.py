@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """``scene.tyndall.shafts``: how light that media scatter is computed. The media themselves are Blender's shaders."""
 
-from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty
-from bpy.types import PropertyGroup
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.types import Object, PropertyGroup
 
+from ..edited_light import is_light_of_scene
 from .tagging import EXTENSIBLE, OVERRIDABLE, tag
 from .transfer_functions import TyndallTransferState
 
@@ -140,6 +141,15 @@ class TyndallLightShaftSettings(PropertyGroup):
         min=0.0,
         max=1.0,
         default=1.0,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    transfer_light: PointerProperty(
+        name="Light",
+        description="Whose visibility, lit parts and angle transfer functions are about. None: the strongest sun that "
+        "scatters, or else all lights together",
+        type=Object,
+        poll=is_light_of_scene,
         update=tag,
         override=OVERRIDABLE,
     )

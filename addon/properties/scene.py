@@ -4,7 +4,7 @@
 from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
 from bpy.types import Object, PropertyGroup
 
-from ..edited_light import is_shaft_light
+from ..edited_light import is_light_of_scene
 from .light_shafts import TyndallLightShaftSettings
 from .tagging import OVERRIDABLE, tag
 
@@ -13,10 +13,6 @@ PIXEL_FILTERS = (
     ("GAUSSIAN", "Gaussian", "Soft", 1),
     ("BLACKMAN_HARRIS", "Blackman-Harris", "Sharp without ringing; the default of Cycles, too", 2),
 )
-
-
-def is_light_of_scene(settings: PropertyGroup, thing: Object) -> bool:
-    return is_shaft_light(thing) and settings.id_data.objects.get(thing.name) == thing
 
 
 class TyndallSceneSettings(PropertyGroup):

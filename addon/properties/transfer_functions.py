@@ -25,7 +25,7 @@ AXES = (
     (
         "AVERAGE_VISIBILITY",
         "Average Visibility",
-        "Lit share of the view's way through media: 0 is all shadow, 1 is all light",
+        "Lit share of the view's way through media: 0 is all shadow, 1 is as much light as there is",
         0,
     ),
     ("DEPTH", "Depth", "Of the first surface: 0 is near, 1 is far, and the sky", 1),
@@ -51,7 +51,7 @@ class ParameterAxis:
     fits_range: BoolProperty(
         name="Fit Range to Frame",
         description="0 and 1 are the least and the most that the frame shows, so that one function works in scenes of "
-        "any size. Off: they are at fixed metres, and hold still as the camera moves",
+        "any size. Off: they are fixed, and hold still as the camera moves",
         default=True,
         update=tag,
         override=OVERRIDABLE,

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from addon.animation_paths import path_without_item
+from addon.edited_light import is_light_of_scene
 from addon.item_lists import in_order
 from addon.panels import occluder_edits
-from addon.properties.scene import is_light_of_scene
 from addon.sync.scene import SceneReader
 from support.recording_layout import drawn
 from support.small_scenes import CUBE_CORNERS, CUBE_FACES, add, cube, empty_scene, light, mesh, plane, read

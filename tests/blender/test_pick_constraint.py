@@ -12,12 +12,12 @@ from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
 
 from addon import constraint_markers
+from addon.engine.view_rays import frame_size_px, place_in_frame
 from addon.shader_nodes import use_nodes
 from addon.surface_points import anchor_of, follow
 from addon.sync.images import ImageReader
 from addon.sync.reports import Reports
 from addon.sync.transfer_functions import read_transfer_functions
-from addon.view_rays import frame_size_px, place_in_frame
 from support.small_scenes import CUBE_CORNERS, CUBE_FACES, add, cube, empty_scene, light, mesh, plane
 
 #: Of the frame: in the middle the cube, at its foot the floor, above them the sky.

@@ -26,7 +26,7 @@ from addon.sync.transfer_functions import RAMP_SAMPLES, read_transfer_functions
 from addon.transfer_function_presets import PRESETS
 from addon.transfer_states import keys_of, shares
 from support.recording_layout import drawn
-from support.small_scenes import cube, empty_scene
+from support.small_scenes import cube, empty_scene, light
 from tyndall import native_transfer_functions
 from tyndall import transfer_functions as description
 from tyndall.native_transfer_functions import compose
@@ -142,6 +142,13 @@ def test_a_fitted_axis_has_no_range(function: bpy.types.NodeTree) -> None:
     assert sent().y.range_m == (0.0, 100.0)
     function.tyndall.y.axis = "LIGHT_ANGLE"
     assert sent().y.range_m == (0.0, 0.0)
+    axis = function.tyndall.x
+    axis.full_visibility = 0.25
+    assert sent().x.full_visibility == 0.0
+    axis.fits_range = False
+    assert sent().x.full_visibility == 0.25
+    axis.axis = "DEPTH"
+    assert sent().x.full_visibility == 0.0
 
 
 def test_a_ramp_is_what_blender_draws(function: bpy.types.NodeTree) -> None:
@@ -950,8 +957,13 @@ def test_a_render_is_asked_for_what_the_scene_shows(function: bpy.types.NodeTree
         return render(session, camera, config, *arguments)
 
     monkeypatch.setattr(Session, "render", spy)
+    lamp = light("SPOT", (0, 0, 5))
+    shafts().transfer_light = lamp
     bpy.ops.render.render()
-    (config,) = seen
+    bpy.data.objects.remove(lamp)
+    bpy.ops.render.render()
+    config, without_lamp = seen
+    assert (config.reference_light, without_lamp.reference_light) == ("Spot", "")
     assert [one.function.layers[0].kind for one in config.transfer_functions] == [LayerKind.SOLID]
     lines = last_render.statistics_of(bpy.context.scene.name)["reports"]
     assert any('layer "Image": left out: it has no image' in line for line in lines)

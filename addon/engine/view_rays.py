@@ -11,11 +11,11 @@ from mathutils import Vector
 
 from tyndall.scene_description import CameraKind
 
-from .engine.settings import frame_window
-from .engine.viewport_camera import camera_of_view
-from .shader_nodes import is_medium_only
-from .sync.cameras import read_camera
-from .sync.reports import Reports
+from ..shader_nodes import is_medium_only
+from ..sync.cameras import read_camera
+from ..sync.reports import Reports
+from .settings import frame_window
+from .viewport_camera import camera_of_view
 
 if TYPE_CHECKING:
     from bpy.types import Area, Context, Depsgraph, Object, Region, Scene
