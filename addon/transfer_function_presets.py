@@ -118,14 +118,13 @@ PRESETS = (
     Preset(
         identifier="ALARM",
         name="Alarm",
-        description="Red, orange and yellow bands with hard edges, whatever the light is. Of strength 0.3; full shade "
-        "stays as it is",
+        description="Red, orange and yellow bands with hard edges on near black, whatever the light is. Of strength 0.3",
         use="REPLACE",
         strength=0.3,
         layers=(
             PresetLayer(
                 name="Bands",
-                stops=((0.0, "#00000000"), (0.06, "#4a0014"), (0.25, "#d0021b"), (0.55, "#ff7a00"), (0.8, "#ffe14a")),
+                stops=((0.0, "#12040c"), (0.06, "#4a0014"), (0.25, "#d0021b"), (0.55, "#ff7a00"), (0.8, "#ffe14a")),
                 steps=True,
             ),
             PresetLayer(

@@ -34,6 +34,11 @@ def add_edit(kind: str, **settings: object) -> bpy.types.PropertyGroup:
     return edit
 
 
+def colour(preset: str) -> None:
+    """Recolour the shafts by a transfer function made of a preset."""
+    bpy.ops.tyndall.transfer_function_preset(preset=preset)
+
+
 @dataclass(frozen=True)
 class Picture:
     """One of docs/pictures: an example, and what is done to it."""
@@ -54,6 +59,12 @@ PICTURES = (
         "window_hall",
         lambda: add_edit("HOLES", scale_m=1.0, octaves=4, probability=0.12, affects_surfaces=True),
     ),
+    Picture("colour_hall_ember", "window_hall", lambda: colour("EMBER")),
+    Picture("colour_hall_teal_orange", "window_hall", lambda: colour("TEAL_ORANGE")),
+    Picture("colour_hall_alarm", "window_hall", lambda: colour("ALARM")),
+    Picture("colour_forest_alarm", "forest_clearing", lambda: colour("ALARM")),
+    Picture("colour_stage_alarm", "stage_spots", lambda: colour("ALARM")),
+    Picture("colour_forest_moonlit", "forest_clearing", lambda: colour("MOONLIT")),
 )
 
 
