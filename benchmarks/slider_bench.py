@@ -2,8 +2,8 @@
 """From a slider to the picture in a rendered viewport of full HD: reading what changed, and rendering it.
 
 Rows: a layer of a transfer function, an edit of the sun's occluders, and the sun moved, in the forest of a million
-triangles. real_time is the first picture of the new state, finished_s the finished one (one sample per pixel), read_s what
-reading Blender's scene takes of both. Drawing (16 ms here by software) and the wait for a redraw are not in it.
+triangles. real_time is the first picture of the new state, finished_s the finished one (one sample per pixel), read_s
+what reading Blender's scene takes of both. Drawing (16 ms here by software) and the wait for a redraw are not in it.
 
 scripts/python benchmarks/slider_bench.py --context FILE --output FILE
 """
@@ -65,10 +65,11 @@ class Bench:
     """One rendered viewport, without the window around it."""
 
     def __init__(self) -> None:
-        from tyndall.blender.addon.engine.viewport_worker import View, ViewportWorker
-        from tyndall.blender.addon.sync.cameras import read_camera
-        from tyndall.blender.addon.sync.reports import Reports
-        from tyndall.blender.addon.sync.scene import SceneReader
+        # The add-on is where enable() has put it.
+        from tyndall.blender.addon.engine.viewport_worker import View, ViewportWorker  # noqa: PLC0415
+        from tyndall.blender.addon.sync.cameras import read_camera  # noqa: PLC0415
+        from tyndall.blender.addon.sync.reports import Reports  # noqa: PLC0415
+        from tyndall.blender.addon.sync.scene import SceneReader  # noqa: PLC0415
 
         self._view, self._reports = View, Reports
         self._reader = SceneReader()
