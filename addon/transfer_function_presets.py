@@ -118,7 +118,7 @@ PRESETS = (
     Preset(
         identifier="ALARM",
         name="Alarm",
-        description="Red, orange and yellow bands with hard edges, near black in full shade, however bright. Of strength 0.3",
+        description="Red, orange and yellow bands with hard edges, near black in full shade. Of strength 0.3",
         use="REPLACE",
         strength=0.3,
         layers=(

@@ -39,6 +39,14 @@ def colour(preset: str) -> None:
     bpy.ops.tyndall.transfer_function_preset(preset=preset)
 
 
+def sunrise(state: float) -> None:
+    """Recolour by what lies between the whole functions of night, dawn and sunrise."""
+    for preset in ("MOONLIT", "PASTEL_DAWN", "SUNRISE"):
+        bpy.ops.tyndall.transfer_state_add()
+        colour(preset)
+    bpy.context.scene.tyndall.shafts.transfer_state = state
+
+
 @dataclass(frozen=True)
 class Picture:
     """One of docs/pictures: an example, and what is done to it."""
@@ -64,7 +72,9 @@ PICTURES = (
     Picture("colour_hall_alarm", "window_hall", lambda: colour("ALARM")),
     Picture("colour_forest_alarm", "forest_clearing", lambda: colour("ALARM")),
     Picture("colour_stage_alarm", "stage_spots", lambda: colour("ALARM")),
-    Picture("colour_forest_moonlit", "forest_clearing", lambda: colour("MOONLIT")),
+    Picture("colour_sunrise_0", "forest_clearing", lambda: sunrise(0.0)),
+    Picture("colour_sunrise_1", "forest_clearing", lambda: sunrise(1.0)),
+    Picture("colour_sunrise_2", "forest_clearing", lambda: sunrise(1.6)),
 )
 
 
