@@ -5,6 +5,7 @@ from bpy.utils import register_class, unregister_class
 
 from . import (
     film,
+    gobo,
     light,
     light_shafts,
     material,
@@ -35,6 +36,7 @@ CLASSES = (
     *objects.CLASSES,
     *light.CLASSES,
     *occluder_edits.CLASSES,
+    *gobo.CLASSES,
     *transfer_functions.CLASSES,
     *material.CLASSES,
 )

@@ -1,11 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """``light.tyndall``: what Blender's own lights have no property for."""
 
-from bpy.props import BoolProperty, CollectionProperty, IntProperty
-from bpy.types import PropertyGroup
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.types import Image, PropertyGroup
 
 from .occluder_edits import TyndallOccluderEdit
-from .tagging import EXTENSIBLE, OVERRIDABLE, tag
+from .tagging import EXTENSIBLE, OVERRIDABLE, tag, tag_pointer
+
+GOBO_EXTENSIONS = (
+    ("CLIP", "Clip", "The image once; no light beside it", 0),
+    ("REPEAT", "Repeat", "Tiles of the image, without end", 1),
+    ("EXTEND", "Extend", "The image's border goes on beside it", 2),
+    ("MIRROR", "Mirror", "Tiles, every other one mirrored", 3),
+)
 
 
 class TyndallLightSettings(PropertyGroup):
@@ -27,6 +34,45 @@ class TyndallLightSettings(PropertyGroup):
         description="Index of the edit whose settings are shown",
         min=0,
         options=set(),
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    gobo_image: PointerProperty(
+        name="Gobo",
+        description="Image that colours the light, in the air and on surfaces. A spot throws it over its cone, a point "
+        "light all around",
+        type=Image,
+        update=tag_pointer,
+        override=OVERRIDABLE,
+    )
+    gobo_size_m: FloatProperty(
+        name="Gobo Width",
+        description="Width of the image across a sun's light; its middle is on the line through the sun's object",
+        subtype="DISTANCE",
+        unit="LENGTH",
+        min=1e-3,
+        max=1e6,
+        soft_min=0.1,
+        soft_max=1000.0,
+        default=10.0,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    gobo_extension: EnumProperty(
+        name="Gobo Extension",
+        description="What lies beside the image",
+        items=GOBO_EXTENSIONS,
+        default="CLIP",
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    gobo_strength: FloatProperty(
+        name="Gobo Strength",
+        description="How much of the light the image colours: at 0 it stays white",
+        subtype="FACTOR",
+        min=0.0,
+        max=1.0,
+        default=1.0,
         update=tag,
         override=OVERRIDABLE,
     )

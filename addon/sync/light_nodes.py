@@ -7,50 +7,58 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .images import ImageReader
+from .affine_colours import AffineColour, affine_colour
+from .light_textures import LightValueReader
 from .node_graph import Socket, output_input
-from .value_nodes import Domain, ValueReader
+from .program import BLACK, WHITE, Value, grey
 
 if TYPE_CHECKING:
     import bpy
-    from numpy.typing import NDArray
 
+    from .images import ImageReader
     from .reports import Reports
 
 
-def emission_of_light(light: bpy.types.Light, reports: Reports, culprit: str) -> NDArray[np.float64]:
-    """(3,), the colour times strength of constant Emission nodes; 1 for a light without nodes."""
+def emission_of_light(
+    light: bpy.types.Light, images: ImageReader, reports: Reports, culprit: str
+) -> tuple[AffineColour, LightValueReader]:
+    """The colour times strength of its Emission nodes, 1 for a light without nodes; and what knows its image."""
+    reader = LightValueReader(light, culprit, reports, images)
     surface = output_input(light.node_tree if light.use_nodes else None, "Surface")
-    if surface is None:
-        return np.ones(3)
-    return _emission(ValueReader(culprit, reports, ImageReader(), Domain.CONSTANT), surface)
+    colour = AffineColour(np.ones(3))
+    if surface is not None:
+        read = affine_colour(reader.program, _emission(reader, surface))
+        if read is None:
+            reader.note("its colour is read as white: it is not linear in one image")
+        else:
+            colour = read
+    return colour, reader
 
 
-def _emission(reader: ValueReader, at: Socket) -> NDArray[np.float64]:
+def _emission(reader: LightValueReader, at: Socket) -> Value:
     source = at.source()
     if not source.socket.is_output:
-        return np.zeros(3)
-    node_type = source.node.type
+        return BLACK
+    node_type, program = source.node.type, reader.program
     if node_type == "EMISSION":
-        colour = np.array(reader.constant_colour(source.input("Color")), np.float64)
-        return np.multiply(colour, _strength(reader, source.input("Strength")))
+        return program.multiply(reader.colour(source.input("Color")), _strength(reader, source.input("Strength")))
     if node_type == "ADD_SHADER":
-        return sum((_emission(reader, shader) for shader in source.inputs()[:2]), np.zeros(3))
+        first, second = source.inputs()[:2]
+        return program.add(_emission(reader, first), _emission(reader, second))
     if node_type == "MIX_SHADER":
         share, first, second = source.inputs()[:3]
-        share_of_second = min(max(reader.constant(share), 0.0), 1.0)
-        return _emission(reader, first) * (1.0 - share_of_second) + _emission(reader, second) * share_of_second
+        return program.mix(_emission(reader, first), _emission(reader, second), reader.number(share))
     if source.socket.type != "SHADER":
-        return np.array(reader.constant_colour(at))
+        return reader.colour(at)
     reader.unsupported(source, "does not light: read as white")
-    return np.ones(3)
+    return WHITE
 
 
-def _strength(reader: ValueReader, at: Socket) -> float:
+def _strength(reader: LightValueReader, at: Socket) -> Value:
     """A Light Falloff node's quadratic output is its strength; its others cannot be told from it here."""
     source = at.source()
     if source.socket.is_output and source.node.type == "LIGHT_FALLOFF":
         if source.socket.identifier != "Quadratic":
             reader.note(f"{source.socket.name} falloff is drawn as quadratic")
-        return reader.constant(source.input("Strength"), 1.0)
-    return reader.constant(at)
+        return grey(reader.constant(source.input("Strength"), 1.0))
+    return reader.number(at)

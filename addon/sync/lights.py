@@ -12,12 +12,14 @@ import numpy as np
 from tyndall.scene_description import Light, LightBody, LightKind, SpotFalloff
 
 from .light_nodes import emission_of_light
+from .light_textures import read_gobo
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from numpy.typing import NDArray
 
+    from .images import ImageReader
     from .instances import Placement
     from .occluder_edits import OccluderEditReader
     from .reports import Reports
@@ -27,7 +29,9 @@ _IS_BLENDER_4 = bpy.app.version >= (4, 0, 0)
 _INTENSITY_PER_WATT = 1.0 / (4.0 * math.pi)
 
 
-def read_lights(placement: Placement, edits: OccluderEditReader, reports: Reports) -> Iterator[Light]:
+def read_lights(
+    placement: Placement, edits: OccluderEditReader, images: ImageReader, reports: Reports
+) -> Iterator[Light]:
     """One light per instance. One that no air scatters needs only those edits of its occluders that surfaces see."""
     thing, data = placement.source, placement.source.data
     name = placement.object_name
@@ -38,11 +42,18 @@ def read_lights(placement: Placement, edits: OccluderEditReader, reports: Report
         thing.light_linking.receiver_collection or thing.light_linking.blocker_collection
     ):
         reports.add(f'Light "{name}"', "lights everything: light linking is not supported")
-    strength = _strength(data, reports, name)
+    colour, nodes = emission_of_light(data, images, reports, f'Light "{name}"')
+    strength = _strength(data)
+    if colour.texture is None:
+        strength *= colour.offset
     scatters_in_media = thing.visible_volume_scatter and data.tyndall.scatters_in_media
     occluder_edits = tuple(edit for edit in edits.read(data, name) if scatters_in_media or edit.affects_surfaces)
     radius_m = 0.0 if data.type == "SUN" else data.shadow_soft_size
     for matrix in placement.world_from_object():
+        texture = nodes.texture(colour, matrix)
+        gobo = read_gobo(data, images, reports, f'Light "{name}"', matrix)
+        if texture is not None and gobo is not None:
+            reports.add(f'Light "{name}"', "its gobo takes the place of its nodes' image")
         yield Light(
             name=name,
             kind=LightKind[data.type],
@@ -58,14 +69,13 @@ def read_lights(placement: Placement, edits: OccluderEditReader, reports: Report
             lights_surfaces=thing.visible_diffuse,
             scatters_in_media=scatters_in_media,
             occluder_edits=occluder_edits,
+            texture=gobo or texture,
         )
 
 
-def _strength(data: bpy.types.Light, reports: Reports, name: str) -> NDArray[np.float64]:
-    """Sun: irradiance, W/m^2; others: radiant intensity, W/sr."""
-    strength: NDArray[np.float64] = (
-        np.array(data.color) * data.energy * emission_of_light(data, reports, f'Light "{name}"')
-    )
+def _strength(data: bpy.types.Light) -> NDArray[np.float64]:
+    """Sun: irradiance, W/m^2; others: radiant intensity, W/sr. Without its nodes."""
+    strength: NDArray[np.float64] = np.array(data.color) * data.energy
     if hasattr(data, "exposure"):  # from 4.5 on
         strength *= 2.0**data.exposure
         if data.use_temperature:

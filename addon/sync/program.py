@@ -50,6 +50,15 @@ class Program:
         self._textures: list[TextureUse] = []
         self._uv_maps: list[str] = []
 
+    @property
+    def ops(self) -> list[SurfaceOp]:
+        """A term's operation is at its place."""
+        return self._ops
+
+    def uv_map(self, op: SurfaceOp) -> str:
+        """What texture() was asked to read its image at."""
+        return self._uv_maps[op.uv_map]
+
     def texture(self, use: TextureUse, uv_map: str, uv_matrix: tuple[float, ...], *, alpha: bool = False) -> Value:
         """The colour, or the alpha, of an image at the 3x3 ``uv_matrix`` times (u, v, 1)."""
         index = next((i for i, known in enumerate(self._textures) if _same_use(known, use)), len(self._textures))

@@ -80,7 +80,7 @@ class SceneReader:
         edits = OccluderEditReader(depsgraph, drawn, self._images, self._masks, reports, poll)
         description = SceneDescription(
             instances=instances,
-            lights=_lights(placements, edits, reports),
+            lights=_lights(placements, edits, self._images, reports),
             world=replace(world, medium=materials.add_medium(medium)),
             materials=tuple(materials.materials),
             media=tuple(materials.media),
@@ -177,7 +177,12 @@ def _world_of(depsgraph: Depsgraph) -> World | None:
     return getattr(layer, "world_override", None) or depsgraph.scene_eval.world
 
 
-def _lights(placements: list[Placement], edits: OccluderEditReader, reports: Reports) -> tuple[Light, ...]:
+def _lights(
+    placements: list[Placement], edits: OccluderEditReader, images: ImageReader, reports: Reports
+) -> tuple[Light, ...]:
     return tuple(
-        light for placement in placements if placement.data is None for light in read_lights(placement, edits, reports)
+        light
+        for placement in placements
+        if placement.data is None
+        for light in read_lights(placement, edits, images, reports)
     )

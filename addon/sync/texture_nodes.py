@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .node_graph import Socket
     from .value_nodes import ValueReader
 
-_EXTENSIONS = {
+EXTENSIONS = {
     "REPEAT": Extension.REPEAT,
     "EXTEND": Extension.EXTEND,
     "CLIP": Extension.CLIP,
@@ -29,24 +29,32 @@ _EXTENSIONS = {
 def image_value(reader: ValueReader, at: Socket) -> Value:
     """Colour or alpha of an Image Texture node."""
     node, wants_alpha = at.node, at.socket.identifier == "Alpha"
+    use = image_use(reader, at)
+    if not isinstance(use, TextureUse):
+        return WHITE if wants_alpha else use
+    if wants_alpha and not use.image.has_alpha and node.extension != "CLIP":  # which is transparent outside
+        return WHITE
+    if node.projection != "FLAT":
+        reader.note(f'image "{use.image.name}" is projected flat')
+    place = _coordinates(reader, at)
+    # A texture reads (u, v, 1): of the 4x4 matrix the column of z, which is 0, drops out.
+    uv_matrix = tuple(float(place.matrix[row][column]) for row in (0, 1, 3) for column in (0, 1, 3))
+    return reader.program.texture(use, place.uv_map, uv_matrix, alpha=wants_alpha)
+
+
+def image_use(reader: ValueReader, at: Socket) -> TextureUse | Value:
+    """The image of a node, as the node reads it; magenta for one that cannot be had."""
+    node = at.node
     # Cycles divides colours by alpha only for nodes whose Alpha output is in use.
     uses_alpha = any(socket.identifier == "Alpha" and socket.is_linked for socket in node.outputs)
     image = reader.images.read(node.image, reader.reports, reader.culprit, associated=not uses_alpha)
     if image is None:
-        return WHITE if wants_alpha else MAGENTA
-    if wants_alpha and not image.has_alpha and node.extension != "CLIP":  # which is transparent outside
-        return WHITE
-    if node.projection != "FLAT":
-        reader.note(f'image "{image.name}" is projected flat')
-    place = _coordinates(reader, at)
-    use = TextureUse(
+        return MAGENTA
+    return TextureUse(
         image=image,
-        extension=_EXTENSIONS[node.extension],
+        extension=EXTENSIONS[node.extension] if hasattr(node, "extension") else Extension.REPEAT,
         interpolation=Interpolation.CLOSEST if node.interpolation == "Closest" else Interpolation.LINEAR,
     )
-    # A texture reads (u, v, 1): of the 4x4 matrix the column of z, which is 0, drops out.
-    uv_matrix = tuple(float(place.matrix[row][column]) for row in (0, 1, 3) for column in (0, 1, 3))
-    return reader.program.texture(use, place.uv_map, uv_matrix, alpha=wants_alpha)
 
 
 def environment_value(reader: ValueReader, at: Socket) -> Value:
@@ -78,7 +86,7 @@ def _coordinates(reader: ValueReader, at: Socket) -> _Coordinates:
     matrix = Matrix.Identity(4)
     source = at.input("Vector").source()
     while source.socket.is_output and source.node.type == "MAPPING":
-        mapping = _mapping(reader, source)
+        mapping = mapping_matrix(reader, source)
         matrix = matrix @ mapping
         source = source.input("Vector").source()
     if not source.socket.is_output:
@@ -104,7 +112,7 @@ def _origin(reader: ValueReader, source: Socket) -> str:
     return ""
 
 
-def _mapping(reader: ValueReader, at: Socket) -> Matrix:
+def mapping_matrix(reader: ValueReader, at: Socket) -> Matrix:
     node = at.node
     read = {name: reader.constant_colour(at.input(name)) for name in ("Rotation", "Scale")}
     location = reader.constant_colour(at.input("Location")) if at.input("Location") else (0.0, 0.0, 0.0)

@@ -37,7 +37,8 @@ class Domain(Enum):
 
     SURFACE = auto()
     WORLD = auto()  #: Directions, and only through an environment texture.
-    CONSTANT = auto()  #: Media and lights.
+    LIGHT = auto()  #: Directions, through images.
+    CONSTANT = auto()  #: Media.
 
 
 class ValueReader:
@@ -50,6 +51,11 @@ class ValueReader:
         self.reports = reports
         self.domain = domain
         self.environment: tuple[Image, NDArray[np.float64]] | None = None  #: Of a world: image and its rotation.
+
+    def image(self, at: Socket) -> Value:
+        """The value of an image node, in a domain that has them all alike."""
+        self.unsupported(at, "is read as mid grey: textures do not reach here")
+        return MID_GREY
 
     def note(self, text: str) -> None:
         self.reports.add(self.culprit, text)
@@ -117,13 +123,12 @@ def _own_value(_reader: ValueReader, at: Socket) -> Value:
 
 
 def _image(reader: ValueReader, at: Socket) -> Value:
-    if reader.domain is not Domain.SURFACE:
-        reader.unsupported(at, "is read as mid grey: textures do not reach here")
-        return MID_GREY
-    return image_value(reader, at)
+    return image_value(reader, at) if reader.domain is Domain.SURFACE else reader.image(at)
 
 
 def _environment(reader: ValueReader, at: Socket) -> Value:
+    if reader.domain is Domain.LIGHT:
+        return reader.image(at)
     if reader.domain is not Domain.WORLD:
         reader.unsupported(at, "is read as mid grey: it works in worlds only")
         return MID_GREY

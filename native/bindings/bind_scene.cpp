@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bindings/arrays.hpp"
 #include "bindings/bind.hpp"
+#include "scene/light_texture.hpp"
 #include "scene/scene.hpp"
 #include <pybind11/stl.h>
 
@@ -28,7 +29,8 @@ static std::shared_ptr<TriangleMesh> make_mesh(std::string name, const py::array
 static Light make_light(std::string name, int kind, const Triple& strength, const Triple& position, const Triple& axis,
                         const py::array& light_from_world_directions, float half_angle_rad, float radius_m,
                         float spot_half_angle_rad, float spot_blend, int spot_falloff, int body, bool casts_shadow,
-                        bool lights_surfaces, bool scatters_in_media, std::vector<OccluderEdit> occluder_edits) {
+                        bool lights_surfaces, bool scatters_in_media, std::vector<OccluderEdit> occluder_edits,
+                        const std::optional<std::shared_ptr<LightTexture>>& texture) {
     Light light;
     light.name = std::move(name);
     light.kind = static_cast<LightKind>(kind);
@@ -47,6 +49,7 @@ static Light make_light(std::string name, int kind, const Triple& strength, cons
     light.lights_surfaces = lights_surfaces;
     light.scatters_in_media = scatters_in_media;
     light.occluder_edits = std::move(occluder_edits);
+    light.texture = texture.value_or(nullptr);
     return light;
 }
 
@@ -138,7 +141,7 @@ TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
         .def(py::init(&make_light), "name"_a, "kind"_a, "strength"_a, "position"_a, "axis"_a,
              "light_from_world_directions"_a, "half_angle_rad"_a, "radius_m"_a, "spot_half_angle_rad"_a, "spot_blend"_a,
              "spot_falloff"_a, "body"_a, "casts_shadow"_a, "lights_surfaces"_a, "scatters_in_media"_a,
-             "occluder_edits"_a,
+             "occluder_edits"_a, "texture"_a,
              "position: relative to the scene's origin; axis: unit vector along which the light shines.");
     py::class_<World>(native, "World")
         .def(py::init(&make_world), "name"_a, "radiance"_a, "pixels"_a, "image_from_world"_a,

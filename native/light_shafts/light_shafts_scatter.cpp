@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 #include "light_shafts/prepared_lights.hpp"
 #include "light_shafts/shared_strata.hpp"
+#include "light_shafts/textured_beam.hpp"
 #include "light_shafts/turns.hpp"
 #include <algorithm>
 #include <bit>
@@ -58,7 +59,11 @@ void PreparedLights::add(const LightBeams& light, std::size_t stratum, Block& bl
                 beam.directional->append_pieces(block.rays[ray], block.segments_of(ray), block.pieces.pieces);
                 block.pieces.end_ray();
             }
-            beam.visibility->add_scattered(block.rays, block.pieces, block.radiance, lit_length_m);
+            if (beam.sample.textured != nullptr)
+                add_textured(*beam.visibility, *beam.sample.textured, block.rays, block.pieces, block.radiance,
+                             lit_length_m);
+            else
+                beam.visibility->add_scattered(block.rays, block.pieces, block.radiance, lit_length_m);
             continue;
         }
         if (block.local.is_empty())

@@ -1,26 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/light_space.hpp"
+#include "scene/light_axes.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace tyndall::light_shafts {
-/// A unit vector across `z`, as near to `x` as can be.
-static vec3 across_of(const vec3& z, const vec3& x) {
-    const vec3 rest = x - glm::dot(x, z) * z;
-    const float length = glm::length(rest);
-    return length > 1e-3f * glm::length(x) ? rest / length : orthonormal_basis(z).first;
-}
-
 LightSpace::LightSpace(const Light& light, const vec3& towards, float distance_m)
     : is_flat_(light.kind == LightKind::Sun), kind_(light.kind), spot_half_angle_rad_(light.spot_half_angle_rad),
       origin_(light.position), distance_m_(distance_m) {
-    const mat3 axes = glm::transpose(light.light_from_world_directions);
-    z_axis_ = is_flat_                        ? light.towards_light
-              : light.kind == LightKind::Spot ? -light.spot_axis
-                                              : glm::normalize(axes[2]);
-    x_axis_ = across_of(z_axis_, axes[0]);
-    y_axis_ = glm::cross(z_axis_, x_axis_);
+    const mat3 axes = light_axes(light);
+    x_axis_ = axes[0], y_axis_ = axes[1], z_axis_ = axes[2];
     depth_m_ = glm::dot(towards - origin_, z_axis_);
 }
 

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/local_scatter.hpp"
 #include "light_shafts/local_scatter_kernel.hpp"
+#include "scene/light_texture.hpp"
 #include <algorithm>
+#include <cmath>
 
 namespace tyndall::light_shafts {
+/// Of a textured light; where it has more texels there, steps are longer and read means.
+static constexpr float most_texture_steps_per_piece = 64.0f;
+
 LocalScatter::LocalScatter(const Media& media, const LightSample& light, bool attenuates_light)
     : light_(light), shape_(light), boundaries_(media, light.position), attenuates_light_(attenuates_light) {
     Rgb sigma_s(0.0f);
@@ -46,7 +51,10 @@ private:
     [[nodiscard]] double distance(LocalSupport::Distance which) const { return support_->distance[which][ray_]; }
     void prepare_splits();
     void cut(std::span<const LitInterval> lit, const Counts& counts);
+    /// A piece; of a textured light, as many as the ray crosses texels there.
     void append(const LocalRays::Segment& segment, double x0, double x1, const Target& target);
+    void append_textured(const LocalRays::Segment& segment, double x0, double x1, const Target& target);
+    void append_piece(const LocalRays::Segment& segment, double x0, double x1, const Target& target);
 
     const LocalScatter* light_ = nullptr;
     const LocalRays* rays_ = nullptr;
@@ -135,6 +143,42 @@ void LocalScatter::Batch::cut(std::span<const LitInterval> lit, const Counts& co
 }
 
 void LocalScatter::Batch::append(const LocalRays::Segment& segment, double x0, double x1, const Target& target) {
+    if (light_->light_.textured != nullptr)
+        append_textured(segment, x0, x1, target);
+    else
+        append_piece(segment, x0, x1, target);
+}
+
+/// Parts of equal angle under which the light sees the ray: in its picture they are about as long, and what they scatter
+/// before any loss is the same.
+void LocalScatter::Batch::append_textured(const LocalRays::Segment& segment, double x0, double x1,
+                                          const Target& target) {
+    const Light& light = *light_->light_.textured;
+    const ViewRay& ray = rays_->ray(ray_);
+    const double light_y = distance(LocalSupport::LightY);
+    const double begin_rad = std::atan2(x0, light_y), end_rad = std::atan2(x1, light_y);
+    const auto x_at = [&](double share) {
+        return std::clamp(light_y * std::tan(std::lerp(begin_rad, end_rad, share)), x0, x1);
+    };
+    const auto uv_at = [&](double share) {
+        const auto at_m = static_cast<float>(light_x_ + x_at(share));
+        return texture_uv(light, light_->light_.position, ray.origin + at_m * ray.direction);
+    };
+    const vec2 size = light.texture->image->size();
+    const auto texels_between = [&](double from, double to) { return glm::length((uv_at(to) - uv_at(from)) * size); };
+    const float texels = texels_between(0.0, 0.5) + texels_between(0.5, 1.0);
+    const double count = std::ceil(std::clamp(texels, 1.0f, most_texture_steps_per_piece));
+    double from = x0;
+    for (double part = 0.0; part < count; ++part) {
+        const double to = part + 1.0 < count ? x_at((part + 1.0) / count) : x1;
+        const Rgb colour = light.texture->colour(uv_at((part + 0.5) / count), texels / static_cast<float>(count));
+        if (from < to && colour != Rgb(0.0f))
+            append_piece(segment, from, to, {target.transmittance * colour, target.counts});
+        from = std::max(from, to);
+    }
+}
+
+void LocalScatter::Batch::append_piece(const LocalRays::Segment& segment, double x0, double x1, const Target& target) {
     if (pieces_.count == LocalPieces::capacity)
         flush();
     const std::size_t at = pieces_.count++;

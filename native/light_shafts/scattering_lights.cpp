@@ -38,6 +38,7 @@ static LightSample stratum_of(const Light& light, std::uint32_t light_index, std
         without_size.radius_m = without_size.half_angle_rad = 0.0f;
         LightSample centre = sample_light(without_size, light_index, vec3(0.5f));
         centre.spot = light.kind == LightKind::Spot ? &light : nullptr;
+        centre.textured = light.texture ? &light : nullptr;
         return centre;
     }
     LightSample sample = sample_light(light, light_index, stratum(index, count, seed));

@@ -115,6 +115,7 @@ LightSample sample_disc(const Light& light, std::uint32_t light_index, const Dis
     without_size.radius_m = 0.0f;
     LightSample sample = sample_light(without_size, light_index, vec3(0.5f));
     sample.spot = light.kind == LightKind::Spot ? &light : nullptr;
+    sample.textured = light.texture ? &light : nullptr;
     const vec2 disc = light.radius_m * sample_concentric_disc(u);
     sample.falloff_offset = -cell.widening * from_frame(cell.facing, vec3(disc, 0.0f));
     sample.position -= sample.falloff_offset;

@@ -2,6 +2,7 @@
 #include "render/direct_light.hpp"
 #include "core/sampling.hpp"
 #include "render/shadow_terminator.hpp"
+#include "scene/light_texture.hpp"
 #include "shading/surface_program.hpp"
 #include <algorithm>
 #include <array>
@@ -93,6 +94,10 @@ void DirectLight::add(std::size_t light, std::span<const SurfacePoint> points, c
 void DirectLight::finish(const Light& light, const SurfacePoint& point, Ray& ray, Rgb& arriving) const {
     if (light.kind == LightKind::Spot)
         arriving *= spot_attenuation(light, -ray.direction);
+    if (light.texture && arriving != Rgb(0.0f)) {
+        const vec3 emitter = light.kind == LightKind::Sun ? light.position : ray.origin + ray.far_m * ray.direction;
+        arriving *= texture_colour(light, emitter, point.shading.position);
+    }
     if (!point.is_smooth)
         return;
     const vec3 lift = terminator_lift(scene_, point.hit, point.shading, ray.direction);

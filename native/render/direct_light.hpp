@@ -60,7 +60,7 @@ private:
     /// One stratum, which stands for `share` of the light.
     void add_light(const AimedLight& aimed, std::span<const SurfacePoint> points, const LitPoints& lanes,
                    const PairIndex& pair, float share, std::span<Irradiance> irradiance) const;
-    /// What the lanes leave out: a spot's cone, the lift off a smooth surface's terminator.
+    /// What the lanes leave out: a spot's cone, a texture, the lift off a smooth surface's terminator.
     void finish(const Light& light, const SurfacePoint& point, Ray& ray, Rgb& arriving) const;
     void add_world(std::span<const SurfacePoint> points, const LitPoints& lanes, const PairIndex& pair, float share,
                    std::span<Irradiance> irradiance) const;

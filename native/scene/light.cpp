@@ -60,6 +60,7 @@ static LightSample centre_sample(const Light& light, std::uint32_t light_index) 
             .position = light.position,
             .strength = light.strength,
             .spot = light.kind == LightKind::Spot ? &light : nullptr,
+            .textured = light.texture ? &light : nullptr,
             .light_index = light_index,
             .casts_shadow = light.casts_shadow};
 }

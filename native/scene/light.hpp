@@ -5,9 +5,11 @@
 #include "scene/occluder_edit.hpp"
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 namespace tyndall {
+struct LightTexture;
 enum class LightKind : std::uint8_t { Sun = 0, Point = 1, Spot = 2 };
 
 /// How a spot fades between its inner and outer cone: the running Blender's Cycles decides.
@@ -38,7 +40,8 @@ struct Light {
     bool casts_shadow = true;
     bool lights_surfaces = true;
     bool scatters_in_media = true;
-    std::vector<OccluderEdit> occluder_edits = {}; ///< In the order in which they are made.
+    std::vector<OccluderEdit> occluder_edits = {};    ///< In the order in which they are made.
+    std::shared_ptr<const LightTexture> texture = {}; ///< Colours its beam; nothing: white.
     bool is_camera_visible = false; ///< Cycles 4 draws lights with a size where the artist enables camera rays.
 };
 
@@ -63,6 +66,7 @@ struct LightSample {
     bool faces_receivers = false;
     const DirectionCell* cell = nullptr; ///< Local: other points it does not light; must outlive the sample.
     const Light* spot = nullptr;         ///< Local: shaped by this spot's cone; the light must outlive the sample.
+    const Light* textured = nullptr;     ///< Its texture colours this light, too; the light must outlive the sample.
     std::uint32_t light_index = 0;       ///< Into Scene::lights; lights of the world follow after the last one.
     bool casts_shadow = true;
 };

@@ -19,7 +19,11 @@ if TYPE_CHECKING:
 
 
 def build_light(
-    light: Light, origin: NDArray[np.float64], object_names: Sequence[str], reports: list[str]
+    light: Light,
+    origin: NDArray[np.float64],
+    object_names: Sequence[str],
+    texture: _native.LightTexture | None,
+    reports: list[str],
 ) -> _native.Light:
     """The native light, relative to the origin. Raises InvalidInput; an edit that cannot be used is reported only."""
     rotation_and_scale = light.world_from_light[:3, :3]
@@ -48,4 +52,5 @@ def build_light(
         lights_surfaces=light.lights_surfaces,
         scatters_in_media=light.scatters_in_media,
         occluder_edits=build_occluder_edits(light, object_names, reports),
+        texture=texture,
     )

@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 from tyndall.closed_meshes import open_edge_count
 
 from . import _native
+from .light_textures import build_light_textures
 from .native_lights import build_light
 from .native_textures import build_texture
 from .scene_description import (
     Image,
     Instances,
+    LightTexture,
     Material,
     Medium,
     Mesh,
@@ -76,6 +78,7 @@ class NativeParts:
     meshes: dict[str, _native.TriangleMesh] = field(default_factory=dict)
     open_edges: dict[str, int] = field(default_factory=dict)  #: Of meshes that bound a medium.
     textures: dict[tuple[str, int, int], _native.Texture] = field(default_factory=dict)
+    light_textures: dict[tuple[str, int, int], _native.FilteredTexture] = field(default_factory=dict)
     world: tuple[bytes, _native.World] | None = None
     counts: dict[str, float] = field(default_factory=dict)
 
@@ -92,7 +95,7 @@ class NativeParts:
     def count_all_as_reused(self) -> None:
         """Nothing has changed: everything is in place."""
         self.counts["meshes reused"] = len(self.meshes)
-        self.counts["images reused"] = len(self.textures)
+        self.counts["images reused"] = len(self.textures) + len(self.light_textures)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,13 +120,14 @@ def build_scene(description: SceneDescription, parts: NativeParts, progress: _na
     slots = [group.materials or (default_material,) for group in groups]
     first_slots = np.cumsum([0, *map(len, slots)])[:-1]
     object_names = [name for group in groups for name in group.object_names]
+    light_textures = build_light_textures(description.lights, parts, _build_texture, reports)
     built_lights = [
         (source.name, light)
         for source, light in zip(
             description.lights,
             _built(
                 description.lights,
-                lambda light: build_light(light, origin, object_names, reports),
+                lambda light: build_light(light, origin, object_names, light_textures.get(id(light)), reports),
                 "Light",
                 reports,
             ),
@@ -260,7 +264,7 @@ def _usable(sources: Iterable[_Part], build: Callable[[_Part], Any], kind: str, 
 
 def _require_finite(part: object, path: str = "") -> None:
     """Raise InvalidInput that names the first field of a light, medium or world that is not finite."""
-    if isinstance(part, Image | OccluderEdit):  # a broken edit does not cost its light
+    if isinstance(part, Image | OccluderEdit | LightTexture):  # a broken one does not cost its light
         return
     if is_dataclass(part):
         for entry in fields(part):

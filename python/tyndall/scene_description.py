@@ -228,6 +228,36 @@ class OccluderEdit:
     mask: LightMask | None = None
 
 
+class LightProjection(IntEnum):
+    """How a place in a light's space becomes a place in the picture that colours it."""
+
+    PLANAR = 0  #: Sun: across the light, in metres.
+    DIRECT = 1  #: Its first two components.
+    PERSPECTIVE = 2  #: Those divided by the third: how a slide is thrown.
+    SPHERE = 3  #: Longitude and latitude, as Cycles' ``map_to_sphere``.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LightTexture:
+    """A picture that colours the beam of a light: its strength is multiplied by ``offset + gain @ picture``.
+
+    ``PLANAR``: ``width_m`` wide, upright along the light's axes, its middle on the line through the light's origin.
+    Else, of the direction in which the light leaves, or of the normal of the sphere that emits it: the unit vector
+    along ``axes_from_world @ vector``, extended by 1, times ``place_from_axes``, projected to (u, v), extended by 1,
+    times ``uv_from_projected``.
+    """
+
+    use: TextureUse
+    projection: LightProjection = LightProjection.PLANAR
+    width_m: float = 10.0
+    follows_normal: bool = False
+    axes_from_world: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))  #: (3, 3)
+    place_from_axes: NDArray[np.float64] = field(default_factory=lambda: np.eye(3, 4))  #: (3, 4)
+    uv_from_projected: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))  #: (3, 3), affine.
+    offset: Rgb = (0.0, 0.0, 0.0)
+    gain: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))  #: (3, 3)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Light:
     """A light in radiometric units."""
@@ -246,6 +276,7 @@ class Light:
     lights_surfaces: bool = True
     scatters_in_media: bool = True
     occluder_edits: tuple[OccluderEdit, ...] = ()  #: In the order in which they are made.
+    texture: LightTexture | None = None  #: Colours its beam.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The picture before a light: in its own properties, and in the 3D view's sidebar beside what else shapes its shafts."""
+
+from __future__ import annotations
+
+from bpy.types import Context, Light, Panel, UILayout
+
+from ..edited_light import edited_light
+from .base import PropertiesPanel, draw_text
+from .light import LightPanel
+
+
+def draw_gobo(layout: UILayout, context: Context, light: Light) -> None:
+    if light.type == "AREA":
+        draw_text(layout, context, "Area lights are not rendered yet: use a spot or a point light", icon="ERROR")
+        return
+    settings = light.tyndall
+    layout.template_ID(settings, "gobo_image", new="image.new", open="image.open")
+    if settings.gobo_image is None:
+        draw_text(layout, context, "An image here colours the light, in the air and on surfaces", icon="INFO")
+        return
+    column = layout.column()
+    if light.type == "SUN":
+        column.prop(settings, "gobo_size_m", text="Width")
+    if light.type != "POINT":
+        column.prop(settings, "gobo_extension", text="Extension")
+    column.prop(settings, "gobo_strength", text="Strength")
+
+
+class TYNDALL_PT_gobo(LightPanel, Panel):
+    bl_label = "Gobo"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        self.layout.use_property_split = True
+        draw_gobo(self.layout, context, context.light)
+
+
+class TYNDALL_PT_sidebar_gobo(Panel):
+    bl_label = "Colour: Gobo"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Light Shafts"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return context.engine in PropertiesPanel.COMPAT_ENGINES and edited_light(context) is not None
+
+    def draw(self, context: Context) -> None:
+        light = edited_light(context)
+        self.layout.label(text=light.name, icon=f"LIGHT_{light.type}")
+        draw_gobo(self.layout, context, light)
+
+
+CLASSES = (TYNDALL_PT_gobo, TYNDALL_PT_sidebar_gobo)

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/light_texture.hpp"
+#include "core/errors.hpp"
+#include "scene/light_axes.hpp"
+#include <algorithm>
+#include <numbers>
+
+namespace tyndall {
+static bool is_finite(const mat3& matrix) {
+    bool result = true;
+    for (int column = 0; column < 3; ++column)
+        result = result && std::isfinite(matrix[column].x + matrix[column].y + matrix[column].z);
+    return result;
+}
+
+void require_usable(const LightTexture& texture) {
+    constexpr float largest_m = 1e6f, smallest_m = 1e-6f;
+    require(texture.image != nullptr, "it has no image");
+    require(texture.projection <= LightProjection::Sphere, "projection ", static_cast<int>(texture.projection),
+            " is unknown");
+    require_in(texture.size_m.x, smallest_m, largest_m, "size_m");
+    require_in(texture.size_m.y, smallest_m, largest_m, "height in metres");
+    require(is_finite(texture.axes_from_world) && is_finite(mat3(texture.place_from_axes)) &&
+                is_finite(mat3(texture.place_from_axes[3], vec3(0.0f), vec3(0.0f))) &&
+                is_finite(texture.uv_from_projected),
+            "its mapping is not finite");
+    require(is_finite(mat3(texture.offset, vec3(0.0f), vec3(0.0f))) && is_finite(texture.gain),
+            "its colours are not finite");
+}
+
+PlanarPlacement planar_placement(const Light& sun, vec2 size_m) {
+    const mat3 axes = light_axes(sun);
+    PlanarPlacement placement{.u_per_m = axes[0] / size_m.x, .v_per_m = axes[1] / size_m.y};
+    placement.uv_at_origin = 0.5f - placement.uv_per_m(sun.position);
+    return placement;
+}
+
+/// As Cycles' map_to_sphere.
+static vec2 on_sphere(const vec3& place) {
+    constexpr float per_turn = 0.5f * std::numbers::inv_pi_v<float>;
+    const float latitude = std::atan2(place.z, glm::length(vec2(place)));
+    return {0.5f - per_turn * std::atan2(place.x, place.y), 0.5f + 2.0f * per_turn * latitude};
+}
+
+static vec2 projected(LightProjection projection, const vec3& place) {
+    if (projection == LightProjection::Sphere)
+        return on_sphere(place);
+    if (projection == LightProjection::Perspective)
+        return place.z != 0.0f ? vec2(place) / place.z : vec2(0.0f); // a Divide node gives 0, too
+    return vec2(place);
+}
+
+vec2 texture_uv(const Light& light, const vec3& emitter, const vec3& point) {
+    const LightTexture& texture = *light.texture;
+    if (texture.projection == LightProjection::Planar)
+        return planar_placement(light, texture.size_m).uv(point);
+    const bool has_normal = texture.follows_normal && light.body == LightBody::Sphere && light.radius_m > 0.0f;
+    const vec3 vector = light.kind == LightKind::Sun ? -light.towards_light
+                        : has_normal                 ? emitter - light.position
+                                                     : point - emitter;
+    const vec3 axes = glm::normalize(texture.axes_from_world * vector);
+    const vec2 at = projected(texture.projection, texture.place_from_axes * vec4(axes, 1.0f));
+    return vec2(texture.uv_from_projected * vec3(at, 1.0f));
+}
+
+Rgb texture_colour(const Light& light, const vec3& emitter, const vec3& point) {
+    return light.texture ? light.texture->colour(texture_uv(light, emitter, point)) : Rgb(1.0f);
+}
+} // namespace tyndall

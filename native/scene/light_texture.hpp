@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What colours the beam of a light: an image in its node tree, read as Cycles reads it, or a gobo before a sun.
+// Based on: blender/cycles v3.4.0, v4.5.0 and v5.0.0, src/kernel/light and src/kernel/svm: which vectors a light's shader
+//           sees. Measured in the three; tests/blender/test_gobos.py compares pictures.
+// Differs:  a sun's shader sees no position, so that a sun's image is ours alone: it lies across the light in metres.
+#pragma once
+#include "core/math.hpp"
+#include "image/filtered_texture.hpp"
+#include "scene/light.hpp"
+#include "scene/planar_placement.hpp"
+#include <memory>
+
+namespace tyndall {
+/// How a place in the light's space becomes a place in the picture.
+enum class LightProjection : std::uint8_t {
+    Planar = 0,      ///< Sun: across the light, in metres.
+    Direct = 1,      ///< Its first two components.
+    Perspective = 2, ///< Those divided by the third: how a slide is thrown.
+    Sphere = 3,      ///< Longitude and latitude, as Cycles' map_to_sphere.
+};
+
+/// Of a point and a light: vector = the direction in which the light leaves, or the emitter's normal there; axes =
+/// axes_from_world * vector, of unit length; place = place_from_axes * (axes, 1); projected to a uv; uv_from_projected *
+/// (uv, 1). A planar picture has its place from the light's axes, and uses none of it.
+struct LightTexture {
+    std::shared_ptr<const FilteredTexture> image;
+    LightProjection projection = LightProjection::Planar;
+    /// Planar: width and height, (0, 1e6]; upright along the light's axes, its middle on the line through the light's
+    /// origin, as a LightMask.
+    vec2 size_m{10.0f};
+    bool follows_normal = false; ///< Of a sphere that emits. Discs and points have their normal along the light.
+    mat3 axes_from_world{1.0f};
+    glm::mat4x3 place_from_axes{1.0f};
+    mat3 uv_from_projected{1.0f}; ///< Affine.
+    /// The light's strength is multiplied by offset + gain * image.
+    Rgb offset{0.0f};
+    mat3 gain{1.0f};
+
+    /// Of a uv, mean of a square `texels` wide; up to one: as sharp as the image is.
+    [[nodiscard]] Rgb colour(vec2 uv, float texels = 1.0f) const { return offset + gain * image->lookup(uv, texels); }
+};
+
+/// Throws InvalidInput that names what is out of its range.
+void require_usable(const LightTexture& texture);
+/// Where the picture of a textured light is read for light that leaves `emitter`, a point on or in the light, for `point`.
+/// Of a sun, emitter is any point towards it.
+[[nodiscard]] vec2 texture_uv(const Light& light, const vec3& emitter, const vec3& point);
+/// offset + gain * image there; white for a light without a texture.
+[[nodiscard]] Rgb texture_colour(const Light& light, const vec3& emitter, const vec3& point);
+/// How a planar picture of this size lies across a sun.
+[[nodiscard]] PlanarPlacement planar_placement(const Light& sun, vec2 size_m);
+} // namespace tyndall
