@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The picture before a light: in its own properties, and in the 3D view's sidebar beside what else shapes its shafts."""
+"""The picture before a light: in its own properties, and in the sidebar beside what else shapes its shafts."""
 
 from __future__ import annotations
 

@@ -60,8 +60,8 @@ void PreparedLights::add(const LightBeams& light, std::size_t stratum, Block& bl
                 block.pieces.end_ray();
             }
             if (beam.sample.textured != nullptr)
-                add_textured(*beam.visibility, *beam.sample.textured, block.rays, block.pieces, block.radiance,
-                             lit_length_m);
+                add_textured(*beam.visibility, *beam.sample.textured, light.texture_rows.get(), block.rays,
+                             block.pieces, block.radiance, lit_length_m);
             else
                 beam.visibility->add_scattered(block.rays, block.pieces, block.radiance, lit_length_m);
             continue;

@@ -6,8 +6,9 @@
 #include <cmath>
 
 namespace tyndall::light_shafts {
-/// Of a textured light; where it has more texels there, steps are longer and read means.
-static constexpr float most_texture_steps_per_piece = 64.0f;
+/// Of a smooth piece before a textured light: two per texel, for interpolation bends at each. Where more texels lie there,
+/// parts are longer and read means.
+static constexpr float fewest_texture_parts = 8.0f, most_texture_parts = 64.0f;
 
 LocalScatter::LocalScatter(const Media& media, const LightSample& light, bool attenuates_light)
     : light_(light), shape_(light), boundaries_(media, light.position), attenuates_light_(attenuates_light) {
@@ -51,7 +52,7 @@ private:
     [[nodiscard]] double distance(LocalSupport::Distance which) const { return support_->distance[which][ray_]; }
     void prepare_splits();
     void cut(std::span<const LitInterval> lit, const Counts& counts);
-    /// A piece; of a textured light, as many as the ray crosses texels there.
+    /// A piece; of a textured light, as many as its texels ask for.
     void append(const LocalRays::Segment& segment, double x0, double x1, const Target& target);
     void append_textured(const LocalRays::Segment& segment, double x0, double x1, const Target& target);
     void append_piece(const LocalRays::Segment& segment, double x0, double x1, const Target& target);
@@ -167,11 +168,15 @@ void LocalScatter::Batch::append_textured(const LocalRays::Segment& segment, dou
     const vec2 size = light.texture->image->size();
     const auto texels_between = [&](double from, double to) { return glm::length((uv_at(to) - uv_at(from)) * size); };
     const float texels = texels_between(0.0, 0.5) + texels_between(0.5, 1.0);
-    const double count = std::ceil(std::clamp(texels, 1.0f, most_texture_steps_per_piece));
+    const double count = std::ceil(std::clamp(2.0f * texels, fewest_texture_parts, most_texture_parts));
     double from = x0;
     for (double part = 0.0; part < count; ++part) {
         const double to = part + 1.0 < count ? x_at((part + 1.0) / count) : x1;
-        const Rgb colour = light.texture->colour(uv_at((part + 0.5) / count), texels / static_cast<float>(count));
+        const float width = texels / static_cast<float>(count);
+        // Gauss's two points: what linear interpolation makes along the part is nearly a square.
+        constexpr double gauss = 0.21132486540518713;
+        const Rgb colour = 0.5f * (light.texture->colour(uv_at((part + gauss) / count), width) +
+                                   light.texture->colour(uv_at((part + 1.0 - gauss) / count), width));
         if (from < to && colour != Rgb(0.0f))
             append_piece(segment, from, to, {target.transmittance * colour, target.counts});
         from = std::max(from, to);

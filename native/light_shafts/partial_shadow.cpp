@@ -2,6 +2,7 @@
 #include "light_shafts/partial_shadow.hpp"
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 namespace tyndall::light_shafts {
@@ -177,7 +178,11 @@ void append_partial_shadows(const Scene& scene, const StripScene& strip, const P
     for (std::size_t border = 1; border < borders.size(); ++border) {
         if (!(borders[border - 1] < borders[border]))
             continue;
-        const Rgb next = transmittance_at(0.5 * (borders[border - 1] + borders[border]));
+        // Gauss's two points: exact for the square that linear interpolation makes along a cut. Decoded sRGB bends it
+        // upwards, so that the middle alone would be up to 1 % too dark for every image.
+        constexpr double gauss = 0.21132486540518713;
+        const double a = borders[border - 1], b = borders[border];
+        const Rgb next = 0.5f * (transmittance_at(std::lerp(a, b, gauss)) + transmittance_at(std::lerp(b, a, gauss)));
         if (next == transmittance)
             continue;
         append_up_to(borders[border - 1]);

@@ -64,10 +64,14 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
             if (!(sample.is_directional ? beam.directional->is_black() : beam.local->is_black()))
                 beams.beams.push_back(std::move(beam));
         }
-        if (beams.beams.empty())
+        if (beams.beams.empty()) {
             statistics.skip("light shafts of " + light.name, "no medium scatters its light");
-        else
+        } else {
+            const Light* textured = beams.beams.front().sample.textured;
+            if (textured != nullptr && textured->texture->projection == LightProjection::Planar)
+                beams.texture_rows = std::make_shared<const TextureRows>(*textured, view, clipped);
             lights.push_back(std::move(beams));
+        }
         disc_cells.push_back(std::move(light.cells)); // the samples' pointers into it stay
     }
     struct BeamToPrepare {

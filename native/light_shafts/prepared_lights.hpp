@@ -5,6 +5,7 @@
 #include "light_shafts/local_scatter.hpp"
 #include "light_shafts/scatter_pieces.hpp"
 #include "light_shafts/scattering_lights.hpp"
+#include "light_shafts/texture_rows.hpp"
 #include "light_shafts/visibility.hpp"
 #include <optional>
 
@@ -30,6 +31,7 @@ struct Beam {
 struct LightBeams {
     std::size_t light; ///< Into Scene::lights; the world follows after the last one.
     std::vector<Beam> beams;
+    std::shared_ptr<const TextureRows> texture_rows = {}; ///< Of a sun with a picture across it.
     std::size_t parts = 1; ///< Consecutive beams that make a stratum: they light different points.
     [[nodiscard]] std::size_t stratum_count() const { return beams.size() / parts; }
 };

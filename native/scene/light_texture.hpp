@@ -23,7 +23,7 @@ enum class LightProjection : std::uint8_t {
 /// axes_from_world * vector, of unit length; place = place_from_axes * (axes, 1); projected to a uv; uv_from_projected *
 /// (uv, 1). A planar picture has its place from the light's axes, and uses none of it.
 struct LightTexture {
-    std::shared_ptr<const FilteredTexture> image;
+    std::shared_ptr<const FilteredTexture> image = {};
     LightProjection projection = LightProjection::Planar;
     /// Planar: width and height, (0, 1e6]; upright along the light's axes, its middle on the line through the light's
     /// origin, as a LightMask.

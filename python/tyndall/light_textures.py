@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import _native
+from .native_textures import build_texture
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -15,10 +16,7 @@ if TYPE_CHECKING:
 
 
 def build_light_textures(
-    lights: tuple[Light, ...],
-    parts: NativeParts,
-    build_texture: Callable[[TextureUse, list[str]], _native.Texture],
-    reports: list[str],
+    lights: tuple[Light, ...], parts: NativeParts, reports: list[str]
 ) -> dict[int, _native.LightTexture]:
     """By the ``id`` of the light that each colours; new pictures go into ``parts``, those that are gone leave it."""
     kept: dict[tuple[str, int, int], _native.FilteredTexture] = {}

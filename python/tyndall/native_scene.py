@@ -120,7 +120,7 @@ def build_scene(description: SceneDescription, parts: NativeParts, progress: _na
     slots = [group.materials or (default_material,) for group in groups]
     first_slots = np.cumsum([0, *map(len, slots)])[:-1]
     object_names = [name for group in groups for name in group.object_names]
-    light_textures = build_light_textures(description.lights, parts, _build_texture, reports)
+    light_textures = build_light_textures(description.lights, parts, reports)
     built_lights = [
         (source.name, light)
         for source, light in zip(
