@@ -22,6 +22,7 @@ def draw_gobo(layout: UILayout, context: Context, light: Light) -> None:
     column = layout.column()
     if light.type == "SUN":
         column.prop(settings, "gobo_size_m", text="Width")
+        column.prop(settings, "gobo_offset_m", text="Offset")
     if light.type != "POINT":
         column.prop(settings, "gobo_extension", text="Extension")
     column.prop(settings, "gobo_strength", text="Strength")

@@ -1,7 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """``light.tyndall``: what Blender's own lights have no property for."""
 
-from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+)
 from bpy.types import Image, PropertyGroup
 
 from .occluder_edits import TyndallOccluderEdit
@@ -55,6 +63,15 @@ class TyndallLightSettings(PropertyGroup):
         soft_min=0.1,
         soft_max=1000.0,
         default=10.0,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    gobo_offset_m: FloatVectorProperty(
+        name="Gobo Offset",
+        description="Where the middle of the image is, along the sun's own X and Y",
+        subtype="XYZ",
+        unit="LENGTH",
+        size=2,
         update=tag,
         override=OVERRIDABLE,
     )

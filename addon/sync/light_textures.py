@@ -123,7 +123,7 @@ def read_gobo(
     share = settings.gobo_strength
     blend = {"offset": (1.0 - share,) * 3, "gain": np.eye(3) * share}
     if data.type == "SUN":
-        return LightTexture(use=use, width_m=settings.gobo_size_m, **blend)
+        return LightTexture(use=use, width_m=settings.gobo_size_m, centre_m=tuple(settings.gobo_offset_m), **blend)
     if data.type == "SPOT":
         placed = _placed(use, spot_coordinates(data.spot_size), is_sphere=False, is_environment=False)
         return LightTexture(

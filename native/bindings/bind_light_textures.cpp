@@ -11,18 +11,17 @@ static std::shared_ptr<FilteredTexture> make_filtered(const std::shared_ptr<Text
     return without_gil([&] { return std::make_shared<FilteredTexture>(texture); });
 }
 
-static std::shared_ptr<LightTexture> make_light_texture(const std::shared_ptr<FilteredTexture>& image, int projection,
-                                                        float width_m, bool follows_normal,
-                                                        const std::array<float, 9>& axes_from_world,
-                                                        const std::array<float, 12>& place_from_axes,
-                                                        const std::array<float, 9>& uv_from_projected,
-                                                        const Triple& offset, const std::array<float, 9>& gain) {
+static std::shared_ptr<LightTexture> make_light_texture(
+    const std::shared_ptr<FilteredTexture>& image, int projection, float width_m, const std::array<float, 2>& centre_m,
+    bool follows_normal, const std::array<float, 9>& axes_from_world, const std::array<float, 12>& place_from_axes,
+    const std::array<float, 9>& uv_from_projected, const Triple& offset, const std::array<float, 9>& gain) {
     const vec2 size = image->size();
     const std::array<float, 12>& rows = place_from_axes;
     auto texture = std::make_shared<LightTexture>(
         LightTexture{.image = image,
                      .projection = static_cast<LightProjection>(projection),
                      .size_m = {width_m, width_m * size.y / size.x},
+                     .centre_m = {centre_m[0], centre_m[1]},
                      .follows_normal = follows_normal,
                      .axes_from_world = to_matrix<mat3, 3>(axes_from_world.data()),
                      .place_from_axes = {vec3(rows[0], rows[4], rows[8]), vec3(rows[1], rows[5], rows[9]),
@@ -38,7 +37,7 @@ void bind_light_textures(py::module_& native) {
     py::class_<FilteredTexture, std::shared_ptr<FilteredTexture>>(native, "FilteredTexture")
         .def(py::init(&make_filtered), "texture"_a, "With its means over squares. Releases the GIL.");
     py::class_<LightTexture, std::shared_ptr<LightTexture>>(native, "LightTexture")
-        .def(py::init(&make_light_texture), "image"_a, "projection"_a, "width_m"_a, "follows_normal"_a,
+        .def(py::init(&make_light_texture), "image"_a, "projection"_a, "width_m"_a, "centre_m"_a, "follows_normal"_a,
              "axes_from_world"_a, "place_from_axes"_a, "uv_from_projected"_a, "offset"_a, "gain"_a,
              "axes_from_world, uv_from_projected and gain: 3x3, place_from_axes: 3x4, row by row. InvalidInput names "
              "what is "

@@ -12,7 +12,7 @@ static constexpr float fewest_samples = 1024.0f;
 static float cross(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
 
 TextureRows::TextureRows(const Light& light, const View& view, std::span<const ViewRay> rays)
-    : texture_(*light.texture), placement_(planar_placement(light, texture_.size_m)), size_(texture_.image->size()),
+    : texture_(*light.texture), placement_(planar_placement(light, texture_)), size_(texture_.image->size()),
       is_parallel_(view.is_orthographic) {
     start_ = texel_at(view.position);
     if (is_parallel_) {

@@ -8,7 +8,7 @@ namespace tyndall::light_shafts {
 /// All points see the same texel where the picture does not lie across the light.
 static PlanarPlacement placement_of(const Light& light) {
     if (light.texture->projection == LightProjection::Planar)
-        return planar_placement(light, light.texture->size_m);
+        return planar_placement(light, *light.texture);
     const vec2 uv = texture_uv(light, light.position, light.position);
     return {.u_per_m = vec3(0.0f), .v_per_m = vec3(0.0f), .uv_at_origin = uv};
 }

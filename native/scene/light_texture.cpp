@@ -20,6 +20,7 @@ void require_usable(const LightTexture& texture) {
             " is unknown");
     require_in(texture.size_m.x, smallest_m, largest_m, "size_m");
     require_in(texture.size_m.y, smallest_m, largest_m, "height in metres");
+    require(is_finite(mat3(vec3(texture.centre_m, 0.0f), vec3(0.0f), vec3(0.0f))), "its centre is not finite");
     require(is_finite(texture.axes_from_world) && is_finite(mat3(texture.place_from_axes)) &&
                 is_finite(mat3(texture.place_from_axes[3], vec3(0.0f), vec3(0.0f))) &&
                 is_finite(texture.uv_from_projected),
@@ -28,10 +29,10 @@ void require_usable(const LightTexture& texture) {
             "its colours are not finite");
 }
 
-PlanarPlacement planar_placement(const Light& sun, vec2 size_m) {
+PlanarPlacement planar_placement(const Light& sun, const LightTexture& texture) {
     const mat3 axes = light_axes(sun);
-    PlanarPlacement placement{.u_per_m = axes[0] / size_m.x, .v_per_m = axes[1] / size_m.y};
-    placement.uv_at_origin = 0.5f - placement.uv_per_m(sun.position);
+    PlanarPlacement placement{.u_per_m = axes[0] / texture.size_m.x, .v_per_m = axes[1] / texture.size_m.y};
+    placement.uv_at_origin = 0.5f - texture.centre_m / texture.size_m - placement.uv_per_m(sun.position);
     return placement;
 }
 
@@ -53,7 +54,7 @@ static vec2 projected(LightProjection projection, const vec3& place) {
 vec2 texture_uv(const Light& light, const vec3& emitter, const vec3& point) {
     const LightTexture& texture = *light.texture;
     if (texture.projection == LightProjection::Planar)
-        return planar_placement(light, texture.size_m).uv(point);
+        return planar_placement(light, texture).uv(point);
     const bool has_normal = texture.follows_normal && light.body == LightBody::Sphere && light.radius_m > 0.0f;
     const vec3 vector = light.kind == LightKind::Sun ? -light.towards_light
                         : has_normal                 ? emitter - light.position

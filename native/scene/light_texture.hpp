@@ -25,9 +25,10 @@ enum class LightProjection : std::uint8_t {
 struct LightTexture {
     std::shared_ptr<const FilteredTexture> image = {};
     LightProjection projection = LightProjection::Planar;
-    /// Planar: width and height, (0, 1e6]; upright along the light's axes, its middle on the line through the light's
-    /// origin, as a LightMask.
+    /// Planar: width and height, (0, 1e6]; upright along the light's axes, as a LightMask; centre_m is where its middle
+    /// is, from the line through the light's origin.
     vec2 size_m{10.0f};
+    vec2 centre_m{0.0f};
     bool follows_normal = false; ///< Of a sphere that emits. Discs and points have their normal along the light.
     mat3 axes_from_world{1.0f};
     glm::mat4x3 place_from_axes{1.0f};
@@ -47,6 +48,6 @@ void require_usable(const LightTexture& texture);
 [[nodiscard]] vec2 texture_uv(const Light& light, const vec3& emitter, const vec3& point);
 /// offset + gain * image there; white for a light without a texture.
 [[nodiscard]] Rgb texture_colour(const Light& light, const vec3& emitter, const vec3& point);
-/// How a planar picture of this size lies across a sun.
-[[nodiscard]] PlanarPlacement planar_placement(const Light& sun, vec2 size_m);
+/// How a planar picture lies across a sun.
+[[nodiscard]] PlanarPlacement planar_placement(const Light& sun, const LightTexture& texture);
 } // namespace tyndall

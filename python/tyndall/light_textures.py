@@ -45,6 +45,7 @@ def _build(texture: LightTexture, filtered: Callable[[TextureUse], _native.Filte
         image=filtered(texture.use),
         projection=int(texture.projection),
         width_m=texture.width_m,
+        centre_m=texture.centre_m,
         follows_normal=texture.follows_normal,
         axes_from_world=texture.axes_from_world.ravel().tolist(),
         place_from_axes=texture.place_from_axes.ravel().tolist(),

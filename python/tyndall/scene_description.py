@@ -241,15 +241,16 @@ class LightProjection(IntEnum):
 class LightTexture:
     """A picture that colours the beam of a light: its strength is multiplied by ``offset + gain @ picture``.
 
-    ``PLANAR``: ``width_m`` wide, upright along the light's axes, its middle on the line through the light's origin.
-    Else, of the direction in which the light leaves, or of the normal of the sphere that emits it: the unit vector
-    along ``axes_from_world @ vector``, extended by 1, times ``place_from_axes``, projected to (u, v), extended by 1,
-    times ``uv_from_projected``.
+    ``PLANAR``: ``width_m`` wide, upright along the light's axes, its middle ``centre_m`` along them from the line
+    through the light's origin. Else, of the direction in which the light leaves, or of the normal of the sphere that
+    emits it: the unit vector along ``axes_from_world @ vector``, extended by 1, times ``place_from_axes``, projected to
+    (u, v), extended by 1, times ``uv_from_projected``.
     """
 
     use: TextureUse
     projection: LightProjection = LightProjection.PLANAR
     width_m: float = 10.0
+    centre_m: tuple[float, float] = (0.0, 0.0)
     follows_normal: bool = False
     axes_from_world: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))  #: (3, 3)
     place_from_axes: NDArray[np.float64] = field(default_factory=lambda: np.eye(3, 4))  #: (3, 4)

@@ -404,9 +404,11 @@ def test_a_suns_gobo_lies_across_its_light_in_metres() -> None:
     lamp = stage("SUN")
     ours = lamp.data.tyndall
     ours.gobo_image, ours.gobo_size_m, ours.gobo_extension, ours.gobo_strength = picture(), 2.5, "MIRROR", 0.25
+    ours.gobo_offset_m = 0.5, -1.0
     texture = gobo_of(lamp)
     assert texture.projection is LightProjection.PLANAR
     assert texture.width_m == 2.5
+    assert texture.centre_m == (0.5, -1.0)
     assert texture.use.extension.name == "MIRROR"
     np.testing.assert_allclose(texture.offset, 0.75)
     np.testing.assert_allclose(texture.gain, 0.25 * np.eye(3))

@@ -230,23 +230,19 @@ TEST_CASE("running integrals of the picture agree with steps sixteen times finer
             const std::vector<Rgb> reference = fan.by_steps(sun, 8192.0f);
             CAPTURE(is_orthographic);
             CAPTURE(static_cast<int>(extension));
-            const double of_rows = relative_error(fan.by_rows(sun), reference);
-            const double of_steps = relative_error(fan.by_steps(sun, 512.0f), reference);
-            MESSAGE("rows ", of_rows, ", 512 steps ", of_steps);
-            CHECK(of_rows < 0.01);
+            CHECK(relative_error(fan.by_rows(sun), reference) < 3e-3);
+            CHECK(relative_error(fan.by_steps(sun, 512.0f), reference) < 1e-3);
         }
 }
 TEST_CASE("a picture of a few texels keeps its borders") {
     const Fan fan(/*is_orthographic=*/false);
     const Light sun = sun_with(4, 8.0f, TextureExtension::Repeat);
     const double error = relative_error(fan.by_rows(sun), fan.by_steps(sun, 8192.0f));
-    MESSAGE("rows ", error);
-    CHECK(error < 2e-3);
+    CHECK(error < 1e-4);
 }
 TEST_CASE("a picture finer than the lines is blurred by no more than their spacing") {
     const Fan fan(/*is_orthographic=*/false);
     const Light sun = sun_with(1024, 1.0f, TextureExtension::Repeat);
     const double error = relative_error(fan.by_rows(sun), fan.by_steps(sun, 65536.0f));
-    MESSAGE("rows ", error);
-    CHECK(error < 0.02);
+    CHECK(error < 0.01);
 }

@@ -34,6 +34,10 @@ TEST_CASE("a gobo's middle is on the line through the sun's origin, and it goes 
         CHECK(glm::length(uv({0, 0, -70}) - vec2(0.5f)) < 1e-5f);
         CHECK(glm::length(uv({2, 0, 5}) - vec2(1.0f, 0.5f)) < 1e-5f);
         CHECK(glm::length(uv({0, -1, 0}) - vec2(0.5f, 0.0f)) < 1e-5f);
+        LightTexture moved = *sun.texture;
+        moved.centre_m = {1.0f, -0.5f};
+        sun.texture = std::make_shared<const LightTexture>(moved);
+        CHECK(glm::length(uv({1, -0.5f, 3}) - vec2(0.5f)) < 1e-5f);
     }
 }
 TEST_CASE("a slide is thrown: what is twice as far is twice as large") {
@@ -77,6 +81,7 @@ TEST_CASE("a picture that cannot be laid out is named") {
     CHECK_THROWS_WITH_AS(with([](LightTexture& t) { t.image = nullptr; }), "it has no image", InvalidInput);
     CHECK_THROWS_AS(with([](LightTexture& t) { t.size_m.x = 0.0f; }), InvalidInput);
     CHECK_THROWS_AS(with([](LightTexture& t) { t.size_m.y = nan; }), InvalidInput);
+    CHECK_THROWS_AS(with([](LightTexture& t) { t.centre_m.x = nan; }), InvalidInput);
     CHECK_THROWS_AS(with([](LightTexture& t) { t.place_from_axes[3].y = nan; }), InvalidInput);
     CHECK_THROWS_AS(with([](LightTexture& t) { t.gain[1].z = nan; }), InvalidInput);
     CHECK_THROWS_AS(with([](LightTexture& t) { t.projection = static_cast<LightProjection>(9); }), InvalidInput);
