@@ -71,7 +71,6 @@ PICTURES = (
     Picture("colour_hall_teal_orange", "window_hall", lambda: colour("TEAL_ORANGE")),
     Picture("colour_hall_alarm", "window_hall", lambda: colour("ALARM")),
     Picture("colour_forest_alarm", "forest_clearing", lambda: colour("ALARM")),
-    Picture("colour_stage_alarm", "stage_spots", lambda: colour("ALARM")),
     Picture("colour_sunrise_0", "forest_clearing", lambda: sunrise(0.0)),
     Picture("colour_sunrise_1", "forest_clearing", lambda: sunrise(1.0)),
     Picture("colour_sunrise_2", "forest_clearing", lambda: sunrise(1.6)),

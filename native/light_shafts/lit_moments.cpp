@@ -40,14 +40,16 @@ std::vector<LitMoments> Shafts::find_lit_moments(std::span<const ViewRay> rays, 
                 const std::size_t first = spread(index, light.stratum_count()) * light.parts;
                 for (const Beam& beam : std::span(light.beams).subspan(first, light.parts)) {
                     lit.clear();
-                    if (beam.visibility)
+                    if (beam.local) {
+                        if (block.local.is_empty())
+                            block.local.assign(prepared_->media, block.rays, block.first_segment, block.segments);
+                        beam.local->lit_intervals(block.local, beam.visibility.get(), lit);
+                    } else {
                         beam.visibility->lit_intervals(block.rays, lit);
+                    }
                     for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
-                        const LitInterval whole{.near_m = block.rays[ray].near_m, .far_m = block.rays[ray].far_m};
-                        const std::span<const LitInterval> intervals =
-                            beam.visibility ? std::span<const LitInterval>(lit.intervals)
-                                                  .subspan(lit.first[ray], lit.first[ray + 1] - lit.first[ray])
-                                            : std::span(&whole, 1);
+                        const auto intervals = std::span<const LitInterval>(lit.intervals)
+                                                   .subspan(lit.first[ray], lit.first[ray + 1] - lit.first[ray]);
                         for (const MediumSegment& segment : block.segments_of(ray))
                             add_lit(moments[block.target[ray]], segment, intervals, weight);
                     }

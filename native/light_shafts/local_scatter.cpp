@@ -243,12 +243,34 @@ void LocalScatter::Batch::flush() {
     pieces_.clear();
 }
 
+/// What of the lit parts of a ray the light shines on: half of it counts within a cone's soft edge.
+static void append_shone_on(std::span<const LitInterval> lit, const LocalSupport& support, std::size_t ray,
+                            bool has_soft_edge, std::vector<LitInterval>& shone_on) {
+    const auto at = [&](LocalSupport::Distance which) {
+        return static_cast<float>(support.distance[LocalSupport::LightX][ray] + support.distance[which][ray]);
+    };
+    const float begin = at(LocalSupport::Begin), end = at(LocalSupport::End);
+    float inner_begin = has_soft_edge ? std::max(begin, at(LocalSupport::Inner0)) : begin;
+    float inner_end = has_soft_edge ? std::min(end, at(LocalSupport::Inner1)) : end;
+    if (!(inner_begin < inner_end)) // only its edge
+        inner_begin = inner_end = end;
+    for (const LitInterval& interval : lit) {
+        const auto append = [&](float from, float to, float weight) {
+            const float near_m = std::max(interval.near_m, from), far_m = std::min(interval.far_m, to);
+            if (near_m < far_m)
+                shone_on.push_back({near_m, far_m, weight * interval.transmittance});
+        };
+        append(begin, inner_begin, 0.5f);
+        append(inner_begin, inner_end, 1.0f);
+        append(inner_end, end, 0.5f);
+    }
+}
+
 /// The lit length of a ray in its media.
 static float lit_length_of(std::span<const LitInterval> lit, std::span<const LocalRays::Segment> segments) {
     float length_m = 0.0f;
     for (const LitInterval& interval : lit) {
-        const Rgb& transmittance = interval.transmittance;
-        const float share = average(transmittance);
+        const float share = average(interval.transmittance);
         for (const LocalRays::Segment& segment : segments)
             length_m += share * std::max(0.0f, std::min(interval.far_m, segment.far_m) -
                                                    std::max(interval.near_m, segment.near_m));
@@ -256,31 +278,26 @@ static float lit_length_of(std::span<const LitInterval> lit, std::span<const Loc
     return length_m;
 }
 
-void LocalScatter::add_scattered(const LocalRays& rays, const Visibility* visibility, std::span<Rgb> radiance,
-                                 std::span<Rgb> unshadowed, std::span<float> lit_length_m) const {
-    struct Workspace {
-        LocalSupport support;
-        Batch batch;
-        std::vector<ViewRay> asked;
-        std::vector<std::uint32_t> reached; // rays that the light can shine on, and their row of `lit`
-        LitRows lit;
-    };
-    thread_local Workspace workspace;
-    auto& [support, batch, asked, reached, lit] = workspace;
+/// Rays that the light can shine on, and what of them is lit.
+struct LocalScatter::Reached {
+    LocalSupport support;
+    std::vector<std::uint32_t> rays; ///< And their row of `lit`.
+    std::vector<ViewRay> asked;
+    LitRows lit;
+    [[nodiscard]] std::span<const LitInterval> lit_of(std::size_t row) const {
+        return std::span(lit.intervals).subspan(lit.first[row], lit.first[row + 1] - lit.first[row]);
+    }
+};
+
+void LocalScatter::find_reached(const LocalRays& rays, const Visibility* visibility, Reached& reached) const {
+    auto& [support, indices, asked, lit] = reached;
     find_support(shape_, rays, support);
-    const bool wants_length = !lit_length_m.empty();
-    asked.clear(), reached.clear(), lit.clear();
-    // For the lit length whole rays are asked, or what of them lies in the light's cell.
-    const bool asks_cells = wants_length && shape_.has_cell, asks_all = wants_length && !shape_.has_cell;
-    const auto& begins = support.distance[asks_cells ? LocalSupport::CellBegin : LocalSupport::Begin];
-    const auto& ends = support.distance[asks_cells ? LocalSupport::CellEnd : LocalSupport::End];
+    indices.clear(), asked.clear(), lit.clear();
     for (std::uint32_t ray = 0; ray < rays.size(); ++ray) {
-        const double begin = begins[ray], end = ends[ray];
+        const double begin = support.distance[LocalSupport::Begin][ray], end = support.distance[LocalSupport::End][ray];
         if (!(begin < end))
             continue;
-        reached.push_back(ray);
-        if (asks_all)
-            continue;
+        indices.push_back(ray);
         ViewRay& part = asked.emplace_back(rays.ray(ray));
         // Rounded outwards: the exact ends are in `support`.
         const double light_x = support.distance[LocalSupport::LightX][ray];
@@ -290,31 +307,48 @@ void LocalScatter::add_scattered(const LocalRays& rays, const Visibility* visibi
         part.near_m = std::max(part.near_m, outwards(light_x + begin, -1.0));
         part.far_m = std::min(part.far_m, outwards(light_x + end, 1.0));
     }
-    const std::span<const ViewRay> rays_to_ask = asks_all ? rays.rays() : std::span<const ViewRay>(asked);
     if (visibility != nullptr)
-        visibility->lit_intervals(rays_to_ask, lit);
+        visibility->lit_intervals(asked, lit);
     else
-        for (const ViewRay& ray : rays_to_ask) {
+        for (const ViewRay& ray : asked) {
             lit.intervals.push_back({.near_m = ray.near_m, .far_m = ray.far_m});
             lit.end_ray();
         }
-    const auto lit_of = [&](std::size_t row) {
-        return std::span(lit.intervals).subspan(lit.first[row], lit.first[row + 1] - lit.first[row]);
+}
+
+void LocalScatter::lit_intervals(const LocalRays& rays, const Visibility* visibility, LitRows& lit) const {
+    thread_local Reached reached;
+    find_reached(rays, visibility, reached);
+    std::size_t row = 0;
+    for (std::uint32_t ray = 0; ray < rays.size(); ++ray) {
+        if (row < reached.rays.size() && reached.rays[row] == ray)
+            append_shone_on(reached.lit_of(row++), reached.support, ray, shape_.has_soft_edge, lit.intervals);
+        lit.end_ray();
+    }
+}
+
+void LocalScatter::add_scattered(const LocalRays& rays, const Visibility* visibility, std::span<Rgb> radiance,
+                                 std::span<Rgb> unshadowed, std::span<float> lit_length_m) const {
+    struct Workspace {
+        Reached reached;
+        Batch batch;
+        std::vector<LitInterval> shone_on;
     };
-    const auto is_shone_on = [&](std::uint32_t ray) {
-        return support.distance[LocalSupport::Begin][ray] < support.distance[LocalSupport::End][ray];
-    };
-    batch.begin(*this, rays, support, radiance, unshadowed);
-    for (std::size_t index = 0; index < reached.size(); ++index)
-        if (const auto own = lit_of(asks_all ? reached[index] : index);
-            is_shone_on(reached[index]) && (!own.empty() || !unshadowed.empty()))
-            batch.add(reached[index], own);
+    thread_local Workspace workspace;
+    auto& [reached, batch, shone_on] = workspace;
+    find_reached(rays, visibility, reached);
+    batch.begin(*this, rays, reached.support, radiance, unshadowed);
+    for (std::size_t row = 0; row < reached.rays.size(); ++row)
+        if (const auto own = reached.lit_of(row); !own.empty() || !unshadowed.empty())
+            batch.add(reached.rays[row], own);
     batch.flush();
-    if (asks_all)
-        for (std::size_t ray = 0; ray < rays.size(); ++ray)
-            lit_length_m[ray] += lit_length_of(lit_of(ray), rays.segments_of(ray));
-    else if (asks_cells)
-        for (std::size_t index = 0; index < reached.size(); ++index)
-            lit_length_m[reached[index]] += lit_length_of(lit_of(index), rays.segments_of(reached[index]));
+    if (lit_length_m.empty())
+        return;
+    for (std::size_t row = 0; row < reached.rays.size(); ++row) {
+        const std::uint32_t ray = reached.rays[row];
+        shone_on.clear();
+        append_shone_on(reached.lit_of(row), reached.support, ray, shape_.has_soft_edge, shone_on);
+        lit_length_m[ray] += lit_length_of(shone_on, rays.segments_of(ray));
+    }
 }
 } // namespace tyndall::light_shafts

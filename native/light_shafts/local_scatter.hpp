@@ -25,14 +25,18 @@ public:
     /// The light is black, or no medium scatters.
     [[nodiscard]] bool is_black() const { return is_black_; }
     /// Adds to each ray the radiance that it sends to the camera where `visibility` says that it is lit, W/(m^2 sr); no
-    /// visibility: all of it. To lit_length_m, unless its span is empty, the lit length in media, inside the cone or not,
-    /// weighted by the mean of the shadows' transmittance: that asks for whole rays, of which most may be outside. To
-    /// unshadowed, unless its span is empty, what the light would send if nothing cast a shadow.
+    /// visibility: all of it. To lit_length_m, unless its span is empty, the length in media of its lit_intervals, weighted
+    /// by the mean of their transmittance. To unshadowed, unless its span is empty, what the light would send if nothing
+    /// cast a shadow.
     void add_scattered(const LocalRays& rays, const Visibility* visibility, std::span<Rgb> radiance,
                        std::span<Rgb> unshadowed, std::span<float> lit_length_m) const;
+    /// Appends what is lit of each ray, in media or not: within the light's cone, half of it in the cone's soft edge.
+    void lit_intervals(const LocalRays& rays, const Visibility* visibility, LitRows& lit) const;
 
 private:
     class Batch;
+    struct Reached;
+    void find_reached(const LocalRays& rays, const Visibility* visibility, Reached& reached) const;
 
     LightSample light_;
     LocalShape shape_;

@@ -100,10 +100,8 @@ void find_support_of(const LocalShape& shape, const LocalRays& rays, LocalSuppor
         const V least = hn::Max(hn::Mul(set(1e-6), hn::Sqrt(dot(start, start))), set(1e-18));
         const V light_y = hn::Max(hn::Sqrt(dot(foot, foot)), least), light_y2 = hn::Mul(light_y, light_y);
         V begin = hn::Sub(in(LocalRays::Near), light_x), end = hn::Sub(in(LocalRays::Far), light_x);
-        if (shape.has_cell) {
+        if (shape.has_cell)
             clip_to_cell(shape, foot, along, begin, end);
-            keep(LocalSupport::CellBegin, at, begin), keep(LocalSupport::CellEnd, at, end);
-        }
         keep(LocalSupport::LightX, at, light_x);
         keep(LocalSupport::LightY, at, light_y);
         keep_term(LocalSupport::LightY2, at, light_y2);

@@ -38,8 +38,6 @@ struct LocalSupport {
         LightY, ///< Between light and foot; at least 1e-6 of the way from the ray's origin to the light.
         Normal0,
         NormalX, ///< normal . (point - position) at the foot, and per metre along the ray.
-        CellBegin,
-        CellEnd, ///< What of the ray's media lies in the light's cell, in the cone or not; only with a cell.
         DistanceCount
     };
     enum Term : std::uint8_t {
