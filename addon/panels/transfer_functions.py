@@ -44,7 +44,9 @@ class TYNDALL_UL_transfer_states(UIList):
         else:
             row.prop(item.function, "name", text="", emboss=False, icon="COLOR")
         if share > 0.0:
-            row.label(text=f"{share:.0%}")
+            shown = row.row()
+            shown.ui_units_x = 2.0
+            shown.label(text=f"{share:.0%}")
 
     def filter_items(self, context: Context, data: object, propname: str) -> tuple[list[int], list[int]]:
         return [], places(getattr(data, propname))
@@ -335,7 +337,7 @@ class TYNDALL_PT_transfer_states(_States, _RenderTab, Panel):
 
 
 class TYNDALL_PT_sidebar_transfer_functions(_Functions, SidebarPanel, Panel):
-    bl_label = "Colour: Transfer Functions"
+    bl_label = "Colour: Functions"
 
 
 class TYNDALL_PT_sidebar_transfer_layers(_Layers, SidebarPanel, Panel):

@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,8 @@ import pytest
 
 REPOSITORY = Path(__file__).parents[2]
 BLENDER = "/usr/bin/blender"
-SCREEN = (800, 500)
+#: Unless a session asks for another.
+SCREEN_PX = (800, 500)
 
 
 @dataclass(frozen=True)
@@ -28,56 +30,57 @@ class Played:
     folder: Path
 
 
-@pytest.fixture(scope="session")
-def display() -> Iterator[str]:
+@contextmanager
+def screen(size_px: tuple[int, int]) -> Iterator[str]:
     """An X server on a free display."""
     if not (Path(BLENDER).exists() and shutil.which("Xvfb") and shutil.which("import")):
         pytest.skip("needs Debian's blender, xvfb and imagemagick: run scripts/setup.sh")
     read_end, write_end = os.pipe()
-    screen = f"{SCREEN[0]}x{SCREEN[1]}x24"
     server = subprocess.Popen(
-        ["Xvfb", "-displayfd", str(write_end), "-screen", "0", screen, "-nolisten", "tcp"],
+        ["Xvfb", "-displayfd", str(write_end), "-screen", "0", f"{size_px[0]}x{size_px[1]}x24", "-nolisten", "tcp"],
         pass_fds=[write_end],
         stderr=subprocess.DEVNULL,
     )
     os.close(write_end)
     with os.fdopen(read_end) as pipe:
         number = pipe.readline().strip()
-    yield f":{number}"
-    server.terminate()
-    server.wait()
+    try:
+        yield f":{number}"
+    finally:
+        server.terminate()
+        server.wait()
 
 
 @pytest.fixture
-def play(display: str, tmp_path: Path) -> Callable[[str], Played]:
+def play(tmp_path: Path) -> Callable[[str], Played]:
     """Play a session in a new Blender. Fails if it failed there, or if Blender's console shows an exception."""
 
-    def played(session: str, *, timeout_s: float = 900.0) -> Played:
+    def played(session: str, *, timeout_s: float = 900.0, screen_px: tuple[int, int] = SCREEN_PX) -> Played:
         folder = Path(os.environ.get("TYNDALL_SCREENSHOTS", tmp_path))
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "facts.json").unlink(missing_ok=True)
         environment = {
             "PATH": "/usr/bin:/bin",  # Blender takes the first python3 on PATH for its own
             "HOME": str(tmp_path),
-            "DISPLAY": display,
             "LIBGL_ALWAYS_SOFTWARE": "1",
             "LANG": "C.UTF-8",
         }
-        process = subprocess.run(
-            [
-                BLENDER,
-                "--factory-startup",
-                *("--window-geometry", "0", "0", *map(str, SCREEN)),
-                *("--python", str(REPOSITORY / "tests/support/window_driver.py"), "--"),
-                *(str(Path(__file__).parent / "sessions" / f"{session}.py"), str(folder)),
-            ],
-            env=environment,
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            timeout=timeout_s,
-            check=False,
-        )
+        with screen(screen_px) as display:
+            process = subprocess.run(
+                [
+                    BLENDER,
+                    "--factory-startup",
+                    *("--window-geometry", "0", "0", *map(str, screen_px)),
+                    *("--python", str(REPOSITORY / "tests/support/window_driver.py"), "--"),
+                    *(str(Path(__file__).parent / "sessions" / f"{session}.py"), str(folder)),
+                ],
+                env=environment | {"DISPLAY": display},
+                cwd=tmp_path,
+                capture_output=True,
+                text=True,
+                timeout=timeout_s,
+                check=False,
+            )
         console = process.stdout + process.stderr
         assert process.returncode in {0, 1}, console  # 1: the last render was cancelled
         assert (folder / "facts.json").exists(), console

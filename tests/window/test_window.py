@@ -107,3 +107,42 @@ def test_each_button_of_the_occluder_edits_does_what_it_says(play: Callable[...,
         "redo": ["Fill Holes"],
     }
     assert not [line for line in played.console.splitlines() if any(text in line for text in COMPLAINTS)]
+
+
+def test_each_button_of_the_transfer_functions_does_what_it_says(play: Callable[..., Any]) -> None:
+    """In the sidebar, by the mouse; picks in the 3D view and on the render; Ctrl-Z and Ctrl-Shift-Z."""
+    played = play("transfer_functions", screen_px=(800, 1000))
+    copy = "Transfer Function.001: "
+    assert played.facts["steps"] == {
+        "choose": ["physical"],
+        "undo choose": [],
+        "new": ["Transfer Function: "],
+        "copy": [copy],
+        "preset": ["Ember: Glow"],
+        "undo preset": [copy],
+        "add": [f"{copy}Diffusion"],
+        "duplicate": [f"{copy}Diffusion, Diffusion.001"],
+        "down": [f"{copy}Diffusion.001, Diffusion"],
+        "eye": [f"{copy}Diffusion.001, Diffusion off"],
+        "up": [f"{copy}Diffusion off, Diffusion.001"],
+        "solo": [f"{copy}Diffusion off, Diffusion.001 solo"],
+        "remove": [f"{copy}Diffusion off"],
+        "undo remove": [f"{copy}Diffusion off, Diffusion.001 solo"],
+        "redo remove": [f"{copy}Diffusion off"],
+        "constraint": [f"{copy}Diffusion off *"],
+        "remove constraint": [f"{copy}Diffusion off"],
+        "undo remove constraint": [f"{copy}Diffusion off *"],
+        "eye again": [f"{copy}Diffusion *"],
+        "pick in the view": [f"{copy}Diffusion * * *"],
+        "pick on the render": [f"{copy}Diffusion * * * *"],
+        "undo pick": [f"{copy}Diffusion * * *"],
+        "key": [f"{copy}Diffusion * * *"],
+        "key again": [f"{copy}Diffusion * * *", "Transfer Function.002: Diffusion * * *"],
+        "add state": [f"{copy}Diffusion * * *", "Transfer Function.002: Diffusion * * *", "physical"],
+        "remove state": [f"{copy}Diffusion * * *", "Transfer Function.002: Diffusion * * *"],
+        "undo remove state": [f"{copy}Diffusion * * *", "Transfer Function.002: Diffusion * * *", "physical"],
+        "redo remove state": [f"{copy}Diffusion * * *", "Transfer Function.002: Diffusion * * *"],
+    }
+    assert played.facts["tracked"] == ["Cube"] * 3
+    assert played.facts["keys"] == [[1.0, 0.0], [50.0, 1.0]]
+    assert not [line for line in played.console.splitlines() if any(text in line for text in COMPLAINTS)]

@@ -6,38 +6,16 @@ Places are those of Blender 3.4's sidebar at its default width, in pixels from i
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Iterator
 from typing import Any
 
 import bpy
 
-TAB = (8, 140)
+from support.mouse import TAB, click, press, xdotool
+
 ADD, REMOVE, MENU, UP, DOWN = ((49, y) for y in (71, 92, 120, 147, 168))
 DUPLICATE, SOLO = (168, 144), (168, 165)  # in the menu, once it is open
 EYE_OF_FIRST = (84, 77)
-
-
-def xdotool(*words: object) -> None:
-    subprocess.run(["xdotool", *map(str, words)], check=True)
-
-
-def click(window: Any, place: tuple[int, int]) -> Iterator[float]:
-    sidebar = next(region for region in window.area("VIEW_3D").regions if region.type == "UI")
-    from_right, from_top = place
-    x = sidebar.x + sidebar.width - from_right
-    y = window.bpy_window.height - (sidebar.y + sidebar.height) + from_top
-    for words in (("mousemove", x - 3, y), ("mousemove", x, y), ("click", 1)):
-        xdotool(*words)  # one by one: Blender handles no event before this returns, and skips moves that wait
-        yield 0.2
-    yield from window.calm()
-
-
-def press(window: Any, keys: tuple[str, ...]) -> Iterator[float]:
-    for key in keys:
-        xdotool("key", key)
-        yield 0.3
-    yield from window.calm()
 
 
 def edits_of(light: bpy.types.Light) -> list[str]:

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A person's hands in Blender's window: clicks and keys, as sessions of the window tests use them."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Iterator
+from typing import Any
+
+#: Of the tab Light Shafts, in pixels from the sidebar's right and its top.
+TAB = (8, 140)
+
+
+def xdotool(*words: object) -> None:
+    subprocess.run(["xdotool", *map(str, words)], check=True)
+
+
+def click_at(window: Any, x: int, y: int, *, held: str = "") -> Iterator[float]:
+    """In pixels from the window's left and top, with a key held down."""
+    xdotool("mousemove", x - 3, y)
+    yield 0.2  # one by one: Blender handles no event before this returns, and skips moves that wait
+    xdotool("mousemove", x, y)
+    yield 0.2
+    if held:
+        xdotool("keydown", held, "click", 1, "keyup", held)
+    else:
+        xdotool("click", 1)
+    yield 0.2
+    yield from window.calm()
+
+
+def click(window: Any, place: tuple[int, int]) -> Iterator[float]:
+    """In pixels from the right and the top of the 3D view's sidebar."""
+    sidebar = next(region for region in window.area("VIEW_3D").regions if region.type == "UI")
+    from_right, from_top = place
+    x = sidebar.x + sidebar.width - from_right
+    yield from click_at(window, x, window.bpy_window.height - (sidebar.y + sidebar.height) + from_top)
+
+
+def press(window: Any, keys: tuple[str, ...]) -> Iterator[float]:
+    for key in keys:
+        xdotool("key", key)
+        yield 0.3
+    yield from window.calm()
