@@ -32,3 +32,11 @@ def scene() -> bpy.types.Scene:
     bpy.ops.wm.read_factory_settings()
     bpy.context.scene.render.engine = "TYNDALL"
     return bpy.context.scene
+
+
+@pytest.fixture
+def function() -> bpy.types.NodeTree:
+    """A new transfer function without layers, the only one of a scene with a cube."""
+    from support.transfer_scene import function_scene  # noqa: PLC0415  after the path is set
+
+    return function_scene()
