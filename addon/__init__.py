@@ -23,6 +23,9 @@ _PARTS = (
     ".operators",
     ".panels",
     ".constraint_markers",
+    ".fitted_maps",
+    ".stroke_views",
+    ".residual_plot",
     ".preferences",
     ".last_render",
 )

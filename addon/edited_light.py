@@ -30,6 +30,14 @@ def why_not_editable(light: Light | None) -> str | None:
     return None
 
 
+def object_of(context: Context, light: Light) -> Object | None:
+    """The active object, if it has this light; else the scene's first that has it."""
+    active = context.object
+    if active is not None and active.data == light:
+        return active
+    return next((thing for thing in context.scene.objects if thing.data == light), None)
+
+
 def edited_light(context: Context) -> Light | None:
     """That of the Properties editor; in other editors the active object's, or else the one chosen for the scene."""
     light = getattr(context, "light", None)

@@ -43,11 +43,27 @@ def frame_window(render: RenderSettings, size_px: tuple[int, int]) -> FrameWindo
     return FrameWindow(size_px=size_px, region_px=(x0, y0, x1, y1))
 
 
+def shaft_config(scene: Scene) -> ShaftConfig:
+    """How final renders find shafts."""
+    shafts = scene.tyndall.shafts
+    return ShaftConfig(
+        method=shafts.method,
+        error_target=shafts.error_target,
+        resolution=shafts.resolution and max(shafts.resolution, _LEAST_RESOLUTION),
+        light_samples=shafts.light_samples,
+        world_samples=shafts.world_samples,
+        attenuates_light=shafts.attenuates_light,
+        adapts_strata=shafts.adapts_strata,
+        shares_strata=shafts.shares_strata,
+        seed=scene.tyndall.seed,
+    )
+
+
 def render_config(
     scene: Scene, view_layer: ViewLayer, window: FrameWindow, functions: tuple[WeightedFunction, ...] = ()
 ) -> RenderConfig:
     """The settings of a final render of one view layer."""
-    tyndall, shafts = scene.tyndall, scene.tyndall.shafts
+    tyndall = scene.tyndall
     light = scene.original.tyndall.shafts.transfer_light  # that of the evaluated scene may dangle
     return RenderConfig(
         pixel_samples=tyndall.pixel_samples,
@@ -57,17 +73,7 @@ def render_config(
         region_px=window.region_px,
         film_transparent=scene.render.film_transparent,
         passes=wanted_planes(view_layer),
-        shafts=ShaftConfig(
-            method=shafts.method,
-            error_target=shafts.error_target,
-            resolution=shafts.resolution and max(shafts.resolution, _LEAST_RESOLUTION),
-            light_samples=shafts.light_samples,
-            world_samples=shafts.world_samples,
-            attenuates_light=shafts.attenuates_light,
-            adapts_strata=shafts.adapts_strata,
-            shares_strata=shafts.shares_strata,
-            seed=tyndall.seed,
-        ),
+        shafts=shaft_config(scene),
         transfer_functions=functions,
         reference_light=light.name if light is not None else "",
         seed=tyndall.seed,

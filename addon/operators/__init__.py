@@ -6,6 +6,7 @@ from bpy.utils import register_class, unregister_class
 from . import (
     fog_box,
     light_depth,
+    light_map_fit,
     occluder_edits,
     pick_constraint,
     presets,
@@ -21,6 +22,7 @@ CLASSES = (
     *transfer_functions.CLASSES,
     *transfer_states.CLASSES,
     *pick_constraint.CLASSES,
+    *light_map_fit.CLASSES,
     *reports.CLASSES,
     *presets.CLASSES,
 )

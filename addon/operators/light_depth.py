@@ -10,11 +10,10 @@ from bpy.props import IntProperty
 from bpy.types import Context, Image, Operator
 
 from ..availability import why_not
-from ..edited_light import edited_light, why_not_editable
+from ..edited_light import edited_light, object_of, why_not_editable
 
 if TYPE_CHECKING:
     import numpy as np
-    from bpy.types import Light, Object
     from numpy.typing import NDArray
 
 
@@ -51,7 +50,7 @@ class TYNDALL_OT_show_light_depth(Operator):
         from ..sync.scene import SceneReader
 
         light = edited_light(context)
-        thing = _first_object_of(context, light)
+        thing = object_of(context, light)
         if thing is None:
             self.report({"ERROR"}, f'Light "{light.name}" is not in the scene')
             return {"CANCELLED"}
@@ -69,13 +68,6 @@ class TYNDALL_OT_show_light_depth(Operator):
         _show(context, after)
         self.report({"INFO"}, f'The depth map is in the images "{before.name}" and "{after.name}"')
         return {"FINISHED"}
-
-
-def _first_object_of(context: Context, light: Light) -> Object | None:
-    active = context.object
-    if active is not None and active.data == light:
-        return active
-    return next((thing for thing in context.scene.objects if thing.data == light), None)
 
 
 def _write_image(name: str, picture: NDArray[np.float32]) -> Image:

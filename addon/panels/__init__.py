@@ -7,6 +7,7 @@ from . import (
     film,
     gobo,
     light,
+    light_map_fit,
     light_shafts,
     material,
     objects,
@@ -37,6 +38,7 @@ CLASSES = (
     *light.CLASSES,
     *occluder_edits.CLASSES,
     *gobo.CLASSES,
+    *light_map_fit.CLASSES,
     *transfer_functions.CLASSES,
     *material.CLASSES,
 )

@@ -5,7 +5,7 @@ from bpy.props import PointerProperty
 from bpy.types import Light, NodeTree, Scene, ViewLayer
 from bpy.utils import register_class, unregister_class
 
-from . import occluder_edits, transfer_functions, transfer_layers
+from . import light_map_fit, occluder_edits, transfer_functions, transfer_layers
 from .light import TyndallLightSettings
 from .light_shafts import TyndallLightShaftSettings
 from .scene import TyndallSceneSettings
@@ -16,6 +16,7 @@ from .view_layer import TyndallViewLayerSettings
 #: In the order of registration: a group before the group that points to it.
 CLASSES = (
     *occluder_edits.CLASSES,
+    *light_map_fit.CLASSES,
     *transfer_layers.CLASSES,
     *transfer_functions.CLASSES,
     TyndallLightShaftSettings,

@@ -12,6 +12,7 @@ from bpy.props import (
 )
 from bpy.types import Image, PropertyGroup
 
+from .light_map_fit import TyndallLightMapFit
 from .occluder_edits import TyndallOccluderEdit
 from .tagging import EXTENSIBLE, OVERRIDABLE, tag, tag_pointer
 
@@ -90,6 +91,13 @@ class TyndallLightSettings(PropertyGroup):
         min=0.0,
         max=1.0,
         default=1.0,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    light_map_fit: PointerProperty(
+        name="Light Map Fit",
+        description="What is painted over cameras, and how a map is fitted to it",
+        type=TyndallLightMapFit,
         update=tag,
         override=OVERRIDABLE,
     )

@@ -26,6 +26,20 @@ void for_painted(const StrokePicture& picture, const Visit& visit) {
                 visit(x, y, texel);
 }
 
+/// At least as many texels along each side, each of them repeated.
+StrokePicture at_least(const StrokePicture& picture, std::uint32_t width, std::uint32_t height) {
+    StrokePicture fine{.name = picture.name,
+                       .width = std::max(picture.width, width),
+                       .height = std::max(picture.height, height),
+                       .texels = {}};
+    fine.texels.reserve(std::size_t{fine.width} * fine.height);
+    for (std::uint64_t y = 0; y < fine.height; ++y)
+        for (std::uint64_t x = 0; x < fine.width; ++x)
+            fine.texels.push_back(
+                picture.texels[y * picture.height / fine.height * picture.width + x * picture.width / fine.width]);
+    return fine;
+}
+
 std::vector<Dab> take_together(const StrokePicture& picture, std::uint32_t side) {
     const std::size_t columns = (picture.width + side - 1) / side, rows = (picture.height + side - 1) / side;
     std::vector<Dab> dabs(columns * rows);
@@ -52,21 +66,26 @@ std::vector<Dab> take_together(const StrokePicture& picture, std::uint32_t side)
 }
 } // namespace
 
-Strokes find_strokes(const Scene& scene, const Camera& camera, const StrokePicture& picture, std::size_t most_pixels,
+Strokes find_strokes(const Scene& scene, const Camera& camera, const StrokePicture& as_painted, std::size_t most_pixels,
                      const Progress& progress) {
     require_usable(camera);
     require(camera.width_px > 0 && camera.height_px > 0, "the camera's frame has no pixels");
-    require(picture.texels.size() == std::size_t{picture.width} * picture.height, "strokes \"", picture.name,
-            "\": ", picture.texels.size(), " texels for ", picture.width, " x ", picture.height);
+    require(as_painted.texels.size() == std::size_t{as_painted.width} * as_painted.height, "strokes \"",
+            as_painted.name, "\": ", as_painted.texels.size(), " texels for ", as_painted.width, " x ",
+            as_painted.height);
     require(most_pixels > 0, "most_pixels is 0");
+    if (std::ranges::none_of(as_painted.texels, is_painted))
+        return {.view = view_of(camera), .pixels = {}};
+    const bool is_fine = as_painted.width >= camera.width_px && as_painted.height >= camera.height_px;
+    const StrokePicture finer = is_fine ? StrokePicture{} : at_least(as_painted, camera.width_px, camera.height_px);
+    const StrokePicture& picture = is_fine ? as_painted : finer;
     std::vector<Dab> dabs = take_together(picture, 1);
     for (std::uint32_t side = 2; dabs.size() > most_pixels; ++side)
         dabs = take_together(picture, side);
 
     Strokes strokes{.view = view_of(camera), .pixels = std::vector<StrokePixel>(dabs.size())};
-    const vec2 frame_from_picture(static_cast<float>(camera.width_px) / static_cast<float>(std::max(picture.width, 1u)),
-                                  static_cast<float>(camera.height_px) /
-                                      static_cast<float>(std::max(picture.height, 1u)));
+    const vec2 frame_from_picture(static_cast<float>(camera.width_px) / static_cast<float>(picture.width),
+                                  static_cast<float>(camera.height_px) / static_cast<float>(picture.height));
     constexpr std::size_t packet = 16;
     parallel_blocks(dabs.size(), packet, progress, [&](std::size_t begin, std::size_t end) {
         std::array<Ray, packet> rays;

@@ -12,7 +12,8 @@ struct StrokePicture {
     std::uint32_t width = 0, height = 0;
     std::vector<vec4> texels; ///< Rows bottom to top; scene-linear, not multiplied with alpha. Alpha 0: not painted.
 };
-/// Where more pixels are painted than `most_pixels`, squares of neighbours are taken together: their mean colour, their
+/// A picture coarser than the frame has a ray for each of the frame's pixels: rays far apart would pass by texels of the
+/// map. Where more pixels are painted than `most_pixels`, squares of neighbours are taken together: their mean colour, their
 /// summed alpha, the ray of one of them. Pixels that are not finite count as not painted. Throws InvalidInput, Cancelled.
 [[nodiscard]] Strokes find_strokes(const Scene& scene, const Camera& camera, const StrokePicture& picture,
                                    std::size_t most_pixels, const Progress& progress);

@@ -4,6 +4,7 @@
 #include "core/parallel.hpp"
 #include "core/simd.hpp"
 #include "light_shafts/light_map_fit.hpp"
+#include "scene/light_texture.hpp"
 #include "support/soup.hpp"
 #include <doctest/doctest.h>
 
@@ -379,4 +380,39 @@ TEST_CASE("light map fit: a place is kept while it covers what is seen, and move
     }
     LightMap map{.place = place, .texels = std::vector<Rgb>(128 * 128, Rgb(0.25f))};
     CHECK(resampled(map, snapped(moved, 64)) == std::vector<Rgb>(64 * 64, Rgb(0.25f)));
+}
+
+TEST_CASE("light map fit: what the matrix says of a map is what shafts look like under it") {
+    const std::array strokes{strokes_from({20, -9, 3}, 24)};
+    const Fitted made = begin_fit(grey_fog, strokes, config_of(128));
+    const LightMapPlace place = made.fit->place();
+    auto image = std::make_shared<Texture>();
+    image->width = image->height = place.resolution;
+    image->is_srgb = false;
+    image->extension = TextureExtension::Extend;
+    LightMap map{.place = place, .texels = {}};
+    for (std::uint32_t texel = 0; texel < place.resolution * place.resolution; ++texel) {
+        const vec2 at(static_cast<float>(texel % place.resolution), static_cast<float>(texel / place.resolution));
+        // Waves of some 15 texels: between texels, two ways to interpolate differ by their curvature.
+        map.texels.push_back(0.5f +
+                             0.4f * Rgb(std::sin(0.4f * at.x), std::cos(0.3f * at.y), std::sin(0.2f * (at.x + at.y))));
+        image->floats.insert(image->floats.end(),
+                             {map.texels.back().x, map.texels.back().y, map.texels.back().z, 1.0f});
+    }
+    SceneDescription description = made.scene->description();
+    description.lights[0].texture = std::make_shared<const LightTexture>(
+        LightTexture{.image = std::make_shared<const FilteredTexture>(std::move(image)),
+                     .size_m = vec2(place.size_m),
+                     .centre_m = place.centre_m});
+    Progress progress;
+    const Scene under_map(std::move(description), progress);
+    std::vector<ViewRay> rays;
+    for (const StrokePixel& pixel : strokes[0].pixels)
+        rays.push_back(pixel.ray);
+    const Result shafts = run(under_map, strokes[0].view, rays, {.method = Method::Exact}, progress);
+    const std::vector<vec4> said = product(made.fit->matrix(), padded(map));
+    std::vector<vec4> expected;
+    for (const std::uint32_t pixel : made.fit->pixel_of_ray())
+        expected.emplace_back(shafts.radiance[pixel] / Rgb(3, 2, 1), 0.0f);
+    CHECK(relative_rms(said, expected) < 3e-3);
 }

@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fit a sun's map to strokes that were painted over cameras; the list of those strokes."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING
+
+from bpy.types import Context, Event, Light, Operator
+
+from ..availability import why_not
+from ..edited_light import edited_light, object_of
+from ..fitted_maps import continued_fit, kept_fit, new_fit, write_back
+from ..item_lists import ItemList
+from ..stroke_views import begin_painting, view_of
+from .item_lists import ListOperator, RemoveItem
+
+if TYPE_CHECKING:
+    from ..fitted_maps import PreparedFit
+
+_TICK_S = 0.1
+
+
+def why_no_fit(light: Light | None) -> str | None:
+    """What a button says that fits maps; None: it may."""
+    if light is None:
+        return "Make a sun active, or choose one in the sidebar"
+    if light.type != "SUN":
+        return "A light map is fitted to suns only"
+    if light.library is not None:
+        return "The light is linked: make a library override of it first"
+    return None
+
+
+def views_of(light: Light) -> ItemList:
+    return ItemList(light.tyndall.light_map_fit, "views", "active_view")
+
+
+class _FitOperator:
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if (reason := why_no_fit(edited_light(context))) is not None:
+            cls.poll_message_set(reason)
+        elif why_not() is not None:
+            cls.poll_message_set("Tyndall cannot render here: its panel in the Render properties says why")
+        else:
+            return True
+        return False
+
+
+class _Solve(_FitOperator):
+    """In a thread, with progress, where there is a window; Esc stops it and leaves the light as it is."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    def prepare(self, context: Context, light: Light) -> PreparedFit:
+        raise NotImplementedError
+
+    def _begin(self, context: Context) -> bool:
+        from tyndall import InvalidInput, Progress
+
+        self._light = edited_light(context)
+        try:
+            self._prepared = self.prepare(context, self._light)
+        except (ValueError, InvalidInput) as error:
+            self.report({"ERROR"}, str(error))
+            return False
+        self._progress = Progress()
+        self._error: BaseException | None = None
+        return True
+
+    def _run(self) -> None:
+        try:
+            self._prepared.run(self._progress)
+        except BaseException as error:  # noqa: BLE001  handed to the thread that watches
+            self._error = error
+
+    def _end(self) -> set[str]:
+        from tyndall import Cancelled, InvalidInput
+
+        if isinstance(self._error, Cancelled):
+            self.report({"INFO"}, "The fit was stopped: the light is as it was")
+            return {"CANCELLED"}
+        if isinstance(self._error, InvalidInput):
+            self.report({"ERROR"}, str(self._error))
+            return {"CANCELLED"}
+        if self._error is not None:
+            raise self._error
+        for line in self._prepared.reports:
+            self.report({"WARNING"}, line)
+        fit = self._prepared.fit
+        image = write_back(self._light, fit)
+        first, last = fit.residuals[0], fit.residuals[-1]
+        self.report(
+            {"INFO"},
+            f'"{image.name}" is the gobo of "{self._light.name}": {len(fit.residuals) - 1} steps took the strokes\' '
+            f"error from {first:.1%} to {last:.1%}",
+        )
+        return {"FINISHED"}
+
+    def execute(self, context: Context) -> set[str]:
+        if not self._begin(context):
+            return {"CANCELLED"}
+        self._run()
+        return self._end()
+
+    def invoke(self, context: Context, _event: Event) -> set[str]:
+        if not self._begin(context):
+            return {"CANCELLED"}
+        self._thread = threading.Thread(target=self._run, name="tyndall fit")
+        self._thread.start()
+        self._timer = context.window_manager.event_timer_add(_TICK_S, window=context.window)
+        context.window_manager.progress_begin(0.0, 1.0)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: Context, event: Event) -> set[str]:
+        if event.type == "ESC":
+            self._progress.cancel()
+        elif event.type == "TIMER":
+            context.window_manager.progress_update(self._progress.fraction)
+            context.workspace.status_text_set(f"{self._progress.message}    Esc: stop")
+            if not self._thread.is_alive():
+                self._put_away(context)
+                return self._end()
+        return {"RUNNING_MODAL"}
+
+    def _put_away(self, context: Context) -> None:
+        self._thread.join()
+        context.window_manager.event_timer_remove(self._timer)
+        context.window_manager.progress_end()
+        context.workspace.status_text_set(None)
+
+
+class TYNDALL_OT_fit_light_map(_Solve, Operator):
+    """Find the picture that this sun has to throw for its shafts to look as they are painted, and make it its gobo.
+
+    Starts from the gobo that it has, and keeps that where no stroke sees it
+    """
+
+    bl_idname = "tyndall.fit_light_map"
+    bl_label = "Fit Light Map"
+
+    def prepare(self, context: Context, light: Light) -> PreparedFit:
+        thing = object_of(context, light)
+        if thing is None:
+            raise ValueError(f'Light "{light.name}" is not in the scene')
+        return new_fit(context, light, thing)
+
+
+class TYNDALL_OT_continue_light_map(_Solve, Operator):
+    """Take more steps of this sun's last fit, as its strokes and the scene were then."""
+
+    bl_idname = "tyndall.continue_light_map"
+    bl_label = "Continue"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not super().poll(context):
+            return False
+        if kept_fit(edited_light(context)) is None:
+            cls.poll_message_set("There is no fit to go on with: fit its map first")
+            return False
+        return True
+
+    def prepare(self, _context: Context, light: Light) -> PreparedFit:
+        return continued_fit(light)
+
+
+class TYNDALL_OT_paint_strokes(_FitOperator, Operator):
+    """Paint over what a camera shows how the shafts of this sun should look, in Blender's own Image Editor.
+
+    Makes an image for the strokes, and renders the picture that lies behind them. White is the light's own colour
+    """
+
+    bl_idname = "tyndall.paint_strokes"
+    bl_label = "Paint Strokes"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context: Context) -> set[str]:
+        from tyndall import InvalidInput
+
+        views = views_of(edited_light(context))
+        camera = views.active.camera if views.active is not None and views.active.camera else context.scene.camera
+        if camera is None:
+            self.report({"ERROR"}, "The scene has no camera to paint over")
+            return {"CANCELLED"}
+        try:
+            shown = begin_painting(context, view_of(views, camera))
+        except (ValueError, InvalidInput) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        views.owner.update_tag()
+        if not shown:
+            self.report({"INFO"}, f'Open "{views.active.strokes.name}" in an Image Editor to paint')
+        return {"FINISHED"}
+
+
+class _ViewOperator(ListOperator):
+    empty = "Nothing is painted yet: Paint Strokes begins"
+
+    @classmethod
+    def why_not(cls, context: Context) -> str | None:
+        return why_no_fit(edited_light(context))
+
+    @classmethod
+    def edited_list(cls, context: Context) -> ItemList:
+        return views_of(edited_light(context))
+
+
+class TYNDALL_OT_fit_view_add(_ViewOperator, Operator):
+    """Paint over the scene's camera, too."""
+
+    bl_idname = "tyndall.fit_view_add"
+    bl_label = "Add View"
+    needs_item = False
+
+    def execute(self, context: Context) -> set[str]:
+        views, camera = self.edited_list(context), context.scene.camera
+        views.add(camera.name if camera is not None else "View").camera = camera
+        views.owner.update_tag()
+        return {"FINISHED"}
+
+
+class TYNDALL_OT_fit_view_remove(_ViewOperator, RemoveItem, Operator):
+    """Remove the active view. Its strokes stay in the file as an image."""
+
+    bl_idname = "tyndall.fit_view_remove"
+    bl_label = "Remove View"
+
+
+CLASSES = (
+    TYNDALL_OT_fit_light_map,
+    TYNDALL_OT_continue_light_map,
+    TYNDALL_OT_paint_strokes,
+    TYNDALL_OT_fit_view_add,
+    TYNDALL_OT_fit_view_remove,
+)
