@@ -6,12 +6,14 @@ scripts/python examples/guide_pictures.py [NAME...]
 
 from __future__ import annotations
 
+import colorsys
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 import tyndall.blender
 
@@ -47,6 +49,32 @@ def sunrise(state: float) -> None:
     bpy.context.scene.tyndall.shafts.transfer_state = state
 
 
+def stained_glass(size_px: int = 512, pane_count: int = 60) -> bpy.types.Image:
+    """Panes of coloured glass between strips of lead, which tile."""
+    random = np.random.default_rng(4)
+    centres = random.random((pane_count, 2))
+    hues = random.choice([0.0, 0.08, 0.12, 0.38, 0.6, 0.63, 0.8], pane_count)
+    colours = np.array([colorsys.hsv_to_rgb(hue, 0.95, 1.0) for hue in hues])
+    axis = (np.arange(size_px) + 0.5) / size_px
+    places = np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 1, 2)
+    away = np.abs(places - centres)
+    distance = np.hypot(*np.moveaxis(np.minimum(away, 1.0 - away), -1, 0))
+    nearest = np.argsort(distance, axis=1)[:, :2]
+    gap = np.take_along_axis(distance, nearest, axis=1)
+    pixels = np.ones((size_px * size_px, 4), np.float32)
+    pixels[:, :3] = colours[nearest[:, 0]] * np.clip((gap[:, 1] - gap[:, 0]) / 0.02 - 0.5, 0.0, 1.0)[:, None]
+    image = bpy.data.images.new("Stained Glass", size_px, size_px)
+    image.pixels.foreach_set(pixels.ravel())
+    return image
+
+
+def throw_glass(size_m: float) -> None:
+    """Have the sun throw panes of stained glass."""
+    settings = sun().tyndall
+    settings.gobo_image, settings.gobo_size_m, settings.gobo_extension = stained_glass(), size_m, "REPEAT"
+    settings.gobo_strength = 2.5  # glass takes more than half of the light
+
+
 @dataclass(frozen=True)
 class Picture:
     """One of docs/pictures: an example, and what is done to it."""
@@ -71,6 +99,7 @@ PICTURES = (
     Picture("colour_hall_teal_orange", "window_hall", lambda: colour("TEAL_ORANGE")),
     Picture("colour_hall_alarm", "window_hall", lambda: colour("ALARM")),
     Picture("colour_forest_alarm", "forest_clearing", lambda: colour("ALARM")),
+    Picture("gobo_hall_glass", "window_hall", lambda: throw_glass(5.0)),
     Picture("colour_sunrise_0", "forest_clearing", lambda: sunrise(0.0)),
     Picture("colour_sunrise_1", "forest_clearing", lambda: sunrise(1.0)),
     Picture("colour_sunrise_2", "forest_clearing", lambda: sunrise(1.6)),

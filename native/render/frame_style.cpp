@@ -11,7 +11,8 @@ FrameStyle::FrameStyle(const Scene& scene, const Camera& camera, const FrameConf
 }
 
 void FrameStyle::add(std::size_t pixel, vec2 place_px, const SeenShafts& shafts) {
-    std::vector<vec2> parameters;
+    thread_local std::vector<vec2> parameters;
+    parameters.clear();
     for (std::size_t function = 0; function < parameters_.function_count() && shafts.meets_medium; ++function)
         parameters.push_back(parameters_.at(function, place_px, seen_[pixel], shafts));
     shafts_.add(pixel, seen_[pixel], shafts, parameters);
