@@ -38,8 +38,8 @@ CLASSES = (
     *light.CLASSES,
     *occluder_edits.CLASSES,
     *gobo.CLASSES,
-    *light_map_fit.CLASSES,
     *transfer_functions.CLASSES,
+    *light_map_fit.CLASSES,
     *material.CLASSES,
 )
 
