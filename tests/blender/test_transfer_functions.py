@@ -27,7 +27,7 @@ from support.small_scenes import empty_scene, light
 from support.transfer_scene import LAYERS, add_layers, image, keyed_states, read, sent, shafts, weights
 from tyndall import transfer_functions as description
 from tyndall.native_transfer_functions import compose
-from tyndall.renderer import Session
+from tyndall.renderer import RenderConfig, Session
 from tyndall.transfer_functions import Layer, LayerKind, TransferFunction
 
 # What is sent
@@ -386,24 +386,42 @@ def test_an_image_that_has_not_changed_is_sent_as_it_was(function: bpy.types.Nod
     assert first == second
 
 
-def test_a_render_is_asked_for_what_the_scene_shows(function: bpy.types.NodeTree, monkeypatch: Any) -> None:
-    """The final render's settings hold the functions, and its reports what was left out of them."""
-    add_layers("SOLID", "IMAGE")
-    seen: list[Any] = []
+@pytest.fixture
+def rendered(monkeypatch: pytest.MonkeyPatch) -> list[RenderConfig]:
+    """What each render was asked for, in turn."""
+    seen: list[RenderConfig] = []
     render = Session.render
 
-    def spy(session: Session, camera: Any, config: Any, *arguments: Any) -> Any:
+    def spy(session: Session, camera: Any, config: RenderConfig, *arguments: Any) -> Any:
         seen.append(config)
         return render(session, camera, config, *arguments)
 
     monkeypatch.setattr(Session, "render", spy)
+    return seen
+
+
+def test_a_render_is_asked_for_what_the_scene_shows(function: bpy.types.NodeTree, rendered: list[RenderConfig]) -> None:
+    """The final render's settings hold the functions, and its reports what was left out of them."""
+    add_layers("SOLID", "IMAGE")
     lamp = light("SPOT", (0, 0, 5))
     shafts().transfer_light = lamp
     bpy.ops.render.render()
     bpy.data.objects.remove(lamp)
     bpy.ops.render.render()
-    config, without_lamp = seen
+    config, without_lamp = rendered
     assert (config.reference_light, without_lamp.reference_light) == ("Spot", "")
     assert [one.function.layers[0].kind for one in config.transfer_functions] == [LayerKind.SOLID]
     lines = last_render.statistics_of(bpy.context.scene.name)["reports"]
     assert any('layer "Image": left out: it has no image' in line for line in lines)
+
+
+def test_a_render_has_the_keyed_value(function: bpy.types.NodeTree, rendered: list[RenderConfig]) -> None:
+    """A slider that was moved over its key, and not keyed, counts in the viewport only, as everywhere in Blender."""
+    add_layers("SOLID")
+    layer = function.tyndall.layers[0]
+    layer.opacity = 0.25
+    layer.keyframe_insert("opacity", frame=1)
+    layer.opacity = 0.75
+    assert sent().layers[0].opacity == 0.75
+    bpy.ops.render.render()
+    assert rendered[0].transfer_functions[0].function.layers[0].opacity == 0.25

@@ -63,6 +63,18 @@ def test_a_state_that_is_keyed_between_two_goes_between_them(function: bpy.types
     assert len(bpy.data.node_groups[middle].tyndall.layers) == 1
 
 
+def test_handles_move_with_their_keys(function: bpy.types.NodeTree) -> None:
+    """Easing that an artist has shaped by hand keeps its shape."""
+    add_layers("SOLID")
+    keyed_states(11, 21)
+    for key in keys_of(bpy.context.scene):
+        key.handle_left_type = key.handle_right_type = "FREE"
+        key.handle_left, key.handle_right = (key.co.x - 2, key.co.y - 0.25), (key.co.x + 2, key.co.y + 0.125)
+    keyed_states(1)
+    for place, key in enumerate(keys_of(bpy.context.scene)[1:], start=1):
+        assert (key.handle_left.y, key.co.y, key.handle_right.y) == (place - 0.25, place, place + 0.125)
+
+
 def test_keying_a_keyed_frame_again_shows_its_state(function: bpy.types.NodeTree) -> None:
     """Nothing is added; the state of that key is the one to edit."""
     add_layers("SOLID")
