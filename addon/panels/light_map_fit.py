@@ -62,7 +62,7 @@ class TYNDALL_PT_light_map_fit(SidebarPanel, Panel):
         column.prop(settings, "steps")
         column.prop(settings, "regularisation")
         row = layout.row(align=True)
-        row.operator("tyndall.fit_light_map", icon="LIGHT_SUN")
+        row.operator("tyndall.fit_light_map", text="Fit", icon="LIGHT_SUN")
         row.operator("tyndall.continue_light_map", icon="PLAY")
         draw_residuals(layout, context, residuals_of(light))
 

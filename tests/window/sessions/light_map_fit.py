@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Paints a stroke over the camera's picture with the mouse, and fits a sun's map to it, by the buttons of the sidebar.
+
+Places are those of Blender 3.4's sidebar at its default width, in pixels from its right and its top, in a high window.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import bpy
+import numpy as np
+
+from support.mouse import TAB, click, press, xdotool
+from support.small_scenes import add, cube, light, material, node, plane
+
+
+def stage() -> bpy.types.Object:
+    """A sun straight above a metre of fog on the ground, that a camera looks down at; the sun is active."""
+    scene = bpy.context.scene
+    for thing in list(scene.objects):
+        bpy.data.objects.remove(thing)
+    scene.render.engine = "TYNDALL"
+    scene.render.resolution_x, scene.render.resolution_y = 160, 120
+    plane(half_side=4.0)
+    fog = material("Fog", volume=lambda new, _: node(new, "ShaderNodeVolumeScatter", Density=0.05).outputs["Volume"])
+    box = cube("Fog", fog)
+    box.location, box.scale = (0.0, 0.0, 0.5), (4.0, 4.0, 0.5)
+    leaf = cube("Leaf")
+    leaf.location, leaf.scale = (0.0, 0.0, 1.5), (0.3, 0.8, 0.02)
+    scene.camera = add("Camera", bpy.data.cameras.new("Camera"), (0.0, 0.0, 6.0))
+    sun = light("SUN", (0.0, 0.0, 5.0), energy=1.5)
+    bpy.context.view_layer.objects.active = sun
+    return sun
+
+
+PANEL_HEADER, PAINT, FIT, CONTINUE = (136, 409), (136, 559), (161, 697), (83, 697)
+STROKE_PX = (150, 190), 434  #: x from and to, y: over the left of the picture.
+
+
+def stroke(window: Any) -> Iterator[float]:
+    """As a hand does it: each move an event of its own."""
+    (begin, end), y = STROKE_PX
+    xdotool("mousemove", begin, y)
+    yield 0.3
+    xdotool("mousedown", 1)
+    for x in range(begin, end + 1, 4):
+        xdotool("mousemove", x, y)
+        yield 0.1
+    xdotool("mouseup", 1)
+    yield from window.calm()
+
+
+def session(window: Any) -> Iterator[float]:
+    yield from window.calm()
+    sun = stage()
+    brush = bpy.data.brushes["TexDraw"]
+    brush.color, brush.size, brush.strength = (1.0, 0.0, 0.0), 20, 1.0
+    bpy.ops.ed.undo_push(message="begin")
+    window.area("VIEW_3D").spaces[0].show_region_ui = True
+    yield from window.calm()
+    yield from click(window, TAB)
+    yield from click(window, PANEL_HEADER)
+    yield from click(window, PAINT)
+    window.screenshot("light_map_fit_backdrop")
+    yield from stroke(window)
+    window.screenshot("light_map_fit_stroke")
+    name = sun.name
+    window.facts["painted"] = texels_of(sun.data.tyndall.light_map_fit.views[0].strokes)[..., 3].mean().item()
+    yield from click(window, FIT)
+    yield from window.until(lambda: bpy.data.objects[name].data.tyndall.gobo_image is not None)
+    yield from window.calm()
+    settings = bpy.data.objects[name].data.tyndall
+    window.facts["steps"] = [len(settings.light_map_fit.residuals.split()) - 1]
+    texels = texels_of(settings.gobo_image)[..., :3].reshape(-1, 3)
+    window.facts["reddest"] = texels[np.argmax(texels[:, 0] - texels[:, 2])].tolist()
+    window.screenshot("light_map_fit_fitted")
+    yield from click(window, CONTINUE)
+    window.facts["steps"].append(len(settings.light_map_fit.residuals.split()) - 1)
+    window.screenshot("light_map_fit_continued")
+    for key in ("ctrl+z", "ctrl+z", "ctrl+shift+z"):
+        xdotool("mousemove", 500, 700)
+        yield 0.3
+        yield from press(window, (key,))
+        settings = bpy.data.objects[name].data.tyndall
+        window.facts.setdefault("gobo", []).append(settings.gobo_image is not None)
+
+
+def texels_of(image: bpy.types.Image) -> np.ndarray:
+    values = np.empty(image.size[0] * image.size[1] * 4, np.float32)
+    image.pixels.foreach_get(values)
+    return values.reshape(image.size[1], image.size[0], 4)
