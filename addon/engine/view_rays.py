@@ -65,11 +65,14 @@ class Hit:
         own = self.thing.evaluated_get(depsgraph).matrix_world
         if _are_alike(own, self.world_from_object):
             return None
-        for instance in depsgraph.object_instances:
-            is_it = instance.is_instance and instance.object.original == self.thing
-            if is_it and _are_alike(instance.matrix_world, self.world_from_object):
-                return instance.parent.original
-        return None
+        instancers = [  # all of them: Blender does not free an iteration that is left before its end
+            instance.parent.original
+            for instance in depsgraph.object_instances
+            if instance.is_instance
+            and instance.object.original == self.thing
+            and _are_alike(instance.matrix_world, self.world_from_object)
+        ]
+        return instancers[0] if instancers else None
 
 
 def _are_alike(matrix: Matrix, other: Matrix) -> bool:

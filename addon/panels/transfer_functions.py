@@ -144,11 +144,13 @@ def _draw_picture(layout: UILayout, context: Context, tree: NodeTree) -> None:
         draw_text(layout, context, reason, icon="ERROR")
         return
     column = layout.column(align=True)
-    column.label(text=f"Up: {AXIS_NAMES[tree.tyndall.y.axis]}")
+    above = column.row()
+    above.alignment = "CENTER"
+    above.label(text=f"Up: {AXIS_NAMES[tree.tyndall.y.axis]}")
     column.template_icon(icon_value=icon, scale=_PICTURE_SCALE)
-    row = column.row()
-    row.alignment = "RIGHT"
-    row.label(text=f"Right: {AXIS_NAMES[tree.tyndall.x.axis]}")
+    below = column.row()
+    below.alignment = "CENTER"
+    below.label(text=f"Right: {AXIS_NAMES[tree.tyndall.x.axis]}")
 
 
 def _draw_axis(layout: UILayout, axis: ParameterAxis, label: str) -> None:
