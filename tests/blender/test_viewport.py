@@ -138,6 +138,7 @@ class PatientSession:
         self.rendered: list[tuple[int, int]] = []
         self.updates = 0
         self.is_rebuilt = True
+        self.is_kept = False
 
     @property
     def statistics(self) -> dict[str, dict[str, float]]:
@@ -145,6 +146,9 @@ class PatientSession:
 
     def update(self, description: SceneDescription, progress: Progress) -> None:
         self.updates += 1
+
+    def has_picture(self, _camera: Camera, _config: RenderConfig) -> bool:
+        return self.is_kept
 
     def render(self, camera: Camera, config: RenderConfig, progress: Progress, on_update: object = None) -> Film:
         ends = time.monotonic() + self.seconds_per_picture(camera)
@@ -191,6 +195,16 @@ def test_pictures_get_finer_until_the_full_one(workers: Callable[[object], Viewp
     worker.show(a_view(), SceneDescription())
     wait_until(lambda: is_finished(worker, (203, 101)))
     assert session.rendered == [(26, 13), (51, 26), (102, 51), (203, 101)]
+
+
+def test_a_picture_that_only_changes_its_colours_comes_at_once(workers: Callable[[object], ViewportWorker]) -> None:
+    """However slow it was to render: a coarse one would need rays, the kept one needs none."""
+    session = PatientSession(lambda camera: 0.3 * camera.size_px[0] / 203)
+    session.is_kept = True
+    worker = workers(session)
+    worker.show(a_view(), SceneDescription())
+    wait_until(lambda: is_finished(worker, (203, 101)))
+    assert session.rendered == [(203, 101)]
 
 
 def test_a_quick_scene_skips_the_steps_between(workers: Callable[[object], ViewportWorker]) -> None:
