@@ -75,6 +75,32 @@ def throw_glass(size_m: float) -> None:
     settings.gobo_strength = 2.5  # glass takes more than half of the light
 
 
+#: Strokes over the hall: middle and radius, as shares of the frame's width from its lower left corner, and a colour.
+STROKES = (
+    ((0.10, 0.25), 0.07, (1.0, 0.12, 0.05)),
+    ((0.30, 0.32), 0.05, (0.1, 0.9, 0.25)),
+    ((0.42, 0.33), 0.04, (0.15, 0.35, 1.0)),
+)
+
+
+def paint_shafts() -> None:
+    """Paint over the hall what its shafts shall be like, and have the sun's map fitted to it."""
+    scene = bpy.context.scene
+    scene.render.engine = "TYNDALL"
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = *SIZE_PX, 100
+    bpy.context.view_layer.objects.active = next(thing for thing in scene.objects if thing.data == sun())
+    bpy.ops.tyndall.paint_strokes()
+    strokes = sun().tyndall.light_map_fit.views[0].strokes
+    width, height = strokes.size
+    pixels = np.zeros((height, width, 4), np.float32)
+    places = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1) / width
+    for middle, radius, colour in STROKES:
+        pixels[np.hypot(*np.moveaxis(places - middle, -1, 0)) < radius] = (*colour, 1.0)
+    strokes.pixels.foreach_set(pixels.ravel())
+    strokes.update()
+    bpy.ops.tyndall.fit_light_map()
+
+
 @dataclass(frozen=True)
 class Picture:
     """One of docs/pictures: an example, and what is done to it."""
@@ -100,6 +126,7 @@ PICTURES = (
     Picture("colour_hall_alarm", "window_hall", lambda: colour("ALARM")),
     Picture("colour_forest_alarm", "forest_clearing", lambda: colour("ALARM")),
     Picture("gobo_hall_glass", "window_hall", lambda: throw_glass(5.0)),
+    Picture("fit_hall", "window_hall", paint_shafts),
     Picture("colour_sunrise_0", "forest_clearing", lambda: sunrise(0.0)),
     Picture("colour_sunrise_1", "forest_clearing", lambda: sunrise(1.0)),
     Picture("colour_sunrise_2", "forest_clearing", lambda: sunrise(1.6)),
