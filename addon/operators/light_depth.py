@@ -11,6 +11,7 @@ from bpy.types import Context, Image, Operator
 
 from ..availability import why_not
 from ..edited_light import edited_light, object_of, why_not_editable
+from ..image_editors import show_image
 
 if TYPE_CHECKING:
     import numpy as np
@@ -65,7 +66,7 @@ class TYNDALL_OT_show_light_depth(Operator):
             _write_image(f"{thing.name} depth {when}", picture)
             for when, picture in zip(("before", "after"), pictures, strict=True)
         )
-        _show(context, after)
+        show_image(context, after)
         self.report({"INFO"}, f'The depth map is in the images "{before.name}" and "{after.name}"')
         return {"FINISHED"}
 
@@ -84,14 +85,6 @@ def _write_image(name: str, picture: NDArray[np.float32]) -> Image:
     image.pixels.foreach_set(pixels.ravel())
     image.update()
     return image
-
-
-def _show(context: Context, image: Image) -> None:
-    """Show it in an image editor of this window, if one is open that does not show a render."""
-    for area in context.screen.areas if context.screen else ():
-        if area.type == "IMAGE_EDITOR" and (area.spaces.active.image or image).type != "RENDER_RESULT":
-            area.spaces.active.image = image
-            return
 
 
 CLASSES = (TYNDALL_OT_show_light_depth,)

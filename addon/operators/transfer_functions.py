@@ -23,7 +23,7 @@ from ..transfer_states import states_of
 from .item_lists import ListOperator, MoveItem, RemoveItem, SoloItem
 
 
-class _FunctionOperator(ListOperator):
+class FunctionOperator(ListOperator):
     """Works on the layers of the edited function."""
 
     empty = "The transfer function has no layers yet: add one"
@@ -37,7 +37,7 @@ class _FunctionOperator(ListOperator):
         return OrderedList(edited_function(context).tyndall, "layers", "active_layer")
 
 
-class ConstraintOperator(_FunctionOperator):
+class ConstraintOperator(FunctionOperator):
     """Works on the constraints of the active layer, which diffuses them."""
 
     empty = "The layer has no constraints yet: add or pick one"
@@ -114,7 +114,7 @@ def _show(context: Context, tree: object) -> None:
     context.scene.update_tag()
 
 
-class TYNDALL_OT_transfer_layer_add(_FunctionOperator, Operator):
+class TYNDALL_OT_transfer_layer_add(FunctionOperator, Operator):
     """Lay another colour over the function."""
 
     bl_idname = "tyndall.transfer_layer_add"
@@ -131,7 +131,7 @@ class TYNDALL_OT_transfer_layer_add(_FunctionOperator, Operator):
         return {"FINISHED"}
 
 
-class TYNDALL_OT_transfer_layer_remove(_FunctionOperator, RemoveItem, Operator):
+class TYNDALL_OT_transfer_layer_remove(FunctionOperator, RemoveItem, Operator):
     """Remove the active layer, with its ramp, keyframes and drivers."""
 
     bl_idname = "tyndall.transfer_layer_remove"
@@ -144,7 +144,7 @@ class TYNDALL_OT_transfer_layer_remove(_FunctionOperator, RemoveItem, Operator):
         return super().execute(context)
 
 
-class TYNDALL_OT_transfer_layer_duplicate(_FunctionOperator, Operator):
+class TYNDALL_OT_transfer_layer_duplicate(FunctionOperator, Operator):
     """Lay a copy of the active layer over it, with its present values; keyframes stay with the original."""
 
     bl_idname = "tyndall.transfer_layer_duplicate"
@@ -160,7 +160,7 @@ class TYNDALL_OT_transfer_layer_duplicate(_FunctionOperator, Operator):
         return {"FINISHED"}
 
 
-class TYNDALL_OT_transfer_layer_move(_FunctionOperator, MoveItem, Operator):
+class TYNDALL_OT_transfer_layer_move(FunctionOperator, MoveItem, Operator):
     """Change which layers the active one covers: the first of the list lies on top of all."""
 
     bl_idname = "tyndall.transfer_layer_move"
@@ -168,7 +168,7 @@ class TYNDALL_OT_transfer_layer_move(_FunctionOperator, MoveItem, Operator):
     up = 1
 
 
-class TYNDALL_OT_transfer_layer_solo(_FunctionOperator, SoloItem, Operator):
+class TYNDALL_OT_transfer_layer_solo(FunctionOperator, SoloItem, Operator):
     """Use this layer alone, and none of the function's others; again: all that are enabled."""
 
     bl_idname = "tyndall.transfer_layer_solo"

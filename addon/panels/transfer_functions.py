@@ -111,6 +111,7 @@ class TYNDALL_MT_transfer_layers(Menu):
     def draw(self, context: Context) -> None:
         self.layout.operator("tyndall.transfer_layer_duplicate", text="Duplicate", icon="DUPLICATE")
         self.layout.operator("tyndall.transfer_layer_solo", text="Solo", icon="SOLO_ON").index = -1
+        self.layout.operator("tyndall.transfer_layer_paint", icon="BRUSH_DATA")
 
 
 def _draw_functions(layout: UILayout, context: Context) -> None:

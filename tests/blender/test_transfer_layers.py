@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 import pytest
 
 from addon.animation_paths import curves_at
@@ -16,6 +18,7 @@ from addon.properties import transfer_functions as properties
 from addon.transfer_states import keys_of
 from support.recording_layout import drawn
 from support.transfer_scene import LAYERS, add_layers, keyed, names, sent, shafts
+from tyndall.native_transfer_functions import compose
 
 # Keys and drivers
 
@@ -97,6 +100,24 @@ def test_a_duplicate_has_its_own_ramp_and_constraints(function: bpy.types.NodeTr
     assert function.tyndall.layers[3].constraints[0].name == "Colour"
 
 
+def test_a_painted_layer_begins_as_the_function_is(function: bpy.types.NodeTree, tmp_path: Path) -> None:
+    """What is transparent, too; its pixels are saved with the file, and painting on them changes the function."""
+    bpy.ops.tyndall.transfer_function_preset(preset="ALARM")
+    tree = shafts().transfer_states[0].function
+    tree.tyndall.layers[0].opacity = 0.5
+    before = compose(sent(), 256)
+    assert bpy.ops.tyndall.transfer_layer_paint() == {"FINISHED"}
+    assert [layer.name for layer in sent().layers] == ["Painted"]
+    half_float = 2e-3
+    assert np.abs(compose(sent(), 256) - before).max() < half_float
+    path = str(tmp_path / "painted.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    assert np.abs(compose(sent(), 256) - before).max() < half_float
+    bpy.data.images["Alarm painted"].pixels.foreach_set(np.ones(256 * 256 * 4, np.float32))
+    assert (compose(sent(), 256) == 1.0).all()
+
+
 def test_operators_ask_for_what_they_need(function: bpy.types.NodeTree) -> None:
     """A function, a layer, a diffusion layer, a constraint."""
     assert bpy.ops.tyndall.transfer_layer_add.poll()
@@ -119,6 +140,7 @@ OPERATORS: dict[str, Callable[[], set[str]]] = {
     "layer remove": bpy.ops.tyndall.transfer_layer_remove,
     "layer duplicate": bpy.ops.tyndall.transfer_layer_duplicate,
     "layer move": lambda: bpy.ops.tyndall.transfer_layer_move(direction="DOWN"),
+    "layer paint": bpy.ops.tyndall.transfer_layer_paint,
     "layer solo": bpy.ops.tyndall.transfer_layer_solo,
     "constraint add": bpy.ops.tyndall.transfer_constraint_add,
     "constraint remove": bpy.ops.tyndall.transfer_constraint_remove,

@@ -129,6 +129,8 @@ def test_each_button_of_the_transfer_functions_does_what_it_says(play: Callable[
         "remove": [f"{copy}Diffusion off"],
         "undo remove": [f"{copy}Diffusion off, Diffusion.001 solo"],
         "redo remove": [f"{copy}Diffusion off"],
+        "paint": [f"{copy}Diffusion off, Painted"],
+        "undo paint": [f"{copy}Diffusion off"],
         "constraint": [f"{copy}Diffusion off *"],
         "remove constraint": [f"{copy}Diffusion off"],
         "undo remove constraint": [f"{copy}Diffusion off *"],

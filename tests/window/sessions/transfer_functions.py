@@ -16,7 +16,7 @@ from support.mouse import TAB, click, click_at, press, xdotool
 NEW, CHOOSE, FIRST_PRESETS = (117, 237), (117, 259), (125, 217)
 COPY, PRESETS = (71, 164), (125, 190)
 ADD_LAYER, REMOVE_LAYER, LAYER_MENU, UP, DOWN = ((49, y) for y in (494, 515, 543, 570, 590))
-DUPLICATE, SOLO = (168, 567), (168, 588)  # in the menu, once it is open
+DUPLICATE, SOLO, PAINT = ((168, y) for y in (567, 588, 609))  # in the menu, once it is open
 EYE_OF_FIRST = (84, 499)
 ADD_CONSTRAINT, REMOVE_CONSTRAINT, PICK = ((49, y) for y in (712, 733, 760))
 ADD_STATE, KEY = (49, 547), (117, 660)
@@ -78,6 +78,8 @@ LAYER_STEPS = (
     ("remove", (REMOVE_LAYER,), ()),
     ("undo remove", (), ("ctrl+z",)),
     ("redo remove", (), ("ctrl+shift+z",)),
+    ("paint", (LAYER_MENU, PAINT), ()),
+    ("undo paint", (), ("ctrl+z",)),
     ("constraint", (ADD_CONSTRAINT,), ()),
     ("remove constraint", (REMOVE_CONSTRAINT,), ()),
     ("undo remove constraint", (), ("ctrl+z",)),
