@@ -5,6 +5,7 @@
 #include "light_shafts/prepared_lights.hpp"
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 namespace tyndall::light_shafts {
@@ -190,10 +191,7 @@ LightMapFit::LightMapFit(const Scene& scene, const Media& media, std::span<const
     const StageTimer timer(statistics_, "light map fit: first gradient");
     MapTexels prior = padded(resampled(current, place_), config.resolution);
     std::vector<vec4> target(desired.size());
-    LightMapMatrix::Scratch scratch;
-    matrix_->multiply(MapTexels(prior.size(), vec4(1.0f)), target, scratch, progress);
-    for (std::size_t ray = 0; ray < target.size(); ++ray)
-        target[ray] *= desired[ray];
+    std::ranges::transform(desired, matrix_->white(), target.begin(), std::multiplies<>());
     MapTexels start = prior;
     solver_ = std::make_unique<LightMapSolver>(*matrix_, target, weight, std::move(start), std::move(prior),
                                                config.regularisation);

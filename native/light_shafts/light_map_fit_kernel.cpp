@@ -12,23 +12,25 @@
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::light_shafts::light_map_kernel::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-using Lines = hn::CappedTag<float, 16>; // lines of texels side by side
+/// Lines of texels side by side. Not 16: what is stored as 64 bytes and read again 4 at a time waits for the cache.
+using Lines = hn::CappedTag<float, 8>;
 using Colour = hn::FixedTag<float, 4>;
 static constexpr Lines lines;
 static constexpr Colour colour;
 
-/// Calls visit(offset, low, high) for each line of a stretch: the first of its two texels, in floats, and the weights of
-/// both, as vectors over the channels.
+/// Calls visit.first or visit.second(offset, across, low, high) for each line of a stretch: the first of its two texels and
+/// the way to the other, in floats, and the weights of both, as vectors over the channels. Two by turns, so that sums need
+/// not wait for each other.
 template <bool is_coloured, typename Visit>
-static HWY_INLINE void for_lines(const Weights& weights, const RowStretch& stretch, const Visit& visit) {
+static HWY_INLINE void for_lines(const Weights& weights, const RowStretch& stretch, Visit& visit) {
     const hn::RebindToSigned<Lines> offsets;
     const std::size_t lane_count = hn::Lanes(lines), line_count = stretch.count;
     const auto resolution = static_cast<std::int32_t>(weights.resolution),
                row = 4 * static_cast<std::int32_t>(weights.pitch);
     const std::int32_t per_line = stretch.goes_along_y ? row : 4, across = row + 4 - per_line;
     const float* weight = weights.first + std::size_t{stretch.first_weight} * (is_coloured ? 4 : 1);
-    alignas(64) std::int32_t offset[16];
-    alignas(64) float low[16], high[16];
+    alignas(32) std::int32_t offset[8];
+    alignas(32) float low[8], high[8];
     const auto last = hn::Set(offsets, resolution - 2), across_in_floats = hn::Set(offsets, across);
     const auto lane = hn::Iota(lines, 0.0f);
     auto line_offset = hn::Mul(hn::Add(hn::Iota(offsets, 0), hn::Set(offsets, std::int32_t{stretch.first_line})),
@@ -48,7 +50,7 @@ static HWY_INLINE void for_lines(const Weights& weights, const RowStretch& stret
             for (std::size_t i = 0; i < count; ++i) {
                 const auto w = hn::LoadU(colour, weight + 4 * (begin + i));
                 const auto of_second = hn::Mul(w, hn::Set(colour, high[i]));
-                visit(offset[i], across, hn::Sub(w, of_second), of_second);
+                visit.first(offset[i], across, hn::Sub(w, of_second), of_second);
             }
         } else {
             const auto w = hn::LoadU(lines, weight + begin); // the weights have slack behind the last one
@@ -57,52 +59,64 @@ static HWY_INLINE void for_lines(const Weights& weights, const RowStretch& stret
             hn::Store(of_second, lines, high);
             // Unrolled, the compiler would take the vectors apart in registers, at three times the operations.
 #pragma GCC unroll 1
-            for (std::size_t i = 0; i < count; ++i)
-                visit(offset[i], across, hn::Set(colour, low[i]), hn::Set(colour, high[i]));
+            for (std::size_t i = 0; i + 1 < count; i += 2) {
+                visit.first(offset[i], across, hn::Set(colour, low[i]), hn::Set(colour, high[i]));
+                visit.second(offset[i + 1], across, hn::Set(colour, low[i + 1]), hn::Set(colour, high[i + 1]));
+            }
+            if (count % 2 == 1)
+                visit.first(offset[count - 1], across, hn::Set(colour, low[count - 1]),
+                            hn::Set(colour, high[count - 1]));
         }
     }
 }
 
-template <bool is_coloured>
-static vec4 read_as(const Weights& weights, const RowStretch& stretch, const vec4* texels) {
-    const float* const map = &texels->x;
-    auto sum = hn::Zero(colour), other = hn::Zero(colour);
-    for_lines<is_coloured>(weights, stretch,
-                           [&](std::int32_t offset, std::int32_t across, auto low, auto high) HWY_ATTR {
-                               sum = hn::MulAdd(low, hn::LoadU(colour, map + offset), sum);
-                               other = hn::MulAdd(high, hn::LoadU(colour, map + offset + across), other);
-                           });
+using Channels = hn::Vec<Colour>;
+struct Reader {
+    const float* map;
+    Channels low = hn::Zero(colour), high = low, other_low = low, other_high = low;
+    HWY_INLINE void first(std::int32_t offset, std::int32_t across, Channels weight, Channels of_second) {
+        low = hn::MulAdd(weight, hn::LoadU(colour, map + offset), low);
+        high = hn::MulAdd(of_second, hn::LoadU(colour, map + offset + across), high);
+    }
+    HWY_INLINE void second(std::int32_t offset, std::int32_t across, Channels weight, Channels of_second) {
+        other_low = hn::MulAdd(weight, hn::LoadU(colour, map + offset), other_low);
+        other_high = hn::MulAdd(of_second, hn::LoadU(colour, map + offset + across), other_high);
+    }
+};
+template <bool squares>
+struct Adder {
+    float* map;
+    Channels value;
+    HWY_INLINE void first(std::int32_t offset, std::int32_t across, Channels low, Channels high) const {
+        if constexpr (squares) {
+            low = hn::Mul(low, low);
+            high = hn::Mul(high, high);
+        }
+        float* const texel = map + offset;
+        hn::StoreU(hn::MulAdd(low, value, hn::LoadU(colour, texel)), colour, texel);
+        hn::StoreU(hn::MulAdd(high, value, hn::LoadU(colour, texel + across)), colour, texel + across);
+    }
+    HWY_INLINE void second(std::int32_t offset, std::int32_t across, Channels low, Channels high) const {
+        first(offset, across, low, high);
+    }
+};
+
+vec4 read_of(const Weights& weights, const RowStretch& stretch, const vec4* texels) {
+    Reader reader{&texels->x};
+    weights.is_coloured ? for_lines<true>(weights, stretch, reader) : for_lines<false>(weights, stretch, reader);
     vec4 result;
-    hn::StoreU(hn::Add(sum, other), colour, &result.x);
+    hn::StoreU(hn::Add(hn::Add(reader.low, reader.high), hn::Add(reader.other_low, reader.other_high)), colour,
+               &result.x);
     return result;
 }
-vec4 read_of(const Weights& weights, const RowStretch& stretch, const vec4* texels) {
-    return weights.is_coloured ? read_as<true>(weights, stretch, texels) : read_as<false>(weights, stretch, texels);
-}
-
-template <bool is_coloured, bool squares>
-static void add_as(const Weights& weights, const RowStretch& stretch, const vec4& value, vec4* texels) {
-    float* const map = &texels->x;
-    const auto v = hn::LoadU(colour, &value.x);
-    for_lines<is_coloured>(weights, stretch,
-                           [&](std::int32_t offset, std::int32_t across, auto low, auto high) HWY_ATTR {
-                               if constexpr (squares) {
-                                   low = hn::Mul(low, low);
-                                   high = hn::Mul(high, high);
-                               }
-                               float* const first = map + offset;
-                               float* const second = first + across;
-                               hn::StoreU(hn::MulAdd(low, v, hn::LoadU(colour, first)), colour, first);
-                               hn::StoreU(hn::MulAdd(high, v, hn::LoadU(colour, second)), colour, second);
-                           });
-}
 void add_of(const Weights& weights, const RowStretch& stretch, const vec4& value, bool squares, vec4* texels) {
+    const Channels channels = hn::LoadU(colour, &value.x);
+    const Adder<false> adder{&texels->x, channels};
+    const Adder<true> of_squares{&texels->x, channels};
     if (weights.is_coloured)
-        squares ? add_as<true, true>(weights, stretch, value, texels)
-                : add_as<true, false>(weights, stretch, value, texels);
+        squares ? for_lines<true>(weights, stretch, of_squares) : for_lines<true>(weights, stretch, adder);
     else
-        squares ? add_as<false, true>(weights, stretch, value, texels)
-                : add_as<false, false>(weights, stretch, value, texels);
+        squares ? for_lines<false>(weights, stretch, of_squares) : for_lines<false>(weights, stretch, adder);
 }
 
 void attenuate_of(std::span<const float> depth, std::span<float> amount) {
@@ -111,7 +125,7 @@ void attenuate_of(std::span<const float> depth, std::span<float> amount) {
                                 HWY_ATTR { return hn::Mul(a, light_shafts::HWY_NAMESPACE::exp_of(lines, hn::Neg(d))); };
     for (std::size_t i = 0; i < whole; i += lane_count)
         hn::StoreU(attenuated(hn::LoadU(lines, &depth[i]), hn::LoadU(lines, &amount[i])), lines, &amount[i]);
-    alignas(64) float rest[2][16] = {};
+    alignas(32) float rest[2][8] = {};
     std::copy(depth.begin() + static_cast<std::ptrdiff_t>(whole), depth.end(), rest[0]);
     std::copy(amount.begin() + static_cast<std::ptrdiff_t>(whole), amount.end(), rest[1]);
     hn::Store(attenuated(hn::Load(lines, rest[0]), hn::Load(lines, rest[1])), lines, rest[1]);

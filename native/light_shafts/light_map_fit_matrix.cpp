@@ -81,6 +81,7 @@ LightMapMatrix::LightMapMatrix(std::uint32_t resolution, bool is_coloured, std::
     stretches_.resize(total.stretch);
     weights_.resize((total.weight + weight_slack) * channels);
     first_of_ray_.assign(first_ray.back() + 1, 0);
+    white_.assign(first_ray.back(), vec4(0.0f));
     parallel_for(
         parts.size(), progress,
         [&](std::size_t part) {
@@ -93,6 +94,11 @@ LightMapMatrix::LightMapMatrix(std::uint32_t resolution, bool is_coloured, std::
                 stretch.ray += first_ray[part];
                 stretch.first_weight = static_cast<std::uint32_t>(next.weight);
                 ++first_of_ray_[stretch.ray + 1];
+                for (std::size_t line = 0; line < stretch.count; ++line)
+                    for (int channel = 0; channel < 3; ++channel)
+                        white_[stretch.ray][channel] +=
+                            *(weight + static_cast<std::ptrdiff_t>(
+                                           is_coloured ? 4 * line + static_cast<std::size_t>(channel) : line));
                 stretches_[next.stretch++] = stretch;
                 next.weight += stretch.count;
             }

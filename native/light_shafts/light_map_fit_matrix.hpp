@@ -65,6 +65,8 @@ public:
     [[nodiscard]] std::size_t weight_count() const { return weights_.size() / (is_coloured_ ? 4 : 1); }
     [[nodiscard]] std::size_t byte_count() const;
 
+    /// T times a white map, radiance per ray: the sums of the rows, added up when they were built.
+    [[nodiscard]] const std::vector<vec4>& white() const { return white_; }
     /// What a product with T keeps from call to call.
     using Scratch = std::vector<vec4>;
     /// T texels: radiance per ray.
@@ -87,5 +89,6 @@ private:
     std::vector<std::uint32_t>
         first_of_ray_; ///< Ray r owns stretches_[of_ray_[first_of_ray_[r] .. first_of_ray_[r + 1])].
     std::vector<std::uint32_t> of_ray_;
+    std::vector<vec4> white_;
 };
 } // namespace tyndall::light_shafts

@@ -43,20 +43,23 @@ static float sinh_share(float half_gain) {
 
 void RowMaker::add_cell(const ScatterPiece& piece, float near_m, float far_m, const Rgb& transmittance) {
     const float length_m = far_m - near_m, middle_m = 0.5f * (near_m + far_m);
+    const std::size_t cell = position_.size(), channels = is_coloured_ ? 3 : 1;
     position_.push_back(along_at_zero_ + along_per_m_ * std::clamp(middle_m, enters_m_, leaves_m_));
-    const bool is_long = glm::any(glm::greaterThan(glm::abs(piece.depth_per_m) * length_m, Rgb(1.0f)));
-    const Rgb whole = is_long ? scattered(piece, near_m, far_m) : Rgb(0.0f);
-    for (int channel = 0; channel < (is_coloured_ ? 4 : 1); ++channel) {
-        if (channel == 3) {
-            depth_.push_back(0.0f);
-            amount_.push_back(0.0f);
-        } else if (is_long) {
-            depth_.push_back(0.0f);
-            amount_.push_back(transmittance[channel] * whole[channel]);
+    if (depth_.size() < position_.size() * channels) {
+        depth_.resize(2 * position_.size() * channels);
+        amount_.resize(depth_.size());
+    }
+    for (std::size_t i = 0; i < channels; ++i) {
+        const auto channel = static_cast<int>(i);
+        const float gain = piece.depth_per_m[channel] * length_m;
+        float& depth = depth_[cell * channels + i];
+        float& amount = amount_[cell * channels + i];
+        if (std::abs(gain) > 1.0f) { // beyond what sinh_share is for
+            depth = 0.0f;
+            amount = transmittance[channel] * scattered(piece, near_m, far_m)[channel];
         } else {
-            depth_.push_back(piece.depth_at_near[channel] + piece.depth_per_m[channel] * (middle_m - piece.near_m));
-            amount_.push_back(transmittance[channel] * piece.source_per_m[channel] * length_m *
-                              sinh_share(0.5f * piece.depth_per_m[channel] * length_m));
+            depth = piece.depth_at_near[channel] + piece.depth_per_m[channel] * (middle_m - piece.near_m);
+            amount = transmittance[channel] * piece.source_per_m[channel] * length_m * sinh_share(0.5f * gain);
         }
     }
 }
@@ -96,13 +99,14 @@ void RowMaker::add_row(const SeenRay& seen, LightMapMatrix::Part& part) {
         leaves_m_ = std::min(leaves_m_, std::max(a, b));
     }
     leaves_m_ = std::max(leaves_m_, enters_m_);
-    depth_.clear(), amount_.clear(), position_.clear();
+    position_.clear();
     for_each_lit_part(seen.pieces, seen.lit,
                       [&](const ScatterPiece& piece, float near_m, float far_m, const Rgb& transmittance) {
                           add_part(piece, near_m, far_m, transmittance);
                       });
-    const std::size_t channels = is_coloured_ ? 4 : 1;
-    light_map_kernel::attenuate(depth_, amount_);
+    const std::size_t channels = is_coloured_ ? 3 : 1, stored = is_coloured_ ? 4 : 1;
+    const std::size_t count = position_.size() * channels;
+    light_map_kernel::attenuate(std::span(depth_).first(count), std::span(amount_).first(count));
     float lowest = std::numeric_limits<float>::infinity(), highest = -lowest;
     for (float& position : position_) {
         position = std::clamp(position, 0.0f, last);
@@ -110,21 +114,21 @@ void RowMaker::add_row(const SeenRay& seen, LightMapMatrix::Part& part) {
         highest = std::max(highest, position);
     }
     if (position_.empty())
-        return part.add_ray(false, 0, 0.0f, 0.0f, {}, static_cast<std::uint32_t>(channels));
+        return part.add_ray(false, 0, 0.0f, 0.0f, {}, static_cast<std::uint32_t>(stored));
     const float first = std::floor(lowest);
-    line_weights_.assign((static_cast<std::size_t>(highest - first) + 2) * channels, 0.0f);
+    line_weights_.assign((static_cast<std::size_t>(highest - first) + 2) * stored, 0.0f);
     for (std::size_t cell = 0; cell < position_.size(); ++cell) {
         const float line = std::floor(position_[cell]), share = position_[cell] - line;
-        float* const weights = &line_weights_[static_cast<std::size_t>(line - first) * channels];
+        float* const weights = &line_weights_[static_cast<std::size_t>(line - first) * stored];
         for (std::size_t channel = 0; channel < channels; ++channel) {
             const float amount = amount_[cell * channels + channel];
             weights[channel] += (1.0f - share) * amount;
-            weights[channels + channel] += share * amount;
+            weights[stored + channel] += share * amount;
         }
     }
     // A ray straight into the light stays where it is.
     const float slope = along_per_m_ == 0.0f ? 0.0f : per_m[1 - axis] / along_per_m_;
     part.add_ray(axis == 1, static_cast<std::uint32_t>(first), start[1 - axis] + (first - start[axis]) * slope, slope,
-                 line_weights_, static_cast<std::uint32_t>(channels));
+                 line_weights_, static_cast<std::uint32_t>(stored));
 }
 } // namespace tyndall::light_shafts

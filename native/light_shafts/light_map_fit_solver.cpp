@@ -83,8 +83,7 @@ LightMapSolver::LightMapSolver(const LightMapMatrix& matrix, std::span<const vec
     require(texels_.size() == matrix.texel_count() && prior_.size() == texels_.size(),
             "light map fit: ", texels_.size(), " and ", prior_.size(), " texels for a map of ", matrix.texel_count());
     std::ranges::transform(ray_weight, ray_weights_.begin(), [](float weight) { return vec4(weight); });
-    matrix.multiply(MapTexels(texels_.size(), vec4(1.0f)), moved_, scratch_, uninterrupted);
-    white_square_ = sum_over_rays(moved_);
+    white_square_ = sum_over_rays(matrix.white());
     matrix.square_columns(ray_weights_, scale_, uninterrupted);
     find_seen(scale_);
     const Channels trace = sum_over_seen(Channels(0.0), [&](std::size_t begin, std::size_t end) {
