@@ -77,7 +77,9 @@ class _Frame:
 
     def render(self) -> None:
         scene, view_layer = self.depsgraph.scene_eval, self.depsgraph.view_layer_eval
-        kept = kept_frame(scene.name, view_layer.name)
+        # Of a still, nothing is asked for twice.
+        keeps_maps = self.engine.is_animation or scene.render.use_persistent_data
+        kept = kept_frame(scene.name, view_layer.name, keeps_maps=keeps_maps)
         started = time.perf_counter()
         self.engine.update_stats("", "Tyndall: reading the scene")
         reports = Reports()

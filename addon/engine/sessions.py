@@ -16,6 +16,7 @@ from tyndall.renderer import Session
 
 from ..sync.images import ImageReader
 from ..sync.scene import SceneReader
+from .settings import KEPT_MAPS_BYTES
 
 if TYPE_CHECKING:
     from bpy.types import Scene
@@ -25,16 +26,21 @@ if TYPE_CHECKING:
 class KeptFrame:
     """The two sides of a sync: keys that the reader promises are keys that the session keeps."""
 
+    session: Session
     reader: SceneReader = field(default_factory=SceneReader)
     function_images: ImageReader = field(default_factory=ImageReader)
-    session: Session = field(default_factory=Session)
 
 
 _kept: dict[tuple[str, str], KeptFrame] = {}
 
 
-def kept_frame(scene_name: str, view_layer_name: str) -> KeptFrame:
-    return _kept.setdefault((scene_name, view_layer_name), KeptFrame())
+def kept_frame(scene_name: str, view_layer_name: str, *, keeps_maps: bool) -> KeptFrame:
+    """What a view layer kept; the first of its frames decides whether lights' maps are part of it."""
+    kept = _kept.get((scene_name, view_layer_name))
+    if kept is None:
+        kept = KeptFrame(session=Session(kept_maps_bytes=KEPT_MAPS_BYTES if keeps_maps else 0))
+        _kept[scene_name, view_layer_name] = kept
+    return kept
 
 
 def release(scene_name: str) -> None:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
     from tyndall.transfer_functions import WeightedFunction
 
+#: Of lights' depth maps and slope rows, in a viewport and from frame to frame of an animation.
+KEPT_MAPS_BYTES = 512 << 20
 _LEAST_RESOLUTION = 16  #: The property starts at 0, which picks a resolution; between them lies nothing useful.
 
 

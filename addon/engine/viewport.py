@@ -25,7 +25,7 @@ from ..sync.images import ImageReader
 from ..sync.reports import Reports
 from ..sync.scene import SceneReader
 from ..sync.transfer_functions import read_transfer_functions
-from .settings import render_config
+from .settings import KEPT_MAPS_BYTES, render_config
 from .viewport_camera import camera_of_view, frame_of_view
 from .viewport_worker import Picture, View, ViewportWorker
 
@@ -51,7 +51,7 @@ class Viewport:
 
     def __init__(self, engine: RenderEngine) -> None:
         self.engine = weakref.ref(engine)
-        self.worker = ViewportWorker(Session(kept_pictures=1))
+        self.worker = ViewportWorker(Session(kept_pictures=1, kept_maps_bytes=KEPT_MAPS_BYTES))
         self._reader = SceneReader()
         self._function_images = ImageReader()
         self._functions: tuple[WeightedFunction, ...] = ()

@@ -2,6 +2,7 @@
 #include "bindings/arrays.hpp"
 #include "bindings/bind.hpp"
 #include "light_shafts/light_depth_picture.hpp"
+#include "light_shafts/map_cache.hpp"
 #include "render/asked_rays.hpp"
 #include "render/frame.hpp"
 #include "render/styled_shafts.hpp"
@@ -27,7 +28,8 @@ static Camera make_camera(int kind, const py::array& world_from_camera, const st
 
 static light_shafts::Config make_shafts(int method, float error_target, std::uint32_t resolution,
                                         std::uint32_t light_samples, std::uint32_t world_samples, bool attenuates_light,
-                                        bool adapts_strata, bool shares_strata, std::uint32_t seed) {
+                                        bool adapts_strata, bool shares_strata, std::uint32_t seed,
+                                        const std::optional<std::shared_ptr<light_shafts::MapCache>>& kept_maps) {
     return {.method = static_cast<light_shafts::Method>(method),
             .error_target = error_target,
             .resolution = resolution,
@@ -37,7 +39,8 @@ static light_shafts::Config make_shafts(int method, float error_target, std::uin
             .adapts_strata = adapts_strata,
             .shares_strata = shares_strata,
             .visibility_light = {},
-            .seed = seed};
+            .seed = seed,
+            .kept_maps = kept_maps.value_or(nullptr)};
 }
 
 static render::FrameConfig
@@ -123,9 +126,14 @@ void bind_render(py::module_& native) {
     py::class_<Camera>(native, "Camera")
         .def(py::init(&make_camera), "kind"_a, "world_from_camera"_a, "window"_a, "clip_m"_a, "size_px"_a,
              "world_from_camera: float32 (4, 4), relative to the scene's origin.");
+    py::class_<light_shafts::MapCache, std::shared_ptr<light_shafts::MapCache>>(
+        native, "MapCache",
+        "What occluders cast, kept from frame to frame, in at most so many bytes. Safe from any thread.")
+        .def(py::init<std::size_t>(), "capacity_bytes"_a)
+        .def_property_readonly("bytes", &light_shafts::MapCache::bytes);
     py::class_<light_shafts::Config>(native, "ShaftConfig")
         .def(py::init(&make_shafts), "method"_a, "error_target"_a, "resolution"_a, "light_samples"_a, "world_samples"_a,
-             "attenuates_light"_a, "adapts_strata"_a, "shares_strata"_a, "seed"_a);
+             "attenuates_light"_a, "adapts_strata"_a, "shares_strata"_a, "seed"_a, "kept_maps"_a = py::none());
     py::class_<render::FrameConfig>(native, "FrameConfig")
         .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "noise_threshold"_a,
              "region_px"_a, "film_transparent"_a, "passes"_a, "shafts"_a, "transfer_functions"_a, "reference_light"_a,

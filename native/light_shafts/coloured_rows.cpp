@@ -82,22 +82,33 @@ slope_rows::LayoutConfig sharing_memory(slope_rows::LayoutConfig layout, const O
 }
 
 std::unique_ptr<Visibility> fill_rows(const Preparation& preparation, PreparedRows prepared, std::uint32_t seed,
-                                      const FillRows& fill) {
-    slope_rows::Rows& rows = *prepared.rows;
-    const std::vector<PartialOccluderInstance> instances = relevant(rows.layout, preparation.occluders);
+                                      const std::optional<KeepAs>& keep_as, const FillRows& fill) {
+    const std::shared_ptr<const KeptCasts> kept = keep_as ? preparation.occluders.kept : nullptr;
+    /// The answer to rays, from rows that `own` only lays out so far.
+    const auto answer = [&](std::shared_ptr<slope_rows::Rows> own, const PartialShading& partial,
+                            Statistics& statistics, Statistics& to_keep) {
+        std::optional<MapCache::Key> key;
+        if (kept) {
+            key = kept->key(keep_as->kind, partial, own->layout, keep_as->resolution);
+            if (std::shared_ptr<const slope_rows::Rows> found = kept->cache().find(*key))
+                return std::make_unique<RowsVisibility>(preparation, std::move(found), std::move(to_keep));
+        }
+        std::shared_ptr<const Visibility> instead = fill(*own, partial, statistics);
+        if (key)
+            kept->cache().keep(*key, own);
+        return std::make_unique<RowsVisibility>(preparation, std::move(own), std::move(to_keep), std::move(instead));
+    };
+    const slope_rows::Layout& layout = prepared.rows->layout;
+    const std::vector<PartialOccluderInstance> instances = relevant(layout, preparation.occluders);
     PartialShading partial(instances, preparation.light, seed);
-    if (std::ranges::none_of(instances, is_coloured)) {
-        std::shared_ptr<const Visibility> instead = fill(rows, partial, prepared.statistics);
-        return std::make_unique<RowsVisibility>(preparation, std::move(rows), std::move(prepared.statistics),
-                                                std::move(instead));
-    }
+    if (std::ranges::none_of(instances, is_coloured))
+        return answer(std::move(prepared.rows), partial, prepared.statistics, prepared.statistics);
     Channels channels;
     for (std::size_t c = 0; c < 3; ++c) {
         partial.channel = static_cast<int>(c);
-        slope_rows::Rows own(rows.layout);
-        Statistics ignored; // three times the same
-        std::shared_ptr<const Visibility> instead = fill(own, partial, c == 0 ? prepared.statistics : ignored);
-        channels[c] = std::make_unique<RowsVisibility>(preparation, std::move(own), Statistics{}, std::move(instead));
+        Statistics ignored, none; // three times the same
+        channels[c] =
+            answer(std::make_shared<slope_rows::Rows>(layout), partial, c == 0 ? prepared.statistics : ignored, none);
     }
     prepared.statistics.count("slope rows: sets for coloured surfaces", 3.0);
     return std::make_unique<ColouredRows>(std::move(channels), std::move(prepared.statistics));

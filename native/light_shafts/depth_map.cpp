@@ -54,9 +54,11 @@ static std::size_t place_in_face(const DepthMapFace& face, const OccluderInstanc
     return start;
 }
 
-void raster_depth(DepthMap& map, const MapWindow& window, glm::uvec2 texels, const Occluders& occluders,
-                  const Progress& progress) {
+void lay_out_texels(DepthMap& map, const MapWindow& window, glm::uvec2 texels) {
     map.texels = std::make_unique<Rows>(layout_of(map, window, texels));
+}
+
+void raster_depth(DepthMap& map, const MapWindow& window, const Occluders& occluders, const Progress& progress) {
     if (!map.is_perspective) {
         raster(*map.texels, occluders, progress);
         return;

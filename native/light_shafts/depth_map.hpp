@@ -39,9 +39,10 @@ struct DepthMap : MapAxes {
 struct MapWindow {
     vec2 min, max;
 };
-/// Throws Cancelled.
-void raster_depth(DepthMap& map, const MapWindow& window, glm::uvec2 texels, const Occluders& occluders,
-                  const Progress& progress);
+/// Gives the map texels, without values.
+void lay_out_texels(DepthMap& map, const MapWindow& window, glm::uvec2 texels);
+/// Fills the texels of lay_out_texels. Throws Cancelled.
+void raster_depth(DepthMap& map, const MapWindow& window, const Occluders& occluders, const Progress& progress);
 /// Adds what lets a part of the light pass to the texels of raster_depth. Throws Cancelled.
 void raster_partial_depth(DepthMap& map, const MapWindow& window, const PartialShading& shading,
                           const Progress& progress);

@@ -35,6 +35,8 @@ struct View {
             .direction = camera.forward()};
 }
 
+class MapCache; // map_cache.hpp
+
 enum class Method : std::uint8_t { Exact = 0, Epipolar = 1, ShadowMap = 2 };
 
 struct Config {
@@ -56,6 +58,7 @@ struct Config {
     /// Into Scene::lights: the visibility that is told is this light's; none: the mean over all lights.
     std::optional<std::uint32_t> visibility_light = {};
     std::uint32_t seed = 0;
+    std::shared_ptr<MapCache> kept_maps = {}; ///< Maps and rows of other frames; nothing: none are kept.
 };
 
 struct Result {

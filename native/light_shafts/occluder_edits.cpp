@@ -2,6 +2,7 @@
 #include "light_shafts/occluder_edits.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/flat_filters.hpp"
+#include "light_shafts/map_cache.hpp"
 #include "light_shafts/wide_closing.hpp"
 #include <algorithm>
 #include <cmath>
@@ -35,8 +36,11 @@ OccluderEdits::OccluderEdits(const SceneDescription& scene, const Light& light, 
         group_of(instance.index).occluders.add(instance.mesh, instance.scene_from_object, instance.index);
     for (const PartialOccluderInstance& instance : occluders.partial_instances)
         group_of(instance.index).occluders.partial_instances.push_back(instance);
-    for (auto& [is_meant, group] : groups)
+    for (auto& [is_meant, group] : groups) {
+        if (occluders.kept)
+            group.occluders.kept = occluders.kept->of(scene, group.occluders);
         groups_.push_back(std::move(group));
+    }
 }
 
 bool OccluderEdits::is_empty() const {

@@ -54,6 +54,8 @@ struct PartialOccluderInstance {
     std::uint32_t index = 0; ///< Into SceneDescription::instances.
 };
 
+class KeptCasts; // map_cache.hpp
+
 struct Occluders {
     std::vector<std::unique_ptr<const OccluderMesh>> meshes;
     std::vector<OccluderInstance> instances;
@@ -61,6 +63,7 @@ struct Occluders {
     std::vector<std::unique_ptr<const TransparencyLookup>> lookups;
     std::vector<std::unique_ptr<const PartialOccluderMesh>> partial_meshes;
     std::vector<PartialOccluderInstance> partial_instances;
+    std::shared_ptr<const KeptCasts> kept; ///< What they cast in other frames; nothing: nothing is kept.
 
     [[nodiscard]] bool is_empty() const { return triangle_count == 0 && partial_instances.empty(); }
     /// `scene_from_object` must outlive this.

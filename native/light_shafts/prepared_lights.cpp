@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 #include "light_shafts/exact_strip.hpp"
 #include "light_shafts/light_shares.hpp"
+#include "light_shafts/map_cache.hpp"
 #include "light_shafts/occluder_edits.hpp"
 #include "light_shafts/occluders.hpp"
 #include "light_shafts/ray_outline.hpp"
@@ -42,6 +43,20 @@ static Config config_of_share(const Config& config, float share_of_frame, float 
         result.resolution = std::max(
             16u, static_cast<std::uint32_t>(static_cast<float>(config.resolution) * std::sqrt(share_of_light)));
     return result;
+}
+
+/// What this frame found in the cache.
+static void count_kept(const MapCache::Counts& before, const MapCache& cache, Statistics& statistics) {
+    const MapCache::Counts now = cache.counts();
+    const auto count = [&](const char* what, std::size_t MapCache::Counts::*of) {
+        if (now.*of > before.*of)
+            statistics.count(what, static_cast<double>(now.*of - before.*of));
+    };
+    count("depth map: kept", &MapCache::Counts::found_maps);
+    count("depth map: made", &MapCache::Counts::missed_maps);
+    count("slope rows: kept", &MapCache::Counts::found_rows);
+    count("slope rows: made", &MapCache::Counts::missed_rows);
+    statistics.count("kept maps: bytes", static_cast<double>(cache.bytes()));
 }
 
 void PreparedLights::prepare(const Scene& scene, const View& view, std::span<const ViewRay> clipped,
@@ -97,6 +112,8 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
     if (config.method != Method::Exact || std::ranges::any_of(lights, is_edited)) {
         occluders = gather_occluders(scene.description(), progress);
         outer_rays = outline(view.is_orthographic, clipped, progress);
+        if (config.kept_maps)
+            occluders.kept = std::make_shared<const KeptCasts>(config.kept_maps, scene.description(), occluders);
     }
     for (LightBeams& light : lights) {
         const OccluderEdits* of_light = nullptr;
@@ -108,6 +125,7 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         for (Beam& beam : light.beams)
             all_beams.push_back({&beam, 1.0f / static_cast<float>(light.beams.size()), of_light});
     }
+    const MapCache::Counts before = config.kept_maps ? config.kept_maps->counts() : MapCache::Counts{};
     progress.set_message("Light shafts: " + std::to_string(all_beams.size()) + " light samples");
     parallel_for(
         all_beams.size(), progress,
@@ -141,5 +159,7 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         statistics.append(light.beams.front().visibility->statistics()); // one tells of its light; a world has many
     }
     statistics.count("light shafts: light samples", static_cast<double>(all_beams.size()));
+    if (config.kept_maps)
+        count_kept(before, *config.kept_maps, statistics);
 }
 } // namespace tyndall::light_shafts

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/shadow_map.hpp"
+#include "core/parallel.hpp"
 #include "light_shafts/coloured_rows.hpp"
+#include "light_shafts/map_cache.hpp"
 #include "light_shafts/map_visibility.hpp"
 #include "light_shafts/occluder_edits.hpp"
 #include "light_shafts/slope_rows_visibility.hpp"
@@ -105,9 +107,17 @@ ShadowMap raster_shadow_map(const Layout& layout, const LightSample& light, std:
     if (light.is_directional)
         sun.window = sun_window(layout, sun.axes);
     return raster_faces(sun, light, [&](DepthMap& face, const MapWindow& window) {
-        raster_depth(face, window, glm::uvec2(resolution), occluders, progress);
+        lay_out_texels(face, window, glm::uvec2(resolution));
+        raster_depth(face, window, occluders, progress);
         if (partial != nullptr)
             raster_partial_depth(face, window, *partial, progress);
+    });
+}
+
+/// Of rows with the same layout: what depth maps read.
+static void copy(const Rows& from, Rows& to, const Progress& progress) {
+    parallel_blocks(from.layout.sample_count, 1 << 16, progress, [&](std::size_t begin, std::size_t end) {
+        std::copy(from.slopes.get() + begin, from.slopes.get() + end, to.slopes.get() + begin);
     });
 }
 
@@ -122,8 +132,23 @@ ShadowMap raster_filter_map(const SunPlace& place, float margin, const LightSamp
     return raster_faces(place, light, [&](DepthMap& face, MapWindow window) {
         window = {window.min - margin, window.max + margin};
         const glm::uvec2 texels = snap(window, resolution);
-        raster_depth(face, window, texels, occluders, progress);
+        lay_out_texels(face, window, texels);
+        std::optional<MapCache::Key> key;
+        if (occluders.kept) {
+            key = occluders.kept->key(light.is_directional ? CastKind::ParallelMap : CastKind::PerspectiveMap, partial,
+                                      face.texels->layout);
+            if (const std::shared_ptr<const Rows> kept = occluders.kept->cache().find(*key)) {
+                copy(*kept, *face.texels, progress);
+                return;
+            }
+        }
+        raster_depth(face, window, occluders, progress);
         raster_partial_depth(face, window, partial, progress);
+        if (key) {
+            auto kept = std::make_shared<Rows>(face.texels->layout); // filters work in place
+            copy(*face.texels, *kept, progress);
+            occluders.kept->cache().keep(*key, std::move(kept));
+        }
     });
 }
 
@@ -148,7 +173,7 @@ std::unique_ptr<Visibility> make_shadow_map_beam(const Scene& scene, const Occlu
     if (prepared.instead)
         return std::move(prepared.instead);
     return fill_rows(
-        preparation, std::move(prepared), config.seed,
+        preparation, std::move(prepared), config.seed, KeepAs{CastKind::ShadowMapRows, layout.lines},
         [&](Rows& rows, const PartialShading& partial, Statistics& statistics) -> std::shared_ptr<const Visibility> {
             ShadowMap map;
             {
@@ -182,7 +207,7 @@ std::unique_ptr<Visibility> make_edited_beam(const Scene& scene, const OccluderE
         prepared = prepare_rows(preparation, layout, "edited occluders");
     }
     return fill_rows(
-        preparation, std::move(prepared), config.seed,
+        preparation, std::move(prepared), config.seed, std::nullopt,
         [&](Rows& rows, const PartialShading& partial, Statistics& statistics) -> std::shared_ptr<const Visibility> {
             return std::make_shared<const MapVisibility>(
                 edits.fill(rows, light, layout.lines, partial, statistics, progress));

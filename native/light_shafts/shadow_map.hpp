@@ -27,7 +27,7 @@ struct SunPlace {
 [[nodiscard]] SunPlace sun_place(const slope_rows::Layout& layout, const vec3& x_axis, const vec3& y_axis);
 /// The same for filters: texels are square and stay where they are while the camera moves, and there are more of them, by
 /// `margin` on every side: metres of a sun, tangents of a lamp's face. `resolution`: along the longer side, or a little
-/// less.
+/// less. Taken from what is kept of the occluders, if that has it.
 [[nodiscard]] ShadowMap raster_filter_map(const SunPlace& place, float margin, const LightSample& light,
                                           std::uint32_t resolution, const Occluders& occluders,
                                           const Progress& progress, const PartialShading& partial);

@@ -78,8 +78,8 @@ PreparedRows prepare_rows(const Preparation& preparation, const slope_rows::Layo
     return prepared;
 }
 
-RowsVisibility::RowsVisibility(const Preparation& preparation, slope_rows::Rows rows, Statistics statistics,
-                               std::shared_ptr<const Visibility> instead)
+RowsVisibility::RowsVisibility(const Preparation& preparation, std::shared_ptr<const slope_rows::Rows> rows,
+                               Statistics statistics, std::shared_ptr<const Visibility> instead)
     : scene_(preparation.scene), light_(preparation.light), strip_(preparation.strip), rows_(std::move(rows)),
       statistics_(std::move(statistics)), other_(std::move(instead)) {}
 
@@ -96,7 +96,7 @@ void RowsVisibility::lit_intervals(std::span<const ViewRay> rays, LitRows& lit) 
     uncovered.near_epipole.clear();
     uncovered.outside.clear();
     const std::size_t first_row = lit.first.size() - 1, first_interval = lit.intervals.size();
-    row_query::lit_intervals(rows_, rays, lit, uncovered);
+    row_query::lit_intervals(*rows_, rays, lit, uncovered);
     near_epipole_count_ += uncovered.near_epipole.size();
     outside_count_ += uncovered.outside.size();
     if (uncovered.near_epipole.empty() && uncovered.outside.empty())
@@ -158,12 +158,12 @@ static void add_some(const Visibility& visibility, std::span<const std::uint32_t
 
 std::vector<std::uint32_t> RowsVisibility::coherent_order(std::span<const ViewRay> rays,
                                                           const Progress& progress) const {
-    return row_query::by_wedge(rows_.layout, rays, progress);
+    return row_query::by_wedge(rows_->layout, rays, progress);
 }
 
 void RowsVisibility::add_scattered(std::span<const ViewRay> rays, const PieceRows& pieces, std::span<Rgb> radiance,
                                    std::span<float> lit_length_m) const {
-    if (rows_.layout.frame.is_angular) {
+    if (rows_->layout.frame.is_angular) {
         Visibility::add_scattered(rays, pieces, radiance, lit_length_m);
         return;
     }
@@ -171,7 +171,7 @@ void RowsVisibility::add_scattered(std::span<const ViewRay> rays, const PieceRow
     unanswered.near_epipole.clear();
     unanswered.outside.clear();
     unanswered.steep.clear();
-    row_query::add_scattered(rows_, rays, pieces, radiance, lit_length_m, unanswered);
+    row_query::add_scattered(*rows_, rays, pieces, radiance, lit_length_m, unanswered);
     near_epipole_count_ += unanswered.near_epipole.size();
     outside_count_ += unanswered.outside.size();
     for (const auto* indices : {&unanswered.near_epipole, &unanswered.outside})

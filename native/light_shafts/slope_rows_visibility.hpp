@@ -23,7 +23,7 @@ class RowsVisibility final : public Visibility {
 public:
     /// `scene` must outlive this. Rays that rows cannot answer go to `instead`; without it, to the exact strip, which is
     /// built when the first of them comes.
-    RowsVisibility(const Preparation& preparation, slope_rows::Rows rows, Statistics statistics,
+    RowsVisibility(const Preparation& preparation, std::shared_ptr<const slope_rows::Rows> rows, Statistics statistics,
                    std::shared_ptr<const Visibility> instead = nullptr);
     void lit_intervals(std::span<const ViewRay> rays, LitRows& lit) const override;
     void add_scattered(std::span<const ViewRay> rays, const PieceRows& pieces, std::span<Rgb> radiance,
@@ -31,7 +31,7 @@ public:
     [[nodiscard]] std::vector<std::uint32_t> coherent_order(std::span<const ViewRay> rays,
                                                             const Progress& progress) const override;
     [[nodiscard]] const Statistics& statistics() const override { return statistics_; }
-    [[nodiscard]] const slope_rows::Rows& rows() const { return rows_; }
+    [[nodiscard]] const slope_rows::Rows& rows() const { return *rows_; }
     /// Rays that rows could not answer so far: too close to the epipole, or beyond the prepared rows.
     [[nodiscard]] std::size_t near_epipole_count() const { return near_epipole_count_; }
     [[nodiscard]] std::size_t outside_count() const { return outside_count_; }
@@ -42,7 +42,7 @@ private:
     const Scene& scene_;
     LightSample light_;
     std::shared_ptr<const StripOnDemand> strip_;
-    slope_rows::Rows rows_;
+    std::shared_ptr<const slope_rows::Rows> rows_;
     Statistics statistics_;
     mutable std::once_flag other_once_;
     mutable std::shared_ptr<const Visibility> other_;

@@ -88,9 +88,15 @@ class Session:
     Not for two threads at once; ``progress.cancel()`` may come from any thread.
     """
 
-    def __init__(self, *, kept_pictures: int = 0) -> None:
-        """``kept_pictures``: how many of the last are kept, so that changed transfer functions need no rays."""
+    def __init__(self, *, kept_pictures: int = 0, kept_maps_bytes: int = 0) -> None:
+        """Keep nothing from picture to picture but the scene, or more of it.
+
+        ``kept_pictures``: how many of the last are kept, so that changed transfer functions need no rays.
+        ``kept_maps_bytes``: of lights' depth maps before their edits, and of slope rows, so that a changed edit costs
+        its filters and its noise. Pictures are the same, bit for bit.
+        """
         self._unstyled = UnstyledPictures(kept_pictures)
+        self._kept_maps = _native.MapCache(kept_maps_bytes) if kept_maps_bytes > 0 else None
         self._parts = NativeParts()
         self._function_textures: dict[str, _native.Texture] = {}
         self._scene: _native.Scene | None = None
@@ -217,7 +223,7 @@ class Session:
             region_px=config.region_px,
             film_transparent=config.film_transparent,
             passes=sorted(config.passes),
-            shafts=native_shafts(config.shafts),
+            shafts=native_shafts(config.shafts, self._kept_maps),
             transfer_functions=functions,
             reference_light=reference_light,
             keeps_unstyled=keeps_unstyled,
@@ -285,6 +291,7 @@ def _native_camera(camera: Camera, origin_in_world: NDArray[np.float64]) -> _nat
     )
 
 
-def native_shafts(config: ShaftConfig) -> _native.ShaftConfig:
+def native_shafts(config: ShaftConfig, kept_maps: _native.MapCache | None = None) -> _native.ShaftConfig:
     """Raises ``InvalidInput`` for a method that does not exist."""
-    return _native.ShaftConfig(**asdict(config) | {"method": _index(METHODS, config.method, "shafts.method")})
+    method = _index(METHODS, config.method, "shafts.method")
+    return _native.ShaftConfig(**asdict(config) | {"method": method}, kept_maps=kept_maps)

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/map_cache.hpp"
+#include <algorithm>
+#include <optional>
+
+namespace tyndall::light_shafts {
+using slope_rows::Layout;
+using slope_rows::Rows;
+
+/// One to one. Based on: Stafford's variant 13 of the finaliser of MurmurHash3, as in SplitMix64.
+static std::uint64_t mixed(std::uint64_t x) {
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+}
+
+void ContentDigest::feed_word(std::uint64_t word) {
+    first_ = mixed((first_ + 0x9e3779b97f4a7c15u) ^ word);
+    second_ = mixed((second_ + 0xd1342543de82ef95u) ^ std::rotl(word, 32));
+}
+void ContentDigest::feed(const vec3& values) {
+    for (int c = 0; c < 3; ++c)
+        feed(values[c]);
+}
+
+bool NamedParts::operator==(const NamedParts& other) const {
+    return std::ranges::equal(parts_, other.parts_,
+                              [](const auto& a, const auto& b) { return !a.owner_before(b) && !b.owner_before(a); });
+}
+
+static bool is_map(CastKind kind) { return kind == CastKind::ParallelMap || kind == CastKind::PerspectiveMap; }
+
+std::shared_ptr<const Rows> MapCache::find(const Key& key) {
+    const std::lock_guard lock(mutex_);
+    const auto found = entry_of_.find(key.digest);
+    // The same address, but another object: the one before is gone.
+    const bool is_kept = found != entry_of_.end() && *found->second->key.parts == *key.parts;
+    ++(is_map(key.kind) ? (is_kept ? counts_.found_maps : counts_.missed_maps)
+                        : (is_kept ? counts_.found_rows : counts_.missed_rows));
+    if (!is_kept)
+        return nullptr;
+    entries_.splice(entries_.begin(), entries_, found->second);
+    return found->second->rows;
+}
+
+static std::size_t bytes_of(const Layout& layout) {
+    return layout.rows.size() * sizeof(slope_rows::RowExtent) + layout.slice_directions.size() * sizeof(vec2) +
+           (layout.x_at_centre.size() + layout.x_at_edge.size()) * sizeof(float);
+}
+
+void MapCache::keep(const Key& key, std::shared_ptr<const Rows> rows) {
+    const std::size_t bytes = sizeof(Entry) + key.parts->bytes() + rows->bytes() + bytes_of(rows->layout);
+    const std::lock_guard lock(mutex_);
+    if (const auto old = entry_of_.find(key.digest); old != entry_of_.end())
+        remove(old->second);
+    if (bytes > capacity_bytes_)
+        return;
+    while (bytes_ + bytes > capacity_bytes_)
+        remove(std::prev(entries_.end()));
+    entries_.push_front({key, std::move(rows), bytes});
+    entry_of_[key.digest] = entries_.begin();
+    bytes_ += bytes;
+}
+
+void MapCache::remove(std::list<Entry>::iterator entry) {
+    bytes_ -= entry->bytes;
+    entry_of_.erase(entry->key.digest);
+    entries_.erase(entry);
+}
+
+std::size_t MapCache::bytes() const {
+    const std::lock_guard lock(mutex_);
+    return bytes_;
+}
+
+MapCache::Counts MapCache::counts() const {
+    const std::lock_guard lock(mutex_);
+    return counts_;
+}
+
+namespace {
+/// Feeds what rows can tell of a scene's occluders.
+class OccluderFeed {
+public:
+    OccluderFeed(const SceneDescription& scene, ContentDigest& digest, NamedParts& parts)
+        : scene_(scene), digest_(digest), parts_(parts), occlusions_(scene.materials.size()),
+          has_mesh_(scene.meshes.size()) {}
+
+    /// A coloured or cut-out surface draws by the number of its instance, too.
+    void feed(std::uint32_t index, bool is_partial) {
+        const Instance& instance = scene_.instances[index];
+        const std::shared_ptr<const TriangleMesh>& mesh = scene_.meshes[instance.mesh_index];
+        digest_.feed(std::bit_cast<std::uintptr_t>(mesh.get()));
+        if (!has_mesh_[instance.mesh_index])
+            parts_.add(mesh);
+        has_mesh_[instance.mesh_index] = true;
+        for (int column = 0; column < 4; ++column)
+            digest_.feed(vec3(instance.world_from_object[column]));
+        digest_.feed(is_partial ? std::uint64_t{index} + 1 : 0);
+        digest_.feed(instance.slot_count);
+        for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot)
+            feed_material(scene_.slot_materials[instance.first_slot_material + slot]);
+    }
+
+private:
+    void feed_material(std::uint32_t index) {
+        std::optional<Occlusion>& occlusion = occlusions_[index];
+        if (!occlusion)
+            occlusion = occlusion_of(scene_.materials[index]);
+        digest_.feed(static_cast<std::uint64_t>(*occlusion));
+        if (*occlusion == Occlusion::Partial)
+            feed_transparency(scene_.materials[index]);
+    }
+    void feed_transparency(const Material& material) {
+        digest_.feed(material.constant.transparent);
+        digest_.feed(material.transparent_register);
+        digest_.feed(material.program.size());
+        for (const SurfaceOp& op : material.program) {
+            for (const auto number :
+                 {static_cast<std::uint16_t>(op.code), op.out, op.a, op.b, op.c, op.texture, op.texture_uv})
+                digest_.feed(number);
+            digest_.feed(op.value);
+            for (int column = 0; column < 3; ++column)
+                digest_.feed(op.uv_matrix[column]);
+        }
+        digest_.feed(material.textures.size());
+        for (const std::shared_ptr<const Texture>& texture : material.textures) {
+            digest_.feed(std::bit_cast<std::uintptr_t>(texture.get()));
+            parts_.add(texture);
+        }
+        for (const std::string& name : material.uv_map_names) {
+            digest_.feed(name.size());
+            for (const char letter : name)
+                digest_.feed(letter);
+        }
+    }
+
+    const SceneDescription& scene_;
+    ContentDigest& digest_;
+    NamedParts& parts_;
+    std::vector<std::optional<Occlusion>> occlusions_; ///< Per material, once it was asked for.
+    std::vector<bool> has_mesh_;                       ///< Per mesh: it is among the parts.
+};
+
+void feed(ContentDigest& digest, const slope_rows::Linear& linear) {
+    digest.feed({linear.at_origin, linear.per_axial, linear.per_radial});
+}
+
+void feed(ContentDigest& digest, const Layout& layout) {
+    const slope_rows::Frame& frame = layout.frame;
+    for (const vec3& axis : {frame.origin, frame.axis, frame.u, frame.v})
+        digest.feed(axis);
+    for (const bool flag : {frame.is_parallel, frame.is_angular, frame.is_orthographic})
+        digest.feed(flag);
+    digest.feed(frame.angle_scale);
+    feed(digest, frame.x);
+    feed(digest, frame.y);
+    feed(digest, frame.w);
+    for (const float number : {layout.first_slice, layout.slice_step, layout.first_line, layout.line_step,
+                               layout.smallest_radius, layout.smallest_radius_cut})
+        digest.feed(number);
+    digest.feed(layout.slices_per_turn);
+    digest.feed(layout.line_count);
+    digest.feed(layout.rows.size());
+    for (const slope_rows::RowExtent& row : layout.rows) {
+        digest.feed(std::uint64_t{static_cast<std::uint32_t>(row.first)} << 32 | static_cast<std::uint32_t>(row.end));
+        digest.feed(row.smallest_slope);
+    }
+}
+
+void feed(ContentDigest& digest, const LightSample& light) {
+    digest.feed(light.is_directional);
+    digest.feed(light.is_directional ? light.towards_light : light.position);
+    if (light.spot == nullptr)
+        return;
+    digest.feed(light.spot->spot_axis); // of its one face
+    digest.feed(light.spot->spot_half_angle_rad);
+    for (int column = 0; column < 3; ++column)
+        digest.feed(light.spot->light_from_world_directions[column]);
+}
+} // namespace
+
+KeptCasts::KeptCasts(std::shared_ptr<MapCache> cache, const SceneDescription& scene, const Occluders& occluders)
+    : cache_(std::move(cache)), draws_(!occluders.partial_instances.empty()) {
+    const auto parts = std::make_shared<NamedParts>();
+    OccluderFeed feed(scene, digest_, *parts);
+    for (const OccluderInstance& instance : occluders.instances)
+        feed.feed(instance.index, false);
+    for (const PartialOccluderInstance& instance : occluders.partial_instances)
+        feed.feed(instance.index, true);
+    parts_ = parts;
+}
+
+std::shared_ptr<const KeptCasts> KeptCasts::of(const SceneDescription& scene, const Occluders& some) const {
+    return std::make_shared<const KeptCasts>(cache_, scene, some);
+}
+
+MapCache::Key KeptCasts::key(CastKind kind, const PartialShading& partial, const Layout& layout,
+                             std::uint32_t resolution) const {
+    MapCache::Key key{.digest = digest_, .parts = parts_, .kind = kind};
+    key.digest.feed(static_cast<std::uint64_t>(kind));
+    key.digest.feed(resolution);
+    feed(key.digest, partial.light);
+    feed(key.digest, layout);
+    if (draws_) {
+        key.digest.feed(partial.seed);
+        key.digest.feed(static_cast<std::uint64_t>(partial.channel));
+    }
+    return key;
+}
+} // namespace tyndall::light_shafts

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What occluders cast, kept from frame to frame: depth maps as they are before any edit, and the slope rows of lights
+// without edits. An animated edit then costs its filters and its noise, and no triangle is rastered again.
+// Differs:  nothing is told by names or by what was changed. All that rows depend on is their key: the meshes, where they
+//           stand, what their materials let pass, the light, and the rows' own layout. So pictures have the same bits with
+//           and without a cache, whatever was rendered before.
+// Bound:    as many bytes as it is given; rows that nobody asked for longest leave first. A key takes some 0.1 us per
+//           instance and 10 ns per row.
+#pragma once
+#include "light_shafts/partial_surface.hpp"
+#include "light_shafts/slope_rows.hpp"
+#include <bit>
+#include <concepts>
+#include <cstdint>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+
+namespace tyndall::light_shafts {
+/// 128 bits of whatever was fed: two different contents are taken for the same once in 2^64 pairs of 2^64.
+class ContentDigest {
+public:
+    void feed(std::integral auto number) { feed_word(static_cast<std::uint64_t>(number)); }
+    void feed(float value) { feed_word(std::bit_cast<std::uint32_t>(value)); }
+    void feed(const vec3& values);
+    auto operator<=>(const ContentDigest&) const = default;
+
+private:
+    void feed_word(std::uint64_t word);
+
+    std::uint64_t first_ = 0x243f6a8885a308d3u, second_ = 0x13198a2e03707344u; // digits of pi
+};
+
+/// Shared objects that a content names, in the order in which it does. Their addresses are part of its digest; these tell
+/// whether it is still the same objects that live there.
+class NamedParts {
+public:
+    void add(const std::shared_ptr<const void>& part) { parts_.push_back(part); }
+    [[nodiscard]] bool operator==(const NamedParts& other) const;
+    [[nodiscard]] std::size_t bytes() const { return sizeof(std::weak_ptr<const void>) * parts_.size(); }
+
+private:
+    std::vector<std::weak_ptr<const void>> parts_;
+};
+
+/// What some rows are of.
+enum class CastKind : std::uint8_t {
+    ParallelMap = 0,    ///< A sun's depth map.
+    PerspectiveMap = 1, ///< A face of a lamp's.
+    EpipolarRows = 2,
+    ShadowMapRows = 3, ///< Slope rows that a depth map was rectified to.
+};
+
+/// Safe from any thread.
+class MapCache {
+public:
+    explicit MapCache(std::size_t capacity_bytes) : capacity_bytes_(capacity_bytes) {}
+
+    struct Key {
+        ContentDigest digest;
+        std::shared_ptr<const NamedParts> parts;
+        CastKind kind;
+    };
+    /// Nothing where no such rows are kept.
+    [[nodiscard]] std::shared_ptr<const slope_rows::Rows> find(const Key& key);
+    /// Rows larger than the capacity are not kept.
+    void keep(const Key& key, std::shared_ptr<const slope_rows::Rows> rows);
+
+    [[nodiscard]] std::size_t bytes() const;
+    /// Of depth maps and of slope rows since the cache was made: those that were found, and those that were not.
+    struct Counts {
+        std::size_t found_maps = 0, missed_maps = 0, found_rows = 0, missed_rows = 0;
+    };
+    [[nodiscard]] Counts counts() const;
+
+private:
+    struct Entry {
+        Key key;
+        std::shared_ptr<const slope_rows::Rows> rows;
+        std::size_t bytes;
+    };
+    void remove(std::list<Entry>::iterator entry);
+
+    std::size_t capacity_bytes_;
+    mutable std::mutex mutex_;
+    std::list<Entry> entries_; ///< Those last asked for come first.
+    std::map<ContentDigest, std::list<Entry>::iterator> entry_of_;
+    std::size_t bytes_ = 0;
+    Counts counts_;
+};
+
+/// The cache, for those who ask about one set of occluders.
+class KeptCasts {
+public:
+    KeptCasts(std::shared_ptr<MapCache> cache, const SceneDescription& scene, const Occluders& occluders);
+    /// For some of the occluders.
+    [[nodiscard]] std::shared_ptr<const KeptCasts> of(const SceneDescription& scene, const Occluders& some) const;
+
+    [[nodiscard]] MapCache& cache() const { return *cache_; }
+    /// `resolution`: of what lies behind the rows, where their layout does not tell.
+    [[nodiscard]] MapCache::Key key(CastKind kind, const PartialShading& partial, const slope_rows::Layout& layout,
+                                    std::uint32_t resolution = 0) const;
+
+private:
+    std::shared_ptr<MapCache> cache_;
+    ContentDigest digest_;
+    std::shared_ptr<const NamedParts> parts_;
+    bool draws_; ///< Something lets a part of the light pass: seeds matter.
+};
+} // namespace tyndall::light_shafts
