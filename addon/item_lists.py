@@ -122,11 +122,11 @@ class ItemList:
         place = by_turn.index(self.active)
         rest = by_turn[:place] + by_turn[place + 1 :]
         self._number(rest)
-        neighbour = rest[min(place, len(rest) - 1)].name if rest else ""
         index = self.active_index
+        neighbour = list(self.items).index(rest[min(place, len(rest) - 1)]) if rest else 0
         forget_item(self.owner, self.holder.path_from_id(self._name), index)
         self.items.remove(index)
-        self.activate(max(self.items.find(neighbour), 0))
+        self.activate(neighbour - (neighbour > index))
 
     def is_of_library(self, item: PropertyGroup) -> bool:
         """Whether an override has it from its library: such items cannot be removed, only switched off."""

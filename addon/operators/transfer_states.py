@@ -74,7 +74,7 @@ class TYNDALL_OT_transfer_state_key(_StateOperator, Operator):
             make_room(scene, place)
             states.insert(place, "State").function = copy_function(function) if function is not None else None
         else:
-            states.activate(states.items.find(in_order(states.items)[place].name))
+            states.activate(list(states.items).index(in_order(states.items)[place]))
         if existing is None:
             shafts.transfer_state = place
             shafts.keyframe_insert("transfer_state", frame=frame)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from bpy.types import Context, Menu, NodeTree, Panel, UILayout, UIList
 
 from ..function_trees import active_state, edited_function, ramp_of
-from ..item_lists import having_a_say, places
+from ..item_lists import having_a_say, in_order, places
 from ..properties.light_shafts import TyndallLightShaftSettings
 from ..properties.transfer_functions import (
     AXIS_NAMES,
@@ -36,7 +36,8 @@ class TYNDALL_UL_transfer_states(UIList):
         active_data: object,
         active_property: str,
     ) -> None:
-        share = dict(shares(data.transfer_state, len(data.transfer_states))).get(item.order, 0.0)
+        place = in_order(data.transfer_states).index(item)
+        share = dict(shares(data.transfer_state, len(data.transfer_states))).get(place, 0.0)
         row = layout.row(align=True)
         row.active = share > 0.0
         if item.function is None:
@@ -158,17 +159,14 @@ def _draw_axis(layout: UILayout, axis: ParameterAxis, label: str) -> None:
     column = layout.column(align=True)
     column.label(text=label)
     column.prop(axis, "axis", text="")
-    if axis.axis == "AVERAGE_VISIBILITY":
-        column.prop(axis, "fits_range")
-        if not axis.fits_range:
-            column.prop(axis, "full_visibility")
-    elif axis.axis in RANGED_AXES:
-        column.prop(axis, "fits_range")
-        if not axis.fits_range:
-            column.prop(axis, "low_m")
-            column.prop(axis, "high_m")
-    elif axis.axis == "MASK":
+    if axis.axis == "MASK":
         column.template_ID(axis, "mask", new="image.new", open="image.open")
+        return
+    ends = {"AVERAGE_VISIBILITY": ("full_visibility",), **dict.fromkeys(RANGED_AXES, ("low_m", "high_m"))}
+    if axis.axis in ends:
+        column.prop(axis, "fits_range")
+        for name in () if axis.fits_range else ends[axis.axis]:
+            column.prop(axis, name)
 
 
 def _draw_layers(layout: UILayout, context: Context, function: TyndallTransferFunction) -> None:

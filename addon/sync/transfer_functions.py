@@ -7,7 +7,7 @@ What cannot be used as it is meant is left out, with one report that names funct
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tyndall.transfer_functions import (
     Axis,
@@ -137,14 +137,12 @@ class FunctionReader:
         return self._images.read(image, self._reports, culprit)
 
     def _layers(self, tree: bpy.types.NodeTree) -> tuple[Layer, ...]:
-        originals = tree.tyndall.layers
+        original_of = _originals(tree.evaluated_get(self._depsgraph).tyndall.layers, tree.tyndall.layers)
         layers = []
-        for layer in having_a_say(tree.evaluated_get(self._depsgraph).tyndall.layers):
-            if layer.name not in originals:  # a script has removed it, and tagged nothing
-                continue
+        for layer in having_a_say(original_of):
             culprit = f'{_culprit(tree)}, layer "{layer.name}"'
             try:
-                layers.append(self._layer(layer, originals[layer.name], culprit))
+                layers.append(self._layer(layer, original_of[layer], culprit))
             except _CannotBeUsed as reason:
                 self._reports.add(culprit, f"left out: {reason}")
         return tuple(layers)
@@ -159,11 +157,8 @@ class FunctionReader:
         elif layer.kind == "DIFFUSION":
             if not original.constraints:
                 raise _CannotBeUsed("it has no constraints")
-            constraints = tuple(
-                self._constraint(constraint, original.constraints[constraint.name], culprit)
-                for constraint in layer.constraints
-                if constraint.name in original.constraints
-            )
+            original_of = _originals(layer.constraints, original.constraints)
+            constraints = tuple(self._constraint(*pair, culprit) for pair in original_of.items())
         return Layer(
             name=layer.name,
             kind=LayerKind[layer.kind],
@@ -207,6 +202,13 @@ class FunctionReader:
                 f'object "{thing.name}" has other triangles than when it was picked: followed by its place',
             )
         return followed.world_point
+
+
+def _originals(evaluated: Any, originals: Any) -> dict[Any, Any]:  # noqa: ANN401  collections of one type
+    """Of each evaluated item; by name, where a script has added some or removed them and tagged nothing."""
+    if len(evaluated) == len(originals):
+        return dict(zip(evaluated, originals, strict=True))
+    return {item: originals[item.name] for item in evaluated if item.name in originals}
 
 
 def _culprit(tree: bpy.types.NodeTree) -> str:

@@ -126,6 +126,36 @@ def test_layers_are_sent_from_bottom_to_top_without_those_that_are_off(function:
     assert [layer.name for layer in sent().layers] == ["Solid"]
 
 
+def test_a_script_need_not_name_what_it_adds(function: bpy.types.NodeTree) -> None:
+    """Layers, constraints and states without names and turns: as they were added."""
+    for colour in ((1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0)):
+        function.tyndall.layers.add().colour = colour
+    layer = function.tyndall.layers.add()
+    layer.kind = "DIFFUSION"
+    for place in (0.25, 0.75):
+        layer.constraints.add().position = (place, place)
+    function.update_tag()
+    first, second, third = sent().layers
+    assert (first.colour, second.colour) == ((1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0))
+    assert [constraint.position for constraint in third.constraints] == [(0.25, 0.25), (0.75, 0.75)]
+    for _ in range(2):
+        shafts().transfer_states.add().function = function
+    shafts().transfer_state = 1.5
+    assert weights() == {"Transfer Function": 1.0}
+    assert len([line for line in drawn(panels.TYNDALL_PT_transfer_states) if line == "50%"]) == 2
+    shafts().active_transfer_state = 1
+    bpy.ops.tyndall.transfer_state_remove()
+    assert len(shafts().transfer_states) == 2
+
+
+def test_a_layer_that_a_script_removes_is_gone_at_once(function: bpy.types.NodeTree) -> None:
+    """Although that tags nothing, and the evaluated function still has it."""
+    add_layers("SOLID", "SOLID")
+    bpy.context.view_layer.update()
+    function.tyndall.layers.remove(0)
+    assert [layer.name for layer in sent().layers] == ["Solid.001"]
+
+
 def test_a_function_that_changes_nothing_is_not_sent(function: bpy.types.NodeTree) -> None:
     """No layers, all off, mix 0, switched off: the render takes no notice, and costs nothing."""
     assert read() == ((), ())
