@@ -10,6 +10,7 @@ import colorsys
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import bpy
@@ -41,12 +42,17 @@ def colour(preset: str) -> None:
     bpy.ops.tyndall.transfer_function_preset(preset=preset)
 
 
-def sunrise(state: float) -> None:
-    """Recolour by what lies between the whole functions of night, dawn and sunrise."""
-    for preset in ("MOONLIT", "PASTEL_DAWN", "SUNRISE"):
-        bpy.ops.tyndall.transfer_state_add()
-        colour(preset)
-    bpy.context.scene.tyndall.shafts.transfer_state = state
+def show_frame(frame: int) -> None:
+    """Go to a frame of an animated example."""
+    bpy.context.scene.frame_set(frame)
+
+
+def alarm_at_dawn() -> None:
+    """Give the terrain, which has functions of its own, the one of the other scenes."""
+    scene = bpy.context.scene
+    scene.tyndall.shafts.transfer_states.clear()
+    colour("ALARM")
+    scene.frame_set(25)
 
 
 def stained_glass(size_px: int = 512, pane_count: int = 60) -> bpy.types.Image:
@@ -127,9 +133,11 @@ PICTURES = (
     Picture("colour_forest_alarm", "forest_clearing", lambda: colour("ALARM")),
     Picture("gobo_hall_glass", "window_hall", lambda: throw_glass(5.0)),
     Picture("fit_hall", "window_hall", paint_shafts),
-    Picture("colour_sunrise_0", "forest_clearing", lambda: sunrise(0.0)),
-    Picture("colour_sunrise_1", "forest_clearing", lambda: sunrise(1.0)),
-    Picture("colour_sunrise_2", "forest_clearing", lambda: sunrise(1.6)),
+    Picture("colour_terrain_alarm", "terrain_sunrise", alarm_at_dawn),
+    *(
+        Picture(f"colour_sunrise_{frame}", "terrain_sunrise", partial(show_frame, frame))
+        for frame in (1, 25, 50, 75, 100)
+    ),
 )
 
 

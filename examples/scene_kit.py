@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the three example scenes share: shapes, plain materials, lights, a fog box, a camera, and saving.
+"""What the example scenes share: shapes, plain materials, lights, a fog box, a camera, and saving.
 
 Runs in Blender 3.4, so that the files open in every later version. Materials are Diffuse and Emission: what Cycles
 shows of them with direct light only is exactly Lambert's law in every version (the Principled node's diffuse lobe
