@@ -74,11 +74,30 @@ def stained_glass(size_px: int = 512, pane_count: int = 60) -> bpy.types.Image:
     return image
 
 
+def breakup(size_px: int = 512) -> bpy.types.Image:
+    """Blades of light that turn around the middle, as a sheet of metal throws them."""
+    y, x = np.mgrid[0:size_px, 0:size_px] / size_px * 2.0 - 1.0
+    radius, angle = np.hypot(x, y), np.arctan2(y, x)
+    is_open = (np.sin(7.0 * angle + 5.0 * radius) > 0.15) & (radius > 0.12) & (radius < 0.95)
+    pixels = np.ones((size_px, size_px, 4), np.float32)
+    pixels[..., :3] = is_open[..., None]
+    image = bpy.data.images.new("Breakup", size_px, size_px)
+    image.pixels.foreach_set(pixels.ravel())
+    return image
+
+
+def throw_blades() -> None:
+    """Put the same gobo into every spot."""
+    image = breakup()
+    for thing in bpy.context.scene.objects:
+        if thing.type == "LIGHT" and thing.data.type == "SPOT":
+            thing.data.tyndall.gobo_image = image
+
+
 def throw_glass(size_m: float) -> None:
     """Have the sun throw panes of stained glass."""
     settings = sun().tyndall
     settings.gobo_image, settings.gobo_size_m, settings.gobo_extension = stained_glass(), size_m, "REPEAT"
-    settings.gobo_strength = 2.5  # glass takes more than half of the light
 
 
 #: Strokes over the hall: middle and radius, as shares of the frame's width from its lower left corner, and a colour.
@@ -132,6 +151,8 @@ PICTURES = (
     Picture("colour_hall_alarm", "window_hall", lambda: colour("ALARM")),
     Picture("colour_forest_alarm", "forest_clearing", lambda: colour("ALARM")),
     Picture("gobo_hall_glass", "window_hall", lambda: throw_glass(5.0)),
+    Picture("gobo_stage_before", "stage_spots"),
+    Picture("gobo_stage", "stage_spots", throw_blades),
     Picture("fit_hall", "window_hall", paint_shafts),
     Picture("colour_terrain_alarm", "terrain_sunrise", alarm_at_dawn),
     *(
