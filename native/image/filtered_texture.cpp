@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "image/filtered_texture.hpp"
+#include "image/srgb.hpp"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -51,7 +52,12 @@ Texture halved(const Texture& fine) {
 }
 } // namespace
 
-FilteredTexture::FilteredTexture(std::shared_ptr<const Texture> texture) : texture_(std::move(texture)) {
+FilteredTexture::FilteredTexture(std::shared_ptr<const Texture> texture)
+    : texture_(std::move(texture)), unpacked_(*texture_), is_encoded_(texture_->is_srgb && texture_->floats.empty()) {
+    unpacked_.floats.reserve(std::max(unpacked_.floats.size(), unpacked_.bytes.size()));
+    for (const std::uint8_t byte : unpacked_.bytes)
+        unpacked_.floats.push_back(static_cast<float>(byte) / 255.0f);
+    unpacked_.bytes.clear();
     const Texture* fine = texture_.get();
     while (fine->width > 1 || fine->height > 1) {
         Texture coarse = halved(*fine);
@@ -60,7 +66,11 @@ FilteredTexture::FilteredTexture(std::shared_ptr<const Texture> texture) : textu
 }
 
 vec3 FilteredTexture::at_level(vec2 uv, std::size_t level) const {
-    return vec3(level == 0 ? texture_->lookup(uv) : levels_[level - 1].lookup(uv));
+    if (level > 0)
+        return vec3(levels_[level - 1].lookup(uv));
+    const vec3 colour(unpacked_.lookup(uv));
+    return is_encoded_ ? vec3(linear_from_srgb(colour.x), linear_from_srgb(colour.y), linear_from_srgb(colour.z))
+                       : colour;
 }
 
 vec3 FilteredTexture::lookup(vec2 uv, float texels) const {

@@ -3,7 +3,7 @@
 // Based on: Williams, Pyramidal Parametrics, SIGGRAPH 1983.
 // Differs:  a level has half of the texels, rounded down, each the exact mean of the area that it covers: no size needs to
 //           be a power of two, and every level has the mean of the whole image. Means are of linear colours.
-// Bound:    16/3 bytes per texel; built by one pass over the texels.
+// Bound:    21 bytes per texel; built by two passes over the texels.
 #pragma once
 #include "image/texture.hpp"
 #include <memory>
@@ -24,6 +24,8 @@ private:
     [[nodiscard]] vec3 at_level(vec2 uv, std::size_t level) const;
 
     std::shared_ptr<const Texture> texture_;
+    Texture unpacked_;            ///< The same, still encoded, in floats: a look-up takes half of the time.
+    bool is_encoded_;             ///< What it gives is sRGB.
     std::vector<Texture> levels_; ///< From half the size down to a texel.
 };
 } // namespace tyndall

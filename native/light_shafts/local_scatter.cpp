@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/local_scatter.hpp"
 #include "light_shafts/local_scatter_kernel.hpp"
-#include "scene/light_texture.hpp"
+#include "light_shafts/picture_along_ray.hpp"
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace tyndall::light_shafts {
 /// Of a smooth piece before a textured light: two per texel, for interpolation bends at each. Where more texels lie there,
 /// parts are longer and read means.
-static constexpr float fewest_texture_parts = 8.0f, most_texture_parts = 64.0f;
+static constexpr float fewest_texture_parts = 6.0f, most_texture_parts = 32.0f;
 
 LocalScatter::LocalScatter(const Media& media, const LightSample& light, bool attenuates_light)
     : light_(light), shape_(light), boundaries_(media, light.position), attenuates_light_(attenuates_light) {
@@ -34,6 +35,9 @@ public:
                std::span<Rgb> unshadowed) {
         light_ = &light, rays_ = &rays, support_ = &support, radiance_ = radiance, unshadowed_ = unshadowed;
         pieces_.clear();
+        picture_.reset();
+        if (light.light_.textured != nullptr)
+            picture_.emplace(*light.light_.textured, light.light_.position);
     }
     /// The lit parts of one ray, near to far.
     void add(std::size_t ray, std::span<const LitInterval> lit);
@@ -65,6 +69,7 @@ private:
     double light_x_ = 0.0;
     std::vector<double> splits_; ///< As distances from the light's foot, ascending.
     std::vector<LocalCrossing> crossings_;
+    std::optional<PictureAlongRay> picture_; ///< Of a textured light.
     LocalPieces pieces_;
     std::array<Target, LocalPieces::capacity> targets_;
 };
@@ -90,6 +95,10 @@ void LocalScatter::Batch::prepare_splits() {
 
 void LocalScatter::Batch::add(std::size_t ray, std::span<const LitInterval> lit) {
     ray_ = ray, light_x_ = distance(LocalSupport::LightX);
+    if (picture_) {
+        const ViewRay& own = rays_->ray(ray);
+        picture_->begin_ray(vec3(dvec3(own.origin) + light_x_ * dvec3(own.direction)), own.direction);
+    }
     prepare_splits();
     if (unshadowed_.empty()) {
         cut(lit, {.as_lit = true, .as_unshadowed = false});
@@ -154,32 +163,29 @@ void LocalScatter::Batch::append(const LocalRays::Segment& segment, double x0, d
 /// before any loss is the same.
 void LocalScatter::Batch::append_textured(const LocalRays::Segment& segment, double x0, double x1,
                                           const Target& target) {
-    const Light& light = *light_->light_.textured;
-    const ViewRay& ray = rays_->ray(ray_);
-    const double light_y = distance(LocalSupport::LightY);
-    const double begin_rad = std::atan2(x0, light_y), end_rad = std::atan2(x1, light_y);
-    const auto x_at = [&](double share) {
-        return std::clamp(light_y * std::tan(std::lerp(begin_rad, end_rad, share)), x0, x1);
-    };
-    const auto uv_at = [&](double share) {
-        const auto at_m = static_cast<float>(light_x_ + x_at(share));
-        return texture_uv(light, light_->light_.position, ray.origin + at_m * ray.direction);
-    };
-    const vec2 size = light.texture->image->size();
-    const auto texels_between = [&](double from, double to) { return glm::length((uv_at(to) - uv_at(from)) * size); };
-    const float texels = texels_between(0.0, 0.5) + texels_between(0.5, 1.0);
-    const double count = std::ceil(std::clamp(2.0f * texels, fewest_texture_parts, most_texture_parts));
-    double from = x0;
-    for (double part = 0.0; part < count; ++part) {
-        const double to = part + 1.0 < count ? x_at((part + 1.0) / count) : x1;
-        const float width = texels / static_cast<float>(count);
-        // Gauss's two points: what linear interpolation makes along the part is nearly a square.
-        constexpr double gauss = 0.21132486540518713;
-        const Rgb colour = 0.5f * (light.texture->colour(uv_at((part + gauss) / count), width) +
-                                   light.texture->colour(uv_at((part + 1.0 - gauss) / count), width));
+    const auto y = static_cast<float>(distance(LocalSupport::LightY));
+    const auto first = static_cast<float>(x0), last = static_cast<float>(x1);
+    const auto turned = [&](float x, float tangent) { return y * (x + y * tangent) / (y - x * tangent); };
+    const float angle_rad = std::atan2(y * (last - first), y * y + first * last);
+    const LightTexture& texture = picture_->texture();
+    const vec2 size = texture.image->size(), middle = picture_->uv(turned(first, std::tan(0.5f * angle_rad)));
+    const float texels =
+        glm::length((middle - picture_->uv(first)) * size) + glm::length((picture_->uv(last) - middle) * size);
+    const float count = std::ceil(std::clamp(2.0f * texels, fewest_texture_parts, most_texture_parts));
+    // Gauss's two points: what linear interpolation makes along a part is nearly a square.
+    constexpr float gauss = 0.211324865f;
+    const float part_rad = angle_rad / count, width = 0.5f * texels / count;
+    const float to_near = std::tan(gauss * part_rad), to_far = std::tan((1.0f - gauss) * part_rad),
+                to_end = std::tan(part_rad);
+    float from = first;
+    for (float part = 1.0f; part <= count; ++part) {
+        const float to = part < count ? std::clamp(turned(from, to_end), from, last) : last;
+        const Rgb colour = 0.5f * (texture.colour(picture_->uv(turned(from, to_near)), width) +
+                                   texture.colour(picture_->uv(turned(from, to_far)), width));
         if (from < to && colour != Rgb(0.0f))
-            append_piece(segment, from, to, {target.transmittance * colour, target.counts});
-        from = std::max(from, to);
+            append_piece(segment, from == first ? x0 : double{from}, to == last ? x1 : double{to},
+                         {target.transmittance * colour, target.counts});
+        from = to;
     }
 }
 

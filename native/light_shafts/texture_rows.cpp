@@ -111,6 +111,14 @@ const std::vector<Rgb>& TextureRows::line(std::uint32_t index) const {
     return line.running;
 }
 
+/// Of the weights at the ends of a part, 1 - tilt and 1 + tilt, where so much light is lost along it: -tanh(lost / 2).
+static Rgb tilt_of(const Rgb& lost) {
+    const Rgb square = lost * lost;
+    if (std::max({square.x, square.y, square.z}) < 0.04f) // 2e-7
+        return lost * (-0.5f + square * (1.0f / 24.0f - square * (1.0f / 240.0f)));
+    return 2.0f / (1.0f + glm::exp(lost)) - 1.0f;
+}
+
 std::optional<Rgb> TextureRows::scattered(const ViewRay& ray, std::span<const ScatterPiece> pieces,
                                           std::span<const LitInterval> lit) const {
     const Crossing crossing = crossing_of(ray);
@@ -140,23 +148,23 @@ std::optional<Rgb> TextureRows::scattered(const ViewRay& ray, std::span<const Sc
                 transmittance * light_shafts::scattered(piece, near_m, far_m) * texture_.colour(placement_.uv(middle));
             return;
         }
-        constexpr float depth_per_part = 0.15f, deepest = 80.0f;
-        const float depth =
-            std::max({std::abs(piece.depth_per_m.x), std::abs(piece.depth_per_m.y), std::abs(piece.depth_per_m.z)}) *
-            length_m;
+        constexpr float depth_per_part = 0.15f, deepest = 80.0f, even = 0.01f;
+        const Rgb per_m = glm::abs(piece.depth_per_m);
+        const float depth = std::max({per_m.x, per_m.y, per_m.z}) * length_m;
         const float count = std::ceil(std::clamp(depth / depth_per_part, 1.0f, deepest / depth_per_part));
         const float part_m = length_m / count;
         Rgb before = running(near_m);
         for (float part = 0.0f; part < count; ++part) {
             const float begin_m = near_m + part * part_m, end_m = part + 1.0f < count ? begin_m + part_m : far_m;
-            const Rgb middle = running(0.5f * (begin_m + end_m)) - before, after = running(end_m);
-            const Rgb gain = after - before;
-            // Weights at both ends, of a sum of 2, by the share of the light that the part loses.
-            const Rgb lost = piece.depth_per_m * (end_m - begin_m);
-            const Rgb weight1 = 2.0f / (1.0f + glm::exp(lost)), weight0 = 2.0f - weight1;
-            const Rgb mean = (weight1 * gain - (weight1 - weight0) * (4.0f * middle + gain) * (1.0f / 6.0f)) /
-                             ((end_m - begin_m) * crossing.texels_per_m);
-            sum += transmittance * light_shafts::scattered(piece, begin_m, end_m) * mean;
+            const Rgb after = running(end_m), gain = after - before;
+            Rgb weighted = gain;
+            if (depth > even) { // else it would be off by less than a thousandth
+                const Rgb middle = running(0.5f * (begin_m + end_m)) - before;
+                const Rgb tilt = tilt_of(piece.depth_per_m * (end_m - begin_m));
+                weighted += tilt * (gain - (4.0f * middle + gain) * (1.0f / 3.0f));
+            }
+            sum += transmittance * light_shafts::scattered(piece, begin_m, end_m) * weighted /
+                   ((end_m - begin_m) * crossing.texels_per_m);
             before = after;
         }
     });

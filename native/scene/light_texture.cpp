@@ -51,6 +51,11 @@ static vec2 projected(LightProjection projection, const vec3& place) {
     return vec2(place);
 }
 
+vec2 uv_of_axes(const LightTexture& texture, const vec3& axes) {
+    const vec3 place = texture.place_from_axes * vec4(glm::normalize(axes), 1.0f);
+    return vec2(texture.uv_from_projected * vec3(projected(texture.projection, place), 1.0f));
+}
+
 vec2 texture_uv(const Light& light, const vec3& emitter, const vec3& point) {
     const LightTexture& texture = *light.texture;
     if (texture.projection == LightProjection::Planar)
@@ -59,9 +64,7 @@ vec2 texture_uv(const Light& light, const vec3& emitter, const vec3& point) {
     const vec3 vector = light.kind == LightKind::Sun ? -light.towards_light
                         : has_normal                 ? emitter - light.position
                                                      : point - emitter;
-    const vec3 axes = glm::normalize(texture.axes_from_world * vector);
-    const vec2 at = projected(texture.projection, texture.place_from_axes * vec4(axes, 1.0f));
-    return vec2(texture.uv_from_projected * vec3(at, 1.0f));
+    return uv_of_axes(texture, texture.axes_from_world * vector);
 }
 
 Rgb texture_colour(const Light& light, const vec3& emitter, const vec3& point) {

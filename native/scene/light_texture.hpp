@@ -46,6 +46,8 @@ void require_usable(const LightTexture& texture);
 /// Where the picture of a textured light is read for light that leaves `emitter`, a point on or in the light, for `point`.
 /// Of a sun, emitter is any point towards it.
 [[nodiscard]] vec2 texture_uv(const Light& light, const vec3& emitter, const vec3& point);
+/// The same of a vector along axes_from_world, of any length.
+[[nodiscard]] vec2 uv_of_axes(const LightTexture& texture, const vec3& axes);
 /// offset + gain * image there; white for a light without a texture.
 [[nodiscard]] Rgb texture_colour(const Light& light, const vec3& emitter, const vec3& point);
 /// How a planar picture lies across a sun.
