@@ -311,9 +311,9 @@ def smooth_picture(name: str = "Slide") -> bpy.types.Image:
     [
         ("spot", "thrown", False),
         ("spot", "parametric", False),
-        ("spot 0.1 m", "thrown", False),
-        ("spot 0.1 m", "thrown", True),
         ("point", "incoming", False),
+        pytest.param("spot 0.1 m", "thrown", False, marks=pytest.mark.long),
+        pytest.param("spot 0.1 m", "thrown", True, marks=pytest.mark.long),
         ("point 0.2 m", "normal", True),
     ],
 )
