@@ -6,41 +6,21 @@ from __future__ import annotations
 from bpy.types import Context, Light, Menu, Panel, UILayout, UIList
 
 from ..edited_light import edited_light, is_shaft_light
-from ..item_lists import having_a_say, places
+from ..item_lists import having_a_say
 from ..operators.occluder_edits import active_edit
-from ..properties.light import TyndallLightSettings
 from ..properties.occluder_edits import KIND_ICONS, TyndallHoleNoise, TyndallOccluderEdit
 from .base import SidebarPanel, draw_text, is_wide_region
+from .item_lists import SwitchedItemRows
 from .light import LightPanel
 
 #: What the size of an edit is, by kind; holes have none.
 _SIZE_LABELS = {"CLOSE": "Hole Size", "EPIPOLAR_CLOSE": "Hole Length", "SILHOUETTE": "Grow By"}
 
 
-class TYNDALL_UL_occluder_edits(UIList):
-    def draw_item(
-        self,
-        context: Context,
-        layout: UILayout,
-        data: TyndallLightSettings,
-        item: TyndallOccluderEdit,
-        icon: int,
-        active_data: object,
-        active_property: str,
-    ) -> None:
-        is_soloed = any(other.is_solo for other in data.occluder_edits)
-        row = layout.row(align=True)
-        row.active = item.is_solo if is_soloed else item.is_enabled
-        row.prop(item, "name", text="", emboss=False, icon=KIND_ICONS[item.kind])
-        if item.is_solo:
-            solo = row.operator("tyndall.occluder_edit_solo", text="", icon="SOLO_ON", emboss=False)
-            solo.index = data.occluder_edits.find(item.name)
-        else:
-            row.prop(item, "is_enabled", text="", icon="HIDE_OFF" if item.is_enabled else "HIDE_ON", emboss=False)
-
-    def filter_items(self, context: Context, data: object, propname: str) -> tuple[list[int], list[int]]:
-        """In the order in which they are made; edits themselves never move, for the sake of their keys."""
-        return [], places(data.occluder_edits)
+class TYNDALL_UL_occluder_edits(SwitchedItemRows, UIList):
+    kind_icons = KIND_ICONS
+    collection_name = "occluder_edits"
+    solo_operator = "tyndall.occluder_edit_solo"
 
 
 class TYNDALL_MT_occluder_edits(Menu):

@@ -20,6 +20,7 @@ from ..transfer_function_presets import PRESETS
 from ..transfer_function_preview import picture_of
 from ..transfer_states import shares
 from .base import PropertiesPanel, SidebarPanel, draw_text, is_wide_region
+from .item_lists import SwitchedItemRows
 
 #: Of a function's picture, in rows of the interface.
 _PICTURE_SCALE = 7.0
@@ -53,31 +54,11 @@ class TYNDALL_UL_transfer_states(UIList):
         return [], places(getattr(data, propname))
 
 
-class TYNDALL_UL_transfer_layers(UIList):
-    def draw_item(
-        self,
-        context: Context,
-        layout: UILayout,
-        data: TyndallTransferFunction,
-        item: TyndallTransferLayer,
-        icon: int,
-        active_data: object,
-        active_property: str,
-    ) -> None:
-        is_soloed = any(other.is_solo for other in data.layers)
-        row = layout.row(align=True)
-        row.active = item.is_solo if is_soloed else item.is_enabled
-        row.prop(item, "name", text="", emboss=False, icon=KIND_ICONS[item.kind])
-        if item.is_solo:
-            solo = row.operator("tyndall.transfer_layer_solo", text="", icon="SOLO_ON", emboss=False)
-            solo.index = data.layers.find(item.name)
-        else:
-            row.prop(item, "is_enabled", text="", icon="HIDE_OFF" if item.is_enabled else "HIDE_ON", emboss=False)
-
-    def filter_items(self, context: Context, data: object, propname: str) -> tuple[list[int], list[int]]:
-        """The topmost layer first; layers themselves never move, for the sake of their keys."""
-        from_below = places(getattr(data, propname))
-        return [], [len(from_below) - 1 - place for place in from_below]
+class TYNDALL_UL_transfer_layers(SwitchedItemRows, UIList):
+    kind_icons = KIND_ICONS
+    collection_name = "layers"
+    solo_operator = "tyndall.transfer_layer_solo"
+    lists_first_on_top = False
 
 
 class TYNDALL_UL_transfer_constraints(UIList):

@@ -4,7 +4,7 @@
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 from bpy.types import Image, Object, PropertyGroup
 
-from ..item_lists import keep_name_unique
+from .list_items import NamedItem
 from .tagging import EXTENSIBLE, OVERRIDABLE, tag, tag_pointer
 
 
@@ -12,15 +12,9 @@ def is_camera(_settings: PropertyGroup, thing: Object) -> bool:
     return thing.type == "CAMERA"
 
 
-class TyndallFitView(PropertyGroup):
+class TyndallFitView(NamedItem, PropertyGroup):
     UNNAMED = "View"
 
-    name: StringProperty(
-        name="Name",
-        description="Unique among the light's views: library overrides find a view by its name",
-        update=keep_name_unique,
-        override=OVERRIDABLE,
-    )
     is_enabled: BoolProperty(
         name="Enabled",
         description="The fit listens to these strokes",

@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 from bpy.types import Collection, Image, Object, PropertyGroup
 
-from ..item_lists import keep_name_unique
+from .list_items import SwitchedItem
 from .tagging import OVERRIDABLE, tag, tag_pointer
 
 KINDS = (
@@ -159,38 +159,9 @@ class TyndallHoleNoise(PropertyGroup):
     )
 
 
-class TyndallOccluderEdit(PropertyGroup):
+class TyndallOccluderEdit(SwitchedItem, PropertyGroup):
     UNNAMED = "Edit"
 
-    name: StringProperty(
-        name="Name",
-        description="Unique among the light's edits: library overrides find an edit by its name",
-        update=keep_name_unique,
-        override=OVERRIDABLE,
-    )
-    order: IntProperty(
-        name="Order",
-        description="Edits are made from the lowest to the highest. Moving one in the list changes it",
-        min=0,
-        options=set(),
-        update=tag,
-        override=OVERRIDABLE,
-    )
-    is_enabled: BoolProperty(
-        name="Enabled",
-        description="Make this edit. One that is off costs nothing",
-        default=True,
-        update=tag,
-        override=OVERRIDABLE,
-    )
-    is_solo: BoolProperty(
-        name="Solo",
-        description="Make this edit alone, enabled or not, and none of the light's others",
-        default=False,
-        options=set(),
-        update=tag,
-        override=OVERRIDABLE,
-    )
     kind: EnumProperty(
         name="Kind",
         description="What is done to the occluders",

@@ -13,11 +13,10 @@ from bpy.props import (
     FloatProperty,
     IntProperty,
     PointerProperty,
-    StringProperty,
 )
 from bpy.types import Image, PropertyGroup, ShaderNodeTree
 
-from ..item_lists import keep_name_unique
+from .list_items import OrderedItem
 from .tagging import EXTENSIBLE, OVERRIDABLE, tag, tag_pointer
 from .transfer_layers import TyndallTransferLayer
 
@@ -169,25 +168,11 @@ def is_transfer_function(_state: PropertyGroup, tree: ShaderNodeTree) -> bool:
     return bool(tree.tyndall.is_transfer_function)
 
 
-class TyndallTransferState(PropertyGroup):
+class TyndallTransferState(OrderedItem, PropertyGroup):
     """An entry of a scene's list, between two of which the scene's state goes over from one function to the next."""
 
     UNNAMED = "State"
 
-    name: StringProperty(
-        name="Name",
-        description="Unique among the scene's states: library overrides find a state by its name",
-        update=keep_name_unique,
-        override=OVERRIDABLE,
-    )
-    order: IntProperty(
-        name="Order",
-        description="The state that shows it alone: 0 is the first",
-        min=0,
-        options=set(),
-        update=tag,
-        override=OVERRIDABLE,
-    )
     function: PointerProperty(
         name="Transfer Function",
         description="What recolours the shafts in this state. None: they stay physical",

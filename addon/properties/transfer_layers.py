@@ -16,7 +16,7 @@ from bpy.props import (
 from bpy.types import Context, Image, Object, PropertyGroup
 
 from ..function_trees import keep_ramp
-from ..item_lists import keep_name_unique
+from .list_items import NamedItem, SwitchedItem
 from .tagging import EXTENSIBLE, OVERRIDABLE, tag, tag_pointer
 
 KINDS = (
@@ -70,15 +70,9 @@ def make_ramp(layer: TyndallTransferLayer, context: Context) -> None:
     tag(layer, context)
 
 
-class TyndallTransferConstraint(PropertyGroup):
+class TyndallTransferConstraint(NamedItem, PropertyGroup):
     UNNAMED = "Colour"
 
-    name: StringProperty(
-        name="Name",
-        description="Unique among the layer's: library overrides find a constraint by its name",
-        update=keep_name_unique,
-        override=OVERRIDABLE,
-    )
     position: FloatVectorProperty(
         name="Position",
         description="Along the function's X and Y axis. Of a constraint that follows a surface: where that was when it "
@@ -154,38 +148,9 @@ class TyndallTransferConstraint(PropertyGroup):
     )
 
 
-class TyndallTransferLayer(PropertyGroup):
+class TyndallTransferLayer(SwitchedItem, PropertyGroup):
     UNNAMED = "Layer"
 
-    name: StringProperty(
-        name="Name",
-        description="Unique among the function's layers: library overrides find a layer by its name",
-        update=keep_name_unique,
-        override=OVERRIDABLE,
-    )
-    order: IntProperty(
-        name="Order",
-        description="Layers lie on each other from the lowest to the highest. Moving one in the list changes it",
-        min=0,
-        options=set(),
-        update=tag,
-        override=OVERRIDABLE,
-    )
-    is_enabled: BoolProperty(
-        name="Enabled",
-        description="Use this layer. One that is off costs nothing",
-        default=True,
-        update=tag,
-        override=OVERRIDABLE,
-    )
-    is_solo: BoolProperty(
-        name="Solo",
-        description="Use this layer alone, enabled or not, and none of the function's others",
-        default=False,
-        options=set(),
-        update=tag,
-        override=OVERRIDABLE,
-    )
     kind: EnumProperty(
         name="Kind",
         description="Where the layer's colours come from",

@@ -47,9 +47,9 @@ class RecordingLayout:
         rows = getattr(owner, items)
         places = range(len(rows))
         if hasattr(ui_list, "filter_items"):
-            _flags, places = ui_list.filter_items(None, bpy.context, owner, items)
+            _flags, places = ui_list.filter_items(ui_list, bpy.context, owner, items)
         for index in sorted(range(len(rows)), key=lambda index: places[index]):
-            ui_list.draw_item(None, bpy.context, self, owner, rows[index], 0, active_owner, active)
+            ui_list.draw_item(ui_list, bpy.context, self, owner, rows[index], 0, active_owner, active)
             self.shown.append(f"row: {rows[index].name}")
 
     def label(self, text: str = "", icon: str = "NONE") -> None:
