@@ -12,7 +12,16 @@ from support.plain_scenes import camera_above, placed, square, sun, translation,
 from tyndall import Cancelled, InvalidInput, Progress
 from tyndall.light_map_fit import LightMap, LightMapFit, LightMapFitConfig, StrokeView
 from tyndall.renderer import Session, ShaftConfig
-from tyndall.scene_description import Light, LightKind, Material, Medium, ScatterLobe, SceneDescription
+from tyndall.scene_description import (
+    EditKind,
+    Light,
+    LightKind,
+    Material,
+    Medium,
+    OccluderEdit,
+    ScatterLobe,
+    SceneDescription,
+)
 
 WIDE = np.diag([4.0, 4.0, 1.0, 1.0])
 CONFIG = LightMapFitConfig(resolution=64, shafts=ShaftConfig(method="EXACT"))
@@ -64,8 +73,9 @@ def colour_at(light_map: LightMap, x_m: float, y_m: float) -> np.ndarray:
     return light_map.texels[row, column]
 
 
-def test_what_is_painted_over_the_left_lies_in_the_map_on_the_left() -> None:
-    fit = fitted(strokes(left_red_right_blue()))
+@pytest.mark.parametrize("method", ["EXACT", "EPIPOLAR", "SHADOW_MAP"])
+def test_what_is_painted_over_the_left_lies_in_the_map_on_the_left(method: str) -> None:
+    fit = fitted(strokes(left_red_right_blue()), replace(CONFIG, shafts=ShaftConfig(method=method)))
     assert fit.residuals[-1] < 0.1 * fit.residuals[0]
     assert (np.diff(fit.objectives, axis=0) <= 0).all()
     for x_m, expected in ((-0.5, (1.0, 0.1, 0.1)), (0.5, (0.1, 0.1, 1.0))):
@@ -104,6 +114,23 @@ def test_a_fit_that_starts_from_a_map_keeps_its_place_and_what_no_stroke_sees() 
     again = fitted(strokes(left_red_right_blue()), current=replace(first, texels=mark)).light_map
     assert (again.size_m, again.centre_m) == (first.size_m, first.centre_m)
     assert again.texels[0, 0] == pytest.approx((0.0, 0.5, 0.25))
+
+
+@pytest.mark.parametrize("method", ["EXACT", "EPIPOLAR", "SHADOW_MAP"])
+def test_strokes_see_what_edits_leave_of_the_light(method: str) -> None:
+    """Two shutters leave a gap of a metre; an edit that fills holes closes it for the air."""
+    shutters = [translation(side * 20.5, 0, 1.2) @ np.diag([20.0, 40.0, 1.0, 1.0]) for side in (-1, 1)]
+    open_air = fog_on_the_ground()
+    hidden = replace(placed(square("shutter"), *shutters), is_camera_visible=False)
+    open_air = replace(open_air, instances=(*open_air.instances, hidden))
+    close = OccluderEdit(name="close", kind=EditKind.CLOSE, size_m=1.5)
+    closed = replace(open_air, lights=(replace(sun(), occluder_edits=(close,)),))
+    config = replace(CONFIG, shafts=ShaftConfig(method=method))
+    view = strokes(left_red_right_blue())
+    seen = LightMapFit(session_of(open_air), session_name(), [view], Progress(), config=config).statistics["counts"]
+    assert 0 < seen["light map fit: seen texels"] < 0.5 * 64**2  # the gap's
+    with pytest.raises(InvalidInput, match="sees air that light"):
+        LightMapFit(session_of(closed), session_name(), [view], Progress(), config=config)
 
 
 def test_a_fit_can_be_stopped_and_goes_on() -> None:
