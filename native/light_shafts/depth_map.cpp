@@ -4,17 +4,22 @@
 namespace tyndall::light_shafts {
 using namespace slope_rows;
 
-static Layout layout_of(const DepthMap& map, const MapWindow& window, glm::uvec2 texels) {
-    Layout layout;
-    Frame& frame = layout.frame;
-    frame.origin = map.origin;
-    frame.u = map.x_axis;
-    frame.v = map.y_axis;
-    frame.axis = map.z_axis;
+Frame frame_across(const MapAxes& axes) {
+    Frame frame;
+    frame.origin = axes.origin;
+    frame.u = axes.x_axis;
+    frame.v = axes.y_axis;
+    frame.axis = axes.z_axis;
     frame.is_parallel = true;
     frame.x = {0, 0, 1};
     frame.y = {0, 1, 0};
     frame.w = {1, 0, 0};
+    return frame;
+}
+
+static Layout layout_of(const DepthMap& map, const MapWindow& window, glm::uvec2 texels) {
+    Layout layout;
+    layout.frame = frame_across(map);
     const vec2 step = glm::max(window.max - window.min, vec2(1e-30f)) / vec2(texels);
     layout.line_step = step.x;
     layout.first_line = window.min.x;

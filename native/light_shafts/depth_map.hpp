@@ -39,6 +39,8 @@ struct DepthMap : MapAxes {
 struct MapWindow {
     vec2 min, max;
 };
+/// Rows across a light that shines along parallel lines: u = x, v = y.
+[[nodiscard]] slope_rows::Frame frame_across(const MapAxes& axes);
 /// Gives the map texels, without values.
 void lay_out_texels(DepthMap& map, const MapWindow& window, glm::uvec2 texels);
 /// Fills the texels of lay_out_texels. Throws Cancelled.

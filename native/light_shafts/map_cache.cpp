@@ -30,11 +30,12 @@ bool NamedParts::operator==(const NamedParts& other) const {
 
 static bool is_map(CastKind kind) { return kind == CastKind::ParallelMap || kind == CastKind::PerspectiveMap; }
 
-std::shared_ptr<const Rows> MapCache::find(const Key& key) {
+std::shared_ptr<const Rows> MapCache::find(const Key& key, const std::function<bool(const Rows&)>& are_enough) {
     const std::lock_guard lock(mutex_);
     const auto found = entry_of_.find(key.digest);
     // The same address, but another object: the one before is gone.
-    const bool is_kept = found != entry_of_.end() && *found->second->key.parts == *key.parts;
+    const bool is_kept = found != entry_of_.end() && *found->second->key.parts == *key.parts &&
+                         (!are_enough || are_enough(*found->second->rows));
     ++(is_map(key.kind) ? (is_kept ? counts_.found_maps : counts_.missed_maps)
                         : (is_kept ? counts_.found_rows : counts_.missed_rows));
     if (!is_kept)

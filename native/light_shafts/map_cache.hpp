@@ -12,6 +12,7 @@
 #include <bit>
 #include <concepts>
 #include <cstdint>
+#include <functional>
 #include <list>
 #include <map>
 #include <memory>
@@ -62,8 +63,9 @@ public:
         std::shared_ptr<const NamedParts> parts;
         CastKind kind;
     };
-    /// Nothing where no such rows are kept.
-    [[nodiscard]] std::shared_ptr<const slope_rows::Rows> find(const Key& key);
+    /// Nothing where no such rows are kept, or they are not enough.
+    [[nodiscard]] std::shared_ptr<const slope_rows::Rows>
+    find(const Key& key, const std::function<bool(const slope_rows::Rows&)>& are_enough = {});
     /// Rows larger than the capacity are not kept.
     void keep(const Key& key, std::shared_ptr<const slope_rows::Rows> rows);
 

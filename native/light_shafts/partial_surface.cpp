@@ -36,7 +36,7 @@ PartialSurface partial_surface(const PartialShading& shading, std::uint32_t inst
     PartialSurface surface{.slot = &placed.mesh->slots[std::min(slot, placed.mesh->slots.size() - 1)],
                            .triangle = triangle,
                            .instance = placed.index,
-                           .slice = static_cast<std::uint32_t>(slice),
+                           .slice = static_cast<std::uint32_t>(slice + shading.first_slice),
                            .seed = shading.seed,
                            .channel = shading.channel};
     const TransparencyLookup& lookup = *surface.slot->lookup;

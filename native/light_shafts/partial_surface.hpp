@@ -21,6 +21,8 @@ struct PartialShading {
     const LightSample& light;
     std::uint32_t seed;
     int channel = 0; ///< Of the transmittance.
+    std::int32_t first_slice =
+        0; ///< What slices are counted from: where rows begin elsewhere, the same ones draw alike.
 };
 
 /// One triangle in one slice.

@@ -6,6 +6,7 @@
 #include "light_shafts/map_visibility.hpp"
 #include "light_shafts/occluder_edits.hpp"
 #include "light_shafts/slope_rows_visibility.hpp"
+#include "light_shafts/sun_map.hpp"
 #include <algorithm>
 #include <numbers>
 
@@ -36,11 +37,9 @@ static MapWindow sun_window(const Layout& layout, const MapAxes& axes) {
 RowsOnMap::RowsOnMap(const Frame& frame, const MapAxes& map)
     : offset(map.axes_of(frame.origin - map.origin)), along_u(map.axes_of(frame.u)), along_v(map.axes_of(frame.v)) {}
 
-/// The window's texels as squares of a grid that only its own size decides, in steps of a quarter of an octave.
+/// The window's texels as squares of a grid that only their own size decides.
 static glm::uvec2 snap(MapWindow& window, std::uint32_t resolution) {
-    const vec2 size = window.max - window.min;
-    const float texel = std::exp2(
-        std::ceil(4.0f * std::log2(std::max({size.x, size.y, 1e-30f}) / static_cast<float>(resolution))) / 4.0f);
+    const float texel = snapped_texel(window, resolution);
     const vec2 first = glm::floor(window.min / texel), last = glm::ceil(window.max / texel);
     window = {first * texel, last * texel};
     return glm::uvec2(glm::max(last - first, vec2(1.0f)));
@@ -130,7 +129,15 @@ SunPlace sun_place(const Layout& layout, const vec3& x_axis, const vec3& y_axis)
 ShadowMap raster_filter_map(const SunPlace& place, float margin, const LightSample& light, std::uint32_t resolution,
                             const Occluders& occluders, const Progress& progress, const PartialShading& partial) {
     return raster_faces(place, light, [&](DepthMap& face, MapWindow window) {
-        window = {window.min - margin, window.max + margin};
+        const float around = light.is_directional || margin == 0.0f ? margin : rounded_up(margin);
+        window = {window.min - around, window.max + around};
+        if (light.is_directional) {
+            const float texel = snapped_texel(window, resolution);
+            if (const std::optional<TexelRange> range = texels_in(window, texel)) {
+                face = raster_sun_map(place.axes, texel, *range, occluders, partial, progress);
+                return;
+            }
+        }
         const glm::uvec2 texels = snap(window, resolution);
         lay_out_texels(face, window, texels);
         std::optional<MapCache::Key> key;

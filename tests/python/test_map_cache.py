@@ -227,6 +227,22 @@ def test_animated_noise_rasters_nothing(method: str, light: str) -> None:
         assert made(film) == {"depth map: kept": map_count, "slope rows: kept": row_count}
 
 
+@pytest.mark.parametrize("light", LIGHTS)
+def test_a_moving_camera_keeps_the_depth_maps(light: str) -> None:
+    """Where a view ends is not what a texel depends on: a part of a kept map has the bits of one made for the view."""
+    session = Session(kept_maps_bytes=ROOM_BYTES)
+    made_maps = 0
+    for step in range(12):
+        camera = camera_above(translation(0.05 * step, 0.03 * step - 0.02 * step**2, 0.0), (16, 16))
+        state = State(light=LIGHTS[light], camera=camera)
+        film = state.picture(session)
+        assert_same(film, state.picture(Session()))
+        made_maps += made(film).get("depth map: made", 0)
+    first = made(State(light=LIGHTS[light]).picture(session))
+    of_one_view = first.get("depth map: kept", 0) + first.get("depth map: made", 0)
+    assert made_maps <= 4 * of_one_view, "of 12 views"
+
+
 def test_a_small_room_forgets_and_pictures_stay() -> None:
     """Room for some of the maps: those that are not asked for leave, and what is too large is never kept."""
     states = [State(light=sun(tilt)) for tilt in (0.1, 0.2, 0.3)]
