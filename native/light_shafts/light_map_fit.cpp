@@ -85,14 +85,21 @@ std::vector<SeenBlock> see(const Scene& scene, const Media& media, const Strokes
     std::vector<SeenBlock> blocks((strokes.pixels.size() + rays_per_block - 1) / rays_per_block);
     std::vector<ViewRay> in_media;
     std::vector<std::vector<MediumSegment>> segments(strokes.pixels.size());
-    for (std::size_t pixel = 0; pixel < strokes.pixels.size(); ++pixel) {
-        const ViewRay clipped = clip_to_media(media, strokes.pixels[pixel].ray, segments[pixel]).clipped;
-        blocks[pixel / rays_per_block].rays.push_back(clipped);
-        if (clipped.near_m < clipped.far_m)
-            in_media.push_back(clipped);
-        else
-            segments[pixel].clear();
-    }
+    parallel_for(
+        blocks.size(), progress,
+        [&](std::size_t block) {
+            const std::size_t end = std::min(strokes.pixels.size(), (block + 1) * rays_per_block);
+            for (std::size_t pixel = block * rays_per_block; pixel < end; ++pixel) {
+                const ViewRay clipped = clip_to_media(media, strokes.pixels[pixel].ray, segments[pixel]).clipped;
+                blocks[block].rays.push_back(clipped);
+                if (!(clipped.near_m < clipped.far_m))
+                    segments[pixel].clear();
+            }
+        },
+        1);
+    for (const SeenBlock& block : blocks)
+        std::ranges::copy_if(block.rays, std::back_inserter(in_media),
+                             [](const ViewRay& ray) { return ray.near_m < ray.far_m; });
     PreparedLights prepared{.media = media, .lights = {}, .statistics = {}};
     if (!in_media.empty()) {
         const StageTimer timer(statistics, "light map fit: visibility");

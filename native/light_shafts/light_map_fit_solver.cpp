@@ -154,7 +154,7 @@ void LightMapSolver::turn_after(const Norms& norms, const glm::bvec4& restarts) 
     });
 }
 
-LightMapSolver::Along LightMapSolver::project(vec4 length, const Along& along) {
+LightMapSolver::Along LightMapSolver::project(vec4& length, const Along& along) {
     const glm::bvec4 is_clipped = glm::greaterThan(length, along.limit);
     while (true) {
         const Along found = sum_over_seen(Along(), [&, all = arrays()](std::size_t begin, std::size_t end) {
@@ -172,25 +172,36 @@ LightMapSolver::Along LightMapSolver::project(vec4 length, const Along& along) {
     }
 }
 
-vec4 LightMapSolver::length_of_step(const MapTexels& direction, const Along& along, const vec4& most) {
+vec4 LightMapSolver::length_of_step(const MapTexels& direction, const Along& along) {
     matrix_.multiply(direction, moved_, scratch_, uninterrupted);
     const Channels curvature = sum_over_rays(moved_) + Channels(lambda_) * along.square;
     vec4 length(0.0f);
     for (int channel = 0; channel < 3; ++channel)
         if (!is_done_[channel] && along.gradient[channel] > 0.0 && curvature[channel] > 0.0)
-            length[channel] = std::min(static_cast<float>(along.gradient[channel] / curvature[channel]), most[channel]);
+            length[channel] = static_cast<float>(along.gradient[channel] / curvature[channel]);
     return length;
 }
 
 bool LightMapSolver::step() {
-    vec4 length = length_of_step(direction_, along_, vec4(std::numeric_limits<float>::infinity()));
-    const glm::bvec4 is_clipped = glm::greaterThan(length, along_.limit);
+    // Where a step as long as the last one would leave what is allowed, so will the right one, most likely: that it is right
+    // is not worth a product.
+    // Where a step as long as the last one leaves what is allowed, the right length would, too: it is not worth a product.
+    if (!glm::any(glm::greaterThan(guess_, along_.limit)))
+        guess_ = length_of_step(direction_, along_);
+    vec4 length = guess_;
+    glm::bvec4 is_clipped = glm::greaterThan(length, along_.limit);
     const MapTexels* direction = &direction_;
     Along along = along_;
     if (glm::any(is_clipped)) {
         along = project(length, along_);
         direction = &displacement_;
-        length = length_of_step(displacement_, along, vec4(1.0f));
+        const vec4 share = length_of_step(displacement_, along);
+        for (int channel = 0; channel < 3; ++channel) {
+            const float most = is_clipped[channel] ? 1.0f : along_.limit[channel] / length[channel];
+            guess_[channel] = length[channel] * std::clamp(share[channel], 0.25f, 4.0f);
+            is_clipped[channel] = is_clipped[channel] || share[channel] > most;
+            length[channel] = std::min(share[channel], most);
+        }
     }
     const Channels fit =
         parallel_sum(residual_.size(), 4096, Channels(0.0), uninterrupted, [&](std::size_t begin, std::size_t end) {

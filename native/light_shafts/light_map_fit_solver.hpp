@@ -9,9 +9,10 @@
 // Differs:  the paper leaves the map free to become negative, and calls the solution unique: with fewer rays than texels it
 //           is not, and what no ray sees must stay what it is, which the prior sees to. Gradients are divided by the
 //           diagonal, so that texels that few rays see do not lag behind. A projected step goes only as far as the objective
-//           falls, and a step that rounding spoils is not taken: the objective never rises.
-// Bound:    a product with T and one with its transpose per step, one more with T where texels reach 0; 13 passes over
-//           the texels that some ray sees, 16 bytes each.
+//           falls, and a step that rounding spoils is not taken: the objective never rises. Its length is that of the last
+//           step, as good as the right one at a product less.
+// Bound:    a product with T and one with its transpose per step, one more with T where texels reach 0 for the first time;
+//           13 passes over the texels that some ray sees, 16 bytes each.
 #pragma once
 #include "light_shafts/light_map_fit_matrix.hpp"
 #include "light_shafts/light_map_fit_passes.hpp"
@@ -62,8 +63,10 @@ private:
     [[nodiscard]] light_map_passes::Arrays arrays();
     void find_seen(const MapTexels& diagonal);
     /// Where the whole step would leave what is allowed: the step to the nearest map that is, and its sums.
-    [[nodiscard]] Along project(vec4 length, const Along& along);
-    [[nodiscard]] vec4 length_of_step(const MapTexels& direction, const Along& along, const vec4& most);
+    /// Shortens the length where the objective would rise at once.
+    [[nodiscard]] Along project(vec4& length, const Along& along);
+    /// To where the objective is least along it; 0 for a channel that is done.
+    [[nodiscard]] vec4 length_of_step(const MapTexels& direction, const Along& along);
     /// Moves the texels of the map and finds the gradient there.
     [[nodiscard]] Norms move(const MapTexels& direction, const vec4& length);
     /// The next direction, and its sums: conjugate to the last one, or afresh, with the texels that would leave 0.
@@ -80,6 +83,7 @@ private:
     std::size_t seen_texel_count_ = 0;
     Channels white_square_{0.0}, fit_square_{0.0}, prior_square_{0.0}, free_square_{0.0};
     Along along_;
+    vec4 guess_{0.0f}; ///< How long the next step might be.
     glm::bvec4 is_fresh_{true}, is_done_{false};
     std::vector<FitStep> history_;
 };
