@@ -75,8 +75,8 @@ def _markers_in_view(context: Context) -> Iterator[Marker]:
 def _markers_on_render(context: Context) -> Iterator[Marker]:
     from .engine.view_rays import marker_on_render, shows_render
 
-    layer = shown_layer(context)
-    if layer is None or context.scene.camera is None or not shows_render(context.area):
+    layer, camera = shown_layer(context), context.scene.camera
+    if layer is None or camera is None or camera.type != "CAMERA" or not shows_render(context.area):
         return
     for index, point in points_of(layer, context.view_layer.depsgraph).items():
         place = marker_on_render(context, point)
