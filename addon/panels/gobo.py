@@ -24,7 +24,8 @@ def draw_gobo(layout: UILayout, context: Context, light: Light) -> None:
         column.prop(settings, "gobo_size_m", text="Width")
         column.prop(settings, "gobo_offset_m", text="Offset")
     if light.type != "POINT":
-        column.prop(settings, "gobo_extension", text="Extension")
+        # Beside a label of its own, the field of a narrow sidebar would cut both.
+        column.prop(settings, "gobo_extension", text="Extension" if layout.use_property_split else "")
     column.prop(settings, "gobo_strength", text="Strength")
 
 
