@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+import zlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -86,6 +87,8 @@ def _key(image: bpy.types.Image, *, associated: bool) -> str:
         parts.append(hashlib.sha256(memoryview(_floats(image)).cast("B")).hexdigest())
     elif image.packed_file:
         parts.append(image.packed_file.size)
+        if image.is_float:  # Blender packs them uncompressed: one that was fitted or painted anew has its old size
+            parts.append(zlib.crc32(image.packed_file.data))
     else:
         path = Path(bpy.path.abspath(image.filepath, library=image.library))
         parts.append(path.stat().st_mtime_ns if path.is_file() else 0)

@@ -57,9 +57,9 @@ def read_current_map(light: bpy.types.Light, reports: Reports) -> LightMap | Non
         reports.add(culprit, f'the fit begins with white: its gobo "{image.name}" is {width} x {height}, not square')
         return None
     texels = unassociated_texels(image, reports, culprit)
-    share = texels[..., 3:] * settings.gobo_strength
+    share = settings.gobo_strength
     return LightMap(
-        texels=1.0 - share + share * texels[..., :3],
+        texels=1.0 - share + share * texels[..., 3:] * texels[..., :3],  # a gobo is black where it is transparent
         size_m=settings.gobo_size_m,
         centre_m=tuple(settings.gobo_offset_m),
     )

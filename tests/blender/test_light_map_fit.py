@@ -10,6 +10,8 @@ import bpy
 import numpy as np
 import pytest
 
+from addon.sync.images import ImageReader
+from addon.sync.reports import Reports
 from support.small_scenes import add, cube, empty_scene, light, material, node, plane
 
 SIZE_PX = 32
@@ -108,6 +110,7 @@ def test_a_second_fit_writes_to_the_same_image_and_continue_takes_more_steps(sun
     settings.light_map_fit.steps = 3
     assert bpy.ops.tyndall.fit_light_map() == {"FINISHED"}
     image, first = settings.gobo_image, texels_of(settings.gobo_image)
+    key = ImageReader().read(image, Reports(), "").key
     assert len(settings.light_map_fit.residuals.split()) == 4
     assert bpy.ops.tyndall.continue_light_map() == {"FINISHED"}
     residuals = [float(text) for text in settings.light_map_fit.residuals.split()]
@@ -115,6 +118,7 @@ def test_a_second_fit_writes_to_the_same_image_and_continue_takes_more_steps(sun
     assert residuals == sorted(residuals, reverse=True)
     assert settings.gobo_image == image
     assert not np.array_equal(texels_of(image), first)
+    assert ImageReader().read(image, Reports(), "").key != key  # what a session keeps of it is not drawn again
     paint(strokes, (0.1, 1.0, 0.1, 1.0), (0.1, 1.0, 0.1, 1.0))
     red = texels_of(image)[32, 24:40, 0].mean()
     settings.light_map_fit.steps = 32
@@ -125,7 +129,8 @@ def test_a_second_fit_writes_to_the_same_image_and_continue_takes_more_steps(sun
 
 def test_an_image_of_the_artists_own_is_not_written_to_but_is_where_the_fit_begins(sun: bpy.types.Object) -> None:
     own = bpy.data.images.new("stained glass", 64, 64, float_buffer=True)
-    own.pixels.foreach_set(np.tile(np.array((0.25, 0.5, 0.75, 1.0), np.float32), 64 * 64))
+    half_clear = np.array((0.125, 0.25, 0.375, 0.5), np.float32)  # as Blender keeps floats: multiplied with alpha
+    own.pixels.foreach_set(np.tile(half_clear, 64 * 64))
     settings = sun.data.tyndall
     settings.gobo_image, settings.gobo_size_m = own, 20.0
     painted(sun)
@@ -134,7 +139,7 @@ def test_an_image_of_the_artists_own_is_not_written_to_but_is_where_the_fit_begi
     assert settings.gobo_image != own
     assert np.array_equal(texels_of(own), before)
     assert settings.gobo_size_m == pytest.approx(20.0)  # it covered what the strokes see: it keeps its place
-    assert texels_of(settings.gobo_image)[0, 0] == pytest.approx((0.25, 0.5, 0.75, 1.0), abs=1e-3)
+    assert texels_of(settings.gobo_image)[0, 0] == pytest.approx((0.125, 0.25, 0.375, 1.0), abs=1e-3)
 
 
 def test_everything_is_in_the_file(sun: bpy.types.Object, tmp_path: Path) -> None:
