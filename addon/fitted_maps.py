@@ -63,6 +63,10 @@ def kept_fit(light: Light) -> LightMapFit | None:
     return _kept.get(light.name_full)
 
 
+def keep(light: Light, fit: LightMapFit) -> None:
+    _kept[light.name_full] = fit
+
+
 def continued_fit(light: Light) -> PreparedFit:
     """More steps of the light's last fit. Raises ValueError where there is none."""
     fit = kept_fit(light)
@@ -140,7 +144,7 @@ def write_back(light: Light, fit: LightMapFit) -> Image:
     settings.gobo_strength = 1.0
     settings.light_map_fit.residuals = " ".join(f"{residual:.5g}" for residual in fit.residuals)
     light.update_tag()
-    _kept[light.name_full] = fit
+    keep(light, fit)
     return image
 
 

@@ -10,7 +10,7 @@ from bpy.types import Context, Event, Light, Operator
 
 from ..availability import why_not
 from ..edited_light import edited_light, object_of
-from ..fitted_maps import continued_fit, kept_fit, new_fit, write_back
+from ..fitted_maps import continued_fit, keep, kept_fit, new_fit, write_back
 from ..item_lists import ItemList
 from ..stroke_views import begin_painting, view_of
 from .item_lists import ListOperator, RemoveItem
@@ -49,7 +49,7 @@ class _FitOperator:
 
 
 class _Solve(_FitOperator):
-    """In a thread, with progress, where there is a window; Esc stops it and leaves the light as it is."""
+    """In a thread, with progress, where there is a window; Esc stops it, and leaves the light as it is."""
 
     bl_options = {"REGISTER", "UNDO"}
 
@@ -79,7 +79,10 @@ class _Solve(_FitOperator):
         from tyndall import Cancelled, InvalidInput
 
         if isinstance(self._error, Cancelled):
-            self.report({"INFO"}, "The fit was stopped: the light is as it was")
+            goes_on = self._prepared.fit is not None
+            if goes_on:
+                keep(self._light, self._prepared.fit)
+            self.report({"INFO"}, f"The fit was stopped: the light is as it was{', and Continue goes on' * goes_on}")
             return {"CANCELLED"}
         if isinstance(self._error, InvalidInput):
             self.report({"ERROR"}, str(self._error))

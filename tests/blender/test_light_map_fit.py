@@ -10,9 +10,11 @@ import bpy
 import numpy as np
 import pytest
 
+from addon.fitted_maps import keep, new_fit
 from addon.sync.images import ImageReader
 from addon.sync.reports import Reports
 from support.small_scenes import add, cube, empty_scene, light, material, node, plane
+from tyndall import Progress
 
 SIZE_PX = 32
 
@@ -125,6 +127,15 @@ def test_a_second_fit_writes_to_the_same_image_and_continue_takes_more_steps(sun
     assert bpy.ops.tyndall.fit_light_map() == {"FINISHED"}
     assert settings.gobo_image == image
     assert texels_of(image)[32, 24:40, 0].mean() < 0.5 * red
+
+
+def test_a_fit_that_was_stopped_goes_on(sun: bpy.types.Object) -> None:
+    painted(sun)
+    stopped = new_fit(bpy.context, sun.data, sun)
+    stopped.begin(Progress())
+    keep(sun.data, stopped.fit)  # what Esc does
+    assert bpy.ops.tyndall.continue_light_map() == {"FINISHED"}
+    assert sun.data.tyndall.gobo_image is not None
 
 
 def test_an_image_of_the_artists_own_is_not_written_to_but_is_where_the_fit_begins(sun: bpy.types.Object) -> None:

@@ -151,9 +151,10 @@ def test_each_button_of_the_transfer_functions_does_what_it_says(play: Callable[
 
 
 def test_strokes_are_painted_over_the_picture_and_fitted(play: Callable[..., Any]) -> None:
-    """In the sidebar and an Image Editor, by the mouse; Ctrl-Z takes the gobo away."""
+    """In the sidebar and an Image Editor, by the mouse; Esc stops a fit, and Ctrl-Z takes its gobo away."""
     played = play("light_map_fit", screen_px=(1000, 900))
     assert 0.1 < played.facts["painted"] < 0.6
+    assert played.facts["stopped"]
     assert played.facts["steps"] == [32, 64]
     assert np.allclose(played.facts["reddest"], (1.0, 0.0, 0.0), atol=0.02)
     assert played.facts["gobo"] == [True, False, True]  # without the further steps, without the fit, with it again

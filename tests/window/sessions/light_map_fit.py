@@ -6,6 +6,8 @@ Places are those of Blender 3.4's sidebar at its default width, in pixels from i
 
 from __future__ import annotations
 
+import threading
+import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -52,6 +54,27 @@ def stroke(window: Any) -> Iterator[float]:
     yield from window.calm()
 
 
+def stop_a_fit(window: Any) -> Iterator[float]:
+    """One that would never end, by Esc."""
+    from addon.fitted_maps import PreparedFit
+
+    def endless(_fit: PreparedFit, progress: Any) -> None:
+        progress.message = "a fit that never ends"
+        while True:
+            progress.poll()
+            time.sleep(0.01)
+
+    whole, PreparedFit.run = PreparedFit.run, endless
+    yield from click(window, FIT)
+    yield from window.until(lambda: any(thread.name == "tyndall fit" for thread in threading.enumerate()))
+    yield 0.5
+    window.screenshot("light_map_fit_running")
+    xdotool("key", "Escape")
+    yield from window.until(lambda: all(thread.name != "tyndall fit" for thread in threading.enumerate()))
+    yield from window.calm()
+    PreparedFit.run = whole
+
+
 def session(window: Any) -> Iterator[float]:
     yield from window.calm()
     sun = stage()
@@ -68,6 +91,8 @@ def session(window: Any) -> Iterator[float]:
     window.screenshot("light_map_fit_stroke")
     name = sun.name
     window.facts["painted"] = texels_of(sun.data.tyndall.light_map_fit.views[0].strokes)[..., 3].mean().item()
+    yield from stop_a_fit(window)
+    window.facts["stopped"] = sun.data.tyndall.gobo_image is None
     yield from click(window, FIT)
     yield from window.until(lambda: bpy.data.objects[name].data.tyndall.gobo_image is not None)
     yield from window.calm()
