@@ -28,6 +28,9 @@ bool NamedParts::operator==(const NamedParts& other) const {
                               [](const auto& a, const auto& b) { return !a.owner_before(b) && !b.owner_before(a); });
 }
 
+/// A picture in a viewport comes after rougher ones, which have maps of their own.
+static constexpr std::uint64_t last_pictures = 8;
+
 static bool is_map(CastKind kind) { return kind == CastKind::ParallelMap || kind == CastKind::PerspectiveMap; }
 
 std::shared_ptr<const Rows> MapCache::find(const Key& key, const std::function<bool(const Rows&)>& are_enough) {
@@ -41,6 +44,7 @@ std::shared_ptr<const Rows> MapCache::find(const Key& key, const std::function<b
     if (!is_kept)
         return nullptr;
     entries_.splice(entries_.begin(), entries_, found->second);
+    found->second->picture = picture_;
     return found->second->rows;
 }
 
@@ -56,11 +60,19 @@ void MapCache::keep(const Key& key, std::shared_ptr<const Rows> rows) {
         remove(old->second);
     if (bytes > capacity_bytes_)
         return;
-    while (bytes_ + bytes > capacity_bytes_)
+    while (bytes_ + bytes > capacity_bytes_) {
+        if (entries_.back().picture + last_pictures > picture_)
+            return;
         remove(std::prev(entries_.end()));
-    entries_.push_front({key, std::move(rows), bytes});
+    }
+    entries_.push_front({key, std::move(rows), bytes, picture_});
     entry_of_[key.digest] = entries_.begin();
     bytes_ += bytes;
+}
+
+void MapCache::begin_picture() {
+    const std::lock_guard lock(mutex_);
+    ++picture_;
 }
 
 void MapCache::remove(std::list<Entry>::iterator entry) {

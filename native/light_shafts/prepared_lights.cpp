@@ -125,6 +125,8 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         for (Beam& beam : light.beams)
             all_beams.push_back({&beam, 1.0f / static_cast<float>(light.beams.size()), of_light});
     }
+    if (config.kept_maps)
+        config.kept_maps->begin_picture();
     const MapCache::Counts before = config.kept_maps ? config.kept_maps->counts() : MapCache::Counts{};
     progress.set_message("Light shafts: " + std::to_string(all_beams.size()) + " light samples");
     parallel_for(
