@@ -41,7 +41,8 @@ static HWY_INLINE void for_lines(const Weights& weights, const RowStretch& stret
             hn::MulAdd(hn::Add(lane, hn::Set(lines, static_cast<float>(begin))),
                        hn::Set(lines, stretch.across_per_line), hn::Set(lines, stretch.across_at_first));
         const auto first = hn::Min(hn::Max(hn::ConvertTo(offsets, position), hn::Zero(offsets)), last);
-        const auto share = hn::Sub(position, hn::ConvertTo(lines, first));
+        const auto share =
+            hn::Clamp(hn::Sub(position, hn::ConvertTo(lines, first)), hn::Zero(lines), hn::Set(lines, 1.0f));
         hn::Store(hn::Add(line_offset, hn::Mul(first, across_in_floats)), offsets, offset);
         line_offset = hn::Add(line_offset, offset_step);
         const std::size_t count = std::min(lane_count, line_count - begin);
