@@ -90,21 +90,30 @@ static void place_constraints(const UnstyledFilm& unstyled, std::vector<Weighted
                         constraint.position = placed.parameters[index];
 }
 
-static void add_change(Plane& plane, const UnstyledFilm::Entries& entries, std::span<const Rgb> change,
-                       const Progress& progress) {
-    const std::size_t channel_count = layout(plane.pass).channel_count;
-    constexpr std::size_t entries_per_block = 1 << 14;
-    parallel_blocks(entries.pixel.size(), entries_per_block, progress, [&](std::size_t begin, std::size_t end) {
-        // A block has every entry of its pixels but those that its neighbours have begun.
-        while (begin > 0 && begin < end && entries.pixel[begin] == entries.pixel[begin - 1])
-            ++begin;
-        while (end < entries.pixel.size() && entries.pixel[end] == entries.pixel[end - 1])
-            ++end;
-        for (std::size_t entry = begin; entry < end; ++entry)
+/// A function, composed, and what is done with its colours.
+struct PreparedFunction {
+    transfer_functions::ComposedFunction composed;
+    transfer_functions::Application application;
+    std::size_t index; ///< Of the parameters.
+};
+
+/// Adds to the planes what the functions make of the entries [begin, end), which hold all of their pixels.
+static void restyle(const UnstyledFilm::Entries& entries, std::span<const PreparedFunction> functions,
+                    std::span<Plane* const> planes, std::size_t begin, std::size_t end, const Progress& progress) {
+    std::vector<Rgb> change(end - begin,
+                            Rgb(0.0f)); // not of the thread: it may take another block while this one waits
+    const auto part_of = [&](const auto& values) { return std::span(values).subspan(begin, end - begin); };
+    for (const auto& [composed, application, index] : functions)
+        transfer_functions::apply(composed, application, part_of(entries.parameters[index]), part_of(entries.radiance),
+                                  part_of(entries.share), change, progress);
+    for (Plane* const plane : planes) {
+        const std::size_t channel_count = layout(plane->pass).channel_count;
+        for (std::size_t entry = begin; entry < end; ++entry) {
+            float* const values = &plane->values[entries.pixel[entry] * channel_count];
             for (int channel = 0; channel < 3; ++channel)
-                plane.values[entries.pixel[entry] * channel_count + static_cast<std::size_t>(channel)] +=
-                    change[entry][channel];
-    });
+                values[channel] += change[entry - begin][channel];
+        }
+    }
 }
 
 Film styled(const UnstyledFilm& unstyled, std::vector<WeightedFunction> functions, const Progress& progress) {
@@ -112,22 +121,30 @@ Film styled(const UnstyledFilm& unstyled, std::vector<WeightedFunction> function
             unstyled.entries.parameters.size(), " transfer functions, not ", functions.size());
     Film film = unstyled.film;
     place_constraints(unstyled, functions);
-    const UnstyledFilm::Entries& entries = unstyled.entries;
-    std::vector<Rgb> change(entries.pixel.size(), Rgb(0.0f));
-    bool changes = false;
+    std::vector<PreparedFunction> prepared;
     for (std::size_t index = 0; index < functions.size(); ++index) {
         const auto& [function, weight] = functions[index];
-        const transfer_functions::ComposedFunction composed =
+        transfer_functions::ComposedFunction composed =
             transfer_functions::compose(function, transfer_functions::default_size, progress);
-        if (weight == 0.0f || composed.is_neutral())
-            continue;
-        changes = true;
-        transfer_functions::apply(composed, {function.use, function.strength, weight}, entries.parameters[index],
-                                  entries.radiance, entries.share, change, progress);
+        if (weight != 0.0f && !composed.is_neutral())
+            prepared.push_back({std::move(composed), {function.use, function.strength, weight}, index});
     }
+    if (prepared.empty())
+        return film;
+    std::vector<Plane*> planes;
     for (Plane& plane : film.planes)
-        if (changes && (plane.pass == Pass::Combined || plane.pass == Pass::Shafts))
-            add_change(plane, entries, change, progress);
+        if (plane.pass == Pass::Combined || plane.pass == Pass::Shafts)
+            planes.push_back(&plane);
+    const UnstyledFilm::Entries& entries = unstyled.entries;
+    constexpr std::size_t entries_per_block = 1 << 13; // their change stays in the second-level cache
+    parallel_blocks(entries.pixel.size(), entries_per_block, progress, [&](std::size_t begin, std::size_t end) {
+        // A block has every entry of its pixels but those that the block before has begun.
+        while (begin > 0 && begin < end && entries.pixel[begin] == entries.pixel[begin - 1])
+            ++begin;
+        while (end < entries.pixel.size() && entries.pixel[end] == entries.pixel[end - 1])
+            ++end;
+        restyle(entries, prepared, planes, begin, end, progress);
+    });
     return film;
 }
 } // namespace tyndall::render
