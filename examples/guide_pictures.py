@@ -171,6 +171,7 @@ def render(picture: Picture) -> None:
     scene.render.resolution_x, scene.render.resolution_y = SIZE_PX
     scene.render.resolution_percentage = 100
     scene.render.image_settings.file_format, scene.render.image_settings.quality = "JPEG", 88
+    scene.render.use_stamp_filename = False  # a picture does not say where its scene lay
     scene.render.filepath = str(ROOT / "docs" / "pictures" / f"{picture.name}.jpg")
     bpy.ops.render.render(write_still=True)
 
