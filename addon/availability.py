@@ -13,6 +13,11 @@ def why_not() -> str | None:
     return _why_not
 
 
+def why_no_render() -> str | None:
+    """What a button says that renders; None: it may."""
+    return None if _why_not is None else "Tyndall cannot render here: its panel in the Render properties says why"
+
+
 def explained(error: Exception) -> str:
     """Put an error of the import into words that say what to do; the error's own words where we know no better."""
     text = str(error)

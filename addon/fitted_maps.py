@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.app.handlers import persistent
 
+from .frame_size import frame_size_px
+
 if TYPE_CHECKING:
     from bpy.types import Context, Image, Light, Object
 
@@ -91,7 +93,7 @@ def new_fit(context: Context, light: Light, thing: Object) -> PreparedFit:
     enabled = [view for view in settings.views if view.is_enabled]
     if not enabled:
         raise ValueError(f'Light "{light.name}": nothing is painted: Paint Strokes begins')
-    views = read_views(enabled, depsgraph, frame_size_px(context), reports)
+    views = read_views(enabled, depsgraph, frame_size_px(scene), reports)
     current = read_current_map(light, reports)
     notes = reports.lines()
     if not views:
@@ -110,13 +112,6 @@ def new_fit(context: Context, light: Light, thing: Object) -> PreparedFit:
             thread_count=scene.tyndall.thread_count,
         ),
     )
-
-
-def frame_size_px(context: Context) -> tuple[int, int]:
-    """Of a final render."""
-    render = context.scene.render
-    share = render.resolution_percentage / 100.0
-    return max(1, int(render.resolution_x * share)), max(1, int(render.resolution_y * share))
 
 
 def write_back(light: Light, fit: LightMapFit) -> Image:

@@ -13,7 +13,7 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.types import SpaceImageEditor
 
-from .fitted_maps import frame_size_px
+from .frame_size import frame_size_px
 
 if TYPE_CHECKING:
     import numpy as np
@@ -44,7 +44,7 @@ def view_of(views: ItemList, camera: Object) -> TyndallFitView:
 
 def begin_painting(context: Context, view: TyndallFitView) -> bool:
     """Make what is missing of a view, and show it. False: no Image Editor could be had."""
-    size_px = frame_size_px(context)
+    size_px = frame_size_px(context.scene)
     if view.strokes is None:
         view.strokes = _new_strokes(f"Strokes {view.camera.name}", size_px)
     _backdrops[view.strokes.name_full] = _picture_of(context, view.camera, size_px)
@@ -66,17 +66,15 @@ def _picture_of(context: Context, camera: Object, size_px: tuple[int, int]) -> N
     import numpy as np  # Debian's Blender comes without: the add-on must load, and say so
 
     from tyndall import Progress
-    from tyndall.renderer import RenderConfig, Session
+    from tyndall.renderer import RenderConfig
 
+    from .engine.sessions import session_of
     from .engine.settings import shaft_config
     from .sync.cameras import read_camera
     from .sync.reports import Reports
-    from .sync.scene import SceneReader
     from .transfer_function_preview import displayed
 
     depsgraph, scene = context.evaluated_depsgraph_get(), context.scene
-    session = Session()
-    session.update(SceneReader().read(depsgraph, Reports(), Progress().poll), Progress())
     config = RenderConfig(
         pixel_samples=_BACKDROP_SAMPLES,
         shafts=shaft_config(scene),
@@ -84,7 +82,7 @@ def _picture_of(context: Context, camera: Object, size_px: tuple[int, int]) -> N
         thread_count=scene.tyndall.thread_count,
     )
     seen = read_camera(camera.evaluated_get(depsgraph), scene.render, size_px, Reports())
-    combined = session.render(seen, config, Progress()).planes["Combined"]
+    combined = session_of(depsgraph).render(seen, config, Progress()).planes["Combined"]
     exposed = combined * np.array([2.0**scene.view_settings.exposure] * 3 + [1.0], np.float32)
     return np.ascontiguousarray(displayed(exposed))
 

@@ -12,14 +12,16 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.app.handlers import persistent
 
+from tyndall import Progress
 from tyndall.renderer import Session
 
 from ..sync.images import ImageReader
+from ..sync.reports import Reports
 from ..sync.scene import SceneReader
 from .settings import KEPT_MAPS_BYTES
 
 if TYPE_CHECKING:
-    from bpy.types import Scene
+    from bpy.types import Depsgraph, Scene
 
 
 @dataclass(eq=False)
@@ -41,6 +43,13 @@ def kept_frame(scene_name: str, view_layer_name: str, *, keeps_maps: bool) -> Ke
         kept = KeptFrame(session=Session(kept_maps_bytes=KEPT_MAPS_BYTES if keeps_maps else 0))
         _kept[scene_name, view_layer_name] = kept
     return kept
+
+
+def session_of(depsgraph: Depsgraph) -> Session:
+    """A session of its own with the scene as it is now, for a tool that asks once."""
+    session = Session()
+    session.update(SceneReader().read(depsgraph, Reports(), lambda: None), Progress())
+    return session
 
 
 def release(scene_name: str) -> None:

@@ -11,6 +11,7 @@ from mathutils import Vector
 
 from tyndall.scene_description import CameraKind
 
+from ..frame_size import frame_size_px
 from ..shader_nodes import is_medium_only
 from ..sync.cameras import read_camera
 from ..sync.reports import Reports
@@ -113,12 +114,6 @@ def _in_render(region: Region, depsgraph: Depsgraph, x: int, y: int) -> Place | 
         return None
     x0, y0, x1, y1 = picture_px(depsgraph.scene)
     return place_in_frame(depsgraph, (x0 + across * (x1 - x0), y0 + up * (y1 - y0)))
-
-
-def frame_size_px(scene: Scene) -> tuple[int, int]:
-    render = scene.render
-    share = render.resolution_percentage / 100.0
-    return int(render.resolution_x * share), int(render.resolution_y * share)
 
 
 def picture_px(scene: Scene) -> tuple[int, int, int, int]:

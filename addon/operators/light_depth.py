@@ -9,7 +9,7 @@ import bpy
 from bpy.props import IntProperty
 from bpy.types import Context, Image, Operator
 
-from ..availability import why_not
+from ..availability import why_no_render
 from ..edited_light import edited_light, object_of, why_not_editable
 from ..image_editors import show_image
 
@@ -34,10 +34,8 @@ class TYNDALL_OT_show_light_depth(Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        if (reason := why_not_editable(edited_light(context))) is not None:
+        if (reason := why_not_editable(edited_light(context))) is not None or (reason := why_no_render()) is not None:
             cls.poll_message_set(reason)
-        elif why_not() is not None:
-            cls.poll_message_set("Tyndall cannot render here: its panel in the Render properties says why")
         else:
             return True
         return False
@@ -45,18 +43,15 @@ class TYNDALL_OT_show_light_depth(Operator):
     def execute(self, context: Context) -> set[str]:
         # All panels register where the native core does not load; only what computes needs it.
         from tyndall import InvalidInput, Progress
-        from tyndall.renderer import Session
 
-        from ..sync.reports import Reports
-        from ..sync.scene import SceneReader
+        from ..engine.sessions import session_of
 
         light = edited_light(context)
         thing = object_of(context, light)
         if thing is None:
             self.report({"ERROR"}, f'Light "{light.name}" is not in the scene')
             return {"CANCELLED"}
-        session = Session()
-        session.update(SceneReader().read(context.evaluated_depsgraph_get(), Reports(), lambda: None), Progress())
+        session = session_of(context.evaluated_depsgraph_get())
         try:
             pictures = session.light_depth_picture(thing.name, self.resolution, Progress())
         except InvalidInput as error:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from bpy.types import Context, Event, Light, Operator
 
-from ..availability import why_not
+from ..availability import why_no_render
 from ..edited_light import edited_light, object_of
 from ..fitted_maps import continued_fit, keep, kept_fit, new_fit, write_back
 from ..item_lists import ItemList
@@ -39,10 +39,8 @@ def views_of(light: Light) -> ItemList:
 class _FitOperator:
     @classmethod
     def poll(cls, context: Context) -> bool:
-        if (reason := why_no_fit(edited_light(context))) is not None:
+        if (reason := why_no_fit(edited_light(context))) is not None or (reason := why_no_render()) is not None:
             cls.poll_message_set(reason)
-        elif why_not() is not None:
-            cls.poll_message_set("Tyndall cannot render here: its panel in the Render properties says why")
         else:
             return True
         return False

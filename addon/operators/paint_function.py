@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.types import Context, Operator
 
-from ..availability import why_not
+from ..availability import why_no_render
 from ..function_trees import edited_function
 from ..image_editors import show_image
 from .transfer_functions import FunctionOperator
@@ -31,9 +31,7 @@ class TYNDALL_OT_transfer_layer_paint(FunctionOperator, Operator):
 
     @classmethod
     def why_not(cls, context: Context) -> str | None:
-        if why_not() is not None:
-            return "Tyndall cannot render here: its panel in the Render properties says why"
-        return super().why_not(context)
+        return why_no_render() or super().why_not(context)
 
     def execute(self, context: Context) -> set[str]:
         from tyndall import InvalidInput

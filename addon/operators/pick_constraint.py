@@ -10,7 +10,8 @@ import bpy
 from bpy.props import FloatVectorProperty, StringProperty
 from bpy.types import Context, Event, Operator
 
-from ..availability import why_not
+from ..availability import why_no_render
+from ..frame_size import frame_size_px
 from ..function_trees import edited_function
 from ..surface_points import anchor_at, anchor_in
 from .transfer_functions import ConstraintOperator
@@ -60,12 +61,10 @@ class TYNDALL_OT_pick_constraint(ConstraintOperator, Operator):
 
     @classmethod
     def why_not(cls, context: Context) -> str | None:
-        if why_not() is not None:
-            return "Tyndall cannot render here: its panel in the Render properties says why"
-        return super().why_not(context)
+        return why_no_render() or super().why_not(context)
 
     def execute(self, context: Context) -> set[str]:
-        from ..engine.view_rays import frame_size_px, place_in_frame
+        from ..engine.view_rays import place_in_frame
 
         depsgraph = context.evaluated_depsgraph_get()
         width_px, height_px = frame_size_px(context.scene)
@@ -152,13 +151,12 @@ def _parameters(context: Context, depsgraph: Depsgraph, place: Place) -> tuple[f
     import numpy as np
 
     from tyndall import InvalidInput, Progress
-    from tyndall.renderer import Session
     from tyndall.transfer_functions import WeightedFunction
 
+    from ..engine.sessions import session_of
     from ..engine.settings import FrameWindow, render_config
     from ..sync.images import ImageReader
     from ..sync.reports import Reports
-    from ..sync.scene import SceneReader
     from ..sync.transfer_functions import FunctionReader
 
     reports = Reports()
@@ -172,9 +170,8 @@ def _parameters(context: Context, depsgraph: Depsgraph, place: Place) -> tuple[f
     )
     shafts = replace(config.shafts, method="EPIPOLAR", error_target=max(config.shafts.error_target, _ERROR_TARGET))
     config = replace(config, shafts=replace(shafts, light_samples=min(shafts.light_samples, _LIGHT_SAMPLES)))
-    session = Session()
-    session.update(SceneReader().read(depsgraph, Reports(), lambda: None), Progress())
-    (position,) = session.ray_parameters(place.camera, config, np.array([place.place_px], np.float32), Progress())
+    places_px = np.array([place.place_px], np.float32)
+    (position,) = session_of(depsgraph).ray_parameters(place.camera, config, places_px, Progress())
     return float(position[0]), float(position[1])
 
 

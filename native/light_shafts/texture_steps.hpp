@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a textured directional light scatters along a view ray, as a weighted sum of its texture: nodes that do not depend
-// on the texture's values, so that a picture of it can be rendered, and a fit can ask which texels would give a picture.
-// Based on: Kol, dissertation, TU Delft 2018, section 5.4.2 (light map fit), and eq. 5.1 per step.
+// on the texture's values. (The light map fit, which needs a matrix, integrates along lines of texels instead.)
+// Based on: Kol, dissertation, TU Delft 2018, eq. 5.1 per step.
 // Differs:  a step's weight integrates the exponential of its piece exactly, and its node lies where the exponential has
 //           its mean: a texture that is linear along the step has no error at all, whatever the step's optical depth.
 // Bound:    per lit part of a piece 6 exponentials and 9 expm1; per step 3 products in double. Where texels change within a
