@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tyndall.light_map_fit import LightMap, StrokeView
+from tyndall.linear_colours import linear_colours
 
 from .cameras import read_camera
 from .images import ImageReader, without_pixels
@@ -69,12 +70,7 @@ def unassociated_texels(image: bpy.types.Image, reports: Reports, culprit: str) 
     """(height, width, 4), rows bottom to top, scene-linear, not multiplied with alpha."""
     read = ImageReader().read(image, reports, culprit)
     assert read is not None  # noqa: S101  callers have asked for its pixels
-    pixels = read.pixels
-    if pixels.dtype != np.uint8:
-        return pixels.astype(np.float32)
-    texels = pixels.astype(np.float32) / 255.0
-    if read.is_srgb:
-        colours = texels[..., :3]
-        linear = np.where(colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)  # noqa: PLR2004
-        texels[..., :3] = linear
+    texels = read.pixels.astype(np.float32)
+    if read.pixels.dtype == np.uint8:
+        texels[..., :3], texels[..., 3] = linear_colours(read), texels[..., 3] / 255.0
     return texels

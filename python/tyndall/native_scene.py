@@ -15,6 +15,7 @@ from tyndall.closed_meshes import open_edge_count
 
 from . import _native
 from .light_textures import build_light_textures
+from .linear_colours import linear_colours
 from .native_lights import build_light
 from .native_textures import build_texture
 from .scene_description import (
@@ -30,12 +31,9 @@ from .scene_description import (
     World,
 )
 
-_BYTE = np.arange(256) / 255.0
-#: IEC 61966-2-1: linear below 0.04045.
-_SRGB_TO_LINEAR = np.where(_BYTE <= 0.04045, _BYTE / 12.92, ((_BYTE + 0.055) / 1.055) ** 2.4)  # noqa: PLR2004
-#: What Blender shows where a mesh has no material.
 #: Radiances and coefficients beyond it would overflow where they are summed; Blender makes 3.4e38 of infinite ones.
 _LARGEST_VALUE = 1e30
+#: What Blender shows where a mesh has no material.
 _DEFAULT_MATERIAL = Material(name="(no material)")
 _Part = TypeVar("_Part")
 
@@ -348,16 +346,9 @@ def _build_world(world: World, parts: NativeParts, reports: list[str]) -> _nativ
 
 
 def _make_world(world: World) -> _native.World:
-    pixels = None
-    if world.image is not None:
-        encoded = world.image.pixels[:, :, :3]
-        linear: NDArray[Any] = encoded
-        if encoded.dtype == np.uint8:
-            linear = _SRGB_TO_LINEAR[encoded] if world.image.is_srgb else encoded / np.float32(255)
-        pixels = np.ascontiguousarray(linear, dtype=np.float32)
     return _native.World(
         name=world.name,
         radiance=world.radiance,
-        pixels=pixels,
+        pixels=None if world.image is None else linear_colours(world.image),
         image_from_world=world.image_from_world.astype(np.float32, order="C"),
     )
