@@ -9,6 +9,7 @@
 #include "render/surface_pass.hpp"
 #include "scene/scene.hpp"
 #include "transfer_functions/transfer_function.hpp"
+#include "volume/heterogeneity.hpp"
 #include <functional>
 #include <optional>
 
@@ -29,7 +30,8 @@ struct FrameConfig {
     /// Into Scene::lights: whose visibility, lit parts and angle the functions are about. None: the strongest sun's that
     /// scatters; without one, the mean over all lights, and the angle to the strongest lamp.
     std::optional<std::uint32_t> reference_light = {};
-    bool keeps_unstyled = false; ///< The film carries what a change of the functions' layers needs.
+    std::optional<Heterogeneity> heterogeneity = {}; ///< The air's texture; none: media scatter evenly.
+    bool keeps_unstyled = false;                     ///< The film carries what a change of the functions' layers needs.
     std::uint32_t seed = 0;
     int thread_count = 0; ///< 0: all.
 };

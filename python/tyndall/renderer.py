@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from .heterogeneity import Heterogeneity
 from .kept_pictures import UnstyledPictures
 from .native_scene import NativeParts, build_scene, fingerprint
 from .native_transfer_functions import build_weighted_functions
@@ -69,6 +70,7 @@ class RenderConfig:
     #: Name of the light whose visibility, lit parts and angle the functions are about. "": the strongest sun that
     #: scatters; without one, the mean over all lights, and the angle to the strongest lamp.
     reference_light: str = ""
+    heterogeneity: Heterogeneity | None = None  #: The air's texture; None: media scatter evenly.
     seed: int = 0
     thread_count: int = 0  #: 0: all.
 
