@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/frame.hpp"
 #include "core/parallel.hpp"
-#include "light_shafts/shared_strata.hpp"
+#include "render/frame_shafts.hpp"
 #include "render/frame_style.hpp"
 #include "render/pixel_noise.hpp"
 #include "render/shadow_ray_counts.hpp"
 #include "render/surface_pass.hpp"
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <numeric>
 #include <optional>
@@ -22,22 +21,6 @@ constexpr std::uint32_t pixels_of_first_band = 1 << 12;
 constexpr std::chrono::milliseconds least_update_interval{500};
 /// What one sample's camera rays and their light shafts take of its time, roughly, for the progress bar.
 constexpr double surface_share = 0.3;
-
-/// What the media scatter into the parts of one pass: of the lights that each pixel asks for itself, and of those that
-/// squares of pixels share.
-struct ScatteredParts {
-    struct Light {
-        std::vector<Rgb> radiance;
-        std::vector<float> visibility;
-        std::vector<Rgb> from_points, from_points_unshadowed; ///< Of what is shared.
-    };
-    std::array<Light, light_shafts::shared_sides.size()> of_side;
-    std::vector<std::uint8_t> cells;    ///< Of the parts' pixels; empty: nothing is shared.
-    std::vector<light_shafts::Air> air; ///< Per part, where something is shared.
-};
-struct Band {
-    std::uint32_t first_row, end_row;
-};
 
 Region checked_region(const Camera& camera, const FrameConfig& config) {
     require(camera.width_px > 0 && camera.height_px > 0, "the camera's frame has no pixels");
@@ -107,9 +90,6 @@ private:
         return film;
     }
     [[nodiscard]] std::uint32_t width() const { return region_.x1 - region_.x0; }
-    [[nodiscard]] bool shares_strata() const {
-        return config_.shafts.shares_strata && config_.shafts.method != light_shafts::Method::Exact;
-    }
     [[nodiscard]] std::size_t pixel_count() const { return std::size_t{region_.y1 - region_.y0} * width(); }
     [[nodiscard]] std::vector<Band> all_bands() const {
         std::vector<Band> bands;
@@ -124,7 +104,7 @@ private:
 
     /// How many shadow rays a light gets per surface point, and how far neighbours share those of the world.
     void set_shadow_rays() {
-        const bool may_share = shares_strata() && shared_reach_px(config_.pixel_samples) > 0;
+        const bool may_share = shares_strata(config_.shafts) && shared_reach_px(config_.pixel_samples) > 0;
         ShadowRayCounts counts = count_shadow_rays(scene_, media_, light_, camera_, filter_, config_.seed, may_share,
                                                    config_.shafts, progress_);
         statistics_.count("direct light: shadow rays per surface point",
@@ -158,7 +138,7 @@ private:
             prepare_shafts();
         if (!shafts_)
             return;
-        make_room(sample);
+        shafts_->begin_pass(sample, progress_);
         // A band's pixels look at neighbours in the next one.
         for (std::size_t index = 0; index <= bands.size(); ++index) {
             if (index < bands.size())
@@ -170,21 +150,21 @@ private:
         }
     }
 
-    /// Between neighbouring rays in the picture's middle: radians, or metres of an orthographic camera.
-    [[nodiscard]] float pixel_spacing() const {
-        return (camera_.window_right - camera_.window_left) / static_cast<float>(camera_.width_px);
-    }
     void prepare_shafts() {
         const StageTimer timer(statistics_, "light shafts: prepare");
-        light_shafts::Config shafts = config_.shafts;
+        FrameShafts::Config config{.shafts = config_.shafts,
+                                   .round_samples = round_samples_,
+                                   .wants_visibility = sums_.wants(Pass::ShaftsVisibility) ||
+                                                       asks_for(transfer_functions::Axis::AverageVisibility),
+                                   .wants_lit_moments = asks_for(transfer_functions::Axis::MeanLitPosition)};
         if (style_)
-            shafts.visibility_light = style_->parameters().visibility_light();
-        shafts_.emplace(scene_, media_, light_shafts::view_of(camera_), waiting_.rays, shafts, progress_);
-        statistics_.append(shafts_->statistics());
+            config.shafts.visibility_light = style_->parameters().visibility_light();
+        shafts_.emplace(scene_, media_, camera_, region_, waiting_, config, progress_);
+        statistics_.append(shafts_->prepared().statistics());
         if (shafts_->is_empty())
             shafts_.reset();
         else if (style_)
-            style_->see_shafts(view_path(), *shafts_, progress_);
+            style_->see_shafts(view_path(), shafts_->prepared(), progress_);
     }
     [[nodiscard]] ViewPath view_path(bool collects_parts = true) const {
         return {scene_,
@@ -253,62 +233,11 @@ private:
         surface_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
     }
 
-    void make_room(std::uint32_t sample) {
-        std::array used{true, false, false};
-        if (shares_strata())
-            used = shafts_->sides_used(round_samples_);
-        scattered_.cells.clear();
-        if (used[1] || used[2]) {
-            // Each round deals the cells out anew: 5 is a step along the squares of 4 x 4 and of 2 x 2.
-            const std::uint32_t turned = sample / round_samples_ * 5;
-            for (std::size_t pixel = 0; pixel < pixel_count(); ++pixel)
-                scattered_.cells.insert(
-                    scattered_.cells.end(), waiting_.first[pixel + 1] - waiting_.first[pixel],
-                    static_cast<std::uint8_t>((turned + light_shafts::cell_of_pixel(
-                                                            region_.x0 + static_cast<std::uint32_t>(pixel % width()),
-                                                            region_.y0 + static_cast<std::uint32_t>(pixel / width()))) %
-                                              16));
-            shafts_->set_alone(waiting_.rays, light_shafts::view_of(camera_), pixel_spacing(), round_samples_,
-                               scattered_.cells, progress_);
-            scattered_.air = shafts_->find_air(waiting_.rays, progress_);
-        }
-        if (asks_for(transfer_functions::Axis::MeanLitPosition))
-            lit_moments_.resize(waiting_.rays.size());
-        for (std::size_t side = 0; side < used.size(); ++side) {
-            ScatteredParts::Light& light = scattered_.of_side[side];
-            light.radiance.resize(used[side] ? waiting_.rays.size() : 0);
-            if (side > 0) {
-                light.from_points.resize(light.radiance.size());
-                light.from_points_unshadowed.resize(light.radiance.size());
-            }
-            if (sums_.wants(Pass::ShaftsVisibility) || asks_for(transfer_functions::Axis::AverageVisibility))
-                light.visibility.resize(light.radiance.size());
-        }
-    }
-
     /// Asks for the light that the media scatter into the parts of a band.
     void scatter(std::uint32_t sample, const Band& band) {
         say(sample, "light shafts");
         const auto start = Clock::now();
-        const std::size_t first = waiting_.first[std::size_t{band.first_row} * width()];
-        const std::size_t count = waiting_.first[std::size_t{band.end_row} * width()] - first;
-        std::array<light_shafts::Scattered, light_shafts::shared_sides.size()> out;
-        for (std::size_t side = 0; side < out.size(); ++side) {
-            auto& [radiance, visibility, from_points, unshadowed] = scattered_.of_side[side];
-            const auto part_of = [&](auto& values) {
-                return values.empty() ? std::span(values) : std::span(values).subspan(first, count);
-            };
-            out[side] = {part_of(radiance), part_of(visibility), part_of(from_points), part_of(unshadowed)};
-        }
-        const std::span<const std::uint8_t> cells(scattered_.cells);
-        shafts_->scatter(std::span(waiting_.rays).subspan(first, count),
-                         cells.empty() ? cells : cells.subspan(first, count), out, progress_,
-                         {sample % round_samples_, round_samples_});
-        if (!lit_moments_.empty())
-            std::ranges::copy(shafts_->find_lit_moments(std::span(waiting_.rays).subspan(first, count), progress_,
-                                                        {sample % round_samples_, round_samples_}),
-                              lit_moments_.begin() + static_cast<std::ptrdiff_t>(first));
-        shaft_ray_count_ += count;
+        shaft_ray_count_ += shafts_->scatter(band, progress_);
         shaft_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
         advance(sample, band, surface_share, 1.0 - surface_share);
     }
@@ -316,30 +245,15 @@ private:
     /// Adds that light to the film, with what the neighbours of each pixel have found.
     void add_shafts(const Band& band) {
         const auto start = Clock::now();
-        auto& [radiance, visibility, from_points, unshadowed] = scattered_.of_side[0];
-        for (std::size_t side = 1; side < scattered_.of_side.size(); ++side)
-            if (const auto& shared = scattered_.of_side[side]; !shared.radiance.empty())
-                light_shafts::add_shared(
-                    {width(), region_.y1 - region_.y0, waiting_.first, scattered_.air, scattered_.cells},
-                    light_shafts::shared_sides[side], band.first_row, band.end_row,
-                    {shared.radiance, shared.visibility, shared.from_points, shared.from_points_unshadowed},
-                    {radiance, visibility, from_points, unshadowed}, progress_);
-        const std::size_t first_pixel = std::size_t{band.first_row} * width();
-        parallel_for(std::size_t{band.end_row} * width() - first_pixel, progress_, [&](std::size_t index) {
-            const std::size_t pixel = first_pixel + index;
-            const std::size_t first = waiting_.first[pixel], count = waiting_.first[pixel + 1] - first;
-            const auto part_of = [&](const auto& values) {
-                return values.empty() ? std::span(values) : std::span(values).subspan(first, count);
-            };
-            const SeenShafts seen =
-                sum_of_parts(part_of(waiting_.weights), part_of(radiance), part_of(visibility), part_of(lit_moments_));
+        const auto add = [&](std::size_t pixel, const SeenShafts& seen) {
             if (seen.meets_medium)
                 sums_.add_shafts(pixel, seen.radiance, seen.visibility);
             if (style_ && is_active_[pixel])
                 style_->add(pixel, pixel_centre(pixel), seen);
             if (noise_)
                 noise_->add(pixel, seen.radiance);
-        });
+        };
+        shafts_->sum(band, add, progress_);
         shaft_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
     }
 
@@ -369,17 +283,14 @@ private:
     const Media& media_;
     DirectLight light_;
     FilmSums sums_;
-    std::optional<light_shafts::Shafts>
-        shafts_;                          ///< None before the first sample's rays are known, or where none scatter.
     std::optional<PixelNoise> noise_;     ///< None: every pixel takes all samples.
     std::vector<std::uint8_t> is_active_; ///< Per pixel: takes further samples.
     std::size_t active_count_, sample_count_ = 0;
     std::uint32_t round_samples_, world_reach_px_ = 0;
-    std::vector<WorldLit> world_lit_; ///< Per pixel, of one pass, where neighbours share it.
-    WaitingParts waiting_;            ///< Of the current pass; as scattered_, kept for its memory.
-    ScatteredParts scattered_;
-    std::optional<FrameStyle> style_;                   ///< Where functions recolour the light shafts.
-    std::vector<light_shafts::LitMoments> lit_moments_; ///< Per waiting part, where an axis asks.
+    std::vector<WorldLit> world_lit_;   ///< Per pixel, of one pass, where neighbours share it.
+    WaitingParts waiting_;              ///< Of the current pass; kept for its memory.
+    std::optional<FrameShafts> shafts_; ///< None before the first sample's rays are known, or where none scatter.
+    std::optional<FrameStyle> style_;   ///< Where functions recolour the light shafts.
     std::size_t shaft_ray_count_ = 0;
     double surface_seconds_ = 0.0, shaft_seconds_ = 0.0, style_seconds_ = 0.0;
     std::optional<Clock::time_point> last_update_;

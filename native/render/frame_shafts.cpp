@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/frame_shafts.hpp"
+#include "core/parallel.hpp"
+#include "light_shafts/shared_strata.hpp"
+#include <algorithm>
+
+namespace tyndall::render {
+FrameShafts::FrameShafts(const Scene& scene, const Media& media, const Camera& camera, const Region& region,
+                         const WaitingParts& waiting, const Config& config, Progress& progress)
+    : camera_(camera), waiting_(waiting), region_(region), config_(config),
+      shafts_(scene, media, light_shafts::view_of(camera), waiting.rays, config.shafts, progress) {}
+
+/// Between neighbouring rays in the picture's middle: radians, or metres of an orthographic camera.
+static float pixel_spacing(const Camera& camera) {
+    return (camera.window_right - camera.window_left) / static_cast<float>(camera.width_px);
+}
+
+void FrameShafts::deal_cells(std::uint32_t round, const Progress& progress) {
+    // Each round deals the cells out anew: 5 is a step along the squares of 4 x 4 and of 2 x 2.
+    const std::uint32_t turned = round * 5;
+    for (std::size_t pixel = 0; pixel < pixel_count(); ++pixel)
+        cells_.insert(
+            cells_.end(), waiting_.first[pixel + 1] - waiting_.first[pixel],
+            static_cast<std::uint8_t>(
+                (turned + light_shafts::cell_of_pixel(region_.x0 + static_cast<std::uint32_t>(pixel % width()),
+                                                      region_.y0 + static_cast<std::uint32_t>(pixel / width()))) %
+                16));
+    shafts_.set_alone(waiting_.rays, light_shafts::view_of(camera_), pixel_spacing(camera_), config_.round_samples,
+                      cells_, progress);
+    air_ = shafts_.find_air(waiting_.rays, progress);
+}
+
+void FrameShafts::begin_pass(std::uint32_t sample_index, const Progress& progress) {
+    turn_ = {sample_index % config_.round_samples, config_.round_samples};
+    std::array used{true, false, false};
+    if (shares_strata(config_.shafts))
+        used = shafts_.sides_used(config_.round_samples);
+    cells_.clear();
+    if (used[1] || used[2])
+        deal_cells(sample_index / config_.round_samples, progress);
+    if (config_.wants_lit_moments)
+        lit_moments_.resize(waiting_.rays.size());
+    for (std::size_t side = 0; side < used.size(); ++side) {
+        OfSide& light = of_side_[side];
+        light.radiance.resize(used[side] ? waiting_.rays.size() : 0);
+        if (side > 0) {
+            light.from_points.resize(light.radiance.size());
+            light.from_points_unshadowed.resize(light.radiance.size());
+        }
+        if (config_.wants_visibility)
+            light.visibility.resize(light.radiance.size());
+    }
+}
+
+std::size_t FrameShafts::scatter(const Band& band, const Progress& progress) {
+    const std::size_t first = waiting_.first[std::size_t{band.first_row} * width()];
+    const std::size_t count = waiting_.first[std::size_t{band.end_row} * width()] - first;
+    std::array<light_shafts::Scattered, light_shafts::shared_sides.size()> out;
+    for (std::size_t side = 0; side < out.size(); ++side) {
+        auto& [radiance, visibility, from_points, unshadowed] = of_side_[side];
+        const auto part_of = [&](auto& values) {
+            return values.empty() ? std::span(values) : std::span(values).subspan(first, count);
+        };
+        out[side] = {part_of(radiance), part_of(visibility), part_of(from_points), part_of(unshadowed)};
+    }
+    const std::span<const light_shafts::ViewRay> rays = std::span(waiting_.rays).subspan(first, count);
+    const std::span<const std::uint8_t> cells(cells_);
+    shafts_.scatter(rays, cells.empty() ? cells : cells.subspan(first, count), out, progress, turn_);
+    if (!lit_moments_.empty())
+        std::ranges::copy(shafts_.find_lit_moments(rays, progress, turn_),
+                          lit_moments_.begin() + static_cast<std::ptrdiff_t>(first));
+    return count;
+}
+
+void FrameShafts::sum(const Band& band, const std::function<void(std::size_t, const SeenShafts&)>& deliver,
+                      const Progress& progress) {
+    auto& [radiance, visibility, from_points, unshadowed] = of_side_[0];
+    for (std::size_t side = 1; side < of_side_.size(); ++side)
+        if (const OfSide& shared = of_side_[side]; !shared.radiance.empty())
+            light_shafts::add_shared(
+                {width(), region_.y1 - region_.y0, waiting_.first, air_, cells_}, light_shafts::shared_sides[side],
+                band.first_row, band.end_row,
+                {shared.radiance, shared.visibility, shared.from_points, shared.from_points_unshadowed},
+                {radiance, visibility, from_points, unshadowed}, progress);
+    const std::size_t first_pixel = std::size_t{band.first_row} * width();
+    parallel_for(std::size_t{band.end_row} * width() - first_pixel, progress, [&](std::size_t index) {
+        const std::size_t pixel = first_pixel + index;
+        const std::size_t first = waiting_.first[pixel], count = waiting_.first[pixel + 1] - first;
+        const auto part_of = [&](const auto& values) {
+            return values.empty() ? std::span(values) : std::span(values).subspan(first, count);
+        };
+        deliver(pixel,
+                sum_of_parts(part_of(waiting_.weights), part_of(radiance), part_of(visibility), part_of(lit_moments_)));
+    });
+}
+} // namespace tyndall::render

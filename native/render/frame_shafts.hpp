@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The light shafts of a frame, pass by pass: prepared for the rays of the first, asked band by band, with what squares of
+// neighbouring pixels share.
+#pragma once
+#include "light_shafts/light_shafts.hpp"
+#include "render/ray_parameters.hpp"
+#include "render/surface_pass.hpp"
+#include <array>
+#include <functional>
+
+namespace tyndall::render {
+/// Rows [first_row, end_row) of the region.
+struct Band {
+    std::uint32_t first_row, end_row;
+};
+
+/// Whether neighbouring pixels share strata.
+[[nodiscard]] inline bool shares_strata(const light_shafts::Config& shafts) {
+    return shafts.shares_strata && shafts.method != light_shafts::Method::Exact;
+}
+
+class FrameShafts {
+public:
+    struct Config {
+        light_shafts::Config shafts;
+        std::uint32_t round_samples = 1; ///< The strata of lights with a size are dealt out to so many passes.
+        bool wants_visibility = false, wants_lit_moments = false;
+    };
+    /// For the parts of the first pass. The references must outlive this; `waiting` may change between passes. Throws
+    /// InvalidInput and Cancelled.
+    FrameShafts(const Scene& scene, const Media& media, const Camera& camera, const Region& region,
+                const WaitingParts& waiting, const Config& config, Progress& progress);
+
+    [[nodiscard]] const light_shafts::Shafts& prepared() const { return shafts_; }
+    /// No light scatters in any medium.
+    [[nodiscard]] bool is_empty() const { return shafts_.is_empty(); }
+    /// Before the bands of a pass, whose parts wait now.
+    void begin_pass(std::uint32_t sample_index, const Progress& progress);
+    /// Asks for the light that the media scatter into the parts of a band; returns how many.
+    std::size_t scatter(const Band& band, const Progress& progress);
+    /// Hands out that light with what the neighbours of each pixel have found, which may be pixels of the next band.
+    /// `deliver` is called from any thread, once per pixel.
+    void sum(const Band& band, const std::function<void(std::size_t pixel, const SeenShafts& seen)>& deliver,
+             const Progress& progress);
+
+private:
+    struct OfSide {
+        std::vector<Rgb> radiance;
+        std::vector<float> visibility;
+        std::vector<Rgb> from_points, from_points_unshadowed; ///< Of what is shared.
+    };
+    [[nodiscard]] std::uint32_t width() const { return region_.x1 - region_.x0; }
+    [[nodiscard]] std::size_t pixel_count() const { return std::size_t{region_.y1 - region_.y0} * width(); }
+    void deal_cells(std::uint32_t round, const Progress& progress);
+
+    const Camera& camera_;
+    const WaitingParts& waiting_;
+    Region region_;
+    Config config_;
+    light_shafts::Shafts shafts_;
+    light_shafts::Turn turn_{};
+    std::array<OfSide, light_shafts::shared_sides.size()> of_side_; ///< Kept from pass to pass for their memory.
+    std::vector<std::uint8_t> cells_;                               ///< Of the parts' pixels; empty: nothing is shared.
+    std::vector<light_shafts::Air> air_;                            ///< Per part, where something is shared.
+    std::vector<light_shafts::LitMoments> lit_moments_;             ///< Per part, where they are wanted.
+};
+} // namespace tyndall::render
