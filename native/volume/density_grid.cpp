@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "volume/density_grid.hpp"
+#include "core/errors.hpp"
+#include "core/parallel.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace tyndall {
+namespace {
+constexpr float largest_density = 1e9f;
+constexpr std::size_t largest_table = std::size_t{1} << 28; // 1 GB
+
+void validate(const GridLeaves& leaves, const Progress& progress) {
+    constexpr std::size_t per_leaf = GridLeaves::side * GridLeaves::side * GridLeaves::side;
+    const std::string what = "grid \"" + leaves.name + "\"";
+    require(leaves.values.size() == leaves.origins.size() * per_leaf, what, ": ", leaves.origins.size(),
+            " leaves have ", leaves.values.size(), " values");
+    for (const glm::ivec3& origin : leaves.origins)
+        for (int axis = 0; axis < 3; ++axis)
+            require(origin[axis] % GridLeaves::side == 0, what, ": a leaf begins at voxel ", origin[axis],
+                    ", which is no multiple of ", GridLeaves::side);
+    for (std::size_t index = 0; index < leaves.values.size(); ++index) {
+        if (index % (1 << 20) == 0)
+            progress.poll();
+        require(std::abs(leaves.values[index]) <= largest_density, what, ": a voxel's density is ",
+                leaves.values[index], ", outside [0, ", largest_density, "]");
+    }
+    double determinant = glm::determinant(glm::dmat3(leaves.local_from_index));
+    require(std::isfinite(determinant) && determinant != 0.0 && std::isfinite(leaves.local_from_index[3][0]) &&
+                std::isfinite(leaves.local_from_index[3][1]) && std::isfinite(leaves.local_from_index[3][2]),
+            what, ": its transform is not finite or has no inverse");
+}
+} // namespace
+
+DensityGrid::DensityGrid(const GridLeaves& leaves, const Progress& progress) : name_(leaves.name) {
+    validate(leaves, progress);
+    constexpr int side = GridLeaves::side;
+    constexpr std::size_t per_leaf = side * side * side;
+    // Leaves with density. The voxels of a leaf are corners of the bricks at it and before it.
+    std::vector<std::size_t> dense;
+    glm::ivec3 first(std::numeric_limits<int>::max()), last(std::numeric_limits<int>::min());
+    for (std::size_t leaf = 0; leaf < leaves.origins.size(); ++leaf) {
+        const float* values = leaves.values.data() + leaf * per_leaf;
+        const auto negative = std::count_if(values, values + per_leaf, [](float value) { return value < 0.0f; });
+        negative_count_ += static_cast<std::size_t>(negative);
+        if (std::none_of(values, values + per_leaf, [](float value) { return value > 0.0f; }))
+            continue;
+        dense.push_back(leaf);
+        for (int axis = 0; axis < 3; ++axis) {
+            first[axis] = std::min(first[axis], leaves.origins[leaf][axis] / side - 1);
+            last[axis] = std::max(last[axis], leaves.origins[leaf][axis] / side);
+        }
+    }
+    local_from_grid_ = leaves.local_from_index;
+    if (dense.empty())
+        return;
+    double table = 1.0;
+    for (int axis = 0; axis < 3; ++axis)
+        table *= static_cast<double>(last[axis]) - first[axis] + 1.0;
+    require(table <= static_cast<double>(largest_table), "grid \"", name_, "\": its leaves lie too far apart, over ",
+            table, " blocks of 8^3 voxels");
+    table_size_ = last - first + 1;
+    local_from_grid_ = leaves.local_from_index * glm::translate(glm::dmat4(1.0), double{side} * glm::dvec3(first));
+    table_.assign(static_cast<std::size_t>(table), -1);
+    const auto index_of = [&](const glm::ivec3& at) {
+        return (static_cast<std::size_t>(at.x) * static_cast<std::size_t>(table_size_.y) +
+                static_cast<std::size_t>(at.y)) *
+                   static_cast<std::size_t>(table_size_.z) +
+               static_cast<std::size_t>(at.z);
+    };
+    const auto brick_at = [&](const glm::ivec3& at) -> Brick& {
+        std::int32_t& index = table_[index_of(at)];
+        if (index < 0) {
+            index = static_cast<std::int32_t>(bricks_.size());
+            bricks_.push_back({});
+        }
+        return bricks_[static_cast<std::size_t>(index)];
+    };
+    std::vector<std::uint8_t> is_taken(table_.size(), 0);
+    for (const std::size_t leaf : dense) {
+        progress.poll();
+        const glm::ivec3 at = leaves.origins[leaf] / side - first;
+        require(!is_taken[index_of(at)], "grid \"", name_, "\": two leaves begin at the same voxel");
+        is_taken[index_of(at)] = 1;
+        const float* values = leaves.values.data() + leaf * per_leaf;
+        for (int before = 0; before < 8; ++before) {
+            // The brick before, along x, y and z, reads the leaf's first layer as its last corners.
+            const glm::ivec3 back(before & 1, before >> 1 & 1, before >> 2);
+            const glm::ivec3 count = glm::ivec3(side) - (side - 1) * back;
+            Brick* brick = nullptr;
+            for (int x = 0; x < count.x; ++x)
+                for (int y = 0; y < count.y; ++y)
+                    for (int z = 0; z < count.z; ++z) {
+                        const float value = values[(x * side + y) * side + z];
+                        if (!(value > 0.0f))
+                            continue;
+                        if (brick == nullptr)
+                            brick = &brick_at(at - back);
+                        const glm::ivec3 corner = glm::ivec3(x, y, z) + side * back;
+                        brick->corners[static_cast<std::size_t>((corner.x * brick_corners + corner.y) * brick_corners +
+                                                                corner.z)] = value;
+                        brick->greatest = std::max(brick->greatest, value);
+                        const vec3 voxel = vec3(side * at) + vec3(x, y, z);
+                        bounds_.grow(voxel - 1.0f);
+                        bounds_.grow(voxel + 1.0f);
+                    }
+        }
+    }
+    for (const Brick& brick : bricks_)
+        greatest_ = std::max(greatest_, brick.greatest);
+}
+
+float DensityGrid::at(const vec3& point) const {
+    for (int axis = 0; axis < 3; ++axis)
+        if (!(point[axis] >= bounds_.min[axis] && point[axis] <= bounds_.max[axis]))
+            return 0.0f;
+    const glm::ivec3 cell = glm::min(glm::ivec3(point), brick_cells * table_size_ - 1);
+    const Brick* here = brick(cell / brick_cells);
+    return here == nullptr ? 0.0f : trilinear(cell_corner(*here, cell % brick_cells), point - vec3(cell));
+}
+} // namespace tyndall
