@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings that are saved in the .blend: ``tyndall`` of scenes, view layers, lights and node trees."""
+"""Settings that are saved in the .blend: ``tyndall`` of scenes, view layers, objects, lights and node trees."""
 
 from bpy.props import PointerProperty
-from bpy.types import Light, NodeTree, Scene, ViewLayer
+from bpy.types import Light, NodeTree, Object, Scene, ViewLayer
 from bpy.utils import register_class, unregister_class
 
-from . import light_map_fit, occluder_edits, transfer_functions, transfer_layers
+from . import light_map_fit, occluder_edits, painted_air, transfer_functions, transfer_layers
 from .light import TyndallLightSettings
 from .light_shafts import TyndallLightShaftSettings
+from .painted_air import TyndallObjectSettings
 from .scene import TyndallSceneSettings
 from .tagging import OVERRIDABLE, tag
 from .transfer_functions import TyndallTransferFunction
@@ -19,6 +20,7 @@ CLASSES = (
     *light_map_fit.CLASSES,
     *transfer_layers.CLASSES,
     *transfer_functions.CLASSES,
+    *painted_air.CLASSES,
     TyndallLightShaftSettings,
     TyndallSceneSettings,
     TyndallLightSettings,
@@ -26,6 +28,7 @@ CLASSES = (
 )
 OWNERS = (
     (Scene, TyndallSceneSettings),
+    (Object, TyndallObjectSettings),
     (Light, TyndallLightSettings),
     (ViewLayer, TyndallViewLayerSettings),
     (NodeTree, TyndallTransferFunction),
