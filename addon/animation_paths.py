@@ -55,6 +55,16 @@ def curves_at(owner: ID, path: str) -> list[FCurve]:
     return [curve for curve in chain(*_curve_lists(animation)) if curve.data_path == path]
 
 
+def animates_by_other_means(owner: ID, path: str) -> bool:
+    """Whether a driver or a strip of the NLA editor sets this property, whatever ``curves_at`` finds."""
+    animation = owner.animation_data
+    if animation is None:
+        return False
+    strips = [strip for track in animation.nla_tracks if not track.mute for strip in track.strips if strip.action]
+    by_strips = chain.from_iterable(chain(*_curve_lists(strip)) for strip in strips if animation.use_nla)
+    return any(curve.data_path == path for curve in chain(animation.drivers, by_strips))
+
+
 def path_without_item(path: str, collection_path: str, index: int) -> str | None:
     """The path once item ``index`` of the collection is gone; None for a path into that item."""
     match = re.match(rf"{re.escape(collection_path)}\[(\d+)\]", path)

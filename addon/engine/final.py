@@ -17,6 +17,7 @@ from tyndall import Cancelled, Progress
 
 from .. import last_render
 from ..sync.cameras import read_camera
+from ..sync.heterogeneity import read_heterogeneity
 from ..sync.reports import Reports
 from ..sync.transfer_functions import read_transfer_functions
 from . import failures, passes
@@ -85,9 +86,10 @@ class _Frame:
         reports = Reports()
         camera = self._camera(reports)
         functions = read_transfer_functions(scene, self.depsgraph, kept.function_images, reports)
+        heterogeneity = read_heterogeneity(scene, reports)
         description = kept.reader.read(self.depsgraph, reports, self._poll())
         read_s = time.perf_counter() - started
-        config = render_config(scene, view_layer, self.window, functions)
+        config = render_config(scene, view_layer, self.window, functions, heterogeneity)
 
         def work(progress: Progress, show: Callable[[Film], None]) -> Film:
             kept.session.update(description, progress)

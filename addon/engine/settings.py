@@ -15,6 +15,7 @@ from .passes import wanted_planes
 if TYPE_CHECKING:
     from bpy.types import RenderSettings, Scene, ViewLayer
 
+    from tyndall.heterogeneity import Heterogeneity
     from tyndall.transfer_functions import WeightedFunction
 
 #: Of lights' depth maps and slope rows, in a viewport and from frame to frame of an animation.
@@ -62,7 +63,11 @@ def shaft_config(scene: Scene) -> ShaftConfig:
 
 
 def render_config(
-    scene: Scene, view_layer: ViewLayer, window: FrameWindow, functions: tuple[WeightedFunction, ...] = ()
+    scene: Scene,
+    view_layer: ViewLayer,
+    window: FrameWindow,
+    functions: tuple[WeightedFunction, ...] = (),
+    heterogeneity: Heterogeneity | None = None,
 ) -> RenderConfig:
     """The settings of a final render of one view layer."""
     tyndall = scene.tyndall
@@ -78,6 +83,7 @@ def render_config(
         shafts=shaft_config(scene),
         transfer_functions=functions,
         reference_light=light.name if light is not None else "",
+        heterogeneity=heterogeneity,
         seed=tyndall.seed,
         thread_count=tyndall.thread_count,
     )

@@ -21,6 +21,7 @@ from bpy.types import Context, Depsgraph, RenderEngine, SpaceView3D
 
 from tyndall.renderer import Session
 
+from ..sync.heterogeneity import read_heterogeneity
 from ..sync.images import ImageReader
 from ..sync.reports import Reports
 from ..sync.scene import SceneReader
@@ -32,6 +33,7 @@ from .viewport_worker import Picture, View, ViewportWorker
 if TYPE_CHECKING:
     from gpu.types import GPUTexture
 
+    from tyndall.heterogeneity import Heterogeneity
     from tyndall.transfer_functions import WeightedFunction
 
 #: Time for which reading the scene holds up the window at once; a quarter of a second is what artists bear.
@@ -55,6 +57,7 @@ class Viewport:
         self._reader = SceneReader()
         self._function_images = ImageReader()
         self._functions: tuple[WeightedFunction, ...] = ()
+        self._heterogeneity: Heterogeneity | None = None
         self._is_scene_outdated = True
         self._slice_s = SLICE_S
         self._view: View | None = None
@@ -70,7 +73,8 @@ class Viewport:
         """Hand on what has changed, and draw what there is."""
         if self._is_scene_outdated:
             self._functions = read_transfer_functions(depsgraph.scene_eval, depsgraph, self._function_images, Reports())
-        view = _view_of(context, depsgraph, self._functions)
+            self._heterogeneity = read_heterogeneity(depsgraph.scene_eval, Reports(), is_viewport=True)
+        view = _view_of(context, depsgraph, self._functions, self._heterogeneity)
         if self._is_scene_outdated:
             self._read_scene(engine, view, context.space_data, depsgraph)
         elif not view.is_like(self._view):
@@ -180,10 +184,15 @@ def _tend() -> float | None:
     return POLL_S if open_viewports else None
 
 
-def _view_of(context: Context, depsgraph: Depsgraph, functions: tuple[WeightedFunction, ...]) -> View:
+def _view_of(
+    context: Context,
+    depsgraph: Depsgraph,
+    functions: tuple[WeightedFunction, ...],
+    heterogeneity: Heterogeneity | None,
+) -> View:
     scene, region = depsgraph.scene_eval, context.region_data
     frame = frame_of_view(context)
-    config = render_config(scene, depsgraph.view_layer_eval, frame, functions)
+    config = render_config(scene, depsgraph.view_layer_eval, frame, functions, heterogeneity)
     tyndall = scene.tyndall
     return View(
         camera=camera_of_view(np.array(region.window_matrix), np.array(region.view_matrix), frame.size_px),

@@ -68,13 +68,16 @@ def coarser(view: View, scale: int) -> View:
         light_samples=min(shafts.light_samples, 4),
         world_samples=min(shafts.world_samples, 8),
     )
+    air = config.heterogeneity
+    if air is not None:  # a pixel is as large as several of the finished picture
+        air = replace(air, upsampling=max(1, air.upsampling // scale))
     # Each side is rounded up to whole pixels, so the window grows by the share that they stick out.
     grown_x, grown_y = width * scale / view.camera.size_px[0], height * scale / view.camera.size_px[1]
     left, right, bottom, top = view.camera.window
     window = left, left + (right - left) * grown_x, bottom, bottom + (top - bottom) * grown_y
     return View(
         camera=replace(view.camera, size_px=(width, height), window=window),
-        config=replace(config, region_px=region_px, pixel_samples=1, shafts=shafts),
+        config=replace(config, region_px=region_px, pixel_samples=1, shafts=shafts, heterogeneity=air),
     )
 
 

@@ -1,12 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Save and remove presets of the render settings."""
+"""Apply, save and remove presets: of the render settings, and of the texture of the air."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import ClassVar
 
+import bpy
 from bl_operators.presets import AddPresetBase
-from bpy.types import Operator
+from bpy.props import StringProperty
+from bpy.types import Context, Operator
+
+
+class TYNDALL_OT_preset_apply(Operator):
+    """Set what this preset sets; the rest stays as it is."""
+
+    bl_idname = "tyndall.preset_apply"
+    bl_label = "Apply Preset"
+    bl_options = {"UNDO"}
+
+    filepath: StringProperty(name="File", subtype="FILE_PATH", options={"SKIP_SAVE"})
+
+    def execute(self, context: Context) -> set[str]:
+        try:
+            bpy.utils.execfile(self.filepath)
+        except Exception as error:  # noqa: BLE001  whatever somebody wrote into their file
+            self.report({"ERROR"}, f'The preset "{bpy.path.display_name(Path(self.filepath).name)}" fails: {error}')
+        context.scene.update_tag()
+        return {"FINISHED"}
 
 
 class TYNDALL_OT_render_preset_add(AddPresetBase, Operator):
@@ -35,4 +56,24 @@ class TYNDALL_OT_render_preset_add(AddPresetBase, Operator):
     ]
 
 
-CLASSES = (TYNDALL_OT_render_preset_add,)
+class TYNDALL_OT_air_preset_add(AddPresetBase, Operator):
+    """Save the texture of the air as a preset, or remove one: its noise and its wind, not what is painted."""
+
+    bl_idname = "tyndall.air_preset_add"
+    bl_label = "Add Air Preset"
+    preset_menu = "TYNDALL_PT_air_presets"
+    preset_subdir = "tyndall/air"
+    preset_defines: ClassVar = ["air = bpy.context.scene.tyndall.heterogeneity"]
+    preset_values: ClassVar = [
+        "air.is_enabled",
+        "air.amount",
+        "air.intensity",
+        "air.level",
+        "air.scale_m",
+        "air.octaves",
+        "air.persistence",
+        "air.wind_m_per_s",
+    ]
+
+
+CLASSES = (TYNDALL_OT_preset_apply, TYNDALL_OT_render_preset_add, TYNDALL_OT_air_preset_add)

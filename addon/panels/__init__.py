@@ -6,6 +6,7 @@ from bpy.utils import register_class, unregister_class
 from . import (
     film,
     gobo,
+    heterogeneity,
     light,
     light_map_fit,
     light_shafts,
@@ -40,6 +41,7 @@ CLASSES = (
     *gobo.CLASSES,
     *transfer_functions.CLASSES,
     *light_map_fit.CLASSES,
+    *heterogeneity.CLASSES,
     *material.CLASSES,
 )
 

@@ -6,6 +6,7 @@ from bpy.types import Light, NodeTree, Object, Scene, ViewLayer
 from bpy.utils import register_class, unregister_class
 
 from . import light_map_fit, occluder_edits, painted_air, transfer_functions, transfer_layers
+from .heterogeneity import TyndallHeterogeneity
 from .light import TyndallLightSettings
 from .light_shafts import TyndallLightShaftSettings
 from .painted_air import TyndallObjectSettings
@@ -22,6 +23,7 @@ CLASSES = (
     *transfer_functions.CLASSES,
     *painted_air.CLASSES,
     TyndallLightShaftSettings,
+    TyndallHeterogeneity,
     TyndallSceneSettings,
     TyndallLightSettings,
     TyndallViewLayerSettings,

@@ -5,6 +5,7 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
 from bpy.types import Object, PropertyGroup
 
 from ..edited_light import is_light_of_scene
+from .heterogeneity import TyndallHeterogeneity
 from .light_shafts import TyndallLightShaftSettings
 from .tagging import OVERRIDABLE, tag
 
@@ -96,6 +97,13 @@ class TyndallSceneSettings(PropertyGroup):
         name="Light Shafts",
         description="How light that media scatter is computed",
         type=TyndallLightShaftSettings,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    heterogeneity: PointerProperty(
+        name="Texture of the Air",
+        description="Mist, smoke and dust in the light shafts",
+        type=TyndallHeterogeneity,
         update=tag,
         override=OVERRIDABLE,
     )

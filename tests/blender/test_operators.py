@@ -10,7 +10,7 @@ import pytest
 from mathutils import Vector
 
 from addon import last_render
-from addon.panels.presets import SHIPPED_PRESETS
+from addon.panels.presets import TYNDALL_PT_render_presets, shipped_presets
 
 
 def bounds_m(box: bpy.types.Object) -> tuple[Vector, Vector]:
@@ -127,11 +127,11 @@ def test_copying_statistics_needs_a_render(scene: bpy.types.Scene) -> None:
     assert bpy.ops.tyndall.copy_reports() == {"FINISHED"}
 
 
-@pytest.mark.parametrize("preset", sorted(SHIPPED_PRESETS.glob("*.py")), ids=lambda preset: preset.stem)
+@pytest.mark.parametrize("preset", shipped_presets(TYNDALL_PT_render_presets), ids=lambda preset: preset.stem)
 def test_shipped_presets_apply(scene: bpy.types.Scene, preset: Path) -> None:
     """Draft costs less than the defaults, Production more."""
     samples_before = scene.tyndall.pixel_samples
-    bpy.ops.script.execute_preset(filepath=str(preset), menu_idname="TYNDALL_PT_render_presets")
+    bpy.ops.tyndall.preset_apply(filepath=str(preset))
     assert (scene.tyndall.pixel_samples > samples_before) == (preset.stem == "Production")
 
 
@@ -143,7 +143,7 @@ def test_own_presets_are_saved(scene: bpy.types.Scene, tmp_path: Path, monkeypat
     bpy.ops.tyndall.render_preset_add(name="mine")
     scene.tyndall.shafts.light_samples = 1
     saved = next(tmp_path.rglob("mine.py"))
-    bpy.ops.script.execute_preset(filepath=str(saved), menu_idname="TYNDALL_PT_render_presets")
+    bpy.ops.tyndall.preset_apply(filepath=str(saved))
     assert scene.tyndall.shafts.light_samples == 77
 
 

@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The texture of the air: what is set, keyed and driven is what is sent, and the wind carries it without a jump."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+from addon.animation_paths import curves_at
+from addon.engine.settings import frame_window, render_config
+from addon.engine.viewport_worker import View, coarser
+from addon.panels.presets import TYNDALL_PT_air_presets, shipped_presets
+from addon.properties.heterogeneity import UPSAMPLINGS, TyndallHeterogeneity
+from addon.sync.cameras import read_camera
+from addon.sync.heterogeneity import read_heterogeneity
+from addon.sync.reports import Reports
+from addon.sync.wind import WIND_PATH
+from support.small_scenes import empty_scene
+from tyndall.heterogeneity import AirNoise, Heterogeneity
+
+PRESETS = shipped_presets(TYNDALL_PT_air_presets)
+
+
+@pytest.fixture
+def air() -> TyndallHeterogeneity:
+    """The texture of a scene at 24 frames a second, switched on."""
+    scene = empty_scene()
+    scene.render.fps, scene.render.fps_base = 24, 1.0
+    scene.tyndall.heterogeneity.is_enabled = True
+    return scene.tyndall.heterogeneity
+
+
+def read(*, is_viewport: bool = False) -> tuple[Heterogeneity | None, tuple[str, ...]]:
+    """What a render would be given at this frame, and what it would be told."""
+    reports = Reports()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    return read_heterogeneity(depsgraph.scene_eval, reports, is_viewport=is_viewport), reports.lines()
+
+
+def sent() -> Heterogeneity:
+    heterogeneity, lines = read()
+    assert heterogeneity is not None
+    assert lines == ()
+    return heterogeneity
+
+
+def at(frame: float) -> Heterogeneity:
+    bpy.context.scene.frame_set(int(frame // 1), subframe=frame % 1)
+    return sent()
+
+
+def key_wind(*keys: tuple[float, float], axis: int = 0, interpolation: str = "LINEAR") -> bpy.types.FCurve:
+    """Of frames and speeds, m/s."""
+    scene = bpy.context.scene
+    for frame, speed in keys:
+        scene.tyndall.heterogeneity.wind_m_per_s[axis] = speed
+        scene.keyframe_insert(WIND_PATH, index=axis, frame=frame)
+    (curve,) = (curve for curve in curves_at(scene, WIND_PATH) if curve.array_index == axis)
+    for key in curve.keyframe_points:
+        key.interpolation = interpolation
+    return curve
+
+
+def test_the_air_is_even_until_it_is_switched_on(air: TyndallHeterogeneity) -> None:
+    """Whatever is set, nothing is sent: a scene without texture costs nothing."""
+    air.amount, air.scale_m = 1.0, 3.0
+    air.is_enabled = False
+    assert read() == (None, ())
+    scene = bpy.context.scene
+    config = render_config(scene, bpy.context.view_layer, frame_window(scene.render, (8, 8)))
+    assert config.heterogeneity is None
+
+
+def test_every_setting_arrives(air: TyndallHeterogeneity) -> None:
+    """Under the names of the description; the offset is where the noise has been moved to."""
+    air.amount, air.level, air.intensity = 0.5, 1.5, 2.0
+    air.scale_m, air.octaves, air.persistence, air.seed = 4.0, 3, 0.25, 7
+    air.weighting, air.step_count, air.upsampling = "WHOLE_RAY", 32, "8"
+    air.offset_m = (1.0, -2.0, 0.5)
+    assert sent() == Heterogeneity(
+        noise=AirNoise(scale_m=4.0, octaves=3, persistence=0.25, seed=7),
+        moved_m=(1.0, -2.0, 0.5),
+        amount=0.5,
+        level=1.5,
+        intensity=2.0,
+        weighting="WHOLE_RAY",
+        step_count=32,
+        upsampling=8,
+    )
+
+
+def test_a_viewport_looks_at_the_air_more_coarsely(air: TyndallHeterogeneity) -> None:
+    """As coarsely as it is told; its first pictures, whose pixels are large themselves, share no more than that."""
+    assert [int(identifier) for identifier, *_ in UPSAMPLINGS] == [1, 2, 4, 8, 16]
+    air.upsampling, air.viewport_upsampling = "2", "16"
+    final, viewport = sent(), read(is_viewport=True)[0]
+    assert (final.upsampling, viewport.upsampling) == (2, 16)
+    scene = bpy.context.scene
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    config = render_config(scene, bpy.context.view_layer, frame_window(scene.render, (64, 64)), (), viewport)
+    view = View(camera=read_camera(scene.camera, depsgraph.scene_eval.render, (64, 64), Reports()), config=config)
+    assert [coarser(view, scale).config.heterogeneity.upsampling for scale in (2, 4, 8)] == [8, 4, 2]
+    even = View(camera=view.camera, config=replace(config, heterogeneity=None))
+    assert coarser(even, 8).config.heterogeneity is None
+
+
+@pytest.mark.parametrize("name", ["amount", "level", "intensity", "scale_m", "persistence"])
+def test_a_key_gives_its_value_exactly(air: TyndallHeterogeneity, name: str) -> None:
+    """At its frame, and nowhere beside it something else."""
+    scene = bpy.context.scene
+    path = f"tyndall.heterogeneity.{name}"
+    values = {1: 0.25, 11: 0.75, 21: 0.5}
+    for frame, value in values.items():
+        setattr(air, name, value)
+        scene.keyframe_insert(path, frame=frame)
+    for frame, value in values.items():
+        heterogeneity = at(frame)
+        assert getattr(heterogeneity.noise if hasattr(heterogeneity.noise, name) else heterogeneity, name) == value
+    assert curves_at(scene, path)
+
+
+def test_a_driver_is_followed(air: TyndallHeterogeneity) -> None:
+    """As of any property of Blender."""
+    bpy.context.scene.driver_add("tyndall.heterogeneity.amount").driver.expression = "frame / 100"
+    assert at(25).amount == pytest.approx(0.25)
+    assert at(50).amount == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(("fps", "fps_base"), [(24, 1.0), (30, 1.001), (60, 1.0)])
+@pytest.mark.parametrize("frame", [0, 1, 48.25, -12, 100_000])
+def test_a_steady_wind_carries_the_texture_with_the_clock(
+    air: TyndallHeterogeneity, fps: int, fps_base: float, frame: float
+) -> None:
+    """Speed times seconds since frame 0, to the subframe, at whatever frame rate."""
+    render = bpy.context.scene.render
+    render.fps, render.fps_base = fps, fps_base
+    air.wind_m_per_s = (0.5, 0.0, -2.0)
+    seconds = frame / (fps / render.fps_base)
+    assert at(frame).moved_m == pytest.approx((0.5 * seconds, 0.0, -2.0 * seconds), rel=1e-6)
+
+
+def test_wind_that_freshens_covers_the_area_under_its_curve(air: TyndallHeterogeneity) -> None:
+    """From 0 to 6 m/s within two seconds it carries 6 m; after its last key it goes on at 6 m/s."""
+    key_wind((0, 0.0), (48, 6.0))
+    assert at(48).moved_m[0] == pytest.approx(6.0)
+    assert at(24).moved_m[0] == pytest.approx(1.5)
+    assert at(12.5).moved_m[0] == pytest.approx(6.0 * (12.5 / 48) ** 2, rel=2e-3)
+    assert at(72).moved_m[0] == pytest.approx(12.0)
+    assert at(-24).moved_m[0] == 0.0
+
+
+def test_what_was_keyed_before_frame_0_and_after_it_counts_from_there(air: TyndallHeterogeneity) -> None:
+    """Keys anywhere, on fractions of frames, too: straight pieces are integrated exactly."""
+    key_wind((-10, 1.0), (6.5, 3.0), (30, -1.0))
+    curve = curves_at(bpy.context.scene, WIND_PATH)[0]
+    for frame in (-30.0, -4.5, 3.0, 6.5, 18.25, 30.0, 55.0):
+        places = np.linspace(0.0, frame, 20_001)
+        values = [curve.evaluate(place) for place in places]
+        exact = float(np.sum(0.5 * (np.diff(places)) * (np.array(values[:-1]) + values[1:]))) / 24.0
+        assert at(frame).moved_m[0] == pytest.approx(exact, rel=1e-6, abs=1e-6)
+
+
+@pytest.mark.parametrize("interpolation", ["CONSTANT", "LINEAR", "BEZIER"])
+def test_gusts_never_make_the_texture_jump(air: TyndallHeterogeneity, interpolation: str) -> None:
+    """From one subframe to the next it moves no farther than the strongest wind carries it; speed times time would."""
+    key_wind((1, 0.5), (100, 4.0), (101, 0.1), (150, -3.0), interpolation=interpolation)
+    frames = np.arange(95.0, 160.0, 0.25)
+    moved_m = np.array([at(frame).moved_m[0] for frame in frames])
+    assert np.abs(np.diff(moved_m)).max() <= 4.0 * 0.25 / 24.0 * 1.01
+    at_present_speed = []
+    for frame in frames:
+        at(frame)
+        at_present_speed.append(air.wind_m_per_s[0] * frame / 24.0)
+    assert np.abs(np.diff(at_present_speed)).max() > 1.0, "the wind would not tell one from the other"
+
+
+def test_a_frame_has_the_same_texture_whichever_renders_first(air: TyndallHeterogeneity) -> None:
+    """Backwards, by jumps, again: it depends on the frame alone, so that a farm's machines agree."""
+    curve = key_wind((1, 0.5), (20, 4.0), (50, -1.0), interpolation="BEZIER")
+    curve.modifiers.new("NOISE")
+    frames = [1, 17, 20, 33.5, 80]
+    forwards = {frame: at(frame).moved_m for frame in frames}
+    assert {frame: at(frame).moved_m for frame in reversed(frames)} == forwards
+    assert len(set(forwards.values())) == len(frames)
+
+
+def test_wind_can_be_keyed_along_one_axis_alone(air: TyndallHeterogeneity) -> None:
+    """The others blow steadily; a curve that is muted does not count."""
+    key_wind((0, 0.0), (48, 6.0), axis=2)
+    air.wind_m_per_s[0] = 1.0
+    assert at(48).moved_m == pytest.approx((2.0, 0.0, 6.0))
+    curves_at(bpy.context.scene, WIND_PATH)[0].mute = True
+    air.wind_m_per_s[2] = 3.0
+    assert at(48).moved_m == pytest.approx((2.0, 0.0, 6.0))
+    assert at(24).moved_m == pytest.approx((1.0, 0.0, 3.0))
+
+
+def test_wind_without_a_past_is_taken_as_steady_and_says_so(air: TyndallHeterogeneity) -> None:
+    """A driver knows the present only. The report names the scene, and what to do."""
+    bpy.context.scene.driver_add(WIND_PATH, 0).driver.expression = "2.0"
+    bpy.context.scene.frame_set(48)
+    heterogeneity, lines = read()
+    assert heterogeneity.moved_m == (4.0, 0.0, 0.0)
+    assert len(lines) == 1
+    assert lines[0].startswith('Scene "Scene": its wind is driven')
+    assert lines[0].endswith("Keyframe it, or drive the offset instead")
+
+
+def test_wind_in_a_strip_is_taken_as_steady_and_says_so(air: TyndallHeterogeneity) -> None:
+    """As if it were driven; not once its track is muted."""
+    key_wind((0, 1.0), (48, 1.0))
+    animation = bpy.context.scene.animation_data
+    track = animation.nla_tracks.new()
+    track.strips.new("Gust", 0, animation.action)
+    animation.action = None
+    bpy.context.scene.frame_set(24)
+    heterogeneity, lines = read()
+    assert heterogeneity.moved_m[0] == pytest.approx(1.0)
+    assert len(lines) == 1
+    track.mute = True
+    assert read()[1] == ()
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.stem)
+def test_each_preset_is_a_texture_of_its_own(air: TyndallHeterogeneity, preset: Path) -> None:
+    """It switches the texture on, brings a wind, keeps what is the scene's own, and is undone."""
+    air.is_enabled, air.seed, air.step_count = False, 5, 32
+    bpy.context.preferences.edit.use_global_undo = True
+    bpy.ops.ed.undo_push(message="before")
+    assert bpy.ops.tyndall.preset_apply(filepath=str(preset)) == {"FINISHED"}
+    bpy.ops.ed.undo_push(message="preset")
+    made = sent()
+    assert (made.noise.seed, made.step_count) == (5, 32)
+    assert made.amount > 0.0
+    assert any(bpy.context.scene.tyndall.heterogeneity.wind_m_per_s)
+    looks = {(one.noise, one.amount, one.level) for one in (made, *_other_presets(preset))}
+    assert len(looks) == len(PRESETS) >= 6
+    bpy.ops.ed.undo()
+    while bpy.context.scene.tyndall.heterogeneity.is_enabled:  # those of the others, too
+        bpy.ops.ed.undo()
+    assert bpy.context.scene.tyndall.heterogeneity.seed == 5
+
+
+def _other_presets(preset: Path) -> list[Heterogeneity]:
+    found = []
+    for other in PRESETS:
+        if other != preset:
+            bpy.ops.tyndall.preset_apply(filepath=str(other))
+            found.append(sent())
+    return found
+
+
+def test_a_preset_that_fails_says_why(air: TyndallHeterogeneity, tmp_path: Path) -> None:
+    """One that somebody wrote by hand for another version; what it had set until then stays."""
+    broken = tmp_path / "My_Fog.py"
+    broken.write_text("import bpy\nbpy.context.scene.tyndall.fluff.amount = 1\n")
+    with pytest.raises(RuntimeError, match=r'The preset "My Fog" fails: .*fluff'):
+        bpy.ops.tyndall.preset_apply(filepath=str(broken))
+
+
+def test_settings_survive_save_and_copies_of_the_scene(air: TyndallHeterogeneity, tmp_path: Path) -> None:
+    """With their keys: a copied scene blows on its own."""
+    key_wind((0, 1.0), (48, 3.0))
+    before = at(48)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "air.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "air.blend"))
+    assert at(48) == before
+    copied = bpy.context.scene.copy()
+    bpy.context.window.scene = copied
+    assert at(48) == before
