@@ -86,7 +86,7 @@ class _Frame:
         reports = Reports()
         camera = self._camera(reports)
         functions = read_transfer_functions(scene, self.depsgraph, kept.function_images, reports)
-        heterogeneity = read_heterogeneity(scene, reports)
+        heterogeneity = read_heterogeneity(self.depsgraph, reports)
         description = kept.reader.read(self.depsgraph, reports, self._poll())
         read_s = time.perf_counter() - started
         config = render_config(scene, view_layer, self.window, functions, heterogeneity)

@@ -73,7 +73,7 @@ class Viewport:
         """Hand on what has changed, and draw what there is."""
         if self._is_scene_outdated:
             self._functions = read_transfer_functions(depsgraph.scene_eval, depsgraph, self._function_images, Reports())
-            self._heterogeneity = read_heterogeneity(depsgraph.scene_eval, Reports(), is_viewport=True)
+            self._heterogeneity = read_heterogeneity(depsgraph, Reports(), is_viewport=True)
         view = _view_of(context, depsgraph, self._functions, self._heterogeneity)
         if self._is_scene_outdated:
             self._read_scene(engine, view, context.space_data, depsgraph)

@@ -4,6 +4,7 @@
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty
 from bpy.types import Object, PropertyGroup
 
+from ..painted_air import is_box
 from .tagging import OVERRIDABLE, tag
 
 WEIGHTINGS = (
@@ -32,8 +33,8 @@ UPSAMPLINGS = (
 )
 
 
-def is_empty(_settings: PropertyGroup, thing: Object) -> bool:
-    return thing.type == "EMPTY"
+def may_be_painted(_settings: PropertyGroup, thing: Object) -> bool:
+    return is_box(thing)
 
 
 class TyndallHeterogeneity(PropertyGroup):
@@ -188,7 +189,7 @@ class TyndallHeterogeneity(PropertyGroup):
         name="Painted Air",
         description="The box in which amount, softness and intensity are painted",
         type=Object,
-        poll=is_empty,
+        poll=may_be_painted,
         update=tag,
         override=OVERRIDABLE,
     )

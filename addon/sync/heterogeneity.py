@@ -7,16 +7,20 @@ from typing import TYPE_CHECKING
 
 from tyndall.heterogeneity import AirNoise, Heterogeneity
 
+from ..painted_air import painted_air
 from .wind import carried_m
 
 if TYPE_CHECKING:
-    from bpy.types import Scene
+    from bpy.types import Depsgraph, Scene
+
+    from tyndall.heterogeneity import PaintedAir
 
     from .reports import Reports
 
 
-def read_heterogeneity(scene: Scene, reports: Reports, *, is_viewport: bool = False) -> Heterogeneity | None:
-    """``scene`` is evaluated. None: the air is even."""
+def read_heterogeneity(depsgraph: Depsgraph, reports: Reports, *, is_viewport: bool = False) -> Heterogeneity | None:
+    """None: the air is even. A painted box that cannot be used is left out, with a report; the rest of it stays."""
+    scene = depsgraph.scene_eval
     settings = scene.tyndall.heterogeneity
     if not settings.is_enabled:
         return None
@@ -36,4 +40,21 @@ def read_heterogeneity(scene: Scene, reports: Reports, *, is_viewport: bool = Fa
         weighting=settings.weighting,
         step_count=settings.step_count,
         upsampling=int(settings.viewport_upsampling if is_viewport else settings.upsampling),
+        painted=_painted(scene.original, depsgraph, reports),
     )
+
+
+def _painted(scene: Scene, depsgraph: Depsgraph, reports: Reports) -> PaintedAir | None:
+    """``scene`` is the original: an evaluated pointer may outlive what it points to."""
+    box = scene.tyndall.heterogeneity.painted
+    if box is None:
+        return None
+    culprit = f'Scene "{scene.name}"'
+    if scene.objects.get(box.name) != box:  # one that was deleted lives on in our pointer
+        reports.add(culprit, f'its painted air is left out: "{box.name}" is not in the scene')
+        return None
+    try:
+        return painted_air(box.evaluated_get(depsgraph))
+    except ValueError as error:
+        reports.add(culprit, f"its painted air is left out: {error}")
+        return None

@@ -26,15 +26,17 @@ class AirNoise:
     seed: int = 0
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True)
 class PaintedAir:
-    """What is painted inside a box; arrays are float32 ``(nz, ny, nx)``, None: nothing is."""
+    """What is painted inside a box; arrays are float32 ``(nz, ny, nx)``, None: nothing is. Told apart by its key."""
 
     key: str  #: Another one when any array changes.
     world_from_unit: Matrix  #: The box is [0, 1]^3 of it, metres.
-    amount: FloatArray | None = None  #: Added to ``Heterogeneity.amount``, [-1, 1].
-    level: FloatArray | None = None  #: Added to ``Heterogeneity.level``, [-8, 8].
-    intensity: FloatArray | None = None  #: Multiplied with ``Heterogeneity.intensity``, [0, 1000].
+    amount: FloatArray | None = field(default=None, compare=False)  #: Added to ``Heterogeneity.amount``, [-1, 1].
+    level: FloatArray | None = field(default=None, compare=False)  #: Added to ``Heterogeneity.level``, [-8, 8].
+    intensity: FloatArray | None = field(
+        default=None, compare=False
+    )  #: Multiplied with ``Heterogeneity.intensity``, [0, 1000].
 
 
 @dataclass(frozen=True, kw_only=True)

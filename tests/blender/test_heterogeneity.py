@@ -13,13 +13,14 @@ import pytest
 from addon.animation_paths import curves_at
 from addon.engine.settings import frame_window, render_config
 from addon.engine.viewport_worker import View, coarser
+from addon.painted_air import write_volume
 from addon.panels.presets import TYNDALL_PT_air_presets, shipped_presets
-from addon.properties.heterogeneity import UPSAMPLINGS, TyndallHeterogeneity
+from addon.properties.heterogeneity import UPSAMPLINGS, TyndallHeterogeneity, may_be_painted
 from addon.sync.cameras import read_camera
 from addon.sync.heterogeneity import read_heterogeneity
 from addon.sync.reports import Reports
 from addon.sync.wind import WIND_PATH
-from support.small_scenes import empty_scene
+from support.small_scenes import add, empty_scene
 from tyndall.heterogeneity import AirNoise, Heterogeneity
 
 PRESETS = shipped_presets(TYNDALL_PT_air_presets)
@@ -37,8 +38,7 @@ def air() -> TyndallHeterogeneity:
 def read(*, is_viewport: bool = False) -> tuple[Heterogeneity | None, tuple[str, ...]]:
     """What a render would be given at this frame, and what it would be told."""
     reports = Reports()
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    return read_heterogeneity(depsgraph.scene_eval, reports, is_viewport=is_viewport), reports.lines()
+    return read_heterogeneity(bpy.context.evaluated_depsgraph_get(), reports, is_viewport=is_viewport), reports.lines()
 
 
 def sent() -> Heterogeneity:
@@ -272,3 +272,54 @@ def test_settings_survive_save_and_copies_of_the_scene(air: TyndallHeterogeneity
     copied = bpy.context.scene.copy()
     bpy.context.window.scene = copied
     assert at(48) == before
+
+
+# What is painted
+
+
+def paint(value: float = 0.5) -> bpy.types.Object:
+    """An Empty whose cube of 2 m has an intensity painted all over it."""
+    scene = bpy.context.scene
+    box = add("Box", None, location=(1.0, 2.0, 3.0))
+    box.tyndall.painted_air.resolution = (16, 8, 4)
+    write_volume(box, "intensity", np.full((4, 8, 16), value, np.float32))
+    scene.tyndall.heterogeneity.painted = box
+    return box
+
+
+def test_what_is_painted_goes_with_its_box(air: TyndallHeterogeneity) -> None:
+    """At each frame where the Empty is then, keyed or not; equal to itself until anything of it changes."""
+    box = paint()
+    box.keyframe_insert("location", frame=1)
+    box.location.x = 11.0
+    box.keyframe_insert("location", frame=11)
+    first, last = at(1), at(11)
+    assert [row[3] for row in first.painted.world_from_unit] == [0.0, 1.0, 2.0, 1.0]
+    assert last.painted.world_from_unit[0][3] == 10.0
+    assert np.all(first.painted.intensity == 0.5)
+    assert first.painted.amount is None
+    assert at(1) == first != last
+    write_volume(box, "intensity", np.full((4, 8, 16), 0.25, np.float32))
+    assert at(1) != first
+
+
+def test_a_painted_box_that_is_gone_or_flat_is_left_out(air: TyndallHeterogeneity) -> None:
+    """The report names scene, box and reason; the texture stays."""
+    box = paint()
+    box.scale.z = 0.0
+    heterogeneity, lines = read()
+    assert heterogeneity.painted is None
+    assert 'its painted air is left out: "Box" has a scale or a size of 0' in lines[0]
+    box.scale.z = 1.0
+    bpy.context.scene.collection.objects.unlink(box)
+    heterogeneity, lines = read()
+    assert heterogeneity.painted is None
+    assert lines == ('Scene "Scene": its painted air is left out: "Box" is not in the scene',)
+    bpy.data.objects.remove(box)
+    assert read()[1] == ()
+
+
+def test_only_a_box_can_be_chosen(air: TyndallHeterogeneity) -> None:
+    """The field offers Empties."""
+    assert may_be_painted(air, add("Empty", None))
+    assert not may_be_painted(air, bpy.context.scene.camera)
