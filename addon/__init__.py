@@ -25,6 +25,8 @@ _PARTS = (
     ".constraint_markers",
     ".fitted_maps",
     ".stroke_views",
+    ".air_painting",
+    ".air_painting_view",
     ".residual_plot",
     ".preferences",
     ".last_render",

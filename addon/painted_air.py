@@ -43,12 +43,22 @@ def is_box(thing: Object | None) -> bool:
 def why_not_editable(thing: Object | None) -> str | None:
     """What a button says that paints; None: it may."""
     if thing is None:
-        return "Add a painted box first, or choose an Empty"
+        return "Add a box to paint in, or choose an Empty"
     if not is_box(thing):
         return f'"{thing.name}" is no Empty: paint needs the cube of one'
     if thing.library is not None:
         return f'"{thing.name}" is linked: make it local, or a library override of it'
     return why_no_space(thing)
+
+
+def edited_box(context: Context) -> Object | None:
+    """The box of the scene's texture; where there is none in the scene, an Empty that is active and has a cube."""
+    scene = context.scene
+    box: Object | None = scene.tyndall.heterogeneity.painted
+    if box is not None and scene.objects.get(box.name) == box:
+        return box
+    active: Object | None = context.view_layer.objects.active
+    return active if is_box(active) and active.empty_display_type == "CUBE" else None
 
 
 def why_no_space(thing: Object) -> str | None:

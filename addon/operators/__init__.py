@@ -8,7 +8,9 @@ from . import (
     light_depth,
     light_map_fit,
     occluder_edits,
+    paint_air,
     paint_function,
+    painted_air,
     pick_constraint,
     presets,
     reports,
@@ -25,6 +27,8 @@ CLASSES = (
     *pick_constraint.CLASSES,
     *paint_function.CLASSES,
     *light_map_fit.CLASSES,
+    *paint_air.CLASSES,
+    *painted_air.CLASSES,
     *reports.CLASSES,
     *presets.CLASSES,
 )

@@ -13,6 +13,7 @@ from . import (
     material,
     objects,
     occluder_edits,
+    paint_air,
     passes,
     presets,
     sampling,
@@ -42,6 +43,7 @@ CLASSES = (
     *transfer_functions.CLASSES,
     *light_map_fit.CLASSES,
     *heterogeneity.CLASSES,
+    *paint_air.CLASSES,
     *material.CLASSES,
 )
 

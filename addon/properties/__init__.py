@@ -5,7 +5,7 @@ from bpy.props import PointerProperty
 from bpy.types import Light, NodeTree, Object, Scene, ViewLayer
 from bpy.utils import register_class, unregister_class
 
-from . import light_map_fit, occluder_edits, painted_air, transfer_functions, transfer_layers
+from . import air_brush, light_map_fit, occluder_edits, painted_air, transfer_functions, transfer_layers
 from .heterogeneity import TyndallHeterogeneity
 from .light import TyndallLightSettings
 from .light_shafts import TyndallLightShaftSettings
@@ -22,6 +22,7 @@ CLASSES = (
     *transfer_layers.CLASSES,
     *transfer_functions.CLASSES,
     *painted_air.CLASSES,
+    *air_brush.CLASSES,
     TyndallLightShaftSettings,
     TyndallHeterogeneity,
     TyndallSceneSettings,

@@ -5,6 +5,7 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
 from bpy.types import Object, PropertyGroup
 
 from ..edited_light import is_light_of_scene
+from .air_brush import TyndallAirBrush
 from .heterogeneity import TyndallHeterogeneity
 from .light_shafts import TyndallLightShaftSettings
 from .tagging import OVERRIDABLE, tag
@@ -105,6 +106,12 @@ class TyndallSceneSettings(PropertyGroup):
         description="Mist, smoke and dust in the light shafts",
         type=TyndallHeterogeneity,
         update=tag,
+        override=OVERRIDABLE,
+    )
+    air_brush: PointerProperty(
+        name="Air Brush",
+        description="Paints the air inside of a box",
+        type=TyndallAirBrush,
         override=OVERRIDABLE,
     )
     edited_light: PointerProperty(

@@ -33,6 +33,7 @@ def test_every_panel_draws_in_the_factory_scene(scene: bpy.types.Scene) -> None:
     """No panel names a property, an operator or an icon that this version of Blender lacks."""
     last_render.record(scene.name, STATISTICS)
     bpy.ops.tyndall.transfer_function_preset(preset="SUNRISE")
+    bpy.ops.tyndall.add_painted_box()
     for cls in PANELS:
         if cls.__name__ in {"TYNDALL_PT_unavailable", "TYNDALL_PT_beam_shape"} or issubclass(cls, ShippedPresetPanel):
             continue  # each has a test of its own below

@@ -159,3 +159,12 @@ def test_strokes_are_painted_over_the_picture_and_fitted(play: Callable[..., Any
     assert np.allclose(played.facts["reddest"], (1.0, 0.0, 0.0), atol=0.02)
     assert played.facts["gobo"] == [True, False, True]  # without the further steps, without the fit, with it again
     assert not [line for line in played.console.splitlines() if any(text in line for text in COMPLAINTS)]
+
+
+def test_the_air_is_painted_with_the_mouse(play: Callable[..., Any]) -> None:
+    """Strokes in the 3D view, on the plane; each is a step of undo."""
+    played = play("paint_air", screen_px=(1100, 800))
+    painted = {step: shares[0] for step, shares in played.facts["painted"].items()}
+    assert 0.02 < painted["erase"] < painted["stroke"] < 0.05
+    assert painted["undo erase"] == painted["redo stroke"] == painted["stroke"]
+    assert painted["undo stroke"] == 0.0
