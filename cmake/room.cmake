@@ -7,10 +7,11 @@ target_include_directories(tyndall_options INTERFACE "${CMAKE_SOURCE_DIR}/native
 # GLM's experimental headers stay off; its warnings are not ours.
 target_compile_definitions(tyndall_options INTERFACE GLM_FORCE_EXPLICIT_CTOR GLM_FORCE_XYZW_ONLY)
 
-# tyndall_room(NAME LINKS a b ...): a static library from all .cpp files below the current folder.
+# tyndall_room(NAME LINKS a b ...): a static library from all .cpp files of the current folder. What lies deeper
+# is a library of its own.
 function(tyndall_room name)
     cmake_parse_arguments(ROOM "" "" "LINKS" ${ARGN})
-    file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
+    file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
     if(sources)
         add_library(tyndall_${name} STATIC ${sources})
         target_link_libraries(tyndall_${name} PUBLIC tyndall_options ${ROOM_LINKS})

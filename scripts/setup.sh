@@ -6,11 +6,13 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-# Debian's Blender neither depends on nor recommends python3-numpy, without which no array crosses into Python. The
-# libraries from libgl1 on are what the bpy wheels expect of a system with a desktop; xvfb gives the window tests a screen.
+# OpenVDB's headers include Boost's, but its package does not depend on them. Debian's Blender neither depends on nor
+# recommends python3-numpy, without which no array crosses into Python. The libraries from libgl1 on are what the bpy
+# wheels expect of a system with a desktop; xvfb gives the window tests a screen.
 packages=(
     ca-certificates git g++ cmake ninja-build ccache clang-format python3-dev python3-venv
-    libembree-dev libopenvdb-dev libtbb-dev libglm-dev libhwy-dev libfmt-dev libimath-dev doctest-dev libbenchmark-dev
+    libembree-dev libopenvdb-dev libboost-dev libimath-dev libtbb-dev libglm-dev libhwy-dev libfmt-dev
+    doctest-dev libbenchmark-dev
     blender python3-numpy xvfb xauth xdotool imagemagick
     libgl1 libgl1-mesa-dri libice6 libsm6 libx11-6 libxext6 libxfixes3 libxi6 libxrender1 libxt6 libxkbcommon0
 )

@@ -3,16 +3,13 @@
 
 from __future__ import annotations
 
-import resource
-import signal
 import zlib
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from support.full_disk import largest_file
 from tyndall import _image_io
 
 HEIGHT, WIDTH = 5, 7
@@ -80,19 +77,6 @@ def test_a_full_disk_is_an_error_that_names_the_path_and_leaves_the_old_file(tmp
         _image_io.write_exr(path, [("", "RGBA", noise)])
     assert path.read_bytes() == before
     assert names_in(tmp_path) == ["frame.exr"]
-
-
-@contextmanager
-def largest_file(size_bytes: int) -> Iterator[None]:
-    """A disk that is full after so many bytes, as far as this process can tell."""
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    old_handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size_bytes, limits[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-        signal.signal(signal.SIGXFSZ, old_handler)
 
 
 def test_a_folder_that_does_not_exist_is_an_error_that_names_the_path(tmp_path: Path) -> None:

@@ -1,48 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "image/io/image_file.hpp"
 #include "core/errors.hpp"
+#include "core/partial_file.hpp"
 #include <OpenImageIO/imageio.h>
 #include <sstream>
-#include <system_error>
-#include <unistd.h>
 
 namespace tyndall::image_io {
 namespace fs = std::filesystem;
-
-[[noreturn]] static void fail(const fs::path& path, std::string_view reason) {
-    std::ostringstream message;
-    message << path.string() << ": " << reason;
-    throw IoError(message.str());
-}
-
-/// The temporary name of a file; removed unless it becomes the file.
-class PartialFile {
-public:
-    explicit PartialFile(const fs::path& path) : path_(path), part_(path) {
-        fs::path name(".");
-        name += path.filename();
-        name += ".";
-        name += std::to_string(getpid());
-        name += ".part";
-        part_.replace_filename(name);
-    }
-    PartialFile(const PartialFile&) = delete;
-    PartialFile& operator=(const PartialFile&) = delete;
-    ~PartialFile() {
-        std::error_code ignored; // nothing to remove after a success, and nothing to do about a failure
-        fs::remove(part_, ignored);
-    }
-    [[nodiscard]] std::string name() const { return part_.string(); }
-    void complete() {
-        std::error_code error;
-        fs::rename(part_, path_, error);
-        if (error)
-            fail(path_, error.message());
-    }
-
-private:
-    fs::path path_, part_;
-};
 
 /// Writes all pixels of `specification`, rows bottom to top, by OpenImageIO's writer of `format`.
 static void write(const fs::path& path, const char* format, const OIIO::ImageSpec& specification, OIIO::TypeDesc type,
@@ -50,13 +14,13 @@ static void write(const fs::path& path, const char* format, const OIIO::ImageSpe
     PartialFile file(path);
     const auto output = OIIO::ImageOutput::create(format);
     if (!output)
-        fail(path, OIIO::geterror());
+        refuse_file(path, OIIO::geterror());
     const auto row_bytes = static_cast<OIIO::stride_t>(type.size()) * specification.nchannels * specification.width;
     const char* last_row = static_cast<const char*>(pixels) + (specification.height - 1) * row_bytes;
     // The file is whole only after close(): a full disk may show no earlier.
     if (!output->open(file.name(), specification) ||
         !output->write_image(type, last_row, OIIO::AutoStride, -row_bytes) || !output->close())
-        fail(path, output->geterror());
+        refuse_file(path, output->geterror());
     file.complete();
 }
 
@@ -133,7 +97,7 @@ Image read(const fs::path& path) {
     wishes.attribute("oiio:UnassociatedAlpha", 1); // values as stored
     const auto input = OIIO::ImageInput::open(path.string(), &wishes);
     if (!input)
-        fail(path, OIIO::geterror());
+        refuse_file(path, OIIO::geterror());
     const OIIO::ImageSpec& specification = input->spec();
     Image image{.width = static_cast<std::uint32_t>(specification.width),
                 .height = static_cast<std::uint32_t>(specification.height),
@@ -150,7 +114,7 @@ Image read(const fs::path& path) {
         reinterpret_cast<char*>(image.pixels.data()) + (static_cast<OIIO::stride_t>(image.height) - 1) * row_bytes;
     if (!input->read_image(0, 0, 0, specification.nchannels, OIIO::TypeDesc::FLOAT, last_row, OIIO::AutoStride,
                            -row_bytes))
-        fail(path, input->geterror());
+        refuse_file(path, input->geterror());
     return image;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The module tyndall._image_io: numpy arrays to image files and back. Converts and nothing else.
+#include "bindings/paths.hpp"
 #include "core/errors.hpp"
 #include "image/io/image_file.hpp"
 #include <cstring>
@@ -11,10 +12,7 @@ namespace tyndall::image_io {
 namespace py = pybind11;
 using namespace py::literals;
 
-/// Text of an os.PathLike or a str.
-static std::string path_of(const py::object& path) {
-    return py::module_::import("os").attr("fspath")(path).cast<std::string>();
-}
+using bindings::path_of;
 
 /// A C-contiguous (height, width, channels) array of exactly this type; TypeError otherwise.
 template <typename Value>

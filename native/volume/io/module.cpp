@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The module tyndall._volume_io: numpy arrays to OpenVDB files and back. Converts and nothing else.
+#include "bindings/arrays.hpp"
+#include "bindings/paths.hpp"
+#include "volume/io/vdb_file.hpp"
+#include <pybind11/stl.h>
+
+namespace tyndall::volume_io {
+namespace py = pybind11;
+using namespace py::literals;
+using bindings::path_of;
+
+static py::object to_array(const std::optional<Matrix>& matrix) {
+    if (!matrix)
+        return py::none();
+    return bindings::to_numpy(std::vector<double>(matrix->begin(), matrix->end()), {4, 4});
+}
+
+static py::tuple list_grids(const py::object& path, const Progress& progress) {
+    const std::string file = path_of(path);
+    const FileInfo info = bindings::without_gil([&] { return list(file, progress); });
+    py::list grids;
+    for (const GridInfo& grid : info.grids)
+        grids.append(py::dict("name"_a = grid.name, "value_type"_a = grid.value_type, "grid_class"_a = grid.grid_class,
+                              "is_half"_a = grid.is_half, "active_voxel_count"_a = grid.active_voxel_count,
+                              "first_index"_a = py::tuple(py::cast(grid.first_index)),
+                              "last_index"_a = py::tuple(py::cast(grid.last_index)),
+                              "local_from_index"_a = to_array(grid.local_from_index), "refusal"_a = grid.refusal));
+    return py::make_tuple(grids, info.metadata);
+}
+
+static py::list read_grids(const py::object& path, const std::optional<std::vector<std::string>>& names,
+                           std::size_t memory_limit_bytes, Progress& progress) {
+    const std::string file = path_of(path);
+    std::vector<Grid> grids = bindings::without_gil([&] { return read(file, names, memory_limit_bytes, progress); });
+    py::list arrays;
+    for (Grid& grid : grids) {
+        const auto leaf_count = static_cast<py::ssize_t>(grid.leaf_origins.size());
+        py::array_t<std::int32_t> origins({leaf_count, py::ssize_t{3}});
+        std::copy_n(grid.leaf_origins.data()->data(), grid.leaf_origins.size() * 3, origins.mutable_data());
+        arrays.append(py::make_tuple(grid.name, origins,
+                                     bindings::to_numpy(std::move(grid.leaf_values), {leaf_count, 8, 8, 8}),
+                                     to_array(grid.local_from_index), grid.background));
+    }
+    return arrays;
+}
+
+using NamedLeaves = std::tuple<std::string, py::array, py::array, py::array, float>;
+
+static void write_grids(const py::object& path, const std::vector<NamedLeaves>& grids, bool is_half,
+                        const Metadata& metadata, Progress& progress) {
+    std::vector<GridView> views;
+    for (const auto& [name, origins, values, local_from_index, background] : grids) {
+        const std::string named = "grid \"" + name + "\": ";
+        bindings::check_array<std::int32_t>(origins, {-1, 3}, named + "leaf_origins");
+        bindings::check_array<float>(values, {origins.shape(0), 8, 8, 8}, named + "leaf_values");
+        bindings::check_array<double>(local_from_index, {4, 4}, named + "local_from_index");
+        GridView& view = views.emplace_back();
+        view.name = name;
+        view.leaf_origins = {static_cast<const VoxelIndex*>(origins.data()),
+                             static_cast<std::size_t>(origins.shape(0))};
+        view.leaf_values = {static_cast<const float*>(values.data()), static_cast<std::size_t>(values.size())};
+        std::copy_n(static_cast<const double*>(local_from_index.data()), view.local_from_index.size(),
+                    view.local_from_index.begin());
+        view.background = background;
+    }
+    const std::string file = path_of(path);
+    bindings::without_gil(
+        [&] { write(file, views, is_half ? Precision::Half : Precision::Float, metadata, progress); });
+}
+
+PYBIND11_MODULE(_volume_io, module) {
+    module.doc() = "OpenVDB files in and out, as leaves of 8 x 8 x 8 floats.";
+    py::module_::import("tyndall._native"); // Progress, InvalidInput, IoError and Cancelled are its classes
+    module.attr("openvdb_version") = library_version();
+    module.def("list_grids", &list_grids, "path"_a, "progress"_a,
+               R"(A dictionary per grid, and the file's metadata as text, without reading voxels. Releases the GIL.
+
+local_from_index: float64 (4, 4), or None for a frustum. refusal: why read_grids would refuse it, or "". last_index is
+below first_index in a grid without active voxels. IoError names path and grid; Cancelled.)");
+    module.def(
+        "read_grids", &read_grids, "path"_a, "names"_a, "memory_limit_bytes"_a, "progress"_a,
+        R"(Name, leaf origins int32 (n, 3), values float32 (n, 8, 8, 8), local_from_index float64 (4, 4) and background
+of each grid named, or of all that can be read. Releases the GIL.
+
+Leaves ascend by origin. IoError and InvalidInput name path and grid; Cancelled.)");
+    module.def("write_grids", &write_grids, "path"_a, "grids"_a, "is_half"_a, "metadata"_a, "progress"_a,
+               R"(Write grids, given as read_grids returns them, whole or not at all. Releases the GIL.
+
+TypeError: dtype or shape; IoError and InvalidInput name path and grid; Cancelled.)");
+}
+} // namespace tyndall::volume_io
