@@ -30,6 +30,7 @@ _PARTS = (
     ".residual_plot",
     ".preferences",
     ".last_render",
+    ".over_engine.handlers",
 )
 _registered: list[ModuleType] = []
 

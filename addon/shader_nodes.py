@@ -6,6 +6,9 @@ from __future__ import annotations
 import bpy
 from bpy.types import Material, Node, Object, ShaderNodeTree, World
 
+#: Mark of the group that hides a medium from the camera of another engine; ours sees through it.
+LEFT_TO_SHAFTS = "LEFT_TO_SHAFTS"
+
 ALWAYS_HAS_NODES = bpy.app.version >= (5, 0, 0)  # there, even reading use_nodes warns that it goes away
 
 

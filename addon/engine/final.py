@@ -20,7 +20,7 @@ from ..sync.cameras import read_camera
 from ..sync.heterogeneity import read_heterogeneity
 from ..sync.reports import Reports
 from ..sync.transfer_functions import read_transfer_functions
-from . import failures, passes
+from . import failures, over_engine, passes
 from .native_call import NativeCall
 from .sessions import kept_frame
 from .settings import FrameWindow, frame_window, render_config
@@ -28,7 +28,7 @@ from .settings import FrameWindow, frame_window, render_config
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from bpy.types import Depsgraph, RenderEngine, RenderResult
+    from bpy.types import Depsgraph, RenderEngine, RenderResult, Scene
 
     from tyndall.renderer import Film
     from tyndall.scene_description import Camera, SceneDescription
@@ -40,13 +40,14 @@ def render(engine: RenderEngine, depsgraph: Depsgraph) -> None:
     """What ``RenderEngine.render`` does."""
     failures.clear()
     layer_name = depsgraph.view_layer_eval.name
-    # The engine knows the frame's size; the scene's settings may be those of another scene (a compositor's).
-    window = frame_window(depsgraph.scene_eval.render, (engine.resolution_x, engine.resolution_y))
+    # The engine knows the frame's size: a scene that a compositor reads is given that of another one.
+    settings = over_engine.master_of(depsgraph) or depsgraph.scene_eval
+    window = frame_window(settings.render, (engine.resolution_x, engine.resolution_y))
     result = engine.begin_result(0, 0, *window.region_size_px, layer=layer_name, view=engine.active_view_get())
     error: str | None = None
     is_whole = False
     try:
-        _Frame(engine, depsgraph, window, result).render()
+        _Frame(engine, depsgraph, settings, window, result).render()
         is_whole = True
     except Cancelled:
         pass
@@ -57,6 +58,8 @@ def render(engine: RenderEngine, depsgraph: Depsgraph) -> None:
     engine.end_result(result, cancel=not is_whole)  # what is cancelled is not saved: no empty picture on disk
     if error is not None:
         failures.fail(engine, error)
+        if settings != depsgraph.scene_eval:  # of that, Blender tells nobody
+            last_render.record(settings.name, {"reports": [error]})
 
 
 def is_esc_pressed(engine: RenderEngine) -> bool:
@@ -73,11 +76,16 @@ def _message(exception: BaseException) -> str:
 class _Frame:
     engine: RenderEngine
     depsgraph: Depsgraph
+    settings: Scene  #: Evaluated; another one than the depsgraph's where that renders for it.
     window: FrameWindow
     result: RenderResult
 
     def render(self) -> None:
-        scene, view_layer = self.depsgraph.scene_eval, self.depsgraph.view_layer_eval
+        scene, view_layer = self.settings, self.depsgraph.view_layer_eval
+        is_over_engine = scene != self.depsgraph.scene_eval
+        if is_over_engine and scene.render.engine == self.engine.bl_idname:
+            passes.write(self.result.layers[0], over_engine.nothing(*self.window.region_size_px))
+            return  # that scene has its light shafts already
         # Of a still, nothing is asked for twice.
         keeps_maps = self.engine.is_animation or scene.render.use_persistent_data
         kept = kept_frame(scene.name, view_layer.name, keeps_maps=keeps_maps)
@@ -86,16 +94,20 @@ class _Frame:
         reports = Reports()
         camera = self._camera(reports)
         functions = read_transfer_functions(scene, self.depsgraph, kept.function_images, reports)
-        heterogeneity = read_heterogeneity(self.depsgraph, reports)
-        description = kept.reader.read(self.depsgraph, reports, self._poll())
+        heterogeneity = read_heterogeneity(self.depsgraph, reports, scene)
+        description = kept.reader.read(self.depsgraph, reports, self._poll(), is_lit=not is_over_engine)
         read_s = time.perf_counter() - started
         config = render_config(scene, view_layer, self.window, functions, heterogeneity)
+        if is_over_engine:
+            config = over_engine.air_config(config)
 
         def work(progress: Progress, show: Callable[[Film], None]) -> Film:
             kept.session.update(description, progress)
             return kept.session.render(camera, config, progress, show)
 
         film = NativeCall(work).watch(is_cancelled=lambda: is_esc_pressed(self.engine), tick=self._tick)
+        if is_over_engine:
+            film = over_engine.marked_as_rendered(film)
         self._show(film)
         last_render.record(scene.name, _statistics(film, description, read_s))
         for line in description.reports:
@@ -107,7 +119,7 @@ class _Frame:
             raise ValueError("the scene has no camera")
         return read_camera(
             thing,
-            self.depsgraph.scene_eval.render,
+            self.settings.render,
             self.window.size_px,
             reports,
             world_from_camera=np.array(self.engine.camera_model_matrix(thing)),

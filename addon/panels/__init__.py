@@ -13,6 +13,7 @@ from . import (
     material,
     objects,
     occluder_edits,
+    over_engine,
     paint_air,
     passes,
     presets,
@@ -45,6 +46,7 @@ CLASSES = (
     *heterogeneity.CLASSES,
     *paint_air.CLASSES,
     *material.CLASSES,
+    *over_engine.CLASSES,
 )
 
 

@@ -32,7 +32,7 @@ class PropertiesPanel:
 
 
 class SidebarPanel:
-    """A panel of the tab for light shafts in the 3D view's sidebar."""
+    """A panel of the tab for light shafts in the 3D view's sidebar; there, too, where they go over another engine."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
@@ -40,7 +40,7 @@ class SidebarPanel:
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return context.engine in PropertiesPanel.COMPAT_ENGINES
+        return context.engine in PropertiesPanel.COMPAT_ENGINES or context.scene.tyndall.over_engine.is_enabled
 
 
 def is_wide_region(context: Context) -> bool:

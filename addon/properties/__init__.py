@@ -9,6 +9,7 @@ from . import air_brush, light_map_fit, occluder_edits, painted_air, transfer_fu
 from .heterogeneity import TyndallHeterogeneity
 from .light import TyndallLightSettings
 from .light_shafts import TyndallLightShaftSettings
+from .over_engine import TyndallOverEngine
 from .painted_air import TyndallObjectSettings
 from .scene import TyndallSceneSettings
 from .tagging import OVERRIDABLE, tag
@@ -25,6 +26,7 @@ CLASSES = (
     *air_brush.CLASSES,
     TyndallLightShaftSettings,
     TyndallHeterogeneity,
+    TyndallOverEngine,
     TyndallSceneSettings,
     TyndallLightSettings,
     TyndallViewLayerSettings,

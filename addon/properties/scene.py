@@ -8,6 +8,7 @@ from ..edited_light import is_light_of_scene
 from .air_brush import TyndallAirBrush
 from .heterogeneity import TyndallHeterogeneity
 from .light_shafts import TyndallLightShaftSettings
+from .over_engine import TyndallOverEngine
 from .tagging import OVERRIDABLE, tag
 
 PIXEL_FILTERS = (
@@ -112,6 +113,13 @@ class TyndallSceneSettings(PropertyGroup):
         name="Air Brush",
         description="Paints the air inside of a box",
         type=TyndallAirBrush,
+        override=OVERRIDABLE,
+    )
+    over_engine: PointerProperty(
+        name="Over Any Engine",
+        description="Light shafts over the picture of another engine",
+        type=TyndallOverEngine,
+        update=tag,
         override=OVERRIDABLE,
     )
     edited_light: PointerProperty(

@@ -18,9 +18,14 @@ if TYPE_CHECKING:
     from .reports import Reports
 
 
-def read_heterogeneity(depsgraph: Depsgraph, reports: Reports, *, is_viewport: bool = False) -> Heterogeneity | None:
-    """None: the air is even. A painted box that cannot be used is left out, with a report; the rest of it stays."""
-    scene = depsgraph.scene_eval
+def read_heterogeneity(
+    depsgraph: Depsgraph, reports: Reports, scene: Scene | None = None, *, is_viewport: bool = False
+) -> Heterogeneity | None:
+    """None: the air is even. A painted box that cannot be used is left out, with a report; the rest of it stays.
+
+    ``scene`` is evaluated, and has the settings; the depsgraph's own without it.
+    """
+    scene = scene or depsgraph.scene_eval
     settings = scene.tyndall.heterogeneity
     if not settings.is_enabled:
         return None

@@ -9,6 +9,8 @@ from tyndall.scene_description import Material, Medium
 
 from ..shader_nodes import shader_tree
 from .node_graph import output_input
+from .program import BLACK
+from .reports import Reports
 from .surface_nodes import Shares, read_surface
 from .value_nodes import Domain, ValueReader
 from .volume_nodes import read_volume
@@ -17,19 +19,29 @@ if TYPE_CHECKING:
     import bpy
 
     from .images import ImageReader
-    from .reports import Reports
 
 
 class MaterialReader:
     """The materials and media of one frame, each read once; indices are those of the scene description."""
 
-    def __init__(self, reports: Reports, images: ImageReader, override: bpy.types.Material | None = None) -> None:
-        """``override`` is the view layer's: in place of all others, as in Cycles."""
+    def __init__(
+        self,
+        reports: Reports,
+        images: ImageReader,
+        override: bpy.types.Material | None = None,
+        *,
+        is_lit: bool = True,
+    ) -> None:
+        """``override`` is the view layer's: in place of all others, as in Cycles.
+
+        Without ``is_lit`` surfaces give no light: they let as much through as they do, and cost no shadow ray.
+        """
         self.materials: list[Material] = []
         self.media: list[Medium] = []
         self._reports = reports
         self._images = images
         self._override = override
+        self._is_lit = is_lit
         self._index_of: dict[bpy.types.Material | None, int] = {}
 
     def index(self, material: bpy.types.Material | None) -> int:
@@ -48,11 +60,12 @@ class MaterialReader:
 
     def _read(self, material: bpy.types.Material | None) -> Material:
         if material is None:
-            return Material(name="no material")
+            return Material(name="no material") if self._is_lit else Material(name="no material", diffuse=BLACK)
         tree = shader_tree(material)
         if tree is None:
             colour = material.diffuse_color
-            return Material(name=material.name, diffuse=(colour[0], colour[1], colour[2]))
+            diffuse = (colour[0], colour[1], colour[2]) if self._is_lit else BLACK
+            return Material(name=material.name, diffuse=diffuse)
         surface, volume = (output_input(tree, name) for name in ("Surface", "Volume"))
         medium = -1
         if volume is not None and volume.is_connected():
@@ -63,11 +76,15 @@ class MaterialReader:
         # Without an output it is black, as in Cycles.
         shares = Shares() if surface is None else read_surface(values, surface)
         _note_displacement(tree, values)
+        if not self._is_lit:
+            shares.diffuse = shares.emission = BLACK
         results = (shares.diffuse, shares.transparent, shares.emission)
         return values.program.material(material.name, results, medium=medium)
 
     def _values(self, material: bpy.types.Material, domain: Domain) -> ValueReader:
-        return ValueReader(f'Material "{material.name}"', self._reports, self._images, domain)
+        is_seen = self._is_lit or domain is Domain.CONSTANT
+        reports = self._reports if is_seen else Reports()  # nobody misses the gloss of black surfaces
+        return ValueReader(f'Material "{material.name}"', reports, self._images, domain)
 
 
 def _note_displacement(tree: bpy.types.NodeTree, values: ValueReader) -> None:

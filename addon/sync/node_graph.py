@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ..node_groups import part_of
+from ..shader_nodes import LEFT_TO_SHAFTS
+
 if TYPE_CHECKING:
     from bpy.types import Node, NodeSocket, NodeTree
 
@@ -63,7 +66,7 @@ def _step(at: Socket) -> Socket | None:
     node = at.node
     if node.mute:
         return _through_muted(at)
-    if node.type == "REROUTE":
+    if node.type == "REROUTE" or _is_left_to_us(node):
         return Socket(node.inputs[0], at.groups)
     if node.type == "GROUP" and node.node_tree:
         return _into_group(at)
@@ -72,6 +75,11 @@ def _step(at: Socket) -> Socket | None:
         inputs = [socket for socket in group.inputs if socket.identifier == at.socket.identifier]
         return Socket(inputs[0], tuple(outer)) if inputs else None
     return None
+
+
+def _is_left_to_us(node: Node) -> bool:
+    """Whether it hides a medium from another engine's camera."""
+    return bool(node.type == "GROUP" and part_of(node.node_tree) == LEFT_TO_SHAFTS)
 
 
 def _through_muted(at: Socket) -> Socket | None:

@@ -53,11 +53,13 @@ class SceneReader:
         *,
         is_live: bool = False,
         viewport: SpaceView3D | None = None,
+        is_lit: bool = True,
     ) -> SceneDescription:
         """Everything that renders. ``poll`` is called every few milliseconds and may raise to stop.
 
         ``is_live`` promises that ``note_updates`` heard of every update of this depsgraph since the last read of it.
         ``viewport`` leaves out what it hides: in local view, by collection, by kind of object.
+        Without ``is_lit`` surfaces give no light, and the media all of theirs.
         """
         self._forget_stale(depsgraph, is_live=is_live)
         self._images.start_frame()
@@ -69,7 +71,7 @@ class SceneReader:
             for placement in read_placements(depsgraph, reports, poll, viewport)
             if layer.use_solid or placement.data is None
         ]
-        materials = MaterialReader(reports, self._images, layer.material_override)
+        materials = MaterialReader(reports, self._images, layer.material_override, is_lit=is_lit)
         is_viewport = depsgraph.mode == "VIEWPORT"
         instances = self._instances(placements, materials, reports, poll, is_viewport=is_viewport)
         world, medium = read_world(_world_of(depsgraph), reports, self._images)
