@@ -48,7 +48,7 @@ make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px
             const std::optional<std::array<std::uint32_t, 4>>& region_px, bool film_transparent,
             const std::vector<std::string>& passes, const light_shafts::Config& shafts,
             std::vector<transfer_functions::WeightedFunction> functions, std::optional<std::uint32_t> reference_light,
-            bool keeps_unstyled, std::uint32_t seed, int thread_count) {
+            std::optional<Heterogeneity> heterogeneity, bool keeps_unstyled, std::uint32_t seed, int thread_count) {
     render::FrameConfig config{.pixel_samples = pixel_samples,
                                .pixel_filter = static_cast<render::PixelFilter>(pixel_filter),
                                .filter_width_px = filter_width_px,
@@ -59,6 +59,7 @@ make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px
                                .shafts = shafts,
                                .transfer_functions = std::move(functions),
                                .reference_light = reference_light,
+                               .heterogeneity = std::move(heterogeneity),
                                .keeps_unstyled = keeps_unstyled,
                                .seed = seed,
                                .thread_count = thread_count};
@@ -137,7 +138,7 @@ void bind_render(py::module_& native) {
     py::class_<render::FrameConfig>(native, "FrameConfig")
         .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "noise_threshold"_a,
              "region_px"_a, "film_transparent"_a, "passes"_a, "shafts"_a, "transfer_functions"_a, "reference_light"_a,
-             "keeps_unstyled"_a, "seed"_a, "thread_count"_a);
+             "heterogeneity"_a, "keeps_unstyled"_a, "seed"_a, "thread_count"_a);
     py::class_<render::UnstyledFilm, std::shared_ptr<render::UnstyledFilm>>(native, "UnstyledFilm");
     native.def(
         "render", &render_film, "scene"_a, "camera"_a, "config"_a, "progress"_a, "on_update"_a = py::none(),

@@ -15,6 +15,7 @@ PYBIND11_MODULE(_native, native) {
     bind_light_textures(native);
     bind_scene(native);
     bind_transfer_functions(native);
+    bind_heterogeneity(native);
     bind_render(native);
     bind_light_map_fit(native);
 }

@@ -16,6 +16,10 @@
 #include <span>
 #include <vector>
 
+namespace tyndall {
+class AirTexture; // volume/air_texture.hpp
+}
+
 namespace tyndall::light_shafts {
 /// A part of a view ray in front of its surface. Rays of one call share the camera's position or its direction.
 struct ViewRay {
@@ -100,6 +104,9 @@ struct LitMoments {
     float length_m = 0.0f, moment_m2 = 0.0f;
 };
 
+/// Of a ray whose air has a texture that nothing shows.
+inline constexpr float dark_air = -1.0f;
+
 struct PreparedLights;
 
 /// One frame's light shafts, prepared once and asked band by band, pass by pass: what a light needs (its hierarchy or
@@ -127,6 +134,10 @@ public:
     /// One per ray, of the strata of this turn.
     [[nodiscard]] std::vector<LitMoments> find_lit_moments(std::span<const ViewRay> rays, const Progress& progress,
                                                            Turn turn = {}) const;
+    /// The texture of the air along each ray: what its light is to be multiplied by, or dark_air where no light, or none of
+    /// this turn's strata, reaches it. By up to a few of a light's strata.
+    [[nodiscard]] std::vector<float> find_heterogeneity(std::span<const ViewRay> rays, const AirTexture& air,
+                                                        const Progress& progress, Turn turn = {}) const;
     /// One per ray.
     [[nodiscard]] std::vector<Air> find_air(std::span<const ViewRay> rays, const Progress& progress) const;
     /// Gives alone_cell to the rays that pass a lamp whose strata are shared at less than a few times the spacing of the

@@ -61,6 +61,7 @@ struct PreparedLights {
     std::vector<std::vector<DiscCell>> disc_cells = {}; ///< What samples point to.
     std::optional<std::uint32_t> visibility_light = {}; ///< See Config.
     const Visibility* finest = nullptr; ///< Of the sample that carries most light, and so has the largest rows.
+    bool attenuates_light = true; ///< See Config.
     Statistics statistics;
 
     /// Makes the beams of `lights` for rays that are clipped to the media. Throws Cancelled.

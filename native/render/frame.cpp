@@ -52,6 +52,7 @@ public:
             statistics_.skip("light shafts", "no medium in the scene");
         else if (!config.transfer_functions.empty())
             style_.emplace(scene, camera, config, width(), region_.y1 - region_.y0);
+        set_heterogeneity();
         set_shadow_rays();
     }
 
@@ -70,6 +71,8 @@ public:
             statistics_.stages.push_back({"light shafts: scatter", shaft_seconds_});
             statistics_.count("light shafts: rays", static_cast<double>(shaft_ray_count_));
         }
+        if (air_ && shafts_)
+            air_->report(statistics_);
         if (style_)
             statistics_.stages.push_back({"transfer functions", style_seconds_});
         statistics_.count("pixels", static_cast<double>(pixel_count()));
@@ -100,6 +103,19 @@ private:
             bands.push_back({y - region_.y0, end_y - region_.y0});
         }
         return bands;
+    }
+
+    /// Whether the air has a texture that shows.
+    void set_heterogeneity() {
+        if (!config_.heterogeneity)
+            return;
+        require_usable(*config_.heterogeneity);
+        if (media_.is_empty() || is_neutral(*config_.heterogeneity)) {
+            statistics_.skip("heterogeneity", media_.is_empty() ? "no medium in the scene" : "it is 1 everywhere");
+            return;
+        }
+        const StageTimer timer(statistics_, "heterogeneity: noise");
+        air_.emplace(*config_.heterogeneity, camera_, region_, style_.has_value(), progress_);
     }
 
     /// How many shadow rays a light gets per surface point, and how far neighbours share those of the world.
@@ -134,6 +150,8 @@ private:
                 share_world_light(bands[index - 1]);
             update_now_and_then();
         }
+        if (air_ && (shafts_ || sample == 0))
+            air_->begin_pass(view_path(), filter_, surface_config(), sample, waiting_, progress_);
         if (sample == 0 && !media_.is_empty())
             prepare_shafts();
         if (!shafts_)
@@ -156,7 +174,8 @@ private:
                                    .round_samples = round_samples_,
                                    .wants_visibility = sums_.wants(Pass::ShaftsVisibility) ||
                                                        asks_for(transfer_functions::Axis::AverageVisibility),
-                                   .wants_lit_moments = asks_for(transfer_functions::Axis::MeanLitPosition)};
+                                   .wants_lit_moments = asks_for(transfer_functions::Axis::MeanLitPosition),
+                                   .air = air_ ? &*air_ : nullptr};
         if (style_)
             config.shafts.visibility_light = style_->parameters().visibility_light();
         shafts_.emplace(scene_, media_, camera_, region_, waiting_, config, progress_);
@@ -175,6 +194,7 @@ private:
                  .collects_parts = collects_parts,
                  .lights_black_surfaces = config_.passes.has(Pass::Shadow)}};
     }
+    [[nodiscard]] SurfacePass::Config surface_config() const { return {config_.pixel_samples, config_.seed}; }
     [[nodiscard]] vec2 pixel_centre(std::size_t pixel) const {
         return {static_cast<float>(region_.x0 + pixel % width()) + 0.5f,
                 static_cast<float>(region_.y0 + pixel / width()) + 0.5f};
@@ -196,7 +216,7 @@ private:
         const auto start = Clock::now();
         const bool has_shafts = sample == 0 ? !media_.is_empty() : shafts_.has_value();
         const ViewPath path = view_path(has_shafts);
-        const SurfacePass pass(path, camera_, region_, filter_, {config_.pixel_samples, config_.seed});
+        const SurfacePass pass(path, camera_, region_, filter_, surface_config());
         pass.trace(
             {.sample_index = sample, .first_row = band.first_row, .end_row = band.end_row}, is_active_,
             [&](std::size_t pixel, const PathSample& found) {
@@ -247,11 +267,11 @@ private:
         const auto start = Clock::now();
         const auto add = [&](std::size_t pixel, const SeenShafts& seen) {
             if (seen.meets_medium)
-                sums_.add_shafts(pixel, seen.radiance, seen.visibility);
+                sums_.add_shafts(pixel, seen.textured_radiance, seen.visibility);
             if (style_ && is_active_[pixel])
                 style_->add(pixel, pixel_centre(pixel), seen);
             if (noise_)
-                noise_->add(pixel, seen.radiance);
+                noise_->add(pixel, seen.textured_radiance);
         };
         shafts_->sum(band, add, progress_);
         shaft_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
@@ -289,6 +309,7 @@ private:
     std::uint32_t round_samples_, world_reach_px_ = 0;
     std::vector<WorldLit> world_lit_;   ///< Per pixel, of one pass, where neighbours share it.
     WaitingParts waiting_;              ///< Of the current pass; kept for its memory.
+    std::optional<FrameAir> air_;       ///< Where the air has a texture.
     std::optional<FrameShafts> shafts_; ///< None before the first sample's rays are known, or where none scatter.
     std::optional<FrameStyle> style_;   ///< Where functions recolour the light shafts.
     std::size_t shaft_ray_count_ = 0;

@@ -5,10 +5,21 @@
 #include <algorithm>
 
 namespace tyndall::render {
+/// Those of the region, and those beside it that the air's texture is carried over from; `all` lives as long as the call.
+static std::span<const light_shafts::ViewRay> rays_to_prepare(const WaitingParts& waiting, const FrameAir* air,
+                                                              std::vector<light_shafts::ViewRay>&& all = {}) {
+    if (!air || !air->sees_beside())
+        return waiting.rays;
+    all = waiting.rays;
+    all.insert(all.end(), air->square_rays().begin(), air->square_rays().end());
+    return all;
+}
+
 FrameShafts::FrameShafts(const Scene& scene, const Media& media, const Camera& camera, const Region& region,
                          const WaitingParts& waiting, const Config& config, Progress& progress)
     : camera_(camera), waiting_(waiting), region_(region), config_(config),
-      shafts_(scene, media, light_shafts::view_of(camera), waiting.rays, config.shafts, progress) {}
+      shafts_(scene, media, light_shafts::view_of(camera), rays_to_prepare(waiting, config.air), config.shafts,
+              progress) {}
 
 /// Between neighbouring rays in the picture's middle: radians, or metres of an orthographic camera.
 static float pixel_spacing(const Camera& camera) {
@@ -38,6 +49,10 @@ void FrameShafts::begin_pass(std::uint32_t sample_index, const Progress& progres
     cells_.clear();
     if (used[1] || used[2])
         deal_cells(sample_index / config_.round_samples, progress);
+    if (config_.air) {
+        heterogeneity_.resize(waiting_.rays.size());
+        config_.air->ask_squares(shafts_, turn_, progress);
+    }
     if (config_.wants_lit_moments)
         lit_moments_.resize(waiting_.rays.size());
     for (std::size_t side = 0; side < used.size(); ++side) {
@@ -72,6 +87,17 @@ std::size_t FrameShafts::scatter(const Band& band, const Progress& progress) {
     return count;
 }
 
+void FrameShafts::find_heterogeneity(const Band& band, const Progress& progress) {
+    if (!config_.air)
+        return;
+    const std::size_t first_pixel = std::size_t{band.first_row} * width(),
+                      end_pixel = std::size_t{band.end_row} * width();
+    const std::size_t first = waiting_.first[first_pixel], count = waiting_.first[end_pixel] - first;
+    config_.air->find(shafts_, turn_, waiting_, first_pixel, end_pixel,
+                      std::span(of_side_[0].radiance).subspan(first, count),
+                      std::span(heterogeneity_).subspan(first, count), progress);
+}
+
 void FrameShafts::sum(const Band& band, const std::function<void(std::size_t, const SeenShafts&)>& deliver,
                       const Progress& progress) {
     auto& [radiance, visibility, from_points, unshadowed] = of_side_[0];
@@ -82,6 +108,7 @@ void FrameShafts::sum(const Band& band, const std::function<void(std::size_t, co
                 band.first_row, band.end_row,
                 {shared.radiance, shared.visibility, shared.from_points, shared.from_points_unshadowed},
                 {radiance, visibility, from_points, unshadowed}, progress);
+    find_heterogeneity(band, progress);
     const std::size_t first_pixel = std::size_t{band.first_row} * width();
     parallel_for(std::size_t{band.end_row} * width() - first_pixel, progress, [&](std::size_t index) {
         const std::size_t pixel = first_pixel + index;
@@ -89,8 +116,8 @@ void FrameShafts::sum(const Band& band, const std::function<void(std::size_t, co
         const auto part_of = [&](const auto& values) {
             return values.empty() ? std::span(values) : std::span(values).subspan(first, count);
         };
-        deliver(pixel,
-                sum_of_parts(part_of(waiting_.weights), part_of(radiance), part_of(visibility), part_of(lit_moments_)));
+        deliver(pixel, sum_of_parts(part_of(waiting_.weights), part_of(radiance), part_of(visibility),
+                                    part_of(lit_moments_), part_of(heterogeneity_)));
     });
 }
 } // namespace tyndall::render

@@ -3,6 +3,7 @@
 // neighbouring pixels share.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
+#include "render/frame_air.hpp"
 #include "render/ray_parameters.hpp"
 #include "render/surface_pass.hpp"
 #include <array>
@@ -25,6 +26,7 @@ public:
         light_shafts::Config shafts;
         std::uint32_t round_samples = 1; ///< The strata of lights with a size are dealt out to so many passes.
         bool wants_visibility = false, wants_lit_moments = false;
+        FrameAir* air = nullptr; ///< Whose texture the light gets; must outlive this. None: even air.
     };
     /// For the parts of the first pass. The references must outlive this; `waiting` may change between passes. Throws
     /// InvalidInput and Cancelled.
@@ -49,6 +51,8 @@ private:
         std::vector<float> visibility;
         std::vector<Rgb> from_points, from_points_unshadowed; ///< Of what is shared.
     };
+    /// Of the parts of a band, whose light is known.
+    void find_heterogeneity(const Band& band, const Progress& progress);
     [[nodiscard]] std::uint32_t width() const { return region_.x1 - region_.x0; }
     [[nodiscard]] std::size_t pixel_count() const { return std::size_t{region_.y1 - region_.y0} * width(); }
     void deal_cells(std::uint32_t round, const Progress& progress);
@@ -63,5 +67,6 @@ private:
     std::vector<std::uint8_t> cells_;                               ///< Of the parts' pixels; empty: nothing is shared.
     std::vector<light_shafts::Air> air_;                            ///< Per part, where something is shared.
     std::vector<light_shafts::LitMoments> lit_moments_;             ///< Per part, where they are wanted.
+    std::vector<float> heterogeneity_; ///< Per part, what its light is multiplied by; empty: nothing.
 };
 } // namespace tyndall::render

@@ -5,7 +5,9 @@ namespace tyndall::render {
 FrameStyle::FrameStyle(const Scene& scene, const Camera& camera, const FrameConfig& config, std::uint32_t width_px,
                        std::uint32_t height_px)
     : camera_(camera), config_(config), parameters_(scene, camera, config.transfer_functions, config.reference_light),
-      shafts_(width_px, height_px, parameters_.function_count()), seen_(std::size_t{width_px} * height_px) {
+      shafts_(width_px, height_px, parameters_.function_count(),
+              config.heterogeneity && !is_neutral(*config.heterogeneity)),
+      seen_(std::size_t{width_px} * height_px) {
     for (const auto& [function, weight] : config.transfer_functions)
         transfer_functions::require_usable(function);
 }

@@ -161,13 +161,17 @@ vec2 RayParameters::at(std::size_t function, vec2 place_px, const SeenSurface& s
 }
 
 SeenShafts sum_of_parts(std::span<const Rgb> weights, std::span<const Rgb> radiance, std::span<const float> visibility,
-                        std::span<const light_shafts::LitMoments> moments) {
+                        std::span<const light_shafts::LitMoments> moments, std::span<const float> heterogeneity) {
     SeenShafts seen;
-    float weight_sum = 0.0f, lit_length_m = 0.0f, lit_moment_m2 = 0.0f;
+    float weight_sum = 0.0f, heterogeneity_sum = 0.0f, lit_length_m = 0.0f, lit_moment_m2 = 0.0f;
     for (std::size_t part = 0; part < weights.size(); ++part) {
         const Rgb& weight = weights[part];
         seen.radiance += weight * radiance[part];
         const float total = weight.x + weight.y + weight.z;
+        if (!heterogeneity.empty()) {
+            seen.textured_radiance += heterogeneity[part] * weight * radiance[part];
+            heterogeneity_sum += total * heterogeneity[part];
+        }
         weight_sum += total;
         seen.visibility += visibility.empty() ? 0.0f : total * visibility[part];
         if (!moments.empty()) {
@@ -175,6 +179,12 @@ SeenShafts sum_of_parts(std::span<const Rgb> weights, std::span<const Rgb> radia
             lit_moment_m2 += total * moments[part].moment_m2;
         }
     }
+    if (heterogeneity.empty())
+        seen.textured_radiance = seen.radiance;
+    else if (seen.radiance != Rgb(0.0f))
+        seen.heterogeneity = average(seen.textured_radiance) / average(seen.radiance);
+    else if (weight_sum > 0.0f)
+        seen.heterogeneity = heterogeneity_sum / weight_sum;
     seen.meets_medium = weight_sum > 0.0f;
     seen.visibility = seen.meets_medium ? seen.visibility / weight_sum : 0.0f;
     seen.lit_distance_m = lit_length_m > 0.0f ? lit_moment_m2 / lit_length_m : 0.0f;

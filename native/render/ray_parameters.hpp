@@ -27,6 +27,8 @@ struct SeenSurface {
 struct SeenShafts {
     bool meets_medium = false;
     Rgb radiance{0.0f};
+    Rgb textured_radiance{0.0f}; ///< The same, of air with its texture.
+    float heterogeneity = 1.0f;  ///< The texture alone: their mean ratio, or that of the parts where all is dark.
     float visibility = 0.0f;
     float lit_distance_m = 0.0f; ///< Mean over the lit points; 0: none is lit.
 };
@@ -71,8 +73,9 @@ private:
     std::vector<float> depths_m_, heights_m_; ///< Of the grid's surfaces, ascending; empty until an axis is fitted.
 };
 
-/// What a pixel gets of the parts of its ray, each with the share that lies in front of it.
+/// What a pixel gets of the parts of its ray, each with the share that lies in front of it. No heterogeneity: it is 1.
 [[nodiscard]] SeenShafts sum_of_parts(std::span<const Rgb> weights, std::span<const Rgb> radiance,
                                       std::span<const float> visibility,
-                                      std::span<const light_shafts::LitMoments> moments);
+                                      std::span<const light_shafts::LitMoments> moments,
+                                      std::span<const float> heterogeneity = {});
 } // namespace tyndall::render

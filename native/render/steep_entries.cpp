@@ -93,7 +93,8 @@ UnstyledFilm::Entries split_steep(UnstyledFilm::Entries entries, std::span<const
         .pixel = std::vector<std::uint32_t>(target.back()),
         .radiance = std::vector<Rgb>(target.back()),
         .share = std::vector<float>(target.back()),
-        .parameters = std::vector<std::vector<vec2>>(entries.parameters.size(), std::vector<vec2>(target.back()))};
+        .parameters = std::vector<std::vector<vec2>>(entries.parameters.size(), std::vector<vec2>(target.back())),
+        .heterogeneity = std::vector<float>(entries.heterogeneity.empty() ? 0 : target.back())};
     parallel_for(
         count, progress,
         [&](std::size_t entry) {
@@ -104,6 +105,8 @@ UnstyledFilm::Entries split_steep(UnstyledFilm::Entries entries, std::span<const
                 split.pixel[to] = entries.pixel[entry];
                 split.radiance[to] = entries.radiance[entry] * part;
                 split.share[to] = entries.share[entry] * part;
+                if (!entries.heterogeneity.empty())
+                    split.heterogeneity[to] = entries.heterogeneity[entry];
             }
             for (std::size_t function = 0; function < entries.parameters.size(); ++function) {
                 const std::array<vec2, 2> slope = parts > 1 ? slopes.of(entry, function) : std::array<vec2, 2>{};

@@ -11,9 +11,11 @@
 namespace tyndall::render {
 using transfer_functions::WeightedFunction;
 
-StyledShafts::StyledShafts(std::uint32_t width_px, std::uint32_t height_px, std::size_t function_count)
-    : width_px_(width_px), function_count_(function_count), sample_counts_(std::size_t{width_px} * height_px),
-      cells_(sample_counts_.size() * cells_per_pixel), parameters_(cells_.size() * function_count) {}
+StyledShafts::StyledShafts(std::uint32_t width_px, std::uint32_t height_px, std::size_t function_count,
+                           bool is_textured)
+    : width_px_(width_px), function_count_(function_count), is_textured_(is_textured),
+      sample_counts_(std::size_t{width_px} * height_px), cells_(sample_counts_.size() * cells_per_pixel),
+      parameters_(cells_.size() * function_count) {}
 
 std::size_t StyledShafts::cell_for(std::size_t pixel, float depth_m) const {
     const std::size_t first = pixel * cells_per_pixel;
@@ -39,6 +41,8 @@ void StyledShafts::add(std::size_t pixel, const SeenSurface& surface, const Seen
     if (cell.count++ == 0)
         cell.depth_m = surface.depth_m;
     cell.radiance += shafts.radiance;
+    cell.textured_light += average(shafts.textured_radiance);
+    cell.heterogeneity += shafts.heterogeneity;
     for (std::size_t function = 0; function < function_count_; ++function)
         parameters_[index * function_count_ + function] += parameters[function];
 }
@@ -57,7 +61,8 @@ UnstyledFilm::Entries StyledShafts::resolve(const Progress& progress) const {
                                   .radiance = std::vector<Rgb>(count),
                                   .share = std::vector<float>(count),
                                   .parameters =
-                                      std::vector<std::vector<vec2>>(function_count_, std::vector<vec2>(count))};
+                                      std::vector<std::vector<vec2>>(function_count_, std::vector<vec2>(count)),
+                                  .heterogeneity = std::vector<float>(is_textured_ ? count : 0)};
     std::vector<float> depth_m(count);
     constexpr std::size_t pixels_per_block = 1 << 14;
     parallel_for(
@@ -72,6 +77,9 @@ UnstyledFilm::Entries StyledShafts::resolve(const Progress& progress) const {
                 entries.radiance[entry] = cell.radiance * per_sample;
                 entries.share[entry] = cell_count * per_sample;
                 depth_m[entry] = cell.depth_m;
+                if (const float light = average(cell.radiance); is_textured_)
+                    entries.heterogeneity[entry] =
+                        light > 0.0f ? cell.textured_light / light : cell.heterogeneity / cell_count;
                 for (std::size_t function = 0; function < function_count_; ++function)
                     entries.parameters[function][entry] = parameters_[index * function_count_ + function] / cell_count;
             }
@@ -106,6 +114,9 @@ static void restyle(const UnstyledFilm::Entries& entries, std::span<const Prepar
     for (const auto& [composed, application, index] : functions)
         transfer_functions::apply(composed, application, part_of(entries.parameters[index]), part_of(entries.radiance),
                                   part_of(entries.share), change, progress);
+    if (!entries.heterogeneity.empty())
+        for (std::size_t entry = begin; entry < end; ++entry)
+            change[entry - begin] *= entries.heterogeneity[entry];
     for (Plane* const plane : planes) {
         const std::size_t channel_count = layout(plane->pass).channel_count;
         for (std::size_t entry = begin; entry < end; ++entry) {

@@ -6,7 +6,8 @@
 //           depths is neither's, and its colour belongs to neither: a fringe. And samples of soft lights hold noise, which
 //           a function with edges turns into bias. So each pixel has two cells, of surfaces at different depths: samples
 //           are averaged within a cell, cells are looked up.
-// Data flow: per sample 1 radiance and 1 or 2 parameters into a cell (36 bytes, 2 cells); per lookup 20 bytes in, 12 out.
+//           Where the air has a texture, functions colour the light of even air, and their colours keep the texture.
+// Data flow: per sample 1 radiance and 1 or 2 parameters into a cell (44 bytes, 2 cells); per lookup 20 bytes in, 12 out.
 #pragma once
 #include "core/progress.hpp"
 #include "render/film.hpp"
@@ -31,6 +32,7 @@ struct UnstyledFilm {
         std::vector<Rgb> radiance;                 ///< Its part of the pixel's.
         std::vector<float> share;                  ///< Of the pixel's samples.
         std::vector<std::vector<vec2>> parameters; ///< Per function.
+        std::vector<float> heterogeneity;          ///< Of the air, which its colour keeps; empty: 1.
     } entries;                                     ///< Those of a pixel lie side by side, pixels rise.
     std::vector<PlacedPoint> points;
 };
@@ -38,7 +40,8 @@ struct UnstyledFilm {
 /// Collects the samples of a frame. Pixels are independent: threads may add to different ones.
 class StyledShafts {
 public:
-    StyledShafts(std::uint32_t width_px, std::uint32_t height_px, std::size_t function_count);
+    /// `is_textured`: samples have a heterogeneity other than 1.
+    StyledShafts(std::uint32_t width_px, std::uint32_t height_px, std::size_t function_count, bool is_textured = false);
     /// One per pixel and pass; `parameters`, one per function, are not read where the ray meets no medium.
     void add(std::size_t pixel, const SeenSurface& surface, const SeenShafts& shafts, std::span<const vec2> parameters);
     [[nodiscard]] UnstyledFilm::Entries resolve(const Progress& progress) const;
@@ -48,12 +51,14 @@ private:
         std::uint32_t count = 0;
         float depth_m = 0.0f; ///< Of the first sample's surface; 0: the sky.
         Rgb radiance{0.0f};
+        float textured_light = 0.0f, heterogeneity = 0.0f; ///< Mean channel of the textured radiance; sums.
     };
     static constexpr std::size_t cells_per_pixel = 2;
     [[nodiscard]] std::size_t cell_for(std::size_t pixel, float depth_m) const;
 
     std::uint32_t width_px_;
     std::size_t function_count_;
+    bool is_textured_;
     std::vector<std::uint32_t> sample_counts_;
     std::vector<Cell> cells_;
     std::vector<vec2> parameters_; ///< Sums, per cell and function.

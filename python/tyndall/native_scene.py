@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tyndall.closed_meshes import open_edge_count
 
 from . import _native
+from .heterogeneity import PaintedAir
 from .light_textures import build_light_textures
 from .linear_colours import linear_colours
 from .native_lights import build_light
@@ -43,7 +44,7 @@ class _Digest(Protocol):
 
 
 def fingerprint(value: object) -> bytes:
-    """Equal for descriptions that give the same native scene. Meshes and images count by their keys alone."""
+    """Equal for descriptions that give the same native scene. Meshes, images and painted arrays count by their keys."""
     digest = blake2b(digest_size=16)
     _feed(digest, value)
     return digest.digest()
@@ -52,6 +53,8 @@ def fingerprint(value: object) -> bytes:
 def _feed(digest: _Digest, value: object) -> None:
     if isinstance(value, Mesh | Image):
         digest.update(f"<{value.key}>".encode())
+    elif isinstance(value, PaintedAir):
+        _feed(digest, (value.key, value.world_from_unit))
     elif isinstance(value, np.ndarray):
         digest.update(f"{value.dtype}{value.shape}".encode())
         digest.update(np.ascontiguousarray(value).data)

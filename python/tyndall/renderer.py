@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from . import _native
 from .heterogeneity import Heterogeneity
 from .kept_pictures import UnstyledPictures
+from .native_heterogeneity import KeptAir
 from .native_scene import NativeParts, build_scene, fingerprint
 from .native_transfer_functions import build_weighted_functions
 from .scene_description import Camera, FloatArray, SceneDescription
@@ -101,6 +102,7 @@ class Session:
         self._kept_maps = _native.MapCache(kept_maps_bytes) if kept_maps_bytes > 0 else None
         self._parts = NativeParts()
         self._function_textures: dict[str, _native.Texture] = {}
+        self._kept_air = KeptAir()
         self._scene: _native.Scene | None = None
         self._fingerprint = b""
         self._origin_in_world: NDArray[np.float64] = np.zeros(3)
@@ -228,6 +230,7 @@ class Session:
             shafts=native_shafts(config.shafts, self._kept_maps),
             transfer_functions=functions,
             reference_light=reference_light,
+            heterogeneity=self._kept_air.build(config.heterogeneity, self._origin_in_world, reports),
             keeps_unstyled=keeps_unstyled,
             seed=config.seed,
             thread_count=config.thread_count,

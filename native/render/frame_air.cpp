@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/frame_air.hpp"
+#include "core/parallel.hpp"
+#include <algorithm>
+#include <chrono>
+
+namespace tyndall::render {
+using light_shafts::dark_air;
+using light_shafts::ViewRay;
+
+/// The squares whose middles lie around the middles of the pixels [begin, end): those before and after them, of as many
+/// as there are in the frame.
+static std::pair<std::uint32_t, std::uint32_t> squares_around(std::uint32_t begin, std::uint32_t end,
+                                                              std::uint32_t frame_px, std::uint32_t side) {
+    const std::uint32_t before = begin < side / 2 ? 0 : (begin - side / 2) / side;
+    const std::uint32_t after = end - 1 < side / 2 ? 0 : (end - 1 - side / 2) / side + 1;
+    return {before, std::min(after, (frame_px - 1) / side) + 1};
+}
+
+FrameAir::FrameAir(const Heterogeneity& heterogeneity, const Camera& camera, const Region& region, bool fills_dark,
+                   const Progress& progress)
+    : air_(heterogeneity, progress), air_of_whole_ray_(air_.weighted(Heterogeneity::Weighting::WholeRay)),
+      camera_(camera), region_(region), upsampling_(heterogeneity.upsampling),
+      fills_dark_(fills_dark), squares_{0, 0, 0, 0} {
+    if (upsampling_ == 1)
+        return;
+    std::tie(squares_.x0, squares_.x1) = squares_around(region.x0, region.x1, camera.width_px, upsampling_);
+    std::tie(squares_.y0, squares_.y1) = squares_around(region.y0, region.y1, camera.height_px, upsampling_);
+    const Region seen{std::min(region.x0, middle_px(squares_.x0, camera.width_px)),
+                      std::min(region.y0, middle_px(squares_.y0, camera.height_px)),
+                      std::max(region.x1, middle_px(squares_.x1 - 1, camera.width_px) + 1),
+                      std::max(region.y1, middle_px(squares_.y1 - 1, camera.height_px) + 1)};
+    for (const Region& margin :
+         {Region{seen.x0, seen.y0, seen.x1, region.y0}, Region{seen.x0, region.y1, seen.x1, seen.y1},
+          Region{seen.x0, region.y0, region.x0, region.y1}, Region{region.x1, region.y0, seen.x1, region.y1}})
+        if (margin.x0 < margin.x1 && margin.y0 < margin.y1)
+            margins_.push_back({.pixels = margin, .parts = {}});
+}
+
+std::uint32_t FrameAir::middle_px(std::uint32_t square, std::uint32_t frame_px) const {
+    return std::min(square * upsampling_ + upsampling_ / 2, frame_px - 1);
+}
+
+void FrameAir::begin_pass(const ViewPath& path, const FilterSampler& filter, const SurfacePass::Config& config,
+                          std::uint32_t sample_index, const WaitingParts& waiting, const Progress& progress) {
+    square_rays_.clear();
+    first_of_square_.assign(1, 0);
+    for (auto& [pixels, parts] : margins_) {
+        parts.clear();
+        const std::uint32_t rows = pixels.y1 - pixels.y0;
+        const std::vector<std::uint8_t> is_active(std::size_t{rows} * (pixels.x1 - pixels.x0), 1);
+        SurfacePass(path, camera_, pixels, filter, config)
+            .trace(
+                {.sample_index = sample_index, .first_row = 0, .end_row = rows}, is_active,
+                [](std::size_t, const PathSample&) {}, parts, progress);
+    }
+    const auto append = [&](const Region& pixels, const WaitingParts& parts, std::uint32_t x, std::uint32_t y) {
+        if (x < pixels.x0 || pixels.x1 <= x || y < pixels.y0 || pixels.y1 <= y)
+            return;
+        const std::size_t pixel = std::size_t{y - pixels.y0} * (pixels.x1 - pixels.x0) + (x - pixels.x0);
+        square_rays_.insert(square_rays_.end(), parts.rays.begin() + parts.first[pixel],
+                            parts.rays.begin() + parts.first[pixel + 1]);
+    };
+    for (std::uint32_t square_y = squares_.y0; square_y < squares_.y1; ++square_y)
+        for (std::uint32_t square_x = squares_.x0; square_x < squares_.x1; ++square_x) {
+            const std::uint32_t x = middle_px(square_x, camera_.width_px), y = middle_px(square_y, camera_.height_px);
+            append(region_, waiting, x, y);
+            for (const auto& [pixels, parts] : margins_)
+                append(pixels, parts, x, y);
+            first_of_square_.push_back(static_cast<std::uint32_t>(square_rays_.size()));
+        }
+}
+
+namespace {
+/// Adds the time until it goes out of scope.
+class Stopwatch {
+public:
+    explicit Stopwatch(double& seconds) : seconds_(seconds) {}
+    Stopwatch(const Stopwatch&) = delete;
+    Stopwatch& operator=(const Stopwatch&) = delete;
+    ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+private:
+    double& seconds_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+} // namespace
+
+void FrameAir::report(Statistics& statistics) const {
+    statistics.stages.push_back({"heterogeneity", seconds_});
+    statistics.count("heterogeneity: rays", static_cast<double>(asked_count_));
+}
+
+void FrameAir::ask_squares(const light_shafts::Shafts& shafts, light_shafts::Turn turn, const Progress& progress) {
+    const Stopwatch stopwatch(seconds_);
+    asked_count_ += square_rays_.size();
+    square_heterogeneity_ = shafts.find_heterogeneity(square_rays_, air_, progress, turn);
+}
+
+float FrameAir::carried_over(std::uint32_t x, std::uint32_t y, float far_m) const {
+    /// Difference of two rays' ends, relative to the longer one, at which they have nothing in common.
+    constexpr float other_surface = 0.1f;
+    const auto place = [&](std::uint32_t pixel, std::uint32_t first, std::uint32_t end) {
+        const float at = std::clamp((static_cast<float>(pixel) - static_cast<float>(upsampling_ / 2)) /
+                                        static_cast<float>(upsampling_),
+                                    static_cast<float>(first), static_cast<float>(end - 1));
+        const auto before = static_cast<std::uint32_t>(at);
+        return std::pair{before, at - static_cast<float>(before)};
+    };
+    const auto [before_x, share_x] = place(x, squares_.x0, squares_.x1);
+    const auto [before_y, share_y] = place(y, squares_.y0, squares_.y1);
+    float sum = 0.0f, weight_sum = 0.0f;
+    for (std::uint32_t corner = 0; corner < 4; ++corner) {
+        const bool is_right = corner % 2 == 1, is_upper = corner / 2 == 1;
+        const float near = (is_right ? share_x : 1.0f - share_x) * (is_upper ? share_y : 1.0f - share_y);
+        if (near <= 0.0f)
+            continue;
+        const std::size_t square = std::size_t{before_y - squares_.y0 + is_upper} * (squares_.x1 - squares_.x0) +
+                                   before_x - squares_.x0 + is_right;
+        for (std::size_t part = first_of_square_[square]; part < first_of_square_[square + 1]; ++part) {
+            const float other_m = square_rays_[part].far_m, longer_m = std::max(far_m, other_m);
+            const float away =
+                std::isinf(longer_m) ? (far_m == other_m ? 0.0f : 1.0f) : std::abs(far_m - other_m) / longer_m;
+            if (away >= other_surface || square_heterogeneity_[part] == dark_air)
+                continue;
+            const float weight = near * (1.0f - away / other_surface);
+            sum += weight * square_heterogeneity_[part];
+            weight_sum += weight;
+        }
+    }
+    constexpr float least_weight = 1e-3f; // of neighbours that hardly agree
+    return weight_sum > least_weight ? sum / weight_sum : dark_air;
+}
+
+void FrameAir::ask(const light_shafts::Shafts& shafts, const AirTexture& air, light_shafts::Turn turn,
+                   std::span<const ViewRay> rays, std::span<const std::uint32_t> parts, std::span<float> heterogeneity,
+                   const Progress& progress) const {
+    if (parts.empty())
+        return;
+    std::vector<ViewRay> asked;
+    for (const std::uint32_t part : parts)
+        asked.push_back(rays[part]);
+    const std::vector<float> found = shafts.find_heterogeneity(asked, air, progress, turn);
+    for (std::size_t at = 0; at < parts.size(); ++at)
+        heterogeneity[parts[at]] = found[at];
+}
+
+void FrameAir::find(const light_shafts::Shafts& shafts, light_shafts::Turn turn, const WaitingParts& waiting,
+                    std::size_t first_pixel, std::size_t end_pixel, std::span<const Rgb> radiance,
+                    std::span<float> heterogeneity, const Progress& progress) {
+    const Stopwatch stopwatch(seconds_);
+    const std::size_t first = waiting.first[first_pixel];
+    const std::uint32_t width = region_.x1 - region_.x0;
+    std::ranges::fill(heterogeneity, dark_air);
+    const auto matters = [&](std::size_t part) { return fills_dark_ || radiance[part] != Rgb(0.0f); };
+    if (upsampling_ > 1)
+        parallel_for(end_pixel - first_pixel, progress, [&](std::size_t index) {
+            const std::size_t pixel = first_pixel + index;
+            const auto x = static_cast<std::uint32_t>(region_.x0 + pixel % width);
+            const auto y = static_cast<std::uint32_t>(region_.y0 + pixel / width);
+            for (std::size_t part = waiting.first[pixel]; part < waiting.first[pixel + 1]; ++part)
+                if (matters(part - first))
+                    heterogeneity[part - first] = carried_over(x, y, waiting.rays[part].far_m);
+        });
+    const std::span rays = std::span(waiting.rays).subspan(first, heterogeneity.size());
+    std::vector<std::uint32_t> asked;
+    const auto collect = [&] {
+        asked.clear();
+        for (std::uint32_t part = 0; part < heterogeneity.size(); ++part)
+            if (heterogeneity[part] == dark_air && matters(part))
+                asked.push_back(part);
+    };
+    collect();
+    asked_count_ += asked.size();
+    ask(shafts, air_, turn, rays, asked, heterogeneity, progress);
+    // Dark rays that have to have a texture, and those whose light came from strata that neighbours were asked for.
+    collect();
+    ask(shafts, air_of_whole_ray_, turn, rays, asked, heterogeneity, progress);
+    for (float& value : heterogeneity)
+        value = value == dark_air ? 1.0f : value;
+}
+} // namespace tyndall::render

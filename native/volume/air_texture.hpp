@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Heterogeneity made ready to be looked up along rays: noise volume, wind and painted box in one place.
+// Differs:  steps far apart look up a level of the noise as coarse as they are: what is finer than they can resolve would
+//           be noise of the sampling, not of the air. A level between two belongs to one for some steps and to the other
+//           for the rest, by a fixed sequence: along a surface levels change step by step, and no line shows.
+//           The cube is turned against the scene's axes: walls and rows of trees do not lie along it.
+// Bound:    per step 8 texels of noise; what is not painted is not looked up.
+#pragma once
+#include "core/progress.hpp"
+#include "volume/air_noise.hpp"
+#include <memory>
+#include <span>
+
+namespace tyndall {
+/// Points of one ray, near to far.
+struct AirSteps {
+    vec3 origin, direction;         ///< Unit direction; metres.
+    std::span<const float> at_m;    ///< Distances from the origin.
+    std::span<const float> weights; ///< As many.
+    float step_m;                   ///< From one point to the next.
+};
+
+/// Immutable; safe from any thread.
+class AirTexture {
+public:
+    /// Makes the noise volume unless it is kept. Throws InvalidInput, which names the culprit, and Cancelled.
+    AirTexture(const Heterogeneity& heterogeneity, const Progress& progress);
+    /// The same air with another weighting.
+    [[nodiscard]] AirTexture weighted(Heterogeneity::Weighting weighting) const;
+
+    [[nodiscard]] const Heterogeneity& heterogeneity() const { return heterogeneity_; }
+    /// What a point scatters relative to homogeneous air, by noise no finer than `least_level`; `sequence` in [0, 1)
+    /// says which of two levels, where the level lies between them.
+    [[nodiscard]] float at(const vec3& point, float least_level, float sequence) const;
+    /// Mean over the points in proportion to their weights; 1 where all of these are 0.
+    [[nodiscard]] float mean(const AirSteps& steps) const;
+
+private:
+    [[nodiscard]] float noise_at(const vec3& point, float level, float sequence) const;
+
+    Heterogeneity heterogeneity_;
+    std::shared_ptr<const AirNoiseVolume> noise_;
+    glm::dmat3 cube_from_scene_; ///< In cubes, before the wind.
+    dvec3 offset_;               ///< The wind's, [0, 1).
+    float texel_m_;
+};
+} // namespace tyndall
