@@ -27,6 +27,7 @@ _PARTS = (
     ".stroke_views",
     ".air_painting",
     ".air_painting_view",
+    ".air_tool",
     ".residual_plot",
     ".preferences",
     ".last_render",

@@ -87,7 +87,6 @@ class AirPainting:
         except ValueError as error:
             self.remark = str(error)
             return
-        self.remark = ""
         self.go_on(region, pressure)
 
     def go_on(self, region: Region, pressure: float) -> None:

@@ -43,7 +43,8 @@ def _draw_in_space() -> None:
     if painting.box_in(context) is None or plane is None or not plane.keep_in(view):
         return
     gpu.state.blend_set("ALPHA")
-    gpu.state.depth_test_set("LESS_EQUAL")
+    if context.space_data.shading.type != "RENDERED":  # which leaves no depths to compare with
+        gpu.state.depth_test_set("LESS_EQUAL")
     _draw_lines([end for line in plane.grid(view) for end in line], (1.0, 1.0, 1.0, 0.12), "LINES")
     gpu.state.depth_test_set("NONE")
     rim = plane.outline(view)

@@ -129,6 +129,7 @@ class TYNDALL_OT_paint_air(Operator):
             return {"CANCELLED"}
         painting = begin_painting(context, *found)
         painting.box_in(context)
+        self._tool = _tool_name(context)
         context.window_manager.modal_handler_add(self)
         context.workspace.status_text_set(_HELP)
         if self.begins_stroke:
@@ -139,7 +140,7 @@ class TYNDALL_OT_paint_air(Operator):
     def modal(self, context: Context, event: Event) -> set[str]:
         painting = active_painting()
         found = painting.region_in(context) if painting is not None else None
-        if painting is None or found is None:
+        if painting is None or found is None or _tool_name(context) != self._tool:
             return self._end(context)
         area, region = found
         if painting.box_in(context) is None:
@@ -185,6 +186,7 @@ class TYNDALL_OT_paint_air(Operator):
             return {"RUNNING_MODAL"}
         if event.value != "PRESS":
             return {"PASS_THROUGH"}
+        painting.remark = ""
         if event.type == "LEFTMOUSE":
             painting.begin_stroke(context, region, event.pressure)
         elif event.type == "F":
@@ -227,6 +229,12 @@ class TYNDALL_OT_paint_air(Operator):
         """Say in the header what is painted and with what, or what there is to say about the last stroke."""
         area.header_text_set(painting.remark or _header(context, painting))
         area.tag_redraw()
+
+
+def _tool_name(context: Context) -> str:
+    """Of the toolbar: who chooses another one wants to paint no more."""
+    tool = context.workspace.tools.from_space_view3d_mode(context.mode, create=False)
+    return tool.idname if tool is not None else ""
 
 
 def _header(context: Context, painting: AirPainting) -> str:
@@ -273,7 +281,6 @@ def _slide_to_surface(context: Context, event: Event, painting: AirPainting, reg
     if hit is None:
         painting.remark = "There is no surface under the mouse"
         return
-    painting.remark = ""
     painting.plane.point = hit.world_point
     painting.plane.keep_in(region.data)
 

@@ -200,6 +200,47 @@ class TYNDALL_OT_painted_air_resample(_VolumeOperator, Operator):
         return {"FINISHED"}
 
 
+class TYNDALL_OT_painted_air_bake(_VolumeOperator, Operator):
+    """Bake the noise and all three volumes into the intensity, as they are at this frame.
+
+    Inside the box the air then stands still: wind, amount and softness change nothing there, the scene's intensity
+    does. Noise finer than the voxels is lost; the rest is exact at their centres and linear between them
+    """
+
+    bl_idname = "tyndall.painted_air_bake"
+    bl_label = "Bake into Intensity"
+
+    def execute(self, context: Context) -> set[str]:
+        import numpy as np
+
+        from tyndall import InvalidInput, Progress
+        from tyndall.baked_air import bake_air
+
+        from ..sync.heterogeneity import read_heterogeneity
+        from ..sync.reports import Reports
+
+        box, reports = edited_box(context), Reports()
+        heterogeneity = read_heterogeneity(context.evaluated_depsgraph_get(), reports)
+        reason = "; ".join(reports.lines())
+        if heterogeneity is None:
+            reason = "There is nothing to bake: Texture the Air is off"
+        elif context.scene.tyndall.heterogeneity.painted != box:
+            reason = f'"{box.name}" is not the painted air of the scene'
+        if reason:
+            self.report({"ERROR"}, reason)
+            return {"CANCELLED"}
+        nx, ny, nz = box.tyndall.painted_air.resolution
+        try:
+            baked = bake_air(heterogeneity, (nx, ny, nz), Progress())
+        except InvalidInput as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        write_volume(box, "intensity", baked)
+        write_volume(box, "amount", np.full_like(baked, -1.0))
+        write_volume(box, "level", None)
+        return {"FINISHED"}
+
+
 def memory_text(resolution: tuple[int, int, int]) -> str:
     """What a volume takes in memory while it is painted or rendered; a .blend has only what is painted."""
     nx, ny, nz = resolution
@@ -212,4 +253,5 @@ CLASSES = (
     TYNDALL_OT_painted_air_clear,
     TYNDALL_OT_painted_air_flip,
     TYNDALL_OT_painted_air_resample,
+    TYNDALL_OT_painted_air_bake,
 )

@@ -12,7 +12,7 @@ from ..painted_air import edited_box, why_not_editable
 from .base import SidebarPanel, draw_text, is_wide_region
 
 #: Brushes that bring a value.
-_VALUED = frozenset({"PAINT", "ADD", "MULTIPLY"})
+VALUED_MODES = frozenset({"PAINT", "ADD", "MULTIPLY"})
 
 
 class TYNDALL_PT_paint_air(SidebarPanel, Panel):
@@ -42,11 +42,12 @@ def draw_brush(layout: UILayout, context: Context) -> None:
     is_wide = is_wide_region(context)
     column = layout.column()
     column.use_property_split = is_wide
-    column.row(align=True).prop(brush, "volume", expand=True)
+    choice = column.row(align=True) if is_wide else column.column(align=True)
+    choice.prop(brush, "volume", expand=True)
     column.prop(brush, "mode", text="Brush" if is_wide else "")
     column = layout.column(align=True)
     column.use_property_split = is_wide
-    if brush.mode in _VALUED:
+    if brush.mode in VALUED_MODES:
         column.prop(brush, brush.volume.lower())
     for name, pressure in (
         ("radius_m", "pressure_sizes"),
@@ -90,6 +91,7 @@ class TYNDALL_PT_painted_volumes(SidebarPanel, Panel):
         row = layout.row(align=True)
         row.operator("tyndall.painted_air_flip")
         row.operator("tyndall.painted_air_resample")
+        layout.operator("tyndall.painted_air_bake")
 
 
 CLASSES = (TYNDALL_PT_paint_air, TYNDALL_PT_painted_volumes)

@@ -3,6 +3,7 @@
 #include "bindings/bind.hpp"
 #include "core/errors.hpp"
 #include "volume/air_noise.hpp"
+#include "volume/baked_air.hpp"
 #include <pybind11/stl.h>
 
 namespace tyndall::bindings {
@@ -56,6 +57,16 @@ static Heterogeneity make_heterogeneity(float scale_m, std::int64_t octaves, flo
     return heterogeneity;
 }
 
+static py::array_t<float> baked(const Heterogeneity& heterogeneity, const std::array<std::int64_t, 3>& resolution,
+                                const Progress& progress) {
+    std::array<std::uint32_t, 3> size;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        size[axis] = natural(resolution[axis], "resolution of baked air");
+    std::vector<float> values =
+        without_gil([&] { return bake_air(AirTexture(heterogeneity, progress), size, progress); });
+    return to_numpy(std::move(values), {resolution[2], resolution[1], resolution[0]});
+}
+
 void bind_heterogeneity(py::module_& native) {
     py::class_<AirNoiseCache, std::shared_ptr<AirNoiseCache>>(
         native, "AirNoiseCache", "The air's last noise volumes, kept from frame to frame. Safe from any thread.")
@@ -67,6 +78,8 @@ void bind_heterogeneity(py::module_& native) {
         .def(py::init(&make_heterogeneity), "scale_m"_a, "octaves"_a, "persistence"_a, "resolution"_a, "seed"_a,
              "moved_m"_a, "amount"_a, "level"_a, "intensity"_a, "weighting"_a, "step_count"_a, "upsampling"_a,
              "unit_from_scene"_a, "painted"_a, "kept_noise"_a,
-             "moved_m, unit_from_scene: in the scene's space. InvalidInput names what is out of its range.");
+             "moved_m, unit_from_scene: in the scene's space. InvalidInput names what is out of its range.")
+        .def("baked", &baked, "resolution"_a, "progress"_a,
+             "What it is at the voxels' centres of the painted box, float32 (nz, ny, nx). Releases the GIL.");
 }
 } // namespace tyndall::bindings

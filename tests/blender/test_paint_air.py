@@ -1,51 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Painting the air: strokes by scripts, the plane that is painted on, and what buttons do to the box."""
+"""Painting the air by script: strokes in the scene's box, and what cannot be painted."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import bpy
 import numpy as np
 import pytest
-from mathutils import Euler, Matrix, Vector
 
 from addon import painted_air
-from addon.air_plane import AirPlane, Ray, axes_of, normal_of
-from addon.painted_air import VOLUMES, edited_box, read_volume, world_from_unit, write_volume
+from addon.painted_air import VOLUMES, edited_box, read_volume, write_volume
 from addon.panels import paint_air as panels
+from support.painted_box import HALF_SIDE_M, VOXELS, painted_box, stroke
 from support.recording_layout import drawn
-from support.small_scenes import add, cube, empty_scene
-from tyndall.air_tiles import VOLUME_KINDS
-
-VOXELS = 32
-#: Of the box: 4 m around the origin.
-HALF_SIDE_M = 2.0
+from support.small_scenes import add, empty_scene
 
 
 @pytest.fixture
 def box() -> bpy.types.Object:
-    """The scene's painted air, 32 voxels of 12.5 cm along each side; a hard brush that sets 0.5 fully."""
-    scene = empty_scene()
-    painted_air.forget()
-    thing = add("Air", None)
-    thing.empty_display_type, thing.empty_display_size = "CUBE", HALF_SIDE_M
-    thing.tyndall.painted_air.resolution = (VOXELS,) * 3
-    scene.tyndall.heterogeneity.painted = thing
-    brush = scene.tyndall.air_brush
-    brush.volume, brush.mode, brush.radius_m, brush.depth = "AMOUNT", "PAINT", 0.5, 1.0
-    brush.amount, brush.opacity, brush.hardness = 0.5, 1.0, 1.0
-    bpy.context.view_layer.update()
-    return thing
-
-
-def stroke(*places_m: Sequence[float], pressure: float = 1.0, **options: Any) -> set[str]:
-    dabs = [{"name": "", "location": tuple(place_m), "pressure": pressure} for place_m in places_m]
-    return bpy.ops.tyndall.paint_air_stroke(dabs=dabs, **options)
+    return painted_box()
 
 
 def centres_m() -> np.ndarray:
@@ -53,9 +27,6 @@ def centres_m() -> np.ndarray:
     at = (np.arange(VOXELS) + 0.5) * (2.0 * HALF_SIDE_M / VOXELS) - HALF_SIDE_M
     z, y, x = np.meshgrid(at, at, at, indexing="ij")
     return np.stack([x, y, z], axis=-1)
-
-
-# Strokes
 
 
 def test_a_stroke_sets_the_value_where_it_goes(box: bpy.types.Object) -> None:
@@ -230,183 +201,3 @@ def test_no_resolution_is_absurd(box: bpy.types.Object) -> None:
 def test_the_tool_says_that_it_needs_a_mouse(box: bpy.types.Object) -> None:
     with pytest.raises(RuntimeError, match=r"in a script, call tyndall.paint_air_stroke"):
         bpy.ops.tyndall.paint_air()
-
-
-# The plane
-
-
-def view_from(*, rotation: tuple[float, float, float], eye: Vector | None = None) -> Any:
-    """What the plane reads of a 3D view."""
-    turn = Euler(rotation).to_quaternion()
-    camera = Matrix.Translation(eye or Vector((0.0, 0.0, 10.0))) @ turn.to_matrix().to_4x4()
-    return SimpleNamespace(view_rotation=turn, view_matrix=camera.inverted(), is_perspective=eye is not None)
-
-
-def plane_of(box: bpy.types.Object) -> AirPlane:
-    return AirPlane(Matrix(world_from_unit(box)))
-
-
-@pytest.mark.parametrize("rotation", [(0.0, 0.0, 0.0), (math.pi / 2, 0.0, 0.0), (1.1, 0.2, 0.7)])
-def test_the_plane_faces_the_view_and_stays_in_the_box(
-    box: bpy.types.Object, rotation: tuple[float, float, float]
-) -> None:
-    """It slides from one end of the box to the other, and no further."""
-    view, plane = view_from(rotation=rotation), plane_of(box)
-    assert plane.depth_in_box(view) == pytest.approx(0.5)
-    plane.slide(view, 1000)
-    assert plane.depth_in_box(view) == pytest.approx(1.0, abs=1e-5)
-    plane.slide(view, -20)
-    assert plane.depth_in_box(view) == pytest.approx(0.5, abs=1e-5)
-    plane.slide(view, -1000)
-    assert plane.depth_in_box(view) == pytest.approx(0.0, abs=1e-5)
-
-
-def test_the_plane_cuts_the_box_in_a_polygon(box: bpy.types.Object) -> None:
-    """A square from the front, a hexagon along the diagonal; its grid ends on its rim."""
-    front = view_from(rotation=(math.pi / 2, 0.0, 0.0))
-    plane = plane_of(box)
-    corners = plane.outline(front)
-    assert (
-        sorted((round(abs(x), 5), round(abs(y), 5), round(abs(z), 5)) for x, y, z in corners) == [(2.0, 0.0, 2.0)] * 4
-    )
-    diagonal = view_from(rotation=(math.atan(math.sqrt(2.0)), 0.0, math.pi / 4))
-    corners = plane.outline(diagonal)
-    assert len(corners) == 6
-    sides = [(one - other).length for one, other in zip(corners, corners[1:] + corners[:1], strict=True)]
-    assert sides == pytest.approx([2.0 * math.sqrt(2.0)] * 6, rel=1e-5)
-    lines = list(plane.grid(diagonal))
-    assert len(lines) == 30
-    for end in (end for line in lines for end in line):
-        assert max(map(abs, end)) == pytest.approx(2.0, rel=1e-5)
-        assert end.dot(normal_of(diagonal)) == pytest.approx(0.0, abs=1e-5)
-
-
-def test_a_viewer_within_the_box_has_the_plane_before_them(box: bpy.types.Object) -> None:
-    view = view_from(rotation=(0.0, 0.0, 0.0), eye=Vector((0.0, 0.0, -0.5)))
-    plane = plane_of(box)
-    assert plane.keep_in(view)
-    assert -2.0 <= plane.point.z < -0.5
-    behind = view_from(rotation=(0.0, 0.0, 0.0), eye=Vector((0.0, 0.0, -3.0)))
-    assert not plane.keep_in(behind)
-
-
-def test_a_place_on_the_plane_is_under_the_mouse(box: bpy.types.Object) -> None:
-    """The ray through it meets the plane there; one that looks away meets nothing."""
-    view = view_from(rotation=(1.1, 0.2, 0.7), eye=Vector((3.0, -6.0, 4.0)))
-    plane = plane_of(box)
-    across, up, normal = axes_of(view)
-    place = plane.point + across * 0.3 - up * 0.7
-    eye = Vector((3.0, -6.0, 4.0))
-    met = plane.meet(view, Ray(origin=eye, direction=(place - eye).normalized()))
-    assert (met - place).length < 1e-5
-    assert plane.meet(view, Ray(origin=eye, direction=-normal)) is None
-
-
-def test_the_plane_goes_where_its_box_goes(box: bpy.types.Object) -> None:
-    """At the same place within it."""
-    plane = plane_of(box)
-    plane.point = Vector((1.0, -1.0, 0.5))
-    box.location, box.scale = (5.0, 0.0, 0.0), (2.0, 1.0, 1.0)
-    bpy.context.view_layer.update()
-    plane.follow(Matrix(world_from_unit(box)))
-    assert tuple(plane.point) == pytest.approx((7.0, -1.0, 0.5), abs=1e-5)
-
-
-# The box
-
-
-def test_a_new_box_fits_the_fog(box: bpy.types.Object) -> None:
-    """To a millimetre. It becomes the scene's, with voxels that are cubes, and the texture is on."""
-    cube().scale = (2.0, 1.0, 0.5)
-    bpy.context.view_layer.update()
-    bpy.ops.tyndall.add_fog_box(with_camera_and_lights=False)
-    fog = bpy.context.object
-    bpy.context.view_layer.update()
-    assert bpy.ops.tyndall.add_painted_box(voxels=64) == {"FINISHED"}
-    new = bpy.context.object
-    bpy.context.view_layer.update()
-    assert bpy.context.scene.tyndall.heterogeneity.painted == new == edited_box(bpy.context)
-    assert bpy.context.scene.tyndall.heterogeneity.is_enabled
-    corners = [fog.matrix_world @ Vector(corner) for corner in fog.bound_box]
-    matrix = Matrix(world_from_unit(new))
-    for axis in range(3):
-        lowest, highest = min(corner[axis] for corner in corners), max(corner[axis] for corner in corners)
-        assert (matrix @ Vector((0.0, 0.0, 0.0)))[axis] == pytest.approx(lowest, abs=2e-3)
-        assert (matrix @ Vector((1.0, 1.0, 1.0)))[axis] == pytest.approx(highest, abs=2e-3)
-    nx, ny, nz = new.tyndall.painted_air.resolution
-    assert nx == 64
-    sides_m = [matrix.col[axis].length for axis in range(3)]
-    for side_m, voxels in zip(sides_m, (nx, ny, nz), strict=True):
-        assert voxels == round(64 * side_m / sides_m[0])
-
-
-def test_a_new_box_without_fog_fits_the_scene(scene: bpy.types.Scene) -> None:
-    """Its surfaces; a scene without any gets one of 10 m."""
-    assert bpy.ops.tyndall.add_painted_box() == {"FINISHED"}
-    bpy.context.view_layer.update()
-    first = Matrix(world_from_unit(bpy.context.object))
-    assert 2.0 < first.col[0].length < 3.0
-    bpy.data.objects.remove(bpy.data.objects["Cube"])
-    assert bpy.ops.tyndall.add_painted_box() == {"FINISHED"}
-    bpy.context.view_layer.update()
-    assert Matrix(world_from_unit(bpy.context.object)).col[0].length == pytest.approx(10.0)
-
-
-def test_fill_sets_all_of_the_volume(box: bpy.types.Object) -> None:
-    stroke((0.0, 0.0, 0.0))
-    bpy.context.scene.tyndall.air_brush.amount = -1.0
-    bpy.ops.tyndall.painted_air_fill(opacity=0.5)
-    assert set(np.unique(read_volume(box, "amount"))) == {-0.5, -0.25}
-    bpy.ops.tyndall.painted_air_fill()
-    assert set(np.unique(read_volume(box, "amount"))) == {-1.0}
-
-
-def test_clear_takes_one_volume_or_all(box: bpy.types.Object) -> None:
-    brush = bpy.context.scene.tyndall.air_brush
-    for brush.volume in ("AMOUNT", "LEVEL", "INTENSITY"):
-        stroke((0.0, 0.0, 0.0))
-    bpy.ops.tyndall.painted_air_clear()
-    assert [name for name in VOLUMES if read_volume(box, name) is not None] == ["amount", "level"]
-    bpy.ops.tyndall.painted_air_clear(takes_all=True)
-    assert not any(len(getattr(box.tyndall.painted_air, name).tiles) for name in VOLUMES)
-
-
-@pytest.mark.parametrize(("axis", "place_m"), [("X", (-1, 0.5, 0.2)), ("Y", (1, -0.5, 0.2)), ("Z", (1, 0.5, -0.2))])
-def test_flip_mirrors_what_is_painted(box: bpy.types.Object, axis: str, place_m: Sequence[float]) -> None:
-    """In all volumes; twice is nothing."""
-    stroke((1.0, 0.5, 0.2))
-    before = read_volume(box, "amount")
-    write_volume(box, "level", before * 2.0)
-    bpy.ops.tyndall.painted_air_flip(axis=axis)
-    flipped, level = read_volume(box, "amount"), read_volume(box, "level")
-    assert np.array_equal(level, flipped * 2.0)
-    bpy.ops.tyndall.painted_air_clear()
-    stroke(place_m)
-    assert np.array_equal(read_volume(box, "amount"), flipped)
-    bpy.ops.tyndall.painted_air_flip(axis=axis)
-    assert np.array_equal(read_volume(box, "amount"), before)
-
-
-def test_resample_keeps_the_paint_at_another_resolution(box: bpy.types.Object) -> None:
-    stroke((0.0, 0.0, 0.0))
-    mean = read_volume(box, "amount").mean()
-    assert bpy.ops.tyndall.painted_air_resample(resolution=(48, 32, 16)) == {"FINISHED"}
-    assert tuple(box.tyndall.painted_air.kept_resolution) == (48, 32, 16)
-    painted_air.forget()
-    finer = read_volume(box, "amount")
-    assert finer.shape == (16, 32, 48)
-    assert finer.mean() == pytest.approx(mean, rel=0.02)
-
-
-def test_the_panel_shows_the_value_that_is_painted(box: bpy.types.Object) -> None:
-    """And only where the brush brings one."""
-    brush = bpy.context.scene.tyndall.air_brush
-    for brush.volume in ("AMOUNT", "LEVEL", "INTENSITY"):
-        brush.mode = "PAINT"
-        assert brush.volume.lower() in drawn(panels.TYNDALL_PT_paint_air)
-        brush.mode = "SMOOTH"
-        assert brush.volume.lower() not in drawn(panels.TYNDALL_PT_paint_air)
-    stroke((0.0, 0.0, 0.0))
-    box_shown = drawn(panels.TYNDALL_PT_painted_volumes)
-    assert "Intensity: not painted" in box_shown
-    assert set(VOLUME_KINDS) == set(VOLUMES)
