@@ -58,6 +58,8 @@ def shaft_config(scene: Scene) -> ShaftConfig:
         attenuates_light=shafts.attenuates_light,
         adapts_strata=shafts.adapts_strata,
         shares_strata=shafts.shares_strata,
+        grid_method=shafts.grid_method,
+        grid_error_target=shafts.grid_error_target,
         seed=scene.tyndall.seed,
     )
 

@@ -65,6 +65,7 @@ def coarser(view: View, scale: int) -> View:
     shafts = replace(
         shafts,
         error_target=min(shafts.error_target * scale, 0.1),
+        grid_error_target=min(shafts.grid_error_target * scale, 0.3),
         light_samples=min(shafts.light_samples, 4),
         world_samples=min(shafts.world_samples, 8),
     )

@@ -53,6 +53,8 @@ class TYNDALL_OT_render_preset_add(AddPresetBase, Operator):
         "settings.shafts.attenuates_light",
         "settings.shafts.adapts_strata",
         "settings.shafts.shares_strata",
+        "settings.shafts.grid_method",
+        "settings.shafts.grid_error_target",
     ]
 
 

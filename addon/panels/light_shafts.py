@@ -34,6 +34,11 @@ class TYNDALL_PT_light_shafts(PropertiesPanel, Panel):
         sharing = column.column(align=True)
         sharing.active = shafts.method != "EXACT"
         sharing.prop(shafts, "shares_strata")
+        column = layout.column(align=True)
+        column.prop(shafts, "grid_method")
+        steps = column.column(align=True)
+        steps.active = shafts.grid_method == "MARCH"
+        steps.prop(shafts, "grid_error_target")
         layout.prop(shafts, "attenuates_light")
         layout.operator("tyndall.add_fog_box", icon="MOD_FLUIDSIM")
 

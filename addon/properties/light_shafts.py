@@ -39,6 +39,22 @@ METHODS = (
 )
 
 
+GRID_METHODS = (
+    (
+        "MARCH",
+        "March",
+        "Steps through volumes of voxels that are as fine as the error target asks for: no noise",
+        0,
+    ),
+    (
+        "RATIO_TRACKING",
+        "Ratio Tracking",
+        "Random points and transmittances: right on average, with noise that more samples reduce. Checks the other",
+        1,
+    ),
+)
+
+
 class TyndallLightShaftSettings(PropertyGroup):
     method: EnumProperty(
         name="Method",
@@ -116,6 +132,25 @@ class TyndallLightShaftSettings(PropertyGroup):
         "what they find: many times faster, and blurs soft shafts by at most two pixels; so for few samples with the "
         "world's light on surfaces. Off asks for all of them in every pixel. The exact method never shares",
         default=True,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    grid_method: EnumProperty(
+        name="Volumes",
+        description="How light in volumes of voxels, as OpenVDB files hold them, is found",
+        items=GRID_METHODS,
+        default="MARCH",
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    grid_error_target: FloatProperty(
+        name="Volume Error Target",
+        description="Relative error of the light in volumes of voxels that steps are picked by: 0.005 is 0.5 %",
+        min=1e-4,
+        max=0.3,
+        soft_min=1e-3,
+        default=0.005,
+        precision=4,
         update=tag,
         override=OVERRIDABLE,
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every placement of every mesh that Cycles would draw, grouped so that 100,000 of them cost 0.2 s.
+"""Every placement of every mesh and volume that Cycles would draw, grouped so that 100,000 of them cost 0.2 s.
 
 The depsgraph yields what is drawn: objects, and instances of collections, particles and geometry nodes, nested ones
 already resolved. Curves, texts and metaballs come twice, as themselves and as the mesh they evaluate to: only items
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         Mesh,
         Object,
         SpaceView3D,
+        Volume,
     )
     from mathutils import Matrix
     from numpy.typing import NDArray
@@ -39,9 +40,9 @@ if TYPE_CHECKING:
     from .reports import Reports
 
 _POLL_EVERY = 2048  #: Instances between two polls, about 5 ms.
-_UNDRAWN = {"CURVES": "hair curves", "POINTCLOUD": "point clouds", "VOLUME": "volume grids"}
+_UNDRAWN = {"CURVES": "hair curves", "POINTCLOUD": "point clouds"}
 
-#: Of a 3D viewport, by kind of object: all that may have a mesh or instances, and lights.
+#: Of a 3D viewport, by kind of object: all that may have a mesh or instances, lights and volumes.
 _SWITCHES = {
     "MESH": "show_object_viewport_mesh",
     "CURVE": "show_object_viewport_curve",
@@ -50,6 +51,7 @@ _SWITCHES = {
     "FONT": "show_object_viewport_font",
     "EMPTY": "show_object_viewport_empty",
     "LIGHT": "show_object_viewport_light",
+    "VOLUME": "show_object_viewport_volume",
 }
 
 
@@ -58,9 +60,9 @@ class Placement:
     """Instances that share mesh, materials and visibility."""
 
     object_name: str
-    data: Mesh | None  #: None for a light.
+    data: Mesh | Volume | None  #: None for a light.
     materials: tuple[Material | None, ...]  #: Evaluated; one per slot.
-    source: Object  #: Evaluated object whose light or mesh it is; valid while the depsgraph is.
+    source: Object  #: Evaluated object whose data it is; valid while the depsgraph is.
     is_camera_visible: bool
     casts_shadow: bool
     matrices: list[Matrix] = field(default_factory=list)  #: World from object, one per instance.
@@ -78,7 +80,7 @@ class Placement:
 def read_placements(
     depsgraph: Depsgraph, reports: Reports, poll: Callable[[], None], viewport: SpaceView3D | None = None
 ) -> list[Placement]:
-    """Of meshes and lights; of those, what ``viewport`` shows. ``poll`` is called every few milliseconds, may raise."""
+    """Of meshes, volumes and lights, what ``viewport`` shows. ``poll`` is called every few milliseconds, may raise."""
     grouping = _Grouping(depsgraph, reports, viewport)
     for index, instance in enumerate(depsgraph.object_instances):
         if index % _POLL_EVERY == 0:
@@ -159,25 +161,26 @@ class _Grouping:
         return shown_by if shown_by in self._limited else None
 
     def _new_placement(self, thing: Object, owner: Object, parent: Object | None) -> Placement | None:
-        is_mesh, is_light = isinstance(thing.data, bpy.types.Mesh), isinstance(thing.data, bpy.types.Light)
+        is_light = isinstance(thing.data, bpy.types.Light)
+        has_shape = isinstance(thing.data, (bpy.types.Mesh, bpy.types.Volume))
         # Not asked of `thing`: Python's copy of an instance is that of its original, with the original's visibility.
         if owner.type in self._hidden_kinds or self._is_hidden(parent or thing):
             return None
         if thing.type in _UNDRAWN:
             self._reports.add(f'Object "{thing.name}"', f"{_UNDRAWN[thing.type]} are not drawn")
-        if not (is_mesh or is_light):
+        if not (has_shape or is_light):
             return None
         source = owner.evaluated_get(self._depsgraph)
         is_camera_visible = source.visible_camera and self._is_camera_visible(parent or source)
         casts_shadow = source.visible_shadow and (parent is None or parent.visible_shadow)
-        if is_mesh:
+        if has_shape:
             self._report_unsupported(source, parent or source)
             if not (is_camera_visible or casts_shadow):
                 return None
         return Placement(
             object_name=owner.name,
-            data=thing.data if is_mesh else None,
-            materials=_materials(thing) if is_mesh else (),
+            data=thing.data if has_shape else None,
+            materials=_materials(thing) if has_shape else (),
             source=source,
             is_camera_visible=is_camera_visible,
             casts_shadow=casts_shadow,
@@ -200,7 +203,7 @@ def _is_any_indirect_only(collection: LayerCollection) -> bool:
 
 def _may_hold_other_meshes(source: Object) -> bool:
     """Whether instances of this object may show a mesh that is not its own, which geometry nodes and curves do."""
-    return not isinstance(source.data, (bpy.types.Mesh, bpy.types.Light)) or any(
+    return not isinstance(source.data, (bpy.types.Mesh, bpy.types.Light, bpy.types.Volume)) or any(
         modifier.type == "NODES" for modifier in source.modifiers
     )
 

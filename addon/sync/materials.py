@@ -46,7 +46,7 @@ class MaterialReader:
 
     def index(self, material: bpy.types.Material | None) -> int:
         """None is an empty slot: Blender's default grey."""
-        material = self._override or material
+        material = self.shader_of(material)
         if material not in self._index_of:
             self._index_of[material] = len(self.materials)
             self.materials.append(self._read(material))
@@ -57,6 +57,10 @@ class MaterialReader:
             return -1
         self.media.append(medium)
         return len(self.media) - 1
+
+    def shader_of(self, material: bpy.types.Material | None) -> bpy.types.Material | None:
+        """What is drawn in place of a slot's material: itself, unless the view layer has one for all."""
+        return self._override or material
 
     def _read(self, material: bpy.types.Material | None) -> Material:
         if material is None:

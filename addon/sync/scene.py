@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import bpy
+
 from tyndall.scene_description import Instances, Light, Mesh, SceneDescription
 
 from .images import ImageReader
@@ -20,6 +22,7 @@ from .materials import MaterialReader
 from .meshes import read_mesh
 from .occluder_edits import OccluderEditReader
 from .reports import Reports
+from .volumes import VolumeReader
 from .worlds import read_world
 
 if TYPE_CHECKING:
@@ -34,6 +37,7 @@ class SceneReader:
     def __init__(self) -> None:
         self._images = ImageReader()
         self._masks = MaskReader()
+        self._volumes = VolumeReader()
         self._meshes: dict[str, Mesh] = {}
         self._live: dict[int, tuple[Mesh | None, set[int]]] = {}  # by address of the evaluated mesh, while it lives
         self._live_depsgraph = 0
@@ -66,11 +70,13 @@ class SceneReader:
         self._masks.start_frame()
         poll()
         layer = depsgraph.view_layer_eval
-        placements = [
-            placement
-            for placement in read_placements(depsgraph, reports, poll, viewport)
-            if layer.use_solid or placement.data is None
-        ]
+        volumes, placements = [], []
+        for placement in read_placements(depsgraph, reports, poll, viewport):
+            if isinstance(placement.data, bpy.types.Volume):
+                if layer.use_volumes:
+                    volumes.append(placement)
+            elif layer.use_solid or placement.data is None:
+                placements.append(placement)
         materials = MaterialReader(reports, self._images, layer.material_override, is_lit=is_lit)
         is_viewport = depsgraph.mode == "VIEWPORT"
         instances = self._instances(placements, materials, reports, poll, is_viewport=is_viewport)
@@ -85,6 +91,7 @@ class SceneReader:
             lights=_lights(placements, edits, self._images, reports),
             world=replace(world, medium=materials.add_medium(medium)),
             materials=tuple(materials.materials),
+            volumes=self._volumes.read(volumes, materials, self._images, reports, poll),
             media=tuple(materials.media),
             reports=reports.lines(),
         )

@@ -52,6 +52,10 @@ class ValueReader:
         self.domain = domain
         self.environment: tuple[Image, NDArray[np.float64]] | None = None  #: Of a world: image and its rotation.
 
+    def grid_value(self, _name: str) -> float | None:
+        """Of a volume object's grid, at the place for which the reader answers; None: it has no such grid."""
+        return None
+
     def image(self, at: Socket) -> Value:
         """The value of an image node, in a domain that has them all alike."""
         self.unsupported(at, "is read as mid grey: textures do not reach here")

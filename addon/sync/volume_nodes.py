@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volume shaders with constant inputs as homogeneous media, as Cycles reads them.
+"""Volume shaders as homogeneous media, or as media that a volume object's grids modulate, as Cycles reads them.
 
-A varying density is read as 0.5 and other varying inputs as mid grey, with a note: such media come with volume grids.
+In a mesh a varying density is read as 0.5 and other varying inputs as mid grey, with a note.
 """
 
 from __future__ import annotations
@@ -30,24 +30,37 @@ _LARGEST_ASYMMETRY = 0.999  #: Cycles, too, keeps away from the limit, at which 
 
 
 @dataclass(eq=False)
-class _Coefficients:
+class Coefficients:
     """Sums over the shaders of one volume; each entry (3,), per metre."""
 
     scatter: list[tuple[Rgb64, float]] = field(default_factory=list)  #: sigma_s and asymmetry.
     absorption: Rgb64 = field(default_factory=lambda: np.zeros(3))
     emission: Rgb64 = field(default_factory=lambda: np.zeros(3))
 
+    def lobes(self) -> dict[float, Rgb64]:
+        """By asymmetry: sigma_s, (3,)."""
+        lobes: dict[float, Rgb64] = {}
+        for sigma_s, asymmetry in self.scatter:
+            lobes[asymmetry] = lobes.get(asymmetry, np.zeros(3)) + sigma_s
+        return lobes
+
 
 def read_volume(reader: ValueReader, at: Socket, name: str) -> Medium | None:
     """``at`` is the Volume input of an output node; None for a medium that does nothing."""
-    coefficients = _Coefficients()
+    return medium_of(read_coefficients(reader, at), name)
+
+
+def read_coefficients(reader: ValueReader, at: Socket) -> Coefficients:
+    """The same before it is a medium."""
+    coefficients = Coefficients()
     _add(reader, at, 1.0, coefficients)
-    lobes: dict[float, Rgb64] = {}
-    for sigma_s, asymmetry in coefficients.scatter:
-        lobes[asymmetry] = lobes.get(asymmetry, 0.0) + sigma_s
-    if not any(sigma_s.any() for sigma_s in lobes.values()) and not (
-        coefficients.absorption.any() or coefficients.emission.any()
-    ):
+    return coefficients
+
+
+def medium_of(coefficients: Coefficients, name: str) -> Medium | None:
+    """None for a medium that does nothing."""
+    lobes = {g: sigma_s for g, sigma_s in coefficients.lobes().items() if sigma_s.any()}
+    if not lobes and not (coefficients.absorption.any() or coefficients.emission.any()):
         return None
     return Medium(
         name=name,
@@ -62,7 +75,7 @@ def _rgb(channels: Rgb64) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def _add(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:
+def _add(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
     source = at.source()
     if weight == 0.0 or not source.socket.is_output:
         return
@@ -94,17 +107,17 @@ def _asymmetry(reader: ValueReader, at: Socket) -> float:
     return min(max(asymmetry, -_LARGEST_ASYMMETRY), _LARGEST_ASYMMETRY)
 
 
-def _scatter(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:
+def _scatter(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
     sigma_s = weight * _density(reader, at) * _colour(reader, at)
     coefficients.scatter.append((np.maximum(sigma_s, 0.0), _asymmetry(reader, at)))
 
 
-def _absorption(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:
+def _absorption(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
     coefficients.absorption += np.maximum(weight * _density(reader, at) * (1.0 - _colour(reader, at)), 0.0)
 
 
-def _principled(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:
-    density, colour = weight * _density(reader, at), _colour(reader, at)
+def _principled(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
+    density, colour = weight * _density(reader, at) * _grid_density(reader, at), _colour(reader, at)
     coefficients.scatter.append((np.maximum(density * colour, 0.0), _asymmetry(reader, at)))
     # The square root makes the absorption colour act evenly over its range.
     kept = np.sqrt(np.maximum(_colour(reader, at, "Absorption Color"), 0.0))
@@ -114,6 +127,13 @@ def _principled(reader: ValueReader, at: Socket, weight: float, coefficients: _C
     strength = max(reader.constant(at.input("Emission Strength")), 0.0)
     coefficients.emission += emission_weight * strength * _colour(reader, at, "Emission Color")
     coefficients.emission += emission_weight * _flame(reader, at)
+
+
+def _grid_density(reader: ValueReader, at: Socket) -> float:
+    """1 for a volume without the grid that the node names."""
+    name = at.input("Density Attribute")
+    density = reader.grid_value(name.socket.default_value) if name is not None else None
+    return 1.0 if density is None else max(density, 0.0)
 
 
 def _flame(reader: ValueReader, at: Socket) -> Rgb64:
@@ -127,30 +147,30 @@ def _flame(reader: ValueReader, at: Socket) -> Rgb64:
     return radiance * colour
 
 
-def _volume_coefficients(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:
+def _volume_coefficients(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
     sigma_s = weight * np.maximum(_colour(reader, at, "Scatter Coefficients"), 0.0)
     coefficients.scatter.append((sigma_s, _asymmetry(reader, at)))
     coefficients.absorption += weight * np.maximum(_colour(reader, at, "Absorption Coefficients"), 0.0)
     coefficients.emission += weight * _colour(reader, at, "Emission Coefficients")
 
 
-def _emission(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:
+def _emission(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
     coefficients.emission += weight * reader.constant(at.input("Strength")) * _colour(reader, at)
 
 
-def _mix_shader(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:
+def _mix_shader(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
     share, first, second = at.inputs()[:3]
     share_of_second = min(max(reader.constant(share), 0.0), 1.0)
     _add(reader, first, weight * (1.0 - share_of_second), coefficients)
     _add(reader, second, weight * share_of_second, coefficients)
 
 
-def _add_shader(reader: ValueReader, at: Socket, weight: float, coefficients: _Coefficients) -> None:
+def _add_shader(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
     for shader in at.inputs()[:2]:
         _add(reader, shader, weight, coefficients)
 
 
-_SHADERS: dict[str, Callable[[ValueReader, Socket, float, _Coefficients], None]] = {
+_SHADERS: dict[str, Callable[[ValueReader, Socket, float, Coefficients], None]] = {
     "VOLUME_SCATTER": _scatter,
     "VOLUME_ABSORPTION": _absorption,
     "PRINCIPLED_VOLUME": _principled,

@@ -20,6 +20,7 @@ void bind_core(py::module_& native);
 void bind_materials(py::module_& native);
 void bind_occluder_edits(py::module_& native);
 void bind_light_textures(py::module_& native);
+void bind_volumes(py::module_& native);
 void bind_scene(py::module_& native);
 void bind_transfer_functions(py::module_& native);
 void bind_heterogeneity(py::module_& native);

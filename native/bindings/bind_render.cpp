@@ -28,7 +28,8 @@ static Camera make_camera(int kind, const py::array& world_from_camera, const st
 
 static light_shafts::Config make_shafts(int method, float error_target, std::uint32_t resolution,
                                         std::uint32_t light_samples, std::uint32_t world_samples, bool attenuates_light,
-                                        bool adapts_strata, bool shares_strata, std::uint32_t seed,
+                                        bool adapts_strata, bool shares_strata, int grid_method,
+                                        float grid_error_target, std::uint32_t seed,
                                         const std::optional<std::shared_ptr<light_shafts::MapCache>>& kept_maps) {
     return {.method = static_cast<light_shafts::Method>(method),
             .error_target = error_target,
@@ -39,6 +40,8 @@ static light_shafts::Config make_shafts(int method, float error_target, std::uin
             .adapts_strata = adapts_strata,
             .shares_strata = shares_strata,
             .visibility_light = {},
+            .grid_method = static_cast<light_shafts::GridMethod>(grid_method),
+            .grid_error_target = grid_error_target,
             .seed = seed,
             .kept_maps = kept_maps.value_or(nullptr)};
 }
@@ -134,7 +137,8 @@ void bind_render(py::module_& native) {
         .def_property_readonly("bytes", &light_shafts::MapCache::bytes);
     py::class_<light_shafts::Config>(native, "ShaftConfig")
         .def(py::init(&make_shafts), "method"_a, "error_target"_a, "resolution"_a, "light_samples"_a, "world_samples"_a,
-             "attenuates_light"_a, "adapts_strata"_a, "shares_strata"_a, "seed"_a, "kept_maps"_a = py::none());
+             "attenuates_light"_a, "adapts_strata"_a, "shares_strata"_a, "grid_method"_a, "grid_error_target"_a,
+             "seed"_a, "kept_maps"_a = py::none());
     py::class_<render::FrameConfig>(native, "FrameConfig")
         .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "noise_threshold"_a,
              "region_px"_a, "film_transparent"_a, "passes"_a, "shafts"_a, "transfer_functions"_a, "reference_light"_a,

@@ -13,6 +13,7 @@ PYBIND11_MODULE(_native, native) {
     bind_materials(native);
     bind_occluder_edits(native);
     bind_light_textures(native);
+    bind_volumes(native);
     bind_scene(native);
     bind_transfer_functions(native);
     bind_heterogeneity(native);

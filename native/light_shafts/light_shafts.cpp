@@ -10,6 +10,7 @@ static void validate(const Config& config) {
     require_in(config.error_target, 1e-5f, 0.1f, "error_target");
     if (config.resolution != 0)
         require_in(static_cast<float>(config.resolution), 16.0f, 16384.0f, "resolution");
+    require_in(config.grid_error_target, 1e-4f, 0.3f, "grid_error_target");
     require_in(static_cast<float>(config.light_samples), 1.0f, 65536.0f, "light_samples");
     require_in(static_cast<float>(config.world_samples), 0.0f, 65536.0f, "world_samples");
 }

@@ -42,6 +42,11 @@ struct View {
 class MapCache; // map_cache.hpp
 
 enum class Method : std::uint8_t { Exact = 0, Epipolar = 1, ShadowMap = 2 };
+/// How rays that meet density grids, or whose light passes through some, are integrated.
+enum class GridMethod : std::uint8_t {
+    March = 0,         ///< Steps and light-side depths as fine as the error target asks for.
+    RatioTracking = 1, ///< Without bias, with noise.
+};
 
 struct Config {
     Method method = Method::Epipolar;
@@ -61,6 +66,8 @@ struct Config {
     bool shares_strata = true;
     /// Into Scene::lights: the visibility that is told is this light's; none: the mean over all lights.
     std::optional<std::uint32_t> visibility_light = {};
+    GridMethod grid_method = GridMethod::March;
+    float grid_error_target = 0.005f; ///< Relative RMS error of what grids scatter, over the frame, [1e-4, 0.3].
     std::uint32_t seed = 0;
     std::shared_ptr<MapCache> kept_maps = {}; ///< Maps and rows of other frames; nothing: none are kept.
 };

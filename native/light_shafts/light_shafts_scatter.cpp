@@ -28,6 +28,7 @@ Sharing sharing(std::size_t beam_count, std::uint32_t turn_count) {
 void PreparedLights::gather(std::span<const ViewRay> rays, std::span<const std::uint32_t> order, Block& block) const {
     block.rays.clear(), block.target.clear(), block.length_m.clear(), block.segments.clear();
     block.local.clear();
+    block.steps.clear();
     block.first_segment.assign(1, 0);
     for (const std::uint32_t index : order) // they lie in many lines of the picture
         __builtin_prefetch(&rays[index]);
@@ -42,6 +43,9 @@ void PreparedLights::gather(std::span<const ViewRay> rays, std::span<const std::
         block.target.push_back(index);
         block.length_m.push_back(clipped.length_in_media_m);
         block.first_segment.push_back(static_cast<std::uint32_t>(block.segments.size()));
+        if (!media.grids().is_empty())
+            append_steps(media, {ray.origin, ray.direction, clipped.clipped.near_m, clipped.clipped.far_m},
+                         block.segments_of(block.rays.size() - 1), step_limits, block.steps);
     }
     block.all_radiance.assign(block.rays.size(), Rgb(0.0f));
     for (std::vector<Rgb>* const apart : {&block.from_points, &block.all_unshadowed})
@@ -53,23 +57,33 @@ void PreparedLights::add(const LightBeams& light, std::size_t stratum, Block& bl
     const bool tells_visibility = block.wants_visibility && visibility_share(light) > 0.0f;
     const std::span lit_length_m = tells_visibility ? std::span(block.lit_length_m) : std::span<float>();
     for (const Beam& beam : std::span(light.beams).subspan(stratum * light.parts, light.parts)) {
-        if (beam.directional) {
-            block.pieces.clear();
-            for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
-                beam.directional->append_pieces(block.rays[ray], block.segments_of(ray), block.pieces.pieces);
-                block.pieces.end_ray();
-            }
-            if (beam.sample.textured != nullptr)
-                add_textured(*beam.visibility, *beam.sample.textured, light.texture_rows.get(), block.rays,
-                             block.pieces, block.radiance, lit_length_m);
-            else
-                beam.visibility->add_scattered(block.rays, block.pieces, block.radiance, lit_length_m);
+        if (beam.local && block.local.is_empty())
+            block.local.assign(media, block.rays, block.first_segment, block.segments);
+        if (!media.grids().is_empty()) {
+            add_in_grids(light, beam, lit_length_m, block);
             continue;
         }
-        if (block.local.is_empty())
-            block.local.assign(media, block.rays, block.first_segment, block.segments);
-        beam.local->add_scattered(block.local, beam.visibility.get(), block.radiance, block.unshadowed, lit_length_m);
+        if (beam.local) {
+            beam.local->add_scattered(block.local, beam.visibility.get(), block.radiance, block.unshadowed,
+                                      lit_length_m);
+            continue;
+        }
+        block.pieces.clear();
+        for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
+            beam.directional->append_pieces(block.rays[ray], block.segments_of(ray), block.pieces.pieces);
+            block.pieces.end_ray();
+        }
+        add_pieces(light, beam, lit_length_m, block);
     }
+}
+
+void PreparedLights::add_pieces(const LightBeams& light, const Beam& beam, std::span<float> lit_length_m,
+                                Block& block) {
+    if (beam.sample.textured != nullptr)
+        add_textured(*beam.visibility, *beam.sample.textured, light.texture_rows.get(), block.rays, block.pieces,
+                     block.radiance, lit_length_m);
+    else
+        beam.visibility->add_scattered(block.rays, block.pieces, block.radiance, lit_length_m);
 }
 
 void PreparedLights::add(const LightBeams& light, const Turn& turn, Block& block) const {
@@ -108,6 +122,9 @@ std::vector<Air> Shafts::find_air(std::span<const ViewRay> rays, const Progress&
             Rgb depth(0.0f);
             for (const MediumSegment& segment : segments)
                 depth += media.sigma_t_per_m(segment.set) * (segment.far_m - segment.near_m);
+            if (!media.grids().is_empty())
+                depth +=
+                    media.grids().optical_depth({clipped.origin, clipped.direction, clipped.near_m, clipped.far_m});
             const float opacity = -(std::expm1(-depth.x) + std::expm1(-depth.y) + std::expm1(-depth.z)) / 3.0f;
             air[ray] = {clipped.near_m, clipped.far_m, opacity};
         }

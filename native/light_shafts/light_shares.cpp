@@ -2,6 +2,7 @@
 #include "light_shafts/light_shares.hpp"
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace tyndall::light_shafts {
 static double luminance(const Rgb& radiance) { // Rec. 709
@@ -17,8 +18,12 @@ LightShares::LightShares(const Media& media, std::span<const ViewRay> rays) {
         rays_.push_back(ray);
         media.segments({.origin = ray.origin, .direction = ray.direction, .near_m = ray.near_m, .far_m = ray.far_m},
                        segments_);
+        if (!media.grids().is_empty())
+            append_steps(media, {ray.origin, ray.direction, ray.near_m, ray.far_m},
+                         std::span(segments_).subspan(first_segment_.back()), {}, steps_);
         first_segment_.push_back(static_cast<std::uint32_t>(segments_.size()));
     }
+    has_grids_ = !media.grids().is_empty();
     local_rays_.assign(media, rays_, first_segment_, segments_);
 }
 
@@ -27,9 +32,12 @@ void LightShares::add(const DirectionalScatter& light) {
     std::vector<ScatterPiece> pieces;
     for (std::size_t ray = 0; ray < rays_.size(); ++ray) {
         pieces.clear();
-        light.append_pieces(
-            rays_[ray],
-            std::span(segments_).subspan(first_segment_[ray], first_segment_[ray + 1] - first_segment_[ray]), pieces);
+        const auto segments =
+            std::span(segments_).subspan(first_segment_[ray], first_segment_[ray + 1] - first_segment_[ray]);
+        if (has_grids_)
+            light.append_grid_pieces(rays_[ray], segments, steps_, ray, pieces);
+        else
+            light.append_pieces(rays_[ray], segments, pieces);
         for (const ScatterPiece& piece : pieces)
             sum += luminance(scattered(piece, piece.near_m, piece.far_m));
     }
@@ -39,7 +47,13 @@ void LightShares::add(const DirectionalScatter& light) {
 
 void LightShares::add(const LocalScatter& light) {
     std::vector<Rgb> radiance(rays_.size(), Rgb(0.0f));
-    light.add_scattered(local_rays_, nullptr, radiance, {}, {});
+    if (has_grids_) {
+        std::vector<std::uint32_t> rows(rays_.size());
+        std::iota(rows.begin(), rows.end(), 0u);
+        light.scatter_in_grids(local_rays_, steps_, rows, nullptr, radiance, {});
+    } else {
+        light.add_scattered(local_rays_, nullptr, radiance, {}, {});
+    }
     double sum = 0.0;
     for (const Rgb& of_ray : radiance)
         sum += luminance(of_ray);

@@ -27,6 +27,8 @@ private:
     std::vector<std::uint32_t> first_segment_{0};
     std::vector<MediumSegment> segments_;
     LocalRays local_rays_; ///< The same, for lights at points.
+    bool has_grids_ = false;
+    MediumSteps steps_; ///< Where there are density grids, which dim none of the lights here.
     std::vector<double> luminance_;
     double sum_ = 0.0;
 };

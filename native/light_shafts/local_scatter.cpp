@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/local_scatter.hpp"
+#include "light_shafts/local_reached.hpp"
 #include "light_shafts/local_scatter_kernel.hpp"
 #include "light_shafts/picture_along_ray.hpp"
 #include <algorithm>
@@ -12,7 +13,8 @@ namespace tyndall::light_shafts {
 static constexpr float fewest_texture_parts = 6.0f, most_texture_parts = 32.0f;
 
 LocalScatter::LocalScatter(const Media& media, const LightSample& light, bool attenuates_light)
-    : light_(light), shape_(light), boundaries_(media, light.position), attenuates_light_(attenuates_light) {
+    : media_(media), light_(light), shape_(light), boundaries_(media, light.position),
+      attenuates_light_(attenuates_light) {
     Rgb sigma_s(0.0f);
     for (const Medium& medium : media.scene().description().media)
         sigma_s += medium.sigma_s_per_m();
@@ -283,17 +285,6 @@ static float lit_length_of(std::span<const LitInterval> lit, std::span<const Loc
     }
     return length_m;
 }
-
-/// Rays that the light can shine on, and what of them is lit.
-struct LocalScatter::Reached {
-    LocalSupport support;
-    std::vector<std::uint32_t> rays; ///< And their row of `lit`.
-    std::vector<ViewRay> asked;
-    LitRows lit;
-    [[nodiscard]] std::span<const LitInterval> lit_of(std::size_t row) const {
-        return std::span(lit.intervals).subspan(lit.first[row], lit.first[row + 1] - lit.first[row]);
-    }
-};
 
 void LocalScatter::find_reached(const LocalRays& rays, const Visibility* visibility, Reached& reached) const {
     auto& [support, indices, asked, lit] = reached;

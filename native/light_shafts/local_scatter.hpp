@@ -10,10 +10,13 @@
 //           Relative error 1e-5 of the result (tests), apart from a light that is moved off the ray by 1e-6 of its
 //           distance.
 #pragma once
+#include "light_shafts/light_columns.hpp"
 #include "light_shafts/local_crossings.hpp"
 #include "light_shafts/local_rays.hpp"
 #include "light_shafts/local_support.hpp"
 #include "light_shafts/visibility.hpp"
+#include "scene/medium_steps.hpp"
+#include <optional>
 
 namespace tyndall::light_shafts {
 /// What one local light scatters along view rays. Safe from any thread.
@@ -30,18 +33,31 @@ public:
     /// cast a shadow.
     void add_scattered(const LocalRays& rays, const Visibility* visibility, std::span<Rgb> radiance,
                        std::span<Rgb> unshadowed, std::span<float> lit_length_m) const;
+    /// Where there are density grids: ray i of `rays` has the steps of ray step_rows[i]. Overwrites radiance, and unshadowed
+    /// unless its span is empty, of each ray.
+    void scatter_in_grids(const LocalRays& rays, const MediumSteps& steps, std::span<const std::uint32_t> step_rows,
+                          const Visibility* visibility, std::span<Rgb> radiance, std::span<Rgb> unshadowed) const;
+    /// As DirectionalScatter's.
+    void dim_by_grids(const GridLoss& loss, const Progress& progress);
+    [[nodiscard]] std::size_t grid_bytes() const { return grid_depth_ ? grid_depth_->bytes() : 0; }
+    /// Whether a grid may stand between the light and some point of the ray.
+    [[nodiscard]] bool is_dimmed_by_grids(const ViewRay& ray) const;
     /// Appends what is lit of each ray, in media or not: within the light's cone, half of it in the cone's soft edge.
     void lit_intervals(const LocalRays& rays, const Visibility* visibility, LitRows& lit) const;
 
 private:
     class Batch;
-    struct Reached;
+    class GridPieces;
+    struct Reached; // local_reached.hpp
     void find_reached(const LocalRays& rays, const Visibility* visibility, Reached& reached) const;
 
+    const Media& media_;
     LightSample light_;
     LocalShape shape_;
     LightSideBoundaries boundaries_;
     std::array<float, 3> sigma_t_at_light_{}; ///< Of the media that hold the light.
     bool attenuates_light_, is_black_;
+    std::optional<GridLightDepth> grid_depth_;
+    float grid_piece_m_ = 0.0f; ///< Longest outside of grids, where the light passes through one.
 };
 } // namespace tyndall::light_shafts

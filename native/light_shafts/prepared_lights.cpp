@@ -2,6 +2,7 @@
 #include "light_shafts/prepared_lights.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/exact_strip.hpp"
+#include "light_shafts/grid_resolution.hpp"
 #include "light_shafts/light_shares.hpp"
 #include "light_shafts/map_cache.hpp"
 #include "light_shafts/occluder_edits.hpp"
@@ -125,6 +126,20 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         for (Beam& beam : light.beams)
             all_beams.push_back({&beam, 1.0f / static_cast<float>(light.beams.size()), of_light});
     }
+    GridLoss grid_loss;
+    tracks_ratios = config.grid_method == GridMethod::RatioTracking;
+    attenuates_light = config.attenuates_light;
+    seed = config.seed;
+    if (!media.grids().is_empty() && !tracks_ratios) {
+        const StageTimer timer(statistics, "light shafts: resolution in grids");
+        const GridResolution resolution = choose_grid_resolution(media, clipped, lights, shares, config, progress);
+        step_limits = resolution.step_limits;
+        grid_loss = resolution.loss;
+        statistics.count("light shafts in grids: voxels per step", step_limits.length_voxels);
+        statistics.count("light shafts in grids: voxels per light column", grid_loss.spacing_voxels);
+        statistics.count("light shafts in grids: error of steps", resolution.step_error);
+        statistics.count("light shafts in grids: error of light columns", resolution.loss_error);
+    }
     if (config.kept_maps)
         config.kept_maps->begin_picture();
     const MapCache::Counts before = config.kept_maps ? config.kept_maps->counts() : MapCache::Counts{};
@@ -133,6 +148,10 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         all_beams.size(), progress,
         [&](std::size_t index) {
             auto& [beam, share_of_light, of_light] = all_beams[index];
+            if (beam->directional)
+                beam->directional->dim_by_grids(grid_loss, progress);
+            else
+                beam->local->dim_by_grids(grid_loss, progress);
             if (config.method == Method::Exact && of_light == nullptr) {
                 beam->visibility = make_exact_strip(scene, beam->sample, strip);
                 return;
@@ -159,6 +178,13 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
                 finest = beam.visibility.get();
             }
         statistics.append(light.beams.front().visibility->statistics()); // one tells of its light; a world has many
+    }
+    if (!media.grids().is_empty()) {
+        double bytes = 0.0;
+        for (const BeamToPrepare& prepared : all_beams)
+            bytes += static_cast<double>(prepared.beam->directional ? prepared.beam->directional->grid_bytes()
+                                                                    : prepared.beam->local->grid_bytes());
+        statistics.count("light shafts in grids: bytes of light columns", bytes);
     }
     statistics.count("light shafts: light samples", static_cast<double>(all_beams.size()));
     if (config.kept_maps)

@@ -48,6 +48,16 @@ struct Block {
     std::vector<Rgb> from_points, all_unshadowed; ///< Of all at points so far, where those are kept apart.
     std::vector<float> lit_length_m, visibility;
     PieceRows pieces;
+    MediumSteps steps; ///< Where there are density grids.
+    /// The rays among them that meet grids, or whose light may, asked about apart; and what that finds.
+    struct InGrids {
+        std::vector<ViewRay> rays;
+        std::vector<std::uint32_t> row, first_segment;
+        std::vector<MediumSegment> segments;
+        LocalRays local;
+        LitRows lit;
+        std::vector<Rgb> radiance, unshadowed, radiance_of_all, unshadowed_of_all;
+    } in_grids;
     LocalRays local; ///< The same for lights at points; empty until one asks.
     bool wants_visibility = false, keeps_points_apart = false;
 
@@ -58,10 +68,13 @@ struct Block {
 struct PreparedLights {
     const Media& media;
     std::vector<LightBeams> lights;
+    StepLimits step_limits = {}; ///< Among density grids.
+    bool tracks_ratios = false;  ///< See GridMethod.
+    std::uint32_t seed = 0;
     std::vector<std::vector<DiscCell>> disc_cells = {}; ///< What samples point to.
     std::optional<std::uint32_t> visibility_light = {}; ///< See Config.
     const Visibility* finest = nullptr; ///< Of the sample that carries most light, and so has the largest rows.
-    bool attenuates_light = true; ///< See Config.
+    bool attenuates_light = true;       ///< See Config.
     Statistics statistics;
 
     /// Makes the beams of `lights` for rays that are clipped to the media. Throws Cancelled.
@@ -75,6 +88,12 @@ struct PreparedLights {
     void gather(std::span<const ViewRay> rays, std::span<const std::uint32_t> order, Block& block) const;
     void add(const LightBeams& light, std::size_t stratum, Block& block) const;
     void add(const LightBeams& light, const Turn& turn, Block& block) const;
+    /// Where there are density grids.
+    void add_in_grids(const LightBeams& light, const Beam& beam, std::span<float> lit_length_m, Block& block) const;
+    void gather_in_grids(const Beam& beam, Block& block) const;
+    void track_in_grids(const Beam& beam, std::span<float> lit_length_m, Block& block) const;
+    /// What the block's pieces scatter, of a directional light.
+    static void add_pieces(const LightBeams& light, const Beam& beam, std::span<float> lit_length_m, Block& block);
     /// Of the lights that squares of shared_sides[side] pixels share.
     void scatter_side(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells,
                       std::span<const std::uint32_t> order, std::size_t side, const Scattered& out,

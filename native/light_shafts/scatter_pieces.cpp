@@ -24,7 +24,7 @@ Rgb scattered(const ScatterPiece& piece, float near_m, float far_m) {
 }
 
 DirectionalScatter::DirectionalScatter(const Media& media, const LightSample& light, bool attenuates_light)
-    : media_(media), towards_light_(light.towards_light), irradiance_(light.strength),
+    : media_(media), towards_light_(light.towards_light), irradiance_(light.strength), light_(light),
       attenuates_light_(attenuates_light) {
     if (attenuates_light && media.fills_world()) {
         MediumSet world;
@@ -49,47 +49,84 @@ struct LightSide {
         depth_per_m += sign * term.way_per_m * sigma_t_per_m;
     }
 };
+
+/// The light's way through homogeneous media to the points of a ray, from near to far.
+class LightSideSweep {
+public:
+    void begin(const Media& media, const ViewRay& inside, const vec3& towards_light) {
+        terms_.clear(), by_far_.clear(), sigma_t_of_term_.clear();
+        light_side_ = {}, begun_ = ended_ = 0;
+        for (const MediumBoundary& boundary : media.boundaries())
+            append_light_side_terms(media, boundary, inside, towards_light, terms_);
+        std::ranges::sort(terms_, {}, &LightSideTerm::near_m);
+        for (std::uint32_t term = 0; term < terms_.size(); ++term) {
+            MediumSet alone;
+            alone.insert(terms_[term].medium);
+            sigma_t_of_term_.emplace_back(media.sigma_t_per_m(alone));
+            by_far_.push_back(term);
+        }
+        std::ranges::sort(by_far_, {}, [&](std::uint32_t term) { return terms_[term].far_m; });
+    }
+    void begin_without() {
+        terms_.clear(), by_far_.clear();
+        light_side_ = {}, begun_ = ended_ = 0;
+    }
+    /// Calls visit(from, to, light side) for the parts of [from, end) on which the light's way is linear.
+    template <class Visit>
+    void visit(double from, double end, const Visit& visit) {
+        while (from < end) {
+            while (begun_ < terms_.size() && terms_[begun_].near_m <= from)
+                light_side_.add(terms_[begun_], sigma_t_of_term_[begun_], 1.0), ++begun_;
+            while (ended_ < terms_.size() && terms_[by_far_[ended_]].far_m <= from)
+                light_side_.add(terms_[by_far_[ended_]], sigma_t_of_term_[by_far_[ended_]], -1.0), ++ended_;
+            double to = end;
+            if (begun_ < terms_.size())
+                to = std::min(to, terms_[begun_].near_m);
+            if (ended_ < terms_.size())
+                to = std::min(to, terms_[by_far_[ended_]].far_m);
+            visit(from, to, light_side_);
+            from = to;
+        }
+    }
+
+private:
+    std::vector<LightSideTerm> terms_;
+    std::vector<std::uint32_t> by_far_;
+    std::vector<dvec3> sigma_t_of_term_;
+    LightSide light_side_;
+    std::size_t begun_ = 0, ended_ = 0;
+};
+
+/// Of one thread: begun for a ray.
+LightSideSweep& begin_sweep(const Media& media, const ViewRay& ray, std::span<const MediumSegment> segments,
+                            const vec3& towards_light, bool attenuates_light) {
+    thread_local LightSideSweep sweep;
+    if (attenuates_light)
+        sweep.begin(media, {ray.origin, ray.direction, segments.front().near_m, segments.back().far_m}, towards_light);
+    else
+        sweep.begin_without();
+    return sweep;
+}
 } // namespace
 
 void DirectionalScatter::append_pieces(const ViewRay& ray, std::span<const MediumSegment> segments,
                                        std::vector<ScatterPiece>& pieces) const {
-    thread_local std::vector<LightSideTerm> terms;
-    thread_local std::vector<std::uint32_t> by_far;
-    thread_local std::vector<dvec3> sigma_t_of_term;
-    terms.clear(), by_far.clear(), sigma_t_of_term.clear();
     if (segments.empty())
         return;
-    if (attenuates_light_) {
-        const ViewRay inside{ray.origin, ray.direction, segments.front().near_m, segments.back().far_m};
-        for (const MediumBoundary& boundary : media_.boundaries())
-            append_light_side_terms(media_, boundary, inside, towards_light_, terms);
-        std::ranges::sort(terms, {}, &LightSideTerm::near_m);
-        for (std::uint32_t term = 0; term < terms.size(); ++term) {
-            MediumSet alone;
-            alone.insert(terms[term].medium);
-            sigma_t_of_term.emplace_back(media_.sigma_t_per_m(alone));
-            by_far.push_back(term);
-        }
-        std::ranges::sort(by_far, {}, [&](std::uint32_t term) { return terms[term].far_m; });
+    if (!media_.grids().is_empty()) {
+        thread_local MediumSteps steps;
+        steps.clear();
+        append_steps(media_, {ray.origin, ray.direction, ray.near_m, ray.far_m}, segments, {}, steps);
+        append_grid_pieces(ray, segments, steps, 0, pieces);
+        return;
     }
+    LightSideSweep& sweep = begin_sweep(media_, ray, segments, towards_light_, attenuates_light_);
     const float cosine = glm::dot(ray.direction, towards_light_);
-    LightSide light_side;
-    std::size_t begun = 0, ended = 0;
     dvec3 camera_depth(0.0);
     for (const MediumSegment& segment : segments) {
         const Rgb source = irradiance_ * media_.scatter_per_m_sr(segment.set, cosine);
         const dvec3 sigma_t(media_.sigma_t_per_m(segment.set));
-        double from = segment.near_m;
-        while (from < segment.far_m) {
-            while (begun < terms.size() && terms[begun].near_m <= from)
-                light_side.add(terms[begun], sigma_t_of_term[begun], 1.0), ++begun;
-            while (ended < terms.size() && terms[by_far[ended]].far_m <= from)
-                light_side.add(terms[by_far[ended]], sigma_t_of_term[by_far[ended]], -1.0), ++ended;
-            double to = segment.far_m;
-            if (begun < terms.size())
-                to = std::min(to, terms[begun].near_m);
-            if (ended < terms.size())
-                to = std::min(to, terms[by_far[ended]].far_m);
+        sweep.visit(segment.near_m, segment.far_m, [&](double from, double to, const LightSide& light_side) {
             const dvec3 light_depth = light_side.depth_at_zero + from * light_side.depth_per_m;
             pieces.push_back({.near_m = static_cast<float>(from),
                               .far_m = static_cast<float>(to),
@@ -97,8 +134,84 @@ void DirectionalScatter::append_pieces(const ViewRay& ray, std::span<const Mediu
                               .depth_at_near = Rgb(camera_depth + glm::max(light_depth, dvec3(0.0))),
                               .depth_per_m = Rgb(sigma_t + light_side.depth_per_m)});
             camera_depth += sigma_t * (to - from);
-            from = to;
-        }
+        });
     }
+}
+
+void DirectionalScatter::append_grid_pieces(const ViewRay& ray, std::span<const MediumSegment> segments,
+                                            const MediumSteps& all_steps, std::size_t index,
+                                            std::vector<ScatterPiece>& pieces) const {
+    const std::span<const MediumStep> steps = all_steps.of_ray(index);
+    if (segments.empty() || steps.empty())
+        return;
+    LightSideSweep& sweep = begin_sweep(media_, ray, segments, towards_light_, attenuates_light_);
+    thread_local std::vector<LinePart> reached; // through grids
+    thread_local std::vector<Rgb> scatter_of_grid;
+    reached.clear(), scatter_of_grid.clear();
+    if (grid_depth_)
+        grid_depth_->append_reached(ray.origin, ray.direction, steps.front().near_m, steps.back().far_m, reached);
+    const float cosine = glm::dot(ray.direction, towards_light_);
+    for (const PlacedGrid& placed : media_.grids().all()) {
+        MediumSet alone;
+        alone.insert(placed.medium);
+        scatter_of_grid.push_back(placed.density_scale * media_.scatter_per_m_sr(alone, cosine));
+    }
+    dvec3 camera_depth(0.0);
+    double known_at = -1.0; // where known_depth holds
+    Rgb known_depth(0.0f);
+    const auto grid_depth_at = [&](double at) {
+        if (at != known_at) {
+            known_depth = grid_depth_->depth(ray.origin + static_cast<float>(at) * ray.direction);
+            known_at = at;
+        }
+        return dvec3(known_depth);
+    };
+    for (const MediumStep& step : steps) {
+        Rgb source = media_.scatter_per_m_sr(segments[step.segment].set, cosine);
+        for (const GridShare& share : all_steps.shares_of(step))
+            source += share.density * scatter_of_grid[share.grid];
+        source *= irradiance_;
+        const dvec3 sigma_t = dvec3(step.depth_gain) / (double{step.far_m} - step.near_m);
+        const bool is_reached = source != Rgb(0.0f) && std::ranges::any_of(reached, [&](const LinePart& part) {
+                                    return part.near_m < step.far_m && step.near_m < part.far_m;
+                                });
+        sweep.visit(step.near_m, step.far_m, [&](double from, double end, const LightSide& light_side) {
+            const double count = is_reached && step.share_count == 0 ? std::ceil((end - from) / grid_piece_m_) : 1.0;
+            for (double part = 0.0, at = from; part < count; part += 1.0) {
+                const double to = part + 1.0 < count ? std::lerp(from, end, (part + 1.0) / count) : end;
+                dvec3 light_depth = glm::max(light_side.depth_at_zero + at * light_side.depth_per_m, dvec3(0.0));
+                dvec3 depth_per_m = sigma_t + light_side.depth_per_m;
+                if (is_reached && at < to) {
+                    const dvec3 at_near = grid_depth_at(at);
+                    light_depth += at_near;
+                    depth_per_m += (grid_depth_at(to) - at_near) / (to - at);
+                }
+                pieces.push_back({.near_m = static_cast<float>(at),
+                                  .far_m = static_cast<float>(to),
+                                  .source_per_m = source,
+                                  .depth_at_near = Rgb(camera_depth + light_depth),
+                                  .depth_per_m = Rgb(depth_per_m)});
+                camera_depth += sigma_t * (to - at);
+                at = to;
+            }
+        });
+    }
+    // Behind what lets nothing through the ray still counts as lit, or not.
+    if (steps.back().far_m < segments.back().far_m)
+        pieces.push_back(
+            {.near_m = steps.back().far_m, .far_m = segments.back().far_m, .depth_at_near = Rgb(camera_depth)});
+}
+
+void DirectionalScatter::dim_by_grids(const GridLoss& loss, const Progress& progress) {
+    if (!attenuates_light_ || media_.grids().is_empty())
+        return;
+    grid_depth_.emplace(media_, light_);
+    if (loss.spacing_voxels > 0.0f)
+        grid_depth_->tabulate(loss.spacing_voxels, progress);
+    grid_piece_m_ = loss.piece_voxels * media_.grids().least_voxel_m();
+}
+
+bool DirectionalScatter::is_dimmed_by_grids(const ViewRay& ray) const {
+    return grid_depth_ && grid_depth_->reaches(ray.origin, ray.direction, ray.near_m, ray.far_m);
 }
 } // namespace tyndall::light_shafts

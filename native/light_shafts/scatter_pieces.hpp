@@ -7,10 +7,14 @@
 //           the plane of ray and light that loss is linear in the optical depth, so that 5.1 keeps a closed form.
 //           5.2 (visibility outside the integral) is up to 3.2x off at optical depth 3 and not used. Written with expm1,
 //           and from the end with the smaller depth: exact from 1e-9 to 1e3 per metre, for slopes of either sign.
+//           Where density grids modulate media, pieces are steps: their source and slope are the exact means of the
+//           densities, and the loss between light and point is interpolated between their ends.
 // Bound:    a fog box makes at most 3 pieces per ray; 3 exponentials and 3 expm1 per piece and lit interval.
 #pragma once
+#include "light_shafts/light_columns.hpp"
 #include "light_shafts/light_shafts.hpp"
-#include "scene/media.hpp"
+#include "scene/medium_steps.hpp"
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -39,11 +43,23 @@ public:
     /// Appends the pieces of a ray, near to far; they cover all its media `segments` (of Media::segments, made finite).
     void append_pieces(const ViewRay& ray, std::span<const MediumSegment> segments,
                        std::vector<ScatterPiece>& pieces) const;
+    /// The same where there are density grids, in the steps of ray `index` of `steps`.
+    void append_grid_pieces(const ViewRay& ray, std::span<const MediumSegment> segments, const MediumSteps& steps,
+                            std::size_t index, std::vector<ScatterPiece>& pieces) const;
+    /// From now on grids dim the light on its way to a point, too. Throws Cancelled.
+    void dim_by_grids(const GridLoss& loss, const Progress& progress);
+    /// Whether a grid may stand between the light and some point of the ray.
+    [[nodiscard]] bool is_dimmed_by_grids(const ViewRay& ray) const;
+    /// Of what dim_by_grids has tabulated.
+    [[nodiscard]] std::size_t grid_bytes() const { return grid_depth_ ? grid_depth_->bytes() : 0; }
 
 private:
     const Media& media_;
     vec3 towards_light_;
     Rgb irradiance_; ///< 0 in channels that the world's medium swallows.
+    LightSample light_;
     bool attenuates_light_, is_black_;
+    std::optional<GridLightDepth> grid_depth_;
+    float grid_piece_m_ = 0.0f; ///< Longest outside of grids, where the light passes through one.
 };
 } // namespace tyndall::light_shafts

@@ -7,6 +7,7 @@
 #include "scene/media.hpp"
 #include "scene/box_transmittance.hpp"
 #include "scene/medium_crossings.hpp"
+#include "scene/medium_steps.hpp"
 #include "volume/phase_function.hpp"
 #include <algorithm>
 
@@ -44,6 +45,7 @@ struct Media::Boundaries {
     std::vector<std::uint32_t> boxes;              ///< Into all.
     std::unique_ptr<const MediumCrossings> meshes; ///< Of the boundaries that are not boxes; null without one.
     bool emits = false;                            ///< Some medium of the scene does.
+    GridMedia grids;
 
     /// The boundary of all there is, if that is a box: most fog.
     [[nodiscard]] const MediumBoundary* only_box() const {
@@ -84,14 +86,18 @@ Media::Media(const Scene& scene, const Progress& progress) : scene_(scene) {
     }
     if (has_meshes)
         boundaries->meshes = std::make_unique<const MediumCrossings>(scene, boundaries->all, progress);
+    boundaries->grids = GridMedia(description);
+    for (const PlacedGrid& grid : boundaries->grids.all())
+        boundaries->bounds.grow(grid.bounds);
     boundaries_ = std::move(boundaries);
 }
 Media::~Media() = default;
 
-bool Media::is_empty() const { return boundaries_->all.empty() && !fills_world(); }
+bool Media::is_empty() const { return boundaries_->all.empty() && !fills_world() && grids().is_empty(); }
 Bounds3 Media::bounds() const { return boundaries_->bounds; }
 bool Media::fills_world() const { return boundaries_->world_medium >= 0; }
 std::int32_t Media::world_medium_index() const { return boundaries_->world_medium; }
+const GridMedia& Media::grids() const { return boundaries_->grids; }
 std::span<const MediumBoundary> Media::boundaries() const { return boundaries_->all; }
 
 /// Of the ray's line, not of its range.
@@ -155,8 +161,21 @@ static void sweep(std::vector<MediumCrossing>& crossings, std::span<const Medium
 }
 
 void Media::segments(const Ray& ray, std::vector<MediumSegment>& segments) const {
+    if (grids().is_empty()) {
+        homogeneous_segments(ray, segments);
+        return;
+    }
+    thread_local std::vector<MediumSegment> homogeneous;
+    thread_local std::vector<LinePart> dense;
+    homogeneous.clear(), dense.clear();
+    homogeneous_segments(ray, homogeneous);
+    grids().append_dense_parts(ray, dense);
+    append_union(homogeneous, dense, segments);
+}
+
+void Media::homogeneous_segments(const Ray& ray, std::vector<MediumSegment>& segments) const {
     const Boundaries& scene = *boundaries_;
-    if (is_empty() || !(ray.near_m < ray.far_m))
+    if ((scene.all.empty() && !fills_world()) || !(ray.near_m < ray.far_m))
         return;
     if (scene.all.empty()) {
         segments.push_back({ray.near_m, ray.far_m, {}});
@@ -189,13 +208,18 @@ void Media::segments(const Ray& ray, std::vector<MediumSegment>& segments) const
 }
 
 Rgb Media::transmittance(const Ray& ray) const {
+    const Rgb passing = homogeneous_transmittance(ray);
+    return grids().is_empty() || passing == Rgb(0.0f) ? passing : passing * glm::exp(-grids().optical_depth(ray));
+}
+
+Rgb Media::homogeneous_transmittance(const Ray& ray) const {
     if (const MediumBoundary* box = boundaries_->only_box()) {
         const auto [near_m, far_m] = part_in_box(*box, ray);
         return near_m < far_m ? glm::exp(-boundaries_->sigma_t_per_m[box->medium] * (far_m - near_m)) : Rgb(1.0f);
     }
     thread_local std::vector<MediumSegment> along;
     along.clear();
-    segments(ray, along);
+    homogeneous_segments(ray, along);
     Rgb optical_depth(0.0f);
     for (const MediumSegment& segment : along) {
         const Rgb sigma_t = sigma_t_per_m(segment.set);
@@ -210,6 +234,9 @@ void Media::attenuate(std::span<const Ray> rays, std::span<Rgb> passing) const {
     if (const MediumBoundary* box = boundaries_->only_box()) {
         tyndall::attenuate({box->object_from_world, box->object_bounds, boundaries_->sigma_t_per_m[box->medium]}, rays,
                            passing);
+        for (std::size_t index = 0; !grids().is_empty() && index < rays.size(); ++index)
+            if (passing[index] != Rgb(0.0f))
+                passing[index] *= glm::exp(-grids().optical_depth(rays[index]));
         return;
     }
     for (std::size_t index = 0; index < rays.size(); ++index)
@@ -217,19 +244,11 @@ void Media::attenuate(std::span<const Ray> rays, std::span<Rgb> passing) const {
             passing[index] *= transmittance(rays[index]);
 }
 
-Rgb Media::emission(const Ray& ray) const {
-    if (!boundaries_->emits)
-        return Rgb(0.0f);
-    thread_local std::vector<MediumSegment> along;
-    along.clear();
-    segments(ray, along);
-    Rgb radiance(0.0f), optical_depth(0.0f);
-    for (const MediumSegment& segment : along) {
-        const Rgb sigma_t = sigma_t_per_m(segment.set);
-        Rgb emitted_per_m(0.0f);
-        for (std::size_t index = 0; index < segment.set.count; ++index)
-            emitted_per_m += scene_.description().media[segment.set.media[index]].emission_w_per_m3_sr;
-        const float length_m = segment.far_m - segment.near_m;
+namespace {
+/// Adds up what a ray's stretches emit, near to far.
+struct Emitted {
+    Rgb radiance{0.0f}, optical_depth{0.0f};
+    void add(const Rgb& emitted_per_m, const Rgb& sigma_t, float length_m) {
         for (int channel = 0; channel < 3; ++channel) {
             const float sigma = sigma_t[channel];
             const float transmittance = std::exp(-optical_depth[channel]);
@@ -241,7 +260,41 @@ Rgb Media::emission(const Ray& ray) const {
             }
         }
     }
-    return radiance;
+};
+} // namespace
+
+Rgb Media::emission(const Ray& ray) const {
+    if (!boundaries_->emits)
+        return Rgb(0.0f);
+    thread_local std::vector<MediumSegment> along;
+    along.clear();
+    segments(ray, along);
+    const auto of_set = [&](const MediumSet& set) {
+        Rgb emitted_per_m(0.0f);
+        for (std::size_t index = 0; index < set.count; ++index)
+            emitted_per_m += scene_.description().media[set.media[index]].emission_w_per_m3_sr;
+        return emitted_per_m;
+    };
+    Emitted emitted;
+    if (grids().is_empty()) {
+        for (const MediumSegment& segment : along)
+            emitted.add(of_set(segment.set), sigma_t_per_m(segment.set), segment.far_m - segment.near_m);
+        return emitted.radiance;
+    }
+    thread_local MediumSteps steps;
+    steps.clear();
+    append_steps(*this, ray, along, {}, steps);
+    for (const MediumStep& step : steps.steps) {
+        const MediumSet& set = along[step.segment].set;
+        Rgb emitted_per_m = of_set(set), sigma_t = sigma_t_per_m(set);
+        for (const GridShare& share : steps.shares_of(step)) {
+            const PlacedGrid& placed = grids().all()[share.grid];
+            emitted_per_m += share.density * placed.emission_w_per_m3_sr;
+            sigma_t += share.density * placed.sigma_t_per_m;
+        }
+        emitted.add(emitted_per_m, sigma_t, step.far_m - step.near_m);
+    }
+    return emitted.radiance;
 }
 
 Rgb Media::sigma_t_per_m(const MediumSet& set) const {

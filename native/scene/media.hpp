@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where along a ray which media are: closed meshes bound them, the world may fill the rest; overlapping ones add.
+// Where along a ray which media are: closed meshes bound them, the world may fill the rest, density grids modulate some;
+// overlapping ones add.
 #pragma once
+#include "scene/grid_media.hpp"
 #include "scene/scene.hpp"
 #include <array>
 #include <cstdint>
@@ -21,7 +23,7 @@ struct MediumSet {
 
 struct MediumSegment {
     float near_m, far_m; ///< far may be infinite in the world's medium.
-    MediumSet set;
+    MediumSet set;       ///< Of the homogeneous ones; empty where there are only grids.
 };
 
 /// One instance's share of a medium: the triangles of a closed mesh whose material carries it.
@@ -51,17 +53,21 @@ public:
     ~Media();
 
     [[nodiscard]] bool is_empty() const;  ///< No medium with a non-zero coefficient or emission.
-    [[nodiscard]] Bounds3 bounds() const; ///< Of the bounded media; empty without one.
+    [[nodiscard]] Bounds3 bounds() const; ///< Of the bounded media and grids; empty without one.
     [[nodiscard]] bool fills_world() const;
+    /// The media that density grids modulate: in no MediumSet.
+    [[nodiscard]] const GridMedia& grids() const;
     /// Into SceneDescription::media; -1 where the world has none, or one without any coefficient.
     [[nodiscard]] std::int32_t world_medium_index() const;
     [[nodiscard]] std::span<const MediumBoundary> boundaries() const;
     [[nodiscard]] const Scene& scene() const { return scene_; }
 
-    /// Appends the segments of the ray that lie in at least one medium, near to far.
+    /// Appends the segments of the ray that lie in at least one medium or among the density of a grid, near to far.
     void segments(const Ray& ray, std::vector<MediumSegment>& segments) const;
     /// exp(-optical depth) of [near_m, far_m] of the ray, per channel.
     [[nodiscard]] Rgb transmittance(const Ray& ray) const;
+    /// The same of the homogeneous media alone.
+    [[nodiscard]] Rgb homogeneous_transmittance(const Ray& ray) const;
     /// Multiplies the same of each ray into `passing`: a tenth of the time where a fog box is all there is.
     void attenuate(std::span<const Ray> rays, std::span<Rgb> passing) const;
     /// Radiance that the media emit along the ray towards its origin, attenuated. An endless segment that emits in a
@@ -75,6 +81,8 @@ public:
     [[nodiscard]] Rgb scatter_per_m_sr(const MediumSet& set, float cosine) const;
 
 private:
+    void homogeneous_segments(const Ray& ray, std::vector<MediumSegment>& segments) const;
+
     const Scene& scene_;
     struct Boundaries;
     std::unique_ptr<const Boundaries> boundaries_;

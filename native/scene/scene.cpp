@@ -15,6 +15,7 @@ Scene::Scene(SceneDescription description, const Progress& progress) : descripti
     progress.poll();
     validate();
     drop_unusable_instances();
+    drop_unusable_volumes();
     drop_unusable_lights();
     attach_instances(progress);
 }
@@ -43,6 +44,9 @@ void Scene::validate() const {
         require(material.medium_index >= -1 && material.medium_index < medium_count, "material '", material.name,
                 "' asks for medium ", material.medium_index, " of ", medium_count);
     }
+    for (const VolumeInstance& volume : scene.volumes)
+        require(volume.grid != nullptr && volume.medium_index < scene.media.size(), "volume '", volume.name,
+                "' asks for medium ", volume.medium_index, " of ", scene.media.size());
     require(scene.world_medium_index >= -1 && scene.world_medium_index < medium_count, "the world asks for medium ",
             scene.world_medium_index, " of ", medium_count);
 }
@@ -77,14 +81,20 @@ static mat4 thickened(const mat4& scene_from_object) {
     return result;
 }
 
+static bool is_finite(const mat4& scene_from_object) {
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 3; ++row)
+            if (!(std::abs(scene_from_object[column][row]) < largest_coordinate_m)) // true for a NaN, too
+                return false;
+    return true;
+}
+
 /// Why an instance cannot be drawn; nullptr if it can.
 static const char* reason_to_drop(const TriangleMesh& mesh, const mat4& scene_from_object) {
     if (mesh.triangle_count() == 0)
         return "its mesh has no usable triangle";
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 3; ++row)
-            if (!(std::abs(scene_from_object[column][row]) < largest_coordinate_m)) // true for a NaN, too
-                return "its transform is not finite";
+    if (!is_finite(scene_from_object))
+        return "its transform is not finite";
     if (!is_regular(scene_from_object))
         return "its transform leaves no more than a line of it (scales of 0)";
     return nullptr;
@@ -132,6 +142,21 @@ static bool is_usable(const Light& light) {
                    std::isfinite(light.spot_half_angle_rad + light.spot_blend) &&
                    is_finite(light.light_from_world_directions * light.spot_axis);
     return is_sound;
+}
+
+void Scene::drop_unusable_volumes() {
+    std::erase_if(description_.volumes, [&](const VolumeInstance& volume) {
+        const char* reason = nullptr;
+        if (!is_finite(volume.world_from_local) || !(volume.density_scale >= 0.0f && volume.density_scale <= 1e9f))
+            reason = "its transform is not finite";
+        else if (!is_regular(volume.world_from_local))
+            reason = "its transform leaves it no volume (scales of 0)";
+        else if (volume.grid->is_empty())
+            reason = "its grid has no density";
+        if (reason != nullptr)
+            statistics_.report("volume '" + volume.name + "' left out: " + reason);
+        return reason != nullptr;
+    });
 }
 
 void Scene::drop_unusable_lights() {

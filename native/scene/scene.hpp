@@ -8,6 +8,7 @@
 #include "scene/light.hpp"
 #include "scene/spawn_offset.hpp"
 #include "scene/triangle_mesh.hpp"
+#include "scene/volume_instance.hpp"
 #include "scene/world.hpp"
 #include "shading/material.hpp"
 #include "volume/medium.hpp"
@@ -36,6 +37,7 @@ struct SceneDescription {
     std::vector<std::uint32_t> slot_materials; ///< Into materials.
     std::vector<Material> materials;
     std::vector<Medium> media;
+    std::vector<VolumeInstance> volumes;
     std::vector<Light> lights;
     World world;
     std::int32_t world_medium_index = -1; ///< Into media: fills all space; -1: none.
@@ -52,7 +54,8 @@ struct Hit {
 class Scene {
 public:
     /// Checks indices and commits Embree. Leaves out of the description, with one report per object: instances that cannot
-    /// be drawn (a transform that is not finite or leaves only a line, an empty mesh) and lights with broken numbers.
+    /// be drawn (a transform that is not finite or leaves only a line, an empty mesh), volumes likewise, and lights with
+    /// broken numbers.
     /// Throws InvalidInput and Cancelled.
     Scene(SceneDescription description, const Progress& progress);
     Scene(const Scene&) = delete;
@@ -103,6 +106,7 @@ public:
 private:
     void validate() const;
     void drop_unusable_instances();
+    void drop_unusable_volumes();
     void drop_unusable_lights();
     void attach_instances(const Progress& progress);
     [[nodiscard]] Hit in_scene(Hit hit) const;

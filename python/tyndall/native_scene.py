@@ -19,7 +19,9 @@ from .light_textures import build_light_textures
 from .linear_colours import linear_colours
 from .native_lights import build_light
 from .native_textures import build_texture
+from .native_volumes import build_volumes
 from .scene_description import (
+    DensityGrid,
     Image,
     Instances,
     LightTexture,
@@ -44,14 +46,14 @@ class _Digest(Protocol):
 
 
 def fingerprint(value: object) -> bytes:
-    """Equal for descriptions that give the same native scene. Meshes, images and painted arrays count by their keys."""
+    """Equal for descriptions that give the same native scene. Meshes, images, grids, painted arrays: by their keys."""
     digest = blake2b(digest_size=16)
     _feed(digest, value)
     return digest.digest()
 
 
 def _feed(digest: _Digest, value: object) -> None:
-    if isinstance(value, Mesh | Image):
+    if isinstance(value, Mesh | Image | DensityGrid):
         digest.update(f"<{value.key}>".encode())
     elif isinstance(value, PaintedAir):
         _feed(digest, (value.key, value.world_from_unit))
@@ -78,6 +80,7 @@ class NativeParts:
 
     meshes: dict[str, _native.TriangleMesh] = field(default_factory=dict)
     open_edges: dict[str, int] = field(default_factory=dict)  #: Of meshes that bound a medium.
+    grids: dict[str, _native.DensityGrid] = field(default_factory=dict)
     textures: dict[tuple[str, int, int], _native.Texture] = field(default_factory=dict)
     light_textures: dict[tuple[str, int, int], _native.FilteredTexture] = field(default_factory=dict)
     world: tuple[bytes, _native.World] | None = None
@@ -90,6 +93,8 @@ class NativeParts:
             "meshes reused": 0,
             "images sent": 0,
             "images reused": 0,
+            "grids sent": 0,
+            "grids reused": 0,
             "scene rebuilt": 0,
         }
 
@@ -97,6 +102,7 @@ class NativeParts:
         """Nothing has changed: everything is in place."""
         self.counts["meshes reused"] = len(self.meshes)
         self.counts["images reused"] = len(self.textures) + len(self.light_textures)
+        self.counts["grids reused"] = len(self.grids)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,6 +149,7 @@ def build_scene(description: SceneDescription, parts: NativeParts, progress: _na
             description.media, _built(description.media, _build_medium, "Volume", reports), strict=True
         )
     ]
+    volumes = build_volumes(description.volumes, parts, origin, reports, progress)
     counts = [len(group.object_names) for group in groups]
     mesh_keys = list(dict.fromkeys(group.mesh.key for group in groups))
     mesh_index = {key: index for index, key in enumerate(mesh_keys)}
@@ -159,6 +166,7 @@ def build_scene(description: SceneDescription, parts: NativeParts, progress: _na
         slot_materials=np.array([index for slot in slots for index in slot], dtype=np.uint32),
         materials=materials,
         media=media,
+        volumes=volumes,
         lights=[light for _, light in built_lights],
         world=_build_world(description.world, parts, reports),
         world_medium=description.world.medium,
@@ -185,6 +193,7 @@ def _relative_matrices(groups: list[Instances], origin: NDArray[np.float64]) -> 
 def _origin_in_world(groups: list[Instances], description: SceneDescription) -> NDArray[np.float64]:
     """The median of the placed objects, in whole metres: outliers do not move it, small motions seldom do."""
     places = [group.world_from_object[:, :3, 3] for group in groups]
+    places += [volume.world_from_object[None, :3, 3] for volume in description.volumes]
     if not places:
         places = [light.world_from_light[None, :3, 3] for light in description.lights]
     points = np.concatenate(places) if places else np.zeros((0, 3))

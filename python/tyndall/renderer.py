@@ -22,6 +22,7 @@ from .scene_description import Camera, FloatArray, SceneDescription
 from .transfer_functions import WeightedFunction
 
 METHODS = ("EXACT", "EPIPOLAR", "SHADOW_MAP")
+GRID_METHODS = ("MARCH", "RATIO_TRACKING")
 PIXEL_FILTERS = ("BOX", "GAUSSIAN", "BLACKMAN_HARRIS")
 PASSES = (
     "Combined",
@@ -50,6 +51,8 @@ class ShaftConfig:
     adapts_strata: bool = False  #: light_samples and world_samples are the most; each takes what error_target asks for.
     #: Neighbouring pixels share the strata of lights that have more of them than a pixel has samples; never with EXACT.
     shares_strata: bool = True
+    grid_method: str = "MARCH"  #: One of GRID_METHODS: how rays that meet density grids are integrated.
+    grid_error_target: float = 0.005  #: Relative RMS error of what density grids scatter, [1e-4, 0.3]; of MARCH.
     seed: int = 0
 
 
@@ -298,5 +301,8 @@ def _native_camera(camera: Camera, origin_in_world: NDArray[np.float64]) -> _nat
 
 def native_shafts(config: ShaftConfig, kept_maps: _native.MapCache | None = None) -> _native.ShaftConfig:
     """Raises ``InvalidInput`` for a method that does not exist."""
-    method = _index(METHODS, config.method, "shafts.method")
-    return _native.ShaftConfig(**asdict(config) | {"method": method}, kept_maps=kept_maps)
+    indices = {
+        "method": _index(METHODS, config.method, "shafts.method"),
+        "grid_method": _index(GRID_METHODS, config.grid_method, "shafts.grid_method"),
+    }
+    return _native.ShaftConfig(**asdict(config) | indices, kept_maps=kept_maps)

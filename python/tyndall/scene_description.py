@@ -11,9 +11,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from .volumes import SparseGrid
 
 Rgb = tuple[float, float, float]
 FloatArray = NDArray[np.float32]
@@ -140,12 +144,31 @@ class ScatterLobe:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Medium:
-    """A homogeneous participating medium."""
+    """A participating medium: homogeneous in a mesh or in the world, and what a density of 1 is in a grid."""
 
     name: str
     lobes: tuple[ScatterLobe, ...] = ()
     sigma_a_per_m: Rgb = (0.0, 0.0, 0.0)
     emission_w_per_m3_sr: Rgb = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DensityGrid:
+    """Densities in an object's space, trilinear between the centres of voxels; below 0 they are 0."""
+
+    key: str
+    grid: SparseGrid
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Volume:
+    """A density grid in the scene. The coefficients and the emission of its medium are those at density 1."""
+
+    name: str
+    grid: DensityGrid
+    world_from_object: NDArray[np.float64]  #: (4, 4), affine, may mirror.
+    medium: int  #: Into SceneDescription.media.
+    density_scale: float = 1.0  #: Multiplies the densities, [0, 1e9].
 
 
 class LightKind(IntEnum):
@@ -316,6 +339,7 @@ class SceneDescription:
     instances: tuple[Instances, ...] = ()
     materials: tuple[Material, ...] = ()
     media: tuple[Medium, ...] = ()
+    volumes: tuple[Volume, ...] = ()
     lights: tuple[Light, ...] = ()
     world: World = field(default_factory=World)
     reports: tuple[str, ...] = ()  #: What the exporter replaced or left out, one line each, naming the culprit.

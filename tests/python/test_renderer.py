@@ -69,6 +69,8 @@ def test_the_same_description_sends_nothing_and_builds_nothing() -> None:
         "meshes reused": 0,
         "images sent": 0,
         "images reused": 0,
+        "grids sent": 0,
+        "grids reused": 0,
         "scene rebuilt": 1,
     }
     session.update(lit_square(), Progress())

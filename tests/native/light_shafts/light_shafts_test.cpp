@@ -3,6 +3,7 @@
 // it adds up, point by point, source * phase * transmittance to the camera * transmittance to the light * visibility.
 #include "core/parallel.hpp"
 #include "light_shafts/light_shafts.hpp"
+#include "support/marched_shafts.hpp"
 #include "support/soup.hpp"
 #include "volume/phase_function.hpp"
 #include <doctest/doctest.h>
@@ -10,6 +11,8 @@
 
 using namespace tyndall;
 using namespace tyndall::light_shafts;
+
+using support::march;
 
 namespace {
 Medium fog(const Rgb& sigma_s, const Rgb& sigma_a, float g) {
@@ -37,39 +40,6 @@ Result shafts(const Scene& scene, std::span<const ViewRay> rays, bool attenuates
 }
 double relative_difference(const Rgb& a, const Rgb& b) {
     return glm::length(glm::dvec3(a) - glm::dvec3(b)) / glm::length(glm::dvec3(b));
-}
-
-/// Midpoint rule over the ray, each point asked alone. Lights without a size.
-Rgb march(const Scene& scene, const ViewRay& ray, int steps, bool attenuates_light = true) {
-    Progress progress;
-    const Media media(scene, progress);
-    const double step_m = (double{ray.far_m} - ray.near_m) / steps;
-    glm::dvec3 sum(0.0);
-    for (int step = 0; step < steps; ++step) {
-        const auto t = static_cast<float>(ray.near_m + (step + 0.5) * step_m);
-        const vec3 point = ray.origin + t * ray.direction;
-        std::vector<MediumSegment> here;
-        media.segments({.origin = point, .direction = ray.direction, .far_m = 1e-3f}, here);
-        if (here.empty())
-            continue;
-        const Rgb to_camera =
-            media.transmittance({.origin = ray.origin, .direction = ray.direction, .near_m = ray.near_m, .far_m = t});
-        for (std::uint32_t index = 0; index < scene.lights().size(); ++index) {
-            const LightSample light = sample_light(scene.lights()[index], index, vec3(0.5f));
-            Ray to_light{.origin = point, .direction = light.towards_light};
-            Rgb irradiance = light.strength;
-            if (!light.is_directional) {
-                const vec3 way = light.position - point;
-                to_light.far_m = glm::length(way);
-                to_light.direction = way / to_light.far_m;
-                irradiance = intensity_w_per_sr(light, -to_light.direction) / (to_light.far_m * to_light.far_m);
-            }
-            const Rgb phase = media.scatter_per_m_sr(here[0].set, glm::dot(ray.direction, to_light.direction));
-            const Rgb to_the_light = attenuates_light ? media.transmittance(to_light) : Rgb(1.0f);
-            sum += glm::dvec3(irradiance * phase * to_camera * to_the_light * scene.shadow_transmittance(to_light));
-        }
-    }
-    return Rgb(sum * step_m);
 }
 } // namespace
 

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_shafts/light_columns.hpp"
+#include "core/parallel.hpp"
+#include "scene/media.hpp"
+#include <algorithm>
+#include <array>
+#include <tuple>
+
+namespace tyndall::light_shafts {
+static std::array<vec3, 8> corners_of(const Bounds3& box) {
+    std::array<vec3, 8> corners;
+    for (int corner = 0; corner < 8; ++corner)
+        corners[static_cast<std::size_t>(corner)] =
+            glm::mix(box.min, box.max, vec3(corner & 1, corner >> 1 & 1, corner >> 2));
+    return corners;
+}
+
+void LightColumns::add_face(const vec3& forward, const vec2& low, const vec2& high) {
+    Face& face = faces_.emplace_back();
+    face.forward = forward;
+    std::tie(face.across, face.up) = orthonormal_basis(forward);
+    // One column beyond the edges: what lies outside has none of the density.
+    face.first = low - spacing_uv_;
+    const vec2 size = (high - low) / spacing_uv_;
+    face.width = static_cast<std::uint32_t>(std::ceil(size.x)) + 3;
+    face.height = static_cast<std::uint32_t>(std::ceil(size.y)) + 3;
+    face.first_column = columns_.size();
+    columns_.resize(columns_.size() + std::size_t{face.width} * face.height);
+}
+
+LightColumns::LightColumns(const PlacedGrid& placed, const LightSample& light, float spacing_voxels,
+                           const Progress& progress)
+    : is_directional_(light.is_directional), origin_(light.position), spacing_m_(spacing_voxels * placed.voxel_m) {
+    const vec3 centre = placed.bounds.centre();
+    const float radius_m = 0.5f * placed.bounds.diagonal_m();
+    if (is_directional_) {
+        const vec3 forward = -light.towards_light;
+        origin_ = centre - radius_m * forward;
+        spacing_uv_ = spacing_m_;
+        const auto [across, up] = orthonormal_basis(forward);
+        vec2 low(std::numeric_limits<float>::infinity()), high(-low);
+        for (const vec3& corner : corners_of(placed.bounds)) {
+            const vec2 uv(glm::dot(corner - origin_, across), glm::dot(corner - origin_, up));
+            low = glm::min(low, uv), high = glm::max(high, uv);
+        }
+        add_face(forward, low, high);
+    } else {
+        const float distance_m = glm::length(centre - origin_);
+        spacing_uv_ = spacing_m_ / (distance_m + 0.5f * radius_m);
+        first_m_ = std::max(0.0f, distance_m - radius_m);
+        constexpr float far_enough = 1.25f; // the cone around the grid then is less than 107 degrees wide
+        if (distance_m > far_enough * radius_m) {
+            const float sine = radius_m / distance_m;
+            const float tangent = sine / std::sqrt(1.0f - sine * sine);
+            add_face((centre - origin_) / distance_m, vec2(-tangent), vec2(tangent));
+        } else {
+            for (int axis = 0; axis < 3; ++axis)
+                for (const float sign : {1.0f, -1.0f}) {
+                    vec3 forward(0.0f);
+                    forward[axis] = sign;
+                    add_face(forward, vec2(-1.0f), vec2(1.0f));
+                }
+        }
+    }
+    fill(placed, progress);
+}
+
+/// Its parameter is the way from the origin in metres.
+GridLine LightColumns::line_of(const PlacedGrid& placed, const Face& face, std::uint32_t x, std::uint32_t y) const {
+    const vec2 uv = face.first + spacing_uv_ * vec2(static_cast<float>(x), static_cast<float>(y));
+    const vec3 offset = uv.x * face.across + uv.y * face.up;
+    return is_directional_ ? placed.line(origin_ + offset, face.forward)
+                           : placed.line(origin_, glm::normalize(face.forward + offset));
+}
+
+void LightColumns::fill(const PlacedGrid& placed, const Progress& progress) {
+    struct Row {
+        const Face* face;
+        std::uint32_t y;
+        std::vector<float> values;
+    };
+    std::vector<Row> rows;
+    for (const Face& face : faces_)
+        for (std::uint32_t y = 0; y < face.height; ++y)
+            rows.push_back({&face, y, {}});
+    parallel_for(
+        rows.size(), progress,
+        [&](std::size_t index) {
+            auto& [face, y, values] = rows[index];
+            for (std::uint32_t x = 0; x < face->width; ++x) {
+                Column& column = columns_[face->first_column + std::size_t{y} * face->width + x];
+                column = {.first = values.size(), .begin = 0, .count = 0};
+                double sum = 0.0, place_m = 0.0; // of the next place
+                const auto add_place = [&] {
+                    values.push_back(static_cast<float>(sum));
+                    ++column.count;
+                    place_m += spacing_m_;
+                };
+                for_each_cell(*placed.grid, line_of(placed, *face, x, y), first_m_,
+                              std::numeric_limits<double>::infinity(), [&](const CellSpan& span) {
+                                  if (column.count == 0) {
+                                      const double before = std::floor((span.near_m - first_m_) / spacing_m_);
+                                      column.begin = static_cast<std::uint32_t>(std::max(0.0, before));
+                                      place_m = first_m_ + column.begin * double{spacing_m_};
+                                      add_place();
+                                  }
+                                  double at = span.near_m;
+                                  for (; place_m < span.far_m; at = std::max(at, place_m), add_place())
+                                      if (place_m > at)
+                                          sum += span.integral(at, place_m), at = place_m;
+                                  sum += span.integral(at, span.far_m);
+                                  return true;
+                              });
+                if (column.count > 0)
+                    add_place(); // all that there is
+            }
+        },
+        1);
+    for (Row& row : rows) {
+        for (std::uint32_t x = 0; x < row.face->width; ++x)
+            columns_[row.face->first_column + std::size_t{row.y} * row.face->width + x].first += values_.size();
+        values_.insert(values_.end(), row.values.begin(), row.values.end());
+    }
+}
+
+float LightColumns::at(const Column& column, float place) const {
+    if (column.count == 0)
+        return 0.0f;
+    const float inside =
+        std::clamp(place - static_cast<float>(column.begin), 0.0f, static_cast<float>(column.count - 1));
+    const auto index = std::min(static_cast<std::uint32_t>(inside), column.count - 2);
+    const float* value = values_.data() + column.first + index;
+    return value[0] + (inside - static_cast<float>(index)) * (value[1] - value[0]);
+}
+
+float LightColumns::depth(const Face& face, const vec2& uv, float way_m) const {
+    const vec2 place = (uv - face.first) / spacing_uv_;
+    if (!(place.x >= 0.0f && place.y >= 0.0f && place.x <= static_cast<float>(face.width - 1) &&
+          place.y <= static_cast<float>(face.height - 1)))
+        return 0.0f;
+    const auto x = std::min(static_cast<std::uint32_t>(place.x), face.width - 2);
+    const auto y = std::min(static_cast<std::uint32_t>(place.y), face.height - 2);
+    const float along = (way_m - first_m_) / spacing_m_;
+    const Column* column = columns_.data() + face.first_column + std::size_t{y} * face.width + x;
+    const float share = place.x - static_cast<float>(x);
+    const float lower = std::lerp(at(column[0], along), at(column[1], along), share);
+    const float upper = std::lerp(at(column[face.width], along), at(column[face.width + 1], along), share);
+    return std::lerp(lower, upper, place.y - static_cast<float>(y));
+}
+
+float LightColumns::depth(const vec3& point) const {
+    const vec3 way = point - origin_;
+    if (is_directional_) {
+        const Face& face = faces_.front();
+        return depth(face, vec2(glm::dot(way, face.across), glm::dot(way, face.up)), glm::dot(way, face.forward));
+    }
+    const Face* nearest = faces_.data();
+    for (const Face& face : faces_)
+        if (glm::dot(way, face.forward) > glm::dot(way, nearest->forward))
+            nearest = &face;
+    const float ahead_m = glm::dot(way, nearest->forward);
+    if (!(ahead_m > 0.0f))
+        return 0.0f;
+    return depth(*nearest, vec2(glm::dot(way, nearest->across), glm::dot(way, nearest->up)) / ahead_m,
+                 glm::length(way));
+}
+
+std::size_t LightColumns::bytes() const { return columns_.size() * sizeof(Column) + values_.size() * sizeof(float); }
+
+GridLightDepth::GridLightDepth(const Media& media, const LightSample& light) : grids_(media.grids()), light_(light) {}
+
+void GridLightDepth::tabulate(float spacing_voxels, const Progress& progress) {
+    columns_.clear();
+    for (const PlacedGrid& placed : grids_.all())
+        columns_.emplace_back(placed, light_, spacing_voxels, progress);
+}
+
+Rgb GridLightDepth::depth(const vec3& point) const {
+    if (columns_.empty())
+        return exact_depth(point);
+    Rgb depth(0.0f);
+    for (std::size_t grid = 0; grid < columns_.size(); ++grid)
+        depth += columns_[grid].depth(point) * grids_.all()[grid].sigma_t_per_m;
+    return depth;
+}
+
+Rgb GridLightDepth::exact_depth(const vec3& point) const {
+    if (light_.is_directional)
+        return grids_.optical_depth({.origin = point, .direction = light_.towards_light});
+    const vec3 way = light_.position - point;
+    const float distance_m = glm::length(way);
+    return distance_m > 0.0f
+               ? grids_.optical_depth({.origin = point, .direction = way / distance_m, .far_m = distance_m})
+               : Rgb(0.0f);
+}
+
+std::size_t GridLightDepth::bytes() const {
+    std::size_t sum = 0;
+    for (const LightColumns& columns : columns_)
+        sum += columns.bytes();
+    return sum;
+}
+
+namespace {
+/// A convex polygon; where a half-plane cuts it, at most one corner more.
+using Polygon = std::vector<dvec2>;
+
+/// Keeps where offset + normal . p >= 0.
+void clip(Polygon& polygon, double offset, const dvec2& normal) {
+    thread_local Polygon kept;
+    kept.clear();
+    for (std::size_t index = 0; index < polygon.size(); ++index) {
+        const dvec2& a = polygon[index];
+        const dvec2& b = polygon[(index + 1) % polygon.size()];
+        const double at_a = offset + glm::dot(normal, a), at_b = offset + glm::dot(normal, b);
+        if (at_a >= 0.0)
+            kept.push_back(a);
+        if ((at_a >= 0.0) != (at_b >= 0.0))
+            kept.push_back(a + at_a / (at_a - at_b) * (b - a));
+    }
+    std::swap(polygon, kept);
+}
+} // namespace
+
+void GridLightDepth::append_reached(const vec3& origin, const vec3& direction, float near_m, float far_m,
+                                    std::vector<LinePart>& parts) const {
+    thread_local Polygon polygon;
+    for (const PlacedGrid& placed : grids_.all()) {
+        const GridLine line = placed.line(origin, direction);
+        const GridLine towards = light_.is_directional ? placed.line(origin, light_.towards_light)
+                                                       : placed.line(light_.position, vec3(0.0f));
+        const Bounds3& box = placed.grid->bounds();
+        // Points of the plane of ray and light, in grid space: base + x along + y aside. Towards a sun: x is the distance
+        // on the ray, y that to the sun. Towards a lamp: lamp + y (ray's origin - lamp) + x direction, with y in [0, 1]:
+        // the share of the way from the lamp, on which x is y times the distance.
+        const dvec3 base = light_.is_directional ? line.origin : towards.origin;
+        const dvec3 aside = light_.is_directional ? towards.direction : line.origin - towards.origin;
+        if (light_.is_directional) {
+            const vec3 to_box = placed.bounds.centre() - (origin + 0.5f * (near_m + far_m) * direction);
+            const double reach_m = double{glm::length(to_box)} + far_m - near_m + placed.bounds.diagonal_m();
+            polygon = {{near_m, 0.0}, {far_m, 0.0}, {far_m, reach_m}, {near_m, reach_m}};
+        } else {
+            polygon = {{0.0, 0.0}, {near_m, 1.0}, {far_m, 1.0}};
+        }
+        for (int axis = 0; axis < 3 && !polygon.empty(); ++axis) {
+            const dvec2 normal(line.direction[axis], aside[axis]);
+            clip(polygon, base[axis] - double{box.min[axis]}, normal);
+            clip(polygon, double{box.max[axis]} - base[axis], -normal);
+        }
+        if (polygon.empty())
+            continue;
+        LinePart part{far_m, near_m};
+        for (const dvec2& corner : polygon) {
+            if (!light_.is_directional && !(corner.y > 1e-9)) { // at the lamp: any ray point is behind it
+                part = {near_m, far_m};
+                break;
+            }
+            const double at = light_.is_directional ? corner.x : corner.x / corner.y;
+            part.near_m = std::min(part.near_m, at);
+            part.far_m = std::max(part.far_m, at);
+        }
+        part.near_m = std::max<double>(part.near_m, near_m);
+        part.far_m = std::min<double>(part.far_m, far_m);
+        if (part.near_m < part.far_m)
+            parts.push_back(part);
+    }
+}
+
+bool GridLightDepth::reaches(const vec3& origin, const vec3& direction, float near_m, float far_m) const {
+    thread_local std::vector<LinePart> parts;
+    parts.clear();
+    append_reached(origin, direction, near_m, far_m, parts);
+    return !parts.empty();
+}
+} // namespace tyndall::light_shafts

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How much of one grid's density the light of one sample has passed before it reaches a point: the integral of the
+// density over its way, kept in columns that run with the light.
+// Based on: Lokovic and Veach, Deep Shadow Maps, SIGGRAPH 2000; optical depth instead of transmittance, which would
+//           underflow and does not interpolate (von Radziewsky et al., Visibility Sweeps, TVCG 2017).
+// Differs:  a column's values are exact integrals at its places, not sums of earlier interpolations as in a sweep:
+//           nothing smears, and the only error is that of interpolating between columns.
+// Bound:    one walk through the grid per column; 4 bytes per place that has density before it and behind it; 8 loads per
+//           lookup.
+#pragma once
+#include "core/progress.hpp"
+#include "scene/light.hpp"
+#include "scene/media.hpp"
+#include <vector>
+
+namespace tyndall::light_shafts {
+class LightColumns {
+public:
+    /// Columns and places in them are `spacing_voxels` apart: for a lamp, in the middle of the grid. Throws Cancelled.
+    LightColumns(const PlacedGrid& placed, const LightSample& light, float spacing_voxels, const Progress& progress);
+
+    /// Density times metres between the point and the light.
+    [[nodiscard]] float depth(const vec3& point) const;
+    [[nodiscard]] std::size_t bytes() const;
+
+private:
+    /// Columns through a rectangle of the (u, v) plane: across a sun, or at unit distance from a lamp.
+    struct Face {
+        vec3 across{0.0f}, up{0.0f}, forward{0.0f}; ///< forward: away from the light.
+        vec2 first{0.0f};                           ///< (u, v) of the first column.
+        std::uint32_t width = 0, height = 0;
+        std::size_t first_column = 0;
+    };
+    /// values[first ..]: at places begin, begin + 1, ..; 0 before, the last one behind.
+    struct Column {
+        std::size_t first;
+        std::uint32_t begin, count;
+    };
+    void add_face(const vec3& forward, const vec2& low, const vec2& high);
+    [[nodiscard]] GridLine line_of(const PlacedGrid& placed, const Face& face, std::uint32_t x, std::uint32_t y) const;
+    void fill(const PlacedGrid& placed, const Progress& progress);
+    [[nodiscard]] float at(const Column& column, float place) const;
+    [[nodiscard]] float depth(const Face& face, const vec2& uv, float way_m) const;
+
+    bool is_directional_;
+    vec3 origin_;             ///< The lamp, or a point before the grid as the sun sees it.
+    float spacing_uv_ = 1.0f; ///< Between columns.
+    float spacing_m_ = 1.0f;  ///< Between places.
+    float first_m_ = 0.0f;    ///< Way from the origin of place 0.
+    std::vector<Face> faces_;
+    std::vector<Column> columns_;
+    std::vector<float> values_;
+};
+
+/// How a light sample's loss in density grids is found.
+struct GridLoss {
+    float spacing_voxels = 0.0f; ///< Of LightColumns; 0: exactly, by a walk through the grids per end of a piece.
+    float piece_voxels = 4.0f;   ///< Longest piece of a ray outside of the grids, where its light passes through one.
+};
+
+/// The optical depth between points and one light sample, through all grids of a scene.
+class GridLightDepth {
+public:
+    /// `media` must outlive this. Exact until tabulated.
+    GridLightDepth(const Media& media, const LightSample& light);
+    /// From now on by LightColumns.
+    void tabulate(float spacing_voxels, const Progress& progress);
+
+    [[nodiscard]] Rgb depth(const vec3& point) const;
+    [[nodiscard]] Rgb exact_depth(const vec3& point) const;
+    /// Appends the parts of a ray whose points the light may reach through the bounds of some grid, in no order.
+    void append_reached(const vec3& origin, const vec3& direction, float near_m, float far_m,
+                        std::vector<LinePart>& parts) const;
+    /// Whether there is such a part.
+    [[nodiscard]] bool reaches(const vec3& origin, const vec3& direction, float near_m, float far_m) const;
+    [[nodiscard]] std::size_t bytes() const;
+
+private:
+    const GridMedia& grids_;
+    LightSample light_;
+    std::vector<LightColumns> columns_;
+};
+} // namespace tyndall::light_shafts
