@@ -55,6 +55,15 @@ def curves_at(owner: ID, path: str) -> list[FCurve]:
     return [curve for curve in chain(*_curve_lists(animation)) if curve.data_path == path]
 
 
+def animated_paths(owner: ID) -> tuple[set[str], set[str]]:
+    """Paths that the owner's present action animates, and those that drivers do."""
+    animation = owner.animation_data
+    if animation is None:
+        return set(), set()
+    keyed = {curve.data_path for curve in chain(*_curve_lists(animation))} if animation.action is not None else set()
+    return keyed, {curve.data_path for curve in animation.drivers}
+
+
 def animates_by_other_means(owner: ID, path: str) -> bool:
     """Whether a driver or a strip of the NLA editor sets this property, whatever ``curves_at`` finds."""
     animation = owner.animation_data

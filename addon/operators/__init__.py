@@ -4,9 +4,11 @@
 from bpy.utils import register_class, unregister_class
 
 from . import (
+    animation,
     fog_box,
     light_depth,
     light_map_fit,
+    media,
     occluder_edits,
     over_engine,
     paint_air,
@@ -21,6 +23,8 @@ from . import (
 
 CLASSES = (
     *fog_box.CLASSES,
+    *media.CLASSES,
+    *animation.CLASSES,
     *light_depth.CLASSES,
     *occluder_edits.CLASSES,
     *transfer_functions.CLASSES,

@@ -4,15 +4,18 @@
 from bpy.utils import register_class, unregister_class
 
 from . import (
+    animate,
+    colour,
     film,
     gobo,
     heterogeneity,
     light,
-    light_map_fit,
     light_shafts,
     material,
+    medium,
     objects,
     occluder_edits,
+    output,
     over_engine,
     paint_air,
     passes,
@@ -42,10 +45,16 @@ CLASSES = (
     *occluder_edits.CLASSES,
     *gobo.CLASSES,
     *transfer_functions.CLASSES,
-    *light_map_fit.CLASSES,
     *heterogeneity.CLASSES,
-    *paint_air.CLASSES,
     *material.CLASSES,
+    # The sidebar's tab, in the order of an artist's work.
+    *medium.SIDEBAR_CLASSES,
+    *occluder_edits.SIDEBAR_CLASSES,
+    *colour.SIDEBAR_CLASSES,
+    *heterogeneity.SIDEBAR_CLASSES,
+    *paint_air.CLASSES,
+    *animate.SIDEBAR_CLASSES,
+    *output.SIDEBAR_CLASSES,
     *over_engine.CLASSES,
 )
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from bpy.types import Context, Light, Panel, UILayout
 
 from ..edited_light import edited_light
-from .base import PropertiesPanel, draw_text
+from .base import SidebarPanel, draw_text
 from .light import LightPanel
 
 
@@ -38,21 +38,18 @@ class TYNDALL_PT_gobo(LightPanel, Panel):
         draw_gobo(self.layout, context, context.light)
 
 
-class TYNDALL_PT_sidebar_gobo(Panel):
-    bl_label = "Colour: Gobo"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Light Shafts"
+class TYNDALL_PT_sidebar_gobo(SidebarPanel, Panel):
+    bl_label = "Gobo"
+    bl_parent_id = "TYNDALL_PT_sidebar_colour"
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return context.engine in PropertiesPanel.COMPAT_ENGINES and edited_light(context) is not None
+        return super().poll(context) and edited_light(context) is not None
 
     def draw(self, context: Context) -> None:
-        light = edited_light(context)
-        self.layout.label(text=light.name, icon=f"LIGHT_{light.type}")
-        draw_gobo(self.layout, context, light)
+        draw_gobo(self.layout, context, edited_light(context))
 
 
-CLASSES = (TYNDALL_PT_gobo, TYNDALL_PT_sidebar_gobo)
+CLASSES = (TYNDALL_PT_gobo,)
+SIDEBAR_CLASSES = (TYNDALL_PT_sidebar_gobo,)

@@ -116,6 +116,8 @@ CLASSES = (
     TYNDALL_PT_render_heterogeneity,
     TYNDALL_PT_render_heterogeneity_wind,
     TYNDALL_PT_render_heterogeneity_accuracy,
+)
+SIDEBAR_CLASSES = (
     TYNDALL_PT_heterogeneity,
     TYNDALL_PT_heterogeneity_wind,
     TYNDALL_PT_heterogeneity_accuracy,

@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 from bpy.types import Context, Light, Panel, UILayout
 
+from ..edited_light import is_shaft_light
 from .base import PropertiesPanel, draw_text
 
 
@@ -14,6 +15,14 @@ def draw_optional(layout: UILayout, light: Light, *names: str) -> None:
     for name in names:
         if name in light.bl_rna.properties:
             layout.prop(light, name)
+
+
+def draw_edited_light(layout: UILayout, context: Context) -> None:
+    """Say which light the sidebar's tools work on; while the active object is none, let one be chosen."""
+    if is_shaft_light(context.object):
+        layout.label(text=context.object.name, icon=f"LIGHT_{context.object.data.type}")
+    else:
+        layout.prop(context.scene.tyndall, "edited_light", text="")
 
 
 class LightPanel(PropertiesPanel):

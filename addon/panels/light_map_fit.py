@@ -34,7 +34,8 @@ class TYNDALL_UL_fit_views(UIList):
 
 
 class TYNDALL_PT_light_map_fit(SidebarPanel, Panel):
-    bl_label = "Colour: Paint the Shafts"
+    bl_label = "Paint the Shafts"
+    bl_parent_id = "TYNDALL_PT_sidebar_colour"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
@@ -43,7 +44,6 @@ class TYNDALL_PT_light_map_fit(SidebarPanel, Panel):
         if (reason := why_no_fit(light)) is not None:
             draw_text(layout, context, reason, icon="INFO")
             return
-        layout.label(text=light.name, icon="LIGHT_SUN")
         settings = light.tyndall.light_map_fit
         row = layout.row()
         row.template_list("TYNDALL_UL_fit_views", "", settings, "views", settings, "active_view", rows=3)
@@ -75,4 +75,4 @@ def draw_residuals(layout: UILayout, context: Context, residuals: list[float]) -
     draw_text(layout, context, f"Error {residuals[0]:.1%} before, {residuals[-1]:.1%} after {steps} steps")
 
 
-CLASSES = (TYNDALL_UL_fit_views, TYNDALL_PT_light_map_fit)
+SIDEBAR_CLASSES = (TYNDALL_UL_fit_views, TYNDALL_PT_light_map_fit)

@@ -3,9 +3,50 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from bpy.types import Context, Panel
 
 from .base import PropertiesPanel
+
+if TYPE_CHECKING:
+    from bpy.types import UILayout
+
+    from ..properties.light_shafts import TyndallLightShaftSettings
+
+
+def draw_methods(layout: UILayout, shafts: TyndallLightShaftSettings) -> None:
+    """Draw how shafts are found, and how finely."""
+    column = layout.column(align=True)
+    column.prop(shafts, "method")
+    column.prop(shafts, "viewport_method")
+    column = layout.column(align=True)
+    target = column.column(align=True)
+    target.active = shafts.resolution == 0 and shafts.method != "EXACT"
+    target.prop(shafts, "error_target")
+    resolution = column.column(align=True)
+    resolution.active = shafts.method != "EXACT"
+    resolution.prop(shafts, "resolution")
+
+
+def draw_light_samples(layout: UILayout, shafts: TyndallLightShaftSettings) -> None:
+    """Draw how smooth the penumbrae of shafts are."""
+    column = layout.column(align=True)
+    column.prop(shafts, "light_samples")
+    column.prop(shafts, "world_samples")
+    column.prop(shafts, "adapts_strata")
+    sharing = column.column(align=True)
+    sharing.active = shafts.method != "EXACT"
+    sharing.prop(shafts, "shares_strata")
+
+
+def draw_grids(layout: UILayout, shafts: TyndallLightShaftSettings) -> None:
+    """Draw how volume grids scatter."""
+    column = layout.column(align=True)
+    column.prop(shafts, "grid_method")
+    steps = column.column(align=True)
+    steps.active = shafts.grid_method == "MARCH"
+    steps.prop(shafts, "grid_error_target")
 
 
 class TYNDALL_PT_light_shafts(PropertiesPanel, Panel):
@@ -17,28 +58,9 @@ class TYNDALL_PT_light_shafts(PropertiesPanel, Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         shafts = context.scene.tyndall.shafts
-        column = layout.column(align=True)
-        column.prop(shafts, "method")
-        column.prop(shafts, "viewport_method")
-        column = layout.column(align=True)
-        target = column.column(align=True)
-        target.active = shafts.resolution == 0 and shafts.method != "EXACT"
-        target.prop(shafts, "error_target")
-        resolution = column.column(align=True)
-        resolution.active = shafts.method != "EXACT"
-        resolution.prop(shafts, "resolution")
-        column = layout.column(align=True)
-        column.prop(shafts, "light_samples")
-        column.prop(shafts, "world_samples")
-        column.prop(shafts, "adapts_strata")
-        sharing = column.column(align=True)
-        sharing.active = shafts.method != "EXACT"
-        sharing.prop(shafts, "shares_strata")
-        column = layout.column(align=True)
-        column.prop(shafts, "grid_method")
-        steps = column.column(align=True)
-        steps.active = shafts.grid_method == "MARCH"
-        steps.prop(shafts, "grid_error_target")
+        draw_methods(layout, shafts)
+        draw_light_samples(layout, shafts)
+        draw_grids(layout, shafts)
         layout.prop(shafts, "attenuates_light")
         layout.operator("tyndall.add_fog_box", icon="MOD_FLUIDSIM")
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from bpy.types import Context, Light, Menu, Panel, UILayout, UIList
 
-from ..edited_light import edited_light, is_shaft_light
+from ..edited_light import edited_light
 from ..item_lists import having_a_say
 from ..operators.occluder_edits import active_edit
 from ..properties.occluder_edits import KIND_ICONS, TyndallHoleNoise, TyndallOccluderEdit
 from .base import SidebarPanel, draw_text, is_wide_region
 from .item_lists import SwitchedItemRows
-from .light import LightPanel
+from .light import LightPanel, draw_edited_light
 
 #: What the size of an edit is, by kind; holes have none.
 _SIZE_LABELS = {"CLOSE": "Hole Size", "EPIPOLAR_CLOSE": "Hole Length", "SILHOUETTE": "Grow By"}
@@ -131,15 +131,12 @@ class TYNDALL_PT_occluder_edits(LightPanel, Panel):
 
 
 class TYNDALL_PT_sidebar_occluder_edits(SidebarPanel, Panel):
-    bl_label = "Shape: Occluder Edits"
+    bl_label = "Shape the Shafts"
 
     def draw(self, context: Context) -> None:
         layout = self.layout
         light = edited_light(context)
-        if is_shaft_light(context.object):
-            layout.label(text=context.object.name, icon=f"LIGHT_{light.type}")
-        else:
-            layout.prop(context.scene.tyndall, "edited_light", text="")
+        draw_edited_light(layout, context)
         if light is None:
             draw_text(layout, context, "Make a light active, or choose one here, to shape its shafts", icon="INFO")
             return
@@ -150,5 +147,5 @@ CLASSES = (
     TYNDALL_UL_occluder_edits,
     TYNDALL_MT_occluder_edits,
     TYNDALL_PT_occluder_edits,
-    TYNDALL_PT_sidebar_occluder_edits,
 )
+SIDEBAR_CLASSES = (TYNDALL_PT_sidebar_occluder_edits,)

@@ -3,9 +3,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from bpy.types import Context, Panel
 
 from .base import PropertiesPanel
+
+if TYPE_CHECKING:
+    from bpy.types import UILayout, ViewLayer
+
+
+def draw_media_passes(column: UILayout, view_layer: ViewLayer) -> None:
+    """Draw the switches of the passes that only media have."""
+    column.prop(view_layer.tyndall, "use_pass_shafts")
+    column.prop(view_layer.tyndall, "use_pass_shafts_visibility")
+    column.prop(view_layer.tyndall, "use_pass_transmittance")
 
 
 class TYNDALL_PT_passes(PropertiesPanel, Panel):
@@ -26,10 +38,7 @@ class TYNDALL_PT_passes(PropertiesPanel, Panel):
         column.prop(view_layer, "use_pass_diffuse_color", text="Diffuse Color")
         column.prop(view_layer, "use_pass_emit", text="Emission")
         column.prop(view_layer, "use_pass_shadow")
-        column = layout.column(heading="Media", align=True)
-        column.prop(view_layer.tyndall, "use_pass_shafts")
-        column.prop(view_layer.tyndall, "use_pass_shafts_visibility")
-        column.prop(view_layer.tyndall, "use_pass_transmittance")
+        draw_media_passes(layout.column(heading="Media", align=True), view_layer)
 
 
 CLASSES = (TYNDALL_PT_passes,)

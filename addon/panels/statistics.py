@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Render properties: what the last render did, what it skipped and why, and what it had to replace."""
+"""What the last render did, what it skipped and why, and what it had to replace."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 from bpy.types import Context, Panel
 
 from ..last_render import statistics_of
-from .base import PropertiesPanel, draw_text, draw_value
+from .base import PropertiesPanel, SidebarPanel, draw_text, draw_value
 
 #: Longer lists are cut here and copied whole: a scene of thousands of materials must not make the panel slow.
 REPORTS_SHOWN = 12
@@ -45,9 +45,8 @@ def grouped_reports(reports: Iterable[str]) -> list[str]:
     ]
 
 
-class TYNDALL_PT_statistics(PropertiesPanel, Panel):
+class _Statistics:
     bl_label = "Last Render"
-    bl_context = "render"
 
     @classmethod
     def poll(cls, context: Context) -> bool:
@@ -69,6 +68,10 @@ class TYNDALL_PT_statistics(PropertiesPanel, Panel):
         layout.operator("tyndall.copy_reports", icon="COPYDOWN")
 
 
+class TYNDALL_PT_statistics(_Statistics, PropertiesPanel, Panel):
+    bl_context = "render"
+
+
 class TYNDALL_PT_counts(PropertiesPanel, Panel):
     bl_label = "Counts"
     bl_context = "render"
@@ -81,4 +84,10 @@ class TYNDALL_PT_counts(PropertiesPanel, Panel):
             draw_value(grid, context, name, f"{value:,.6g}" if value % 1 else f"{int(value):,}")
 
 
+class TYNDALL_PT_sidebar_statistics(_Statistics, SidebarPanel, Panel):
+    bl_parent_id = "TYNDALL_PT_sidebar_output"
+    bl_options = {"DEFAULT_CLOSED"}
+
+
 CLASSES = (TYNDALL_PT_statistics, TYNDALL_PT_counts)
+SIDEBAR_CLASSES = (TYNDALL_PT_sidebar_statistics,)

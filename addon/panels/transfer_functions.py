@@ -319,7 +319,8 @@ class TYNDALL_PT_transfer_states(_States, _RenderTab, Panel):
 
 
 class TYNDALL_PT_sidebar_transfer_functions(_Functions, SidebarPanel, Panel):
-    bl_label = "Colour: Functions"
+    bl_parent_id = "TYNDALL_PT_sidebar_colour"
+    bl_options = {"DEFAULT_CLOSED"}
 
 
 class TYNDALL_PT_sidebar_transfer_layers(_Layers, SidebarPanel, Panel):
@@ -344,6 +345,8 @@ CLASSES = (
     TYNDALL_PT_transfer_layers,
     TYNDALL_PT_transfer_axes,
     TYNDALL_PT_transfer_states,
+)
+SIDEBAR_CLASSES = (
     TYNDALL_PT_sidebar_transfer_functions,
     TYNDALL_PT_sidebar_transfer_layers,
     TYNDALL_PT_sidebar_transfer_axes,

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from bpy.types import Context, Panel
+from bpy.types import Context, Panel, UILayout
 
 from ..shader_nodes import plugged_in
 from .base import PropertiesPanel, draw_node_socket, draw_text, draw_without_output
@@ -15,6 +15,18 @@ class WorldPanel(PropertiesPanel):
     @classmethod
     def poll(cls, context: Context) -> bool:
         return super().poll(context) and context.world is not None
+
+
+def draw_unbounded_medium(layout: UILayout, context: Context) -> None:
+    """Say what the world's medium does to the light, and offer the remedy."""
+    draw_text(
+        layout,
+        context,
+        "This medium has no bounds: light from a sun or from the world is lost in it before it arrives. "
+        "A fog box around the scene lets it in.",
+        icon="INFO",
+    )
+    layout.operator("tyndall.add_fog_box", text="Turn into a Fog Box").replaces_world_medium = True
 
 
 class TYNDALL_PT_world_surface(WorldPanel, Panel):
@@ -35,14 +47,7 @@ class TYNDALL_PT_world_volume(WorldPanel, Panel):
         layout = self.layout
         layout.use_property_split = True
         if plugged_in(context.world, "Volume"):
-            draw_text(
-                layout,
-                context,
-                "This medium has no bounds: light from a sun or from the world is lost in it before it arrives. "
-                "A fog box around the scene lets it in.",
-                icon="INFO",
-            )
-            layout.operator("tyndall.add_fog_box", text="Turn into a Fog Box").replaces_world_medium = True
+            draw_unbounded_medium(layout, context)
         if not draw_node_socket(layout, context.world, "Volume"):
             draw_without_output(layout, context.world)
 

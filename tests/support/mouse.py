@@ -7,6 +7,8 @@ import subprocess
 from collections.abc import Iterator
 from typing import Any
 
+import bpy
+
 #: Of the tab Light Shafts, in pixels from the sidebar's right and its top.
 TAB = (8, 140)
 
@@ -42,3 +44,18 @@ def press(window: Any, keys: tuple[str, ...]) -> Iterator[float]:
         xdotool("key", key)
         yield 0.3
     yield from window.calm()
+
+
+def show_only(name: str) -> None:
+    """Take the tab's other panels away, less what this one is within: where things are does not depend on them then."""
+    from addon.panels import CLASSES  # noqa: PLC0415  where it is registered
+
+    of_tab = [cls for cls in CLASSES if getattr(cls, "bl_category", "") == "Light Shafts"]
+    within = {cls.__name__: getattr(cls, "bl_parent_id", "") for cls in of_tab}
+
+    def line(panel: str) -> list[str]:
+        return [panel, *line(within[panel])] if panel else []
+
+    for cls in reversed(of_tab):
+        if cls.__name__ not in line(name) and name not in line(cls.__name__):
+            bpy.utils.unregister_class(cls)

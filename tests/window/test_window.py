@@ -168,3 +168,9 @@ def test_the_air_is_painted_with_the_mouse(play: Callable[..., Any]) -> None:
     assert 0.02 < painted["erase"] < painted["stroke"] < 0.05
     assert painted["undo erase"] == painted["redo stroke"] == painted["stroke"]
     assert painted["undo stroke"] == 0.0
+
+
+def test_the_tab_goes_from_the_medium_to_the_output(play: Callable[..., Any]) -> None:
+    """In the sidebar, by the mouse."""
+    played = play("sidebar", screen_px=(1000, 1200))
+    assert not [line for line in played.console.splitlines() if any(text in line for text in COMPLAINTS)]

@@ -14,7 +14,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from support.mouse import TAB, click, press, xdotool
+from support.mouse import TAB, click, press, show_only, xdotool
 from support.small_scenes import add, cube, light, material, node, plane
 
 
@@ -37,7 +37,7 @@ def stage() -> bpy.types.Object:
     return sun
 
 
-PANEL_HEADER, PAINT, FIT, CONTINUE = (136, 409), (136, 559), (161, 697), (83, 697)
+PANEL_HEADER, PAINT, FIT, CONTINUE = (100, 74), (136, 559), (161, 697), (83, 697)
 STROKE_PX = (150, 190), 434  #: x from and to, y: over the left of the picture.
 
 
@@ -81,10 +81,13 @@ def session(window: Any) -> Iterator[float]:
     brush = bpy.data.brushes["TexDraw"]
     brush.color, brush.size, brush.strength = (1.0, 0.0, 0.0), 20, 1.0
     bpy.ops.ed.undo_push(message="begin")
+    show_only("TYNDALL_PT_light_map_fit")
     window.area("VIEW_3D").spaces[0].show_region_ui = True
     yield from window.calm()
     yield from click(window, TAB)
+    window.screenshot("light_map_fit_begin")
     yield from click(window, PANEL_HEADER)
+    window.screenshot("light_map_fit_opened")
     yield from click(window, PAINT)
     window.screenshot("light_map_fit_backdrop")
     yield from stroke(window)

@@ -11,7 +11,7 @@ from typing import Any
 
 import bpy
 
-from support.mouse import TAB, click, press, xdotool
+from support.mouse import TAB, click, press, show_only, xdotool
 
 ADD, REMOVE, MENU, UP, DOWN = ((49, y) for y in (71, 92, 120, 147, 168))
 DUPLICATE, SOLO = (168, 144), (168, 165)  # in the menu, once it is open
@@ -36,6 +36,7 @@ def session(window: Any) -> Iterator[float]:
     thing.select_set(True)
     bpy.context.view_layer.objects.active = thing
     bpy.ops.ed.undo_push(message="begin")
+    show_only("TYNDALL_PT_sidebar_occluder_edits")
     window.area("VIEW_3D").spaces[0].show_region_ui = True
     yield from window.calm()
     yield from click(window, TAB)

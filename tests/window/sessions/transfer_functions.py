@@ -11,17 +11,18 @@ from typing import Any
 
 import bpy
 
-from support.mouse import TAB, click, click_at, press, xdotool
+from support.mouse import TAB, click, click_at, press, show_only, xdotool
 
-NEW, CHOOSE, FIRST_PRESETS = (117, 237), (117, 259), (125, 217)
-COPY, PRESETS = (71, 164), (125, 190)
-ADD_LAYER, REMOVE_LAYER, LAYER_MENU, UP, DOWN = ((49, y) for y in (494, 515, 543, 570, 590))
-DUPLICATE, SOLO, PAINT = ((168, y) for y in (567, 588, 609))  # in the menu, once it is open
-EYE_OF_FIRST = (84, 499)
-ADD_CONSTRAINT, REMOVE_CONSTRAINT, PICK = ((49, y) for y in (712, 733, 760))
-ADD_STATE, KEY = (49, 547), (117, 660)
-REMOVE_STATE = (49, 299)  # while the active state has no function, and so no picture
-LAYERS_HEADER, STATES_HEADER = (160, 464), (160, 520)
+PANEL_HEADER = (100, 74)
+NEW, CHOOSE, FIRST_PRESETS = (117, 181), (117, 203), (125, 161)
+COPY, PRESETS = (71, 108), (125, 134)
+ADD_LAYER, REMOVE_LAYER, LAYER_MENU, UP, DOWN = ((49, y) for y in (438, 459, 487, 514, 534))
+DUPLICATE, SOLO, PAINT = ((168, y) for y in (511, 532, 553))  # in the menu, once it is open
+EYE_OF_FIRST = (84, 443)
+ADD_CONSTRAINT, REMOVE_CONSTRAINT, PICK = ((49, y) for y in (656, 677, 704))
+ADD_STATE, KEY = (49, 491), (117, 604)
+REMOVE_STATE = (49, 243)  # while the active state has no function, and so no picture
+LAYERS_HEADER, STATES_HEADER = (160, 408), (160, 464)
 
 
 def functions() -> list[str]:
@@ -45,9 +46,12 @@ def session(window: Any) -> Iterator[float]:
     yield from window.calm()
     bpy.context.scene.render.engine = "TYNDALL"
     bpy.ops.ed.undo_push(message="begin")
+    show_only("TYNDALL_PT_sidebar_transfer_functions")
     window.area("VIEW_3D").spaces[0].show_region_ui = True
     yield from window.calm()
     yield from click(window, TAB)
+    yield from click(window, PANEL_HEADER)
+    window.screenshot("transfer_functions_begin")
     window.facts["steps"] = {}
     yield from play(window, FUNCTION_STEPS)
     yield from play(window, LAYER_STEPS)
