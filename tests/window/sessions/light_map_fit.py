@@ -37,7 +37,7 @@ def stage() -> bpy.types.Object:
     return sun
 
 
-PANEL_HEADER, PAINT, FIT, CONTINUE = (100, 74), (136, 559), (161, 697), (83, 697)
+PANEL_HEADER, PAINT, FIT, CONTINUE = (100, 74), (136, 200), (161, 338), (83, 338)
 STROKE_PX = (150, 190), 434  #: x from and to, y: over the left of the picture.
 
 
@@ -85,9 +85,7 @@ def session(window: Any) -> Iterator[float]:
     window.area("VIEW_3D").spaces[0].show_region_ui = True
     yield from window.calm()
     yield from click(window, TAB)
-    window.screenshot("light_map_fit_begin")
     yield from click(window, PANEL_HEADER)
-    window.screenshot("light_map_fit_opened")
     yield from click(window, PAINT)
     window.screenshot("light_map_fit_backdrop")
     yield from stroke(window)
