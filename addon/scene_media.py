@@ -23,6 +23,11 @@ def objects_of(scene: Scene, material: Material) -> list[Object]:
     return [thing for thing in scene.objects if any(slot.material == material for slot in thing.material_slots)]
 
 
+def fills_grids(material: Material) -> bool:
+    """Whether a Volume has it: what its nodes say is multiplied with a grid there."""
+    return any(material in volume.materials.values() for volume in bpy.data.volumes)
+
+
 def own_value(node: Node, name: str) -> NodeSocket | None:
     """A node's input that it has, and no link overrules."""
     socket = node.inputs.get(name)

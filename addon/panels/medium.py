@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from bpy.types import Context, Panel, World
 
-from ..scene_media import media_materials, own_value
+from ..scene_media import fills_grids, media_materials, own_value
 from ..shader_nodes import plugged_in
 from .base import SidebarPanel, draw_text
 from .world import draw_unbounded_medium
@@ -37,7 +37,8 @@ def draw_medium(layout: UILayout, context: Context, owner: Material | World) -> 
         column.prop(node.inputs[name], "default_value", text=name)
     if not shown:
         draw_text(column, context, f"By its nodes: {node.bl_label}", icon="NODETREE")
-    draw_reach(column, context, node)
+    if isinstance(owner, World) or not fills_grids(owner):
+        draw_reach(column, context, node)
 
 
 def draw_reach(layout: UILayout, context: Context, node: Node) -> None:

@@ -61,6 +61,16 @@ def test_medium_says_what_is_missing_and_what_a_density_means(scene: bpy.types.S
     assert shown[-1] == "attenuates_light"
 
 
+def test_the_density_of_a_grid_is_not_taken_for_a_reach(scene: bpy.types.Scene) -> None:
+    """It multiplies what the file holds, which the panel has not read."""
+    data = bpy.data.volumes.new("Smoke")
+    data.materials.append(fog("Smoke", "ShaderNodeVolumePrincipled", Density=2.0))
+    add("Smoke", data)
+    shown = drawn(medium.TYNDALL_PT_sidebar_medium)
+    assert shown.count("default_value") == 2
+    assert not any("Half the light" in line for line in shown)
+
+
 def test_a_medium_of_other_nodes_says_that_it_is(scene: bpy.types.Scene) -> None:
     """A shader that mixes two has no density of its own."""
     cube("Box", material("Mix", volume=lambda new, _link: new("ShaderNodeMixShader").outputs[0]))
