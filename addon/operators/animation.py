@@ -11,7 +11,7 @@ from bpy.types import Context, FCurve, Operator
 from ..animation_paths import curves_at
 from ..edited_light import edited_light
 from ..keyed_shafts import animated_properties, next_key
-from ..sync.wind import WIND_PATH
+from ..properties.heterogeneity import WIND_PATH
 from .occluder_edits import active_edit
 
 #: Of holes that stand still when their turn is animated: enough to see them drift.

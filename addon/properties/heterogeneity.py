@@ -7,6 +7,9 @@ from bpy.types import Object, PropertyGroup
 from ..painted_air import is_box
 from .tagging import OVERRIDABLE, tag
 
+#: Of a scene's wind, for keys.
+WIND_PATH = "tyndall.heterogeneity.wind_m_per_s"
+
 WEIGHTINGS = (
     (
         "LIT_PARTS",

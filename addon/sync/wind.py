@@ -12,13 +12,12 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from ..animation_paths import animates_by_other_means, curves_at
+from ..properties.heterogeneity import WIND_PATH
 
 if TYPE_CHECKING:
     from bpy.types import FCurve, Scene
 
     from .reports import Reports
-
-WIND_PATH = "tyndall.heterogeneity.wind_m_per_s"
 
 
 def carried_m(scene: Scene, reports: Reports) -> tuple[float, float, float]:

@@ -15,11 +15,10 @@ from addon.engine.settings import frame_window, render_config
 from addon.engine.viewport_worker import View, coarser
 from addon.painted_air import write_volume
 from addon.panels.presets import TYNDALL_PT_air_presets, shipped_presets
-from addon.properties.heterogeneity import UPSAMPLINGS, TyndallHeterogeneity, may_be_painted
+from addon.properties.heterogeneity import UPSAMPLINGS, WIND_PATH, TyndallHeterogeneity, may_be_painted
 from addon.sync.cameras import read_camera
 from addon.sync.heterogeneity import read_heterogeneity
 from addon.sync.reports import Reports
-from addon.sync.wind import WIND_PATH
 from support.small_scenes import add, empty_scene
 from tyndall.heterogeneity import AirNoise, Heterogeneity
 

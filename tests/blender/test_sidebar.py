@@ -12,7 +12,7 @@ from addon import last_render, panels
 from addon.animation_paths import curves_at
 from addon.keyed_shafts import animated_properties
 from addon.panels import animate, medium, output
-from addon.sync.wind import WIND_PATH
+from addon.properties.heterogeneity import WIND_PATH
 from support.recording_layout import drawn
 from support.small_scenes import add, cube, light, material, node
 
