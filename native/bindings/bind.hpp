@@ -8,12 +8,23 @@
 namespace tyndall::bindings {
 namespace py = pybind11;
 
-/// A scene with its media: found once, however often it is rendered.
+/// A scene with its media: found once, however often it is rendered, and under whatever lights.
 struct SceneWithMedia {
-    Scene scene;
-    Media media;
+    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const Media> media; ///< Found in a scene of the same geometry, which they hold on to.
+
     SceneWithMedia(SceneDescription description, const Progress& progress)
-        : scene(std::move(description), progress), media(scene, progress) {}
+        : scene(std::make_shared<const Scene>(std::move(description), progress)) {
+        struct Found {
+            std::shared_ptr<const Scene> in;
+            Media media;
+        };
+        const auto found = std::shared_ptr<const Found>(new Found{scene, Media(*scene, progress)});
+        media = {found, &found->media};
+    }
+    /// The other's geometry, materials and media.
+    SceneWithMedia(const SceneWithMedia& other, std::vector<Light> lights, World world)
+        : scene(std::make_shared<const Scene>(*other.scene, std::move(lights), std::move(world))), media(other.media) {}
 };
 
 void bind_core(py::module_& native);

@@ -39,11 +39,11 @@ static std::unique_ptr<BoundFit> make_fit(const SceneWithMedia& built,
         return with_threads(thread_count, [&] {
             std::vector<Strokes> strokes;
             for (const auto& [camera, picture] : views)
-                strokes.push_back(find_strokes(built.scene, camera, *picture, most_pixels, progress));
+                strokes.push_back(find_strokes(*built.scene, camera, *picture, most_pixels, progress));
             const LightMapFitConfig config{
                 .light = light, .resolution = resolution, .regularisation = regularisation, .shafts = shafts};
             return std::make_unique<BoundFit>(
-                BoundFit{std::make_unique<LightMapFit>(built.scene, built.media, strokes, current, config, progress),
+                BoundFit{std::make_unique<LightMapFit>(*built.scene, *built.media, strokes, current, config, progress),
                          thread_count});
         });
     });

@@ -98,8 +98,8 @@ make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::
            const py::array& mesh_indices, const py::array& world_from_object, std::vector<std::string> object_names,
            const py::array& first_slot_materials, const py::array& slot_counts, const py::array& is_camera_visible,
            const py::array& casts_shadow, const py::array& slot_materials, std::vector<Material> materials,
-           std::vector<Medium> media, std::vector<VolumeInstance> volumes, std::vector<Light> lights, World world,
-           std::int32_t world_medium, const Progress& progress) {
+           std::vector<Medium> media, std::vector<VolumeInstance> volumes, std::int32_t world_medium,
+           const Progress& progress) {
     const py::ssize_t count = mesh_indices.size();
     SceneDescription description;
     description.origin_in_world = {origin_in_world[0], origin_in_world[1], origin_in_world[2]};
@@ -117,8 +117,6 @@ make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::
     description.materials = std::move(materials);
     description.media = std::move(media);
     description.volumes = std::move(volumes);
-    description.lights = std::move(lights);
-    description.world = std::move(world);
     description.world_medium_index = world_medium;
     return without_gil([&] { return std::make_unique<SceneWithMedia>(std::move(description), progress); });
 }
@@ -150,10 +148,16 @@ TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
     py::class_<SceneWithMedia>(native, "Scene", "With its media. Immutable; safe from any thread.")
         .def(py::init(&make_scene), "origin_in_world"_a, "meshes"_a, "mesh_indices"_a, "world_from_object"_a,
              "object_names"_a, "first_slot_materials"_a, "slot_counts"_a, "is_camera_visible"_a, "casts_shadow"_a,
-             "slot_materials"_a, "materials"_a, "media"_a, "volumes"_a, "lights"_a, "world"_a, "world_medium"_a,
-             "progress"_a,
-             R"(Per instance: mesh_indices and first_slot_materials uint32, slot_counts uint16, is_camera_visible and
+             "slot_materials"_a, "materials"_a, "media"_a, "volumes"_a, "world_medium"_a, "progress"_a,
+             R"(In the dark, see relit. Per instance: mesh_indices and first_slot_materials uint32, slot_counts uint16,
+is_camera_visible and
 casts_shadow uint8, world_from_object float32 (n, 4, 4) relative to origin_in_world. Releases the GIL.)")
-        .def_property_readonly("statistics", [](const SceneWithMedia& built) { return built.scene.statistics(); });
+        .def(
+            "relit",
+            [](const SceneWithMedia& built, std::vector<Light> lights, World world) {
+                return std::make_unique<SceneWithMedia>(built, std::move(lights), std::move(world));
+            },
+            "lights"_a, "world"_a, "The same geometry, materials and media under other lights: nothing is built again.")
+        .def_property_readonly("statistics", [](const SceneWithMedia& built) { return built.scene->statistics(); });
 }
 } // namespace tyndall::bindings

@@ -138,7 +138,7 @@ void Shafts::set_alone(std::span<const ViewRay> rays, const View& view, float sp
     std::vector<vec3> lamps;
     for (const LightBeams& light : prepared_->lights)
         if (light.beams.front().local && sharing(light.stratum_count(), turn_count).count > 1)
-            lamps.push_back(prepared_->media.scene().lights()[light.light].position);
+            lamps.push_back(light.lamp_position);
     parallel_for(rays.size(), progress, [&](std::size_t ray) {
         for (const vec3& lamp : lamps) {
             const vec3 way = lamp - rays[ray].origin;

@@ -65,6 +65,8 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
     LightShares shares(media, clipped);
     for (ScatteringLight& light : lights_to_prepare) {
         LightBeams beams{.light = light.index, .beams = {}, .parts = light.parts};
+        if (light.index < scene.lights().size())
+            beams.lamp_position = scene.lights()[light.index].position;
         for (std::size_t index = 0; index < light.samples.size(); ++index) {
             progress.poll();
             const LightSample& sample = light.samples[index];

@@ -31,6 +31,7 @@ struct Beam {
 struct LightBeams {
     std::size_t light; ///< Into Scene::lights; the world follows after the last one.
     std::vector<Beam> beams;
+    vec3 lamp_position{0.0f};                             ///< Of its middle, if it is one.
     std::shared_ptr<const TextureRows> texture_rows = {}; ///< Of a sun with a picture across it.
     std::size_t parts = 1; ///< Consecutive beams that make a stratum: they light different points.
     [[nodiscard]] std::size_t stratum_count() const { return beams.size() / parts; }

@@ -27,6 +27,7 @@ struct Camera {
     [[nodiscard]] Ray ray(float x_px, float y_px) const;
     [[nodiscard]] vec3 position() const { return vec3(world_from_camera[3]); }
     [[nodiscard]] vec3 forward() const { return -vec3(world_from_camera[2]); }
+    bool operator==(const Camera&) const = default;
 };
 
 /// Throws InvalidInput for a camera whose rays would not all be finite: Embree aborts the process on one that is not.

@@ -45,6 +45,9 @@ struct Light {
     bool is_camera_visible = false; ///< Cycles 4 draws lights with a size where the artist enables camera rays.
 };
 
+/// Whether two lights give surfaces the same light: names, media, and edits that surfaces do not see do not count.
+[[nodiscard]] bool lights_surfaces_alike(const Light& a, const Light& b);
+
 /// Points whose direction from the apex lies between planes through it.
 struct DirectionCell {
     vec3 apex{0.0f};

@@ -37,6 +37,7 @@ struct LightTexture {
     Rgb offset{0.0f};
     mat3 gain{1.0f};
 
+    bool operator==(const LightTexture&) const = default; ///< Of the same image, not of an equal one.
     /// Of a uv, mean of a square `texels` wide; up to one: as sharp as the image is.
     [[nodiscard]] Rgb colour(vec2 uv, float texels = 1.0f) const { return offset + gain * image->lookup(uv, texels); }
 };

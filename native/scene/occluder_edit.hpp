@@ -28,6 +28,7 @@ struct HoleNoise {
     float sway = 0.0f;         ///< [0, 100]: how far the noise moves its own lookup, in units of scale_m; 0: none.
     float turn_rad = 0.0f;     ///< Turns the first lookup: over time, holes drift and change their form.
     std::uint32_t seed = 0;
+    bool operator==(const HoleNoise&) const = default;
 };
 
 /// A picture in the light's space. Sun: size_m wide, upright along the light's axes, its middle on the line through the
@@ -37,6 +38,7 @@ struct LightMask {
     std::uint32_t width = 0, height = 0;
     std::vector<float> values; ///< Rows bottom to top, [0, 1]; the edit works where it is at least 1/2, not outside.
     float size_m = 10.0f;      ///< (0, 1e6].
+    bool operator==(const LightMask&) const = default;
 };
 
 struct OccluderEdit {

@@ -105,18 +105,19 @@ static void attenuate(const RTCFilterFunctionNArguments* arguments) {
 
 /// Embree's normals are in the mesh's space and not of unit length.
 Hit Scene::in_scene(Hit hit) const {
-    hit.geometric_normal = glm::normalize(placements_[hit.instance].scene_from_object_normals * hit.geometric_normal);
+    hit.geometric_normal =
+        glm::normalize(geometry_->placements[hit.instance].scene_from_object_normals * hit.geometric_normal);
     return hit;
 }
 
 Hit Scene::closest_hit(const Ray& ray) const {
     QueryContext context(*this, &ray, nullptr);
-    if (has_holes_)
+    if (geometry_->has_holes)
         context.embree.filter = skip_holes;
     RTCRayHit query;
     query.ray = embree_ray(ray, camera_mask);
     query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(embree_scene_, &context.embree, &query);
+    rtcIntersect1(embree_scene(), &context.embree, &query);
     return query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? Hit{} : in_scene(hit_of(query.ray, query.hit));
 }
 
@@ -130,13 +131,13 @@ void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits) const {
         }
         QueryContext context(*this, these.data(), nullptr);
         context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-        if (has_holes_)
+        if (geometry_->has_holes)
             context.embree.filter = skip_holes;
         RTCRayHit16 query;
         alignas(64) const std::array<int, packet_size> valid = fill(query.ray, these, camera_mask);
         std::fill_n(query.hit.geomID, packet_size, RTC_INVALID_GEOMETRY_ID);
         std::fill_n(query.hit.instID[0], packet_size, RTC_INVALID_GEOMETRY_ID);
-        rtcIntersect16(valid.data(), embree_scene_, &context.embree, &query);
+        rtcIntersect16(valid.data(), embree_scene(), &context.embree, &query);
         for (std::size_t lane = 0; lane < these.size(); ++lane)
             hits[first + lane] = query.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID
                                      ? Hit{}
@@ -157,10 +158,10 @@ Rgb Scene::shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> b
     QueryContext context(*this, &ray, &passing);
     context.bits_of_instance = bits_of_instance.data();
     context.ignored = ignored;
-    if (lets_light_pass_ || ignored != 0)
+    if (geometry_->lets_light_pass || ignored != 0)
         context.embree.filter = attenuate;
     RTCRay query = embree_ray(ray, shadow_mask);
-    rtcOccluded1(embree_scene_, &context.embree, &query);
+    rtcOccluded1(embree_scene(), &context.embree, &query);
     const bool is_occluded = query.tfar < 0.0f;
     return is_occluded ? Rgb(0.0f) : passing;
 }
@@ -175,11 +176,11 @@ void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> pass
         }
         std::fill_n(&passing[first], these.size(), Rgb(1.0f));
         QueryContext context(*this, these.data(), &passing[first]);
-        if (lets_light_pass_)
+        if (geometry_->lets_light_pass)
             context.embree.filter = attenuate;
         RTCRay16 query;
         alignas(64) const std::array<int, packet_size> valid = fill(query, these, shadow_mask);
-        rtcOccluded16(valid.data(), embree_scene_, &context.embree, &query);
+        rtcOccluded16(valid.data(), embree_scene(), &context.embree, &query);
         for (std::size_t lane = 0; lane < these.size(); ++lane)
             if (query.tfar[lane] < 0.0f)
                 passing[first + lane] = Rgb(0.0f);

@@ -10,20 +10,36 @@
 #include <map>
 
 namespace tyndall {
-Scene::Scene(SceneDescription description, const Progress& progress) : description_(std::move(description)) {
+Scene::Scene(SceneDescription description, const Progress& progress)
+    : lights_(std::move(description.lights)), world_(std::move(description.world)) {
+    description.lights.clear();
+    description.world = {};
     const StageTimer timer(statistics_, "scene");
     progress.poll();
+    geometry_ = std::make_shared<const Geometry>(std::move(description), progress);
+    statistics_.append(geometry_->statistics);
+    drop_unusable_lights();
+}
+
+Scene::Scene(const Scene& other, std::vector<Light> lights, World world)
+    : lights_(std::move(lights)), world_(std::move(world)), geometry_(other.geometry_),
+      statistics_(geometry_->statistics) {
+    drop_unusable_lights();
+}
+
+Scene::~Scene() = default;
+
+Scene::Geometry::Geometry(SceneDescription scene, const Progress& progress) : description(std::move(scene)) {
     validate();
     drop_unusable_instances();
     drop_unusable_volumes();
-    drop_unusable_lights();
     attach_instances(progress);
 }
 
-Scene::~Scene() { rtcReleaseScene(embree_scene_); }
+Scene::Geometry::~Geometry() { rtcReleaseScene(embree_scene); }
 
-void Scene::validate() const {
-    const SceneDescription& scene = description_;
+void Scene::Geometry::validate() const {
+    const SceneDescription& scene = description;
     for (const Instance& instance : scene.instances) {
         require(instance.name_index < scene.object_names.size(), "an instance asks for object name ",
                 instance.name_index, " of ", scene.object_names.size());
@@ -100,22 +116,22 @@ static const char* reason_to_drop(const TriangleMesh& mesh, const mat4& scene_fr
     return nullptr;
 }
 
-void Scene::drop_unusable_instances() {
-    for (Instance& instance : description_.instances)
+void Scene::Geometry::drop_unusable_instances() {
+    for (Instance& instance : description.instances)
         instance.world_from_object = thickened(instance.world_from_object);
     std::map<std::pair<std::uint32_t, std::string>, std::size_t> dropped_counts; // an object's particles share a line
-    std::erase_if(description_.instances, [&](const Instance& instance) {
-        const char* reason = reason_to_drop(*description_.meshes[instance.mesh_index], instance.world_from_object);
+    std::erase_if(description.instances, [&](const Instance& instance) {
+        const char* reason = reason_to_drop(*description.meshes[instance.mesh_index], instance.world_from_object);
         if (reason != nullptr)
             ++dropped_counts[{instance.name_index, reason}];
         return reason != nullptr;
     });
     for (const auto& [object_and_reason, count] : dropped_counts) {
         const auto& [name_index, reason] = object_and_reason;
-        statistics_.report("object '" + description_.object_names[name_index] + "'" +
-                           (count > 1 ? ", " + std::to_string(count) + " instances," : "") + " left out: " + reason);
+        statistics.report("object '" + description.object_names[name_index] + "'" +
+                          (count > 1 ? ", " + std::to_string(count) + " instances," : "") + " left out: " + reason);
     }
-    for (const auto& mesh : description_.meshes) {
+    for (const auto& mesh : description.meshes) {
         if (mesh == nullptr)
             continue;
         std::string what;
@@ -125,7 +141,7 @@ void Scene::drop_unusable_instances() {
                 what += (what.empty() ? "" : " and ") + std::to_string(count) +
                         (count == 1 ? " triangle with " : " triangles with ") + kind;
         if (!what.empty())
-            statistics_.report("mesh '" + mesh->arrays().name + "': left out " + what);
+            statistics.report("mesh '" + mesh->arrays().name + "': left out " + what);
     }
 }
 
@@ -144,8 +160,8 @@ static bool is_usable(const Light& light) {
     return is_sound;
 }
 
-void Scene::drop_unusable_volumes() {
-    std::erase_if(description_.volumes, [&](const VolumeInstance& volume) {
+void Scene::Geometry::drop_unusable_volumes() {
+    std::erase_if(description.volumes, [&](const VolumeInstance& volume) {
         const char* reason = nullptr;
         if (!is_finite(volume.world_from_local) || !(volume.density_scale >= 0.0f && volume.density_scale <= 1e9f))
             reason = "its transform is not finite";
@@ -154,13 +170,13 @@ void Scene::drop_unusable_volumes() {
         else if (volume.grid->is_empty())
             reason = "its grid has no density";
         if (reason != nullptr)
-            statistics_.report("volume '" + volume.name + "' left out: " + reason);
+            statistics.report("volume '" + volume.name + "' left out: " + reason);
         return reason != nullptr;
     });
 }
 
 void Scene::drop_unusable_lights() {
-    std::erase_if(description_.lights, [&](const Light& light) {
+    std::erase_if(lights_, [&](const Light& light) {
         if (is_usable(light))
             return false;
         statistics_.report("light '" + light.name + "' left out: its strength, size or transform is not finite");
@@ -168,10 +184,10 @@ void Scene::drop_unusable_lights() {
     });
 }
 
-const Material& Scene::slot_material(const Instance& instance, std::size_t slot) const {
+const Material& Scene::Geometry::slot_material(const Instance& instance, std::size_t slot) const {
     // A triangle whose slot the object lacks takes the last one, as in Blender.
     const std::size_t present = std::min<std::size_t>(slot, instance.slot_count - 1u);
-    return description_.materials[description_.slot_materials[instance.first_slot_material + present]];
+    return description.materials[description.slot_materials[instance.first_slot_material + present]];
 }
 
 static Bounds3 transformed(const Bounds3& bounds, const mat4& to_from) {
@@ -192,18 +208,18 @@ static mat3 normal_matrix(const mat4& scene_from_object) {
     return mat3(matrix / largest);
 }
 
-void Scene::attach_instances(const Progress& progress) {
+void Scene::Geometry::attach_instances(const Progress& progress) {
     const RTCDevice device = embree_device();
-    embree_scene_ = rtcNewScene(device);
-    rtcSetSceneFlags(embree_scene_, traced_scene_flags);
-    placements_.resize(description_.instances.size());
-    for (std::uint32_t index = 0; index < description_.instances.size(); ++index) {
-        const Instance& instance = description_.instances[index];
-        const TriangleMesh& mesh = *description_.meshes[instance.mesh_index];
-        const Bounds3 bounds = transformed(mesh.bounds(), instance.world_from_object);
-        bounds_.grow(bounds);
-        placements_[index].scene_from_object_normals = normal_matrix(instance.world_from_object);
-        placements_[index].object_from_scene = mat4(glm::inverse(glm::dmat4(instance.world_from_object)));
+    embree_scene = rtcNewScene(device);
+    rtcSetSceneFlags(embree_scene, traced_scene_flags);
+    placements.resize(description.instances.size());
+    for (std::uint32_t index = 0; index < description.instances.size(); ++index) {
+        const Instance& instance = description.instances[index];
+        const TriangleMesh& mesh = *description.meshes[instance.mesh_index];
+        const Bounds3 box = transformed(mesh.bounds(), instance.world_from_object);
+        bounds.grow(box);
+        placements[index].scene_from_object_normals = normal_matrix(instance.world_from_object);
+        placements[index].object_from_scene = mat4(glm::inverse(glm::dmat4(instance.world_from_object)));
 
         std::size_t surface_slots = 0, opaque_slots = 0;
         for (std::size_t slot = 0; slot < instance.slot_count; ++slot) {
@@ -213,9 +229,9 @@ void Scene::attach_instances(const Progress& progress) {
         }
         if (surface_slots == 0)
             continue; // light and view pass: the media have an Embree scene of their own
-        surface_bounds_.grow(bounds);
-        has_holes_ |= instance.is_camera_visible && surface_slots < instance.slot_count;
-        lets_light_pass_ |= instance.casts_shadow && opaque_slots < instance.slot_count;
+        surface_bounds.grow(box);
+        has_holes |= instance.is_camera_visible && surface_slots < instance.slot_count;
+        lets_light_pass |= instance.casts_shadow && opaque_slots < instance.slot_count;
 
         const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(geometry, mesh.embree_scene());
@@ -223,13 +239,13 @@ void Scene::attach_instances(const Progress& progress) {
         rtcSetGeometryMask(geometry, (instance.is_camera_visible ? camera_mask : 0u) |
                                          (instance.casts_shadow ? shadow_mask : 0u));
         rtcCommitGeometry(geometry);
-        rtcAttachGeometryByID(embree_scene_, geometry, index);
+        rtcAttachGeometryByID(embree_scene, geometry, index);
         rtcReleaseGeometry(geometry);
     }
     try {
-        commit(embree_scene_, "the scene", progress);
+        commit(embree_scene, "the scene", progress);
     } catch (...) {
-        rtcReleaseScene(embree_scene_);
+        rtcReleaseScene(embree_scene);
         throw;
     }
 }

@@ -58,19 +58,26 @@ public:
     /// broken numbers.
     /// Throws InvalidInput and Cancelled.
     Scene(SceneDescription description, const Progress& progress);
+    /// The same geometry, materials and media under other lights and another world: shared, nothing is built again.
+    Scene(const Scene& other, std::vector<Light> lights, World world);
     Scene(const Scene&) = delete;
     Scene& operator=(const Scene&) = delete;
     ~Scene();
 
-    [[nodiscard]] const SceneDescription& description() const { return description_; }
-    [[nodiscard]] std::span<const Light> lights() const { return description_.lights; }
-    [[nodiscard]] const World& world() const { return description_.world; }
-    [[nodiscard]] const Bounds3& bounds() const { return bounds_; }                 ///< Of all kept instances.
-    [[nodiscard]] const Bounds3& surface_bounds() const { return surface_bounds_; } ///< Of those with a surface.
+    /// Without lights and world, which lights() and world() tell.
+    [[nodiscard]] const SceneDescription& description() const { return geometry_->description; }
+    [[nodiscard]] std::span<const Light> lights() const { return lights_; }
+    [[nodiscard]] const World& world() const { return world_; }
+    [[nodiscard]] const Bounds3& bounds() const { return geometry_->bounds; } ///< Of all kept instances.
+    [[nodiscard]] const Bounds3& surface_bounds() const {
+        return geometry_->surface_bounds;
+    } ///< Of those with a surface.
     [[nodiscard]] const Statistics& statistics() const { return statistics_; }
     [[nodiscard]] RTCScene embree_scene() const {
-        return embree_scene_;
+        return geometry_->embree_scene;
     } ///< Instance i is geometry i, if it has a surface.
+    /// Everything but lights and world. Scenes that share it have the same; while it is held, no other takes its place.
+    [[nodiscard]] std::shared_ptr<const void> geometry() const { return geometry_; }
 
     /// Material of a hit triangle.
     [[nodiscard]] const Material& material(std::uint32_t instance, std::uint32_t triangle) const;
@@ -104,25 +111,36 @@ public:
     void shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing) const;
 
 private:
-    void validate() const;
-    void drop_unusable_instances();
-    void drop_unusable_volumes();
-    void drop_unusable_lights();
-    void attach_instances(const Progress& progress);
-    [[nodiscard]] Hit in_scene(Hit hit) const;
-    [[nodiscard]] const Material& slot_material(const Instance& instance, std::size_t slot) const;
-
     /// What a hit reads of its instance.
     struct Placement {
         mat3 scene_from_object_normals{1.0f}; ///< Inverse transpose: a normal stays outside under mirroring.
         mat4 object_from_scene{1.0f};
     };
-    SceneDescription description_;
-    Bounds3 bounds_, surface_bounds_;
+    struct Geometry {
+        SceneDescription description; ///< Its lights and world are moved out.
+        Bounds3 bounds, surface_bounds;
+        Statistics statistics;
+        RTCScene embree_scene = nullptr;
+        std::vector<Placement> placements; ///< Per instance.
+        bool lets_light_pass = false;      ///< Some shadow-casting instance is transparent, or has holes.
+        bool has_holes = false;            ///< Some camera-visible instance has slots without a surface.
+
+        Geometry(SceneDescription scene, const Progress& progress);
+        Geometry(const Geometry&) = delete;
+        Geometry& operator=(const Geometry&) = delete;
+        ~Geometry();
+        void validate() const;
+        void drop_unusable_instances();
+        void drop_unusable_volumes();
+        void attach_instances(const Progress& progress);
+        [[nodiscard]] const Material& slot_material(const Instance& instance, std::size_t slot) const;
+    };
+    void drop_unusable_lights();
+    [[nodiscard]] Hit in_scene(Hit hit) const;
+
+    std::vector<Light> lights_;
+    World world_;
+    std::shared_ptr<const Geometry> geometry_;
     Statistics statistics_;
-    RTCScene embree_scene_ = nullptr;
-    std::vector<Placement> placements_; ///< Per instance.
-    bool lets_light_pass_ = false;      ///< Some shadow-casting instance is transparent, or has holes.
-    bool has_holes_ = false;            ///< Some camera-visible instance has slots without a surface.
 };
 } // namespace tyndall

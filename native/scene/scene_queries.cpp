@@ -7,8 +7,8 @@
 
 namespace tyndall {
 const Material& Scene::material(std::uint32_t instance_index, std::uint32_t triangle) const {
-    const Instance& instance = description_.instances[instance_index];
-    return slot_material(instance, description_.meshes[instance.mesh_index]->arrays().slot_of(triangle));
+    const Instance& instance = description().instances[instance_index];
+    return geometry_->slot_material(instance, description().meshes[instance.mesh_index]->arrays().slot_of(triangle));
 }
 
 template <typename Value>
@@ -30,8 +30,8 @@ static void look_up_uvs(const Material& material, const MeshArrays& mesh, const 
 }
 
 ShadingPoint Scene::shading_point(const Ray& ray, const Hit& hit) const {
-    const Instance& instance = description_.instances[hit.instance];
-    const MeshArrays& mesh = description_.meshes[instance.mesh_index]->arrays();
+    const Instance& instance = description().instances[hit.instance];
+    const MeshArrays& mesh = description().meshes[instance.mesh_index]->arrays();
     const uvec3& corners = mesh.triangles[hit.triangle];
     const vec3 in_object =
         interpolate(mesh.positions[corners.x], mesh.positions[corners.y], mesh.positions[corners.z], hit.barycentrics);
@@ -43,7 +43,7 @@ ShadingPoint Scene::shading_point(const Ray& ray, const Hit& hit) const {
                        .barycentrics = hit.barycentrics,
                        .is_backface = glm::dot(hit.geometric_normal, ray.direction) > 0.0f};
     if (!mesh.corner_normals.empty()) {
-        const mat3& to_scene = placements_[hit.instance].scene_from_object_normals;
+        const mat3& to_scene = geometry_->placements[hit.instance].scene_from_object_normals;
         std::array<vec3, 3> normals;
         for (std::size_t corner = 0; corner < 3; ++corner) {
             const vec3& normal = mesh.corner_normals[std::size_t{3} * hit.triangle + corner];
@@ -70,7 +70,7 @@ SurfaceClosures Scene::closures(const ShadingPoint& point, const Hit& hit) const
         return surface.constant;
     thread_local std::vector<vec2> uvs;
     uvs.clear();
-    look_up_uvs(surface, description_.meshes[point.mesh_index]->arrays(), hit, uvs);
+    look_up_uvs(surface, description().meshes[point.mesh_index]->arrays(), hit, uvs);
     return evaluate(surface, point, uvs);
 }
 
@@ -86,21 +86,21 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit) const {
         return Rgb(0.0f);
     thread_local std::vector<vec2> uvs;
     uvs.clear();
-    const MeshArrays& mesh = description_.meshes[description_.instances[hit.instance].mesh_index]->arrays();
+    const MeshArrays& mesh = description().meshes[description().instances[hit.instance].mesh_index]->arrays();
     look_up_uvs(surface, mesh, hit, uvs);
     Hit with_normal = hit;
     with_normal.geometric_normal =
-        glm::normalize(placements_[hit.instance].scene_from_object_normals * hit.geometric_normal);
+        glm::normalize(geometry_->placements[hit.instance].scene_from_object_normals * hit.geometric_normal);
     return evaluate_transparent(surface, shading_point(ray, with_normal), uvs);
 }
 
 SpawnPoint Scene::spawn_point(const Hit& hit) const {
-    const Instance& instance = description_.instances[hit.instance];
-    const MeshArrays& mesh = description_.meshes[instance.mesh_index]->arrays();
+    const Instance& instance = description().instances[hit.instance];
+    const MeshArrays& mesh = description().meshes[instance.mesh_index]->arrays();
     const uvec3& corners = mesh.triangles[hit.triangle];
     return tyndall::spawn_point({mesh.positions[corners.x], mesh.positions[corners.y], mesh.positions[corners.z]},
                                 hit.barycentrics, instance.world_from_object,
-                                placements_[hit.instance].object_from_scene);
+                                geometry_->placements[hit.instance].object_from_scene);
 }
 
 Ray Scene::leaving_ray(const Hit& hit, const vec3& direction, float far_m) const {

@@ -85,7 +85,7 @@ World::World(std::string name, Rgb radiance, std::shared_ptr<const EnvironmentIm
             "world '", name_, "': image '", image_->name, "' has ", image_->pixels.size(), " pixels for ",
             image_->width, " x ", image_->height);
     image_ = without_broken_pixels(std::move(image_));
-    importance_ = importance_of(*image_);
+    importance_ = std::make_shared<const PiecewiseConstant2d>(importance_of(*image_));
     is_black_ |=
         std::all_of(image_->pixels.begin(), image_->pixels.end(), [](const Rgb& pixel) { return pixel == Rgb(0.0f); });
 }
@@ -123,7 +123,7 @@ World::DirectionSample World::sample(vec2 u) const {
         const vec3 direction = sample_uniform_sphere(u);
         return {direction, 0.25f / pi, radiance_};
     }
-    const auto [column, row, offset] = importance_.sample(u);
+    const auto [column, row, offset] = importance_->sample(u);
     const double low = edge_height(row, image_->height), high = edge_height(row + 1, image_->height);
     const double height = low + offset.y * (high - low);
     const double radius = std::sqrt(std::max(0.0, 1.0 - height * height));
@@ -131,7 +131,7 @@ World::DirectionSample World::sample(vec2 u) const {
     const vec3 in_image(dvec3(radius * std::cos(longitude), radius * std::sin(longitude), height));
     const vec3 direction = glm::transpose(image_from_world_) * in_image;
     const double solid_angle_sr = 2.0 * std::numbers::pi / image_->width * (high - low);
-    return {direction, static_cast<float>(importance_.probability(column, row) / solid_angle_sr), radiance(direction)};
+    return {direction, static_cast<float>(importance_->probability(column, row) / solid_angle_sr), radiance(direction)};
 }
 
 float World::pdf_per_sr(const vec3& unit_direction) const {
@@ -144,6 +144,6 @@ float World::pdf_per_sr(const vec3& unit_direction) const {
     const std::uint32_t column = cell(uv.x, image_->width), row = cell(uv.y, image_->height);
     const double solid_angle_sr = 2.0 * std::numbers::pi / image_->width *
                                   (edge_height(row + 1, image_->height) - edge_height(row, image_->height));
-    return static_cast<float>(importance_.probability(column, row) / solid_angle_sr);
+    return static_cast<float>(importance_->probability(column, row) / solid_angle_sr);
 }
 } // namespace tyndall

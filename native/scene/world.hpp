@@ -15,6 +15,7 @@ struct EnvironmentImage {
     std::vector<Rgb> pixels = {}; ///< width * height, scene-linear.
 };
 
+/// Copies share the image and its tables.
 class World {
 public:
     World() = default;
@@ -34,6 +35,10 @@ public:
     [[nodiscard]] DirectionSample sample(vec2 u) const;
     [[nodiscard]] float pdf_per_sr(const vec3& unit_direction) const;
     [[nodiscard]] const std::string& name() const { return name_; }
+    /// The same radiance of the same image, not of an equal one; names do not count.
+    [[nodiscard]] bool shines_as(const World& other) const {
+        return radiance_ == other.radiance_ && image_ == other.image_ && image_from_world_ == other.image_from_world_;
+    }
 
 private:
     std::string name_;
@@ -41,6 +46,6 @@ private:
     std::shared_ptr<const EnvironmentImage> image_;
     mat3 image_from_world_{1.0f};
     bool is_black_ = true;
-    PiecewiseConstant2d importance_; ///< Of the image's texels; empty without an image.
+    std::shared_ptr<const PiecewiseConstant2d> importance_; ///< Of the image's texels; nothing without an image.
 };
 } // namespace tyndall

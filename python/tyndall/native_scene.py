@@ -74,6 +74,23 @@ def _feed(digest: _Digest, value: object) -> None:
         digest.update(f"{value!r};".encode())
 
 
+@dataclass(frozen=True, kw_only=True)
+class KeptGeometry:
+    """A scene whose geometry, materials and media serve as long as only lights and world change."""
+
+    fingerprint: bytes
+    scene: _native.Scene
+    origin_in_world: NDArray[np.float64]
+    object_names: list[str]  #: Per native instance.
+    reports: list[str]  #: About its parts.
+
+
+def geometry_fingerprint(description: SceneDescription) -> bytes:
+    """Equal where nothing but lights and the world's light differ."""
+    places = () if description.instances else tuple(light.world_from_light for light in description.lights)
+    return fingerprint((description.instances, description.materials, description.media, description.world.medium, places))
+
+
 @dataclass
 class NativeParts:
     """Native objects that outlive a frame, by key, and how many of them the last update sent or found in place."""
@@ -84,6 +101,7 @@ class NativeParts:
     textures: dict[tuple[str, int, int], _native.Texture] = field(default_factory=dict)
     light_textures: dict[tuple[str, int, int], _native.FilteredTexture] = field(default_factory=dict)
     world: tuple[bytes, _native.World] | None = None
+    geometry: KeptGeometry | None = None  #: Of the last scene.
     counts: dict[str, float] = field(default_factory=dict)
 
     def begin_update(self) -> None:
@@ -96,13 +114,19 @@ class NativeParts:
             "grids sent": 0,
             "grids reused": 0,
             "scene rebuilt": 0,
+            "scene relit": 0,
         }
+
+    def count_geometry_as_reused(self) -> None:
+        """Meshes and materials are in place."""
+        self.counts["meshes reused"] = len(self.meshes)
+        self.counts["images reused"] = len(self.textures)
+        self.counts["grids reused"] = len(self.grids)
 
     def count_all_as_reused(self) -> None:
         """Nothing has changed: everything is in place."""
-        self.counts["meshes reused"] = len(self.meshes)
-        self.counts["images reused"] = len(self.textures) + len(self.light_textures)
-        self.counts["grids reused"] = len(self.grids)
+        self.count_geometry_as_reused()
+        self.counts["images reused"] += len(self.light_textures)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,8 +140,42 @@ class BuiltScene:
 
 
 def build_scene(description: SceneDescription, parts: NativeParts, progress: _native.Progress) -> BuiltScene:
-    """The native scene; new meshes and images go into ``parts``, those that are gone leave it. Raises Cancelled."""
-    reports = list(description.reports)
+    """The native scene; new meshes and images go into ``parts``, those that are gone leave it. Raises Cancelled.
+
+    Where nothing but lights and the world's light changed, the geometry of the last scene is kept.
+    """
+    current = geometry_fingerprint(description)
+    kept = parts.geometry if parts.geometry is not None and parts.geometry.fingerprint == current else None
+    if kept is None:
+        kept = _build_geometry(description, current, parts, progress)
+        parts.geometry = kept
+        parts.counts["scene rebuilt"] = 1
+    else:
+        parts.count_geometry_as_reused()
+        parts.counts["scene relit"] = 1
+    reports = [*description.reports, *kept.reports]
+    light_textures = build_light_textures(description.lights, parts, reports)
+    origin = kept.origin_in_world
+    lights = _built(
+        description.lights,
+        lambda light: build_light(light, origin, kept.object_names, light_textures.get(id(light)), reports),
+        "Light",
+        reports,
+    )
+    named = [(source.name, light) for source, light in zip(description.lights, lights, strict=True) if light is not None]
+    world = _build_world(description.world, parts, reports)
+    return BuiltScene(
+        scene=kept.scene.relit([light for _, light in named], world),
+        origin_in_world=origin,
+        light_names=[name for name, _ in named],
+        reports=reports,
+    )
+
+
+def _build_geometry(
+    description: SceneDescription, current: bytes, parts: NativeParts, progress: _native.Progress
+) -> KeptGeometry:
+    reports: list[str] = []
     groups = _build_meshes(description.instances, parts, reports, progress)
     _report_open_media(groups, description.materials, parts, reports)
     origin = _origin_in_world(groups, description)
@@ -127,21 +185,6 @@ def build_scene(description: SceneDescription, parts: NativeParts, progress: _na
     slots = [group.materials or (default_material,) for group in groups]
     first_slots = np.cumsum([0, *map(len, slots)])[:-1]
     object_names = [name for group in groups for name in group.object_names]
-    light_textures = build_light_textures(description.lights, parts, reports)
-    built_lights = [
-        (source.name, light)
-        for source, light in zip(
-            description.lights,
-            _built(
-                description.lights,
-                lambda light: build_light(light, origin, object_names, light_textures.get(id(light)), reports),
-                "Light",
-                reports,
-            ),
-            strict=True,
-        )
-        if light is not None
-    ]
     # A medium is pointed to by index: one that cannot be used becomes an empty one.
     media = [
         part if part is not None else _build_medium(Medium(name=medium.name))
@@ -167,13 +210,12 @@ def build_scene(description: SceneDescription, parts: NativeParts, progress: _na
         materials=materials,
         media=media,
         volumes=volumes,
-        lights=[light for _, light in built_lights],
-        world=_build_world(description.world, parts, reports),
         world_medium=description.world.medium,
         progress=progress,
     )
-    light_names = [name for name, _ in built_lights]
-    return BuiltScene(scene=scene, origin_in_world=origin, light_names=light_names, reports=reports)
+    return KeptGeometry(
+        fingerprint=current, scene=scene, origin_in_world=origin, object_names=object_names, reports=reports
+    )
 
 
 def _repeated(values: Iterable[int], counts: list[int], dtype: type[np.integer[Any]]) -> NDArray[Any]:

@@ -57,4 +57,11 @@ inline std::unique_ptr<Scene> make_scene(const std::vector<Part>& parts, std::ve
     description.lights = std::move(lights);
     return std::make_unique<Scene>(std::move(description), Progress());
 }
+/// All that a scene was made of.
+inline SceneDescription description_of(const Scene& scene) {
+    SceneDescription description = scene.description();
+    description.lights.assign(scene.lights().begin(), scene.lights().end());
+    description.world = scene.world();
+    return description;
+}
 } // namespace tyndall::support

@@ -138,7 +138,7 @@ TEST_CASE("light map fit: what the matrix says of a map is what shafts look like
         image->floats.insert(image->floats.end(),
                              {map.texels.back().x, map.texels.back().y, map.texels.back().z, 1.0f});
     }
-    SceneDescription description = made.scene->description();
+    SceneDescription description = description_of(*made.scene);
     description.lights[0].texture = std::make_shared<const LightTexture>(
         LightTexture{.image = std::make_shared<const FilteredTexture>(std::move(image)),
                      .size_m = vec2(place.size_m),

@@ -4,6 +4,7 @@
 #include "render/direct_light.hpp"
 #include "support/scenes.hpp"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <doctest/doctest.h>
 #include <numbers>
@@ -39,7 +40,7 @@ glm::dvec3 irradiance_by_quadrature(const World& world) {
 } // namespace
 
 TEST_CASE("an image of the world lights a plane by its integral over the hemisphere") {
-    SceneDescription description = make_scene({{.mesh = square()}})->description();
+    SceneDescription description = description_of(*make_scene({{.mesh = square()}}));
     description.world = bright_spot_world();
     const Scene scene(std::move(description), Progress());
     const Media media(scene, Progress());
@@ -48,6 +49,7 @@ TEST_CASE("an image of the world lights a plane by its integral over the hemisph
     const Ray down{.origin = {0.3f, 0.2f, 5.0f}, .direction = {0, 0, -1}};
     const Hit hit = scene.closest_hit(down);
     render::SurfacePoint point = render::surface_point(scene, down, hit, 0);
+    constexpr std::array<std::uint8_t, 1> only_light{1};
     glm::dvec3 sum(0.0), sum_of_squares(0.0);
     constexpr std::uint32_t run_count = 16, sample_count = 1024;
     for (std::uint32_t run = 0; run < run_count; ++run) {
@@ -55,7 +57,7 @@ TEST_CASE("an image of the world lights a plane by its integral over the hemisph
         for (std::uint32_t sample = 0; sample < sample_count; ++sample) {
             point.pixel_seed = run;
             render::DirectLight::Irradiance irradiance;
-            light.at({&point, 1}, {.sample_index = sample, .pair_index = 0}, {&irradiance, 1});
+            light.at({&point, 1}, {.sample_index = sample, .pair_index = 0}, only_light, {&irradiance, 1});
             mean += glm::dvec3(irradiance.from_world) / double{sample_count};
         }
         sum += mean;

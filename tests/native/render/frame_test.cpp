@@ -45,7 +45,7 @@ Light sun(const Rgb& irradiance, const vec3& towards) {
 /// A scene of the given parts and lights in a world of one radiance.
 std::unique_ptr<Scene> in_world(const std::vector<Part>& parts, const Rgb& world_radiance,
                                 std::vector<Light> lights = {}, std::vector<Medium> media = {}) {
-    SceneDescription description = make_scene(parts, std::move(media), std::move(lights))->description();
+    SceneDescription description = description_of(*make_scene(parts, std::move(media), std::move(lights)));
     description.world = World("World", world_radiance);
     return std::make_unique<Scene>(std::move(description), Progress());
 }
@@ -184,11 +184,10 @@ TEST_CASE("light on its way to a surface is dimmed by the fog, too") {
 }
 
 TEST_CASE("a sun in an endless medium is black, and the report names the remedy") {
-    SceneDescription description =
-        make_scene({{.mesh = square()}},
-                   {{.name = "haze", .lobes = {}, .sigma_a_per_m = Rgb(1e-3f), .emission_w_per_m3_sr = Rgb(0.0f)}},
-                   {sun(Rgb(1.0f), {0, 0, 1})})
-            ->description();
+    SceneDescription description = description_of(
+        *make_scene({{.mesh = square()}},
+                    {{.name = "haze", .lobes = {}, .sigma_a_per_m = Rgb(1e-3f), .emission_w_per_m3_sr = Rgb(0.0f)}},
+                    {sun(Rgb(1.0f), {0, 0, 1})}));
     description.world_medium_index = 0;
     const Scene scene(std::move(description), Progress());
     const Film film = film_of(scene, camera_above(3), config_with(1));
@@ -200,7 +199,7 @@ TEST_CASE("a sun in an endless medium is black, and the report names the remedy"
 
 TEST_CASE("the geometric passes say where the first surface is, in the world's space") {
     SceneDescription description =
-        make_scene({{.mesh = square(), .material = diffuse({0.1f, 0.2f, 0.3f})}})->description();
+        description_of(*make_scene({{.mesh = square(), .material = diffuse({0.1f, 0.2f, 0.3f})}}));
     description.origin_in_world = {60'000.0, 0.0, 10.0};
     const Scene scene(std::move(description), Progress());
     const Film film = film_of(scene, camera_above(3),

@@ -17,7 +17,7 @@ std::unique_ptr<Scene> room_under_sky(bool has_lid) {
     if (has_lid) // two halves of a lid above the ground, with a slit between them
         for (const float side : {-1.0f, 1.0f})
             parts.push_back({.mesh = square(), .world_from_object = translation({side * 1.2f, 0, 0.5f})});
-    SceneDescription description = make_scene(parts)->description();
+    SceneDescription description = description_of(*make_scene(parts));
     description.world = World("sky", Rgb(1.0f));
     return std::make_unique<Scene>(std::move(description), Progress());
 }
@@ -81,7 +81,7 @@ TEST_CASE("blades of grass in bright fog are edges between more and less of it, 
                    .strength = Rgb(lamp_w),
                    .position = {0, 0, 0.45f},
                    .lights_surfaces = false};
-        SceneDescription description = make_scene(parts, {medium}, {lamp})->description();
+        SceneDescription description = description_of(*make_scene(parts, {medium}, {lamp}));
         description.world = World("sky", Rgb(1.0f));
         return rays_to_sky(Scene(std::move(description), Progress())).of_light.back();
     };
@@ -102,16 +102,17 @@ TEST_CASE("several shadow rays are the mean of as many samples with one") {
     render::DirectLight light(*scene, media, statistics);
     const Ray down{.origin = {0.1f, 0.2f, 0.4f}, .direction = {0, 0, -1}};
     const render::SurfacePoint point = render::surface_point(*scene, down, scene->closest_hit(down), 7);
+    constexpr std::array<std::uint8_t, 1> only_light{1};
     for (const std::uint32_t sample : {0u, 1u, 5u}) {
         glm::dvec3 mean(0.0);
         light.set_ray_counts({1});
         render::DirectLight::Irradiance irradiance;
         for (std::uint32_t ray = 0; ray < 8; ++ray) {
-            light.at({&point, 1}, {.sample_index = sample * 8 + ray, .pair_index = 0}, {&irradiance, 1});
+            light.at({&point, 1}, {.sample_index = sample * 8 + ray, .pair_index = 0}, only_light, {&irradiance, 1});
             mean += glm::dvec3(irradiance.sum()) / 8.0;
         }
         light.set_ray_counts({8});
-        light.at({&point, 1}, {.sample_index = sample, .pair_index = 0}, {&irradiance, 1});
+        light.at({&point, 1}, {.sample_index = sample, .pair_index = 0}, only_light, {&irradiance, 1});
         CHECK(mean.x > 0.0);
         CHECK(glm::length(glm::dvec3(irradiance.sum()) - mean) < 1e-6 * glm::length(mean));
     }

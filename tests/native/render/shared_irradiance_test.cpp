@@ -70,7 +70,7 @@ TEST_CASE("below a slit to the sky, a picture of one sample has the light of the
     for (const float side : {-1.0f, 1.0f})
         parts.push_back(
             {.mesh = square(), .world_from_object = glm::scale(translation({side * 3.4f, 0, 1}), vec3(3.0f))});
-    SceneDescription description = make_scene(parts)->description();
+    SceneDescription description = description_of(*make_scene(parts));
     description.world = World("sky", Rgb(1.0f));
     const Scene scene(std::move(description), Progress());
     Camera camera;

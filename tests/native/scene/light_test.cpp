@@ -153,3 +153,26 @@ TEST_CASE("a light without a size is one stratum, the same for every u") {
     CHECK(sample.spot == &light);
     CHECK(sample.softening_m2 == 0.0f);
 }
+
+TEST_CASE("surfaces tell lights apart by what they see of them: not by names, nor by edits for the air") {
+    const Light lamp{.name = "lamp", .kind = LightKind::Point, .position = {0, 0, 3}, .radius_m = 0.1f};
+    Light other = lamp;
+    other.name = "other";
+    other.scatters_in_media = false;
+    other.occluder_edits = {{.name = "close", .kind = EditKind::Close}, {.name = "holes", .kind = EditKind::Holes}};
+    CHECK(lights_surfaces_alike(lamp, other));
+    other.occluder_edits[1].affects_surfaces = true;
+    CHECK(!lights_surfaces_alike(lamp, other));
+    Light same_holes = other;
+    same_holes.occluder_edits[0].size_m *= 2.0f;
+    CHECK(lights_surfaces_alike(other, same_holes));
+    same_holes.occluder_edits[1].noise.turn_rad = 0.5f;
+    CHECK(!lights_surfaces_alike(other, same_holes));
+    for (auto change : {+[](Light& light) { light.position.x += 1.0f; }, +[](Light& light) { light.strength.y *= 2; },
+                        +[](Light& light) { light.radius_m = 0.2f; }, +[](Light& light) { light.casts_shadow = false; },
+                        +[](Light& light) { light.kind = LightKind::Spot; }}) {
+        Light changed = lamp;
+        change(changed);
+        CHECK(!lights_surfaces_alike(lamp, changed));
+    }
+}

@@ -249,3 +249,21 @@ TEST_CASE("an instance of a nested transform lies where its vertices are sent, n
     CHECK(std::abs(glm::dot(hit.geometric_normal, edge_y)) < 1e-6f * glm::length(edge_y));
     CHECK(glm::dot(hit.geometric_normal, glm::cross(edge_x, edge_y)) > 0.0f);
 }
+
+TEST_CASE("a scene under other lights shares all that rays meet, and lives longer than the first") {
+    Light lamp{.name = "lamp", .kind = LightKind::Point, .position = {0, 0, 3}};
+    Light broken = lamp;
+    broken.name = "broken";
+    broken.position.x = std::numeric_limits<float>::quiet_NaN();
+    auto first = make_scene({{.mesh = square(), .world_from_object = mat4(0.0f)}, {.mesh = square()}}, {}, {lamp});
+    const Scene relit(*first, {broken, lamp, lamp}, World("sky", Rgb(2.0f)));
+    CHECK(relit.geometry() == first->geometry());
+    CHECK(relit.embree_scene() == first->embree_scene());
+    CHECK(first->lights().size() == 1);
+    first.reset();
+    CHECK(relit.lights().size() == 2);
+    CHECK(relit.world().radiance({0, 0, 1}) == Rgb(2.0f));
+    CHECK(relit.closest_hit({.origin = {0.1f, 0.2f, 5}, .direction = {0, 0, -1}}).is_hit());
+    // The object that was left out, and the light of this scene.
+    CHECK(relit.statistics().reports.size() == 2);
+}
