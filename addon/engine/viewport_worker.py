@@ -180,7 +180,8 @@ class ViewportWorker:
             session.update(description, progress)
         finally:
             self._patience_ends = 0.0
-        return bool(session.statistics["counts"].get("scene rebuilt", 0))
+        counts = session.statistics["counts"]
+        return bool(counts.get("scene rebuilt") or counts.get("scene relit"))
 
     def _refine(self, session: Session, view: View, progress: Progress) -> None:
         """Show one picture after the other, each finer than the last; Cancelled once outdated."""

@@ -5,6 +5,7 @@
 #include "light_shafts/map_cache.hpp"
 #include "render/asked_rays.hpp"
 #include "render/frame.hpp"
+#include "render/kept_surfaces.hpp"
 #include "render/styled_shafts.hpp"
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
@@ -51,7 +52,9 @@ make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px
             const std::optional<std::array<std::uint32_t, 4>>& region_px, bool film_transparent,
             const std::vector<std::string>& passes, const light_shafts::Config& shafts,
             std::vector<transfer_functions::WeightedFunction> functions, std::optional<std::uint32_t> reference_light,
-            std::optional<Heterogeneity> heterogeneity, bool keeps_unstyled, std::uint32_t seed, int thread_count) {
+            std::optional<Heterogeneity> heterogeneity,
+            const std::optional<std::shared_ptr<render::KeptSurfaces>>& kept_surfaces, bool adapts_shadow_rays,
+            bool keeps_unstyled, std::uint32_t seed, int thread_count) {
     render::FrameConfig config{.pixel_samples = pixel_samples,
                                .pixel_filter = static_cast<render::PixelFilter>(pixel_filter),
                                .filter_width_px = filter_width_px,
@@ -63,6 +66,8 @@ make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px
                                .transfer_functions = std::move(functions),
                                .reference_light = reference_light,
                                .heterogeneity = std::move(heterogeneity),
+                               .kept_surfaces = kept_surfaces.value_or(nullptr),
+                               .adapts_shadow_rays = adapts_shadow_rays,
                                .keeps_unstyled = keeps_unstyled,
                                .seed = seed,
                                .thread_count = thread_count};
@@ -96,7 +101,7 @@ static std::tuple<py::dict, Statistics, Unstyled> render_film(const SceneWithMed
             (*on_update)(to_planes(film));
         };
     render::Film film =
-        without_gil([&] { return render::render(built.scene, built.media, camera, config, progress, update); });
+        without_gil([&] { return render::render(*built.scene, *built.media, camera, config, progress, update); });
     return {to_planes(film), std::move(film.statistics), std::move(film.unstyled)};
 }
 
@@ -110,8 +115,8 @@ static py::array find_ray_parameters(const SceneWithMedia& built, const Camera& 
                                      const render::FrameConfig& config, const py::array& places_px,
                                      Progress& progress) {
     const auto places = to_vector<vec2, float>(places_px, {-1, 2}, "places_px");
-    const std::vector<vec2> found =
-        without_gil([&] { return render::ray_parameters(built.scene, built.media, camera, config, places, progress); });
+    const std::vector<vec2> found = without_gil(
+        [&] { return render::ray_parameters(*built.scene, *built.media, camera, config, places, progress); });
     std::vector<float> numbers;
     for (const vec2& parameters : found)
         numbers.insert(numbers.end(), {parameters.x, parameters.y});
@@ -121,7 +126,7 @@ static py::array find_ray_parameters(const SceneWithMedia& built, const Camera& 
 static std::pair<py::array, py::array> make_light_depth(const SceneWithMedia& built, std::size_t light,
                                                         std::uint32_t resolution, const Progress& progress) {
     light_shafts::LightDepthPicture picture =
-        without_gil([&] { return light_shafts::light_depth_picture(built.scene, light, resolution, progress); });
+        without_gil([&] { return light_shafts::light_depth_picture(*built.scene, light, resolution, progress); });
     return {to_numpy(std::move(picture.before), {picture.height, picture.width}),
             to_numpy(std::move(picture.after), {picture.height, picture.width})};
 }
@@ -135,6 +140,11 @@ void bind_render(py::module_& native) {
         "What occluders cast, kept from frame to frame, in at most so many bytes. Safe from any thread.")
         .def(py::init<std::size_t>(), "capacity_bytes"_a)
         .def_property_readonly("bytes", &light_shafts::MapCache::bytes);
+    py::class_<render::KeptSurfaces, std::shared_ptr<render::KeptSurfaces>>(
+        native, "KeptSurfaces",
+        "What camera rays met, kept from picture to picture, in at most so many bytes. For one thread at a time.")
+        .def(py::init<std::size_t>(), "capacity_bytes"_a)
+        .def_property_readonly("bytes", &render::KeptSurfaces::bytes);
     py::class_<light_shafts::Config>(native, "ShaftConfig")
         .def(py::init(&make_shafts), "method"_a, "error_target"_a, "resolution"_a, "light_samples"_a, "world_samples"_a,
              "attenuates_light"_a, "adapts_strata"_a, "shares_strata"_a, "grid_method"_a, "grid_error_target"_a,
@@ -142,7 +152,8 @@ void bind_render(py::module_& native) {
     py::class_<render::FrameConfig>(native, "FrameConfig")
         .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "noise_threshold"_a,
              "region_px"_a, "film_transparent"_a, "passes"_a, "shafts"_a, "transfer_functions"_a, "reference_light"_a,
-             "heterogeneity"_a, "keeps_unstyled"_a, "seed"_a, "thread_count"_a);
+             "heterogeneity"_a, "kept_surfaces"_a, "adapts_shadow_rays"_a, "keeps_unstyled"_a, "seed"_a,
+             "thread_count"_a);
     py::class_<render::UnstyledFilm, std::shared_ptr<render::UnstyledFilm>>(native, "UnstyledFilm");
     native.def(
         "render", &render_film, "scene"_a, "camera"_a, "config"_a, "progress"_a, "on_update"_a = py::none(),

@@ -75,6 +75,17 @@ void MapCache::begin_picture() {
     ++picture_;
 }
 
+std::shared_ptr<const Occluders> MapCache::occluders_of(const Scene& scene, const Progress& progress) {
+    if (geometry_ != scene.geometry()) {
+        occluders_.reset();
+        auto gathered = std::make_shared<Occluders>(gather_occluders(scene.description(), progress));
+        gathered->kept = std::make_shared<const KeptCasts>(*this, scene.description(), *gathered);
+        occluders_ = std::move(gathered);
+        geometry_ = scene.geometry();
+    }
+    return occluders_;
+}
+
 void MapCache::remove(std::list<Entry>::iterator entry) {
     bytes_ -= entry->bytes;
     entry_of_.erase(entry->key.digest);
@@ -193,8 +204,8 @@ void feed(ContentDigest& digest, const LightSample& light) {
 }
 } // namespace
 
-KeptCasts::KeptCasts(std::shared_ptr<MapCache> cache, const SceneDescription& scene, const Occluders& occluders)
-    : cache_(std::move(cache)), draws_(!occluders.partial_instances.empty()) {
+KeptCasts::KeptCasts(MapCache& cache, const SceneDescription& scene, const Occluders& occluders)
+    : cache_(cache), draws_(!occluders.partial_instances.empty()) {
     const auto parts = std::make_shared<NamedParts>();
     OccluderFeed feed(scene, digest_, *parts);
     for (const OccluderInstance& instance : occluders.instances)

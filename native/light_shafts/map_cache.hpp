@@ -4,7 +4,7 @@
 // Differs:  nothing is told by names or by what was changed. All that rows depend on is their key: the meshes, where they
 //           stand, what their materials let pass, the light, and the rows' own layout. So pictures have the same bits with
 //           and without a cache, whatever was rendered before.
-// Bound:    as many bytes as it is given; rows that nobody asked for longest leave first, but not those of the last
+// Bound:    as many bytes as it is given, and beside them the last scene's occluders, 36 bytes per triangle; rows that nobody asked for longest leave first, but not those of the last
 //           pictures: where there is no room for all of a picture, a part of it stays, instead of nothing. A key takes some 0.1 us per
 //           instance and 10 ns per row.
 #pragma once
@@ -69,6 +69,9 @@ public:
     find(const Key& key, const std::function<bool(const slope_rows::Rows&)>& are_enough = {});
     /// Call it before each picture.
     void begin_picture();
+    /// What of a scene stops light: gathered once for all scenes that share their geometry, as long as no other is asked
+    /// about. Not for two threads at once. Throws Cancelled.
+    [[nodiscard]] std::shared_ptr<const Occluders> occluders_of(const Scene& scene, const Progress& progress);
     /// Rows for which there is no room are not kept.
     void keep(const Key& key, std::shared_ptr<const slope_rows::Rows> rows);
 
@@ -95,22 +98,24 @@ private:
     std::size_t bytes_ = 0;
     std::uint64_t picture_ = 0;
     Counts counts_;
+    std::shared_ptr<const void> geometry_; ///< Of the occluders.
+    std::shared_ptr<const Occluders> occluders_;
 };
 
-/// The cache, for those who ask about one set of occluders.
+/// The cache, which must outlive this, for those who ask about one set of occluders.
 class KeptCasts {
 public:
-    KeptCasts(std::shared_ptr<MapCache> cache, const SceneDescription& scene, const Occluders& occluders);
+    KeptCasts(MapCache& cache, const SceneDescription& scene, const Occluders& occluders);
     /// For some of the occluders.
     [[nodiscard]] std::shared_ptr<const KeptCasts> of(const SceneDescription& scene, const Occluders& some) const;
 
-    [[nodiscard]] MapCache& cache() const { return *cache_; }
+    [[nodiscard]] MapCache& cache() const { return cache_; }
     /// `resolution`: of what lies behind the rows, where their layout does not tell.
     [[nodiscard]] MapCache::Key key(CastKind kind, const PartialShading& partial, const slope_rows::Layout& layout,
                                     std::uint32_t resolution = 0) const;
 
 private:
-    std::shared_ptr<MapCache> cache_;
+    MapCache& cache_;
     ContentDigest digest_;
     std::shared_ptr<const NamedParts> parts_;
     bool draws_; ///< Something lets a part of the light pass: seeds matter.

@@ -100,7 +100,7 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
     std::vector<BeamToPrepare> all_beams;
     std::vector<std::unique_ptr<const OccluderEdits>> edits;
     std::shared_ptr<const StripScene> strip;
-    Occluders occluders;
+    std::shared_ptr<const Occluders> occluders; // nothing where nobody asks for them
     const auto strip_on_demand = std::make_shared<const StripOnDemand>(scene);
     std::vector<RaySpan> outer_rays;
     if (lights.empty())
@@ -113,16 +113,16 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         strip = std::make_shared<const StripScene>(make_strip_scene(scene, progress));
     }
     if (config.method != Method::Exact || std::ranges::any_of(lights, is_edited)) {
-        occluders = gather_occluders(scene.description(), progress);
+        occluders = config.kept_maps
+                        ? config.kept_maps->occluders_of(scene, progress)
+                        : std::make_shared<const Occluders>(gather_occluders(scene.description(), progress));
         outer_rays = outline(view.is_orthographic, clipped, progress);
-        if (config.kept_maps)
-            occluders.kept = std::make_shared<const KeptCasts>(config.kept_maps, scene.description(), occluders);
     }
     for (LightBeams& light : lights) {
         const OccluderEdits* of_light = nullptr;
         if (is_edited(light)) {
             edits.push_back(
-                std::make_unique<const OccluderEdits>(scene.description(), scene.lights()[light.light], occluders));
+                std::make_unique<const OccluderEdits>(scene.description(), scene.lights()[light.light], *occluders));
             of_light = edits.back()->is_empty() ? nullptr : edits.back().get();
         }
         for (Beam& beam : light.beams)
@@ -164,12 +164,12 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
                 in_cell = clip_to_cell(outer_rays, beam->cell->directions, beam->cell->reach_m);
             const std::span<const RaySpan> rays = beam->cell != nullptr ? in_cell : outer_rays;
             if (of_light != nullptr) {
-                beam->visibility = make_edited_beam(scene, *of_light, occluders, view, beam->sample, rays,
+                beam->visibility = make_edited_beam(scene, *of_light, *occluders, view, beam->sample, rays,
                                                     strip_on_demand, share, progress);
                 return;
             }
             MakeBeamVisibility& make = config.method == Method::Epipolar ? make_epipolar_beam : make_shadow_map_beam;
-            beam->visibility = make(scene, occluders, view, beam->sample, rays, strip_on_demand, share, progress);
+            beam->visibility = make(scene, *occluders, view, beam->sample, rays, strip_on_demand, share, progress);
         },
         1);
     float most = -1.0f;

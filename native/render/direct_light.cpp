@@ -61,11 +61,15 @@ bool DirectLight::has_strata(std::size_t light) const {
 }
 
 void DirectLight::at(std::span<const SurfacePoint> points, const PairIndex& first_pair,
-                     std::span<Irradiance> irradiance) const {
-    std::fill_n(irradiance.begin(), points.size(), Irradiance{});
+                     std::span<const std::uint8_t> is_asked, std::span<Irradiance> irradiance) const {
     const LitPoints lanes = lanes_of(points);
-    for (std::size_t light = 0; light < light_count(); ++light)
-        add(light, points, lanes, first_pair, irradiance);
+    for (std::size_t light = 0; light < light_count(); ++light) {
+        if (is_asked[light] == 0)
+            continue;
+        const std::span<Irradiance> of_light = irradiance.subspan(light * points.size(), points.size());
+        std::ranges::fill(of_light, Irradiance{});
+        add(light, points, lanes, first_pair, of_light);
+    }
 }
 
 void DirectLight::add_one(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,

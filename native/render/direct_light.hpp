@@ -30,12 +30,16 @@ public:
         Rgb from_world{0.0f};  ///< With occluders and media between.
         [[nodiscard]] Rgb sum() const { return from_lights + from_world; }
     };
-    /// On the viewer's side of up to most_points points, for a cosine around their shading normals. Takes random numbers
-    /// from `first_pair` on. Faster where the points are neighbours; the results do not depend on it.
-    void at(std::span<const SurfacePoint> points, const PairIndex& first_pair, std::span<Irradiance> irradiance) const;
+    /// Of those lights that `is_asked`, on the viewer's side of up to most_points points, for a cosine around their
+    /// shading normals: irradiance[light * points.size() + point]. Takes random numbers from `first_pair` on. Faster where
+    /// the points are neighbours; the results depend neither on it nor on the other lights.
+    void at(std::span<const SurfacePoint> points, const PairIndex& first_pair, std::span<const std::uint8_t> is_asked,
+            std::span<Irradiance> irradiance) const;
 
-    /// Those that light surfaces, the world's light last.
+    /// Those that light surfaces, the world's light last; index_of: into Scene::lights, of those before it.
     [[nodiscard]] std::size_t light_count() const { return lights_.size() + (has_world_light_ ? 1 : 0); }
+    [[nodiscard]] std::uint32_t index_of(std::size_t light) const { return lights_[light].index; }
+    [[nodiscard]] std::uint32_t ray_count(std::size_t light) const { return ray_counts_[light]; }
     /// False: one shadow ray of a point tells all that there is to know.
     [[nodiscard]] bool has_strata(std::size_t light) const;
     /// Shadow rays per point, to as many strata of a light; 1 before. Powers of two keep them well spread.

@@ -3,12 +3,11 @@
 #include "core/parallel.hpp"
 #include "render/frame_shafts.hpp"
 #include "render/frame_style.hpp"
+#include "render/frame_surfaces.hpp"
 #include "render/pixel_noise.hpp"
-#include "render/shadow_ray_counts.hpp"
 #include "render/surface_pass.hpp"
 #include <algorithm>
 #include <chrono>
-#include <numeric>
 #include <optional>
 
 namespace tyndall::render {
@@ -22,7 +21,11 @@ constexpr std::chrono::milliseconds least_update_interval{500};
 /// What one sample's camera rays and their light shafts take of its time, roughly, for the progress bar.
 constexpr double surface_share = 0.3;
 
+/// Of a frame whose settings are in their range.
 Region checked_region(const Camera& camera, const FrameConfig& config) {
+    require(1 <= config.pixel_samples && config.pixel_samples <= 65536, "pixel_samples is ", config.pixel_samples,
+            ", outside [1, 65536]");
+    require_in(config.noise_threshold, 0.0f, 1.0f, "noise_threshold");
     require(camera.width_px > 0 && camera.height_px > 0, "the camera's frame has no pixels");
     const Region region = config.region.value_or(Region{0, 0, camera.width_px, camera.height_px});
     require(region.x0 < region.x1 && region.y0 < region.y1 && region.x1 <= camera.width_px &&
@@ -37,13 +40,10 @@ public:
     FrameRenderer(const Scene& scene, const Media& media, const Camera& camera, const FrameConfig& config,
                   Progress& progress, const OnUpdate& on_update)
         : scene_(scene), camera_(camera), config_(config), progress_(progress), on_update_(on_update),
-          region_(checked_region(camera, config)), filter_(config.pixel_filter, config.filter_width_px), media_(media),
-          light_(scene, media_, statistics_),
+          region_(checked_region(camera, config)), media_(media),
+          surfaces_(scene, media, camera, region_, config, statistics_, progress),
           sums_(region_.x1 - region_.x0, region_.y1 - region_.y0, config.passes, scene.description().origin_in_world),
           is_active_(pixel_count(), 1), active_count_(pixel_count()), round_samples_(config.pixel_samples) {
-        require(1 <= config.pixel_samples && config.pixel_samples <= 65536, "pixel_samples is ", config.pixel_samples,
-                ", outside [1, 65536]");
-        require_in(config.noise_threshold, 0.0f, 1.0f, "noise_threshold");
         if (config.noise_threshold > 0.0f && samples_per_round(config.pixel_samples) < config.pixel_samples) {
             round_samples_ = samples_per_round(config.pixel_samples);
             noise_.emplace(width(), region_.y1 - region_.y0);
@@ -53,7 +53,6 @@ public:
         else if (!config.transfer_functions.empty())
             style_.emplace(scene, camera, config, width(), region_.y1 - region_.y0);
         set_heterogeneity();
-        set_shadow_rays();
     }
 
     Film render() {
@@ -75,6 +74,7 @@ public:
             air_->report(statistics_);
         if (style_)
             statistics_.stages.push_back({"transfer functions", style_seconds_});
+        surfaces_.count(statistics_);
         statistics_.count("pixels", static_cast<double>(pixel_count()));
         statistics_.count("samples per pixel", static_cast<double>(sample_count_) / static_cast<double>(pixel_count()));
         film.statistics = std::move(statistics_);
@@ -118,18 +118,9 @@ private:
         air_.emplace(*config_.heterogeneity, camera_, region_, style_.has_value(), progress_);
     }
 
-    /// How many shadow rays a light gets per surface point, and how far neighbours share those of the world.
-    void set_shadow_rays() {
-        const bool may_share = shares_strata(config_.shafts) && shared_reach_px(config_.pixel_samples) > 0;
-        ShadowRayCounts counts = count_shadow_rays(scene_, media_, light_, camera_, filter_, config_.seed, may_share,
-                                                   config_.shafts, progress_);
-        statistics_.count("direct light: shadow rays per surface point",
-                          std::accumulate(counts.of_light.begin(), counts.of_light.end(), 0.0));
-        if (counts.is_world_shared)
-            world_reach_px_ = shared_reach_px(std::uint64_t{counts.of_light.back()} * config_.pixel_samples);
-        light_.set_ray_counts(std::move(counts.of_light));
+    [[nodiscard]] bool collects_parts(std::uint32_t sample) const {
+        return sample == 0 ? !media_.is_empty() : shafts_.has_value();
     }
-
     /// After a round of samples: whether some pixels go on.
     bool has_noise_after(std::uint32_t sample) {
         noise_->end_sample(is_active_);
@@ -141,17 +132,20 @@ private:
     /// One pass: the surfaces of the whole picture, which then appears, and after them the shafts.
     void render_sample(std::uint32_t sample, const std::vector<Band>& bands) {
         waiting_.clear();
-        world_lit_.assign(world_reach_px_ > 0 ? pixel_count() : 0, WorldLit{});
+        world_lit_.assign(surfaces_.world_reach_px() > 0 ? pixel_count() : 0, WorldLit{});
+        surfaces_.begin_pass(sample, collects_parts(sample), active_count_ == pixel_count());
         // A band's pixels look at neighbours in the next one.
         for (std::size_t index = 0; index <= bands.size(); ++index) {
             if (index < bands.size())
                 trace(sample, bands[index]);
-            if (world_reach_px_ > 0 && index > 0)
+            if (surfaces_.world_reach_px() > 0 && index > 0)
                 share_world_light(bands[index - 1]);
             update_now_and_then();
         }
+        surfaces_.end_pass();
         if (air_ && (shafts_ || sample == 0))
-            air_->begin_pass(view_path(), filter_, surface_config(), sample, waiting_, progress_);
+            air_->begin_pass(surfaces_.view_path(), surfaces_.filter(), surfaces_.pass_config(), sample, waiting_,
+                             progress_);
         if (sample == 0 && !media_.is_empty())
             prepare_shafts();
         if (!shafts_)
@@ -183,18 +177,8 @@ private:
         if (shafts_->is_empty())
             shafts_.reset();
         else if (style_)
-            style_->see_shafts(view_path(), shafts_->prepared(), progress_);
+            style_->see_shafts(surfaces_.view_path(), shafts_->prepared(), progress_);
     }
-    [[nodiscard]] ViewPath view_path(bool collects_parts = true) const {
-        return {scene_,
-                media_,
-                light_,
-                camera_,
-                {.is_film_transparent = config_.is_film_transparent,
-                 .collects_parts = collects_parts,
-                 .lights_black_surfaces = config_.passes.has(Pass::Shadow)}};
-    }
-    [[nodiscard]] SurfacePass::Config surface_config() const { return {config_.pixel_samples, config_.seed}; }
     [[nodiscard]] vec2 pixel_centre(std::size_t pixel) const {
         return {static_cast<float>(region_.x0 + pixel % width()) + 0.5f,
                 static_cast<float>(region_.y0 + pixel / width()) + 0.5f};
@@ -214,23 +198,20 @@ private:
     void trace(std::uint32_t sample, const Band& band) {
         say(sample, "surfaces");
         const auto start = Clock::now();
-        const bool has_shafts = sample == 0 ? !media_.is_empty() : shafts_.has_value();
-        const ViewPath path = view_path(has_shafts);
-        const SurfacePass pass(path, camera_, region_, filter_, surface_config());
-        pass.trace(
-            {.sample_index = sample, .first_row = band.first_row, .end_row = band.end_row}, is_active_,
+        surfaces_.trace(
+            band.first_row, band.end_row, is_active_,
             [&](std::size_t pixel, const PathSample& found) {
                 sums_.add(pixel, found);
                 if (style_)
                     style_->see(pixel, found);
                 if (noise_)
                     noise_->add(pixel, found.radiance);
-                if (world_reach_px_ > 0)
+                if (surfaces_.world_reach_px() > 0)
                     world_lit_[pixel] = found.world_lit;
             },
             waiting_, progress_);
         surface_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
-        advance(sample, band, 0.0, has_shafts ? surface_share : 1.0);
+        advance(sample, band, 0.0, collects_parts(sample) ? surface_share : 1.0);
     }
 
     void share_world_light(const Band& band) {
@@ -241,7 +222,7 @@ private:
                 const auto y = static_cast<std::uint32_t>(band.first_row + row);
                 for (std::uint32_t x = 0; x < width(); ++x) {
                     const std::size_t pixel = std::size_t{y} * width() + x;
-                    const Rgb gain = shared_light_gain(world_lit_, width(), world_reach_px_, x, y);
+                    const Rgb gain = shared_light_gain(world_lit_, width(), surfaces_.world_reach_px(), x, y);
                     if (gain == Rgb(0.0f))
                         continue;
                     sums_.add_light(pixel, gain);
@@ -297,16 +278,15 @@ private:
     const FrameConfig& config_;
     Progress& progress_;
     const OnUpdate& on_update_;
-    Statistics statistics_; // before light_, which reports into it
+    Statistics statistics_; // before surfaces_, which report into it
     Region region_;
-    FilterSampler filter_;
     const Media& media_;
-    DirectLight light_;
+    FrameSurfaces surfaces_;
     FilmSums sums_;
     std::optional<PixelNoise> noise_;     ///< None: every pixel takes all samples.
     std::vector<std::uint8_t> is_active_; ///< Per pixel: takes further samples.
     std::size_t active_count_, sample_count_ = 0;
-    std::uint32_t round_samples_, world_reach_px_ = 0;
+    std::uint32_t round_samples_;
     std::vector<WorldLit> world_lit_;   ///< Per pixel, of one pass, where neighbours share it.
     WaitingParts waiting_;              ///< Of the current pass; kept for its memory.
     std::optional<FrameAir> air_;       ///< Where the air has a texture.

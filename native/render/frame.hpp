@@ -11,9 +11,12 @@
 #include "transfer_functions/transfer_function.hpp"
 #include "volume/heterogeneity.hpp"
 #include <functional>
+#include <memory>
 #include <optional>
 
 namespace tyndall::render {
+class KeptSurfaces; // kept_surfaces.hpp
+
 struct FrameConfig {
     std::uint32_t pixel_samples = 16; ///< [1, 65536]; 1: the pixel's centre, unfiltered.
     PixelFilter pixel_filter = PixelFilter::BlackmanHarris;
@@ -31,7 +34,11 @@ struct FrameConfig {
     /// scatters; without one, the mean over all lights, and the angle to the strongest lamp.
     std::optional<std::uint32_t> reference_light = {};
     std::optional<Heterogeneity> heterogeneity = {}; ///< The air's texture; none: media scatter evenly.
-    bool keeps_unstyled = false;                     ///< The film carries what a change of the functions' layers needs.
+    /// What camera rays met in other frames; nothing: none of it is kept.
+    std::shared_ptr<KeptSurfaces> kept_surfaces = {};
+    /// A pilot finds how many shadow rays each light is worth at a surface point; false: one.
+    bool adapts_shadow_rays = true;
+    bool keeps_unstyled = false; ///< The film carries what a change of the functions' layers needs.
     std::uint32_t seed = 0;
     int thread_count = 0; ///< 0: all.
 };

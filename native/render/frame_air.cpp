@@ -48,11 +48,8 @@ void FrameAir::begin_pass(const ViewPath& path, const FilterSampler& filter, con
     for (auto& [pixels, parts] : margins_) {
         parts.clear();
         const std::uint32_t rows = pixels.y1 - pixels.y0;
-        const std::vector<std::uint8_t> is_active(std::size_t{rows} * (pixels.x1 - pixels.x0), 1);
         SurfacePass(path, camera_, pixels, filter, config)
-            .trace(
-                {.sample_index = sample_index, .first_row = 0, .end_row = rows}, is_active,
-                [](std::size_t, const PathSample&) {}, parts, progress);
+            .find_parts({.sample_index = sample_index, .first_row = 0, .end_row = rows}, parts, progress);
     }
     const auto append = [&](const Region& pixels, const WaitingParts& parts, std::uint32_t x, std::uint32_t y) {
         if (x < pixels.x0 || pixels.x1 <= x || y < pixels.y0 || pixels.y1 <= y)

@@ -238,7 +238,12 @@ std::vector<double> fog_brightness(const Scene& scene, const Media& media, const
     config.world_samples = std::min(config.world_samples, 1u);
     config.adapts_strata = false;
     const std::vector<light_shafts::ViewRay> rays = pilot.rays();
-    const light_shafts::Shafts shafts(scene, media, light_shafts::view_of(camera), rays, config, progress);
+    // Edits change little of how bright fog is as a whole, and would cost maps of their own.
+    std::vector<Light> lights(scene.lights().begin(), scene.lights().end());
+    for (Light& light : lights)
+        light.occluder_edits.clear();
+    const Scene unedited(scene, std::move(lights), scene.world());
+    const light_shafts::Shafts shafts(unedited, media, light_shafts::view_of(camera), rays, config, progress);
     if (shafts.is_empty())
         return brightness;
     std::vector<Rgb> radiance(rays.size());

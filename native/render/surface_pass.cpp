@@ -12,50 +12,46 @@ static constexpr std::uint32_t block_width_px = squares_per_block * SurfacePass:
 static constexpr std::size_t rays_per_square = std::size_t{SurfacePass::square_px} * SurfacePass::square_px;
 static_assert(rays_per_square <= DirectLight::most_points);
 
-/// Up to 4 rows of up to 64 pixels, less what lies outside of the region.
-struct SurfacePass::Block {
-    Region pixels;
-    WaitingParts parts; ///< Row by row.
-
-    [[nodiscard]] std::uint32_t width_px() const { return pixels.x1 - pixels.x0; }
-    [[nodiscard]] std::size_t index_of(std::uint32_t x, std::uint32_t y) const {
-        return std::size_t{y - pixels.y0} * width_px() + (x - pixels.x0);
-    }
-    [[nodiscard]] bool has(std::uint32_t x, std::uint32_t y) const {
-        return pixels.x0 <= x && x < pixels.x1 && pixels.y0 <= y && y < pixels.y1;
-    }
-};
+std::size_t SurfaceBlock::bytes() const {
+    return sizeof(*this) + parts.first.capacity() * sizeof(std::uint32_t) +
+           parts.rays.capacity() * sizeof(light_shafts::ViewRay) + parts.weights.capacity() * sizeof(Rgb) +
+           samples.bytes() + walk.bytes() + light.bytes();
+}
 
 /// What the pixels of a block bring home, square by square; kept from block to block for its memory.
 struct SurfacePass::Catch {
     std::array<Ray, rays_per_square * squares_per_block> rays;
+    std::array<std::uint8_t, rays_per_square * squares_per_block> is_caught;
+    std::array<PathSample, rays_per_square * squares_per_block> samples;
     std::array<std::vector<MediumPart>, rays_per_square * squares_per_block> parts;
     std::array<std::vector<MediumPart>, rays_per_square> parts_of_square;
+    SurfaceWalk walk; ///< As is the light: of blocks that do not keep it.
+    SurfaceLight light;
 };
 
 /// What all squares of a call have in common.
 struct SurfacePass::Call {
     std::uint32_t sample_index;
     std::span<const std::uint8_t> is_active;
+    const Kept& kept;
     const Deliver& deliver;
     const Progress& progress;
 };
 
 static std::uint32_t rounded_down(std::uint32_t value, std::uint32_t step) { return value / step * step; }
 
-void SurfacePass::trace_square(const Call& call, std::uint32_t x0, std::uint32_t y0, const Block& block,
-                               Catch& caught) const {
-    constexpr std::size_t nowhere = ~std::size_t{0};
+void SurfacePass::walk_square(const Call& call, std::uint32_t x0, std::uint32_t y0, const SurfaceBlock& block,
+                              Catch& caught, SurfaceWalk& walk) const {
     std::array<std::uint32_t, rays_per_square> xs, ys, seeds;
-    std::array<std::size_t, rays_per_square> pixels; ///< Of the region; nowhere: only keeps the others company.
+    std::array<std::uint32_t, rays_per_square> targets; ///< Of the block; nowhere: only keeps the others company.
     std::size_t count = 0, wanted_count = 0;
     for (std::uint32_t y = y0; y < std::min(y0 + square_px, camera_.height_px); ++y)
         for (std::uint32_t x = x0; x < std::min(x0 + square_px, camera_.width_px); ++x) {
-            pixels[count] = nowhere;
+            targets[count] = ViewPath::nowhere;
             if (block.has(x, y)) {
-                pixels[count] = std::size_t{y - region_.y0} * (region_.x1 - region_.x0) + (x - region_.x0);
-                if (!call.is_active[pixels[count]])
+                if (!call.is_active[pixel_at(x, y)])
                     continue;
+                targets[count] = block.index_of(x, y);
                 ++wanted_count;
             }
             xs[count] = x;
@@ -74,27 +70,30 @@ void SurfacePass::trace_square(const Call& call, std::uint32_t x0, std::uint32_t
     std::array<PathSample, rays_per_square> samples;
     for (std::vector<MediumPart>& parts : caught.parts_of_square)
         parts.clear();
-    path_.follow(std::span(rays).first(count), these_seeds, call.sample_index, samples, caught.parts_of_square);
+    path_.walk(std::span(rays).first(count), these_seeds, std::span(targets).first(count), samples,
+               caught.parts_of_square, &walk);
     for (std::size_t i = 0; i < count; ++i) {
-        if (pixels[i] == nowhere)
+        const std::uint32_t pixel = targets[i];
+        if (pixel == ViewPath::nowhere)
             continue;
-        call.deliver(pixels[i], samples[i]);
-        const std::size_t pixel = block.index_of(xs[i], ys[i]);
+        caught.is_caught[pixel] = 1;
+        caught.samples[pixel] = samples[i];
         caught.rays[pixel] = rays[i];
         caught.parts[pixel].swap(caught.parts_of_square[i]);
     }
 }
 
-void SurfacePass::trace_block(const Call& call, Block& block) const {
-    thread_local Catch caught;
+void SurfacePass::walk_block(const Call& call, SurfaceBlock& block, Catch& caught, SurfaceWalk& walk) const {
+    caught.is_caught.fill(0);
     for (std::vector<MediumPart>& parts : caught.parts)
         parts.clear();
+    walk.clear();
     const std::uint32_t y0 = rounded_down(block.pixels.y0, square_px);
     for (std::uint32_t x = rounded_down(block.pixels.x0, square_px); x < block.pixels.x1; x += square_px) {
         call.progress.poll();
-        trace_square(call, x, y0, block, caught);
+        walk_square(call, x, y0, block, caught, walk);
     }
-    const std::size_t pixel_count = block.index_of(block.pixels.x0, block.pixels.y1);
+    const std::size_t pixel_count = block.pixel_count();
     block.parts.first.reserve(pixel_count + 1);
     block.parts.rays.reserve(pixel_count);
     block.parts.weights.reserve(pixel_count);
@@ -108,30 +107,66 @@ void SurfacePass::trace_block(const Call& call, Block& block) const {
     }
 }
 
-std::vector<SurfacePass::Block> SurfacePass::blocks_of(const Rows& rows) const {
-    std::vector<Block> blocks;
+void SurfacePass::trace_block(const Call& call, SurfaceBlock& block) const {
+    thread_local Catch caught;
+    const bool keeps_points = call.kept.form == SurfaceForm::Points;
+    const bool keeps_samples = call.kept.form == SurfaceForm::Samples;
+    SurfaceWalk& walk = keeps_points ? block.walk : caught.walk;
+    SurfaceLight& light = keeps_points ? block.light : caught.light;
+    const std::size_t pixel_count = block.pixel_count();
+    const auto pack = [&] {
+        for (std::size_t pixel = 0; pixel < pixel_count; ++pixel)
+            block.samples.push(caught.samples[pixel], call.kept.parts);
+    };
+    const bool was_walked = block.is_walked;
+    if (was_walked) {
+        caught.is_caught.fill(1);
+        for (std::size_t pixel = 0; pixel < pixel_count; ++pixel)
+            caught.samples[pixel] = block.samples.get(pixel, call.kept.parts);
+    } else {
+        walk_block(call, block, caught, walk);
+        if (keeps_points)
+            pack();
+    }
+    if (call.kept.is_lit && !(was_walked && keeps_samples)) {
+        call.progress.poll();
+        path_.ask_lights(walk, call.sample_index, call.kept.is_asked, light);
+        path_.add_light(walk, light, caught.samples);
+    }
+    if (!was_walked && keeps_samples)
+        pack();
+    block.is_walked = true;
+    for (std::uint32_t y = block.pixels.y0; y < block.pixels.y1; ++y)
+        for (std::uint32_t x = block.pixels.x0; x < block.pixels.x1; ++x)
+            if (const std::size_t pixel = block.index_of(x, y); caught.is_caught[pixel] != 0)
+                call.deliver(pixel_at(x, y), caught.samples[pixel]);
+}
+
+std::vector<SurfaceBlock> SurfacePass::blocks_of(const Rows& rows) const {
+    std::vector<SurfaceBlock> blocks;
     const std::uint32_t end_y = region_.y0 + rows.end_row;
     for (std::uint32_t y = region_.y0 + rows.first_row, next_y = 0; y < end_y; y = next_y) {
         next_y = std::min(rounded_down(y, square_px) + square_px, end_y);
         for (std::uint32_t x = region_.x0, next_x = 0; x < region_.x1; x = next_x) {
             next_x = std::min(rounded_down(x, block_width_px) + block_width_px, region_.x1);
-            blocks.push_back({.pixels = {x, y, next_x, next_y}, .parts = {}});
+            blocks.emplace_back().pixels = {x, y, next_x, next_y};
         }
     }
     return blocks;
 }
 
 /// Rows of the picture out of the rows of blocks side by side.
-void SurfacePass::append(std::span<const Block> blocks, WaitingParts& waiting, const Progress& progress) {
+void SurfacePass::append(std::span<const SurfaceBlock> blocks, WaitingParts& waiting, const Progress& progress) {
     struct Slice {
-        const Block* block;
+        const SurfaceBlock* block;
         std::size_t first_pixel, to;
     };
     std::vector<Slice> slices;
     std::size_t to = waiting.rays.size();
     for (auto row_begin = blocks.begin(); row_begin != blocks.end();) {
-        const auto row_end = std::find_if(row_begin, blocks.end(),
-                                          [&](const Block& block) { return block.pixels.y0 != row_begin->pixels.y0; });
+        const auto row_end = std::find_if(row_begin, blocks.end(), [&](const SurfaceBlock& block) {
+            return block.pixels.y0 != row_begin->pixels.y0;
+        });
         for (std::uint32_t y = row_begin->pixels.y0; y < row_begin->pixels.y1; ++y)
             for (auto block = row_begin; block != row_end; ++block) {
                 const std::vector<std::uint32_t>& first = block->parts.first;
@@ -157,10 +192,20 @@ void SurfacePass::append(std::span<const Block> blocks, WaitingParts& waiting, c
         squares_per_block);
 }
 
-void SurfacePass::trace(const Rows& rows, std::span<const std::uint8_t> is_active, const Deliver& deliver,
-                        WaitingParts& waiting, const Progress& progress) const {
-    std::vector<Block> blocks = blocks_of(rows);
-    const Call call{rows.sample_index, is_active, deliver, progress};
+void SurfacePass::find_parts(const Rows& rows, WaitingParts& waiting, const Progress& progress) const {
+    const std::vector<std::uint8_t> is_active(std::size_t{region_.y1 - region_.y0} * (region_.x1 - region_.x0), 1);
+    std::vector<SurfaceBlock> blocks;
+    trace(
+        rows, is_active, {.form = SurfaceForm::Nothing, .parts = {}, .is_asked = {}, .is_lit = false}, blocks,
+        [](std::size_t, const PathSample&) {}, waiting, progress);
+}
+
+void SurfacePass::trace(const Rows& rows, std::span<const std::uint8_t> is_active, const Kept& kept,
+                        std::vector<SurfaceBlock>& blocks, const Deliver& deliver, WaitingParts& waiting,
+                        const Progress& progress) const {
+    if (blocks.empty())
+        blocks = blocks_of(rows);
+    const Call call{rows.sample_index, is_active, kept, deliver, progress};
     parallel_for(
         blocks.size(), progress, [&](std::size_t index) { trace_block(call, blocks[index]); }, 1);
     append(blocks, waiting, progress);

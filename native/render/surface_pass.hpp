@@ -4,6 +4,7 @@
 // Differs:  the squares lie on a grid of the full frame, and are traced whole where a region cuts them: a pixel's rays
 //           have the same neighbours in every region, so that a region is a crop of the full frame, bit for bit.
 #pragma once
+#include "render/packed_samples.hpp"
 #include "render/pixel_filter.hpp"
 #include "render/view_path.hpp"
 #include "render/waiting_parts.hpp"
@@ -13,6 +14,34 @@ namespace tyndall::render {
 /// Pixels [x0, x1) x [y0, y1) of the full frame, y up.
 struct Region {
     std::uint32_t x0, y0, x1, y1;
+    bool operator==(const Region&) const = default;
+};
+
+/// What is kept of a pass over surfaces.
+enum class SurfaceForm : std::uint8_t {
+    Nothing = 0,
+    Samples = 1, ///< With their light: serves while all lights stay.
+    Points = 2,  ///< Samples without light, surface points, and what each light gives them: serves when lights change.
+};
+
+/// Up to 4 rows of up to 64 pixels, less what lies outside of the region, with what their rays met.
+struct SurfaceBlock {
+    Region pixels{};
+    WaitingParts parts; ///< Row by row.
+    bool is_walked = false;
+    PackedSamples samples; ///< As are the walk and its light: of the form that is kept.
+    SurfaceWalk walk;
+    SurfaceLight light;
+
+    [[nodiscard]] std::uint32_t width_px() const { return pixels.x1 - pixels.x0; }
+    [[nodiscard]] std::uint32_t pixel_count() const { return width_px() * (pixels.y1 - pixels.y0); }
+    [[nodiscard]] std::uint32_t index_of(std::uint32_t x, std::uint32_t y) const {
+        return (y - pixels.y0) * width_px() + (x - pixels.x0);
+    }
+    [[nodiscard]] bool has(std::uint32_t x, std::uint32_t y) const {
+        return pixels.x0 <= x && x < pixels.x1 && pixels.y0 <= y && y < pixels.y1;
+    }
+    [[nodiscard]] std::size_t bytes() const;
 };
 
 class SurfacePass {
@@ -32,21 +61,39 @@ public:
         std::uint32_t sample_index;
         std::uint32_t first_row, end_row; ///< Of the region.
     };
+    /// What is kept of these rows.
+    struct Kept {
+        SurfaceForm form = SurfaceForm::Nothing;
+        PackedSamples::Parts parts;
+        /// Lights that have changed; all of them of rows that are not walked.
+        std::span<const std::uint8_t> is_asked;
+        bool is_lit = true; ///< False: light is not wanted.
+    };
     /// Takes what a pixel's ray found; the pixel is counted in the region, row by row. Called from any thread.
     using Deliver = std::function<void(std::size_t pixel, const PathSample& sample)>;
-    /// One sample of those pixels of the region's rows that `is_active`. Appends to `waiting`, which holds what lies
-    /// before. Throws Cancelled.
-    void trace(const Rows& rows, std::span<const std::uint8_t> is_active, const Deliver& deliver, WaitingParts& waiting,
+    /// One sample of those pixels of the region's rows that `is_active`: all, where something is kept. `blocks` has what
+    /// is kept of the rows, or is empty: then they are walked, and what is to be kept is put there. Appends to `waiting`,
+    /// which holds what lies before. Throws Cancelled, after which the light of those that were asked is not complete.
+    void trace(const Rows& rows, std::span<const std::uint8_t> is_active, const Kept& kept,
+               std::vector<SurfaceBlock>& blocks, const Deliver& deliver, WaitingParts& waiting,
                const Progress& progress) const;
 
+    /// Appends the parts of all rays of the rows alone: nothing is lit.
+    void find_parts(const Rows& rows, WaitingParts& waiting, const Progress& progress) const;
+
 private:
-    struct Block;
     struct Catch;
     struct Call;
-    [[nodiscard]] std::vector<Block> blocks_of(const Rows& rows) const;
-    void trace_block(const Call& call, Block& block) const;
-    void trace_square(const Call& call, std::uint32_t x0, std::uint32_t y0, const Block& block, Catch& caught) const;
-    static void append(std::span<const Block> blocks, WaitingParts& waiting, const Progress& progress);
+    /// Of the region.
+    [[nodiscard]] std::size_t pixel_at(std::uint32_t x, std::uint32_t y) const {
+        return std::size_t{y - region_.y0} * (region_.x1 - region_.x0) + (x - region_.x0);
+    }
+    [[nodiscard]] std::vector<SurfaceBlock> blocks_of(const Rows& rows) const;
+    void trace_block(const Call& call, SurfaceBlock& block) const;
+    void walk_block(const Call& call, SurfaceBlock& block, Catch& caught, SurfaceWalk& walk) const;
+    void walk_square(const Call& call, std::uint32_t x0, std::uint32_t y0, const SurfaceBlock& block, Catch& caught,
+                     SurfaceWalk& walk) const;
+    static void append(std::span<const SurfaceBlock> blocks, WaitingParts& waiting, const Progress& progress);
 
     const ViewPath& path_;
     const Camera& camera_;

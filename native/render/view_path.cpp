@@ -41,9 +41,9 @@ void ViewPath::reach_world(const Follower& follower, PathSample& sample) const {
         sample.radiance += follower.throughput() * scene_.world().radiance(follower.part.direction);
 }
 
-void ViewPath::follow(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds,
-                      std::uint32_t sample_index, std::span<PathSample> samples,
-                      std::span<std::vector<MediumPart>> parts) const {
+void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds,
+                    std::span<const std::uint32_t> targets, std::span<PathSample> samples,
+                    std::span<std::vector<MediumPart>> parts, SurfaceWalk* walked) const {
     constexpr std::size_t size = DirectLight::most_points;
     std::array<Follower, size> followers;
     std::size_t count = camera_rays.size();
@@ -54,15 +54,11 @@ void ViewPath::follow(std::span<const Ray> camera_rays, std::span<const std::uin
     }
     std::array<Ray, size> rays;
     std::array<Hit, size> hits;
-    std::array<SurfacePoint, size> lit_points;
-    std::array<Rgb, size> lit_albedos, lit_throughputs;
-    std::array<std::size_t, size> lit_indices;
-    std::array<DirectLight::Irradiance, size> irradiances;
     for (std::uint32_t layer = 0; layer < max_layer_count && count > 0; ++layer) {
         for (std::size_t i = 0; i < count; ++i)
             rays[i] = followers[i].part;
         scene_.closest_hits(std::span(rays).first(count), hits);
-        std::size_t lit_count = 0, going_on = 0;
+        std::size_t going_on = 0;
         for (std::size_t i = 0; i < count; ++i) {
             Follower& follower = followers[i];
             const Hit& hit = hits[i];
@@ -74,8 +70,7 @@ void ViewPath::follow(std::span<const Ray> camera_rays, std::span<const std::uin
                 continue;
             }
             const Rgb throughput = follower.throughput();
-            SurfacePoint& point = lit_points[lit_count];
-            point = surface_point(scene_, follower.part, hit, pixel_seeds[follower.index]);
+            const SurfacePoint point = surface_point(scene_, follower.part, hit, pixel_seeds[follower.index]);
             const SurfaceClosures closures = scene_.closures(point.shading, hit);
             if (!follower.has_first_surface && 1.0f - average(closures.transparent) >= alpha_threshold) {
                 follower.has_first_surface = true;
@@ -86,10 +81,11 @@ void ViewPath::follow(std::span<const Ray> camera_rays, std::span<const std::uin
             sample.radiance += throughput * closures.emission;
             sample.emission += throughput * closures.emission;
             sample.diffuse_colour += throughput * closures.diffuse_albedo;
-            if (closures.diffuse_albedo != Rgb(0.0f) || config_.lights_black_surfaces) {
-                lit_albedos[lit_count] = closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
-                lit_throughputs[lit_count] = throughput;
-                lit_indices[lit_count++] = follower.index;
+            if (walked != nullptr && targets[follower.index] != nowhere &&
+                (closures.diffuse_albedo != Rgb(0.0f) || config_.lights_black_surfaces)) {
+                const Rgb albedo = closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
+                walked->points.push_back(point);
+                walked->shades.push_back({throughput, throughput * albedo, targets[follower.index]});
             }
             follower.through_surfaces *= closures.transparent;
             if (follower.through_surfaces == Rgb(0.0f))
@@ -99,17 +95,64 @@ void ViewPath::follow(std::span<const Ray> camera_rays, std::span<const std::uin
             followers[going_on++] = follower;
         }
         count = going_on;
-        light_.at(std::span(lit_points).first(lit_count), {sample_index, 1 + layer * pairs_per_layer}, irradiances);
-        for (std::size_t i = 0; i < lit_count; ++i) {
-            PathSample& sample = samples[lit_indices[i]];
-            const Rgb albedo = lit_throughputs[i] * lit_albedos[i];
-            sample.radiance += albedo * irradiances[i].sum();
-            if (sample.world_lit.albedo == Rgb(0.0f))
-                sample.world_lit = {lit_points[i].shading.position, lit_points[i].shading.shading_normal, albedo,
-                                    irradiances[i].from_world};
-            sample.lit += lit_throughputs[i] * irradiances[i].from_lights;
-            sample.unshadowed += lit_throughputs[i] * irradiances[i].unshadowed;
+        if (walked != nullptr)
+            walked->end_batch(layer);
+    }
+}
+
+void ViewPath::ask_lights(const SurfaceWalk& walked, std::uint32_t sample_index, std::span<const std::uint8_t> is_asked,
+                          SurfaceLight& light) const {
+    const std::size_t light_count = light_.light_count();
+    light.lights.resize(light_count);
+    for (std::size_t index = 0; index < light_count; ++index)
+        if (is_asked[index] != 0) {
+            light.lights[index].irradiance.resize(walked.points.size());
+            const bool is_world = light_.has_world() && index + 1 == light_count;
+            light.lights[index].unshadowed.resize(config_.lights_black_surfaces && !is_world ? walked.points.size()
+                                                                                             : 0);
         }
+    thread_local std::vector<DirectLight::Irradiance> irradiance;
+    irradiance.resize(light_count * DirectLight::most_points);
+    std::size_t first = 0;
+    for (const auto [end, layer] : walked.batches) {
+        const std::size_t count = end - first;
+        light_.at(std::span(walked.points).subspan(first, count), {sample_index, 1 + layer * pairs_per_layer}, is_asked,
+                  irradiance);
+        for (std::size_t index = 0; index < light_count; ++index) {
+            if (is_asked[index] == 0)
+                continue;
+            SurfaceLight::OfLight& of_light = light.lights[index];
+            for (std::size_t i = 0; i < count; ++i) {
+                const DirectLight::Irradiance& found = irradiance[index * count + i];
+                of_light.irradiance[first + i] = found.sum();
+                if (!of_light.unshadowed.empty())
+                    of_light.unshadowed[first + i] = found.unshadowed;
+            }
+        }
+        first = end;
+    }
+}
+
+void ViewPath::add_light(const SurfaceWalk& walked, const SurfaceLight& light, std::span<PathSample> samples) const {
+    const std::size_t lamp_count = light_.light_count() - (light_.has_world() ? 1 : 0);
+    for (std::size_t point = 0; point < walked.points.size(); ++point) {
+        const auto& [throughput, radiance, target] = walked.shades[point];
+        PathSample& sample = samples[target];
+        Rgb from_lights(0.0f), unshadowed(0.0f), from_world(0.0f);
+        for (std::size_t lamp = 0; lamp < lamp_count; ++lamp) {
+            from_lights += light.lights[lamp].irradiance[point];
+            if (!light.lights[lamp].unshadowed.empty())
+                unshadowed += light.lights[lamp].unshadowed[point];
+        }
+        if (light_.has_world())
+            from_world = light.lights.back().irradiance[point];
+        sample.radiance += radiance * (from_lights + from_world);
+        if (sample.world_lit.albedo == Rgb(0.0f)) {
+            const ShadingPoint& shading = walked.points[point].shading;
+            sample.world_lit = {shading.position, shading.shading_normal, radiance, from_world};
+        }
+        sample.lit += throughput * from_lights;
+        sample.unshadowed += throughput * unshadowed;
     }
 }
 } // namespace tyndall::render

@@ -6,6 +6,7 @@
 #include "light_shafts/light_shafts.hpp"
 #include "render/direct_light.hpp"
 #include "render/film.hpp"
+#include "render/surface_walk.hpp"
 #include <span>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct ViewPathConfig {
     bool is_film_transparent = false;   ///< The world is not seen: alpha is what covers it.
     bool collects_parts = false;        ///< Fill `parts` where there is a medium.
     bool lights_black_surfaces = false; ///< The Shadow pass needs light on surfaces that show none.
+    bool operator==(const ViewPathConfig&) const = default;
 };
 
 class ViewPath {
@@ -31,11 +33,20 @@ public:
              const ViewPathConfig& config)
         : scene_(scene), media_(media), light_(light), camera_(camera), config_(config) {}
 
-    /// Follows the rays of up to DirectLight::most_points neighbouring pixels, and appends the parts of each that lie in
-    /// media to the parts of its index.
-    void follow(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds,
-                std::uint32_t sample_index, std::span<PathSample> samples,
-                std::span<std::vector<MediumPart>> parts) const;
+    [[nodiscard]] const ViewPathConfig& config() const { return config_; }
+    static constexpr std::uint32_t nowhere = ~0u;
+    /// Follows the rays of up to DirectLight::most_points neighbouring pixels through all that they pass. Overwrites
+    /// `samples` with what they bring home without light on surfaces, and appends the parts of each that lie in media to
+    /// the parts of its index. Where light is wanted, appends a batch of points per layer to the walk, of each ray for
+    /// sample targets[ray]; rays whose target is nowhere only keep the others company.
+    void walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds,
+              std::span<const std::uint32_t> targets, std::span<PathSample> samples,
+              std::span<std::vector<MediumPart>> parts, SurfaceWalk* walked) const;
+    /// Overwrites what those lights that `is_asked` give to the points.
+    void ask_lights(const SurfaceWalk& walked, std::uint32_t sample_index, std::span<const std::uint8_t> is_asked,
+                    SurfaceLight& light) const;
+    /// Adds the light on their surfaces to the samples.
+    void add_light(const SurfaceWalk& walked, const SurfaceLight& light, std::span<PathSample> samples) const;
 
 private:
     struct Follower;

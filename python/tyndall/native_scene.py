@@ -88,7 +88,9 @@ class KeptGeometry:
 def geometry_fingerprint(description: SceneDescription) -> bytes:
     """Equal where nothing but lights and the world's light differ."""
     places = () if description.instances else tuple(light.world_from_light for light in description.lights)
-    return fingerprint((description.instances, description.materials, description.media, description.world.medium, places))
+    return fingerprint(
+        (description.instances, description.materials, description.media, description.world.medium, places)
+    )
 
 
 @dataclass
@@ -162,7 +164,9 @@ def build_scene(description: SceneDescription, parts: NativeParts, progress: _na
         "Light",
         reports,
     )
-    named = [(source.name, light) for source, light in zip(description.lights, lights, strict=True) if light is not None]
+    named = [
+        (source.name, light) for source, light in zip(description.lights, lights, strict=True) if light is not None
+    ]
     world = _build_world(description.world, parts, reports)
     return BuiltScene(
         scene=kept.scene.relit([light for _, light in named], world),

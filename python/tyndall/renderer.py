@@ -75,6 +75,8 @@ class RenderConfig:
     #: scatters; without one, the mean over all lights, and the angle to the strongest lamp.
     reference_light: str = ""
     heterogeneity: Heterogeneity | None = None  #: The air's texture; None: media scatter evenly.
+    #: A pilot finds how many shadow rays each light is worth at a surface point; False: one, for the coarsest picture.
+    adapts_shadow_rays: bool = True
     seed: int = 0
     thread_count: int = 0  #: 0: all.
 
@@ -94,15 +96,18 @@ class Session:
     Not for two threads at once; ``progress.cancel()`` may come from any thread.
     """
 
-    def __init__(self, *, kept_pictures: int = 0, kept_maps_bytes: int = 0) -> None:
+    def __init__(self, *, kept_pictures: int = 0, kept_maps_bytes: int = 0, kept_surfaces_bytes: int = 0) -> None:
         """Keep nothing from picture to picture but the scene, or more of it.
 
         ``kept_pictures``: how many of the last are kept, so that changed transfer functions need no rays.
         ``kept_maps_bytes``: of lights' depth maps before their edits, and of slope rows, so that a changed edit costs
-        its filters and its noise. Pictures are the same, bit for bit.
+        its filters and its noise.
+        ``kept_surfaces_bytes``: of what camera rays met in the last pictures and how it is lit, so that changed shafts
+        trace no ray, and a changed light only its own. Pictures are the same, bit for bit.
         """
         self._unstyled = UnstyledPictures(kept_pictures)
         self._kept_maps = _native.MapCache(kept_maps_bytes) if kept_maps_bytes > 0 else None
+        self._kept_surfaces = _native.KeptSurfaces(kept_surfaces_bytes) if kept_surfaces_bytes > 0 else None
         self._parts = NativeParts()
         self._function_textures: dict[str, _native.Texture] = {}
         self._kept_air = KeptAir()
@@ -138,7 +143,6 @@ class Session:
             self._light_names = built.light_names
             self._fingerprint = current
             self._unstyled.clear()
-            self._parts.counts["scene rebuilt"] = 1
         else:
             self._parts.count_all_as_reused()
         self._update_seconds = perf_counter() - start
@@ -164,7 +168,7 @@ class Session:
             planes = _native.restyle(kept, functions, progress)
             statistics = {
                 "stages": [{"name": "transfer functions", "seconds": perf_counter() - start}],
-                "skipped": [{"name": "rays", "reason": "only layers of transfer functions changed"}],
+                "skipped": [{"what": "rays", "reason": "only layers of transfer functions changed"}],
                 "counts": {},
                 "reports": reports,
             }
@@ -178,7 +182,10 @@ class Session:
         )
         if unstyled is not None:
             self._unstyled.keep(camera, config, unstyled)
-        parts = (self.statistics, self._scene.statistics.to_dict(), native_statistics.to_dict())
+        of_scene = self._scene.statistics.to_dict()
+        if not self._parts.counts["scene rebuilt"]:
+            of_scene["stages"] = []  # of another update
+        parts = (self.statistics, of_scene, native_statistics.to_dict())
         merged = _merged(*parts)
         merged["reports"] += reports
         merged["counts"]["peak memory, MiB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
@@ -234,6 +241,8 @@ class Session:
             transfer_functions=functions,
             reference_light=reference_light,
             heterogeneity=self._kept_air.build(config.heterogeneity, self._origin_in_world, reports),
+            kept_surfaces=self._kept_surfaces,
+            adapts_shadow_rays=config.adapts_shadow_rays,
             keeps_unstyled=keeps_unstyled,
             seed=config.seed,
             thread_count=config.thread_count,

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/frame_surfaces.hpp"
+#include "render/frame_shafts.hpp"
+#include <algorithm>
+#include <numeric>
+
+namespace tyndall::render {
+FrameSurfaces::FrameSurfaces(const Scene& scene, const Media& media, const Camera& camera, const Region& region,
+                             const FrameConfig& config, Statistics& statistics, Progress& progress)
+    : scene_(scene), media_(media), camera_(camera), region_(region), config_(config),
+      filter_(config.pixel_filter, config.filter_width_px), light_(scene, media, statistics) {
+    if (config.kept_surfaces)
+        config.kept_surfaces->begin_picture(scene);
+    set_shadow_rays(statistics, progress);
+}
+
+ViewPath FrameSurfaces::view_path(bool collects_parts) const {
+    return {scene_,
+            media_,
+            light_,
+            camera_,
+            {.is_film_transparent = config_.is_film_transparent,
+             .collects_parts = collects_parts,
+             .lights_black_surfaces = config_.passes.has(Pass::Shadow)}};
+}
+
+SurfaceKey FrameSurfaces::key(std::uint32_t sample_index, bool collects_parts) const {
+    return {.geometry = scene_.geometry(),
+            .world = scene_.world(),
+            .camera = camera_,
+            .region = region_,
+            .filter = config_.pixel_filter,
+            .filter_width_px = config_.filter_width_px,
+            .is_filtered = config_.pixel_samples > 1,
+            .seed = config_.seed,
+            .sample_index = sample_index,
+            .path = view_path(collects_parts).config(),
+            .parts = PackedSamples::parts_for(config_.passes, world_reach_px_ > 0)};
+}
+
+/// How many shadow rays a light gets per surface point, and how far neighbours share those of the world.
+void FrameSurfaces::set_shadow_rays(Statistics& statistics, Progress& progress) {
+    const bool may_share = shares_strata(config_.shafts) && shared_reach_px(config_.pixel_samples) > 0;
+    ShadowRayCounts counts{.of_light = std::vector<std::uint32_t>(light_.light_count(), 1)};
+    if (config_.adapts_shadow_rays) {
+        CountsKey key{.surfaces = this->key(0, false),
+                      .lights = {scene_.lights().begin(), scene_.lights().end()},
+                      .may_share_world = may_share,
+                      .attenuates_light = config_.shafts.attenuates_light,
+                      .world_scatters = config_.shafts.world_samples > 0,
+                      .shafts_seed = config_.shafts.seed};
+        const ShadowRayCounts* kept = config_.kept_surfaces ? config_.kept_surfaces->find_counts(key) : nullptr;
+        counts = kept != nullptr ? *kept
+                                 : count_shadow_rays(scene_, media_, light_, camera_, filter_, config_.seed, may_share,
+                                                     config_.shafts, progress);
+        if (config_.kept_surfaces && kept == nullptr)
+            config_.kept_surfaces->keep_counts(std::move(key), counts);
+    }
+    statistics.count("direct light: shadow rays per surface point",
+                     std::accumulate(counts.of_light.begin(), counts.of_light.end(), 0.0));
+    if (counts.is_world_shared)
+        world_reach_px_ = shared_reach_px(std::uint64_t{counts.of_light.back()} * config_.pixel_samples);
+    light_.set_ray_counts(std::move(counts.of_light));
+}
+
+std::vector<KeptLight> FrameSurfaces::lights_now() const {
+    std::vector<KeptLight> lights;
+    for (std::size_t light = 0; light < light_.light_count(); ++light) {
+        const bool is_world = light_.has_world() && light + 1 == light_.light_count();
+        lights.push_back({.light = is_world ? Light{} : scene_.lights()[light_.index_of(light)],
+                          .ray_count = light_.ray_count(light)});
+    }
+    return lights;
+}
+
+void FrameSurfaces::begin_pass(std::uint32_t sample_index, bool collects_parts, bool may_keep) {
+    sample_index_ = sample_index;
+    collects_parts_ = collects_parts;
+    band_ = 0;
+    ++pass_count_;
+    const std::size_t light_count = light_.light_count();
+    is_asked_.assign(light_count, 1);
+    asked_light_count_ += light_count;
+    pass_.reset();
+    is_new_ = true;
+    const SurfaceForm form = config_.kept_surfaces && may_keep
+                                 ? config_.kept_surfaces->form_for(pixel_count(), light_count)
+                                 : SurfaceForm::Nothing;
+    if (form == SurfaceForm::Nothing)
+        return;
+    const std::vector<KeptLight> now = lights_now();
+    if (const auto kept = config_.kept_surfaces->find(key(sample_index, collects_parts)); kept && kept->form == form) {
+        kept->lights.resize(light_count);
+        for (std::size_t light = 0; light < light_count; ++light)
+            is_asked_[light] = kept->lights[light] == now[light] ? 0 : 1;
+        const auto changed = static_cast<std::size_t>(std::ranges::count(is_asked_, 1));
+        if (form == SurfaceForm::Points || (changed == 0 && kept->light_count == light_count)) {
+            // Until all of its bands are done, their light is of neither state.
+            for (std::size_t light = 0; light < light_count; ++light)
+                if (is_asked_[light] != 0)
+                    kept->lights[light] = {};
+            kept->light_count = light_count;
+            pass_ = kept;
+            is_new_ = false;
+            ++kept_pass_count_;
+            asked_light_count_ -= light_count - changed;
+            kept_light_count_ += light_count - changed;
+            return;
+        }
+        std::ranges::fill(is_asked_, 1);
+    }
+    pass_ = std::make_shared<KeptPass>();
+    pass_->key = key(sample_index, collects_parts);
+    pass_->form = form;
+    pass_->light_count = light_count;
+}
+
+void FrameSurfaces::trace(std::uint32_t first_row, std::uint32_t end_row, std::span<const std::uint8_t> is_active,
+                          const SurfacePass::Deliver& deliver, WaitingParts& waiting, const Progress& progress) {
+    const ViewPath path = view_path(collects_parts_);
+    const SurfacePass pass(path, camera_, region_, filter_, pass_config());
+    SurfacePass::Kept kept{.form = SurfaceForm::Nothing, .parts = {}, .is_asked = is_asked_};
+    std::vector<SurfaceBlock> of_this_pass;
+    std::vector<SurfaceBlock>* blocks = &of_this_pass;
+    if (pass_) {
+        kept.form = pass_->form;
+        kept.parts = pass_->key.parts;
+        if (band_ == pass_->bands.size())
+            pass_->bands.emplace_back();
+        blocks = &pass_->bands[band_++];
+    }
+    pass.trace({.sample_index = sample_index_, .first_row = first_row, .end_row = end_row}, is_active, kept, *blocks,
+               deliver, waiting, progress);
+}
+
+void FrameSurfaces::end_pass() {
+    if (!pass_)
+        return;
+    pass_->lights = lights_now();
+    if (is_new_)
+        config_.kept_surfaces->keep(pass_);
+    else
+        config_.kept_surfaces->count_again(*pass_);
+    pass_.reset();
+}
+
+void FrameSurfaces::count(Statistics& statistics) const {
+    if (!config_.kept_surfaces)
+        return;
+    statistics.count("surfaces: passes kept", static_cast<double>(kept_pass_count_));
+    statistics.count("surfaces: passes walked", static_cast<double>(pass_count_ - kept_pass_count_));
+    statistics.count("surfaces: lights kept", static_cast<double>(kept_light_count_));
+    statistics.count("surfaces: lights asked", static_cast<double>(asked_light_count_));
+    statistics.count("kept surfaces: bytes", static_cast<double>(config_.kept_surfaces->bytes()));
+}
+} // namespace tyndall::render

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The surfaces of a frame, pass by pass: what camera rays meet, lit by the scene's lights; or what is kept of it.
+#pragma once
+#include "render/frame.hpp"
+#include "render/kept_surfaces.hpp"
+
+namespace tyndall::render {
+class FrameSurfaces {
+public:
+    /// The references must outlive this; reports to `statistics` what cannot light anything. Throws Cancelled.
+    FrameSurfaces(const Scene& scene, const Media& media, const Camera& camera, const Region& region,
+                  const FrameConfig& config, Statistics& statistics, Progress& progress);
+
+    /// How far neighbours share the world's light; 0: they do not.
+    [[nodiscard]] std::uint32_t world_reach_px() const { return world_reach_px_; }
+    [[nodiscard]] ViewPath view_path(bool collects_parts = true) const;
+
+    [[nodiscard]] const FilterSampler& filter() const { return filter_; }
+    [[nodiscard]] SurfacePass::Config pass_config() const { return {config_.pixel_samples, config_.seed}; }
+
+    /// Before the bands of a pass. `may_keep`: every pixel is active.
+    void begin_pass(std::uint32_t sample_index, bool collects_parts, bool may_keep);
+    /// The next band, from below; see SurfacePass::trace.
+    void trace(std::uint32_t first_row, std::uint32_t end_row, std::span<const std::uint8_t> is_active,
+               const SurfacePass::Deliver& deliver, WaitingParts& waiting, const Progress& progress);
+    /// After the last one.
+    void end_pass();
+    /// How much of the passes was kept.
+    void count(Statistics& statistics) const;
+
+private:
+    [[nodiscard]] SurfaceKey key(std::uint32_t sample_index, bool collects_parts) const;
+    [[nodiscard]] std::vector<KeptLight> lights_now() const;
+    void set_shadow_rays(Statistics& statistics, Progress& progress);
+    [[nodiscard]] std::size_t pixel_count() const {
+        return std::size_t{region_.x1 - region_.x0} * (region_.y1 - region_.y0);
+    }
+
+    const Scene& scene_;
+    const Media& media_;
+    const Camera& camera_;
+    Region region_;
+    const FrameConfig& config_;
+    FilterSampler filter_;
+    DirectLight light_;
+    std::uint32_t world_reach_px_ = 0;
+
+    std::uint32_t sample_index_ = 0; ///< Of the pass at work, as is all that follows.
+    bool collects_parts_ = false;
+    std::shared_ptr<KeptPass> pass_; ///< Nothing: nothing is kept of it.
+    bool is_new_ = false;            ///< Its rays are walked.
+    std::size_t band_ = 0;
+    std::vector<std::uint8_t> is_asked_; ///< Per light.
+
+    std::size_t pass_count_ = 0, kept_pass_count_ = 0, asked_light_count_ = 0, kept_light_count_ = 0;
+};
+} // namespace tyndall::render

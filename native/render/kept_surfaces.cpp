@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/kept_surfaces.hpp"
+#include <algorithm>
+
+namespace tyndall::render {
+/// A picture in a viewport comes after rougher ones, which have passes of their own.
+static constexpr std::uint64_t last_pictures = 8;
+static constexpr std::size_t kept_counts = 8;
+/// Per pixel; of a few more than one surface point.
+static constexpr std::size_t sample_bytes = 100, point_bytes = 400, point_bytes_per_light = 16;
+
+bool SurfaceKey::operator==(const SurfaceKey& other) const {
+    return geometry == other.geometry && world.shines_as(other.world) && camera == other.camera &&
+           region == other.region && filter == other.filter && filter_width_px == other.filter_width_px &&
+           is_filtered == other.is_filtered && seed == other.seed && sample_index == other.sample_index &&
+           path == other.path && parts == other.parts;
+}
+
+bool CountsKey::operator==(const CountsKey& other) const {
+    const auto are_alike = [](const Light& a, const Light& b) {
+        return a.scatters_in_media == b.scatters_in_media && lights_surfaces_alike(a, b);
+    };
+    return surfaces == other.surfaces && may_share_world == other.may_share_world &&
+           attenuates_light == other.attenuates_light && world_scatters == other.world_scatters &&
+           shafts_seed == other.shafts_seed && std::ranges::equal(lights, other.lights, are_alike);
+}
+
+std::size_t KeptPass::bytes() const {
+    std::size_t sum = sizeof(*this);
+    for (const std::vector<SurfaceBlock>& band : bands)
+        for (const SurfaceBlock& block : band)
+            sum += block.bytes();
+    return sum;
+}
+
+void KeptSurfaces::begin_picture(const Scene& scene) {
+    ++picture_;
+    const std::shared_ptr<const void> geometry = scene.geometry();
+    for (auto entry = entries_.begin(); entry != entries_.end();)
+        if (const auto here = entry++; here->pass->key.geometry != geometry)
+            remove(here);
+    std::erase_if(counts_, [&](const auto& kept) { return kept.first.surfaces.geometry != geometry; });
+}
+
+SurfaceForm KeptSurfaces::form_for(std::size_t pixel_count, std::size_t light_count) const {
+    if (pixel_count * (point_bytes + point_bytes_per_light * light_count) <= capacity_bytes_ / 2)
+        return SurfaceForm::Points;
+    return pixel_count * sample_bytes <= capacity_bytes_ / 2 ? SurfaceForm::Samples : SurfaceForm::Nothing;
+}
+
+std::shared_ptr<KeptPass> KeptSurfaces::find(const SurfaceKey& key) {
+    const auto found = std::ranges::find_if(entries_, [&](const Entry& entry) { return entry.pass->key == key; });
+    if (found == entries_.end())
+        return nullptr;
+    entries_.splice(entries_.begin(), entries_, found);
+    found->picture = picture_;
+    return found->pass;
+}
+
+void KeptSurfaces::keep(std::shared_ptr<KeptPass> pass) {
+    const std::size_t bytes = pass->bytes();
+    const auto takes_its_place = [&](const SurfaceKey& other) {
+        return other.camera.width_px == pass->key.camera.width_px &&
+               other.camera.height_px == pass->key.camera.height_px && other.sample_index == pass->key.sample_index;
+    };
+    for (auto entry = entries_.begin(); entry != entries_.end();)
+        if (const auto here = entry++; takes_its_place(here->pass->key))
+            remove(here);
+    while (!entries_.empty() && bytes_ + bytes > capacity_bytes_ && entries_.back().picture + last_pictures <= picture_)
+        remove(std::prev(entries_.end()));
+    if (bytes_ + bytes > capacity_bytes_)
+        return;
+    entries_.push_front({std::move(pass), bytes, picture_});
+    bytes_ += bytes;
+}
+
+void KeptSurfaces::count_again(const KeptPass& pass) {
+    const auto found = std::ranges::find_if(entries_, [&](const Entry& entry) { return entry.pass.get() == &pass; });
+    if (found == entries_.end())
+        return;
+    bytes_ -= found->bytes;
+    found->bytes = pass.bytes();
+    bytes_ += found->bytes;
+    if (bytes_ > capacity_bytes_)
+        remove(found);
+}
+
+const ShadowRayCounts* KeptSurfaces::find_counts(const CountsKey& key) const {
+    const auto found = std::ranges::find_if(counts_, [&](const auto& kept) { return kept.first == key; });
+    return found == counts_.end() ? nullptr : &found->second;
+}
+
+void KeptSurfaces::keep_counts(CountsKey key, ShadowRayCounts counts) {
+    counts_.emplace_front(std::move(key), std::move(counts));
+    if (counts_.size() > kept_counts)
+        counts_.pop_back();
+}
+
+void KeptSurfaces::remove(std::list<Entry>::iterator entry) {
+    bytes_ -= entry->bytes;
+    entries_.erase(entry);
+}
+} // namespace tyndall::render

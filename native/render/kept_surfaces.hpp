@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What camera rays met in the last pictures, kept for the next: an edit of what stands before a light in the air traces
+// no ray, and a light that moved is asked anew at the points that the others have lit already.
+// Differs:  nothing is told by names or by what was changed, as in light_shafts/map_cache.hpp: all that a pass depends on
+//           is its key, and so pictures have the same bits with and without it, whatever was rendered before.
+// Bound:    as many bytes as it is given: some 100 per pixel and sample with their light (of 1920 x 1080 pixels 200 MB);
+//           for small pictures, 400 per pixel and 12 more per light, with points that a changed light is asked at.
+//           Passes of the last pictures do not make room for others: what does not fit is rendered anew each time.
+#pragma once
+#include "render/shadow_ray_counts.hpp"
+#include "render/surface_pass.hpp"
+#include "scene/camera.hpp"
+#include "scene/scene.hpp"
+#include <list>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace tyndall::render {
+/// What a pass over surfaces depends on, but for lights.
+struct SurfaceKey {
+    std::shared_ptr<const void> geometry; ///< Scene::geometry: materials and media are part of it.
+    World world;
+    Camera camera;
+    Region region{};
+    PixelFilter filter = PixelFilter::Box;
+    float filter_width_px = 0.0f;
+    bool is_filtered = false; ///< Samples lie beside the pixel's centre.
+    std::uint32_t seed = 0, sample_index = 0;
+    ViewPathConfig path;
+    PackedSamples::Parts parts;
+    [[nodiscard]] bool operator==(const SurfaceKey& other) const;
+};
+
+/// A light as surfaces see it. The world's has no more than its ray count: the rest is part of SurfaceKey.
+struct KeptLight {
+    Light light;
+    std::uint32_t ray_count = 0; ///< Shadow rays per point; 0: its light has to be asked for.
+    [[nodiscard]] bool operator==(const KeptLight& other) const {
+        return ray_count == other.ray_count && lights_surfaces_alike(light, other.light);
+    }
+};
+
+/// One sample of a picture's surfaces.
+struct KeptPass {
+    SurfaceKey key;
+    SurfaceForm form = SurfaceForm::Nothing;
+    std::size_t light_count = 0;
+    std::vector<KeptLight> lights;                ///< In the order of DirectLight; none before the pass is complete.
+    std::vector<std::vector<SurfaceBlock>> bands; ///< Of the picture, from below.
+    [[nodiscard]] std::size_t bytes() const;
+};
+
+/// What the shadow ray counts of a picture depend on.
+struct CountsKey {
+    SurfaceKey surfaces;
+    std::vector<Light> lights;
+    bool may_share_world = false, attenuates_light = true, world_scatters = true;
+    std::uint32_t shafts_seed = 0;
+    [[nodiscard]] bool operator==(const CountsKey& other) const;
+};
+
+/// For one thread at a time.
+class KeptSurfaces {
+public:
+    explicit KeptSurfaces(std::size_t capacity_bytes) : capacity_bytes_(capacity_bytes) {}
+
+    /// Call it before each picture: passes over other geometry are forgotten.
+    void begin_picture(const Scene& scene);
+    /// What of a pass is worth its memory.
+    [[nodiscard]] SurfaceForm form_for(std::size_t pixel_count, std::size_t light_count) const;
+    /// Nothing where no such pass is kept. Its lights may be others.
+    [[nodiscard]] std::shared_ptr<KeptPass> find(const SurfaceKey& key);
+    /// Takes the place of the same sample of another picture of that size. Not kept where there is no room.
+    void keep(std::shared_ptr<KeptPass> pass);
+    /// Its points were lit anew.
+    void count_again(const KeptPass& pass);
+
+    [[nodiscard]] const ShadowRayCounts* find_counts(const CountsKey& key) const;
+    void keep_counts(CountsKey key, ShadowRayCounts counts);
+
+    [[nodiscard]] std::size_t bytes() const { return bytes_; }
+
+private:
+    struct Entry {
+        std::shared_ptr<KeptPass> pass;
+        std::size_t bytes;
+        std::uint64_t picture; ///< That asked for it last.
+    };
+    void remove(std::list<Entry>::iterator entry);
+
+    std::size_t capacity_bytes_, bytes_ = 0;
+    std::uint64_t picture_ = 0;
+    std::list<Entry> entries_; ///< Those last asked for come first.
+    std::list<std::pair<CountsKey, ShadowRayCounts>> counts_;
+};
+} // namespace tyndall::render
