@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From a slider to the picture in a rendered viewport of full HD: reading what changed, and rendering it.
 
-Rows: a layer of a transfer function, an edit of the sun's occluders, and the sun moved, in the forest of a million
-triangles. real_time is the first picture of the new state, finished_s the finished one (one sample per pixel), read_s
-what reading Blender's scene takes of both. Drawing (16 ms here by software) and the wait for a redraw are not in it.
+Rows: a layer of a transfer function, an edit of the sun's occluders, the sun moved, the camera moved, the deer moved,
+in the forest of a million triangles. real_time is the first picture of the new state, finished_s the finished one (one
+sample per pixel), read_s what reading Blender's scene takes of both. stage_s:<name> are the first picture's stages,
+kept:<name> tells what it found. Drawing (16 ms here by software) and the wait for a redraw are not in it.
 
 scripts/python benchmarks/slider_bench.py --context FILE --output FILE
 """
@@ -11,12 +12,12 @@ scripts/python benchmarks/slider_bench.py --context FILE --output FILE
 from __future__ import annotations
 
 import math
-import os
 import statistics
 import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -34,6 +35,8 @@ from tyndall.transfer_functions import (
     WeightedFunction,
 )
 
+Statistics = dict[str, Any]  #: As Film.statistics.
+
 REPETITIONS = 7
 SIZE_PX = (1920, 1080)
 SCENE = Path(__file__).resolve().parent.parent / "examples" / "forest_clearing.blend"
@@ -41,7 +44,6 @@ SCENE = Path(__file__).resolve().parent.parent / "examples" / "forest_clearing.b
 CONFIG = RenderConfig(
     pixel_samples=1,
     shafts=ShaftConfig(method="SHADOW_MAP", error_target=0.01, light_samples=8, world_samples=16, adapts_strata=True),
-    thread_count=max(1, (os.cpu_count() or 1) - 1),
 )
 
 
@@ -66,6 +68,7 @@ class Bench:
 
     def __init__(self) -> None:
         # The add-on is where enable() has put it.
+        from tyndall.blender.addon.engine.settings import KEPT_MAPS_BYTES, KEPT_SURFACES_BYTES  # noqa: PLC0415
         from tyndall.blender.addon.engine.viewport_worker import View, ViewportWorker  # noqa: PLC0415
         from tyndall.blender.addon.sync.cameras import read_camera  # noqa: PLC0415
         from tyndall.blender.addon.sync.reports import Reports  # noqa: PLC0415
@@ -73,12 +76,14 @@ class Bench:
 
         self._view, self._reports = View, Reports
         self._reader = SceneReader()
-        self._worker = ViewportWorker(Session(kept_pictures=1))
+        self._worker = ViewportWorker(
+            Session(kept_pictures=1, kept_maps_bytes=KEPT_MAPS_BYTES, kept_surfaces_bytes=KEPT_SURFACES_BYTES)
+        )
         scene = bpy.context.scene
         depsgraph = bpy.context.evaluated_depsgraph_get()
         camera = scene.camera.evaluated_get(depsgraph)
         world_from_camera = np.array(camera.matrix_world.normalized())
-        self._camera: Camera = read_camera(
+        self.camera: Camera = read_camera(
             camera, scene.render, SIZE_PX, Reports(), world_from_camera=world_from_camera, shift_x=camera.data.shift_x
         )
         self.show(functions(0), self.read())
@@ -90,20 +95,22 @@ class Bench:
 
     def show(
         self, made: tuple[WeightedFunction, ...], description: SceneDescription | None = None
-    ) -> tuple[float, float]:
-        """Seconds to the first picture, and to the finished one."""
+    ) -> tuple[float, float, Statistics]:
+        """Seconds to the first picture and to the finished one, and what the first one tells of itself."""
         before = self._worker.picture
         start = time.perf_counter()
-        self._worker.show(self._view(camera=self._camera, config=replace(CONFIG, transfer_functions=made)), description)
+        self._worker.show(self._view(camera=self.camera, config=replace(CONFIG, transfer_functions=made)), description)
         first_s = 0.0
+        work: Statistics = {}
         while True:
             time.sleep(0.0005)
             self._worker.poll()
             picture = self._worker.picture
             if picture is not before and first_s == 0.0:
                 first_s = time.perf_counter() - start
+                work = self._worker.work.statistics
             if first_s and self._worker.status == "":
-                return first_s, time.perf_counter() - start
+                return first_s, time.perf_counter() - start, work
 
     def close(self) -> None:
         """End its thread."""
@@ -112,13 +119,14 @@ class Bench:
 
 def measure(bench: Bench, name: str, change: Callable[[int], tuple[WeightedFunction, ...]], *, rebuilds: bool) -> Row:
     """Medians over some steps of one slider."""
-    reads, firsts, finishes = [], [], []
+    reads, firsts, finishes, works = [], [], [], []
     for step in range(1, REPETITIONS + 1):
         start = time.perf_counter()
         made = change(step)
         description = bench.read() if rebuilds else None
         reads.append(time.perf_counter() - start)
-        first_s, finished_s = bench.show(made, description)
+        first_s, finished_s, work = bench.show(made, description)
+        works.append(work)
         firsts.append(reads[-1] + first_s)
         finishes.append(reads[-1] + finished_s)
     return row(
@@ -126,7 +134,23 @@ def measure(bench: Bench, name: str, change: Callable[[int], tuple[WeightedFunct
         statistics.median(firsts),
         finished_s=statistics.median(finishes),
         read_s=statistics.median(reads),
+        **stages(works),
     )
+
+
+def stages(works: list[Statistics]) -> dict[str, float]:
+    """Medians of the stages' seconds over some pictures, and what the last of them had kept."""
+    seconds: dict[str, list[float]] = {}
+    for work in works:
+        of_work: dict[str, float] = {}
+        for stage in work["stages"]:
+            of_work[stage["name"]] = of_work.get(stage["name"], 0.0) + stage["seconds"]
+        for name, value in of_work.items():
+            seconds.setdefault(name, []).append(value)
+    kept = {name: value for name, value in works[-1]["counts"].items() if "kept" in name or "reused" in name}
+    return {f"stage_s:{name}": statistics.median(values) for name, values in seconds.items()} | {
+        f"kept:{name}": value for name, value in kept.items()
+    }
 
 
 def main() -> None:
@@ -148,6 +172,18 @@ def main() -> None:
         sun.rotation_euler[2] += math.radians(1.0 + 0.01 * step)
         return functions(0)
 
+    deer = bpy.context.scene.objects["Deer"]
+
+    def object_moved(_step: int) -> tuple[WeightedFunction, ...]:
+        deer.location.x += 0.02
+        return functions(0)
+
+    def camera_moved(_step: int) -> tuple[WeightedFunction, ...]:
+        place = bench.camera.world_from_camera.copy()
+        place[0, 3] += 0.02
+        bench.camera = replace(bench.camera, world_from_camera=place)
+        return functions(0)
+
     rows = [
         measure(bench, "transfer function", functions, rebuilds=True),
         measure(bench, "occluder edit", edited, rebuilds=True),
@@ -155,6 +191,8 @@ def main() -> None:
     edit.is_enabled = False
     bench.show(functions(0), bench.read())
     rows.append(measure(bench, "sun moved", moved, rebuilds=True))
+    rows.append(measure(bench, "camera moved", camera_moved, rebuilds=False))
+    rows.append(measure(bench, "object moved", object_moved, rebuilds=True))
     bench.close()
     tyndall.blender.disable()
     for made in rows:

@@ -9,7 +9,6 @@ so nothing but a weak reference points to it.
 from __future__ import annotations
 
 import atexit
-import os
 import time
 import weakref
 from dataclasses import replace
@@ -26,8 +25,9 @@ from ..sync.images import ImageReader
 from ..sync.reports import Reports
 from ..sync.scene import SceneReader
 from ..sync.transfer_functions import read_transfer_functions
-from .settings import KEPT_MAPS_BYTES, render_config
+from .settings import KEPT_MAPS_BYTES, KEPT_SURFACES_BYTES, render_config
 from .viewport_camera import camera_of_view, frame_of_view
+from .viewport_hud import draw_hud, hud_lines
 from .viewport_worker import Picture, View, ViewportWorker
 
 if TYPE_CHECKING:
@@ -53,13 +53,17 @@ class Viewport:
 
     def __init__(self, engine: RenderEngine) -> None:
         self.engine = weakref.ref(engine)
-        self.worker = ViewportWorker(Session(kept_pictures=1, kept_maps_bytes=KEPT_MAPS_BYTES))
+        self.worker = ViewportWorker(
+            Session(kept_pictures=1, kept_maps_bytes=KEPT_MAPS_BYTES, kept_surfaces_bytes=KEPT_SURFACES_BYTES)
+        )
         self._reader = SceneReader()
         self._function_images = ImageReader()
         self._functions: tuple[WeightedFunction, ...] = ()
         self._heterogeneity: Heterogeneity | None = None
         self._is_scene_outdated = True
         self._slice_s = SLICE_S
+        self._read_s = 0.0  # for the description that is being read
+        self._region = 0  # where it was drawn last, by address
         self._view: View | None = None
         self._drawn: Picture | None = None
         self._texture: GPUTexture | None = None
@@ -80,15 +84,22 @@ class Viewport:
         elif not view.is_like(self._view):
             self.worker.show(view)
         self._view = view
+        self._region = context.region.as_pointer()
         self._draw_picture(engine, context)
         engine.update_stats("Tyndall", self.worker.status)
+
+    def draw_hud(self, context: Context) -> None:
+        """What the picture took, if it is drawn here."""
+        if context.region.as_pointer() == self._region and self.worker.work is not None:
+            draw_hud(context, hud_lines(self.worker.work, self.worker.status))
 
     def close(self) -> None:
         self.worker.close()
         self._texture = None
 
     def _read_scene(self, engine: RenderEngine, view: View, space: SpaceView3D, depsgraph: Depsgraph) -> None:
-        slice_ends = time.monotonic() + self._slice_s
+        started = time.monotonic()
+        slice_ends = started + self._slice_s
 
         def poll() -> None:
             if time.monotonic() > slice_ends:
@@ -99,11 +110,13 @@ class Viewport:
         except _SliceOver:
             # What was read stays; but a part that is longer than a slice would never be.
             self._slice_s *= 2.0
+            self._read_s += time.monotonic() - started
             engine.tag_redraw()
         else:
             self._slice_s = SLICE_S
             self._is_scene_outdated = False
-            self.worker.show(view, description)
+            self.worker.show(view, description, self._read_s + time.monotonic() - started)
+            self._read_s = 0.0
 
     def _draw_picture(self, engine: RenderEngine, context: Context) -> None:
         import gpu  # there is none without a window
@@ -144,12 +157,24 @@ def view_draw(engine: RenderEngine, context: Context, depsgraph: Depsgraph) -> N
     _viewport_of(engine).draw(engine, context, depsgraph)
 
 
+def _draw_huds() -> None:
+    context = bpy.context
+    if context.space_data.shading.type == "RENDERED" and context.scene.tyndall.shows_viewport_work:
+        for viewport in open_viewports.values():
+            viewport.draw_hud(context)
+
+
+_handles: list[object] = []
+
+
 def register() -> None:
     """Have viewports stopped before Blender ends."""
+    _handles.append(SpaceView3D.draw_handler_add(_draw_huds, (), "WINDOW", "POST_PIXEL"))
     atexit.register(_close_all)  # a thread in native code must not outlive the interpreter
 
 
 def unregister() -> None:
+    SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
     atexit.unregister(_close_all)
     _close_all()
 
@@ -206,7 +231,5 @@ def _view_of(
                 light_samples=min(config.shafts.light_samples, LIGHT_SAMPLES),
                 world_samples=min(config.shafts.world_samples, WORLD_SAMPLES),
             ),
-            # One thread is left to the window.
-            thread_count=tyndall.thread_count or max(1, (os.cpu_count() or 1) - 1),
         ),
     )

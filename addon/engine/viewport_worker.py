@@ -8,10 +8,11 @@ ever waits for a render.
 from __future__ import annotations
 
 import math
+import os
 import threading
 import time
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tyndall import Cancelled, Progress
 from tyndall.renderer import Film, RenderConfig, Session
@@ -26,6 +27,8 @@ SOON_S = 0.1
 #: A first picture is left to complete for this time, or a moving view would never show one. Each one that is cut short
 #: nevertheless doubles it, for scenes and machines that need longer.
 PATIENCE_S = 0.5
+#: Of the scene's update, which a picture's statistics repeat.
+UPDATE_STAGES = ("scene update", "scene")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -33,6 +36,8 @@ class View:
     """A camera for the whole region, and the settings of the finished picture."""
 
     camera: Camera
+    #: With ``thread_count`` 0, the first picture takes all threads, for it is there at once; finer ones leave one to
+    #: the window.
     config: RenderConfig
 
     def is_like(self, other: View | None) -> bool:
@@ -52,6 +57,15 @@ class Picture:
 
     rgba: FloatArray  #: (height, width, 4), scene-linear, alpha premultiplied, rows bottom to top.
     bounds: tuple[float, float, float, float]  #: Left, bottom, right, top as shares of the region.
+    scale: int = 1  #: Pixels of the region per pixel, along each side.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Work:
+    """What was done for a picture."""
+
+    statistics: dict[str, Any]  #: As ``Film.statistics``; of the update before it, if it is the first one after it.
+    scale: int  #: Pixels of the region per pixel of the picture, along each side.
 
 
 def coarser(view: View, scale: int) -> View:
@@ -78,7 +92,14 @@ def coarser(view: View, scale: int) -> View:
     window = left, left + (right - left) * grown_x, bottom, bottom + (top - bottom) * grown_y
     return View(
         camera=replace(view.camera, size_px=(width, height), window=window),
-        config=replace(config, region_px=region_px, pixel_samples=1, shafts=shafts, heterogeneity=air),
+        config=replace(
+            config,
+            region_px=region_px,
+            pixel_samples=1,
+            shafts=shafts,
+            heterogeneity=air,
+            adapts_shadow_rays=scale < SCALES[0],  # the pilot would take as long as the coarsest picture
+        ),
     )
 
 
@@ -86,6 +107,7 @@ def coarser(view: View, scale: int) -> View:
 class _Job:
     view: View
     description: SceneDescription | None  #: None: the session has it.
+    read_s: float  #: What reading the description took.
     progress: Progress
 
 
@@ -102,17 +124,20 @@ class ViewportWorker:
         self._progress = Progress()  # of the job at work
         self._patience_s = PATIENCE_S
         self._patience_ends = 0.0  # before this moment the job at work is left alone
+        self._read_s = 0.0  # of the description
         self._picture: Picture | None = None
+        self._work: Work | None = None
+        self._update_stages: list[dict[str, Any]] = []  # of the update that no picture has told of yet
         self._status = ""
         self._has_news = False
         self._thread = threading.Thread(target=self._run, name="tyndall viewport", daemon=True)
         self._thread.start()
 
-    def show(self, view: View, description: SceneDescription | None = None) -> None:
-        """Ask for a view of the scene, or of a new state of it."""
+    def show(self, view: View, description: SceneDescription | None = None, read_s: float = 0.0) -> None:
+        """Ask for a view of the scene, or of a new state of it, which took ``read_s`` to read."""
         with self._changed:
             self._view = view
-            self._description = description or self._description
+            self._description, self._read_s = description or self._description, self._read_s + read_s
             self._is_outdated = True
             self._changed.notify()
         self.poll()
@@ -129,6 +154,11 @@ class ViewportWorker:
     def picture(self) -> Picture | None:
         """The latest picture, perhaps of the view before."""
         return self._picture
+
+    @property
+    def work(self) -> Work | None:
+        """What the latest picture took that is as fine as it was asked for: not of one that still grows."""
+        return self._work
 
     @property
     def status(self) -> str:
@@ -148,7 +178,7 @@ class ViewportWorker:
         finished: View | None = None
         while (job := self._next_job()) is not None:
             try:
-                if job.description is not None and self._update(session, job.description, job.progress):
+                if job.description is not None and self._update(session, job.description, job):
                     finished = None
                 if not job.view.is_like(finished):
                     finished = None
@@ -169,33 +199,36 @@ class ViewportWorker:
                 return None
             self._is_outdated = False
             description, self._description = self._description, None
+            read_s, self._read_s = self._read_s, 0.0
             self._progress = Progress()
-            return _Job(view=self._view, description=description, progress=self._progress)
+            return _Job(view=self._view, description=description, read_s=read_s, progress=self._progress)
 
-    def _update(self, session: Session, description: SceneDescription, progress: Progress) -> bool:
+    def _update(self, session: Session, description: SceneDescription, job: _Job) -> bool:
         """Bring the session up to date, never cut short: a moving view does not void it. Whether anything changed."""
         self._patience_ends = math.inf
         self._publish(None, "Updating the scene")
         try:
-            session.update(description, progress)
+            session.update(description, job.progress)
         finally:
             self._patience_ends = 0.0
+        self._update_stages = [{"name": "scene reading", "seconds": job.read_s}]
         counts = session.statistics["counts"]
         return bool(counts.get("scene rebuilt") or counts.get("scene relit"))
 
     def _refine(self, session: Session, view: View, progress: Progress) -> None:
         """Show one picture after the other, each finer than the last; Cancelled once outdated."""
+        finished = _beside_the_window(view)
         # Where only colours of light shafts changed, the finished picture takes less time than a coarse one.
-        scale = 1 if session.has_picture(view.camera, view.config) else SCALES[0]
+        scale = 1 if session.has_picture(finished.camera, finished.config) else SCALES[0]
         self._patience_ends = time.monotonic() + self._patience_s
         self._patience_s *= 2.0
         while scale > 1:
             started = time.monotonic()
-            rough = coarser(view, scale)
+            rough = coarser(view if scale == SCALES[0] else finished, scale)
             film = session.render(rough.camera, rough.config, progress)
             if scale == SCALES[0]:
                 self._patience_ends, self._patience_s = 0.0, max(PATIENCE_S, 2.0 * (time.monotonic() - started))
-            self._publish(_picture(film, rough, view, scale), f"Rendering 1/{scale}")
+            self._publish(_picture(film, rough, view, scale), f"Rendering 1/{scale}", film)
             if self._is_outdated:
                 raise Cancelled
             scale = _next_scale(scale, seconds=time.monotonic() - started)
@@ -203,14 +236,34 @@ class ViewportWorker:
         def show_so_far(film: Film) -> None:
             self._publish(_picture(film, view, view, 1), "Rendering")
 
-        film = session.render(view.camera, view.config, progress, show_so_far)
-        self._publish(_picture(film, view, view, 1), "")
+        film = session.render(finished.camera, finished.config, progress, show_so_far)
+        self._publish(_picture(film, view, view, 1), "", film)
 
-    def _publish(self, picture: Picture | None, status: str) -> None:
+    def _publish(self, picture: Picture | None, status: str, film: Film | None = None) -> None:
+        """``film``: complete, with its statistics."""
+        work = self._work if picture is None or film is None else self._work_for(film, picture.scale)
         with self._changed:
             self._picture = picture or self._picture
+            self._work = work
             self._has_news = self._has_news or picture is not None or status != self._status
             self._status = status
+
+    def _work_for(self, film: Film, scale: int) -> Work:
+        """Only the first picture after an update tells of it."""
+        statistics = film.statistics
+        stages = statistics.get("stages", [])
+        if not self._update_stages:
+            stages = [stage for stage in stages if stage["name"] not in UPDATE_STAGES]
+            counts = {name: n for name, n in statistics.get("counts", {}).items() if not name.startswith("scene re")}
+            statistics = statistics | {"counts": counts}
+        stages, self._update_stages = [*self._update_stages, *stages], []
+        return Work(statistics=statistics | {"stages": stages}, scale=scale)
+
+
+def _beside_the_window(view: View) -> View:
+    """With one thread less than there are, unless the artist has set their number."""
+    count = view.config.thread_count or max(1, (os.cpu_count() or 1) - 1)
+    return replace(view, config=replace(view.config, thread_count=count))
 
 
 def _next_scale(scale: int, *, seconds: float) -> int:
@@ -226,4 +279,5 @@ def _picture(film: Film, rendered: View, view: View, scale: int) -> Picture:
     return Picture(
         rgba=film.planes["Combined"],
         bounds=(x0 * scale / width, y0 * scale / height, x1 * scale / width, y1 * scale / height),
+        scale=scale,
     )

@@ -25,6 +25,7 @@ class TYNDALL_PT_sampling(PropertiesPanel, Panel):
         column.prop(settings, "pixel_samples", text="Render Samples")
         column.prop(settings, "noise_threshold")
         column.prop(settings, "viewport_samples", text="Viewport")
+        column.prop(settings, "shows_viewport_work", text="Timings in Viewport")
         row = layout.row(align=True)
         row.prop(settings, "seed")
         row.use_property_decorate = True

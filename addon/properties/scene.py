@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """``scene.tyndall``: sampling, pixel filter, threads, and the groups of the rooms."""
 
-from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 from bpy.types import Object, PropertyGroup
 
 from ..edited_light import is_light_of_scene
@@ -51,6 +51,14 @@ class TyndallSceneSettings(PropertyGroup):
         max=1024,
         soft_max=64,
         default=4,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    shows_viewport_work: BoolProperty(
+        name="Viewport Timings",
+        description="Show in the rendered viewport what its picture took, stage by stage, and what of the last one was "
+        "used again",
+        default=False,
         update=tag,
         override=OVERRIDABLE,
     )

@@ -48,6 +48,8 @@ void FrameSurfaces::set_shadow_rays(Statistics& statistics, Progress& progress) 
                       .may_share_world = may_share,
                       .attenuates_light = config_.shafts.attenuates_light,
                       .world_scatters = config_.shafts.world_samples > 0,
+                      .grid_method = config_.shafts.grid_method,
+                      .grid_error_target = config_.shafts.grid_error_target,
                       .shafts_seed = config_.shafts.seed};
         const ShadowRayCounts* kept = config_.kept_surfaces ? config_.kept_surfaces->find_counts(key) : nullptr;
         counts = kept != nullptr ? *kept

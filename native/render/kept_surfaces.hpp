@@ -56,6 +56,8 @@ struct CountsKey {
     SurfaceKey surfaces;
     std::vector<Light> lights;
     bool may_share_world = false, attenuates_light = true, world_scatters = true;
+    light_shafts::GridMethod grid_method = light_shafts::GridMethod::March;
+    float grid_error_target = 0.0f;
     std::uint32_t shafts_seed = 0;
     [[nodiscard]] bool operator==(const CountsKey& other) const;
 };

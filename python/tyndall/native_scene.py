@@ -88,9 +88,8 @@ class KeptGeometry:
 def geometry_fingerprint(description: SceneDescription) -> bytes:
     """Equal where nothing but lights and the world's light differ."""
     places = () if description.instances else tuple(light.world_from_light for light in description.lights)
-    return fingerprint(
-        (description.instances, description.materials, description.media, description.world.medium, places)
-    )
+    parts = description.instances, description.materials, description.media, description.volumes
+    return fingerprint((parts, description.world.medium, places))
 
 
 @dataclass

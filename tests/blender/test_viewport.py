@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import os
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -16,7 +17,8 @@ import pytest
 
 from addon.engine.settings import frame_window, render_config
 from addon.engine.viewport_camera import camera_of_view
-from addon.engine.viewport_worker import PATIENCE_S, SCALES, View, ViewportWorker, coarser
+from addon.engine.viewport_hud import hud_lines
+from addon.engine.viewport_worker import PATIENCE_S, SCALES, View, ViewportWorker, Work, coarser
 from addon.sync import scene as sync_scene
 from addon.sync.cameras import read_camera
 from addon.sync.reports import Reports
@@ -136,6 +138,7 @@ class PatientSession:
     def __init__(self, seconds_per_picture: Callable[[Camera], float]) -> None:
         self.seconds_per_picture = seconds_per_picture
         self.rendered: list[tuple[int, int]] = []
+        self.thread_counts: list[int] = []
         self.updates = 0
         self.is_rebuilt = True
         self.is_kept = False
@@ -157,6 +160,7 @@ class PatientSession:
                 raise Cancelled
             time.sleep(0.001)
         self.rendered.append(camera.size_px)
+        self.thread_counts.append(config.thread_count)
         return Film(planes={"Combined": np.full((*camera.size_px[::-1], 4), camera.window[0], np.float32)})
 
 
@@ -305,3 +309,56 @@ def test_the_finished_picture_is_the_final_renders(
     film = session.render(camera, config, Progress())
     assert math.isfinite(float(film.planes["Combined"].sum()))
     assert np.array_equal(worker.picture.rgba, film.planes["Combined"])
+
+
+def test_only_the_first_picture_takes_all_threads(workers: Callable[[object], ViewportWorker]) -> None:
+    """It is there at once; those that take longer leave a core to the window. A number that the artist set stays."""
+    for asked, expected in ((0, [0, *[max(1, (os.cpu_count() or 1) - 1)] * 3]), (3, [3] * 4)):
+        session = PatientSession(lambda camera: 0.3 * camera.size_px[0] / 203)
+        view = a_view()
+        worker = workers(session)
+        worker.show(replace(view, config=replace(view.config, thread_count=asked)), SceneDescription())
+        wait_until(lambda worker=worker: is_finished(worker, (203, 101)))  # type: ignore[misc]
+        assert session.thread_counts == expected
+
+
+def test_the_timings_tell_of_each_stage_and_of_what_was_used_again(
+    scene: bpy.types.Scene, workers: Callable[[object], ViewportWorker]
+) -> None:
+    """A light's strength: nothing is sent, no ray is walked, one light is asked."""
+    bpy.ops.tyndall.add_fog_box()
+    size_px = (96, 54)
+    camera = read_camera(scene.camera, scene.render, size_px, Reports())
+    config = render_config(scene, bpy.context.view_layer, frame_window(scene.render, size_px))
+    view = View(camera=camera, config=replace(config, passes=frozenset(), pixel_samples=2))
+    worker = workers(Session(kept_surfaces_bytes=64 << 20))
+    reader = SceneReader()
+
+    def lines_after(read_s: float) -> dict[str, tuple[str, str]]:
+        before = worker.work
+        worker.show(view, reader.read(bpy.context.evaluated_depsgraph_get(), Reports(), lambda: None), read_s)
+        wait_until(lambda: worker.work not in (None, before) and worker.work.scale == 1)
+        return {line.name: (line.time, line.note) for line in hud_lines(worker.work, worker.status)}
+
+    first = lines_after(0.25)
+    assert first["2 samples per pixel"][1] == ""
+    assert first["Surfaces"][1] == ""
+    assert {"Shafts, prepared", "Shafts, scattered"} < first.keys()
+    light = next(thing for thing in scene.objects if thing.type == "LIGHT")
+    light.data.energy *= 2.0
+    assert lines_after(0.25)["Surfaces"][1].startswith("kept")
+
+
+def test_the_first_picture_of_a_changed_scene_tells_of_its_update() -> None:
+    """Reading, and what was sent; rows without a time and without news are left out."""
+    statistics = {
+        "stages": [{"name": "scene reading", "seconds": 0.25}, {"name": "scene update", "seconds": 0.002}],
+        "counts": {"scene relit": 1, "depth map: kept": 3, "depth map: made": 1},
+    }
+    lines = hud_lines(Work(statistics=statistics, scale=8), "Rendering 1/4")
+    assert [(line.name, line.time, line.note) for line in lines] == [
+        ("1/8", "252 ms", "Rendering 1/4"),
+        ("Read scene", "250 ms", ""),
+        ("Scene", "2 ms", "only lights changed"),
+        ("  Depth map", "0 ms", "3 of 4 kept"),
+    ]

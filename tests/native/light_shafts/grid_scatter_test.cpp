@@ -5,6 +5,7 @@
 #include "light_shafts/light_shafts.hpp"
 #include "support/density_grids.hpp"
 #include "support/marched_shafts.hpp"
+#include "support/scenes.hpp"
 #include "support/soup.hpp"
 #include <doctest/doctest.h>
 #include <numbers>
@@ -174,7 +175,7 @@ TEST_CASE("under a sky as bright everywhere, a cloud that only scatters sends ba
     Clouds clouds{.lights = {}};
     clouds.medium = {.name = "white", .lobes = {{Rgb(2.0f), 0.0f}}};
     auto scene = make(clouds);
-    SceneDescription description = scene->description();
+    SceneDescription description = support::description_of(*scene);
     description.world = World("sky", Rgb(0.7f), nullptr, mat3(1.0f));
     const Scene lit(std::move(description), Progress());
     const Media media(lit, Progress());

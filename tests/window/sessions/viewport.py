@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import bpy
@@ -32,6 +32,26 @@ def set_up(window: Any) -> tuple[bpy.types.Scene, bpy.types.SpaceView3D]:
     space.region_3d.view_matrix = scene.camera.matrix_world.inverted()
     space.shading.type = "RENDERED"
     return scene, space
+
+
+def show_timings(
+    window: Any, scene: bpy.types.Scene, worker: Callable[[], Any], finished: Callable[[], Iterator[float]]
+) -> Iterator[float]:
+    """What a changed light took and what was used again; small, and as large as an artist may have texts."""
+    scene.tyndall.shows_viewport_work = True
+    yield from finished()
+    bpy.data.lights["Lamp"].energy *= 1.5
+    yield 0.1
+    yield from finished()
+    window.screenshot("viewport_timings")
+    window.facts["work"] = worker().work.statistics["counts"]
+    view = bpy.context.preferences.view
+    view.ui_scale = 2.0
+    window.area("VIEW_3D").tag_redraw()
+    yield from window.calm()
+    window.screenshot("viewport_timings_large")
+    view.ui_scale = 1.0
+    scene.tyndall.shows_viewport_work = False
 
 
 def session(window: Any) -> Iterator[float]:
@@ -65,6 +85,8 @@ def session(window: Any) -> Iterator[float]:
     window.screenshot("viewport_red")
     mean = worker().picture.rgba.mean(axis=(0, 1))
     window.facts["red_over_blue"] = float(mean[0] / mean[2])
+
+    yield from show_timings(window, scene, worker, finished)
 
     # So many samples that a picture takes long: the window must answer meanwhile.
     scene.tyndall.viewport_samples = 2
