@@ -325,8 +325,25 @@ def world(colour: Rgb, strength: float) -> None:
     bpy.context.scene.world = made
 
 
-def finish(script: str, *, view: str, look: str = "None", exposure: float = 0.0) -> None:
-    """Set the render up, direct light and single scattering only, and save beside the script, compressed."""
+def towards(azimuth_degrees: float, height_degrees: float) -> Vector:
+    """Unit vector; azimuth from straight ahead, +Y, to the right."""
+    azimuth, height = radians(azimuth_degrees), radians(height_degrees)
+    return Vector((sin(azimuth) * cos(height), cos(azimuth) * cos(height), sin(height)))
+
+
+def edit_occluders(light: bpy.types.Object, kind: str, **settings: object) -> bpy.types.PropertyGroup:
+    """Add an edit of a light's occluders; settings of the noise are given as they are called there."""
+    edits = light.data.tyndall.occluder_edits
+    edit = edits.add()
+    edit.kind, edit.order = kind, len(edits)
+    edit.name = edit.bl_rna.properties["kind"].enum_items[kind].name
+    for name, value in settings.items():
+        setattr(edit.noise if hasattr(edit.noise, name) else edit, name, value)
+    return edit
+
+
+def set_up(*, view: str, look: str = "None", exposure: float = 0.0) -> None:
+    """Set the render up: full HD, direct light and single scattering only."""
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = 1920, 1080
     scene.view_settings.view_transform, scene.view_settings.look = view, look
@@ -340,7 +357,17 @@ def finish(script: str, *, view: str, look: str = "None", exposure: float = 0.0)
     )
     cycles.max_bounces = cycles.diffuse_bounces = cycles.volume_bounces = 0
     cycles.transparent_max_bounces = 64
-    scene.render.filepath = "//" + Path(script).stem
+
+
+def save(script: str) -> None:
+    """Save the scene beside the script, compressed."""
+    bpy.context.scene.render.filepath = "//" + Path(script).stem
     bpy.ops.outliner.orphans_purge(do_recursive=True)
     bpy.context.preferences.filepaths.save_version = 0
     bpy.ops.wm.save_as_mainfile(filepath=str(Path(script).with_suffix(".blend").resolve()), compress=True)
+
+
+def finish(script: str, *, view: str, look: str = "None", exposure: float = 0.0) -> None:
+    """Set the render up, and save."""
+    set_up(view=view, look=look, exposure=exposure)
+    save(script)

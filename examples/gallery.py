@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Render the gallery, before and after, so that it shows what the code does; prints how long each picture took.
+
+scripts/python examples/gallery.py [NAME...]
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+
+import tyndall.blender
+
+ROOT = Path(__file__).resolve().parent.parent
+FOLDER = ROOT / "docs" / "gallery"
+SIZE_PX = (960, 540)
+PIXEL_SAMPLES = 5
+
+
+def edits() -> Iterator[bpy.types.PropertyGroup]:
+    """Of the occluders before all lights."""
+    for thing in bpy.context.scene.objects:
+        if thing.type == "LIGHT":
+            yield from thing.data.tyndall.occluder_edits
+
+
+def as_it_is() -> None:
+    """Physical shafts: every edit of theirs is off, nothing recolours them."""
+    bpy.context.scene.tyndall.shafts.use_transfer_functions = False
+    for edit in edits():
+        edit.is_enabled = False
+    for light in bpy.data.lights:
+        light.tyndall.gobo_strength = 0.0
+
+
+def as_saved() -> None:
+    """What the file holds is the picture."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One of docs/gallery: an example, and what is done to it."""
+
+    name: str
+    scene: str
+    show: Callable[[], None] = as_saved
+
+
+PICTURES = (
+    Picture("palm_tree_before", "palm_tree", as_it_is),
+    Picture("palm_tree", "palm_tree"),
+    Picture("scarecrow_before", "scarecrow", as_it_is),
+    Picture("scarecrow", "scarecrow"),
+)
+
+
+def set_up_render(size_px: tuple[int, int], pixel_samples: int) -> None:
+    """What all pictures share."""
+    scene = bpy.context.scene
+    scene.render.engine = "TYNDALL"
+    scene.render.resolution_x, scene.render.resolution_y = size_px
+    scene.render.resolution_percentage = 100
+    scene.tyndall.pixel_samples = pixel_samples
+    scene.render.use_stamp_filename = False  # a picture does not say where its scene lay
+    scene.render.image_settings.file_format, scene.render.image_settings.quality = "JPEG", 90
+
+
+def render(picture: Picture) -> None:
+    """Write docs/gallery/NAME.jpg."""
+    bpy.ops.wm.open_mainfile(filepath=str(ROOT / "examples" / f"{picture.scene}.blend"))
+    set_up_render(SIZE_PX, PIXEL_SAMPLES)
+    picture.show()
+    bpy.context.scene.render.filepath = str(FOLDER / f"{picture.name}.jpg")
+    begin = time.perf_counter()
+    bpy.ops.render.render(write_still=True)
+    print(f"{picture.name}: {time.perf_counter() - begin:.1f} s", flush=True)
+
+
+def main() -> None:
+    """Render all, or those that are named."""
+    wanted = sys.argv[1:] or [picture.name for picture in PICTURES]
+    tyndall.blender.enable()
+    try:
+        for picture in PICTURES:
+            if picture.name in wanted:
+                render(picture)
+    finally:
+        tyndall.blender.disable()
+
+
+if __name__ == "__main__":
+    main()

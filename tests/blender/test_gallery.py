@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every scene of the gallery is made by its script and rendered small: each edit does what it is shown for."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+import bpy
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from support.exr import read_planes
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SIZE_PX = (160, 90)
+SKY_M = 100.0  #: What is farther away is sky, in these scenes.
+
+# What the scripts ask of Blender is the same in all versions; one is enough for what takes long.
+pytestmark = pytest.mark.skipif(bpy.app.version[:2] != (4, 5), reason="made once, in bpy 4.5")
+
+
+@dataclass
+class Gallery:
+    """Makes scenes and renders what media scatter in them."""
+
+    module: ModuleType
+    folder: Path
+
+    def make(self, scene: str) -> None:
+        """Run the script of a scene, without saving it."""
+        importlib.import_module(scene).build()
+
+    def shafts(self, picture: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """As a picture of the gallery shows them: (height, width, 3), rows bottom to top, and depth in m.
+
+        Show what is saved first: what switches edits off does not switch them on again.
+        """
+        scene = bpy.context.scene
+        self.module.set_up_render(SIZE_PX, 1)
+        scene.tyndall.shafts.resolution = 2048
+        bpy.context.view_layer.use_pass_z = True
+        bpy.context.view_layer.tyndall.use_pass_shafts = True
+        settings = scene.render.image_settings
+        settings.file_format, settings.exr_codec, settings.color_depth = "OPEN_EXR_MULTILAYER", "NONE", "32"
+        next(entry for entry in self.module.PICTURES if entry.name == picture).show()
+        scene.render.filepath = str(self.folder / picture)
+        bpy.ops.render.render(write_still=True)
+        planes = {name.rpartition(".")[2]: plane for name, plane in read_planes(self.folder / f"{picture}.exr").items()}
+        return planes["Shafts"].astype(float), planes["Depth"][..., 0].astype(float)
+
+
+@pytest.fixture
+def gallery(tmp_path: Path) -> Iterator[Gallery]:
+    """The scripts lie in no package."""
+    sys.path.insert(0, str(EXAMPLES))
+    yield Gallery(importlib.import_module("gallery"), tmp_path)
+    sys.path.remove(str(EXAMPLES))
+
+
+def blurred(picture: NDArray[np.float64], width_px: int) -> NDArray[np.float64]:
+    """Means over squares, of an odd width."""
+    padded = np.pad(picture, width_px // 2, mode="edge")
+    return np.lib.stride_tricks.sliding_window_view(padded, (width_px, width_px)).mean(axis=(2, 3))
+
+
+def share_of_fine_detail(shafts: NDArray[np.float64], depth: NDArray[np.float64]) -> float:
+    """What varies within three pixels, against what varies within eleven, before the open sky; of logarithms."""
+    brightness = np.log(shafts.mean(axis=-1))
+    broad = blurred(brightness, 3)
+    nearest = np.lib.stride_tricks.sliding_window_view(np.pad(depth, 2, mode="edge"), (5, 5)).min(axis=(2, 3))
+    in_sky = nearest > SKY_M
+    fine, coarse = (brightness - broad)[in_sky], (broad - blurred(broad, 11))[in_sky]
+    return float(np.sqrt((fine**2).mean() / (coarse**2).mean()))
+
+
+def test_filled_holes_calm_the_light_of_a_palms_crown(gallery: Gallery) -> None:
+    gallery.make("palm_tree")
+    calm, busy = (share_of_fine_detail(*gallery.shafts(name)) for name in ("palm_tree", "palm_tree_before"))
+    assert calm < 0.8 * busy
+
+
+def test_a_silhouette_that_is_drawn_out_darkens_the_air_around_a_figure(gallery: Gallery) -> None:
+    gallery.make("scarecrow")
+    (after, depth), (before, _) = (gallery.shafts(name) for name in ("scarecrow", "scarecrow_before"))
+    around_figure = np.s_[30:70, 45:110]
+    in_sky = depth[around_figure] > SKY_M
+    ratio = (after / before).mean(axis=-1)[around_figure][in_sky].mean()
+    assert ratio < 0.9
