@@ -27,7 +27,7 @@ _STAGES = (
     ("light shafts: scatter", "Shafts, scattered"),
     ("transfer functions", "Colour"),
 )
-_TEXT_PX, _LINE_PX, _MARGIN_PX = 11, 16, 12  # at a pixel size of 1
+_TEXT_PX, _LINE_PX, _MARGIN_PX = 11, 16, 12  # at a scale of 1
 _COLOUR, _DIMMED, _BACKGROUND = (1.0, 1.0, 1.0, 0.95), (1.0, 1.0, 1.0, 0.6), (0.0, 0.0, 0.0, 0.45)
 
 
@@ -51,6 +51,8 @@ def hud_lines(work: Work, status: str) -> list[Line]:
         seconds[stage["name"]] = seconds.get(stage["name"], 0.0) + stage["seconds"]
     total_s = sum(value for name, value in seconds.items() if name in _WHOLE_STAGES)
     lines = [Line(name=shown, time=duration_text(total_s), note=status)]
+    if scale == 1 and work.first_s > 0.0:
+        lines.append(Line(name="First picture", time=duration_text(work.first_s), note="from the change on"))
     for name, label in _STAGES:
         note = _NOTES[name](counts) if name in _NOTES else ""
         if name in seconds or note:
@@ -81,7 +83,7 @@ def _surface_note(counts: Mapping[str, float]) -> str:
     if walked:
         return f"{kept:.0f} of {kept + walked:.0f} samples kept"
     asked = counts.get("surfaces: lights asked", 0)
-    return f"kept, {asked:.0f} lights anew" if asked else "kept"
+    return f"kept, {asked:.0f} light{'' if asked == 1 else 's'} anew" if asked else "kept"
 
 
 def _map_note(counts: Mapping[str, float]) -> str:
@@ -102,7 +104,7 @@ def draw_hud(context: Context, lines: list[Line]) -> None:
     import gpu
     from gpu_extras.batch import batch_for_shader
 
-    pixel = context.preferences.system.pixel_size * context.preferences.view.ui_scale
+    pixel = context.preferences.system.ui_scale
     size, line_height, margin = _TEXT_PX * pixel, _LINE_PX * pixel, _MARGIN_PX * pixel
     _set_size(size)
     columns = [max(blf.dimensions(0, text)[0] for text in texts) for texts in zip(*map(_texts, lines), strict=True)]

@@ -66,6 +66,7 @@ class Work:
 
     statistics: dict[str, Any]  #: As ``Film.statistics``; of the update before it, if it is the first one after it.
     scale: int  #: Pixels of the region per pixel of the picture, along each side.
+    first_s: float = 0.0  #: From the change that it shows to its first, perhaps coarse picture.
 
 
 def coarser(view: View, scale: int) -> View:
@@ -108,6 +109,7 @@ class _Job:
     view: View
     description: SceneDescription | None  #: None: the session has it.
     read_s: float  #: What reading the description took.
+    asked_at: float  #: When it was first asked for, as time.monotonic().
     progress: Progress
 
 
@@ -125,6 +127,8 @@ class ViewportWorker:
         self._patience_s = PATIENCE_S
         self._patience_ends = 0.0  # before this moment the job at work is left alone
         self._read_s = 0.0  # of the description
+        self._asked_at = 0.0  # by the oldest call that no job has taken
+        self._first_s = 0.0
         self._picture: Picture | None = None
         self._work: Work | None = None
         self._update_stages: list[dict[str, Any]] = []  # of the update that no picture has told of yet
@@ -136,6 +140,8 @@ class ViewportWorker:
     def show(self, view: View, description: SceneDescription | None = None, read_s: float = 0.0) -> None:
         """Ask for a view of the scene, or of a new state of it, which took ``read_s`` to read."""
         with self._changed:
+            if not self._is_outdated:
+                self._asked_at = time.monotonic() - read_s
             self._view = view
             self._description, self._read_s = description or self._description, self._read_s + read_s
             self._is_outdated = True
@@ -182,7 +188,7 @@ class ViewportWorker:
                     finished = None
                 if not job.view.is_like(finished):
                     finished = None
-                    self._refine(session, job.view, job.progress)
+                    self._refine(session, job)
                     finished = job.view
                 self._publish(None, "")
             except Cancelled:
@@ -201,7 +207,13 @@ class ViewportWorker:
             description, self._description = self._description, None
             read_s, self._read_s = self._read_s, 0.0
             self._progress = Progress()
-            return _Job(view=self._view, description=description, read_s=read_s, progress=self._progress)
+            return _Job(
+                view=self._view,
+                description=description,
+                read_s=read_s,
+                asked_at=self._asked_at,
+                progress=self._progress,
+            )
 
     def _update(self, session: Session, description: SceneDescription, job: _Job) -> bool:
         """Bring the session up to date, never cut short: a moving view does not void it. Whether anything changed."""
@@ -215,8 +227,10 @@ class ViewportWorker:
         counts = session.statistics["counts"]
         return bool(counts.get("scene rebuilt") or counts.get("scene relit"))
 
-    def _refine(self, session: Session, view: View, progress: Progress) -> None:
+    def _refine(self, session: Session, job: _Job) -> None:
         """Show one picture after the other, each finer than the last; Cancelled once outdated."""
+        view, progress = job.view, job.progress
+        self._first_s = 0.0
         finished = _beside_the_window(view)
         # Where only colours of light shafts changed, the finished picture takes less time than a coarse one.
         scale = 1 if session.has_picture(finished.camera, finished.config) else SCALES[0]
@@ -226,6 +240,7 @@ class ViewportWorker:
             started = time.monotonic()
             rough = coarser(view if scale == SCALES[0] else finished, scale)
             film = session.render(rough.camera, rough.config, progress)
+            self._first_s = self._first_s or time.monotonic() - job.asked_at
             if scale == SCALES[0]:
                 self._patience_ends, self._patience_s = 0.0, max(PATIENCE_S, 2.0 * (time.monotonic() - started))
             self._publish(_picture(film, rough, view, scale), f"Rendering 1/{scale}", film)
@@ -237,6 +252,7 @@ class ViewportWorker:
             self._publish(_picture(film, view, view, 1), "Rendering")
 
         film = session.render(finished.camera, finished.config, progress, show_so_far)
+        self._first_s = self._first_s or time.monotonic() - job.asked_at
         self._publish(_picture(film, view, view, 1), "", film)
 
     def _publish(self, picture: Picture | None, status: str, film: Film | None = None) -> None:
@@ -257,7 +273,7 @@ class ViewportWorker:
             counts = {name: n for name, n in statistics.get("counts", {}).items() if not name.startswith("scene re")}
             statistics = statistics | {"counts": counts}
         stages, self._update_stages = [*self._update_stages, *stages], []
-        return Work(statistics=statistics | {"stages": stages}, scale=scale)
+        return Work(statistics=statistics | {"stages": stages}, scale=scale, first_s=self._first_s)
 
 
 def _beside_the_window(view: View) -> View:

@@ -342,6 +342,7 @@ def test_the_timings_tell_of_each_stage_and_of_what_was_used_again(
 
     first = lines_after(0.25)
     assert first["2 samples per pixel"][1] == ""
+    assert first["First picture"][0] != ""
     assert first["Surfaces"][1] == ""
     assert {"Shafts, prepared", "Shafts, scattered"} < first.keys()
     light = next(thing for thing in scene.objects if thing.type == "LIGHT")
@@ -355,7 +356,7 @@ def test_the_first_picture_of_a_changed_scene_tells_of_its_update() -> None:
         "stages": [{"name": "scene reading", "seconds": 0.25}, {"name": "scene update", "seconds": 0.002}],
         "counts": {"scene relit": 1, "depth map: kept": 3, "depth map: made": 1},
     }
-    lines = hud_lines(Work(statistics=statistics, scale=8), "Rendering 1/4")
+    lines = hud_lines(Work(statistics=statistics, scale=8, first_s=0.3), "Rendering 1/4")
     assert [(line.name, line.time, line.note) for line in lines] == [
         ("1/8", "252 ms", "Rendering 1/4"),
         ("Read scene", "250 ms", ""),
