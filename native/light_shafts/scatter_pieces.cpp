@@ -172,27 +172,30 @@ void DirectionalScatter::append_grid_pieces(const ViewRay& ray, std::span<const 
             source += share.density * scatter_of_grid[share.grid];
         source *= irradiance_;
         const dvec3 sigma_t = dvec3(step.depth_gain) / (double{step.far_m} - step.near_m);
-        const bool is_reached = source != Rgb(0.0f) && std::ranges::any_of(reached, [&](const LinePart& part) {
-                                    return part.near_m < step.far_m && step.near_m < part.far_m;
-                                });
-        sweep.visit(step.near_m, step.far_m, [&](double from, double end, const LightSide& light_side) {
-            const double count = is_reached && step.share_count == 0 ? std::ceil((end - from) / grid_piece_m_) : 1.0;
-            for (double part = 0.0, at = from; part < count; part += 1.0) {
-                const double to = part + 1.0 < count ? std::lerp(from, end, (part + 1.0) / count) : end;
-                dvec3 light_depth = glm::max(light_side.depth_at_zero + at * light_side.depth_per_m, dvec3(0.0));
-                dvec3 depth_per_m = sigma_t + light_side.depth_per_m;
-                if (is_reached && at < to) {
-                    const dvec3 at_near = grid_depth_at(at);
-                    light_depth += at_near;
-                    depth_per_m += (grid_depth_at(to) - at_near) / (to - at);
+        const bool is_asked = source != Rgb(0.0f);
+        sweep.visit(step.near_m, step.far_m, [&](double begin, double past, const LightSide& light_side) {
+            for (double from = begin, end; from < past; from = end) {
+                end = is_asked ? next_end(reached, from, past) : past;
+                const bool is_reached = is_asked && is_inside(reached, 0.5 * (from + end));
+                const double count =
+                    is_reached && step.share_count == 0 ? std::ceil((end - from) / grid_piece_m_) : 1.0;
+                for (double part = 0.0, at = from; part < count; part += 1.0) {
+                    const double to = part + 1.0 < count ? std::lerp(from, end, (part + 1.0) / count) : end;
+                    dvec3 light_depth = glm::max(light_side.depth_at_zero + at * light_side.depth_per_m, dvec3(0.0));
+                    dvec3 depth_per_m = sigma_t + light_side.depth_per_m;
+                    if (is_reached && at < to) {
+                        const dvec3 at_near = grid_depth_at(at);
+                        light_depth += at_near;
+                        depth_per_m += (grid_depth_at(to) - at_near) / (to - at);
+                    }
+                    pieces.push_back({.near_m = static_cast<float>(at),
+                                      .far_m = static_cast<float>(to),
+                                      .source_per_m = source,
+                                      .depth_at_near = Rgb(camera_depth + light_depth),
+                                      .depth_per_m = Rgb(depth_per_m)});
+                    camera_depth += sigma_t * (to - at);
+                    at = to;
                 }
-                pieces.push_back({.near_m = static_cast<float>(at),
-                                  .far_m = static_cast<float>(to),
-                                  .source_per_m = source,
-                                  .depth_at_near = Rgb(camera_depth + light_depth),
-                                  .depth_per_m = Rgb(depth_per_m)});
-                camera_depth += sigma_t * (to - at);
-                at = to;
             }
         });
     }
