@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     import numpy as np
     from bpy.types import Context, Object
+    from mathutils import Matrix
     from numpy.typing import NDArray
 
     from tyndall.air_tiles import VolumeKind
@@ -68,13 +69,17 @@ def why_no_space(thing: Object) -> str | None:
     return f'"{thing.name}" has a scale or a size of 0: there is no space in it'
 
 
-def world_from_unit(thing: Object) -> tuple[tuple[float, float, float, float], ...]:
-    """(4, 4), metres: [0, 1]^3 of it is the Empty's cube, whatever shape it is shown in."""
+def local_from_unit(thing: Object) -> Matrix:
+    """[0, 1]^3 of it is the Empty's cube, whatever shape it is shown in."""
     from mathutils import Matrix
 
     size = thing.empty_display_size
-    matrix = thing.matrix_world @ Matrix.Translation((-size,) * 3) @ Matrix.Diagonal((2 * size,) * 3).to_4x4()
-    return tuple(tuple(row) for row in matrix)
+    return Matrix.Translation((-size,) * 3) @ Matrix.Diagonal((2 * size,) * 3).to_4x4()
+
+
+def world_from_unit(thing: Object) -> tuple[tuple[float, float, float, float], ...]:
+    """(4, 4), metres."""
+    return tuple(tuple(row) for row in thing.matrix_world @ local_from_unit(thing))
 
 
 def read_volume(thing: Object, name: str) -> FloatArray | None:

@@ -19,6 +19,7 @@ from . import (
     reports,
     transfer_functions,
     transfer_states,
+    volume_files,
 )
 
 CLASSES = (
@@ -35,6 +36,7 @@ CLASSES = (
     *over_engine.CLASSES,
     *paint_air.CLASSES,
     *painted_air.CLASSES,
+    *volume_files.CLASSES,
     *reports.CLASSES,
     *presets.CLASSES,
 )

@@ -8,6 +8,7 @@ from bpy.types import Context, Panel, UILayout
 from ..air_painting import active_painting
 from ..operators.paint_air import why_no_paint
 from ..operators.painted_air import memory_text
+from ..operators.volume_files import draw_buttons
 from ..painted_air import edited_box, why_not_editable
 from .base import SidebarPanel, draw_text, is_wide_region
 
@@ -92,6 +93,7 @@ class TYNDALL_PT_painted_volumes(SidebarPanel, Panel):
         row.operator("tyndall.painted_air_flip")
         row.operator("tyndall.painted_air_resample")
         layout.operator("tyndall.painted_air_bake")
+        draw_buttons(layout)
 
 
 CLASSES = (TYNDALL_PT_paint_air, TYNDALL_PT_painted_volumes)

@@ -21,6 +21,8 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
+from ..baked_air import is_baked_air
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
@@ -165,6 +167,8 @@ class _Grouping:
         has_shape = isinstance(thing.data, (bpy.types.Mesh, bpy.types.Volume))
         # Not asked of `thing`: Python's copy of an instance is that of its original, with the original's visibility.
         if owner.type in self._hidden_kinds or self._is_hidden(parent or thing):
+            return None
+        if is_baked_air(thing.data):  # the texture of the air is what it shows
             return None
         if thing.type in _UNDRAWN:
             self._reports.add(f'Object "{thing.name}"', f"{_UNDRAWN[thing.type]} are not drawn")

@@ -176,3 +176,29 @@ def to_dense(grid: SparseGrid, bounds: tuple[Index, Index] | None = None) -> tup
     begin, end = first - first_leaf * LEAF_VOXELS, last - first_leaf * LEAF_VOXELS
     cut = tuple(slice(*axis) for axis in zip(begin, np.maximum(end, begin), strict=True))
     return np.ascontiguousarray(dense[cut]), (int(first[0]), int(first[1]), int(first[2]))
+
+
+def values_at(grid: SparseGrid, indices: NDArray[np.int64]) -> FloatArray:
+    """Voxels of a grid, (n,), by their indices, (n, 3); the background outside of its leaves."""
+    values = np.full(len(indices), grid.background, np.float32)
+    if len(grid.leaf_origins) == 0:
+        return values
+    leaves = grid.leaf_origins.astype(np.int64) // LEAF_VOXELS
+    first, counts = leaves.min(axis=0), np.ptp(leaves, axis=0) + 1
+    wanted = indices // LEAF_VOXELS - first
+    is_near = ((wanted >= 0) & (wanted < counts)).all(axis=1)
+
+    def number(places: NDArray[np.int64]) -> NDArray[np.int64]:
+        numbers: NDArray[np.int64] = (places[:, 0] * counts[1] + places[:, 1]) * counts[2] + places[:, 2]
+        return numbers
+
+    known = number(leaves - first)
+    order = np.argsort(known)
+    near = np.flatnonzero(is_near)
+    sought = number(wanted[near])
+    leaf = order[np.minimum(np.searchsorted(known, sought, sorter=order), len(order) - 1)]
+    is_there = known[leaf] == sought
+    found, leaf = near[is_there], leaf[is_there]
+    x, y, z = (indices[found] % LEAF_VOXELS).T
+    values[found] = grid.leaf_values[leaf, x, y, z]
+    return values

@@ -89,8 +89,12 @@ public:
         openvdb::GridBase::Ptr
             grid; ///< Without voxels until it is read; nullptr: of a type that OpenVDB does not know.
         bool is_read = false;
+        /// "density", and for the second of this name "density[1]".
         [[nodiscard]] std::string name() const {
-            return as_utf8(openvdb::io::GridDescriptor::nameAsString(descriptor.uniqueName()));
+            using Descriptor = openvdb::io::GridDescriptor;
+            const std::string& unique_name = descriptor.uniqueName();
+            const bool is_first = unique_name == Descriptor::addSuffix(descriptor.gridName(), 0);
+            return as_utf8(is_first ? descriptor.gridName() : Descriptor::nameAsString(unique_name));
         }
     };
 

@@ -86,7 +86,7 @@ TEST_CASE("numbers of every type become the nearest floats") {
     }
     const FileInfo info = list_all(file);
     CHECK(info.grids[0].value_type == "double");
-    CHECK(info.grids[4].value_type == "mask");
+    CHECK(info.grids[4].value_type == "bool");
 }
 
 TEST_CASE("a grid of vectors becomes three of its components") {
@@ -153,7 +153,8 @@ TEST_CASE("a grid in a frustum, and one of points, are listed, left out, and ref
     frustum->tree().setValue({1, 1, 1}, 1.0f);
     frustum->setTransform(vdb::math::Transform::createFrustumTransform(vdb::BBoxd({0.0, 0.0, 0.0}, {10.0, 10.0, 10.0}),
                                                                        /*taper=*/0.5, /*depth=*/10.0));
-    const auto points = named<vdb::points::PointDataGrid>("points");
+    const vdb::GridBase::Ptr points = vdb::GridBase::createGrid("Tree_ptdataidx32_5_4_3");
+    points->setName("points");
     const auto density = named<vdb::FloatGrid>("density");
     file.write({frustum, points, density});
 
