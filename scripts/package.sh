@@ -41,6 +41,16 @@ embree=("${unpacked[0]}"/tyndall.libs/libembree3-*.so*)
 nm -D --defined-only "${embree[0]}" | awk '$3 ~ /^rtc/ { print $3, "tyndall_" $3 }' >"$work/embree-symbols.txt"
 (($(wc -l <"$work/embree-symbols.txt") > 90)) || fail "only $(wc -l <"$work/embree-symbols.txt") rtc symbols in ${embree[0]}"
 logged rename patchelf --rename-dynamic-symbols "$work/embree-symbols.txt" "${embree[0]}" "${unpacked[0]}"/tyndall/*.so
+
+# What the libraries' licences ask for: each one's text travels with it.
+licences=("${unpacked[0]}"/tyndall-*.dist-info/licenses)
+cp .deps/openimageio/*.md "${licences[0]}"
+for library in "${unpacked[0]}"/tyndall.libs/*; do
+    name=$(sed -E 's/-[0-9a-f]{8}\.so/.so/' <<<"${library##*/}")
+    [[ $name == libOpenImageIO* ]] && continue
+    package=$(dpkg -S "*/$name" | sed -n '1s/:.*//p')
+    cp "/usr/share/doc/$package/copyright" "${licences[0]}/$package.txt" || fail "no licence of $name is at hand"
+done
 logged pack wheel pack "${unpacked[0]}" -d "$work"
 
 python - "$work"/tyndall-*.whl "$zip.part" <<'PYTHON'
