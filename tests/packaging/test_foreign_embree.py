@@ -5,12 +5,12 @@ Seen to fail with the wheel as auditwheel leaves it, before its symbols are rena
 ray hits anything. Blender's executable links Embree in this way from 4.0 on; bpy wheels load theirs privately.
 """
 
-import subprocess
 from pathlib import Path
 
 import pytest
 
 from support.blenders import ROOT, environment_of_bpy, run
+from support.foreign_host import build_host
 
 VERSION_OF_FOREIGN_EMBREE = """
 import ctypes
@@ -20,35 +20,6 @@ scope.rtcGetDeviceProperty.argtypes = [ctypes.c_void_p, ctypes.c_int]
 RTC_DEVICE_PROPERTY_VERSION = 0
 print("foreign Embree:", scope.rtcGetDeviceProperty(scope.rtcNewDevice(None), RTC_DEVICE_PROPERTY_VERSION))
 """
-
-
-def needed_libraries(library: Path) -> list[str]:
-    """Names of the libraries that a library is linked with."""
-    lines = subprocess.run(["readelf", "-d", library], capture_output=True, text=True, check=True).stdout.splitlines()
-    return [line.split("[")[1].rstrip("]") for line in lines if "(NEEDED)" in line]
-
-
-def build_host(version: str, folder: Path) -> Path:
-    """Build an interpreter that is linked with what bpy itself is linked with, as Blender's executable is."""
-    bpy = environment_of_bpy(version) / "bpy"
-    foreign = [f"-l:{name}" for name in needed_libraries(bpy / "__init__.so") if (bpy / "lib" / name).exists()]
-    assert any("embree4" in name for name in foreign)
-
-    def python_config(*options: str) -> list[str]:
-        return subprocess.run(
-            ["/usr/bin/python3-config", *options], capture_output=True, text=True, check=True
-        ).stdout.split()
-
-    host = folder / "host"
-    subprocess.run(
-        [
-            *("g++", ROOT / "tests/support/foreign_host.cpp", "-o", host, *python_config("--includes")),
-            *("-Wl,--no-as-needed,--allow-shlib-undefined", f"-L{bpy / 'lib'}", f"-Wl,-rpath,{bpy / 'lib'}", *foreign),
-            *python_config("--embed", "--ldflags"),
-        ],
-        check=True,
-    )
-    return host
 
 
 @pytest.mark.parametrize("version", ["4.5", "5.0"])

@@ -91,5 +91,23 @@ def test_the_record_of_the_wheel_is_right(site_packages: Path) -> None:
 
 def test_the_wheel_brings_what_the_package_needs(site_packages: Path) -> None:
     package = site_packages / "tyndall"
-    for name in ("_native.*.so", "_image_io.*.so", "py.typed", "blender/__init__.py", "blender/addon/__init__.py"):
+    for name in (
+        "_native.*.so",
+        "_image_io.*.so",
+        "_volume_io.*.so",
+        "py.typed",
+        "blender/__init__.py",
+        "blender/addon/__init__.py",
+    ):
         assert list(package.glob(name)), name
+
+
+def test_the_licence_of_every_bundled_library_is_there(site_packages: Path) -> None:
+    """By the name of its package; OpenImageIO's comes with those of what is linked into it."""
+    (folder,) = site_packages.glob("tyndall-*.dist-info/licenses")
+    licences = {path.name for path in folder.iterdir() if path.stat().st_size > 500}
+    assert {"LICENSE", "LICENSE.md", "THIRD-PARTY.md"} <= licences
+    for library in (site_packages / "tyndall.libs").iterdir():
+        name = re.split(r"[-_.0-9]", library.name, maxsplit=1)[0].lower()
+        is_of_openimageio = name == "libopenimageio"
+        assert is_of_openimageio or any(licence.startswith(name) for licence in licences), library.name
