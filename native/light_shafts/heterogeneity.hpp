@@ -17,29 +17,47 @@ namespace tyndall::light_shafts {
 /// Steps of one length over the parts of a ray that lie in media; what lies between two media is no part of any step.
 class AirStepping {
 public:
-    /// `offset` in (0, 1): where in a step its point lies. `most_depth`: optical depth, from the camera, at which the
-    /// steps end.
-    void assign(const Media& media, std::span<const MediumSegment> segments, std::uint32_t step_count, float offset,
+    /// `segments`, at least one, and `media` must outlive this. `offset` in (0, 1): where in a step its point lies.
+    /// `most_depth`: optical depth, from the camera, at which the steps end.
+    AirStepping(const Media& media, std::span<const MediumSegment> segments, std::uint32_t step_count, float offset,
                 float most_depth);
 
     [[nodiscard]] float step_m() const { return step_m_; }
-    [[nodiscard]] std::span<const float> at_m() const { return at_m_; }
+    /// Distances of the steps' points along the ray.
+    void find_points(std::span<float> at_m) const;
     /// Adds the share of each step that lies within [near_m, far_m], times `weight`.
     void add_share(float near_m, float far_m, float weight, std::span<float> shares) const;
-    /// Optical depth from the camera to the point of a step.
-    [[nodiscard]] std::span<const Rgb> depths() const { return depths_; }
-    /// Into the ray's segments, per step.
-    [[nodiscard]] std::span<const std::uint32_t> segment_of() const { return segment_of_; }
+    /// Calls visit(step, segment, metres into it, optical depth from the camera) for each step's point, near to far.
+    template <class Visit>
+    void for_each_step(const Visit& visit) const;
 
 private:
     /// Length in media before a point of the ray, in steps.
     [[nodiscard]] float steps_before(float distance_m) const;
 
+    const Media* media_;
     std::span<const MediumSegment> segments_;
-    std::vector<float> length_before_m_; ///< In media, per segment.
-    float step_m_ = 0.0f;
-    std::vector<float> at_m_;
-    std::vector<Rgb> depths_;
-    std::vector<std::uint32_t> segment_of_;
+    std::uint32_t step_count_;
+    float offset_, step_m_ = 0.0f;
 };
+
+template <class Visit>
+void AirStepping::for_each_step(const Visit& visit) const {
+    std::size_t segment = 0;
+    Rgb depth_before(0.0f), sigma_t = media_->sigma_t_per_m(segments_.front().set);
+    float length_before_m = 0.0f;
+    for (std::uint32_t step = 0; step < step_count_; ++step) {
+        const float before_m = (static_cast<float>(step) + offset_) * step_m_;
+        float length_m = segments_[segment].far_m - segments_[segment].near_m;
+        while (segment + 1 < segments_.size() && before_m > length_before_m + length_m) {
+            depth_before += sigma_t * length_m;
+            length_before_m += length_m;
+            ++segment;
+            sigma_t = media_->sigma_t_per_m(segments_[segment].set);
+            length_m = segments_[segment].far_m - segments_[segment].near_m;
+        }
+        visit(step, segments_[segment], before_m - length_before_m,
+              depth_before + sigma_t * (before_m - length_before_m));
+    }
+}
 } // namespace tyndall::light_shafts

@@ -3,6 +3,7 @@
 #include "core/errors.hpp"
 #include "core/parallel.hpp"
 #include "core/random.hpp"
+#include <algorithm>
 #include <bit>
 
 namespace tyndall {
@@ -199,6 +200,44 @@ AirNoiseVolume::AirNoiseVolume(const AirNoise& noise, const Progress& progress) 
             break;
         texels = std::move(next);
     }
+    std::uint32_t first = 0;
+    for (std::uint32_t level = level_count(); level-- > 0; first += side(level) * side(level) * side(level))
+        packed_.push_back({.first = first,
+                           .side_bits = static_cast<std::uint32_t>(std::countr_zero(side(level))),
+                           .scale = 1.0f / levels_[level].mean});
+    std::ranges::reverse(packed_);
+    corners_ = std::make_unique_for_overwrite<std::uint64_t[]>(first);
+}
+
+std::span<const air_noise::PackedLevel> AirNoiseVolume::packed(std::uint32_t finest_level) const {
+    for (std::uint32_t level = finest_level; level < level_count(); ++level)
+        std::call_once(is_packed_[level], [&] {
+            // A thread that waits for the others here must not begin what waits for this level, too.
+            tbb::this_task_arena::isolate([&] { pack(level); });
+        });
+    return packed_;
+}
+
+void AirNoiseVolume::pack(std::uint32_t level) const {
+    const std::size_t count = side(level);
+    const std::span<const std::uint8_t> from = texels(level);
+    std::uint64_t* const to = corners_.get() + packed_[level].first;
+    parallel_for(
+        count * count, Progress(),
+        [&](std::size_t row) {
+            const std::size_t z = row / count, y = row % count, above = (y + 1) % count, behind = (z + 1) % count;
+            const std::array<const std::uint8_t*, 4> rows{
+                &from[(z * count + y) * count], &from[(z * count + above) * count], &from[(behind * count + y) * count],
+                &from[(behind * count + above) * count]};
+            for (std::size_t x = 0; x < count; ++x) {
+                const std::size_t right = (x + 1) % count;
+                std::uint64_t cell = 0;
+                for (std::size_t pair = 0; pair < 4; ++pair)
+                    cell |= (std::uint64_t{rows[pair][x]} | std::uint64_t{rows[pair][right]} << 8) << (16 * pair);
+                to[row * count + x] = cell;
+            }
+        },
+        64);
 }
 
 bool AirNoiseVolume::is_of(const AirNoise& noise) const {

@@ -6,10 +6,11 @@
 //           the cube: it tiles space. Components of gradients are evenly distributed, whose second moments, all that a
 //           mean along a ray shows, know no direction. Mip levels are box-filtered; each is told with the mean that its
 //           8 bits have, so that N / mean(N) keeps the light to rounding at every level.
-// Bound:    1.15 bytes per texel; 5 operations per texel and octave: along a row between two corners the noise is
+// Bound:    1.15 bytes per texel, and 8 more at each level that steps are fine enough for; 5 operations per texel and octave: along a row between two corners the noise is
 //           one cubic in the fade, whose coefficients are shared by the row's texels.
 #pragma once
 #include "core/progress.hpp"
+#include "volume/air_noise_kernel.hpp"
 #include "volume/heterogeneity.hpp"
 #include <mutex>
 #include <span>
@@ -30,6 +31,10 @@ public:
     [[nodiscard]] std::uint32_t side(std::uint32_t level) const { return noise_.resolution >> level; }
     /// x fastest; texel i of n lies at (i + 0.5) / n of the cube.
     [[nodiscard]] std::span<const std::uint8_t> texels(std::uint32_t level) const { return levels_[level].texels; }
+    /// Levels from this one to the coarsest, as the loops read them; what was not asked for yet is packed first. Safe from
+    /// any thread.
+    [[nodiscard]] std::span<const air_noise::PackedLevel> packed(std::uint32_t finest_level) const;
+    [[nodiscard]] const std::uint64_t* corners() const { return corners_.get(); }
     /// In texels' units, [0, 255]; 1 of a noise without any value.
     [[nodiscard]] float mean(std::uint32_t level) const { return levels_[level].mean; }
     /// N / mean(N) between texels, trilinear; `place` in cubes, whatever its whole part.
@@ -40,8 +45,14 @@ private:
         std::vector<std::uint8_t> texels;
         float mean = 1.0f;
     };
+    void pack(std::uint32_t level) const;
+
+    static constexpr std::size_t most_levels = 10;
     AirNoise noise_;
     std::vector<Level> levels_;
+    std::vector<air_noise::PackedLevel> packed_; ///< Finest first.
+    std::unique_ptr<std::uint64_t[]> corners_;   ///< Coarsest first; pages that are not packed take no memory.
+    mutable std::array<std::once_flag, most_levels> is_packed_;
 };
 
 /// The volumes that were asked for last, for frames whose noise stays as it is. Safe from any thread.

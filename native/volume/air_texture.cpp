@@ -41,6 +41,12 @@ AirTexture::AirTexture(const Heterogeneity& heterogeneity, const Progress& progr
     cube_from_scene_ = cube_from_scene_directions / side_m;
     const dvec3 moved = cube_from_scene_ * heterogeneity.moved_m;
     offset_ = glm::ceil(moved) - moved; // wind of years leaves the noise as fine as it was
+    double place = 0.5;
+    for (std::uint32_t step = 0; step < heterogeneity.step_count; ++step) {
+        place += 0.6180339887498949; // of any length these lie evenly
+        place -= std::floor(place);
+        sequence_.push_back(std::min(static_cast<float>(place), 0.9999999f));
+    }
 }
 
 AirTexture AirTexture::weighted(Heterogeneity::Weighting weighting) const {
@@ -54,39 +60,109 @@ float AirTexture::noise_at(const vec3& point, float level, float sequence) const
     return noise_->relative_at(cube_from_scene_ * dvec3(point) + offset_, std::min(nearest, noise_->level_count() - 1));
 }
 
+AirTexture::Paint AirTexture::paint_at(const vec3& place) const {
+    const PaintedAir& painted = *heterogeneity_.painted;
+    return {.amount = painted.amount().is_empty() ? 0.0f : sampled(painted.amount(), place),
+            .level = painted.changes_level() ? sampled(painted.level(), place) : 0.0f,
+            .intensity = painted.changes_intensity() ? sampled(painted.intensity(), place) : 1.0f};
+}
+
 float AirTexture::at(const vec3& point, float least_level, float sequence) const {
-    float amount = heterogeneity_.amount, level = heterogeneity_.level, intensity = heterogeneity_.intensity;
-    if (const PaintedAir* const painted = heterogeneity_.painted.get()) {
+    Paint paint{.amount = 0.0f, .level = 0.0f, .intensity = 1.0f};
+    if (heterogeneity_.painted) {
         const vec3 place(heterogeneity_.unit_from_scene * vec4(point, 1.0f));
-        if (glm::all(glm::greaterThanEqual(place, vec3(0.0f))) && glm::all(glm::lessThanEqual(place, vec3(1.0f)))) {
-            if (!painted->amount().is_empty())
-                amount = std::clamp(amount + sampled(painted->amount(), place), 0.0f, 1.0f);
-            if (painted->changes_level())
-                level += sampled(painted->level(), place);
-            if (painted->changes_intensity())
-                intensity *= sampled(painted->intensity(), place);
-        }
+        if (glm::all(glm::greaterThanEqual(place, vec3(0.0f))) && glm::all(glm::lessThanEqual(place, vec3(1.0f))))
+            paint = paint_at(place);
     }
+    const float amount = std::clamp(heterogeneity_.amount + paint.amount, 0.0f, 1.0f);
+    const float intensity = heterogeneity_.intensity * paint.intensity;
     if (amount == 0.0f)
         return intensity;
-    return intensity * (1.0f + amount * (noise_at(point, std::max(level, least_level), sequence) - 1.0f));
+    const float level = std::max(heterogeneity_.level + paint.level, least_level);
+    return intensity * (1.0f + amount * (noise_at(point, level, sequence) - 1.0f));
+}
+
+air_noise::NoiseRay AirTexture::noise_ray(const AirSteps& steps, float level) const {
+    level = std::clamp(level, 0.0f, static_cast<float>(noise_->level_count() - 1));
+    const auto finest = static_cast<std::uint32_t>(level);
+    const std::span<const air_noise::PackedLevel> packed = noise_->packed(finest);
+    const dvec3 origin = cube_from_scene_ * dvec3(steps.origin) + offset_;
+    const dvec3 direction = cube_from_scene_ * dvec3(steps.direction);
+    air_noise::NoiseRay ray{.corners = noise_->corners(),
+                            .levels = {packed[finest], packed[std::min<std::size_t>(finest + 1, packed.size() - 1)]},
+                            .second_share = level - static_cast<float>(finest),
+                            .origin = {},
+                            .direction = {},
+                            .at_m = steps.at_m.data(),
+                            .weights = steps.weights.data(),
+                            .sequence = sequence_.data(),
+                            .all_levels = packed.data(),
+                            .count = steps.at_m.size()};
+    for (glm::length_t axis = 0; axis < 3; ++axis) {
+        ray.origin[static_cast<std::size_t>(axis)] = static_cast<float>(origin[axis] - std::floor(origin[axis]));
+        ray.direction[static_cast<std::size_t>(axis)] = static_cast<float>(direction[axis]);
+    }
+    return ray;
+}
+
+/// Where a ray is in the unit cube: from .first to .second, which is before it where it misses.
+static std::pair<float, float> within_unit_cube(const vec3& origin, const vec3& direction) {
+    const vec3 a = -origin / direction, b = (1.0f - origin) / direction;
+    const vec3 near = glm::min(a, b), far = glm::max(a, b);
+    return {std::max({near.x, near.y, near.z}), std::min({far.x, far.y, far.z})};
 }
 
 float AirTexture::mean(const AirSteps& steps) const {
     // Two texels per step: measured, the least error (benchmarks/heterogeneity_bench.cpp).
     const float least_level = std::log2(steps.step_m / texel_m_) - 1.0f;
-    float sum = 0.0f, weight_sum = 0.0f;
-    double sequence = 0.5;
+    if (heterogeneity_.painted) {
+        const auto [first_m, last_m] =
+            within_unit_cube(vec3(heterogeneity_.unit_from_scene * vec4(steps.origin, 1.0f)),
+                             vec3(heterogeneity_.unit_from_scene * vec4(steps.direction, 0.0f)));
+        if (!(last_m < steps.at_m.front() || steps.at_m.back() < first_m || last_m < first_m))
+            return mean_of_painted(steps, least_level, first_m, last_m);
+    }
+    const float amount = heterogeneity_.amount;
+    if (amount == 0.0f)
+        return heterogeneity_.intensity;
+    const auto [weights, noise] = air_noise::sum_along(noise_ray(steps, std::max(heterogeneity_.level, least_level)));
+    return weights > 0.0f ? heterogeneity_.intensity * (1.0f + amount * (noise / weights - 1.0f)) : 1.0f;
+}
+
+float AirTexture::mean_of_painted(const AirSteps& steps, float least_level, float first_m, float last_m) const {
+    struct Workspace {
+        std::vector<float> weights;
+        std::vector<std::uint8_t> levels;
+    };
+    thread_local Workspace of_noise;
+    of_noise.weights.assign(steps.at_m.size(), 0.0f);
+    of_noise.levels.assign(steps.at_m.size(), 0);
+    const bool has_levels = heterogeneity_.painted->changes_level();
+    const auto coarsest = static_cast<float>(noise_->level_count() - 1);
+    float even = 0.0f, weight_sum = 0.0f, finest = coarsest;
     for (std::size_t step = 0; step < steps.at_m.size(); ++step) {
-        sequence += 0.6180339887498949; // of any length its numbers lie evenly
-        sequence -= std::floor(sequence);
-        const float weight = steps.weights[step];
+        const float weight = steps.weights[step], at_m = steps.at_m[step];
         if (weight == 0.0f)
             continue;
+        Paint paint{.amount = 0.0f, .level = 0.0f, .intensity = 1.0f};
+        if (first_m <= at_m && at_m <= last_m)
+            paint = paint_at(vec3(heterogeneity_.unit_from_scene * vec4(steps.origin + at_m * steps.direction, 1.0f)));
+        const float amount = std::clamp(heterogeneity_.amount + paint.amount, 0.0f, 1.0f);
         weight_sum += weight;
-        sum +=
-            weight * at(steps.origin + steps.at_m[step] * steps.direction, least_level, static_cast<float>(sequence));
+        even += weight * paint.intensity * (1.0f - amount);
+        of_noise.weights[step] = weight * paint.intensity * amount;
+        if (has_levels) {
+            const float level = std::clamp(std::max(heterogeneity_.level + paint.level, least_level), 0.0f, coarsest);
+            finest = std::min(finest, level);
+            of_noise.levels[step] = static_cast<std::uint8_t>(std::min(level + sequence_[step], coarsest));
+        }
     }
-    return weight_sum > 0.0f ? sum / weight_sum : 1.0f;
+    if (weight_sum == 0.0f)
+        return 1.0f;
+    air_noise::NoiseRay ray = noise_ray(steps, has_levels ? finest : std::max(heterogeneity_.level, least_level));
+    ray.weights = of_noise.weights.data();
+    if (has_levels)
+        ray.level_of_step = of_noise.levels.data();
+    return heterogeneity_.intensity * (even + air_noise::sum_along(ray).noise) / weight_sum;
 }
 } // namespace tyndall

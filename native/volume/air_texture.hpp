@@ -4,7 +4,8 @@
 //           be noise of the sampling, not of the air. A level between two belongs to one for some steps and to the other
 //           for the rest, by a fixed sequence: along a surface levels change step by step, and no line shows.
 //           The cube is turned against the scene's axes: walls and rows of trees do not lie along it.
-// Bound:    per step 8 texels of noise; what is not painted is not looked up.
+// Bound:    per step with weight one load of 8 bytes, see air_noise_kernel.hpp; in the painted box 8 voxels of each volume
+//           that is painted, one step after the other.
 #pragma once
 #include "core/progress.hpp"
 #include "volume/air_noise.hpp"
@@ -32,16 +33,25 @@ public:
     /// What a point scatters relative to homogeneous air, by noise no finer than `least_level`; `sequence` in [0, 1)
     /// says which of two levels, where the level lies between them.
     [[nodiscard]] float at(const vec3& point, float least_level, float sequence) const;
-    /// Mean over the points in proportion to their weights; 1 where all of these are 0.
+    /// Mean over the points, of which there are no more than step_count, in proportion to their weights; 1 where all of these
+    /// are 0.
     [[nodiscard]] float mean(const AirSteps& steps) const;
 
 private:
+    /// In the painted box, relative to what holds everywhere.
+    struct Paint {
+        float amount, level, intensity;
+    };
+    [[nodiscard]] Paint paint_at(const vec3& place) const;
+    [[nodiscard]] float mean_of_painted(const AirSteps& steps, float least_level, float first_m, float last_m) const;
+    [[nodiscard]] air_noise::NoiseRay noise_ray(const AirSteps& steps, float level) const;
     [[nodiscard]] float noise_at(const vec3& point, float level, float sequence) const;
 
     Heterogeneity heterogeneity_;
     std::shared_ptr<const AirNoiseVolume> noise_;
-    glm::dmat3 cube_from_scene_; ///< In cubes, before the wind.
-    dvec3 offset_;               ///< The wind's, [0, 1).
+    std::vector<float> sequence_; ///< Per step.
+    glm::dmat3 cube_from_scene_;  ///< In cubes, before the wind.
+    dvec3 offset_;                ///< The wind's, [0, 1).
     float texel_m_;
 };
 } // namespace tyndall
