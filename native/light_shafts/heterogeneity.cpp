@@ -5,7 +5,6 @@
 #include "light_shafts/turns.hpp"
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace tyndall::light_shafts {
 static float least_channel(const Rgb& value) { return std::min({value.x, value.y, value.z}); }
@@ -50,19 +49,7 @@ float AirStepping::steps_before(float distance_m) const {
 }
 
 void AirStepping::add_share(float near_m, float far_m, float weight, std::span<float> shares) const {
-    const float begin = steps_before(near_m), end = steps_before(far_m);
-    if (!(begin < end))
-        return;
-    const auto first = static_cast<std::size_t>(begin),
-               last = std::min(static_cast<std::size_t>(end), shares.size() - 1);
-    if (first == last) {
-        shares[first] += weight * (end - begin);
-        return;
-    }
-    shares[first] += weight * (static_cast<float>(first + 1) - begin);
-    for (std::size_t step = first + 1; step < last; ++step)
-        shares[step] += weight;
-    shares[last] += weight * (end - static_cast<float>(last));
+    add_lit_share(steps_before(near_m), steps_before(far_m), weight, shares);
 }
 
 namespace {
@@ -70,15 +57,22 @@ namespace {
 struct Steps {
     std::vector<AirStepping> of_ray;
     std::vector<float> weights; ///< Per ray and step; sums over the lights.
-    std::vector<float> shares;  ///< Lit, of the current ray and light.
+    std::vector<float> shares;  ///< Of the current light that are lit: of the current ray, or of all `plain` ones.
     std::vector<float> at_m;    ///< Of the current ray.
     LitRows lit;
     std::vector<ScatterPiece> pieces;
+    /// Rays whose steps lie side by side, as almost all do, and the others, which meet several media in turn.
+    struct Some {
+        std::vector<std::uint32_t> index; ///< In the block.
+        std::vector<ViewRay> rays;
+        std::vector<float> begin_m, step_m;
+        void clear() { index.clear(), rays.clear(), begin_m.clear(), step_m.clear(); }
+    } plain, broken;
 };
 
 /// What a sun scatters to the camera per metre of a step, if it were lit; mean over the channels.
 void add_directional(const ViewRay& ray, std::span<const MediumSegment> segments, const DirectionalScatter& light,
-                     float strata_weight, Steps& steps, std::span<float> weights) {
+                     float strata_weight, Steps& steps, std::span<const float> shares, std::span<float> weights) {
     steps.pieces.clear();
     light.append_pieces(ray, segments, steps.pieces);
     auto first = steps.at_m.begin();
@@ -90,7 +84,7 @@ void add_directional(const ViewRay& ray, std::span<const MediumSegment> segments
         const auto count = static_cast<std::size_t>(end - first);
         air_steps::add_piece(steps.pieces[piece], strata_weight,
                              {.at_m = steps.at_m.data() + begin,
-                              .shares = steps.shares.data() + begin,
+                              .shares = shares.data() + begin,
                               .weights = weights.data() + begin,
                               .count = count});
         first = end;
@@ -141,9 +135,18 @@ public:
         steps.of_ray.clear();
         steps.at_m.resize(step_count);
         steps.weights.assign(block.rays.size() * step_count, is_whole ? 1.0f : 0.0f);
-        for (std::size_t ray = 0; ray < block.rays.size(); ++ray)
-            steps.of_ray.emplace_back(prepared_.media, block.segments_of(ray), wanted.step_count, offset(),
-                                      is_whole ? std::numeric_limits<float>::infinity() : most_depth_of_light);
+        steps.plain.clear(), steps.broken.clear();
+        for (std::uint32_t ray = 0; ray < block.rays.size(); ++ray) {
+            const std::span<const MediumSegment> segments = block.segments_of(ray);
+            const AirStepping& stepping =
+                steps.of_ray.emplace_back(prepared_.media, segments, wanted.step_count, offset(),
+                                          is_whole ? std::numeric_limits<float>::infinity() : most_depth_of_light);
+            Steps::Some& some = segments.size() == 1 ? steps.plain : steps.broken;
+            some.index.push_back(ray);
+            some.rays.push_back(block.rays[ray]);
+            some.begin_m.push_back(segments.front().near_m);
+            some.step_m.push_back(stepping.step_m());
+        }
         if (!is_whole)
             for (const LightBeams& light : prepared_.lights)
                 add(light, block, steps);
@@ -176,33 +179,55 @@ private:
         }
     }
     void add(const Beam& beam, float strata_weight, Block& block, Steps& steps) const {
-        steps.lit.clear();
         if (beam.local) {
             if (block.local.is_empty())
                 block.local.assign(prepared_.media, block.rays, block.first_segment, block.segments);
+            steps.lit.clear();
             beam.local->lit_intervals(block.local, beam.visibility.get(), steps.lit);
-        } else {
-            beam.visibility->lit_intervals(block.rays, steps.lit);
+            for (std::uint32_t ray = 0; ray < block.rays.size(); ++ray)
+                if (find_shares(ray, ray, steps))
+                    add_local(prepared_.media, block.rays[ray], beam.sample, prepared_.attenuates_light, strata_weight,
+                              steps.of_ray[ray], steps.shares, weights_of(ray, steps));
+            return;
         }
         const std::size_t step_count = air_.heterogeneity().step_count;
-        for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
-            const std::span<const LitInterval> lit = steps.lit.of_ray(ray);
-            if (lit.empty())
-                continue;
-            const AirStepping& stepping = steps.of_ray[ray];
-            steps.shares.assign(step_count, 0.0f);
-            for (const LitInterval& interval : lit)
-                stepping.add_share(interval.near_m, interval.far_m, average(interval.transmittance), steps.shares);
-            const auto weights = std::span(steps.weights).subspan(ray * step_count, step_count);
-            if (beam.directional) {
-                stepping.find_points(steps.at_m);
-                add_directional(block.rays[ray], block.segments_of(ray), *beam.directional, strata_weight, steps,
-                                weights);
-            } else {
-                add_local(prepared_.media, block.rays[ray], beam.sample, prepared_.attenuates_light, strata_weight,
-                          stepping, steps.shares, weights);
-            }
+        if (const Steps::Some& plain = steps.plain; !plain.index.empty()) {
+            steps.shares.resize(plain.index.size() * step_count);
+            beam.visibility->find_lit_shares(
+                plain.rays, {plain.begin_m, plain.step_m, static_cast<std::uint32_t>(step_count)}, steps.shares);
+            for (std::size_t at = 0; at < plain.index.size(); ++at)
+                add_sun(plain.index[at], beam, strata_weight, block, steps,
+                        std::span<const float>(steps.shares).subspan(at * step_count, step_count));
         }
+        if (const Steps::Some& broken = steps.broken; !broken.index.empty()) {
+            steps.lit.clear();
+            beam.visibility->lit_intervals(broken.rays, steps.lit);
+            for (std::size_t at = 0; at < broken.index.size(); ++at)
+                if (find_shares(at, broken.index[at], steps))
+                    add_sun(broken.index[at], beam, strata_weight, block, steps, steps.shares);
+        }
+    }
+    [[nodiscard]] std::span<float> weights_of(std::size_t ray, Steps& steps) const {
+        const std::size_t step_count = air_.heterogeneity().step_count;
+        return std::span(steps.weights).subspan(ray * step_count, step_count);
+    }
+    /// Of a ray of the block from the lit intervals of a row; false where it has none.
+    bool find_shares(std::size_t row, std::size_t ray, Steps& steps) const {
+        const std::span<const LitInterval> lit = steps.lit.of_ray(row);
+        if (lit.empty())
+            return false;
+        steps.shares.assign(air_.heterogeneity().step_count, 0.0f);
+        for (const LitInterval& interval : lit)
+            steps.of_ray[ray].add_share(interval.near_m, interval.far_m, average(interval.transmittance), steps.shares);
+        return true;
+    }
+    void add_sun(std::size_t ray, const Beam& beam, float strata_weight, const Block& block, Steps& steps,
+                 std::span<const float> shares) const {
+        if (std::ranges::all_of(shares, [](float share) { return share == 0.0f; }))
+            return;
+        steps.of_ray[ray].find_points(steps.at_m);
+        add_directional(block.rays[ray], block.segments_of(ray), *beam.directional, strata_weight, steps, shares,
+                        weights_of(ray, steps));
     }
 
     const PreparedLights& prepared_;
@@ -214,22 +239,42 @@ private:
 std::vector<float> Shafts::find_heterogeneity(std::span<const ViewRay> rays, const AirTexture& air,
                                               const Progress& progress, Turn turn) const {
     std::vector<float> heterogeneity(rays.size(), dark_air);
-    // As scatter() asks: neighbours in the picture read different rows.
-    std::vector<std::uint32_t> order;
-    if (prepared_->finest && air.heterogeneity().weighting == Heterogeneity::Weighting::LitParts)
-        order = prepared_->finest->coherent_order(rays, progress);
-    if (order.empty()) {
-        order.resize(rays.size());
-        std::iota(order.begin(), order.end(), 0u);
-    }
+    find_heterogeneity(rays, air, heterogeneity, progress, turn);
+    return heterogeneity;
+}
+
+/// Rays that have dark_air. As scatter() asks, where lights are asked: neighbours in the picture read different rows.
+static std::vector<std::uint32_t> order_of_asked(std::span<const ViewRay> rays, std::span<const float> heterogeneity,
+                                                 const Visibility* finest, const Progress& progress) {
+    std::vector<std::uint32_t> asked;
+    for (std::uint32_t ray = 0; ray < rays.size(); ++ray)
+        if (heterogeneity[ray] == dark_air)
+            asked.push_back(ray);
+    if (!finest || asked.empty())
+        return asked;
+    std::vector<ViewRay> asked_rays(asked.size());
+    parallel_for(
+        asked.size(), progress, [&](std::size_t at) { asked_rays[at] = rays[asked[at]]; }, 1 << 14);
+    std::vector<std::uint32_t> order = finest->coherent_order(asked_rays, progress);
+    for (std::uint32_t& at : order)
+        at = asked[at];
+    return order.empty() ? asked : order;
+}
+
+void Shafts::find_heterogeneity(std::span<const ViewRay> rays, const AirTexture& air, std::span<float> heterogeneity,
+                                const Progress& progress, Turn turn) const {
+    require(heterogeneity.size() == rays.size(), "find_heterogeneity: ", rays.size(), " rays, but room for ",
+            heterogeneity.size(), " results");
+    const bool asks_lights = air.heterogeneity().weighting == Heterogeneity::Weighting::LitParts;
+    const std::vector<std::uint32_t> order =
+        order_of_asked(rays, heterogeneity, asks_lights ? prepared_->finest : nullptr, progress);
     const TexturedBlock textured(*prepared_, air, turn);
     constexpr std::size_t rays_per_block = 256;
-    parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
+    parallel_blocks(order.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
         thread_local Block block;
         thread_local Steps steps;
         prepared_->gather(rays, std::span(order).subspan(begin, end - begin), block);
         textured.find(block, steps, heterogeneity);
     });
-    return heterogeneity;
 }
 } // namespace tyndall::light_shafts

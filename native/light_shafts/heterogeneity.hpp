@@ -5,10 +5,10 @@
 //           (unless that is asked for), a step knows exactly how much of it is lit, and brighter parts count for more.
 //           Steps have no jitter: nothing but the noise is sampled, which is smooth at their distance, see AirTexture; the
 //           samples of a pixel shift them instead.
-// Data flow: ray -> steps over its length in media -> per light: lit intervals -> lit share of each step -> times what it
+// Data flow: ray -> steps over its length in media -> per light: lit share of each step -> times what it
 //           scatters, summed over the lights -> mean of the air's texture.
-// Bound:    per ray and light one question for its lit intervals, 2 additions per interval; per step one exponential
-//           and, where it is lit, one look-up of the texture.
+// Bound:    per ray and light one question for its lit shares; per step one exponential and, where it is lit, one look-up
+//           of the texture.
 #pragma once
 #include "light_shafts/prepared_lights.hpp"
 #include "volume/air_texture.hpp"

@@ -145,6 +145,9 @@ public:
     /// this turn's strata, reaches it. By up to a few of a light's strata.
     [[nodiscard]] std::vector<float> find_heterogeneity(std::span<const ViewRay> rays, const AirTexture& air,
                                                         const Progress& progress, Turn turn = {}) const;
+    /// The same, of those rays that have dark_air; the others keep what they have.
+    void find_heterogeneity(std::span<const ViewRay> rays, const AirTexture& air, std::span<float> heterogeneity,
+                            const Progress& progress, Turn turn) const;
     /// One per ray.
     [[nodiscard]] std::vector<Air> find_air(std::span<const ViewRay> rays, const Progress& progress) const;
     /// Gives alone_cell to the rays that pass a lamp whose strata are shared at less than a few times the spacing of the

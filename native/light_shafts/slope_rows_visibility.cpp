@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/slope_rows_visibility.hpp"
 #include "light_shafts/row_query_scatter.hpp"
+#include "light_shafts/row_query_shares.hpp"
 #include <tbb/task_arena.h>
 
 namespace tyndall::light_shafts {
@@ -159,6 +160,25 @@ static void add_some(const Visibility& visibility, std::span<const std::uint32_t
 std::vector<std::uint32_t> RowsVisibility::coherent_order(std::span<const ViewRay> rays,
                                                           const Progress& progress) const {
     return row_query::by_wedge(rows_->layout, rays, progress);
+}
+
+void RowsVisibility::find_lit_shares(std::span<const ViewRay> rays, const StepRows& steps,
+                                     std::span<float> shares) const {
+    if (rows_->layout.frame.is_angular) {
+        Visibility::find_lit_shares(rays, steps, shares);
+        return;
+    }
+    thread_local row_query::Uncovered uncovered;
+    uncovered.near_epipole.clear();
+    uncovered.outside.clear();
+    row_query::find_lit_shares(*rows_, rays, steps, shares, uncovered);
+    near_epipole_count_ += uncovered.near_epipole.size();
+    outside_count_ += uncovered.outside.size();
+    for (const auto* indices : {&uncovered.near_epipole, &uncovered.outside})
+        for (const std::uint32_t ray : *indices) // such rays are rare
+            other().find_lit_shares(rays.subspan(ray, 1),
+                                    {steps.begin_m.subspan(ray, 1), steps.step_m.subspan(ray, 1), steps.step_count},
+                                    shares.subspan(std::size_t{ray} * steps.step_count, steps.step_count));
 }
 
 void RowsVisibility::add_scattered(std::span<const ViewRay> rays, const PieceRows& pieces, std::span<Rgb> radiance,

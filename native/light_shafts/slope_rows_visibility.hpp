@@ -28,6 +28,7 @@ public:
     void lit_intervals(std::span<const ViewRay> rays, LitRows& lit) const override;
     void add_scattered(std::span<const ViewRay> rays, const PieceRows& pieces, std::span<Rgb> radiance,
                        std::span<float> lit_length_m) const override;
+    void find_lit_shares(std::span<const ViewRay> rays, const StepRows& steps, std::span<float> shares) const override;
     [[nodiscard]] std::vector<std::uint32_t> coherent_order(std::span<const ViewRay> rays,
                                                             const Progress& progress) const override;
     [[nodiscard]] const Statistics& statistics() const override { return statistics_; }

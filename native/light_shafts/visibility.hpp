@@ -43,6 +43,12 @@ struct PieceRows {
     }
 };
 
+/// Equal steps along rays: ray r has step_count of step_m[r] from begin_m[r] on.
+struct StepRows {
+    std::span<const float> begin_m, step_m;
+    std::uint32_t step_count;
+};
+
 class Visibility {
 public:
     Visibility() = default;
@@ -57,6 +63,9 @@ public:
     /// lit parts (weighted by the transmittance's mean), unless that is empty: not asked for. By lit_intervals, unless a method fuses the two.
     virtual void add_scattered(std::span<const ViewRay> rays, const PieceRows& pieces, std::span<Rgb> radiance,
                                std::span<float> lit_length_m) const;
+    /// Overwrites the share of each ray's steps that is lit, weighted by the mean of the transmittance: step s of ray r is
+    /// shares[r * step_count + s]. By lit_intervals, unless a method knows better.
+    virtual void find_lit_shares(std::span<const ViewRay> rays, const StepRows& steps, std::span<float> shares) const;
     /// The order in which to ask for many rays, so that what they read stays in the cache; empty: any.
     [[nodiscard]] virtual std::vector<std::uint32_t> coherent_order(std::span<const ViewRay>, const Progress&) const {
         return {};
@@ -64,6 +73,9 @@ public:
     /// What was built, what was skipped, which occluders had to fall back.
     [[nodiscard]] virtual const Statistics& statistics() const = 0;
 };
+
+/// Adds to each of some consecutive steps the share of it that lies between `begin` and `end`, in steps, times `weight`.
+void add_lit_share(float begin, float end, float weight, std::span<float> shares);
 
 /// Prepares visibility of one light sample for `rays` (finite, clipped to the media) of `view`.
 using MakeVisibility = std::unique_ptr<Visibility>(const Scene& scene, const View& view, const LightSample& light,

@@ -129,51 +129,35 @@ float FrameAir::carried_over(std::uint32_t x, std::uint32_t y, float far_m) cons
     return weight_sum > least_weight ? sum / weight_sum : dark_air;
 }
 
-void FrameAir::ask(const light_shafts::Shafts& shafts, const AirTexture& air, light_shafts::Turn turn,
-                   std::span<const ViewRay> rays, std::span<const std::uint32_t> parts, std::span<float> heterogeneity,
-                   const Progress& progress) const {
-    if (parts.empty())
-        return;
-    std::vector<ViewRay> asked;
-    for (const std::uint32_t part : parts)
-        asked.push_back(rays[part]);
-    const std::vector<float> found = shafts.find_heterogeneity(asked, air, progress, turn);
-    for (std::size_t at = 0; at < parts.size(); ++at)
-        heterogeneity[parts[at]] = found[at];
-}
-
 void FrameAir::find(const light_shafts::Shafts& shafts, light_shafts::Turn turn, const WaitingParts& waiting,
                     std::size_t first_pixel, std::size_t end_pixel, std::span<const Rgb> radiance,
                     std::span<float> heterogeneity, const Progress& progress) {
     const Stopwatch stopwatch(seconds_);
     const std::size_t first = waiting.first[first_pixel];
     const std::uint32_t width = region_.x1 - region_.x0;
-    std::ranges::fill(heterogeneity, dark_air);
-    const auto matters = [&](std::size_t part) { return fills_dark_ || radiance[part] != Rgb(0.0f); };
-    if (upsampling_ > 1)
-        parallel_for(end_pixel - first_pixel, progress, [&](std::size_t index) {
+    constexpr std::size_t pixels_per_block = 1 << 11;
+    parallel_for(
+        end_pixel - first_pixel, progress,
+        [&](std::size_t index) {
             const std::size_t pixel = first_pixel + index;
-            const auto x = static_cast<std::uint32_t>(region_.x0 + pixel % width);
-            const auto y = static_cast<std::uint32_t>(region_.y0 + pixel / width);
-            for (std::size_t part = waiting.first[pixel]; part < waiting.first[pixel + 1]; ++part)
-                if (matters(part - first))
-                    heterogeneity[part - first] = carried_over(x, y, waiting.rays[part].far_m);
-        });
-    const std::span rays = std::span(waiting.rays).subspan(first, heterogeneity.size());
-    std::vector<std::uint32_t> asked;
-    const auto collect = [&] {
-        asked.clear();
-        for (std::uint32_t part = 0; part < heterogeneity.size(); ++part)
-            if (heterogeneity[part] == dark_air && matters(part))
-                asked.push_back(part);
-    };
-    collect();
-    asked_count_ += asked.size();
-    ask(shafts, air_, turn, rays, asked, heterogeneity, progress);
+            for (std::size_t part = waiting.first[pixel]; part < waiting.first[pixel + 1]; ++part) {
+                float& value = heterogeneity[part - first];
+                if (!fills_dark_ && radiance[part - first] == Rgb(0.0f))
+                    value = 1.0f;
+                else if (upsampling_ == 1)
+                    value = dark_air;
+                else
+                    value =
+                        carried_over(static_cast<std::uint32_t>(region_.x0 + pixel % width),
+                                     static_cast<std::uint32_t>(region_.y0 + pixel / width), waiting.rays[part].far_m);
+            }
+        },
+        pixels_per_block);
+    const std::span<const ViewRay> rays = std::span(waiting.rays).subspan(first, heterogeneity.size());
+    asked_count_ += static_cast<std::size_t>(std::ranges::count(heterogeneity, dark_air));
+    shafts.find_heterogeneity(rays, air_, heterogeneity, progress, turn);
     // Dark rays that have to have a texture, and those whose light came from strata that neighbours were asked for.
-    collect();
-    ask(shafts, air_of_whole_ray_, turn, rays, asked, heterogeneity, progress);
-    for (float& value : heterogeneity)
-        value = value == dark_air ? 1.0f : value;
+    shafts.find_heterogeneity(rays, air_of_whole_ray_, heterogeneity, progress, turn);
+    std::ranges::replace(heterogeneity, dark_air, 1.0f); // no media
 }
 } // namespace tyndall::render

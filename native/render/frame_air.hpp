@@ -47,9 +47,6 @@ private:
     };
     [[nodiscard]] std::uint32_t middle_px(std::uint32_t square, std::uint32_t frame_px) const;
     [[nodiscard]] float carried_over(std::uint32_t x, std::uint32_t y, float far_m) const;
-    void ask(const light_shafts::Shafts& shafts, const AirTexture& air, light_shafts::Turn turn,
-             std::span<const light_shafts::ViewRay> rays, std::span<const std::uint32_t> parts,
-             std::span<float> heterogeneity, const Progress& progress) const;
 
     AirTexture air_, air_of_whole_ray_;
     const Camera& camera_;

@@ -210,11 +210,17 @@ AirNoiseVolume::AirNoiseVolume(const AirNoise& noise, const Progress& progress) 
 }
 
 std::span<const air_noise::PackedLevel> AirNoiseVolume::packed(std::uint32_t finest_level) const {
+    if (finest_level >= finest_packed_.load(std::memory_order_acquire))
+        return packed_;
     for (std::uint32_t level = finest_level; level < level_count(); ++level)
         std::call_once(is_packed_[level], [&] {
             // A thread that waits for the others here must not begin what waits for this level, too.
             tbb::this_task_arena::isolate([&] { pack(level); });
         });
+    std::uint32_t before = finest_packed_.load(std::memory_order_relaxed);
+    while (finest_level < before &&
+           !finest_packed_.compare_exchange_weak(before, finest_level, std::memory_order_release))
+        ;
     return packed_;
 }
 

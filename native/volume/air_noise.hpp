@@ -12,6 +12,8 @@
 #include "core/progress.hpp"
 #include "volume/air_noise_kernel.hpp"
 #include "volume/heterogeneity.hpp"
+#include <array>
+#include <atomic>
 #include <mutex>
 #include <span>
 #include <vector>
@@ -53,6 +55,7 @@ private:
     std::vector<air_noise::PackedLevel> packed_; ///< Finest first.
     std::unique_ptr<std::uint64_t[]> corners_;   ///< Coarsest first; pages that are not packed take no memory.
     mutable std::array<std::once_flag, most_levels> is_packed_;
+    mutable std::atomic<std::uint32_t> finest_packed_ = most_levels; ///< All levels from it on are.
 };
 
 /// The volumes that were asked for last, for frames whose noise stays as it is. Safe from any thread.

@@ -113,8 +113,9 @@ static std::pair<float, float> within_unit_cube(const vec3& origin, const vec3& 
 }
 
 float AirTexture::mean(const AirSteps& steps) const {
-    // Two texels per step: measured, the least error (benchmarks/heterogeneity_bench.cpp).
-    const float least_level = std::log2(steps.step_m / texel_m_) - 1.0f;
+    // Four texels per step: measured, the least error; half as many and twice as many have half as much again and a
+    // tenth more (benchmarks/heterogeneity_bench.cpp).
+    const float least_level = std::log2(steps.step_m / texel_m_) - 2.0f;
     if (heterogeneity_.painted) {
         const auto [first_m, last_m] =
             within_unit_cube(vec3(heterogeneity_.unit_from_scene * vec4(steps.origin, 1.0f)),
