@@ -60,6 +60,7 @@ void find_lit_shares_of(const Rows& rows, std::span<const ViewRay> rays, const S
     PlacedRays placed;
     RowHits hits;
     const Layout& layout = rows.layout;
+    const auto most_groups = static_cast<std::int32_t>(std::max(4u, 256 / std::max(1u, steps.step_count)));
     for (std::size_t start = 0; start < rays.size(); start += PlacedRays::capacity) {
         const std::size_t count = std::min(PlacedRays::capacity, rays.size() - start);
         if (!layout.rows.empty()) {
@@ -87,7 +88,7 @@ void find_lit_shares_of(const Rows& rows, std::span<const ViewRay> rays, const S
             if (in_row.lines_per_step < 16.0f || in_row.last - in_row.first < 15)
                 find_short(in_row, own);
             else
-                find_long(in_row, std::min(static_cast<std::int32_t>(in_row.lines_per_step / 16.0f), 4), own);
+                find_long(in_row, std::min(static_cast<std::int32_t>(in_row.lines_per_step / 16.0f), most_groups), own);
         }
     }
 }

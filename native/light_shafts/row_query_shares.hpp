@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How much of each step along a ray is lit, from slope rows: 16 neighbouring light lines are one comparison, and as many
 // shadow samples. Few lines are read in whole; of many, evenly spread groups of 16.
-// Bound:    per step 1 to 4 comparisons of 16 lines. A step of n lines is known to 1 / min(n, 64) where a shadow ends in it,
-//           exactly elsewhere.
+// Bound:    per step 1 to 4 comparisons of 16 lines, of few steps more, 256 per ray; a step of up to 64 lines is known to a
+//           line, of longer ones these are 4 samples, where shadows change faster than that.
 #pragma once
 #include "light_shafts/row_query.hpp"
 #include "light_shafts/visibility.hpp"

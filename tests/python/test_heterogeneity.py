@@ -100,7 +100,6 @@ def test_painted_intensity_scales_the_shafts_inside_its_box(session: Session, up
     assert render(session, config_of(wanted)).planes["Shafts"] == pytest.approx(plain, rel=1e-5)
 
 
-# Seen to fail with the functions applied to the textured light.
 def test_light_that_a_transfer_function_replaces_keeps_the_texture(session: Session) -> None:
     layer = Layer(name="red", colour=(1.0, 0.5, 0.25, 1.0))
     functions = (WeightedFunction(function=TransferFunction(name="red", layers=(layer,), use=Use.REPLACE)),)

@@ -114,7 +114,6 @@ TEST_CASE("a sun through even fog weighs the air by the transmittance to the cam
     CHECK(std::abs(along.of(ray_along_x(), whole) - 1.0) < 1e-4);
 }
 
-// Seen to fail with the shares of the wrong light's intervals, and with steps that count where only their middle is lit.
 TEST_CASE("only what is lit counts: the air of shadows does not show") {
     std::vector<support::Part> parts{fog_box()};
     // A wall across x > 0 hides the sun from above; the ray is lit from x = -4 to 0.
