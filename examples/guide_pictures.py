@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import colorsys
 import sys
+import tempfile
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -126,6 +128,16 @@ def paint_shafts() -> None:
     bpy.ops.tyndall.fit_light_map()
 
 
+def let_light_bounce(*, with_shafts: bool = False) -> None:
+    """Have Cycles draw indirect light, too; with its own fog, or with light shafts over a picture without fog."""
+    scene = bpy.context.scene
+    scene.cycles.device, scene.cycles.samples = "CPU", 16
+    scene.cycles.max_bounces = scene.cycles.diffuse_bounces = 4
+    if with_shafts:
+        bpy.ops.tyndall.over_engine_set_up()
+        bpy.ops.tyndall.leave_fog()
+
+
 @dataclass(frozen=True)
 class Picture:
     """One of docs/pictures: an example, and what is done to it."""
@@ -133,6 +145,7 @@ class Picture:
     name: str
     scene: str
     edit: Callable[[], object] = lambda: None
+    engine: str = "TYNDALL"
 
 
 PICTURES = (
@@ -154,36 +167,86 @@ PICTURES = (
     Picture("gobo_stage_before", "stage_spots"),
     Picture("gobo_stage", "stage_spots", throw_blades),
     Picture("fit_hall", "window_hall", paint_shafts),
+    Picture("over_hall_cycles", "window_hall", let_light_bounce, engine="CYCLES"),
+    Picture("over_hall_shafts", "window_hall", partial(let_light_bounce, with_shafts=True), engine="CYCLES"),
     Picture("colour_terrain_alarm", "terrain_sunrise", alarm_at_dawn),
     *(
         Picture(f"colour_sunrise_{frame}", "terrain_sunrise", partial(show_frame, frame))
         for frame in (1, 25, 50, 75, 100)
     ),
 )
+#: Not a render but a comparison.
+EDGES = "over_forest_edges"
 
 
 def render(picture: Picture) -> None:
     """Write docs/pictures/NAME.jpg."""
     bpy.ops.wm.open_mainfile(filepath=str(ROOT / "examples" / f"{picture.scene}.blend"))
     scene = bpy.context.scene
+    scene.render.engine = picture.engine
     picture.edit()
-    scene.render.engine = "TYNDALL"
     scene.render.resolution_x, scene.render.resolution_y = SIZE_PX
     scene.render.resolution_percentage = 100
     scene.render.image_settings.file_format, scene.render.image_settings.quality = "JPEG", 88
     scene.render.use_stamp_filename = False  # a picture does not say where its scene lay
     scene.render.filepath = str(ROOT / "docs" / "pictures" / f"{picture.name}.jpg")
+    started = time.process_time()
     bpy.ops.render.render(write_still=True)
+    print(f"{picture.name}: {time.process_time() - started:.0f} s of CPU time, both cores summed")
+
+
+def rendered_crop(folder: str) -> np.ndarray:
+    """What a render of the scene has inside its border: scene-linear, (height, width, 4)."""
+    scene = bpy.context.scene
+    scene.render.filepath = str(Path(folder) / "crop.exr")
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(scene.render.filepath)
+    width, height = image.size
+    pixels = np.empty(width * height * 4, np.float32)
+    image.pixels.foreach_get(pixels)
+    bpy.data.images.remove(image)
+    return pixels.reshape(height, width, 4)
+
+
+def render_edges(name: str) -> None:
+    """Trunks before the sky: all of it ours, Cycles with light shafts, and their difference four times as bright."""
+    bpy.ops.wm.open_mainfile(filepath=str(ROOT / "examples" / "forest_clearing.blend"))
+    scene, render = bpy.context.scene, bpy.context.scene.render
+    render.resolution_x, render.resolution_y, render.resolution_percentage = *SIZE_PX, 100
+    render.use_border = render.use_crop_to_border = True
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.34, 0.44, 0.44, 0.6
+    render.image_settings.file_format, render.image_settings.color_mode = "OPEN_EXR", "RGBA"
+    render.image_settings.color_depth = "32"
+    scene.tyndall.pixel_samples, scene.tyndall.noise_threshold = 64, 0.0
+    scene.cycles.device, scene.cycles.samples = "CPU", 256
+    with tempfile.TemporaryDirectory() as folder:
+        render.engine = "TYNDALL"
+        own = rendered_crop(folder)
+        render.engine = "CYCLES"
+        bpy.ops.tyndall.over_engine_set_up()
+        bpy.ops.tyndall.leave_fog()
+        over = rendered_crop(folder)
+    difference = np.abs(over - own)[..., :3]
+    print(f"{name}: mean {own[..., :3].mean():.4f}, differs by {difference.mean():.4f}, at most {difference.max():.4f}")
+    shown = np.ones_like(own)
+    shown[..., :3] = 4.0 * difference
+    row = np.concatenate([own, over, shown], axis=1).repeat(3, axis=0).repeat(3, axis=1)
+    image = bpy.data.images.new(name, row.shape[1], row.shape[0], float_buffer=True)
+    image.pixels.foreach_set(np.ascontiguousarray(row).ravel())
+    render.image_settings.file_format, render.image_settings.color_mode = "JPEG", "RGB"
+    image.save_render(str(ROOT / "docs" / "pictures" / f"{name}.jpg"), scene=scene)
 
 
 def main() -> None:
     """Render all, or those that are named."""
-    wanted = sys.argv[1:] or [picture.name for picture in PICTURES]
+    wanted = sys.argv[1:] or [EDGES, *(picture.name for picture in PICTURES)]
     tyndall.blender.enable()
     try:
         for picture in PICTURES:
             if picture.name in wanted:
                 render(picture)
+        if EDGES in wanted:
+            render_edges(EDGES)
     finally:
         tyndall.blender.disable()
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.app.handlers import persistent
 
-from .shafts_scene import follow_camera, keep_in_step, shafts_scene_of
+from .shafts_scene import follow_frame, keep_in_step, shafts_scene_of
 
 if TYPE_CHECKING:
     from bpy.types import Depsgraph, Scene
@@ -42,7 +42,7 @@ def _before_render(scene: Scene, _: object = None) -> None:
 def _before_frame(scene: Scene, _: object = None) -> None:
     shafts = shafts_scene_of(scene.original)
     if shafts is not None:
-        follow_camera(scene.original, shafts)
+        follow_frame(scene.original, shafts)
 
 
 def _bring_in_step(scene: Scene) -> None:

@@ -88,7 +88,7 @@ def keep_in_step(master: Scene, scene: Scene) -> None:
     ):
         for name in names:
             _set(owner, name, getattr(source, name))
-    follow_camera(master, scene)
+    follow_frame(master, scene)
     _share(master.collection.objects, scene.collection.objects)
     _share(master.collection.children, scene.collection.children)
     layers = _layers_of(master)
@@ -99,8 +99,10 @@ def keep_in_step(master: Scene, scene: Scene) -> None:
     _show_same([layer.layer_collection for layer in layers], scene.view_layers[0].layer_collection)
 
 
-def follow_camera(master: Scene, scene: Scene) -> None:
-    """Take the master's camera at its current frame. Works while a frame of both is about to render."""
+def follow_frame(master: Scene, scene: Scene) -> None:
+    """Take the master's camera at its current frame, and its part of a frame. Works while both are about to render."""
+    if scene.frame_subframe != master.frame_subframe:
+        scene.frame_float = master.frame_float  # Blender hands on whole frames only
     camera = _camera_at_frame(master)
     if camera is not None:  # without one, Blender refuses to render either
         _set(scene, "camera", camera)

@@ -54,7 +54,7 @@ class _OverEnginePanel:
         column.active = scene.tyndall.over_engine.is_enabled
         _draw_settings(column, context)
         row = layout.row(align=True)
-        row.operator("tyndall.leave_fog", text="Leave Fog to Them", icon="MOD_FLUIDSIM")
+        row.operator("tyndall.leave_fog", text="Leave Fog to the Shafts", icon="MOD_FLUIDSIM")
         row.operator("tyndall.over_engine_remove", text="Remove", icon="X")
         _draw_last_render(layout, context)
 

@@ -176,6 +176,44 @@ def test_where_a_pixel_mixes_depths_the_error_is_their_covariance(hall: bpy.type
     assert np.median(np.abs(difference)) < 1e-6, "most pixels see one depth"
 
 
+def test_of_a_blurred_picture_the_air_stays_sharp(hall: bpy.types.Scene) -> None:
+    """The camera moves while Cycles' shutter is open: the error is at most what the air changes by in that time.
+
+    Against the mean of our own renders over that time, L T + S: the composite has mean(L) T + S of the frame.
+    """
+    camera = hall.camera
+    for frame, x in ((1, -1.0), (3, 1.0)):
+        camera.location.x = x
+        camera.keyframe_insert("location", frame=frame)
+    for curve in curves_of(camera):
+        for key in curve.keyframe_points:
+            key.interpolation = "LINEAR"
+    set_up(hall)
+    moments = [(index + 0.5) / 32 - 0.25 for index in range(16)]  # of a shutter that is open for half a frame
+    radiance, transmittance, shafts = [], [], []
+    for moment in moments:
+        hall.frame_set(2 if moment >= 0 else 1, subframe=moment % 1.0)
+        transmittance.append(node_output(hall, "Transmittance")[..., :3])
+        shafts.append(node_output(hall, "Air Light")[..., :3])
+        radiance.append(picture_without_fog(hall)[..., :3])
+    hall.frame_set(2)
+    hall.cycles.samples, hall.render.use_motion_blur, hall.render.motion_blur_shutter = 256, True, 0.5
+    blurred = rendered(hall)[..., :3]
+    error = np.abs(blurred - np.mean(np.multiply(radiance, transmittance) + shafts, axis=0))
+    bound = np.max(radiance, axis=0) * np.ptp(transmittance, axis=0) + np.ptp(shafts, axis=0)
+    assert 0.03 < error.max() < 0.08
+    assert (error < bound + 0.02).all(), "16 moments place an edge in time to a thirty-second of the shutter"
+    assert np.median(error) < 1e-6
+
+
+def curves_of(thing: bpy.types.Object) -> list[bpy.types.FCurve]:
+    """Of an object's own action."""
+    action = thing.animation_data.action
+    if hasattr(action, "fcurves"):
+        return list(action.fcurves)
+    return list(action.layers[0].strips[0].channelbag(thing.animation_data.action_slot).fcurves)
+
+
 def blocks(picture: Picture, side_px: int) -> Picture:
     """Of each pixel, the finer ones in it: (height, width, side_px^2, 3)."""
     height, width = picture.shape[0] // side_px, picture.shape[1] // side_px
@@ -584,7 +622,7 @@ def test_the_panel_says_what_is(hall: bpy.types.Scene, panel: type[bpy.types.Pan
     rendered(hall)
     shown = drawn(panel, engine="CYCLES")
     assert "Set Up Again" not in shown
-    assert {"default_value", "pixel_samples", "method", "Leave Fog to Them", "Remove"} <= set(shown)
+    assert {"default_value", "pixel_samples", "method", "Leave Fog to the Shafts", "Remove"} <= set(shown)
     assert any("last render" in line for line in shown)
     assert drawn(panels.transfer_functions.TYNDALL_PT_sidebar_transfer_functions, engine="CYCLES")
     bpy.data.scenes.remove(shafts_scene_of(hall))
