@@ -76,6 +76,8 @@ class Bench:
 
         self._view, self._reports = View, Reports
         self._reader = SceneReader()
+        # What a viewport's engine hears of.
+        bpy.app.handlers.depsgraph_update_post.append(lambda _, depsgraph: self._reader.note_updates(depsgraph))
         self._worker = ViewportWorker(
             Session(kept_pictures=1, kept_maps_bytes=KEPT_MAPS_BYTES, kept_surfaces_bytes=KEPT_SURFACES_BYTES)
         )

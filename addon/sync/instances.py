@@ -70,6 +70,7 @@ class Placement:
     matrices: list[Matrix] = field(default_factory=list)  #: World from object, one per instance.
     #: Identities of original datablocks whose geometry updates make this mesh stale.
     depends_on: set[int] = field(default_factory=set)
+    is_instanced: bool = False  #: By another object; one of its instances is, if it is a light.
 
     def world_from_object(self) -> NDArray[np.float64]:
         """All instances, (count, 4, 4), [row, column]."""
@@ -91,6 +92,15 @@ def read_placements(
         if placement is not None:
             placement.matrices.append(instance.matrix_world.copy())
     return grouping.placements()
+
+
+def shown_kinds(viewport: SpaceView3D | None) -> tuple[object, ...]:
+    """Everything that decides what a viewport shows and is told by no update of a depsgraph."""
+    if viewport is None:
+        return ()
+    view = viewport.local_view
+    switches = (getattr(viewport, shows) for shows in _SWITCHES.values())
+    return viewport.as_pointer(), view and view.as_pointer(), viewport.use_local_collections, *switches
 
 
 def instanced_names(depsgraph: Depsgraph, poll: Callable[[], None]) -> dict[int, set[str]]:
@@ -189,6 +199,7 @@ class _Grouping:
             is_camera_visible=is_camera_visible,
             casts_shadow=casts_shadow,
             depends_on={thing.original.as_pointer() for thing in (thing.data, owner, parent) if thing is not None},
+            is_instanced=parent is not None,
         )
 
     def _report_unsupported(self, thing: Object, shown_by: Object) -> None:

@@ -16,5 +16,11 @@ class Reports:
         if note not in notes:
             notes.append(note)
 
+    def include(self, other: Reports) -> None:
+        """What the other was told, too."""
+        for culprit, notes in other._notes.items():
+            for note in notes:
+                self.add(culprit, note)
+
     def lines(self) -> tuple[str, ...]:
         return tuple(f"{culprit}: {'; '.join(notes)}" for culprit, notes in self._notes.items())

@@ -15,12 +15,13 @@ import bpy
 from tyndall.scene_description import Instances, Light, Mesh, SceneDescription
 
 from .images import ImageReader
-from .instances import Placement, read_placements
+from .instances import Placement, read_placements, shown_kinds
 from .light_masks import MaskReader
 from .lights import read_lights
 from .materials import MaterialReader
 from .meshes import read_mesh
 from .occluder_edits import OccluderEditReader
+from .relit_scene import ReadScene, is_light, light_names
 from .reports import Reports
 from .volumes import VolumeReader
 from .worlds import read_world
@@ -42,9 +43,12 @@ class SceneReader:
         self._live: dict[int, tuple[Mesh | None, set[int]]] = {}  # by address of the evaluated mesh, while it lives
         self._live_depsgraph = 0
         self._stale: set[int] = set()
+        self._last: ReadScene | None = None  # of the live depsgraph, unless more than lights was updated since
 
     def note_updates(self, depsgraph: Depsgraph) -> None:
         """Call from ``view_update`` and handlers: remembers which geometry changed until the next read."""
+        if not depsgraph.updates or not all(is_light(update.id) for update in depsgraph.updates):
+            self._last = None
         for update in depsgraph.updates:
             if update.is_updated_geometry:
                 self._stale.add(update.id.original.as_pointer())
@@ -65,6 +69,9 @@ class SceneReader:
         ``viewport`` leaves out what it hides: in local view, by collection, by kind of object.
         Without ``is_lit`` surfaces give no light, and the media all of theirs.
         """
+        if is_live and self._last is not None and self._last.serves(depsgraph, viewport, is_lit=is_lit):
+            return self._read_lights(self._last, depsgraph, reports, poll)
+        self._last = None
         self._forget_stale(depsgraph, is_live=is_live)
         self._images.start_frame()
         self._masks.start_frame()
@@ -85,20 +92,44 @@ class SceneReader:
             reports.add(f'Scene "{depsgraph.scene_eval.name}"', "motion blur is not drawn")
         poll()
         drawn = frozenset(placement.object_name for placement in placements if placement.data is not None)
+        world = replace(world, medium=materials.add_medium(medium))
+        read_volumes = self._volumes.read(volumes, materials, self._images, reports, poll)
+        of_all_but_lights = Reports()
+        of_all_but_lights.include(reports)
         edits = OccluderEditReader(depsgraph, drawn, self._images, self._masks, reports, poll)
         description = SceneDescription(
             instances=instances,
             lights=_lights(placements, edits, self._images, reports),
-            world=replace(world, medium=materials.add_medium(medium)),
+            world=world,
             materials=tuple(materials.materials),
-            volumes=self._volumes.read(volumes, materials, self._images, reports, poll),
+            volumes=read_volumes,
             media=tuple(materials.media),
             reports=reports.lines(),
         )
         self._images.end_frame()
         self._masks.end_frame()
         self._meshes = {group.mesh.key: group.mesh for group in instances}
+        if is_live:
+            self._last = ReadScene(
+                description=description,
+                reports=of_all_but_lights,
+                depsgraph=depsgraph.as_pointer(),
+                shown_kinds=shown_kinds(viewport),
+                is_lit=is_lit,
+                drawn=drawn,
+                lights=light_names(placements),
+                has_instanced_lights=any(one.data is None and one.is_instanced for one in placements),
+            )
         return description
+
+    def _read_lights(
+        self, last: ReadScene, depsgraph: Depsgraph, reports: Reports, poll: Callable[[], None]
+    ) -> SceneDescription:
+        """The scene of the last read under its lights as they are now; their images join those of the last read."""
+        reports.include(last.reports)
+        edits = OccluderEditReader(depsgraph, last.drawn, self._images, self._masks, reports, poll)
+        lights = _lights(last.light_placements(depsgraph), edits, self._images, reports)
+        return replace(last.description, lights=lights, reports=reports.lines())
 
     def _forget_stale(self, depsgraph: Depsgraph, *, is_live: bool) -> None:
         if not is_live or depsgraph.as_pointer() != self._live_depsgraph:

@@ -4,11 +4,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import bpy
 import numpy as np
 import pytest
 
+from addon.sync import scene as sync_scene
 from addon.sync.reports import Reports
 from addon.sync.scene import SceneReader
 from support.small_scenes import (
@@ -26,7 +29,8 @@ from support.small_scenes import (
     read,
     world_positions,
 )
-from tyndall.scene_description import LightBody
+from tyndall.native_scene import fingerprint
+from tyndall.scene_description import LightBody, SceneDescription
 
 
 def red_green() -> tuple[bpy.types.Material, bpy.types.Material]:
@@ -434,3 +438,63 @@ def test_a_fog_box_hidden_from_the_camera_is_named() -> None:
     (line,) = read().reports
     assert "Fog" in line
     assert "visibility" in line
+
+
+def test_changed_lights_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From a live depsgraph, and as a fresh read would: a slider of a light looks at no instance."""
+    scene = empty_scene()
+    box, lamp = cube(), light("POINT", (0, 0, 2))
+    light("AREA", (0, 0, 4))  # left out, with a report
+    passes: list[object] = []
+    monkeypatch.setattr(sync_scene, "read_placements", counting_passes(sync_scene.read_placements, passes))
+    reader = SceneReader()
+
+    def read_live() -> SceneDescription:
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        return reader.read(depsgraph, Reports(), lambda: None, is_live=True)
+
+    def note(updated_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+        reader.note_updates(depsgraph)
+
+    def add_edit() -> None:
+        lamp.data.tyndall.occluder_edits.add().kind = "HOLES"
+
+    of_lights = [
+        lambda: setattr(lamp.data, "energy", 7.0),
+        lambda: setattr(lamp, "location", (1, 2, 3)),
+        lambda: setattr(lamp, "visible_diffuse", False),
+        lambda: setattr(lamp.data.tyndall, "scatters_in_media", False),
+        add_edit,
+    ]
+    of_more = [
+        lambda: setattr(box, "location", (1, 2, 3)),
+        lambda: lamp.hide_set(True),
+        lambda: lamp.hide_set(False),
+        lambda: setattr(box, "parent", lamp),
+        lambda: setattr(lamp, "location", (0, 0, 1)),  # and the box with it
+        lambda: bpy.data.objects.remove(lamp),
+        lambda: light("SUN", (0, 0, 2)),
+    ]
+    bpy.app.handlers.depsgraph_update_post.append(note)
+    try:
+        scene.view_layers[0].update()
+        read_live()
+        for changes, expected in ((of_lights, 0), (of_more, 1)):
+            for change in changes:
+                change()
+                scene.view_layers[0].update()
+                passes.clear()
+                found = read_live()
+                assert len(passes) == expected
+                assert fingerprint(found) == fingerprint(read())
+                assert any("area lights" in line for line in found.reports)
+    finally:
+        bpy.app.handlers.depsgraph_update_post.remove(note)
+
+
+def counting_passes(function: Callable[..., Any], passes: list[object]) -> Callable[..., Any]:
+    def counted(*arguments: Any, **options: Any) -> Any:
+        passes.append(arguments)
+        return function(*arguments, **options)
+
+    return counted
