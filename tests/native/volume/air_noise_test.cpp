@@ -94,6 +94,7 @@ TEST_CASE("a level is the box-filtered one before it") {
             }
 }
 
+// Seen to fail with the amplitudes not divided by the deviation of their sum.
 TEST_CASE("its contrast is a sixth of its range, whatever the octaves: three deviations fill it") {
     for (const AirNoise& noise : {AirNoise{.octaves = 1, .resolution = 128}, AirNoise{.octaves = 4, .resolution = 128},
                                   AirNoise{.octaves = 4, .persistence = 1.0f, .resolution = 128, .seed = 9},
@@ -122,6 +123,7 @@ TEST_CASE("octaves double their frequency, fade with the persistence, and differ
     CHECK(structure(two, {1, 0, 0}) < 4.0 * structure(one, {1, 0, 0}));
 }
 
+// Seen to fail with gradients that have no y.
 TEST_CASE("no direction is preferred by more than a quarter") {
     // Of 4 texels in 8 per feature: along axes, diagonals of faces (4.24) and of the cube (3.46), scaled to one length.
     const AirNoiseVolume volume = volume_of({.octaves = 3, .resolution = 64});

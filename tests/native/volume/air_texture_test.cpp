@@ -78,6 +78,7 @@ TEST_CASE("painted levels smooth the noise until it is even") {
     }
 }
 
+// Seen to fail with samples at i / n.
 TEST_CASE("between samples what is painted is linear, and even beyond the outermost") {
     const AirTexture air = texture_of({.amount = 0.0f,
                                        .unit_from_scene = glm::inverse(glm::translate(mat4(1.0f), vec3(5, -2, 1)) *
@@ -116,6 +117,7 @@ TEST_CASE("only what carries weight is looked up, in proportion") {
     CHECK(mean({0, 1, 0, 3}) == doctest::Approx(0.25 * second + 0.75 * last).epsilon(1e-5));
 }
 
+// Seen to fail with the wind in single precision.
 TEST_CASE("wind carries the noise along, for years without losing detail") {
     const Heterogeneity still{.noise = {.scale_m = 0.5f}};
     const AirTexture air = texture_of(still);
