@@ -16,7 +16,7 @@ from mathutils import Matrix, Vector
 
 from .air_plane import AirPlane, axes_of, normal_of, ray_under
 from .air_strokes import BoxStroke
-from .painted_air import edited_box, why_not_editable, world_from_unit
+from .painted_air import edited_box, forget, why_not_editable, world_from_unit
 
 if TYPE_CHECKING:
     from bpy.types import Area, Context, Object, Region
@@ -125,15 +125,15 @@ class AirPainting:
         self.dial = None
 
     def radius_px(self, brush: TyndallAirBrush, region: Region) -> float:
-        """Of the brush where it is on the plane; at least a pixel."""
+        """Of the brush where it is on the plane, at least a pixel; DIAL_PX where the plane is not seen."""
         from bpy_extras.view3d_utils import location_3d_to_region_2d
 
         centre_px = self.dial.centre_px if self.dial is not None else self.mouse_px
         place = self.place_under(region, centre_px)
         if place is None:
-            return 1.0
+            return DIAL_PX
         rim = location_3d_to_region_2d(region, region.data, place + axes_of(region.data)[0] * brush.radius_m)
-        return max(1.0, dist(rim, centre_px)) if rim is not None else 1.0
+        return max(1.0, dist(rim, centre_px)) if rim is not None else DIAL_PX
 
     def note_brush(self, context: Context) -> None:
         """Remember the brush: undo brings back the scene's of that time, which is not what undoing a stroke means."""
@@ -179,6 +179,7 @@ def _keep_brush(*_: object) -> None:
 @persistent
 def _end_with_file(*_: object) -> None:
     end_painting()
+    forget()
 
 
 _HANDLERS = (("undo_post", _keep_brush), ("redo_post", _keep_brush), ("load_pre", _end_with_file))

@@ -141,12 +141,12 @@ def _picture_texture(painting: AirPainting, context: Context, box: Object) -> An
     if values is None:
         return None
     box_matrix = Matrix(world_from_unit(box))
-    unit_from_clip = (view.perspective_matrix @ box_matrix).inverted_safe()
+    unit_from_clip = np.linalg.inv(np.array(view.perspective_matrix, np.float64) @ np.array(box_matrix, np.float64))
     normal = normal_of(view)
     plane = Vector((*normal, -normal.dot(painting.plane.point))) @ box_matrix
     texel_px = max(_TEXEL_PX, region.width / _MOST_TEXELS, region.height / _MOST_TEXELS)
     size = max(1, round(region.width / texel_px)), max(1, round(region.height / texel_px))
-    rgba = picture(values, name, np.array(unit_from_clip), np.array(plane), size)
+    rgba = picture(values, name, unit_from_clip, np.array(plane), size)
     return gpu.types.GPUTexture(size, format="RGBA16F", data=gpu.types.Buffer("FLOAT", rgba.size, rgba.ravel()))
 
 

@@ -138,6 +138,29 @@ def let_light_bounce(*, with_shafts: bool = False) -> None:
         bpy.ops.tyndall.leave_fog()
 
 
+def paint_air(places_m: list[tuple[float, float, float]], volume: str, value: float, radius_m: float) -> None:
+    """Paint one stroke, at full opacity, through places in the world."""
+    brush = bpy.context.scene.tyndall.air_brush
+    brush.volume, brush.mode, brush.opacity, brush.radius_m = volume, "PAINT", 1.0, radius_m
+    setattr(brush, volume.lower(), value)
+    dabs = [{"name": "", "location": place_m, "pressure": 1.0} for place_m in places_m]
+    bpy.ops.tyndall.paint_air_stroke(dabs=dabs)
+
+
+def paint_one_shaft() -> None:
+    """Dim the hall's shafts but the one that falls on the table, with dust in it: by paint in the air."""
+    scene = bpy.context.scene
+    scene.render.engine = "TYNDALL"
+    bpy.ops.tyndall.add_painted_box(voxels=128)
+    scene.tyndall.heterogeneity.amount = 0.0
+    scene.tyndall.heterogeneity.scale_m = 0.8
+    shaft_m = [(-5.5, -3.7, 5.7), (-0.4, -6.5, 0.9)]
+    scene.tyndall.air_brush.volume, scene.tyndall.air_brush.intensity = "INTENSITY", 0.12
+    bpy.ops.tyndall.painted_air_fill()
+    paint_air(shaft_m, "INTENSITY", 5.0, 1.6)
+    paint_air(shaft_m, "AMOUNT", 1.0, 1.6)
+
+
 @dataclass(frozen=True)
 class Picture:
     """One of docs/pictures: an example, and what is done to it."""
@@ -167,6 +190,7 @@ PICTURES = (
     Picture("gobo_stage_before", "stage_spots"),
     Picture("gobo_stage", "stage_spots", throw_blades),
     Picture("fit_hall", "window_hall", paint_shafts),
+    Picture("paint_hall", "window_hall", paint_one_shaft),
     Picture("over_hall_cycles", "window_hall", let_light_bounce, engine="CYCLES"),
     Picture("over_hall_shafts", "window_hall", partial(let_light_bounce, with_shafts=True), engine="CYCLES"),
     Picture("colour_terrain_alarm", "terrain_sunrise", alarm_at_dawn),

@@ -74,6 +74,7 @@ class TYNDALL_OT_add_painted_box(Operator):
         texture = context.scene.tyndall.heterogeneity
         texture.painted, texture.is_enabled = box, True
         context.scene.tyndall.air_brush.radius_m = longest_m / _BRUSHES_ALONG_BOX
+        context.view_layer.update()  # a script may paint at once: the box is where it is
         return {"FINISHED"}
 
 

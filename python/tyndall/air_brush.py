@@ -80,8 +80,8 @@ class Stroke:
         begin, begin_pressure = self._end or (place, pressure)
         self._end = place, pressure
         length = float(np.linalg.norm(self._brush_from_voxel @ (place - begin)))
-        smallest = min(self._scale(begin_pressure), self._scale(pressure))
-        count = max(1, int(np.ceil(length / (_LONGEST_PART * smallest))))
+        largest = max(self._scale(begin_pressure), self._scale(pressure))
+        count = max(1, int(np.ceil(length / (_LONGEST_PART * largest))))
         shares = np.linspace(0.0, 1.0, count + 1)
         ends = [(begin + (place - begin) * t, begin_pressure + (pressure - begin_pressure) * t) for t in shares]
         is_met = [self._sweep(*one, *other) for one, other in pairwise(ends)]

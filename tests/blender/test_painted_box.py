@@ -15,9 +15,10 @@ from addon.painted_air import VOLUMES, edited_box, read_volume, world_from_unit,
 from addon.panels import paint_air as panels
 from addon.sync.heterogeneity import read_heterogeneity
 from addon.sync.reports import Reports
+from support.engine_pictures import tyndall_pixels
 from support.painted_box import VOXELS, painted_box, stroke
 from support.recording_layout import drawn
-from support.small_scenes import cube
+from support.small_scenes import cube, light
 from tyndall import Progress
 from tyndall.air_tiles import VOLUME_KINDS
 from tyndall.baked_air import bake_air
@@ -162,3 +163,22 @@ def test_the_panel_shows_the_value_that_is_painted(box: bpy.types.Object) -> Non
     box_shown = drawn(panels.TYNDALL_PT_painted_volumes)
     assert "Intensity: not painted" in box_shown
     assert set(VOLUME_KINDS) == set(VOLUMES)
+
+
+def test_a_render_shows_what_is_painted(box: bpy.types.Object) -> None:
+    """From above, through fog under a sun: no shafts where 0 is painted, twice as bright where 2 is, else as before."""
+    scene = bpy.context.scene
+    scene.render.resolution_x = scene.render.resolution_y = 16
+    scene.camera.location.z, scene.camera.data.ortho_scale = 10.0, 4.0
+    light("SUN", (0.0, 0.0, 5.0))
+    bpy.ops.tyndall.add_fog_box(optical_depth=5.0, with_camera_and_lights=False)
+    bpy.data.objects["Fog Box"].scale = (0.4, 0.4, 0.05)  # of 10 m around the origin: within the painted box
+    scene.tyndall.heterogeneity.is_enabled, scene.tyndall.heterogeneity.amount = True, 0.0
+    before = tyndall_pixels(scene)
+    assert before.min() > 0.0
+    intensity = np.ones((VOXELS,) * 3, np.float32)
+    intensity[..., : VOXELS // 4], intensity[..., -VOXELS // 4 :] = 0.0, 2.0
+    write_volume(box, "intensity", intensity)
+    after = tyndall_pixels(scene)
+    ratio = (after / before)[:, [1, 7, 8, 14]].mean(axis=(0, 2))
+    assert ratio == pytest.approx([0.0, 1.0, 1.0, 2.0], abs=1e-3)

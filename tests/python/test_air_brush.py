@@ -196,6 +196,18 @@ def test_pressure_scales_size_and_opacity_only_where_asked() -> None:
     assert np.array_equal(painted_with(1.0, pressure_sizes=True, pressure_fades=True), whole)
 
 
+def test_a_pen_that_is_pressed_on_the_way_draws_a_cone() -> None:
+    """From no pressure to all of it along x: as wide at each place as the pressure there, for two moves or twenty."""
+    for count in (1, 19):
+        painting = begin(replace(HARD, pressure_sizes=True))
+        for share in np.linspace(0.0, 1.0, count + 1):
+            painting.move_to(np.array([-3.0 + 6.0 * share, VOXEL_M / 2, VOXEL_M / 2]), share)
+        x_m = (np.arange(VOXELS) + 0.5) * VOXEL_M - SIDE_M / 2
+        widths_m = (painting.values[32] != 0.0).sum(0) * VOXEL_M
+        inside = (x_m > -2.0) & (x_m < 2.5)
+        assert np.abs(widths_m - 2.0 * (x_m + 3.0) / 6.0)[inside].max() < 2.0 * VOXEL_M
+
+
 def test_only_touched_tiles_change() -> None:
     """Seen at every tile, for strokes at random places; at least one that is not touched is left alone."""
     random = np.random.default_rng(6)

@@ -164,12 +164,37 @@ def test_strokes_are_painted_over_the_picture_and_fitted(play: Callable[..., Any
 
 
 def test_the_air_is_painted_with_the_mouse(play: Callable[..., Any]) -> None:
-    """Strokes in the 3D view, on the plane; each is a step of undo."""
-    played = play("paint_air", screen_px=(1100, 800))
-    painted = {step: shares[0] for step, shares in played.facts["painted"].items()}
-    assert 0.02 < painted["erase"] < painted["stroke"] < 0.05
-    assert painted["undo erase"] == painted["redo stroke"] == painted["stroke"]
-    assert painted["undo stroke"] == 0.0
+    """In the 3D view: strokes, each a step of undo; F and its companions; the plane slides, the view still turns."""
+    facts = play("paint_air", screen_px=(900, 600)).facts
+    painted = {step: np.array(means) for step, means in facts["painted"].items()}
+    assert facts["begun"]
+    assert 0.0 < painted["erase"][0] < painted["stroke"][0] < 0.05
+    assert painted["undo stroke"][0] == 0.0
+    for step in ("undo erase", "redo stroke"):
+        assert np.array_equal(painted[step], painted["stroke"])
+    assert 0.5 < painted["smooth"][0] / painted["stroke"][0] != 1.0
+    assert np.array_equal(painted["outside"], painted["smooth"])
+    assert painted["amount"][1] > 0.0
+    assert painted["by tool"][2] > 0.0
+    assert np.array_equal(painted["reload"], painted["by tool"])
+
+    dials = facts["brush"]
+    for name in ("radius_m", "opacity", "hardness"):
+        before, during, after = dials[name]
+        assert before != during == after, name
+    before, during, after = dials["depth"]
+    assert before == after != during
+    assert abs(dials["]"] - 1.25) < 1e-5
+    assert facts["still painting"]
+
+    middle, away, back, surface = facts["depths"]
+    assert abs(middle - 0.5) < 1e-3
+    assert abs(away - middle - 6 / 40) < 1e-3
+    assert abs(away - back - 2 / 40) < 1e-3
+    assert surface < middle
+    assert facts["turned_rad"] > 0.1
+    for end in ("Esc", "another tool", "reload"):
+        assert not facts[f"painting after {end}"]
 
 
 def test_the_tab_goes_from_the_medium_to_the_output(play: Callable[..., Any]) -> None:
