@@ -44,8 +44,11 @@ class TyndallPaintAirTool(WorkSpaceTool):
 
 
 def register() -> None:
-    bpy.utils.register_tool(TyndallPaintAirTool, after={"builtin.measure"}, separator=True)
+    # While a background Blender 3.4 starts, there are no keymaps, to which a tool adds its own: nor is there a toolbar.
+    if bpy.context.window_manager.keyconfigs.default is not None:
+        bpy.utils.register_tool(TyndallPaintAirTool, after={"builtin.measure"}, separator=True)
 
 
 def unregister() -> None:
-    bpy.utils.unregister_tool(TyndallPaintAirTool)
+    if hasattr(TyndallPaintAirTool, "_bl_tool"):  # Blender's, of a tool that is registered
+        bpy.utils.unregister_tool(TyndallPaintAirTool)

@@ -201,3 +201,11 @@ def test_the_tab_goes_from_the_medium_to_the_output(play: Callable[..., Any]) ->
     """In the sidebar, by the mouse."""
     played = play("sidebar", screen_px=(1000, 1200))
     assert not [line for line in played.console.splitlines() if any(text in line for text in COMPLAINTS)]
+
+
+def test_the_air_goes_to_a_file_and_back(play: Callable[..., Any]) -> None:
+    """Through Blender's file browser, which shows what may be chosen."""
+    facts = play("air_files", screen_px=(1100, 800)).facts
+    assert facts["is_written"]
+    assert facts["is_shown"]
+    assert facts["is_loaded"]
