@@ -161,6 +161,13 @@ def paint_one_shaft() -> None:
     paint_air(shaft_m, "AMOUNT", 1.0, 1.6)
 
 
+def texture(preset: str, **settings: object) -> None:
+    """Give the air a preset's texture, with some of its settings changed."""
+    bpy.ops.tyndall.preset_apply(filepath=str(ROOT / "addon" / "presets" / "air" / f"{preset}.py"))
+    for name, value in settings.items():
+        setattr(bpy.context.scene.tyndall.heterogeneity, name, value)
+
+
 @dataclass(frozen=True)
 class Picture:
     """One of docs/pictures: an example, and what is done to it."""
@@ -193,6 +200,9 @@ PICTURES = (
     Picture("paint_hall", "window_hall", paint_one_shaft),
     Picture("over_hall_cycles", "window_hall", let_light_bounce, engine="CYCLES"),
     Picture("over_hall_shafts", "window_hall", partial(let_light_bounce, with_shafts=True), engine="CYCLES"),
+    Picture("air_hall_smoke", "window_hall", lambda: texture("Drifting_Smoke", scale_m=4.0)),
+    Picture("air_hall_mist", "window_hall", lambda: texture("Mist_Banks")),
+    Picture("air_stage_smoke", "stage_spots", lambda: texture("Drifting_Smoke")),
     Picture("colour_terrain_alarm", "terrain_sunrise", alarm_at_dawn),
     *(
         Picture(f"colour_sunrise_{frame}", "terrain_sunrise", partial(show_frame, frame))

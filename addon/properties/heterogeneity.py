@@ -101,7 +101,7 @@ class TyndallHeterogeneity(PropertyGroup):
     octaves: IntProperty(
         name="Octaves",
         description="Layers of finer structure, each of half the size of the one before: 1 has soft blobs, 3 clouds, "
-        "6 smoke with fine threads. Rendering takes the same time",
+        "5 smoke with fine threads. Rendering takes the same time",
         min=1,
         max=8,
         default=5,

@@ -19,6 +19,8 @@ from addon.properties.heterogeneity import UPSAMPLINGS, WIND_PATH, TyndallHetero
 from addon.sync.cameras import read_camera
 from addon.sync.heterogeneity import read_heterogeneity
 from addon.sync.reports import Reports
+from support.beam_scene import build_beam_scene
+from support.engine_pictures import tyndall_pixels
 from support.small_scenes import add, empty_scene
 from tyndall.heterogeneity import AirNoise, Heterogeneity
 
@@ -271,6 +273,50 @@ def test_settings_survive_save_and_copies_of_the_scene(air: TyndallHeterogeneity
     copied = bpy.context.scene.copy()
     bpy.context.window.scene = copied
     assert at(48) == before
+
+
+# Pictures
+
+
+def picture() -> np.ndarray:
+    """(36, 64, 3), through the pixels' centres."""
+    return tyndall_pixels(bpy.context.scene)
+
+
+@pytest.fixture
+def beams() -> TyndallHeterogeneity:
+    """The texture of a scene with four shafts of a lamp, off."""
+    bpy.ops.wm.read_factory_settings()
+    scene = build_beam_scene()
+    scene.render.resolution_x, scene.render.resolution_y = 64, 36
+    return scene.tyndall.heterogeneity
+
+
+def test_an_amount_of_0_changes_no_bit(beams: TyndallHeterogeneity) -> None:
+    """Nor does a texture that is off; 1 does, and keeps how bright the shafts are as a whole."""
+    even = picture()
+    beams.amount, beams.scale_m = 1.0, 0.5
+    assert np.array_equal(picture(), even)
+    beams.is_enabled = True
+    beams.amount = 0.0
+    assert np.array_equal(picture(), even)
+    beams.amount = 1.0
+    textured = picture()
+    assert np.abs(textured - even).max() > 0.1 * textured.mean()
+    assert textured.mean() == pytest.approx(even.mean(), rel=0.1)
+
+
+def test_the_texture_goes_with_the_wind(beams: TyndallHeterogeneity) -> None:
+    """Carried along by a metre in a second, it is the one that was put there by hand; a second later it is another."""
+    beams.is_enabled, beams.scale_m, beams.amount = True, 0.5, 1.0
+    beams.wind_m_per_s = (0.0, 1.0, 0.0)
+    scene = bpy.context.scene
+    scene.frame_set(24)
+    carried = picture()
+    scene.frame_set(48)
+    assert not np.allclose(picture(), carried, rtol=0.05)
+    beams.wind_m_per_s, beams.offset_m = (0.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+    assert np.array_equal(picture(), carried)
 
 
 # What is painted

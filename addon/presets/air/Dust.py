@@ -7,6 +7,6 @@ air.amount = 0.7
 air.intensity = 1.0
 air.level = 0.0
 air.scale_m = 0.6
-air.octaves = 8
+air.octaves = 6
 air.persistence = 0.75
 air.wind_m_per_s = (0.05, 0.0, -0.03)
