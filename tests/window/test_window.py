@@ -209,3 +209,23 @@ def test_the_air_goes_to_a_file_and_back(play: Callable[..., Any]) -> None:
     assert facts["is_written"]
     assert facts["is_shown"]
     assert facts["is_loaded"]
+
+
+def test_light_shafts_go_over_cycles_in_the_window(play: Callable[..., Any]) -> None:
+    """By the mouse: set up, fog left to them, off and on, removed and brought back; F12, Ctrl-F12, Esc."""
+    played = play("over_engine", screen_px=(1000, 900))
+    both = [".Scene Light Shafts", "Scene"]
+    assert played.facts["steps"] == {
+        "set up": [True, both, []],
+        "leave fog": [True, both, [False]],
+        "off": [False, both, [True]],
+        "on": [True, both, [False]],
+        "remove": [False, ["Scene"], []],
+        "undo": [True, both, [False]],
+    }
+    shafts, own = played.facts["levels"]
+    assert 0.8 < shafts / own < 1.2, "both have fog"
+    assert shafts != own
+    assert played.facts["frames"] == 8
+    assert played.facts["ends"] == ["complete", "complete", "complete", "cancel"]
+    assert not [line for line in played.console.splitlines() if any(text in line for text in COMPLAINTS)]
