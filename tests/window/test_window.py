@@ -198,7 +198,7 @@ def test_the_air_is_painted_with_the_mouse(play: Callable[..., Any]) -> None:
 
 
 def test_the_tab_goes_from_the_medium_to_the_output(play: Callable[..., Any]) -> None:
-    """In the sidebar, by the mouse."""
+    """It opens without a complaint; the screenshot shows its steps in their order."""
     played = play("sidebar", screen_px=(1000, 1200))
     assert not [line for line in played.console.splitlines() if any(text in line for text in COMPLAINTS)]
 

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Goes through the tab Light Shafts as an artist does, from the medium to the output, and clicks on what is new there.
-
-Places are those of Blender 3.4's sidebar at its default width, in pixels from its right and its top, in a high window.
-"""
+"""Opens the tab Light Shafts over a scene with fog and a lamp: its steps, as an artist first sees them."""
 
 from __future__ import annotations
 
