@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import bpy
@@ -19,7 +20,7 @@ import tyndall.blender
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "docs" / "gallery"
 SIZE_PX = (960, 540)
-PIXEL_SAMPLES = 5
+PIXEL_SAMPLES = 12
 
 
 def edits() -> Iterator[bpy.types.PropertyGroup]:
@@ -42,6 +43,48 @@ def as_saved() -> None:
     """What the file holds is the picture."""
 
 
+def without_functions() -> None:
+    """Occluders as edited, colours as they are."""
+    bpy.context.scene.tyndall.shafts.use_transfer_functions = False
+
+
+def show_state(index: int) -> None:
+    """One of the scene's transfer functions alone."""
+    bpy.context.scene.tyndall.shafts.transfer_state = index
+
+
+def show_frame(frame: int) -> None:
+    """Go to a frame of an animated example."""
+    bpy.context.scene.frame_set(frame)
+
+
+def look_through(camera: str) -> None:
+    """Render what another camera sees."""
+    bpy.context.scene.camera = bpy.data.objects[camera]
+
+
+def physical_dawn() -> None:
+    """The frame in which the terrain lends itself to another style, without any."""
+    as_it_is()
+    bpy.context.scene.frame_set(STYLE_FRAME)
+
+
+def posterise() -> None:
+    """Replace a scene's own style by one function that is the same in all."""
+    physical_dawn()
+    shafts = bpy.context.scene.tyndall.shafts
+    shafts.transfer_states.clear()
+    shafts.use_transfer_functions = True
+    bpy.ops.tyndall.transfer_function_preset(preset="ALARM")
+    shafts.transfer_states[0].function.tyndall.strength = STYLE_STRENGTH
+
+
+#: Names of the pictures, and of the cameras.
+CITADEL_VIEWS = (("road", "From the Road"), ("east", "From the East"), ("west", "From the West"))
+STYLE_FRAME = 25  #: The sun stands behind the terrain's peaks there.
+STYLE_STRENGTH = 1.0  #: The preset's is for the glare of a hall; these scenes are exposed for dusk.
+
+
 @dataclass(frozen=True)
 class Picture:
     """One of docs/gallery: an example, and what is done to it."""
@@ -56,6 +99,16 @@ PICTURES = (
     Picture("palm_tree", "palm_tree"),
     Picture("scarecrow_before", "scarecrow", as_it_is),
     Picture("scarecrow", "scarecrow"),
+    Picture("turtle_before", "turtle", as_it_is),
+    Picture("turtle_filled", "turtle", without_functions),
+    Picture("turtle_lifted", "turtle", partial(show_state, 0)),
+    Picture("turtle", "turtle"),
+    Picture("flower_bed_before", "flower_bed", as_it_is),
+    *(Picture(f"flower_bed_{frame}", "flower_bed", partial(show_frame, frame)) for frame in (1, 5, 9)),
+    Picture("citadel_before", "citadel", as_it_is),
+    *(Picture(f"citadel_{name}", "citadel", partial(look_through, camera)) for name, camera in CITADEL_VIEWS),
+    Picture("terrain_sunrise_before", "terrain_sunrise", physical_dawn),
+    *(Picture(f"style_{scene}", scene, posterise) for scene in ("terrain_sunrise", "palm_tree", "scarecrow")),
 )
 
 

@@ -92,3 +92,42 @@ def test_a_silhouette_that_is_drawn_out_darkens_the_air_around_a_figure(gallery:
     in_sky = depth[around_figure] > SKY_M
     ratio = (after / before).mean(axis=-1)[around_figure][in_sky].mean()
     assert ratio < 0.9
+
+
+def test_filled_holes_and_lifted_shadows_of_a_turtle_change_nothing_but_its_shade(gallery: Gallery) -> None:
+    gallery.make("turtle")
+    (lifted, _), (filled, _), (before, _) = (
+        gallery.shafts(name) for name in ("turtle_lifted", "turtle_filled", "turtle_before")
+    )
+    # Closing only takes light away; the map's texels and the sun's few samples move edges both ways.
+    assert np.percentile(filled / before, 99) < 1.05
+    assert filled.mean() < before.mean()
+    # The function multiplies shade by up to 2.6, and leaves what is lit.
+    gain = (lifted / filled).mean(axis=-1)
+    assert gain.max() < 2.7
+    dark = filled.mean(axis=-1) < np.percentile(filled.mean(axis=-1), 5)
+    assert gain[dark].mean() > 1.2 * np.median(gain)
+
+
+def test_holes_in_crowns_let_light_onto_a_flower_bed_and_drift_over_time(gallery: Gallery) -> None:
+    gallery.make("flower_bed")
+    first, later, before = (gallery.shafts(name)[0] for name in ("flower_bed_1", "flower_bed_9", "flower_bed_before"))
+    assert first.mean() > 1.2 * before.mean()
+    assert abs(later.mean() / first.mean() - 1.0) < 0.3
+    assert np.abs(later - first).mean() > 0.05 * first.mean()
+
+
+def test_a_citadels_shafts_reach_the_colours_that_were_painted_over_three_cameras(gallery: Gallery) -> None:
+    gallery.make("citadel")
+    citadel = importlib.import_module("citadel")
+    names = [f"citadel_{name}" for name, _camera in gallery.module.CITADEL_VIEWS]
+    fitted = [gallery.shafts(name)[0] for name in names]
+    gallery.module.as_it_is()
+    for (_name, _eye, _target, strokes), name, reached in zip(citadel.VIEWS, names, fitted, strict=True):
+        white = gallery.shafts(name)[0]
+        painted = citadel.painted(strokes)[1::3, 1::3]
+        is_painted = painted[..., 3] > 0
+        wanted = (white * painted[..., :3])[is_painted]
+        size = np.sqrt((white[is_painted] ** 2).mean())
+        assert np.sqrt(((reached[is_painted] - wanted) ** 2).mean()) < 0.2 * size
+        assert np.sqrt(((white[is_painted] - wanted) ** 2).mean()) > 0.4 * size
