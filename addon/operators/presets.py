@@ -74,6 +74,7 @@ class TYNDALL_OT_air_preset_add(AddPresetBase, Operator):
         "air.scale_m",
         "air.octaves",
         "air.persistence",
+        "air.contrast",
         "air.wind_m_per_s",
     ]
 

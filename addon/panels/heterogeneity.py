@@ -42,6 +42,7 @@ class _Texture:
         column.prop(settings, "intensity")
         column = layout.column(align=True)
         column.prop(settings, "scale_m")
+        column.prop(settings, "contrast")
         column.prop(settings, "level")
         column = layout.column(align=True)
         column.prop(settings, "octaves")

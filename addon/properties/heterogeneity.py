@@ -118,6 +118,17 @@ class TyndallHeterogeneity(PropertyGroup):
         update=tag,
         override=OVERRIDABLE,
     )
+    contrast: FloatProperty(
+        name="Contrast",
+        description="How far the air goes from thin to thick. Above 2 there are holes without any, and dense wisps; "
+        "the shafts as a whole stay as bright as they were",
+        min=0.0,
+        max=10.0,
+        soft_max=5.0,
+        default=1.0,
+        update=tag,
+        override=OVERRIDABLE,
+    )
     seed: IntProperty(
         name="Seed",
         description="Deals other wisps of the same kind",

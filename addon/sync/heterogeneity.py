@@ -36,6 +36,7 @@ def read_heterogeneity(
             scale_m=settings.scale_m,
             octaves=settings.octaves,
             persistence=settings.persistence,
+            contrast=settings.contrast,
             seed=settings.seed,
         ),
         moved_m=(x, y, z),

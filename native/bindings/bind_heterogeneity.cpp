@@ -32,15 +32,17 @@ static std::shared_ptr<PaintedAir> make_painted(const std::optional<py::array>& 
                                         to_volume(intensity, "intensity"));
 }
 
-static Heterogeneity make_heterogeneity(float scale_m, std::int64_t octaves, float persistence, std::int64_t resolution,
-                                        std::int64_t seed, const std::array<double, 3>& moved_m, float amount,
-                                        float level, float intensity, int weighting, std::int64_t step_count,
+static Heterogeneity make_heterogeneity(float scale_m, std::int64_t octaves, float persistence, float contrast,
+                                        std::int64_t resolution, std::int64_t seed,
+                                        const std::array<double, 3>& moved_m, float amount, float level,
+                                        float intensity, int weighting, std::int64_t step_count,
                                         std::int64_t upsampling, const py::array& unit_from_scene,
                                         const std::optional<std::shared_ptr<PaintedAir>>& painted,
                                         const std::optional<std::shared_ptr<AirNoiseCache>>& kept_noise) {
     const Heterogeneity heterogeneity{.noise = {.scale_m = scale_m,
                                                 .octaves = natural(octaves, "octaves of the air's noise"),
                                                 .persistence = persistence,
+                                                .contrast = contrast,
                                                 .resolution = natural(resolution, "resolution of the air's noise"),
                                                 .seed = natural(seed, "seed of the air's noise")},
                                       .moved_m = {moved_m[0], moved_m[1], moved_m[2]},
@@ -75,8 +77,8 @@ void bind_heterogeneity(py::module_& native) {
         .def(py::init(&make_painted), "amount"_a, "level"_a, "intensity"_a,
              "float32 (nz, ny, nx) each, or None. InvalidInput names the first voxel that is out of its range.");
     py::class_<Heterogeneity>(native, "Heterogeneity")
-        .def(py::init(&make_heterogeneity), "scale_m"_a, "octaves"_a, "persistence"_a, "resolution"_a, "seed"_a,
-             "moved_m"_a, "amount"_a, "level"_a, "intensity"_a, "weighting"_a, "step_count"_a, "upsampling"_a,
+        .def(py::init(&make_heterogeneity), "scale_m"_a, "octaves"_a, "persistence"_a, "contrast"_a, "resolution"_a,
+             "seed"_a, "moved_m"_a, "amount"_a, "level"_a, "intensity"_a, "weighting"_a, "step_count"_a, "upsampling"_a,
              "unit_from_scene"_a, "painted"_a, "kept_noise"_a,
              "moved_m, unit_from_scene: in the scene's space. InvalidInput names what is out of its range.")
         .def("baked", &baked, "resolution"_a, "progress"_a,

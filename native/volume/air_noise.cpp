@@ -48,8 +48,9 @@ std::vector<Octave> make_octaves(const AirNoise& noise) {
         variance += amplitude * amplitude;
         amplitude *= double{noise.persistence};
     }
-    // Three deviations to either side of the middle fill [0, 255].
-    const auto scale = static_cast<float>(127.5 / 3.0 / std::sqrt(variance * octave_variance()));
+    // At contrast 1 three deviations to either side of the middle fill [0, 255].
+    const auto scale =
+        static_cast<float>(127.5 / 3.0 * double{noise.contrast} / std::sqrt(variance * octave_variance()));
     for (Octave& octave : octaves)
         octave.amplitude *= scale;
     return octaves;
@@ -248,7 +249,7 @@ void AirNoiseVolume::pack(std::uint32_t level) const {
 
 bool AirNoiseVolume::is_of(const AirNoise& noise) const {
     return noise.octaves == noise_.octaves && noise.persistence == noise_.persistence &&
-           noise.resolution == noise_.resolution && noise.seed == noise_.seed;
+           noise.contrast == noise_.contrast && noise.resolution == noise_.resolution && noise.seed == noise_.seed;
 }
 
 std::shared_ptr<const AirNoiseVolume> AirNoiseCache::find_or_make(const AirNoise& noise, const Progress& progress) {

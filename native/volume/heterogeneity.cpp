@@ -31,6 +31,7 @@ void require_usable(const AirNoise& noise) {
     require(1 <= noise.octaves && noise.octaves <= 8, "octaves of the air's noise is ", noise.octaves,
             ", outside [1, 8]");
     require_in(noise.persistence, 0.0f, 1.0f, "persistence of the air's noise");
+    require_in(noise.contrast, 0.0f, 10.0f, "contrast of the air's noise");
     require(std::has_single_bit(noise.resolution) && 16 <= noise.resolution && noise.resolution <= 512,
             "resolution of the air's noise is ", noise.resolution, ", not a power of two in [16, 512]");
 }

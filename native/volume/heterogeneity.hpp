@@ -19,6 +19,7 @@ struct AirNoise {
     float scale_m = 1.0f;           ///< Size of its largest features, (0, 1e6].
     std::uint32_t octaves = 5;      ///< [1, 8]; those finer than 2 texels are left out.
     float persistence = 0.5f;       ///< Weight of an octave relative to the one before, [0, 1].
+    float contrast = 1.0f;          ///< 1: three deviations fill [0, 1]; higher ones cut what is beyond, [0, 10].
     std::uint32_t resolution = 256; ///< A power of two, [16, 512].
     std::uint32_t seed = 0;
 };

@@ -22,6 +22,7 @@ class AirNoise:
     scale_m: float = 1.0  #: Size of its largest features, (0, 1e6].
     octaves: int = 5  #: [1, 8].
     persistence: float = 0.5  #: Weight of an octave relative to the one before, [0, 1].
+    contrast: float = 1.0  #: 1: three deviations fill its range; higher ones cut what is beyond, [0, 10].
     resolution: int = 256  #: Texels per side of the cube, a power of two, [16, 512].
     seed: int = 0
 

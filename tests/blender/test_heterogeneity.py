@@ -79,11 +79,11 @@ def test_the_air_is_even_until_it_is_switched_on(air: TyndallHeterogeneity) -> N
 def test_every_setting_arrives(air: TyndallHeterogeneity) -> None:
     """Under the names of the description; the offset is where the noise has been moved to."""
     air.amount, air.level, air.intensity = 0.5, 1.5, 2.0
-    air.scale_m, air.octaves, air.persistence, air.seed = 4.0, 3, 0.25, 7
+    air.scale_m, air.octaves, air.persistence, air.contrast, air.seed = 4.0, 3, 0.25, 2.0, 7
     air.weighting, air.step_count, air.upsampling = "WHOLE_RAY", 32, "8"
     air.offset_m = (1.0, -2.0, 0.5)
     assert sent() == Heterogeneity(
-        noise=AirNoise(scale_m=4.0, octaves=3, persistence=0.25, seed=7),
+        noise=AirNoise(scale_m=4.0, octaves=3, persistence=0.25, contrast=2.0, seed=7),
         moved_m=(1.0, -2.0, 0.5),
         amount=0.5,
         level=1.5,
@@ -109,7 +109,7 @@ def test_a_viewport_looks_at_the_air_more_coarsely(air: TyndallHeterogeneity) ->
     assert coarser(even, 8).config.heterogeneity is None
 
 
-@pytest.mark.parametrize("name", ["amount", "level", "intensity", "scale_m", "persistence"])
+@pytest.mark.parametrize("name", ["amount", "level", "intensity", "scale_m", "persistence", "contrast"])
 def test_a_key_gives_its_value_exactly(air: TyndallHeterogeneity, name: str) -> None:
     """At its frame, and nowhere beside it something else."""
     scene = bpy.context.scene

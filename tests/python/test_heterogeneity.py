@@ -181,6 +181,7 @@ def test_a_region_is_a_crop_of_the_textured_picture(session: Session, upsampling
         ({"noise": AirNoise(scale_m=0.0)}, "scale_m of the air's noise is 0"),
         ({"noise": AirNoise(octaves=9)}, "octaves of the air's noise is 9"),
         ({"noise": AirNoise(octaves=-1)}, "octaves of the air's noise is -1"),
+        ({"noise": AirNoise(contrast=-1.0)}, "contrast of the air's noise is -1"),
         ({"noise": AirNoise(persistence=2.0)}, "persistence of the air's noise is 2"),
         ({"noise": AirNoise(resolution=100)}, "resolution of the air's noise is 100"),
         ({"noise": AirNoise(resolution=1024)}, "resolution of the air's noise is 1024"),

@@ -9,4 +9,5 @@ air.level = 0.0
 air.scale_m = 2.0
 air.octaves = 6
 air.persistence = 0.55
+air.contrast = 3.0
 air.wind_m_per_s = (0.25, 0.05, 0.1)

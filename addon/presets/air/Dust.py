@@ -9,4 +9,5 @@ air.level = 0.0
 air.scale_m = 0.6
 air.octaves = 6
 air.persistence = 0.75
+air.contrast = 2.0
 air.wind_m_per_s = (0.05, 0.0, -0.03)

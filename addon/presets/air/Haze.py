@@ -9,4 +9,5 @@ air.level = 1.0
 air.scale_m = 6.0
 air.octaves = 3
 air.persistence = 0.45
+air.contrast = 1.5
 air.wind_m_per_s = (0.1, 0.0, 0.0)

@@ -9,4 +9,5 @@ air.level = 1.5
 air.scale_m = 5.0
 air.octaves = 4
 air.persistence = 0.4
+air.contrast = 2.5
 air.wind_m_per_s = (0.2, 0.05, 0.0)

@@ -106,6 +106,16 @@ TEST_CASE("its contrast is a sixth of its range, whatever the octaves: three dev
     }
 }
 
+TEST_CASE("contrast spreads the noise around its middle; what it cuts does not change its mean") {
+    const AirNoise even{.octaves = 3, .contrast = 0.0f, .resolution = 64},
+        half{.octaves = 3, .contrast = 0.5f, .resolution = 64}, cut{.octaves = 3, .contrast = 6.0f, .resolution = 64};
+    CHECK(deviation(volume_of(even)) == 0.0);
+    CHECK(std::abs(deviation(volume_of(half)) / deviation(volume_of({.octaves = 3, .resolution = 64})) - 0.5) < 0.01);
+    const AirNoiseVolume volume = volume_of(cut);
+    CHECK(std::ranges::count(volume.texels(0), 0) > std::ssize(volume.texels(0)) / 5); // beyond half a deviation: 31 %
+    CHECK(std::abs(double{volume.mean(0)} / 127.5 - 1.0) < 0.1);
+}
+
 TEST_CASE("octaves double their frequency, fade with the persistence, and differ by their seed") {
     const auto texels = [](const AirNoise& noise) {
         const AirNoiseVolume volume = volume_of(noise);
@@ -165,6 +175,7 @@ TEST_CASE("a noise that cannot be is refused by name") {
     };
     refused({.octaves = 0}, "octaves of the air's noise is 0, outside [1, 8]");
     refused({.persistence = -0.5f}, "persistence of the air's noise is -0.5, outside [0, 1]");
+    refused({.contrast = 11.0f}, "contrast of the air's noise is 11, outside [0, 10]");
     refused({.resolution = 48}, "resolution of the air's noise is 48, not a power of two in [16, 512]");
     refused({.resolution = 8}, "resolution of the air's noise is 8, not a power of two in [16, 512]");
     Progress cancelled;
