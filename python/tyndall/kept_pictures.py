@@ -7,7 +7,7 @@ from collections import OrderedDict
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from .native_scene import fingerprint
+from .fingerprints import fingerprint
 
 if TYPE_CHECKING:
     from . import _native

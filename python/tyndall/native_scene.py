@@ -5,8 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, fields, is_dataclass, replace
-from hashlib import blake2b
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,20 +13,18 @@ from numpy.typing import NDArray
 from tyndall.closed_meshes import open_edge_count
 
 from . import _native
-from .heterogeneity import PaintedAir
+from .fingerprints import fingerprint
 from .light_textures import build_light_textures
 from .linear_colours import linear_colours
 from .native_lights import build_light
 from .native_textures import build_texture
 from .native_volumes import build_volumes
 from .scene_description import (
-    DensityGrid,
     Image,
     Instances,
     LightTexture,
     Material,
     Medium,
-    Mesh,
     OccluderEdit,
     SceneDescription,
     TextureUse,
@@ -39,39 +36,6 @@ _LARGEST_VALUE = 1e30
 #: What Blender shows where a mesh has no material.
 _DEFAULT_MATERIAL = Material(name="(no material)")
 _Part = TypeVar("_Part")
-
-
-class _Digest(Protocol):
-    def update(self, data: Any, /) -> None: ...  # noqa: ANN401 - anything with a buffer
-
-
-def fingerprint(value: object) -> bytes:
-    """Equal for descriptions that give the same native scene. Meshes, images, grids, painted arrays: by their keys."""
-    digest = blake2b(digest_size=16)
-    _feed(digest, value)
-    return digest.digest()
-
-
-def _feed(digest: _Digest, value: object) -> None:
-    if isinstance(value, Mesh | Image | DensityGrid):
-        digest.update(f"<{value.key}>".encode())
-    elif isinstance(value, PaintedAir):
-        _feed(digest, (value.key, value.world_from_unit))
-    elif isinstance(value, np.ndarray):
-        digest.update(f"{value.dtype}{value.shape}".encode())
-        digest.update(np.ascontiguousarray(value).data)
-    elif isinstance(value, tuple):
-        digest.update(f"({len(value)}:".encode())
-        if value and all(isinstance(item, str) for item in value):
-            digest.update("\0".join(value).encode())
-            return
-        for item in value:
-            _feed(digest, item)
-    elif is_dataclass(value):
-        for entry in fields(value):
-            _feed(digest, getattr(value, entry.name))
-    else:
-        digest.update(f"{value!r};".encode())
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from .fingerprints import fingerprint
 from .heterogeneity import Heterogeneity
 from .kept_pictures import UnstyledPictures
 from .native_heterogeneity import KeptAir
-from .native_scene import NativeParts, build_scene, fingerprint
+from .native_scene import NativeParts, build_scene
 from .native_transfer_functions import build_weighted_functions
 from .scene_description import Camera, FloatArray, SceneDescription
 from .transfer_functions import WeightedFunction

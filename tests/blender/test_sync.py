@@ -29,7 +29,7 @@ from support.small_scenes import (
     read,
     world_positions,
 )
-from tyndall.native_scene import fingerprint
+from tyndall.fingerprints import fingerprint
 from tyndall.scene_description import LightBody, SceneDescription
 
 
