@@ -12,10 +12,9 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from mathutils import Vector
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from scene_kit import Rgb, camera, clear_file, diffuse, finish, fog_box, link, sun, world
+from scene_kit import Rgb, camera, clear_file, diffuse, finish, fog_box, link, sun, towards, world
 
 SIZE_M, VERTICES = 2400.0, 420
 LAST_FRAME = 100
@@ -53,12 +52,6 @@ def terrain(material: bpy.types.Material) -> bpy.types.Object:
     mesh.materials.append(material)
     mesh.update()
     return link("Terrain", mesh)
-
-
-def towards(azimuth_degrees: float, height_degrees: float) -> Vector:
-    """Unit vector; azimuth from straight ahead, +Y, to the right."""
-    azimuth, height = np.radians((azimuth_degrees, height_degrees))
-    return Vector((np.sin(azimuth) * np.cos(height), np.cos(azimuth) * np.cos(height), np.sin(height)))
 
 
 def let_rise(star: bpy.types.Object) -> None:

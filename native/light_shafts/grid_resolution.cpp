@@ -18,7 +18,7 @@ StepLimits limits_of(float length_voxels) {
     return {.length_voxels = length_voxels, .depth_gain = std::min(0.5f, 0.05f * length_voxels)};
 }
 
-/// Rays of the frame that meet density or are lit through some, and what the strongest lights scatter along them.
+/// Rays of the frame that meet density, and what the strongest lights scatter along them.
 class Pilot {
 public:
     Pilot(const Media& media, std::span<const ViewRay> rays, std::span<LightBeams> lights, const LightShares& shares,
@@ -42,17 +42,13 @@ public:
 
     void dim(const GridLoss& loss) {
         for (const WeightedBeam& weighted : beams_)
-            if (weighted.beam->directional)
-                weighted.beam->directional->dim_by_grids(loss, progress_);
-            else
-                weighted.beam->local->dim_by_grids(loss, progress_);
+            weighted.beam->dim_by_grids(loss, progress_);
     }
     /// Of the largest beam.
     [[nodiscard]] double bytes() const {
         std::size_t most = 0;
         for (const WeightedBeam& weighted : beams_)
-            most = std::max(most, weighted.beam->directional ? weighted.beam->directional->grid_bytes()
-                                                             : weighted.beam->local->grid_bytes());
+            most = std::max(most, weighted.beam->grid_bytes());
         return static_cast<double>(most);
     }
     /// Beam by beam, ray by ray.

@@ -13,8 +13,7 @@ void PreparedLights::gather_in_grids(const Beam& beam, Block& block) const {
     for (std::uint32_t ray = 0; ray < block.rays.size(); ++ray) {
         const auto has_share = [](const MediumStep& step) { return step.share_count > 0; };
         const ViewRay& own = block.rays[ray];
-        if (!std::ranges::any_of(block.steps.of_ray(ray), has_share) &&
-            !(beam.local ? beam.local->is_dimmed_by_grids(own) : beam.directional->is_dimmed_by_grids(own)))
+        if (!std::ranges::any_of(block.steps.of_ray(ray), has_share) && !beam.is_dimmed_by_grids(own))
             continue;
         part.rays.push_back(own);
         part.row.push_back(ray);

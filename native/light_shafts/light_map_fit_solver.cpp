@@ -183,8 +183,6 @@ vec4 LightMapSolver::length_of_step(const MapTexels& direction, const Along& alo
 }
 
 bool LightMapSolver::step() {
-    // Where a step as long as the last one would leave what is allowed, so will the right one, most likely: that it is right
-    // is not worth a product.
     // Where a step as long as the last one leaves what is allowed, the right length would, too: it is not worth a product.
     if (!glm::any(glm::greaterThan(guess_, along_.limit)))
         guess_ = length_of_step(direction_, along_);

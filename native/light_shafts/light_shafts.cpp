@@ -24,7 +24,6 @@ Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::sp
     : prepared_(std::make_unique<PreparedLights>(PreparedLights{.media = media, .lights = {}, .statistics = {}})) {
     validate(config);
     prepared_->visibility_light = config.visibility_light;
-    prepared_->attenuates_light = config.attenuates_light;
     Statistics& statistics = prepared_->statistics;
     if (media.is_empty()) {
         statistics.skip("light shafts", "no medium in the scene");

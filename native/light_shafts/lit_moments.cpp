@@ -48,8 +48,7 @@ std::vector<LitMoments> Shafts::find_lit_moments(std::span<const ViewRay> rays, 
                         beam.visibility->lit_intervals(block.rays, lit);
                     }
                     for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
-                        const auto intervals = std::span<const LitInterval>(lit.intervals)
-                                                   .subspan(lit.first[ray], lit.first[ray + 1] - lit.first[ray]);
+                        const std::span<const LitInterval> intervals = lit.of_ray(ray);
                         for (const MediumSegment& segment : block.segments_of(ray))
                             add_lit(moments[block.target[ray]], segment, intervals, weight);
                     }

@@ -173,7 +173,7 @@ void LocalScatter::scatter_in_grids(const LocalRays& rays, const MediumSteps& st
     std::ranges::fill(radiance, Rgb(0.0f));
     std::ranges::fill(unshadowed, Rgb(0.0f));
     for (std::size_t row = 0; row < reached.rays.size(); ++row) {
-        const std::span<const LitInterval> lit = reached.lit_of(row);
+        const std::span<const LitInterval> lit = reached.lit.of_ray(row);
         if (lit.empty() && unshadowed.empty())
             continue;
         const std::uint32_t ray = reached.rays[row];

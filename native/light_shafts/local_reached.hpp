@@ -9,8 +9,5 @@ struct LocalScatter::Reached {
     std::vector<std::uint32_t> rays; ///< And their row of `lit`.
     std::vector<ViewRay> asked;
     LitRows lit;
-    [[nodiscard]] std::span<const LitInterval> lit_of(std::size_t row) const {
-        return std::span(lit.intervals).subspan(lit.first[row], lit.first[row + 1] - lit.first[row]);
-    }
 };
 } // namespace tyndall::light_shafts

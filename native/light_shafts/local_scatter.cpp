@@ -319,7 +319,7 @@ void LocalScatter::lit_intervals(const LocalRays& rays, const Visibility* visibi
     std::size_t row = 0;
     for (std::uint32_t ray = 0; ray < rays.size(); ++ray) {
         if (row < reached.rays.size() && reached.rays[row] == ray)
-            append_shone_on(reached.lit_of(row++), reached.support, ray, shape_.has_soft_edge, lit.intervals);
+            append_shone_on(reached.lit.of_ray(row++), reached.support, ray, shape_.has_soft_edge, lit.intervals);
         lit.end_ray();
     }
 }
@@ -336,7 +336,7 @@ void LocalScatter::add_scattered(const LocalRays& rays, const Visibility* visibi
     find_reached(rays, visibility, reached);
     batch.begin(*this, rays, reached.support, radiance, unshadowed);
     for (std::size_t row = 0; row < reached.rays.size(); ++row)
-        if (const auto own = reached.lit_of(row); !own.empty() || !unshadowed.empty())
+        if (const auto own = reached.lit.of_ray(row); !own.empty() || !unshadowed.empty())
             batch.add(reached.rays[row], own);
     batch.flush();
     if (lit_length_m.empty())
@@ -344,7 +344,7 @@ void LocalScatter::add_scattered(const LocalRays& rays, const Visibility* visibi
     for (std::size_t row = 0; row < reached.rays.size(); ++row) {
         const std::uint32_t ray = reached.rays[row];
         shone_on.clear();
-        append_shone_on(reached.lit_of(row), reached.support, ray, shape_.has_soft_edge, shone_on);
+        append_shone_on(reached.lit.of_ray(row), reached.support, ray, shape_.has_soft_edge, shone_on);
         lit_length_m[ray] += lit_length_of(shone_on, rays.segments_of(ray));
     }
 }

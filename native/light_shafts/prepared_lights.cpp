@@ -150,10 +150,7 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         all_beams.size(), progress,
         [&](std::size_t index) {
             auto& [beam, share_of_light, of_light] = all_beams[index];
-            if (beam->directional)
-                beam->directional->dim_by_grids(grid_loss, progress);
-            else
-                beam->local->dim_by_grids(grid_loss, progress);
+            beam->dim_by_grids(grid_loss, progress);
             if (config.method == Method::Exact && of_light == nullptr) {
                 beam->visibility = make_exact_strip(scene, beam->sample, strip);
                 return;
@@ -184,8 +181,7 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
     if (!media.grids().is_empty()) {
         double bytes = 0.0;
         for (const BeamToPrepare& prepared : all_beams)
-            bytes += static_cast<double>(prepared.beam->directional ? prepared.beam->directional->grid_bytes()
-                                                                    : prepared.beam->local->grid_bytes());
+            bytes += static_cast<double>(prepared.beam->grid_bytes());
         statistics.count("light shafts in grids: bytes of light columns", bytes);
     }
     statistics.count("light shafts: light samples", static_cast<double>(all_beams.size()));

@@ -25,8 +25,21 @@ struct Beam {
     const DiscCell* cell = nullptr; ///< Of a lamp with something inside it.
     std::size_t share = 0;          ///< Into LightShares.
     std::unique_ptr<const Visibility> visibility;
-    std::optional<DirectionalScatter> directional;
+    std::optional<DirectionalScatter> directional; ///< Or `local`: one of the two.
     std::optional<LocalScatter> local;
+
+    void dim_by_grids(const GridLoss& loss, const Progress& progress) {
+        if (directional)
+            directional->dim_by_grids(loss, progress);
+        else
+            local->dim_by_grids(loss, progress);
+    }
+    [[nodiscard]] bool is_dimmed_by_grids(const ViewRay& ray) const {
+        return directional ? directional->is_dimmed_by_grids(ray) : local->is_dimmed_by_grids(ray);
+    }
+    [[nodiscard]] std::size_t grid_bytes() const {
+        return directional ? directional->grid_bytes() : local->grid_bytes();
+    }
 };
 struct LightBeams {
     std::size_t light; ///< Into Scene::lights; the world follows after the last one.

@@ -56,9 +56,7 @@ static LitPoints lanes_of(std::span<const SurfacePoint> points) {
     return lanes;
 }
 
-bool DirectLight::has_strata(std::size_t light) const {
-    return light >= lights_.size() || lights_[light].aim.has_size();
-}
+bool DirectLight::has_strata(std::size_t light) const { return is_world(light) || lights_[light].aim.has_size(); }
 
 void DirectLight::at(std::span<const SurfacePoint> points, const PairIndex& first_pair,
                      std::span<const std::uint8_t> is_asked, std::span<Irradiance> irradiance) const {
@@ -79,8 +77,7 @@ void DirectLight::add_one(std::size_t light, std::span<const SurfacePoint> point
 
 void DirectLight::add(std::size_t light, std::span<const SurfacePoint> points, const LitPoints& lanes,
                       const PairIndex& first_pair, std::span<Irradiance> irradiance) const {
-    const bool is_world = light >= lights_.size();
-    if (!is_world && lights_[light].aim.may_light(lanes) == 0)
+    if (!is_world(light) && lights_[light].aim.may_light(lanes) == 0)
         return;
     const std::uint32_t count = ray_counts_[light];
     const float share = 1.0f / static_cast<float>(count);
@@ -88,7 +85,7 @@ void DirectLight::add(std::size_t light, std::span<const SurfacePoint> points, c
         // A light has the same pair wherever it shines: what one point skips does not shift another light's numbers.
         const PairIndex pair{first_pair.sample_index * count + ray,
                              first_pair.pair_index + static_cast<std::uint32_t>(light)};
-        if (is_world)
+        if (is_world(light))
             add_world(points, lanes, pair, share, irradiance);
         else
             add_light(lights_[light], points, lanes, pair, share, irradiance);

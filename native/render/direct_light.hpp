@@ -44,6 +44,7 @@ public:
     [[nodiscard]] bool has_strata(std::size_t light) const;
     /// Shadow rays per point, to as many strata of a light; 1 before. Powers of two keep them well spread.
     void set_ray_counts(std::vector<std::uint32_t> per_light) { ray_counts_ = std::move(per_light); }
+    [[nodiscard]] bool is_world(std::size_t light) const { return light >= lights_.size(); }
     /// The world is the last light.
     [[nodiscard]] bool has_world() const { return has_world_light_; }
     /// There is a world of one radiance.

@@ -68,8 +68,7 @@ void FrameSurfaces::set_shadow_rays(Statistics& statistics, Progress& progress) 
 std::vector<KeptLight> FrameSurfaces::lights_now() const {
     std::vector<KeptLight> lights;
     for (std::size_t light = 0; light < light_.light_count(); ++light) {
-        const bool is_world = light_.has_world() && light + 1 == light_.light_count();
-        lights.push_back({.light = is_world ? Light{} : scene_.lights()[light_.index_of(light)],
+        lights.push_back({.light = light_.is_world(light) ? Light{} : scene_.lights()[light_.index_of(light)],
                           .ray_count = light_.ray_count(light)});
     }
     return lights;
@@ -90,8 +89,9 @@ void FrameSurfaces::begin_pass(std::uint32_t sample_index, bool collects_parts, 
                                  : SurfaceForm::Nothing;
     if (form == SurfaceForm::Nothing)
         return;
-    const std::vector<KeptLight> now = lights_now();
-    if (const auto kept = config_.kept_surfaces->find(key(sample_index, collects_parts)); kept && kept->form == form) {
+    SurfaceKey key = this->key(sample_index, collects_parts);
+    if (const auto kept = config_.kept_surfaces->find(key); kept && kept->form == form) {
+        const std::vector<KeptLight> now = lights_now();
         kept->lights.resize(light_count);
         for (std::size_t light = 0; light < light_count; ++light)
             is_asked_[light] = kept->lights[light] == now[light] ? 0 : 1;
@@ -112,7 +112,7 @@ void FrameSurfaces::begin_pass(std::uint32_t sample_index, bool collects_parts, 
         std::ranges::fill(is_asked_, 1);
     }
     pass_ = std::make_shared<KeptPass>();
-    pass_->key = key(sample_index, collects_parts);
+    pass_->key = std::move(key);
     pass_->form = form;
     pass_->light_count = light_count;
 }

@@ -13,7 +13,6 @@
 #include "scene/scene.hpp"
 #include <list>
 #include <memory>
-#include <optional>
 #include <vector>
 
 namespace tyndall::render {

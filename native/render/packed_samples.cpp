@@ -26,6 +26,11 @@ struct Pack {
     void operator()(float value) const { to.push_back(value); }
     void operator()(const vec3& value) const { to.insert(to.end(), {value.x, value.y, value.z}); }
 };
+struct Count {
+    std::size_t& floats;
+    void operator()(float) const { ++floats; }
+    void operator()(const vec3&) const { floats += 3; }
+};
 struct Unpack {
     const float*& from;
     void operator()(float& value) const { value = *from++; }
@@ -45,9 +50,10 @@ PackedSamples::Parts PackedSamples::parts_for(const PassSet& passes, bool shares
 void PackedSamples::push(const PathSample& sample, const Parts& parts) { visit_all(sample, parts, Pack{values_}); }
 
 PathSample PackedSamples::get(std::size_t index, const Parts& parts) const {
-    const std::size_t stride = 11 + (parts.has_passes ? 15 : 0) + (parts.has_world_lit ? 12 : 0);
-    const float* from = &values_[index * stride];
     PathSample sample;
+    std::size_t stride = 0;
+    visit_all(sample, parts, Count{stride});
+    const float* from = &values_[index * stride];
     visit_all(sample, parts, Unpack{from});
     return sample;
 }

@@ -107,9 +107,8 @@ void ViewPath::ask_lights(const SurfaceWalk& walked, std::uint32_t sample_index,
     for (std::size_t index = 0; index < light_count; ++index)
         if (is_asked[index] != 0) {
             light.lights[index].irradiance.resize(walked.points.size());
-            const bool is_world = light_.has_world() && index + 1 == light_count;
-            light.lights[index].unshadowed.resize(config_.lights_black_surfaces && !is_world ? walked.points.size()
-                                                                                             : 0);
+            light.lights[index].unshadowed.resize(
+                config_.lights_black_surfaces && !light_.is_world(index) ? walked.points.size() : 0);
         }
     thread_local std::vector<DirectLight::Irradiance> irradiance;
     irradiance.resize(light_count * DirectLight::most_points);
