@@ -124,11 +124,16 @@ class AirPainting:
             setattr(brush, self.dial.name, self.dial.before)
         self.dial = None
 
+    @property
+    def centre_px(self) -> tuple[float, float]:
+        """Of the brush: it stands still while a setting follows the mouse."""
+        return self.dial.centre_px if self.dial is not None else self.mouse_px
+
     def radius_px(self, brush: TyndallAirBrush, region: Region) -> float:
         """Of the brush where it is on the plane, at least a pixel; DIAL_PX where the plane is not seen."""
         from bpy_extras.view3d_utils import location_3d_to_region_2d
 
-        centre_px = self.dial.centre_px if self.dial is not None else self.mouse_px
+        centre_px = self.centre_px
         place = self.place_under(region, centre_px)
         if place is None:
             return DIAL_PX

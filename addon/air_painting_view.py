@@ -50,8 +50,7 @@ def _draw_in_space() -> None:
     rim = plane.outline(view)
     _draw_wide_line([*rim, *rim[:1]], (1.0, 0.75, 0.3, 0.8), 1.5)
     brush = context.scene.tyndall.air_brush
-    centre_px = painting.dial.centre_px if painting.dial is not None else painting.mouse_px
-    place = painting.place_under(context.region, centre_px)
+    place = painting.place_under(context.region, painting.centre_px)
     if place is not None:
         across, up, normal = axes_of(view)
         colour = _colour(painting, context)
@@ -80,13 +79,13 @@ def _draw_on_screen() -> None:
     gpu.state.blend_set("ALPHA")
     colour = _colour(painting, context)
     dial = painting.dial
-    centre_px = dial.centre_px if dial is not None else painting.mouse_px
-    radius_px = painting.radius_px(brush, region)
+    centre_px = painting.centre_px
     if dial is not None and dial.name in {"opacity", "hardness"}:
         value = getattr(brush, dial.name)
         _draw_disc(centre_px, DIAL_PX * value, (*colour, 0.3))
         _draw_circle(centre_px, DIAL_PX, (*colour, 0.9), 1.5)
     else:
+        radius_px = painting.radius_px(brush, region)
         _draw_circle(centre_px, radius_px, (0.0, 0.0, 0.0, 0.5), 3.0)
         _draw_circle(centre_px, radius_px, (*colour, 0.9), 1.5)
         if 0.0 < brush.hardness < 1.0:

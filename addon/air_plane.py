@@ -60,8 +60,7 @@ class AirPlane:
     def keep_in(self, view: RegionView3D) -> bool:
         """Slide it back into the part of the box that the view sees. False: it sees none."""
         normal = normal_of(view)
-        depths = [corner.dot(normal) for corner in self._corners()]
-        nearest, farthest = min(depths), max(depths)
+        nearest, farthest = self._extent(normal)
         if view.is_perspective:
             eye = view.view_matrix.inverted().translation
             nearest = max(nearest, eye.dot(normal) + _NEAREST * (farthest - nearest))
@@ -74,15 +73,15 @@ class AirPlane:
     def slide(self, view: RegionView3D, steps: int) -> None:
         """Away from the viewer, for positive steps."""
         normal = normal_of(view)
-        depths = [corner.dot(normal) for corner in self._corners()]
-        self.point += normal * (steps * _STEP * (max(depths) - min(depths)))
+        nearest, farthest = self._extent(normal)
+        self.point += normal * (steps * _STEP * (farthest - nearest))
         self.keep_in(view)
 
     def depth_in_box(self, view: RegionView3D) -> float:
         """From 0, where the box begins along the view, to 1 at its end."""
         normal = normal_of(view)
-        depths = [corner.dot(normal) for corner in self._corners()]
-        return (self.point.dot(normal) - min(depths)) / (max(depths) - min(depths))
+        nearest, farthest = self._extent(normal)
+        return (self.point.dot(normal) - nearest) / (farthest - nearest)
 
     def meet(self, view: RegionView3D, ray: Ray) -> Vector | None:
         """Where a ray goes through it; None: it does so behind the viewer."""
@@ -121,6 +120,11 @@ class AirPlane:
 
     def _corners(self) -> list[Vector]:
         return [self._world_from_unit @ Vector(corner) for corner in product((0.0, 1.0), repeat=3)]
+
+    def _extent(self, normal: Vector) -> tuple[float, float]:
+        """Where the box begins and ends along a direction."""
+        depths = [corner.dot(normal) for corner in self._corners()]
+        return min(depths), max(depths)
 
     def _crossings(self, normal: Vector) -> Iterator[Vector]:
         """Of the box's edges."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.types import WorkSpaceTool
 
-from .panels.paint_air import VALUED_MODES
+from .properties.air_brush import VALUED_MODES
 
 if TYPE_CHECKING:
     from bpy.types import Context, UILayout

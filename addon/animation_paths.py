@@ -55,12 +55,14 @@ def curves_at(owner: ID, path: str) -> list[FCurve]:
     return [curve for curve in chain(*_curve_lists(animation)) if curve.data_path == path]
 
 
-def animated_paths(owner: ID) -> tuple[set[str], set[str]]:
-    """Paths that the owner's present action animates, and those that drivers do."""
+def animated_paths(owner: ID) -> tuple[dict[str, list[FCurve]], set[str]]:
+    """By path, the F-Curves of the owner's present action that animate it; and the paths that drivers do."""
     animation = owner.animation_data
     if animation is None:
-        return set(), set()
-    keyed = {curve.data_path for curve in chain(*_curve_lists(animation))} if animation.action is not None else set()
+        return {}, set()
+    keyed: dict[str, list[FCurve]] = {}
+    for curve in chain(*_curve_lists(animation)) if animation.action is not None else ():
+        keyed.setdefault(curve.data_path, []).append(curve)
     return keyed, {curve.data_path for curve in animation.drivers}
 
 

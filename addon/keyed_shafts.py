@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from .animation_paths import animated_paths, curves_at
+from .animation_paths import animated_paths
 from .scene_media import media_materials
 from .shader_nodes import shader_tree
 
@@ -102,12 +102,12 @@ def _owners(scene: Scene) -> Iterator[ID]:
 
 def _animated(owner: ID) -> Iterator[AnimatedProperty]:
     keyed, driven = animated_paths(owner)
-    for path in sorted({path for path in keyed | driven if _is_of_shafts(owner, path)}):
+    for path in sorted(path for path in {*keyed, *driven} if _is_of_shafts(owner, path)):
         found = AnimatedProperty(
             owner=owner,
             path=path,
             is_driven=path in driven,
-            key_frames=tuple(sorted({key.co.x for curve in curves_at(owner, path) for key in curve.keyframe_points})),
+            key_frames=tuple(sorted({key.co.x for curve in keyed.get(path, ()) for key in curve.keyframe_points})),
         )
         if _exists(found):
             yield found

@@ -21,6 +21,15 @@ COPIED_MEDIA = frozenset({"ShaderNodeVolumePrincipled", "ShaderNodeVolumeScatter
 BOX_FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
 
 
+def select_only(context: Context, *things: Object) -> None:
+    """The first of them becomes the active one."""
+    for other in context.selected_objects:
+        other.select_set(False)
+    for thing in things:
+        thing.select_set(True)
+    context.view_layer.objects.active = things[0]
+
+
 def enclosed_points(depsgraph: Depsgraph, *, with_camera_and_lights: bool) -> Iterator[Vector]:
     """Yield corners, in world space and metres, of what the box must hold. A sun stands nowhere and is left out."""
     for instance in depsgraph.object_instances:
@@ -157,10 +166,7 @@ class TYNDALL_OT_add_fog_box(Operator):
             world_output = world.node_tree.get_output_node("CYCLES")
             world.node_tree.links.remove(world_output.inputs["Volume"].links[0])
         box = add_box(context, lowest, highest, material)
-        for other in context.selected_objects:
-            other.select_set(False)
-        box.select_set(True)
-        context.view_layer.objects.active = box
+        select_only(context, box)
         return {"FINISHED"}
 
 

@@ -8,6 +8,7 @@ from bpy.props import StringProperty
 from bpy.types import Context, Object, Operator
 
 from ..scene_media import objects_of
+from .fog_box import select_only
 
 
 class TYNDALL_OT_select_medium(Operator):
@@ -34,11 +35,7 @@ class TYNDALL_OT_select_medium(Operator):
             why = "what holds it is hidden" if holders else "nothing in this scene has it"
             self.report({"ERROR"}, f'Nothing to select for "{self.material_name}": {why}')
             return {"CANCELLED"}
-        for thing in context.selected_objects:
-            thing.select_set(False)
-        for thing in shown:
-            thing.select_set(True)
-        context.view_layer.objects.active = shown[0]
+        select_only(context, *shown)
         return {"FINISHED"}
 
 

@@ -13,7 +13,7 @@ from ..air_painting import AirPainting, active_painting, begin_painting, end_pai
 from ..air_strokes import BoxStroke
 from ..availability import why_no_render
 from ..painted_air import edited_box, why_not_editable
-from ..properties.air_brush import VOLUMES
+from ..properties.air_brush import VALUED_MODES, VOLUMES
 
 if TYPE_CHECKING:
     from bpy.types import Area, Region
@@ -44,12 +44,23 @@ def why_no_paint(context: Context) -> str | None:
     return why_no_render() or why_not_editable(edited_box(context))
 
 
+class PaintOperator:
+    """Works on the box that is painted in."""
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if (reason := why_no_paint(context)) is not None:
+            cls.poll_message_set(reason)
+            return False
+        return True
+
+
 class TyndallAirDab(PropertyGroup):
     location: FloatVectorProperty(name="Location", description="In the world", subtype="XYZ", unit="LENGTH", size=3)
     pressure: FloatProperty(name="Pressure", description="Of the pen", min=0.0, max=1.0, default=1.0)
 
 
-class TYNDALL_OT_paint_air_stroke(Operator):
+class TYNDALL_OT_paint_air_stroke(PaintOperator, Operator):
     """Paint one stroke of the scene's brush into the air, straight from place to place."""
 
     bl_idname = "tyndall.paint_air_stroke"
@@ -67,13 +78,6 @@ class TYNDALL_OT_paint_air_stroke(Operator):
         default=(0.0, 0.0, 1.0),
         options={"SKIP_SAVE"},
     )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        if (reason := why_no_paint(context)) is not None:
-            cls.poll_message_set(reason)
-            return False
-        return True
 
     def execute(self, context: Context) -> set[str]:
         box = edited_box(context)
@@ -240,10 +244,10 @@ def _tool_name(context: Context) -> str:
 def _header(context: Context, painting: AirPainting) -> str:
     brush = context.scene.tyndall.air_brush
     label = next(name for key, name, *_rest in VOLUMES if key == brush.volume)
-    mode = (painting.mode or brush.mode).title()
-    value = f" {getattr(brush, brush.volume.lower()):.3g}" if mode in {"Paint", "Add", "Multiply"} else ""
+    mode = painting.mode or brush.mode
+    value = f" {getattr(brush, brush.volume.lower()):.3g}" if mode in VALUED_MODES else ""
     return (
-        f"{mode} {label}{value}    Size {brush.radius_m:.3g} m    Depth {brush.depth:.3g}    "
+        f"{mode.title()} {label}{value}    Size {brush.radius_m:.3g} m    Depth {brush.depth:.3g}    "
         f"Opacity {brush.opacity:.2f}    Hardness {brush.hardness:.2f}"
     )
 

@@ -14,8 +14,8 @@ from ..painted_air import VOLUMES as VOLUME_NAMES
 from ..painted_air import edited_box, read_volume, write_volume
 from ..properties.painted_air import MOST_VOXELS
 from ..shader_nodes import is_medium_only
-from .fog_box import box_bounds_m, enclosed_points
-from .paint_air import why_no_paint
+from .fog_box import box_bounds_m, enclosed_points, select_only
+from .paint_air import PaintOperator
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -67,10 +67,7 @@ class TYNDALL_OT_add_painted_box(Operator):
         sides_m = (highest - lowest).to_tuple()
         longest_m = max(sides_m)
         box.tyndall.painted_air.resolution = [max(1, round(self.voxels * side_m / longest_m)) for side_m in sides_m]
-        for other in context.selected_objects:
-            other.select_set(False)
-        box.select_set(True)
-        context.view_layer.objects.active = box
+        select_only(context, box)
         texture = context.scene.tyndall.heterogeneity
         texture.painted, texture.is_enabled = box, True
         context.scene.tyndall.air_brush.radius_m = longest_m / _BRUSHES_ALONG_BOX
@@ -88,17 +85,10 @@ def _corners_of_fog(depsgraph: Depsgraph) -> Iterator[Vector]:
             yield from (matrix @ Point(corner) for corner in instance.object.bound_box)
 
 
-class _VolumeOperator:
+class _VolumeOperator(PaintOperator):
     """Works on the volume that the brush paints, or on all three."""
 
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        if (reason := why_no_paint(context)) is not None:
-            cls.poll_message_set(reason)
-            return False
-        return True
 
 
 def _painted_name(context: Context) -> str:

@@ -17,7 +17,7 @@ from ..baked_air import baked_volume, new_baked_volume
 from ..painted_air import VOLUMES, edited_box, local_from_unit, why_no_space, write_volume
 from ..properties.painted_air import MOST_VOXELS
 from .fog_box import fog_material
-from .paint_air import why_no_paint
+from .paint_air import PaintOperator
 
 if TYPE_CHECKING:
     from bpy.types import Event, Object, UILayout
@@ -167,7 +167,7 @@ def _show(box: Object, path: Path) -> None:
     _shown.add(path)
 
 
-class TYNDALL_OT_load_painted_air(_FileOperator, Operator):
+class TYNDALL_OT_load_painted_air(PaintOperator, _FileOperator, Operator):
     """Read grids named amount, level and intensity of an OpenVDB file into the painted box, wherever they lie.
 
     What the file does not have stays as it is painted
@@ -181,13 +181,6 @@ class TYNDALL_OT_load_painted_air(_FileOperator, Operator):
         description="Give the box the file's voxels, where these fill a box like it; otherwise they are resampled",
         default=True,
     )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        if (reason := why_no_paint(context)) is not None:
-            cls.poll_message_set(reason)
-            return False
-        return True
 
     def execute(self, context: Context) -> set[str]:
         from tyndall.air_files import painted_values, resolution_of

@@ -10,10 +10,8 @@ from ..operators.paint_air import why_no_paint
 from ..operators.painted_air import memory_text
 from ..operators.volume_files import draw_buttons
 from ..painted_air import edited_box, why_not_editable
+from ..properties.air_brush import VALUED_MODES
 from .base import SidebarPanel, draw_text, is_wide_region
-
-#: Brushes that bring a value.
-VALUED_MODES = frozenset({"PAINT", "ADD", "MULTIPLY"})
 
 
 class TYNDALL_PT_paint_air(SidebarPanel, Panel):

@@ -33,6 +33,8 @@ MODES = (
     ("ERASE", "Erase", "Goes back to what is not painted. Holding Ctrl does it with every brush", 3),
     ("SMOOTH", "Smooth", "Blurs what is painted. Holding Shift does it with every brush", 4),
 )
+#: Of MODES, those that bring a value.
+VALUED_MODES = frozenset({"PAINT", "ADD", "MULTIPLY"})
 
 
 class TyndallAirBrush(PropertyGroup):

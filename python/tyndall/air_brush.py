@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from .air_tiles import VolumeKind, tile_block, tiles_in
+from .air_tiles import VolumeKind, local_from_index, tile_block, tiles_in
 from .scene_description import FloatArray
 
 MODES = ("PAINT", "ADD", "MULTIPLY", "ERASE", "SMOOTH")
@@ -65,7 +65,8 @@ class Stroke:
         self._kind = kind
         self._brush = brush
         self._coverage = np.zeros(before.shape, np.float32)  # not zeros_like, which writes to every page
-        world_from_voxel = _world_from_voxel(world_from_unit, before.shape)
+        nz, ny, nx = before.shape
+        world_from_voxel = local_from_index((nx, ny, nz), world_from_unit)
         brush_from_world = _brush_from_world(brush, normal, world_from_voxel)
         self._brush_from_voxel = brush_from_world @ world_from_voxel[:3, :3]
         self._voxel_from_brush = np.linalg.inv(self._brush_from_voxel)
@@ -197,15 +198,6 @@ def _smoothed(values: FloatArray, block: Block) -> FloatArray:
             lines = np.float32(0.25) * outer + np.float32(0.5) * lines[step:-step]
         smooth = np.moveaxis(lines, 0, axis)
     return smooth
-
-
-def _world_from_voxel(world_from_unit: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """(4, 4): a voxel's centre has its index, x first."""
-    unit_from_voxel = np.eye(4)
-    for axis, voxels in enumerate(reversed(shape)):
-        unit_from_voxel[axis, axis] = 1.0 / voxels
-        unit_from_voxel[axis, 3] = 0.5 / voxels
-    return np.asarray(world_from_unit, np.float64) @ unit_from_voxel
 
 
 def _brush_from_world(brush: AirBrush, normal: Vector, world_from_voxel: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -10,9 +10,9 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from .air_tiles import VOLUME_KINDS
+from .air_tiles import VOLUME_KINDS, local_from_index
 from .baked_air import bake_air
 from .volumes import SparseGrid, from_dense, values_at
 
@@ -34,12 +34,12 @@ def baked_density(
     Raises InvalidInput as ``bake_air`` does, and Cancelled.
     """
     values = np.float32(heterogeneity.intensity) * bake_air(heterogeneity, resolution, progress)
-    return from_dense("density", values.transpose(2, 1, 0), _local_from_index(resolution, local_from_unit))
+    return from_dense("density", values.transpose(2, 1, 0), local_from_index(resolution, local_from_unit))
 
 
 def painted_grids(painted: PaintedAir, resolution: Resolution, local_from_unit: ArrayLike) -> list[SparseGrid]:
     """Grids "amount", "level" and "intensity"; one of which nothing is painted has no leaves."""
-    matrix = _local_from_index(resolution, local_from_unit)
+    matrix = local_from_index(resolution, local_from_unit)
     grids = []
     for name, kind in VOLUME_KINDS.items():
         values: FloatArray | None = getattr(painted, name)
@@ -61,7 +61,7 @@ def resolution_of(grid: SparseGrid, local_from_unit: ArrayLike) -> Resolution | 
 
 def painted_values(grid: SparseGrid, resolution: Resolution, local_from_unit: ArrayLike) -> FloatArray:
     """(nz, ny, nx): the grid at the voxels of a box of so many along x, y, z, trilinear; exact where voxels agree."""
-    index_from_place = np.linalg.inv(grid.local_from_index) @ _local_from_index(resolution, local_from_unit)
+    index_from_place = np.linalg.inv(grid.local_from_index) @ local_from_index(resolution, local_from_unit)
     places = np.stack(np.meshgrid(*(np.arange(count) for count in resolution), indexing="ij"), axis=-1).reshape(-1, 3)
     at = places @ index_from_place[:3, :3].T + index_from_place[:3, 3]
     nearest = np.rint(at)
@@ -74,10 +74,3 @@ def painted_values(grid: SparseGrid, resolution: Resolution, local_from_unit: Ar
         used = np.flatnonzero(weights)
         values[used] += weights[used] * values_at(grid, first[used].astype(np.int64) + corner)
     return np.ascontiguousarray(values.reshape(resolution).transpose(2, 1, 0))
-
-
-def _local_from_index(resolution: Resolution, local_from_unit: ArrayLike) -> NDArray[np.float64]:
-    counts = np.array(resolution, np.float64)
-    unit_from_index = np.diag([*(1.0 / counts), 1.0])
-    unit_from_index[:3, 3] = 0.5 / counts
-    return np.asarray(local_from_unit, np.float64) @ unit_from_index

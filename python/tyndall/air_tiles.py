@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from .scene_description import FloatArray
 
@@ -20,6 +21,14 @@ _COMPRESSION = 1
 _ESCAPE, _IS_ESCAPE = b"\x01", b"\x02"
 
 Resolution = tuple[int, int, int]  #: Voxels along x, y and z.
+
+
+def local_from_index(resolution: Resolution, local_from_unit: ArrayLike) -> NDArray[np.float64]:
+    """(4, 4): a voxel's centre has its index, x first; the volume is [0, 1]^3 of ``local_from_unit``."""
+    counts = np.array(resolution, np.float64)
+    unit_from_index = np.diag([*(1.0 / counts), 1.0])
+    unit_from_index[:3, 3] = 0.5 / counts
+    return np.asarray(local_from_unit, np.float64) @ unit_from_index
 
 
 @dataclass(frozen=True, kw_only=True)
