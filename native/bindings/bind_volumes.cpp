@@ -38,10 +38,7 @@ void bind_volumes(py::module_& native) {
             py::init(&make_grid), "name"_a, "leaf_origins"_a, "leaf_values"_a, "local_from_index"_a, "progress"_a,
             R"(leaf_origins: int32 (n, 3); leaf_values: float32 (n, 8, 8, 8), by x, y, z; local_from_index: float64 (4, 4),
 voxels' centres to the object's space. Densities below 0 are 0. Releases the GIL. TypeError: dtype or shape;
-InvalidInput: a value; Cancelled.)")
-        .def_property_readonly("is_empty", &DensityGrid::is_empty)
-        .def_property_readonly("bytes", &DensityGrid::bytes)
-        .def_property_readonly("negative_count", &DensityGrid::negative_count);
+InvalidInput: a value; Cancelled.)");
     py::class_<VolumeInstance>(native, "VolumeInstance")
         .def(py::init(&make_volume), "name"_a, "grid"_a, "medium"_a, "world_from_local"_a, "density_scale"_a,
              "world_from_local: float32 (4, 4), relative to the scene's origin.");

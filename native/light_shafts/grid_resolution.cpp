@@ -91,11 +91,6 @@ private:
         float share;
     };
     void gather(std::span<const ViewRay> rays) {
-        const auto add = [&](const ViewRay& ray) {
-            const MediaRay found = clip_to_media(media_, ray, segments_);
-            rays_.push_back(found.clipped);
-            first_segment_.push_back(static_cast<std::uint32_t>(segments_.size()));
-        };
         std::vector<const ViewRay*> met;
         std::vector<LinePart> parts;
         const std::size_t step = std::max<std::size_t>(1, rays.size() / (16 * most_rays));
@@ -107,8 +102,10 @@ private:
                 met.push_back(&ray);
         }
         const std::size_t stride = std::max<std::size_t>(1, met.size() / most_rays);
-        for (std::size_t index = stride / 2; index < met.size() && rays_.size() < most_rays; index += stride)
-            add(*met[index]);
+        for (std::size_t index = stride / 2; index < met.size() && rays_.size() < most_rays; index += stride) {
+            rays_.push_back(clip_to_media(media_, *met[index], segments_).clipped);
+            first_segment_.push_back(static_cast<std::uint32_t>(segments_.size()));
+        }
     }
     [[nodiscard]] Rgb scattered_along(const Beam& beam, const ViewRay& ray, std::span<const MediumSegment> segments,
                                       const MediumSteps& steps) const {
@@ -161,6 +158,7 @@ GridResolution choose_grid_resolution(const Media& media, std::span<const ViewRa
         if (result.step_error <= of_steps)
             break;
     }
+    result.loss.spacing_voxels = candidate_spacings.front(); // whatever it takes
     for (const float spacing_voxels : candidate_spacings) {
         GridLoss loss = result.loss;
         loss.spacing_voxels = spacing_voxels;

@@ -11,7 +11,6 @@
 #include "core/progress.hpp"
 #include "scene/light.hpp"
 #include "scene/media.hpp"
-#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -53,19 +52,6 @@ private:
     std::vector<Column> columns_;
     std::vector<float> values_;
 };
-
-/// Whether some part holds the distance.
-[[nodiscard]] inline bool is_inside(std::span<const LinePart> parts, double at_m) {
-    return std::ranges::any_of(parts, [&](const LinePart& part) { return part.near_m < at_m && at_m < part.far_m; });
-}
-/// Where a part begins or ends next after from_m; end_m if none does before.
-[[nodiscard]] inline double next_end(std::span<const LinePart> parts, double from_m, double end_m) {
-    for (const LinePart& part : parts)
-        for (const double at_m : {part.near_m, part.far_m})
-            if (at_m > from_m && at_m < end_m)
-                end_m = at_m;
-    return end_m;
-}
 
 /// How a light sample's loss in density grids is found.
 struct GridLoss {

@@ -7,10 +7,21 @@
 #include <cmath>
 
 namespace tyndall::light_shafts {
-static constexpr std::uint32_t point_count = 32;
+namespace {
+constexpr std::uint32_t point_count = 32;
 
-float RandomStream::next() { return unit_float(hash(key_, count_++)); }
+/// Counts up from what a ray is, never from what was drawn before it.
+class RandomStream {
+public:
+    explicit RandomStream(std::uint32_t key) : key_(key) {}
+    /// [0, 1).
+    [[nodiscard]] float next() { return unit_float(hash(key_, count_++)); }
 
+private:
+    std::uint32_t key_, count_ = 0;
+};
+
+/// exp(-optical depth of the grids) along the ray, on average.
 Rgb ratio_transmittance(const GridMedia& grids, const Ray& ray, RandomStream& random) {
     Rgb passing(1.0f);
     for (const PlacedGrid& placed : grids.all()) {
@@ -30,7 +41,6 @@ Rgb ratio_transmittance(const GridMedia& grids, const Ray& ray, RandomStream& ra
     return passing;
 }
 
-namespace {
 std::uint32_t key_of(const ViewRay& ray, const LightSample& light, std::uint32_t seed) {
     const auto bits = [](float value) { return std::bit_cast<std::uint32_t>(value); };
     const vec3 place = light.is_directional ? light.towards_light : light.position;

@@ -11,19 +11,6 @@
 #include "scene/media.hpp"
 
 namespace tyndall::light_shafts {
-/// Counts up from what a ray is, never from what was drawn before it.
-class RandomStream {
-public:
-    explicit RandomStream(std::uint32_t key) : key_(key) {}
-    [[nodiscard]] float next(); ///< [0, 1).
-
-private:
-    std::uint32_t key_, count_ = 0;
-};
-
-/// exp(-optical depth of the grids) along the ray, on average.
-[[nodiscard]] Rgb ratio_transmittance(const GridMedia& grids, const Ray& ray, RandomStream& random);
-
 /// Rays with their media and what is lit of them, whether in media or in the light's cone or not.
 struct TrackedRays {
     std::span<const ViewRay> rays;

@@ -26,6 +26,8 @@ public:
     void cut(std::vector<Cut>& cuts) {
         for (const PlacedGrid& placed : media_.grids().all())
             add_dense(placed);
+        for (const LinePart& part : dense_)
+            edges_.push_back(part.far_m);
         std::ranges::sort(edges_);
         cuts.clear();
         auto edge = edges_.begin();
@@ -36,12 +38,9 @@ public:
                 ++edge;
             while (at < end) {
                 const double until = edge != edges_.end() ? std::min(*edge, end) : end;
-                const double middle = 0.5 * (at + until);
-                const bool is_dense = std::ranges::any_of(
-                    dense_, [&](const LinePart& part) { return part.near_m < middle && middle < part.far_m; });
-                cuts.push_back({at, until, index, is_dense});
+                cuts.push_back({at, until, index, is_inside(dense_, 0.5 * (at + until))});
                 at = until;
-                if (edge != edges_.end() && *edge <= at)
+                while (edge != edges_.end() && *edge <= at)
                     ++edge;
             }
         }
@@ -64,8 +63,6 @@ private:
                            dense_.back().far_m = end_m = far_m;
                            return true;
                        });
-        for (const LinePart& part : dense_)
-            edges_.push_back(part.far_m);
     }
 
     const Media& media_;

@@ -32,7 +32,7 @@ void validate(const GridLeaves& leaves, const Progress& progress) {
 }
 } // namespace
 
-DensityGrid::DensityGrid(const GridLeaves& leaves, const Progress& progress) : name_(leaves.name) {
+DensityGrid::DensityGrid(const GridLeaves& leaves, const Progress& progress) {
     validate(leaves, progress);
     constexpr int side = GridLeaves::side;
     constexpr std::size_t per_leaf = side * side * side;
@@ -41,8 +41,6 @@ DensityGrid::DensityGrid(const GridLeaves& leaves, const Progress& progress) : n
     glm::ivec3 first(std::numeric_limits<int>::max()), last(std::numeric_limits<int>::min());
     for (std::size_t leaf = 0; leaf < leaves.origins.size(); ++leaf) {
         const float* values = leaves.values.data() + leaf * per_leaf;
-        const auto negative = std::count_if(values, values + per_leaf, [](float value) { return value < 0.0f; });
-        negative_count_ += static_cast<std::size_t>(negative);
         if (std::none_of(values, values + per_leaf, [](float value) { return value > 0.0f; }))
             continue;
         dense.push_back(leaf);
@@ -57,19 +55,13 @@ DensityGrid::DensityGrid(const GridLeaves& leaves, const Progress& progress) : n
     double table = 1.0;
     for (int axis = 0; axis < 3; ++axis)
         table *= static_cast<double>(last[axis]) - first[axis] + 1.0;
-    require(table <= static_cast<double>(largest_table), "grid \"", name_, "\": its leaves lie too far apart, over ",
-            table, " blocks of 8^3 voxels");
+    require(table <= static_cast<double>(largest_table), "grid \"", leaves.name,
+            "\": its leaves lie too far apart, over ", table, " blocks of 8^3 voxels");
     table_size_ = last - first + 1;
     local_from_grid_ = leaves.local_from_index * glm::translate(glm::dmat4(1.0), double{side} * glm::dvec3(first));
     table_.assign(static_cast<std::size_t>(table), -1);
-    const auto index_of = [&](const glm::ivec3& at) {
-        return (static_cast<std::size_t>(at.x) * static_cast<std::size_t>(table_size_.y) +
-                static_cast<std::size_t>(at.y)) *
-                   static_cast<std::size_t>(table_size_.z) +
-               static_cast<std::size_t>(at.z);
-    };
     const auto brick_at = [&](const glm::ivec3& at) -> Brick& {
-        std::int32_t& index = table_[index_of(at)];
+        std::int32_t& index = table_[table_index(at)];
         if (index < 0) {
             index = static_cast<std::int32_t>(bricks_.size());
             bricks_.push_back({});
@@ -80,8 +72,8 @@ DensityGrid::DensityGrid(const GridLeaves& leaves, const Progress& progress) : n
     for (const std::size_t leaf : dense) {
         progress.poll();
         const glm::ivec3 at = leaves.origins[leaf] / side - first;
-        require(!is_taken[index_of(at)], "grid \"", name_, "\": two leaves begin at the same voxel");
-        is_taken[index_of(at)] = 1;
+        require(!is_taken[table_index(at)], "grid \"", leaves.name, "\": two leaves begin at the same voxel");
+        is_taken[table_index(at)] = 1;
         const float* values = leaves.values.data() + leaf * per_leaf;
         for (int before = 0; before < 8; ++before) {
             // The brick before, along x, y and z, reads the leaf's first layer as its last corners.
@@ -106,8 +98,6 @@ DensityGrid::DensityGrid(const GridLeaves& leaves, const Progress& progress) : n
                     }
         }
     }
-    for (const Brick& brick : bricks_)
-        greatest_ = std::max(greatest_, brick.greatest);
 }
 
 float DensityGrid::at(const vec3& point) const {

@@ -35,39 +35,34 @@ public:
     /// lie too far apart, and a matrix without an inverse. Densities below 0 are 0, as in Cycles.
     DensityGrid(const GridLeaves& leaves, const Progress& progress);
 
-    [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] bool is_empty() const { return bricks_.empty(); }
     /// Of the cells with density, grid space; empty without any.
     [[nodiscard]] const Bounds3& bounds() const { return bounds_; }
-    [[nodiscard]] float greatest() const { return greatest_; }
-    [[nodiscard]] std::size_t negative_count() const { return negative_count_; }
     [[nodiscard]] std::size_t brick_count() const { return bricks_.size(); }
-    [[nodiscard]] std::size_t bytes() const {
-        return bricks_.size() * sizeof(Brick) + table_.size() * sizeof(std::int32_t);
-    }
     [[nodiscard]] const glm::dmat4& local_from_grid() const { return local_from_grid_; }
 
     /// Bricks of the table per axis.
     [[nodiscard]] const glm::ivec3& table_size() const { return table_size_; }
     /// Null: no density in it. `at` must lie in the table.
     [[nodiscard]] const Brick* brick(const glm::ivec3& at) const {
-        const std::int32_t index = table_[(static_cast<std::size_t>(at.x) * static_cast<std::size_t>(table_size_.y) +
-                                           static_cast<std::size_t>(at.y)) *
-                                              static_cast<std::size_t>(table_size_.z) +
-                                          static_cast<std::size_t>(at.z)];
+        const std::int32_t index = table_[table_index(at)];
         return index < 0 ? nullptr : &bricks_[static_cast<std::size_t>(index)];
     }
     /// Density at a point of grid space; 0 outside.
     [[nodiscard]] float at(const vec3& point) const;
 
 private:
-    std::string name_;
+    [[nodiscard]] std::size_t table_index(const glm::ivec3& at) const {
+        return (static_cast<std::size_t>(at.x) * static_cast<std::size_t>(table_size_.y) +
+                static_cast<std::size_t>(at.y)) *
+                   static_cast<std::size_t>(table_size_.z) +
+               static_cast<std::size_t>(at.z);
+    }
+
     glm::ivec3 table_size_{0};
     std::vector<std::int32_t> table_; ///< Into bricks_, z fastest; -1: none.
     std::vector<Brick> bricks_;
     Bounds3 bounds_;
-    float greatest_ = 0.0f;
-    std::size_t negative_count_ = 0;
     glm::dmat4 local_from_grid_{1.0};
 };
 

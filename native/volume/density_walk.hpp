@@ -7,6 +7,7 @@
 #pragma once
 #include "volume/density_grid.hpp"
 #include <algorithm>
+#include <span>
 
 namespace tyndall {
 /// origin + t direction in grid space; t in metres of the scene.
@@ -32,10 +33,23 @@ struct CellSpan {
     }
 };
 
-/// Part of [near_m, far_m] in the bounds of the grid's density; near > far where it misses.
 struct LinePart {
     double near_m, far_m;
 };
+/// Whether some part holds the distance.
+[[nodiscard]] inline bool is_inside(std::span<const LinePart> parts, double at_m) {
+    return std::ranges::any_of(parts, [&](const LinePart& part) { return part.near_m < at_m && at_m < part.far_m; });
+}
+/// Where a part begins or ends next after from_m; end_m if none does before.
+[[nodiscard]] inline double next_end(std::span<const LinePart> parts, double from_m, double end_m) {
+    for (const LinePart& part : parts)
+        for (const double at_m : {part.near_m, part.far_m})
+            if (at_m > from_m && at_m < end_m)
+                end_m = at_m;
+    return end_m;
+}
+
+/// Part of [near_m, far_m] in the bounds of the grid's density; near > far where it misses.
 [[nodiscard]] inline LinePart clip_to_density(const DensityGrid& grid, const GridLine& line, double near_m,
                                               double far_m) {
     if (grid.is_empty())
