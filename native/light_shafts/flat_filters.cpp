@@ -2,6 +2,7 @@
 #include "light_shafts/flat_filters.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/flat_filters_kernel.hpp"
+#include "light_shafts/row_extremes_kernel.hpp"
 #include "light_shafts/slope_rows.hpp"
 #include <algorithm>
 #include <cmath>
@@ -28,23 +29,6 @@ static float* scratch_of(std::size_t count) {
 }
 static std::size_t aligned(std::size_t count) { return (count + 15) / 16 * 16; }
 
-namespace {
-/// Which samples around i a window sees: `before` of them, i itself, `after` of them.
-struct Window {
-    std::size_t before = 0, after = 0;
-    [[nodiscard]] std::size_t width() const { return before + 1 + after; }
-};
-} // namespace
-
-/// to[i] is the extreme of row[i - before] to row[i + after], as far as they exist, of `source_count`.
-static void running_extreme_of_row(bool is_dilation, const float* row, std::size_t source_count, Window window,
-                                   std::size_t count, float* scratch, float* to) {
-    float* end = std::fill_n(scratch, window.before, neutral(is_dilation));
-    end = std::copy_n(row, source_count, end);
-    std::fill(end, scratch + count + window.width() - 1 + row_slack, neutral(is_dilation));
-    running_extreme(is_dilation, scratch, count, window.width(), to);
-}
-
 void close_row(std::span<float> row, std::int32_t length) {
     const std::size_t count = row.size();
     if (length < 2 || count < 2)
@@ -52,20 +36,16 @@ void close_row(std::span<float> row, std::int32_t length) {
     // Centres of windows are samples, or half way between two: one less.
     const bool is_even = length % 2 == 0;
     const std::size_t half = std::min(static_cast<std::size_t>(length) / 2, count - 1);
-    const Window dilation{.before = is_even ? half - 1 : half, .after = half};
-    const std::size_t centres = is_even ? count - 1 : count;
-    float* dilated = scratch_of(aligned(count) + count + 2 * half + row_slack);
-    float* scratch = dilated + aligned(count);
-    running_extreme_of_row(true, row.data(), count, dilation, centres, scratch, dilated);
-    running_extreme_of_row(false, dilated, centres, {dilation.after, dilation.before}, count, scratch, row.data());
+    const Window window{.before = is_even ? half - 1 : half, .after = half};
+    close_along(row.data(), count, window, is_even ? count - 1 : count,
+                scratch_of(row_scratch_size(count, window.width())));
 }
 
 void dilate_row_forward(std::span<float> row, std::int32_t reach) {
     if (reach < 1 || row.size() < 2)
         return;
     const Window window{.before = std::min(static_cast<std::size_t>(reach), row.size() - 1), .after = 0};
-    float* scratch = scratch_of(row.size() + window.before + row_slack);
-    running_extreme_of_row(true, row.data(), row.size(), window, row.size(), scratch, row.data());
+    extremes_along(true, row.data(), row.size(), window, scratch_of(row_scratch_size(row.size(), window.width())));
 }
 
 /// Extremes of `half` texels to either side and the one between them.
@@ -74,11 +54,11 @@ static void running_extreme_of_rows(bool is_dilation, MapSpan map, std::size_t h
     const std::size_t rows_together = std::max<std::size_t>(1, 32768 / width);
     parallel_blocks(static_cast<std::size_t>(map.height), rows_together, progress,
                     [&](std::size_t begin, std::size_t end) {
-                        float* scratch = scratch_of(width + 2 * half + row_slack);
-                        for (std::size_t y = begin; y < end; ++y) {
-                            float* row = map.values + static_cast<std::ptrdiff_t>(y) * map.stride;
-                            running_extreme_of_row(is_dilation, row, width, {half, half}, width, scratch, row);
-                        }
+                        const Window window{.before = half, .after = half};
+                        float* scratch = scratch_of(row_scratch_size(width, window.width()));
+                        for (std::size_t y = begin; y < end; ++y)
+                            extremes_along(is_dilation, map.values + static_cast<std::ptrdiff_t>(y) * map.stride, width,
+                                           window, scratch);
                     });
 }
 

@@ -7,7 +7,7 @@
 // Differs:  a kernel that reaches over the edge sees nothing there, in both passes: the closing stays idempotent,
 //           extensive and monotone, and a hole at the edge is closed as if the map were mirrored. The sloped kernel of
 //           eq. 5.3 is flat where values are slopes, so that dilate_row_forward is all of it.
-// Bound:    square: 6 comparisons per texel down columns, about log4 of the width along rows. Disc: 2 per row of the
+// Bound:    square: 6 comparisons per texel down columns; rows: row_extremes_kernel.hpp. Disc: 2 per row of the
 //           kernel and pass, and a copy of the map. No NaN. All values are exact: every SIMD target gives the same.
 #pragma once
 #include "core/progress.hpp"

@@ -23,47 +23,6 @@ struct Smallest {
     static HWY_INLINE V of(V a, V b) { return hn::Min(a, b); }
 };
 
-/// to[i], for i < count, is the extreme of from[i + offset] over the offsets; `to` may be `from`: nothing behind i is read.
-template <typename Extreme, std::size_t offset_count>
-static void extreme_of_offsets(const float* from, const std::array<std::size_t, offset_count>& offsets,
-                               std::size_t count, float* to) {
-    const std::size_t lanes = hn::Lanes(d), whole = count / lanes * lanes;
-    const auto extreme_at = [&](std::size_t i) {
-        V extreme = hn::LoadU(d, from + i);
-        for (const std::size_t offset : offsets)
-            extreme = Extreme::of(extreme, hn::LoadU(d, from + i + offset));
-        return extreme;
-    };
-    for (std::size_t i = 0; i < whole; i += lanes)
-        hn::StoreU(extreme_at(i), d, to + i);
-    if (whole < count) {
-        alignas(64) std::array<float, 16> rest;
-        hn::Store(extreme_at(whole), d, rest.data());
-        std::copy_n(rest.data(), count - whole, to + whole);
-    }
-}
-
-template <typename Extreme>
-static void running_extreme_along(float* row, std::size_t count, std::size_t width, float* to) {
-    std::size_t valid = count + width - 1, of = 1; // row[i] is the extreme of `of` values
-    for (; of * 4 <= width; of *= 4) {
-        valid -= 3 * of;
-        extreme_of_offsets<Extreme, 3>(row, {of, 2 * of, 3 * of}, valid, row);
-    }
-    if (width <= 2 * of)
-        extreme_of_offsets<Extreme, 1>(row, {width - of}, count, to);
-    else if (width <= 3 * of)
-        extreme_of_offsets<Extreme, 2>(row, {of, width - of}, count, to);
-    else
-        extreme_of_offsets<Extreme, 3>(row, {of, 2 * of, width - of}, count, to);
-}
-void running_extreme_of(bool is_dilation, float* row, std::size_t count, std::size_t width, float* to) {
-    if (is_dilation)
-        running_extreme_along<Largest>(row, count, width, to);
-    else
-        running_extreme_along<Smallest>(row, count, width, to);
-}
-
 /// Lines are cut into stretches of `width`; a window is the end of one and the beginning of the next.
 template <typename Extreme>
 static void running_extreme_in_strip(float* rows, std::size_t count, std::size_t width) {
@@ -114,9 +73,11 @@ static void spread(const Disc& disc, DoubledRow& row, float* const* outputs) {
         return static_cast<std::size_t>(std::bit_width(2 * half_width + 1)) - 1;
     };
     for (std::size_t level = 0; level < level_of(reach); ++level) {
-        const std::size_t doubled = std::size_t{2} << level;
-        extreme_of_offsets<Extreme, 1>(row.values.data() + level * row.stride, {doubled / 2}, width + 1 - doubled,
-                                       row.values.data() + (level + 1) * row.stride);
+        const std::size_t half = std::size_t{1} << level;
+        const float* halves = row.values.data() + level * row.stride;
+        for (std::size_t x = 0; x + 2 * half <= width; x += lanes)
+            hn::StoreU(Extreme::of(hn::LoadU(d, halves + x), hn::LoadU(d, halves + x + half)), d,
+                       row.values.data() + (level + 1) * row.stride + x);
     }
     const float* columns = row.values.data() + reach;
     for (std::size_t dy = 0; dy <= disc.radius;) { // chord by chord, nearest rows first
@@ -156,13 +117,9 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace tyndall::light_shafts::flat_filters {
-HWY_EXPORT(running_extreme_of);
 HWY_EXPORT(running_extreme_down_of);
 HWY_EXPORT(spread_row_of);
 
-void running_extreme(bool is_dilation, float* row, std::size_t count, std::size_t width, float* to) {
-    HWY_DYNAMIC_DISPATCH(running_extreme_of)(is_dilation, row, count, width, to);
-}
 void running_extreme_down(bool is_dilation, float* rows, std::size_t count, std::size_t width) {
     HWY_DYNAMIC_DISPATCH(running_extreme_down_of)(is_dilation, rows, count, width);
 }

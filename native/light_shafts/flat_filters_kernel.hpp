@@ -5,12 +5,10 @@
 #include <vector>
 
 namespace tyndall::light_shafts::flat_filters {
-/// to[i], for i < count, is the largest (dilation) or smallest of the `width` values from row[i] on. The row is used up;
-/// it has count + width - 1 values, and room for `row_slack` more.
-inline constexpr std::size_t row_slack = 64;
-void running_extreme(bool is_dilation, float* row, std::size_t count, std::size_t width, float* to);
+inline constexpr std::size_t row_slack = 64; ///< Floats behind a row that vectors may reach.
 
-/// The same down columns, in place: line i of `rows`, `strip_width` floats wide, with 2 * half further lines below.
+/// Line i becomes the largest (dilation) or smallest of the `width` lines from i on, in place and for each i below `count`:
+/// lines are `strip_width` floats wide, and there are count + width - 1 of them.
 inline constexpr std::size_t strip_width = 64;
 void running_extreme_down(bool is_dilation, float* rows, std::size_t count, std::size_t width);
 
