@@ -10,8 +10,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import bpy
-
 from tyndall.scene_description import Instances, Light, Mesh, SceneDescription
 
 from .images import ImageReader
@@ -23,6 +21,7 @@ from .meshes import read_mesh
 from .occluder_edits import OccluderEditReader
 from .relit_scene import ReadScene, is_light, light_names
 from .reports import Reports
+from .volume_sources import is_volume
 from .volumes import VolumeReader
 from .worlds import read_world
 
@@ -79,7 +78,7 @@ class SceneReader:
         layer = depsgraph.view_layer_eval
         volumes, placements = [], []
         for placement in read_placements(depsgraph, reports, poll, viewport):
-            if isinstance(placement.data, bpy.types.Volume):
+            if is_volume(placement):
                 if layer.use_volumes:
                     volumes.append(placement)
             elif layer.use_solid or placement.data is None:
@@ -132,7 +131,9 @@ class SceneReader:
         return replace(last.description, lights=lights, reports=reports.lines())
 
     def _forget_stale(self, depsgraph: Depsgraph, *, is_live: bool) -> None:
-        if not is_live or depsgraph.as_pointer() != self._live_depsgraph:
+        still_lives = is_live and depsgraph.as_pointer() == self._live_depsgraph
+        self._volumes.forget_stale(self._stale if still_lives else None)
+        if not still_lives:
             self._live.clear()
         else:
             self._live = {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volume objects: OpenVDB files whose grids modulate the media of a volume shader.
+"""Volumes, whose grids modulate the media of a volume shader.
 
 A shader is asked for its coefficients where all grids are 0, and where one of them is 1. Cycles' shaders mostly are
 linear in each grid, so that each makes one medium, which its densities multiply. What bends, or depends on two at once,
@@ -8,22 +8,19 @@ is noted.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-import bpy
 import numpy as np
 
 from tyndall import InvalidInput, IoError
 from tyndall.scene_description import DensityGrid, Medium, ScatterLobe, Volume
-from tyndall.volumes import grid_infos, read_vdb
 
 from ..shader_nodes import shader_tree
 from .node_graph import output_input
 from .program import BLACK, Value, grey
 from .value_nodes import Domain, ValueReader
 from .volume_nodes import Coefficients, medium_of, read_coefficients
+from .volume_sources import NoVolumeError, source_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,6 +32,7 @@ if TYPE_CHECKING:
     from .materials import MaterialReader
     from .node_graph import Socket
     from .reports import Reports
+    from .volume_sources import VolumeSource
 
 #: Of the Volume Info node, by output.
 _VOLUME_INFO = {"Density": "density", "Color": "color", "Flame": "flame", "Temperature": "temperature"}
@@ -42,18 +40,7 @@ _VOLUME_INFO = {"Density": "density", "Color": "color", "Flame": "flame", "Tempe
 _DEFAULT_MEDIUM = Medium(
     name="(no material)", lobes=(ScatterLobe(sigma_s_per_m=(0.5, 0.5, 0.5)),), sigma_a_per_m=(0.5, 0.5, 0.5)
 )
-#: Voxels by which Cycles has a grid off its place along each axis: measured, to 1e-2.
-_VOXEL_SHIFT = 0.0 if bpy.app.version >= (5, 0, 0) else 0.5
 _BEND = 1e-3  #: Relative: what a shader may be off a straight line before it is noted.
-
-
-@dataclass(frozen=True)
-class _File:
-    """A VDB file as it is now."""
-
-    path: Path
-    key: str
-    grid_names: tuple[str, ...]
 
 
 class _GridValueReader(ValueReader):
@@ -90,7 +77,16 @@ class VolumeReader:
     """Reads the volumes of frames one after another; keeps the grids that the next frame may share."""
 
     def __init__(self) -> None:
-        self._grids: dict[str, DensityGrid] = {}
+        self._grids: dict[str, DensityGrid] = {}  # by key
+        self._made: dict[int, tuple[VolumeSource, set[int]]] = {}  # by address of evaluated data, while that lives
+
+    def forget_stale(self, stale: set[int] | None) -> None:
+        """What depends on these datablocks may be others now; None: all evaluated data may be."""
+        self._made = {
+            address: (source, depends_on)
+            for address, (source, depends_on) in self._made.items()
+            if stale is not None and not depends_on & stale
+        }
 
     def read(
         self,
@@ -102,20 +98,26 @@ class VolumeReader:
     ) -> tuple[Volume, ...]:
         """One per object, grid that its shader reads, and instance; their media go into ``materials``."""
         kept: dict[str, DensityGrid] = {}
-        media: dict[tuple[str, int], dict[str, int]] = {}  # by file and material, per grid: into materials.media
+        made: dict[int, tuple[VolumeSource, set[int]]] = {}
+        media: dict[tuple[tuple[str, ...], int], dict[str, int]] = {}  # per grid: into materials.media
         volumes = []
         for placement in placements:
             poll()
             culprit = f'Object "{placement.object_name}"'
-            file = _file_of(placement, culprit, reports)
-            if file is None:
+            address = placement.data.as_pointer()
+            try:
+                source = (made.get(address) or self._made.get(address) or (source_of(placement),))[0]
+            except NoVolumeError as error:
+                reports.add(culprit, f"not drawn: {error}")
                 continue
+            if source.outlives_read:
+                made[address] = source, placement.depends_on
             material = materials.shader_of(placement.materials[0])
-            key = file.key, material.as_pointer() if material else 0
+            key = source.grid_names, material.as_pointer() if material else 0
             if key not in media:
                 media[key] = {
                     name: materials.add_medium(medium)
-                    for name, medium in _media_of(material, file, images, reports).items()
+                    for name, medium in _media_of(material, source.grid_names, images, reports).items()
                 }
             if not media[key]:
                 reports.add(culprit, "its volume's shader reads none of its grids: not drawn")
@@ -124,62 +126,32 @@ class VolumeReader:
                     culprit, "ray visibility does not reach its volume, which the camera sees and which dims light"
                 )
             for name, medium in media[key].items():
-                grid = self._grid(file, name, culprit, reports, kept)
-                if grid is not None:
-                    volumes += _instances(placement, grid, medium)
-        self._grids = kept
-        return tuple(volumes)
-
-    def _grid(
-        self, file: _File, name: str, culprit: str, reports: Reports, kept: dict[str, DensityGrid]
-    ) -> DensityGrid | None:
-        key = f"{file.key}:{name}"
-        if key not in kept:
-            grid = self._grids.get(key)
-            if grid is None:
                 try:
-                    grid = DensityGrid(key=key, grid=read_vdb(file.path, [name])[name])
+                    grid = source.read(name, self._grids | kept)
                 except (IoError, InvalidInput) as error:
                     reports.add(culprit, f"not drawn: {error}")
-                    return None
-            kept[key] = grid
-        if not len(kept[key].grid.leaf_origins):
-            reports.add(culprit, f'its grid "{name}" is empty')
-            return None
-        return kept[key]
+                    continue
+                kept[grid.key] = grid
+                if len(grid.grid.leaf_origins):
+                    volumes += _instances(placement, source, grid, medium)
+                else:
+                    advice = f": {source.advice_if_empty}" if source.advice_if_empty else ""
+                    reports.add(culprit, f'its grid "{name}" is empty{advice}')
+        self._grids, self._made = kept, made
+        return tuple(volumes)
 
 
-def _file_of(placement: Placement, culprit: str, reports: Reports) -> _File | None:
-    """The file of this frame; None, and a report, where there is none that can be read."""
-    volume = placement.data
-    if any(modifier.show_render for modifier in placement.source.modifiers):
-        reports.add(
-            culprit, "its modifiers change a volume whose voxels Blender does not hand out: drawn as its file is"
-        )
-    if not volume.filepath:
-        reports.add(culprit, "not drawn: its volume has no file, and Blender does not hand out its voxels")
-        return None
-    volume.grids.load()
-    path = Path(bpy.path.abspath(volume.grids.frame_filepath or volume.filepath, library=volume.original.library))
-    try:
-        facts = path.stat()
-        infos = grid_infos(path)
-    except (OSError, IoError) as error:
-        reports.add(culprit, f"not drawn: {error}")
-        return None
-    readable = tuple(info.name for info in infos if not info.refusal and info.value_type != "vec3s")
-    return _File(path, f"{path}:{facts.st_mtime_ns}:{facts.st_size}", readable)
-
-
-def _media_of(material: Material | None, file: _File, images: ImageReader, reports: Reports) -> dict[str, Medium]:
+def _media_of(
+    material: Material | None, grid_names: tuple[str, ...], images: ImageReader, reports: Reports
+) -> dict[str, Medium]:
     """Per grid that the shader reads: its medium where the grid is 1 and the others are 0."""
     if material is None:
-        return {"density": _DEFAULT_MEDIUM} if "density" in file.grid_names else {}
+        return {"density": _DEFAULT_MEDIUM} if "density" in grid_names else {}
     tree = shader_tree(material)
     shader = output_input(tree, "Volume") if tree is not None else None
     if shader is None or not shader.is_connected():
         return {}
-    reader = _GridValueReader(f'Material "{material.name}"', reports, images, file.grid_names)
+    reader = _GridValueReader(f'Material "{material.name}"', reports, images, grid_names)
     nothing = read_coefficients(reader, shader)
     if medium_of(nothing, "") is not None:
         reader.note("what does not depend on a grid has no bounds in a volume object: left out")
@@ -232,10 +204,9 @@ def _distance(a: Coefficients, b: Coefficients, times: float) -> float:
     return float(np.abs(first - second).max() / max(np.abs(second).max(), 1e-30))
 
 
-def _instances(placement: Placement, grid: DensityGrid, medium: int) -> list[Volume]:
+def _instances(placement: Placement, source: VolumeSource, grid: DensityGrid, medium: int) -> list[Volume]:
     shift = np.eye(4)
-    shift[:3, 3] = grid.grid.local_from_index[:3, :3] @ np.full(3, _VOXEL_SHIFT)
-    keeps_opacity = placement.data.render.space == "OBJECT"
+    shift[:3, 3] = grid.grid.local_from_index[:3, :3] @ np.full(3, source.voxel_shift)
     volumes = []
     for matrix in placement.world_from_object():
         # As Cycles: what a vector of equal parts becomes is the object's scale.
@@ -246,7 +217,7 @@ def _instances(placement: Placement, grid: DensityGrid, medium: int) -> list[Vol
                 grid=grid,
                 world_from_object=matrix @ shift,
                 medium=medium,
-                density_scale=1.0 / scale if keeps_opacity and scale > 0.0 else 1.0,
+                density_scale=1.0 / scale if source.keeps_opacity and scale > 0.0 else 1.0,
             )
         )
     return volumes

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from mathutils import Vector
 
-from support.clouds import cloud, cloud_file, sparse, volume_object
+from support.clouds import cloud, cloud_file, look, rms_difference, sparse, volume_object, wall
 from support.engine_pictures import cycles_pixels, tyndall_pixels
-from support.small_scenes import Build, Node, cube, empty_scene, light, material, node, plane, read
+from support.small_scenes import Build, Node, cube, light, material, node, plane, read
 from tyndall.volumes import write_vdb
 
 New, Link = Callable[[str], Node], Callable[..., object]
@@ -52,31 +52,10 @@ def glowing(new: New, link: Link) -> Socket:
     return emission.outputs[0]
 
 
-def wall(new: New, link: Link) -> Socket:
-    glow = new("ShaderNodeEmission")
-    link(new("ShaderNodeLightPath").outputs["Is Camera Ray"], glow.inputs["Strength"])
-    return glow.outputs[0]
-
-
-def look(width_m: float = 2.4, size_px: int = 12) -> bpy.types.Scene:
-    scene = empty_scene(size_px)
-    scene.camera.data.ortho_scale = width_m
-    scene.camera.location.z = 6.0
-    cycles = scene.cycles
-    cycles.volume_max_steps = 1024
-    cycles.volume_step_rate = cycles.volume_preview_step_rate = 0.3
-    scene.tyndall.shafts.grid_error_target = 0.002
-    return scene
-
-
 def before_a_wall(path: Path, shader: Build) -> tuple[bpy.types.Scene, bpy.types.Object]:
     scene = look()
     plane(-3.0, material("Wall", surface=wall))
     return scene, volume_object(path, material("Smoke", volume=shader))
-
-
-def rms_difference(ours: np.ndarray, cycles: np.ndarray) -> float:
-    return float(np.sqrt(np.mean((ours - cycles) ** 2) / np.mean(cycles**2)))
 
 
 @pytest.mark.parametrize("shader", [principled, scatter_times_attribute, absorption_by_info, glowing])

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A lumpy cloud as an OpenVDB file, and volume objects that show it."""
+"""A lumpy cloud as an OpenVDB file, volume objects that show it, and how they are looked at."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import bpy
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from tyndall.volumes import LEAF_VOXELS, SparseGrid, write_vdb
 
-from .small_scenes import add
+from .small_scenes import Node, add, empty_scene
 
 
 def cloud(voxels: int) -> NDArray[np.float32]:
@@ -54,3 +55,26 @@ def cloud_file(folder: Path, voxels: int = 48) -> Path:
     path = folder / f"cloud_{voxels}.vdb"
     write_vdb(path, [sparse(cloud(voxels), first=(8, -16, 0))])
     return path
+
+
+def wall(new: Callable[[str], Node], link: Callable[..., object]) -> bpy.types.NodeSocket:
+    """Seen by the camera alone."""
+    glow = new("ShaderNodeEmission")
+    link(new("ShaderNodeLightPath").outputs["Is Camera Ray"], glow.inputs["Strength"])
+    return glow.outputs[0]
+
+
+def look(width_m: float = 2.4, size_px: int = 12) -> bpy.types.Scene:
+    scene = empty_scene(size_px)
+    scene.camera.data.ortho_scale = width_m
+    scene.camera.location.z = 6.0
+    cycles = scene.cycles
+    cycles.volume_max_steps = 1024
+    cycles.volume_step_rate = cycles.volume_preview_step_rate = 0.3
+    scene.tyndall.shafts.grid_error_target = 0.002
+    return scene
+
+
+def rms_difference(ours: NDArray[np.float32], cycles: NDArray[np.float32]) -> float:
+    """Relative."""
+    return float(np.sqrt(np.mean((ours - cycles) ** 2) / np.mean(cycles**2)))
