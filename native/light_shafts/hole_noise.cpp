@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ranges>
 
 namespace tyndall::light_shafts {
 using hole_noise::Lookup;
@@ -55,8 +56,15 @@ static std::vector<Octave> make_octaves(const HoleNoise& noise, std::size_t dime
         amplitude *= double{noise.persistence};
         cell_per_m *= 2.0;
     }
-    for (Octave& octave : octaves)
-        octave.amplitude = static_cast<float>(double{octave.amplitude} / sum * of_gradient / 2147483648.0);
+    // Half way between the corners all ways from them are half a cell along each axis, and the weights' sum is 1.
+    float finer_reach = 0.0f;
+    for (Octave& octave : std::views::reverse(octaves)) {
+        const double largest_gradient = double{octave.amplitude} / sum * of_gradient;
+        octave.amplitude = static_cast<float>(largest_gradient / 2147483648.0);
+        octave.reach = static_cast<float>(1.0001 * largest_gradient * 0.5 * static_cast<double>(dimensions));
+        octave.finer_reach = finer_reach;
+        finer_reach += octave.reach;
+    }
     return octaves;
 }
 

@@ -13,6 +13,8 @@ struct Octave {
     std::array<float, 3> offset;                    ///< In cells.
     float amplitude; ///< Of gradients with components within 2^31; all octaves together have gradients of length 1.
     std::uint32_t seed;
+    float reach;       ///< Its values lie within -reach and reach.
+    float finer_reach; ///< The same of all finer octaves together.
 };
 struct Lookup {
     std::vector<Octave> mover; ///< Moves the lookup; empty: it stays.
