@@ -133,8 +133,9 @@ def write_back(light: Light, fit: LightMapFit) -> Image:
     image.update()
     image.pack()
     settings.gobo_image = image
-    settings.gobo_size_m = light_map.size_m
-    settings.gobo_offset_m = light_map.centre_m
+    if light.type == "SUN":
+        settings.gobo_size_m = light_map.size_m
+        settings.gobo_offset_m = light_map.centre_m
     settings.gobo_extension = "EXTEND"
     settings.gobo_strength = 1.0
     settings.light_map_fit.residuals = " ".join(f"{residual:.5g}" for residual in fit.residuals)

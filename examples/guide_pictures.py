@@ -128,6 +128,40 @@ def paint_shafts() -> None:
     bpy.ops.tyndall.fit_light_map()
 
 
+#: Strokes over beams of the stage: the spot, its place and a place farther along it in the picture, as shares of its
+#: width and height from the lower left corner.
+BEAMS = (("Back 2", (0.327, 0.832), (0.13, 0.49)), ("Back 5", (0.697, 0.852), (0.83, 0.5)))
+
+
+def paint_beams() -> None:
+    """Paint two beams of the stage as fans of five blades, red and dark, and have the spots' maps fitted to that."""
+    scene = bpy.context.scene
+    scene.render.engine = "TYNDALL"
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = *SIZE_PX, 100
+    for name, lamp, far in BEAMS:
+        spot = scene.objects[name]
+        bpy.context.view_layer.objects.active = spot
+        bpy.ops.tyndall.paint_strokes()
+        strokes = spot.data.tyndall.light_map_fit.views[0].strokes
+        width, height = strokes.size
+        columns, rows = np.meshgrid(np.arange(width), np.arange(height))
+        across, up = columns - lamp[0] * width, rows - lamp[1] * height
+        axis = np.array([(far[0] - lamp[0]) * width, (far[1] - lamp[1]) * height])
+        along, beside = (across * axis[0] + up * axis[1]), (across * axis[1] - up * axis[0])
+        blade = np.floor(beside / np.maximum(along, 1.0) / BLADE + 0.5)
+        is_painted = (along > 0.0) & (np.abs(blade) <= 2.0)
+        pixels = np.zeros((height, width, 4), np.float32)
+        pixels[is_painted] = (0.0, 0.0, 0.0, 1.0)
+        pixels[is_painted & (blade % 2.0 == 0.0)] = (4.0, 0.25, 0.05, 1.0)
+        strokes.pixels.foreach_set(pixels.ravel())
+        strokes.update()
+        bpy.ops.tyndall.fit_light_map()
+
+
+#: Tangent of the angle that a blade has in the picture.
+BLADE = 0.06
+
+
 def let_light_bounce(*, with_shafts: bool = False) -> None:
     """Have Cycles draw indirect light, too; with its own fog, or with light shafts over a picture without fog."""
     scene = bpy.context.scene
@@ -197,6 +231,7 @@ PICTURES = (
     Picture("gobo_stage_before", "stage_spots"),
     Picture("gobo_stage", "stage_spots", throw_blades),
     Picture("fit_hall", "window_hall", paint_shafts),
+    Picture("fit_stage", "stage_spots", paint_beams),
     Picture("paint_hall", "window_hall", paint_one_shaft),
     Picture("over_hall_cycles", "window_hall", let_light_bounce, engine="CYCLES"),
     Picture("over_hall_shafts", "window_hall", partial(let_light_bounce, with_shafts=True), engine="CYCLES"),

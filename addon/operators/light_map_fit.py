@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fit a sun's map to strokes that were painted over cameras; the list of those strokes."""
+"""Fit a light's map to strokes that were painted over cameras; the list of those strokes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from bpy.types import Context, Event, Light, Operator
 
 from ..availability import why_no_render
-from ..edited_light import edited_light, object_of
+from ..edited_light import edited_light, object_of, why_not_editable
 from ..fitted_maps import continued_fit, keep, kept_fit, new_fit, write_back
 from ..item_lists import ItemList
 from ..stroke_views import begin_painting, view_of
@@ -23,11 +23,9 @@ _TICK_S = 0.1
 
 def why_no_fit(light: Light | None) -> str | None:
     """What a button says that fits maps; None: it may."""
-    if light is None:
-        return "Make a sun active, or choose one in the sidebar"
-    if light.type != "SUN":
-        return "A light map is fitted to suns only"
-    if light.library is not None:
+    if (reason := why_not_editable(light)) is not None:
+        return reason
+    if light is not None and light.library is not None:
         return "The light is linked: make a library override of it first"
     return None
 
@@ -134,7 +132,7 @@ class _Solve(_FitOperator):
 
 
 class TYNDALL_OT_fit_light_map(_Solve, Operator):
-    """Find the picture that this sun has to throw for its shafts to look as they are painted, and make it its gobo.
+    """Find the picture that this light has to throw for its shafts to look as they are painted, and make it its gobo.
 
     Starts from the gobo that it has, and keeps that where no stroke sees it
     """
@@ -150,7 +148,7 @@ class TYNDALL_OT_fit_light_map(_Solve, Operator):
 
 
 class TYNDALL_OT_continue_light_map(_Solve, Operator):
-    """Take more steps of this sun's last fit, as its strokes and the scene were then."""
+    """Take more steps of this light's last fit, as its strokes and the scene were then."""
 
     bl_idname = "tyndall.continue_light_map"
     bl_label = "Continue"
@@ -169,7 +167,7 @@ class TYNDALL_OT_continue_light_map(_Solve, Operator):
 
 
 class TYNDALL_OT_paint_strokes(_FitOperator, Operator):
-    """Paint over what a camera shows how the shafts of this sun should look, in Blender's own Image Editor.
+    """Paint over what a camera shows how the shafts of this light should look, in Blender's own Image Editor.
 
     Makes an image for the strokes, and renders the picture that lies behind them. White is the light's own colour
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Paint how a sun's shafts should look, and fit its light map: in the 3D view's sidebar."""
+"""Paint how a light's shafts should look, and fit its light map: in the 3D view's sidebar."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class TYNDALL_PT_light_map_fit(SidebarPanel, Panel):
         column.prop(settings, "steps")
         column.prop(settings, "regularisation")
         row = layout.row(align=True)
-        row.operator("tyndall.fit_light_map", text="Fit", icon="LIGHT_SUN")
+        row.operator("tyndall.fit_light_map", text="Fit", icon=f"LIGHT_{light.type}")
         row.operator("tyndall.continue_light_map", icon="PLAY")
         draw_residuals(layout, context, residuals_of(light))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""``light.tyndall.light_map_fit``: what was painted over which cameras, and how a sun's map is fitted to it."""
+"""``light.tyndall.light_map_fit``: what was painted over which cameras, and how a light's map is fitted to it."""
 
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 from bpy.types import Image, Object, PropertyGroup

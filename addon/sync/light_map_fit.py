@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What was painted over cameras, and the map that a sun has now, as a fit takes them."""
+"""What was painted over cameras, and the map that a light has now, as a fit takes them."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def read_views(
 
 
 def read_current_map(light: bpy.types.Light, reports: Reports) -> LightMap | None:
-    """The sun's gobo, which the fit stays close to; None: white. One that is not square cannot be that."""
+    """The light's gobo, which the fit stays close to; None: white. One that is not square cannot be that."""
     settings = light.tyndall
     image, culprit = settings.gobo_image, f'Light "{light.name}"'
     if image is None or without_pixels(image) is not None:
@@ -59,11 +59,10 @@ def read_current_map(light: bpy.types.Light, reports: Reports) -> LightMap | Non
         return None
     texels = unassociated_texels(image, reports, culprit)
     share = settings.gobo_strength
-    return LightMap(
-        texels=1.0 - share + share * texels[..., 3:] * texels[..., :3],  # a gobo is black where it is transparent
-        size_m=settings.gobo_size_m,
-        centre_m=tuple(settings.gobo_offset_m),
-    )
+    multiplier = 1.0 - share + share * texels[..., 3:] * texels[..., :3]  # a gobo is black where it is transparent
+    if light.type != "SUN":
+        return LightMap(texels=multiplier)
+    return LightMap(texels=multiplier, size_m=settings.gobo_size_m, centre_m=tuple(settings.gobo_offset_m))
 
 
 def unassociated_texels(image: bpy.types.Image, reports: Reports, culprit: str) -> NDArray[np.float32]:

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The picture that a sun has to throw so that its shafts look as somebody painted them, from any number of cameras.
+// The picture that a light has to throw so that its shafts look as somebody painted them, from any number of cameras.
 // Based on: Kol, dissertation, TU Delft 2018, section 5.4.2, "Light Map Optimization"; Klehm et al., Property and Lighting
 //           Manipulations for Static Volume Stylization Using a Painting Metaphor, TVCG 20(7), 2014.
 // Differs:  the matrix is built once, not marched through in each step; the map is not negative; what no stroke sees stays
-//           as it is. A sun with a size is fitted as its centre: its blur is not undone.
-// Data flow: strokes -> rays that end at the first surface -> what each sees lit -> focus of the map -> matrix -> steps.
+//           as it is. A light with a size is fitted as its centre: its blur is not undone.
+// Data flow: strokes -> rays that end at the first surface -> what each sees lit -> focus of a sun's map -> matrix -> steps.
 #pragma once
 #include "light_shafts/light_map_fit_place.hpp"
 #include "light_shafts/light_map_fit_solver.hpp"
@@ -25,11 +25,13 @@ struct Strokes {
 };
 
 struct LightMapFitConfig {
-    std::size_t light = 0;          ///< Into Scene::lights: a sun.
+    std::size_t light = 0;          ///< Into Scene::lights.
     std::uint32_t resolution = 512; ///< Texels per side, [16, 4096].
     float regularisation = 1e-3f;   ///< How much the map stays what it is, [0, 1e6]: see LightMapSolver.
     Config shafts;
 };
+
+class StrokeView; // light_map_fit_view.hpp
 
 class LightMapFit {
 public:
@@ -54,6 +56,11 @@ public:
     [[nodiscard]] const Statistics& statistics() const { return statistics_; }
 
 private:
+    void build_for_sun(std::span<const StrokeView> views, const Media& media, const Light& sun, const LightMap& current,
+                       const LightMapFitConfig& config, const Progress& progress);
+    void build_for_lamp(std::span<const StrokeView> views, const Media& media, const Light& lamp,
+                        const LightMapFitConfig& config, const Progress& progress);
+
     Statistics statistics_;
     LightMapPlace place_;
     std::vector<std::uint32_t> pixel_of_ray_;

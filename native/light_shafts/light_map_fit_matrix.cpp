@@ -10,13 +10,16 @@ namespace tyndall::light_shafts {
 static constexpr std::size_t weight_slack = 16;
 /// So many dark lines between lit ones cost more than a new stretch.
 static constexpr std::size_t dark_lines_to_split = 12;
+/// Beyond the border a map goes on as there.
+static constexpr float largest_row = 65535.0f;
 
-void LightMapMatrix::Part::add_ray(bool goes_along_y, std::uint32_t first_line, float across_at_first,
-                                   float across_per_line, std::span<const float> line_weights, std::uint32_t channels) {
+void LightMapMatrix::Part::add_stretches(bool goes_along_y, std::uint32_t first_line, float across_at_first,
+                                         float across_per_line, std::span<const float> line_weights) {
     const std::size_t count = line_weights.size() / channels;
     const auto across = [&](std::size_t line) { return across_at_first + static_cast<float>(line) * across_per_line; };
     const auto strip_of = [&](std::size_t line) {
-        const auto row = goes_along_y ? first_line + line : static_cast<std::size_t>(std::max(across(line), 0.0f));
+        const auto row =
+            goes_along_y ? first_line + line : static_cast<std::size_t>(std::clamp(across(line), 0.0f, largest_row));
         return static_cast<std::uint16_t>(row / rows_per_strip);
     };
     const auto is_dark = [&](std::size_t line) {
@@ -47,7 +50,28 @@ void LightMapMatrix::Part::add_ray(bool goes_along_y, std::uint32_t first_line, 
                        line_weights.begin() + static_cast<std::ptrdiff_t>(end * channels));
         begin = end;
     }
-    ++ray_count;
+}
+
+void LightMapMatrix::Part::merge_channels() {
+    if (channels == 1)
+        return;
+    for (std::size_t at = 0; at < weights.size(); at += 4)
+        if (weights[at] != weights[at + 1] || weights[at] != weights[at + 2])
+            return;
+    for (std::size_t line = 0; line < weights.size() / 4; ++line)
+        weights[line] = weights[4 * line];
+    weights.resize(weights.size() / 4);
+    channels = 1;
+}
+
+void LightMapMatrix::Part::split_channels() {
+    if (channels == 4)
+        return;
+    std::vector<float> split;
+    for (const float weight : weights)
+        split.insert(split.end(), {weight, weight, weight, 0.0f});
+    weights = std::move(split);
+    channels = 4;
 }
 
 LightMapMatrix::LightMapMatrix(std::uint32_t resolution, bool is_coloured, std::vector<Part> parts,
@@ -61,7 +85,8 @@ LightMapMatrix::LightMapMatrix(std::uint32_t resolution, bool is_coloured, std::
     std::vector<std::uint32_t> first_ray(1);
     for (std::size_t part = 0; part < parts.size(); ++part) {
         first_ray.push_back(first_ray.back() + parts[part].ray_count);
-        for (const RowStretch& stretch : parts[part].stretches) {
+        for (RowStretch& stretch : parts[part].stretches) {
+            stretch.strip = std::min(stretch.strip, static_cast<std::uint16_t>(strip_count - 1));
             Place& counts = place[stretch.strip * parts.size() + part];
             ++counts.stretch;
             counts.weight += stretch.count;

@@ -39,15 +39,21 @@ public:
     /// Rows of consecutive rays.
     struct Part {
         std::vector<RowStretch> stretches; ///< `ray` and `first_weight` count from the part's own beginning.
-        std::vector<float> weights;        ///< Four for each line where colours differ, else one.
+        std::vector<float> weights;        ///< `channels` for each line.
+        std::uint32_t channels = 1;        ///< 1, or 4 where colours differ.
         std::uint32_t ray_count = 0;
-        /// Line i of the ray, of `line_weights`, crosses the map at across_at_first + i * across_per_line. `channels`
-        /// weights for each, 1 or 4. Dark lines at the ends, and many in a row between, are left out.
-        void add_ray(bool goes_along_y, std::uint32_t first_line, float across_at_first, float across_per_line,
-                     std::span<const float> line_weights, std::uint32_t channels);
+        /// Of the ray at work. Line i of `line_weights` crosses the map at across_at_first + i * across_per_line. Dark lines at
+        /// the ends, and many in a row between, are left out.
+        void add_stretches(bool goes_along_y, std::uint32_t first_line, float across_at_first, float across_per_line,
+                           std::span<const float> line_weights);
+        void end_ray() { ++ray_count; }
+        /// One weight for each line, if it does for all three channels.
+        void merge_channels();
+        /// Four weights for each line.
+        void split_channels();
     };
 
-    /// Takes over the parts, in order. resolution: texels per side, [2, 65535].
+    /// Takes over the parts, in order; each has the channels that is_coloured says. resolution: texels per side, [2, 65535].
     LightMapMatrix(std::uint32_t resolution, bool is_coloured, std::vector<Part> parts, const Progress& progress);
 
     [[nodiscard]] std::uint32_t resolution() const { return resolution_; }

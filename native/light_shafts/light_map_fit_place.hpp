@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a sun's map lies across its light: along the light's own axes, in metres from its origin, as its masks and its gobo.
+// Where a light's map lies. A sun's: across its light, along its own axes, in metres from its origin, as its masks and its gobo.
+// A lamp's fills its cone, or surrounds it.
 // Based on: Kol, dissertation, TU Delft 2018, section 5.4.2: the map has a resolution and a focus of its own.
 // Differs:  the focus is what the strokes' rays see lit, grown to one of few sizes and moved by whole texels, so that a map
 //           that is fitted again, or continued from another camera, has its texels where they were.
@@ -12,7 +13,7 @@
 namespace tyndall::light_shafts {
 struct LightMapPlace {
     std::uint32_t resolution = 512; ///< Texels per side, [8, 8192].
-    float size_m = 0.0f;            ///< Of a side, > 0.
+    float size_m = 0.0f;            ///< Of a side, > 0. Of a lamp there are no metres: see thrown_place.
     vec2 centre_m{0.0f};            ///< From the light's origin along its axes.
     bool operator==(const LightMapPlace&) const = default;
     [[nodiscard]] float texel_m() const { return size_m / static_cast<float>(resolution); }
@@ -40,6 +41,10 @@ inline constexpr float light_map_margin_texels = 2.0f;
 [[nodiscard]] bool covers(const LightMapPlace& place, const Focus& focus);
 /// Sizes are powers of the fourth root of 2; the centre is a multiple of a texel.
 [[nodiscard]] LightMapPlace snapped(const Focus& focus, std::uint32_t resolution);
+/// Of a lamp, in widths of its picture: all of it.
+[[nodiscard]] inline LightMapPlace thrown_place(std::uint32_t resolution) {
+    return {.resolution = resolution, .size_m = 1.0f, .centre_m = vec2(0.5f)};
+}
 /// The same map with other texels, bilinear; beyond its border it goes on as there. An empty map is white.
 [[nodiscard]] std::vector<Rgb> resampled(const LightMap& map, const LightMapPlace& place);
 

@@ -11,6 +11,8 @@ void grow_focus(const SeenRay& seen, const LightMapAxes& axes, Focus& focus) {
     float first_depth = -1.0f;
     const vec2 origin = axes.metres(seen.ray.origin), per_m = axes.along(seen.ray.direction);
     for_each_lit_part(seen.pieces, seen.lit, [&](const ScatterPiece& piece, float near_m, float far_m, const Rgb&) {
+        if (piece.source_per_m == Rgb(0.0f))
+            return;
         const auto depth_at = [&](float at_m) {
             const Rgb depth = piece.depth_at_near + piece.depth_per_m * (at_m - piece.near_m);
             return std::min({depth.x, depth.y, depth.z});
@@ -84,6 +86,24 @@ void RowMaker::add_part(const ScatterPiece& piece, float near_m, float far_m, co
     add_until(far_m);
 }
 
+float deal_out(std::span<const float> positions, std::span<const float> amounts, std::size_t channels,
+               std::vector<float>& line_weights) {
+    const auto [lowest, highest] = std::ranges::minmax(positions);
+    const std::size_t stored = channels == 1 ? 1 : 4;
+    const float first = std::floor(lowest);
+    line_weights.assign((static_cast<std::size_t>(std::floor(highest) - first) + 2) * stored, 0.0f);
+    for (std::size_t cell = 0; cell < positions.size(); ++cell) {
+        const float line = std::floor(positions[cell]), share = positions[cell] - line;
+        float* const weights = &line_weights[static_cast<std::size_t>(line - first) * stored];
+        for (std::size_t channel = 0; channel < channels; ++channel) {
+            const float amount = amounts[cell * channels + channel];
+            weights[channel] += (1.0f - share) * amount;
+            weights[stored + channel] += share * amount;
+        }
+    }
+    return first;
+}
+
 void RowMaker::add_row(const SeenRay& seen, LightMapMatrix::Part& part) {
     const vec2 start = texel_at(place_, axes_.metres(seen.ray.origin)),
                per_m = axes_.along(seen.ray.direction) / place_.texel_m();
@@ -104,31 +124,18 @@ void RowMaker::add_row(const SeenRay& seen, LightMapMatrix::Part& part) {
                       [&](const ScatterPiece& piece, float near_m, float far_m, const Rgb& transmittance) {
                           add_part(piece, near_m, far_m, transmittance);
                       });
-    const std::size_t channels = is_coloured_ ? 3 : 1, stored = is_coloured_ ? 4 : 1;
-    const std::size_t count = position_.size() * channels;
-    light_map_kernel::attenuate(std::span(depth_).first(count), std::span(amount_).first(count));
-    float lowest = std::numeric_limits<float>::infinity(), highest = -lowest;
-    for (float& position : position_) {
-        position = std::clamp(position, 0.0f, last);
-        lowest = std::min(lowest, position);
-        highest = std::max(highest, position);
-    }
+    const std::size_t channels = is_coloured_ ? 3 : 1, count = position_.size() * channels;
+    part.channels = is_coloured_ ? 4 : 1;
     if (position_.empty())
-        return part.add_ray(false, 0, 0.0f, 0.0f, {}, static_cast<std::uint32_t>(stored));
-    const float first = std::floor(lowest);
-    line_weights_.assign((static_cast<std::size_t>(highest - first) + 2) * stored, 0.0f);
-    for (std::size_t cell = 0; cell < position_.size(); ++cell) {
-        const float line = std::floor(position_[cell]), share = position_[cell] - line;
-        float* const weights = &line_weights_[static_cast<std::size_t>(line - first) * stored];
-        for (std::size_t channel = 0; channel < channels; ++channel) {
-            const float amount = amount_[cell * channels + channel];
-            weights[channel] += (1.0f - share) * amount;
-            weights[stored + channel] += share * amount;
-        }
-    }
+        return part.end_ray();
+    light_map_kernel::attenuate(std::span(depth_).first(count), std::span(amount_).first(count));
+    for (float& position : position_)
+        position = std::clamp(position, 0.0f, last);
+    const float first = deal_out(position_, std::span(amount_).first(count), channels, line_weights_);
     // A ray straight into the light stays where it is.
     const float slope = along_per_m_ == 0.0f ? 0.0f : per_m[1 - axis] / along_per_m_;
-    part.add_ray(axis == 1, static_cast<std::uint32_t>(first), start[1 - axis] + (first - start[axis]) * slope, slope,
-                 line_weights_, static_cast<std::uint32_t>(stored));
+    part.add_stretches(axis == 1, static_cast<std::uint32_t>(first), start[1 - axis] + (first - start[axis]) * slope,
+                       slope, line_weights_);
+    part.end_ray();
 }
 } // namespace tyndall::light_shafts

@@ -37,10 +37,13 @@ public:
                std::span<Rgb> unshadowed) {
         light_ = &light, rays_ = &rays, support_ = &support, radiance_ = radiance, unshadowed_ = unshadowed;
         pieces_.clear();
+        cut_ = nullptr, parts_ = nullptr;
         picture_.reset();
         if (light.light_.textured != nullptr)
             picture_.emplace(*light.light_.textured, light.light_.position);
     }
+    /// From now on parts are told apart, and nothing is summed.
+    void keep_parts(const CutRay& cut, std::vector<LocalPart>& parts) { cut_ = &cut, parts_ = &parts; }
     /// The lit parts of one ray, near to far.
     void add(std::size_t ray, std::span<const LitInterval> lit);
     void flush();
@@ -72,6 +75,8 @@ private:
     std::vector<double> splits_; ///< As distances from the light's foot, ascending.
     std::vector<LocalCrossing> crossings_;
     std::optional<PictureAlongRay> picture_; ///< Of a textured light.
+    const CutRay* cut_ = nullptr;
+    std::vector<LocalPart>* parts_ = nullptr; ///< Where parts are told apart.
     LocalPieces pieces_;
     std::array<Target, LocalPieces::capacity> targets_;
 };
@@ -92,6 +97,13 @@ void LocalScatter::Batch::prepare_splits() {
                     splits_.push_back(at - light_x_);
         }
     }
+    if (cut_ != nullptr)
+        (*cut_)({.ray = static_cast<std::uint32_t>(ray_),
+                 .foot_m = light_x_,
+                 .light_m = distance(LocalSupport::LightY),
+                 .begin = distance(LocalSupport::Begin),
+                 .end = distance(LocalSupport::End)},
+                splits_);
     std::ranges::sort(splits_);
 }
 
@@ -243,7 +255,9 @@ void LocalScatter::Batch::flush() {
         const Target& target = targets_[at];
         const Rgb sum = light_->light_.strength * target.transmittance *
                         Rgb(pieces_.sum[0][at], pieces_.sum[1][at], pieces_.sum[2][at]);
-        if (target.counts.as_lit)
+        if (parts_ != nullptr)
+            parts_->push_back({static_cast<std::uint32_t>(ray), pieces_.x0[at], pieces_.x1[at], sum});
+        else if (target.counts.as_lit)
             radiance_[ray] += sum;
         if (target.counts.as_unshadowed)
             unshadowed_[ray] += sum;
@@ -347,5 +361,22 @@ void LocalScatter::add_scattered(const LocalRays& rays, const Visibility* visibi
         append_shone_on(reached.lit.of_ray(row), reached.support, ray, shape_.has_soft_edge, shone_on);
         lit_length_m[ray] += lit_length_of(shone_on, rays.segments_of(ray));
     }
+}
+
+void LocalScatter::append_parts(const LocalRays& rays, const Visibility* visibility, const CutRay& cut,
+                                std::vector<LocalPart>& parts) const {
+    struct Workspace {
+        Reached reached;
+        Batch batch;
+    };
+    thread_local Workspace workspace;
+    auto& [reached, batch] = workspace;
+    find_reached(rays, visibility, reached);
+    batch.begin(*this, rays, reached.support, {}, {});
+    batch.keep_parts(cut, parts);
+    for (std::size_t row = 0; row < reached.rays.size(); ++row)
+        if (const auto own = reached.lit.of_ray(row); !own.empty())
+            batch.add(reached.rays[row], own);
+    batch.flush();
 }
 } // namespace tyndall::light_shafts

@@ -16,9 +16,26 @@
 #include "light_shafts/local_support.hpp"
 #include "light_shafts/visibility.hpp"
 #include "scene/medium_steps.hpp"
+#include <functional>
 #include <optional>
 
 namespace tyndall::light_shafts {
+/// A ray as a light at a point sees it: places on it are measured from the light's foot, its point nearest to the light.
+struct RayFromFoot {
+    std::uint32_t ray;
+    double foot_m;     ///< From the ray's origin.
+    double light_m;    ///< From the foot to the light.
+    double begin, end; ///< Of what the light can shine on, from the foot.
+};
+/// Appends places, from the foot, where parts of the ray shall end.
+using CutRay = std::function<void(const RayFromFoot& ray, std::vector<double>& cuts)>;
+/// A lit part of a ray between two cuts, and the radiance that it sends to the camera.
+struct LocalPart {
+    std::uint32_t ray;
+    float begin, end; ///< From the foot.
+    Rgb radiance;
+};
+
 /// What one local light scatters along view rays. Safe from any thread.
 class LocalScatter {
 public:
@@ -33,6 +50,9 @@ public:
     /// cast a shadow.
     void add_scattered(const LocalRays& rays, const Visibility* visibility, std::span<Rgb> radiance,
                        std::span<Rgb> unshadowed, std::span<float> lit_length_m) const;
+    /// The same part by part, ray by ray and near to far: no part lies across a cut. Appends.
+    void append_parts(const LocalRays& rays, const Visibility* visibility, const CutRay& cut,
+                      std::vector<LocalPart>& parts) const;
     /// Where there are density grids: ray i of `rays` has the steps of ray step_rows[i]. Overwrites radiance, and unshadowed
     /// unless its span is empty, of each ray.
     void scatter_in_grids(const LocalRays& rays, const MediumSteps& steps, std::span<const std::uint32_t> step_rows,

@@ -29,6 +29,20 @@ void require_usable(const LightTexture& texture) {
             "its colours are not finite");
 }
 
+LightTexture thrown_by(const Light& lamp) {
+    LightTexture thrown{.axes_from_world = lamp.light_from_world_directions};
+    if (lamp.kind == LightKind::Spot) {
+        const float half_cotangent = 0.5f / std::tan(lamp.spot_half_angle_rad);
+        thrown.projection = LightProjection::Perspective;
+        thrown.place_from_axes = {vec3(half_cotangent, 0, 0), vec3(0, half_cotangent, 0), vec3(-0.5f, -0.5f, -1.0f),
+                                  vec3(0.0f)};
+    } else {
+        thrown.projection = LightProjection::Sphere;
+        thrown.follows_normal = true;
+    }
+    return thrown;
+}
+
 PlanarPlacement planar_placement(const Light& sun, const LightTexture& texture) {
     const mat3 axes = light_axes(sun);
     PlanarPlacement placement{.u_per_m = axes[0] / texture.size_m.x, .v_per_m = axes[1] / texture.size_m.y};

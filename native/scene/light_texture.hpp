@@ -42,6 +42,8 @@ struct LightTexture {
     [[nodiscard]] Rgb colour(vec2 uv, float texels = 1.0f) const { return offset + gain * image->lookup(uv, texels); }
 };
 
+/// How a spot throws a picture over its cone, and a point light all around it: without the picture.
+[[nodiscard]] LightTexture thrown_by(const Light& lamp);
 /// Throws InvalidInput that names what is out of its range.
 void require_usable(const LightTexture& texture);
 /// Where the picture of a textured light is read for light that leaves `emitter`, a point on or in the light, for `point`.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The picture that a sun has to throw so that its shafts look as somebody painted them (Kol 2018, section 5.4.2)."""
+"""The picture that a light has to throw so that its shafts look as somebody painted them (Kol 2018, section 5.4.2)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,17 @@ from numpy.typing import NDArray
 
 from . import _native
 from .renderer import Session, ShaftConfig, native_shafts
-from .scene_description import Camera, FloatArray
+from .scene_description import (
+    Camera,
+    Extension,
+    FloatArray,
+    Image,
+    Light,
+    LightKind,
+    LightProjection,
+    LightTexture,
+    TextureUse,
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -28,11 +38,40 @@ class StrokeView:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LightMap:
-    """A square picture across a sun, along the light's own X and Y, that its strength is multiplied by."""
+    """A square picture that a light's strength is multiplied by.
+
+    A sun's lies across it, along the light's own X and Y. A spot's fills its cone, and a point light's is all around
+    it, by longitude and latitude: ``size_m`` and ``centre_m`` are then those of the whole picture, 1 and (0.5, 0.5).
+    """
 
     texels: FloatArray  #: float32 (n, n, 3), rows bottom to top, >= 0.
-    size_m: float  #: Of a side.
-    centre_m: tuple[float, float] = (0.0, 0.0)  #: From the light's origin.
+    size_m: float = 1.0  #: Of a side.
+    centre_m: tuple[float, float] = (0.5, 0.5)  #: From the light's origin.
+
+    def texture_of(self, light: Light, key: str) -> LightTexture:
+        """The map as the light's ``texture``. ``key``: of its pixels; another one where they changed."""
+        texels = np.ones((*self.texels.shape[:2], 4), np.float32)
+        texels[..., :3] = self.texels
+        use = TextureUse(image=Image(key=key, name=key, pixels=texels, is_srgb=False), extension=Extension.EXTEND)
+        if light.kind is LightKind.SUN:
+            return LightTexture(use=use, width_m=self.size_m, centre_m=self.centre_m)
+        axes_from_world = np.linalg.inv(light.world_from_light[:3, :3]).astype(np.float64)
+        if light.kind is LightKind.POINT:
+            return LightTexture(
+                use=TextureUse(image=use.image, extension=Extension.REPEAT),
+                projection=LightProjection.SPHERE,
+                follows_normal=True,
+                axes_from_world=axes_from_world,
+            )
+        half_cotangent = 0.5 / np.tan(light.spot_half_angle_rad)
+        return LightTexture(
+            use=use,
+            projection=LightProjection.PERSPECTIVE,
+            axes_from_world=axes_from_world,
+            place_from_axes=np.array(
+                [[half_cotangent, 0, -0.5, 0], [0, half_cotangent, -0.5, 0], [0, 0, -1.0, 0]], np.float64
+            ),
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,7 +102,8 @@ class LightMapFit:
         """Find what the strokes see in the scene as last updated, and how the map's texels make it; no step yet.
 
         ``current`` is what the map stays close to where strokes do not say otherwise, and its first guess; None: white.
-        Its place and texels are kept where its resolution is the configuration's and it covers what the strokes see.
+        Its place and texels are kept where its resolution is the configuration's and it covers what the strokes see. A
+        picture that the light has already does not count: the map takes its place.
         Raises ``InvalidInput``, which names what is missing, and ``Cancelled``.
         """
         config = config or LightMapFitConfig()

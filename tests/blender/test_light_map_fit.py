@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Strokes painted over cameras become a sun's gobo: headless, undoable, kept in the file, and named where they fail."""
+"""Strokes painted over cameras become a light's gobo: headless, undoable, kept in the file; and what cannot be."""
 
 from __future__ import annotations
 
@@ -219,8 +219,55 @@ def test_what_cannot_be_fitted_is_named(sun: bpy.types.Object) -> None:
     with pytest.raises(RuntimeError, match="it has no strokes"):
         bpy.ops.tyndall.fit_light_map()
     assert sun.data.tyndall.gobo_image is None
-    bpy.context.view_layer.objects.active = light("POINT", (0.0, 0.0, 3.0))
+    bpy.context.view_layer.objects.active = light("AREA", (0.0, 0.0, 3.0))
     assert not bpy.ops.tyndall.fit_light_map.poll()
+
+
+@pytest.fixture(params=["SPOT", "POINT"])
+def lamp(request: pytest.FixtureRequest, sun: bpy.types.Object) -> bpy.types.Object:
+    """In the sun's place, turned around its beam; a spot is stretched, too."""
+    bpy.data.objects.remove(sun)
+    thing = light(request.param, (0.4, 0.0, 3.0), energy=500.0)
+    thing.rotation_euler = (0.0, 0.0, 0.6)
+    if request.param == "SPOT":
+        thing.scale = (1.3, 1.0, 1.0)
+        thing.data.spot_size, thing.data.spot_blend = 1.9, 0.3
+    thing.data.shadow_soft_size = 0.0
+    bpy.context.view_layer.objects.active = thing
+    thing.data.tyndall.light_map_fit.resolution = 64
+    return thing
+
+
+def test_a_lamps_fitted_map_becomes_its_gobo_and_the_render_looks_as_it_was_painted(lamp: bpy.types.Object) -> None:
+    before = rendered()
+    painted(lamp)
+    bpy.ops.ed.undo_push(message="painted")
+    assert bpy.ops.tyndall.fit_light_map() == {"FINISHED"}
+    settings = lamp.data.tyndall
+    assert tuple(settings.gobo_image.size) == (64, 64)
+    assert settings.gobo_image.packed_file is not None
+    residuals = [float(text) for text in settings.light_map_fit.residuals.split()]
+    assert residuals[-1] < 0.2 * residuals[0]
+    share = (rendered() / before)[8:-8].mean(axis=0)
+    assert share[6:13].mean(axis=0) == pytest.approx((1.0, 0.1, 0.1), abs=0.1)
+    assert share[-13:-6].mean(axis=0) == pytest.approx((0.1, 0.1, 1.0), abs=0.1)
+    assert bpy.ops.tyndall.continue_light_map() == {"FINISHED"}
+    name = lamp.name
+    bpy.ops.ed.undo_push(message="fitted")
+    bpy.ops.ed.undo()
+    assert bpy.data.objects[name].data.tyndall.gobo_image is None
+
+
+def test_a_lamp_that_glows_as_a_sphere_is_named(sun: bpy.types.Object) -> None:
+    if bpy.app.version < (4, 0, 0):
+        pytest.skip("lamps of 3.x are discs")
+    bpy.data.objects.remove(sun)
+    globe = light("POINT", (0.0, 0.0, 3.0))
+    globe.data.use_soft_falloff, globe.data.shadow_soft_size = False, 0.2
+    bpy.context.view_layer.objects.active = globe
+    painted(globe)
+    with pytest.raises(RuntimeError, match="glows as a sphere"):
+        bpy.ops.tyndall.fit_light_map()
 
 
 def test_strokes_of_bytes_and_of_another_size_lie_over_the_same_frame(sun: bpy.types.Object) -> None:

@@ -11,10 +11,11 @@ import pytest
 from support.plain_scenes import camera_above, placed, square, sun, translation, unit_cube
 from tyndall import Cancelled, InvalidInput, Progress
 from tyndall.light_map_fit import LightMap, LightMapFit, LightMapFitConfig, StrokeView
-from tyndall.renderer import Session, ShaftConfig
+from tyndall.renderer import RenderConfig, Session, ShaftConfig
 from tyndall.scene_description import (
     EditKind,
     Light,
+    LightBody,
     LightKind,
     Material,
     Medium,
@@ -148,7 +149,8 @@ def test_a_fit_can_be_stopped_and_goes_on() -> None:
 
 
 def test_what_cannot_be_fitted_is_named() -> None:
-    session = session_of(fog_on_the_ground(sun(), lamp()))
+    globe = replace(lamp(LightKind.POINT), name="Globe", radius_m=0.2, body=LightBody.SPHERE)
+    session = session_of(fog_on_the_ground(sun(), globe))
     view = strokes(left_red_right_blue())
 
     def refusal(light_name: str, views: list[StrokeView], **settings: object) -> str:
@@ -161,7 +163,7 @@ def test_what_cannot_be_fitted_is_named() -> None:
     assert "nothing is painted" in refusal(name, [strokes(np.zeros((8, 8, 4)))])
     assert "nothing is painted" in refusal(name, [strokes(np.full((8, 8, 4), np.nan))])
     assert "nothing is painted" in refusal(name, [strokes(np.zeros((0, 0, 4)))])
-    assert '"Lamp" is no sun' in refusal("Lamp", [view])
+    assert '"Globe" glows as a sphere' in refusal("Globe", [view])
     assert '"Moon" is not in the scene' in refusal("Moon", [view])
     assert "resolution is 8" in refusal(name, [view], resolution=8)
     assert "regularisation is -1" in refusal(name, [view], regularisation=-1.0)
@@ -170,5 +172,55 @@ def test_what_cannot_be_fitted_is_named() -> None:
         LightMapFit(session, name, [view], Progress(), current=not_square)
 
 
-def lamp() -> Light:
-    return Light(name="Lamp", kind=LightKind.POINT, strength=(30.0,) * 3, world_from_light=translation(0.3, 0.2, 3.0))
+def lamp(kind: LightKind) -> Light:
+    """Three metres above the fog, beside its middle, turned around its beam."""
+    turn = np.eye(4)
+    turn[:2, :2] = [[0.8, -0.6], [0.6, 0.8]]
+    return Light(
+        name="Lamp",
+        kind=kind,
+        strength=(30.0,) * 3,
+        world_from_light=translation(0.3, 0.2, 3.0) @ turn,
+        spot_half_angle_rad=0.9,
+        spot_blend=0.2,
+    )
+
+
+def shafts_of(description: SceneDescription) -> np.ndarray:
+    config = RenderConfig(passes=frozenset({"Shafts"}), shafts=ShaftConfig(method="EXACT"), pixel_samples=1)
+    film = session_of(description).render(camera_above(size_px=(64, 64)), config, Progress())
+    return film.planes["Shafts"]
+
+
+@pytest.mark.parametrize("kind", [LightKind.SPOT, LightKind.POINT])
+def test_a_lamp_throws_what_was_painted_over_its_shafts(kind: LightKind) -> None:
+    own = lamp(kind)
+    session = session_of(fog_on_the_ground(own))
+    fit = LightMapFit(session, "Lamp", [strokes(left_red_right_blue())], Progress(), config=CONFIG)
+    fit.iterate(60, Progress())
+    assert fit.residuals[-1] < 0.15 * fit.residuals[0]
+    assert (np.diff(fit.objectives, axis=0) <= 0).all()
+    thrown = replace(own, texture=fit.light_map.texture_of(own, "fitted"))
+    share = shafts_of(fog_on_the_ground(thrown)) / shafts_of(fog_on_the_ground(own))
+    # But for the rim, and for the border, which a lamp throws as wide as the fog is high.
+    assert share[16:48, 8:26].mean(axis=(0, 1)) == pytest.approx((1.0, 0.1, 0.1), abs=0.06)
+    assert share[16:48, 40:58].mean(axis=(0, 1)) == pytest.approx((0.1, 0.1, 1.0), abs=0.06)
+
+
+@pytest.mark.parametrize("kind", [LightKind.SPOT, LightKind.POINT])
+def test_a_lamps_picture_is_where_the_next_fit_begins_and_stays_where_nobody_painted(kind: LightKind) -> None:
+    own = lamp(kind)
+    corner = strokes(np.zeros((64, 64, 4)))
+    corner.texels[:20, :20] = (0.0, 1.0, 0.0, 1.0)
+    grey = LightMap(texels=np.full((32, 32, 3), 0.5, np.float32))
+    tinted = replace(own, texture=grey.texture_of(own, "grey"))
+    fit = LightMapFit(session_of(fog_on_the_ground(tinted)), "Lamp", [corner], Progress(), current=grey, config=CONFIG)
+    white = fit.residuals[0]
+    assert white == pytest.approx(0.5, abs=1e-3)  # (0.5, 0.5, 0.5) where (0, 1, 0) was asked for: the map's own light
+    fit.iterate(20, Progress())
+    texels = fit.light_map.texels
+    assert texels.shape == (64, 64, 3)
+    unmoved = np.all(texels == 0.5, axis=-1)
+    assert 0.5 < unmoved.mean() < 0.99
+    assert texels[~unmoved][:, 1].mean() > 0.7
+    assert texels[~unmoved][:, 0].mean() < 0.3

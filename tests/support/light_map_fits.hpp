@@ -18,18 +18,19 @@ inline const Medium grey_fog = fog(Rgb(0.06f), Rgb(0.02f)),
                     coloured_fog = fog({0.06f, 0.04f, 0.02f}, {0.01f, 0.03f, 0.05f}),
                     dense_fog = fog(Rgb(0.6f), Rgb(0.4f));
 
+inline const Light fit_sun{.name = "Sun",
+                           .kind = LightKind::Sun,
+                           .strength = Rgb(3.0f, 2.0f, 1.0f),
+                           .position = {1.0f, 2.0f, 30.0f},
+                           .towards_light = glm::normalize(vec3(0.4f, 0.3f, 0.8f))};
 /// A cube of fog with triangles in it, under a sun.
-inline std::unique_ptr<Scene> soup_in_fog(const Medium& medium, std::size_t triangle_count = 120) {
+inline std::unique_ptr<Scene> soup_in_fog(const Medium& medium, std::size_t triangle_count = 120,
+                                          const Light& light = fit_sun) {
     return make_scene({{.mesh = soup_mesh(triangle_count, {.min = vec3(-7.0f), .max = vec3(7.0f)}, 2.5f, 21)},
                        {.mesh = cube(),
                         .world_from_object = glm::scale(mat4(1.0f), vec3(side_m)),
                         .material = {.name = "fog", .medium_index = 0, .has_surface = false}}},
-                      {medium},
-                      {{.name = "Sun",
-                        .kind = LightKind::Sun,
-                        .strength = Rgb(3.0f, 2.0f, 1.0f),
-                        .position = {1.0f, 2.0f, 30.0f},
-                        .towards_light = glm::normalize(vec3(0.4f, 0.3f, 0.8f))}});
+                      {medium}, {light});
 }
 /// Rays of a camera that looks at the fog's middle from outside, painted one colour.
 inline Strokes strokes_from(const vec3& position, int side_px, const Rgb& desired = Rgb(1.0f)) {

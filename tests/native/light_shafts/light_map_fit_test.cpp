@@ -3,6 +3,7 @@
 // what it cannot do.
 #include "core/simd.hpp"
 #include "scene/light_texture.hpp"
+#include "support/density_grids.hpp"
 #include "support/light_map_fits.hpp"
 #include <doctest/doctest.h>
 
@@ -60,7 +61,8 @@ TEST_CASE("light map fit: a ray reads the map bilinearly where it crosses the mi
     const auto at = [&](int x, int y) { return glm::dvec3(vec3(texels[static_cast<std::size_t>(pitch * y + x)])); };
     for (const bool goes_along_y : {false, true}) {
         std::vector<LightMapMatrix::Part> parts(1);
-        parts[0].add_ray(goes_along_y, 2, 1.25f, 0.5f, std::array{0.0f, 1.0f, 2.0f, 0.0f, 3.0f}, 1);
+        parts[0].add_stretches(goes_along_y, 2, 1.25f, 0.5f, std::array{0.0f, 1.0f, 2.0f, 0.0f, 3.0f});
+        parts[0].end_ray();
         const LightMapMatrix t(8, false, std::move(parts), progress);
         const std::vector<vec4> radiance = product(t, texels);
         glm::dvec3 expected(0.0);
@@ -94,10 +96,23 @@ TEST_CASE("light map fit: what cannot be fitted is named") {
         pixel.ray.direction = -pixel.ray.direction;
     CHECK(message_of(*scene, past_the_fog) ==
           "no painted pixel sees air that light \"Sun\" reaches: paint where its shafts are");
-    const auto with_lamp = support::make_scene(
+    const auto with_globe = support::make_scene(
         {{.mesh = support::cube(), .material = {.name = "fog", .medium_index = 0, .has_surface = false}}}, {grey_fog},
-        {{.name = "Lamp", .kind = LightKind::Point, .position = {0, 0, 3}}});
-    CHECK(message_of(*with_lamp, red_and_blue) == "Light \"Lamp\" is no sun: a light map is fitted to suns only");
+        {{.name = "Lamp", .kind = LightKind::Point, .position = {0, 0, 3}, .radius_m = 0.2f}});
+    CHECK(message_of(*with_globe, red_and_blue) ==
+          "Light \"Lamp\" glows as a sphere, each of its points in one colour: switch its Soft Falloff on, or set its "
+          "Radius to 0");
+    for (const LightKind kind : {LightKind::Sun, LightKind::Spot}) {
+        SceneDescription smoke = description_of(
+            *support::make_scene({{.mesh = support::square()}}, {grey_fog},
+                                 {{.name = "Light", .kind = kind, .position = {0, 0, 4}, .towards_light = {0, 0, 1}}}));
+        smoke.volumes = {{.name = "smoke", .grid = unit_grid(16, [](int, int, int) { return 1.0f; })}};
+        CHECK(message_of(Scene(std::move(smoke), progress), red_and_blue) ==
+              (kind == LightKind::Sun
+                   ? "nothing was wrong"
+                   : "no painted pixel sees air that light \"Light\" reaches: paint where its shafts "
+                     "are; of a lamp, volumes with density grids are not fitted, only even air is"));
+    }
     const auto clear = support::make_scene({{.mesh = support::square()}}, {}, {{.name = "Sun"}});
     CHECK(message_of(*clear, red_and_blue) == "nothing scatters: no medium in the scene");
 }
