@@ -76,6 +76,20 @@ struct AirScene {
         Camera camera;
         camera.width_px = width;
         camera.height_px = height;
+        const auto corner = [&](std::uint32_t x, std::uint32_t y) {
+            return source.rays[std::size_t{y} * width + x].direction;
+        };
+        const vec3 right = glm::normalize(corner(width - 1, 0) - corner(0, 0)),
+                   up = glm::normalize(corner(0, height - 1) - corner(0, 0)), back = glm::cross(right, up);
+        camera.world_from_camera =
+            mat4(vec4(right, 0), vec4(up, 0), vec4(back, 0), vec4(source.rays.front().origin, 1));
+        const vec3 last = corner(width - 1, height - 1);
+        const float half_px =
+            glm::dot(last, right) / -glm::dot(last, back) / (width - 1); // the corner is half a pixel in
+        camera.window_right = half_px * width;
+        camera.window_top = half_px * height;
+        camera.window_left = -camera.window_right;
+        camera.window_bottom = -camera.window_top;
         return camera;
     }
     /// Of what each pixel is multiplied by.

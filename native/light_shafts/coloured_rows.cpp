@@ -56,6 +56,10 @@ public:
                                                             const Progress& progress) const override {
         return channels_[0]->coherent_order(rays, progress);
     }
+    void make_coherent(std::span<const ViewRay> rays, std::vector<std::uint32_t>& asked,
+                       const Progress& progress) const override {
+        channels_[0]->make_coherent(rays, asked, progress);
+    }
     [[nodiscard]] const Statistics& statistics() const override { return statistics_; }
 
 private:

@@ -2,9 +2,11 @@
 #include "light_shafts/heterogeneity.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/heterogeneity_kernel.hpp"
+#include "light_shafts/picture_air.hpp"
 #include "light_shafts/turns.hpp"
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace tyndall::light_shafts {
 static float least_channel(const Rgb& value) { return std::min({value.x, value.y, value.z}); }
@@ -118,11 +120,6 @@ void add_local(const Media& media, const ViewRay& ray, const LightSample& light,
     });
 }
 
-/// Light beyond this depth, a thousandth, counts for the texture no more.
-constexpr float most_depth_of_light = 7.0f;
-/// Strata of a light that a ray's texture is asked for: they change its weights only, and those in penumbras.
-constexpr std::size_t most_strata = 4;
-
 class TexturedBlock {
 public:
     TexturedBlock(const PreparedLights& prepared, const AirTexture& air, const Turn& turn)
@@ -139,7 +136,7 @@ public:
         for (std::uint32_t ray = 0; ray < block.rays.size(); ++ray) {
             const std::span<const MediumSegment> segments = block.segments_of(ray);
             const AirStepping& stepping =
-                steps.of_ray.emplace_back(prepared_.media, segments, wanted.step_count, offset(),
+                steps.of_ray.emplace_back(prepared_.media, segments, wanted.step_count, offset_in_step(turn_),
                                           is_whole ? std::numeric_limits<float>::infinity() : most_depth_of_light);
             Steps::Some& some = segments.size() == 1 ? steps.plain : steps.broken;
             some.index.push_back(ray);
@@ -165,13 +162,9 @@ public:
     }
 
 private:
-    /// Where in its steps a pass looks: those of a pixel's passes fill the steps evenly.
-    [[nodiscard]] float offset() const {
-        return (static_cast<float>(spread(turn_.index, turn_.count)) + 0.5f) / static_cast<float>(turn_.count);
-    }
     void add(const LightBeams& light, Block& block, Steps& steps) const {
         const Deal mine = deal(light.stratum_count(), turn_);
-        const std::size_t stride = (mine.last - mine.first + most_strata - 1) / most_strata;
+        const std::size_t stride = (mine.last - mine.first + most_strata_of_texture - 1) / most_strata_of_texture;
         for (std::size_t index = mine.first; index < mine.last; index += stride) {
             const std::size_t first = spread(index, light.stratum_count()) * light.parts;
             for (const Beam& beam : std::span(light.beams).subspan(first, light.parts))
@@ -243,31 +236,38 @@ std::vector<float> Shafts::find_heterogeneity(std::span<const ViewRay> rays, con
     return heterogeneity;
 }
 
-/// Rays that have dark_air. As scatter() asks, where lights are asked: neighbours in the picture read different rows.
-static std::vector<std::uint32_t> order_of_asked(std::span<const ViewRay> rays, std::span<const float> heterogeneity,
-                                                 const Visibility* finest, const Progress& progress) {
-    std::vector<std::uint32_t> asked;
-    for (std::uint32_t ray = 0; ray < rays.size(); ++ray)
-        if (heterogeneity[ray] == dark_air)
-            asked.push_back(ray);
-    if (!finest || asked.empty())
-        return asked;
-    std::vector<ViewRay> asked_rays(asked.size());
-    parallel_for(
-        asked.size(), progress, [&](std::size_t at) { asked_rays[at] = rays[asked[at]]; }, 1 << 14);
-    std::vector<std::uint32_t> order = finest->coherent_order(asked_rays, progress);
-    for (std::uint32_t& at : order)
-        at = asked[at];
-    return order.empty() ? asked : order;
+std::vector<std::uint32_t> find_dark(std::span<const float> heterogeneity, const Progress& progress) {
+    constexpr std::size_t rays_per_block = 1 << 15;
+    std::vector<std::size_t> first((heterogeneity.size() + rays_per_block - 1) / rays_per_block + 1, 0);
+    const auto of_block = [&](std::size_t begin, std::size_t end) { return heterogeneity.subspan(begin, end - begin); };
+    parallel_blocks(heterogeneity.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
+        first[begin / rays_per_block + 1] =
+            static_cast<std::size_t>(std::ranges::count(of_block(begin, end), dark_air));
+    });
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    std::vector<std::uint32_t> dark(first.back());
+    parallel_blocks(heterogeneity.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
+        std::size_t next = first[begin / rays_per_block];
+        for (std::size_t ray = begin; ray < end && next < first[begin / rays_per_block + 1]; ++ray)
+            if (heterogeneity[ray] == dark_air)
+                dark[next++] = static_cast<std::uint32_t>(ray);
+    });
+    return dark;
 }
 
 void Shafts::find_heterogeneity(std::span<const ViewRay> rays, const AirTexture& air, std::span<float> heterogeneity,
-                                const Progress& progress, Turn turn) const {
+                                const Progress& progress, Turn turn, const PictureAir* picture) const {
     require(heterogeneity.size() == rays.size(), "find_heterogeneity: ", rays.size(), " rays, but room for ",
             heterogeneity.size(), " results");
+    if (picture != nullptr)
+        picture->find(rays, heterogeneity, progress);
     const bool asks_lights = air.heterogeneity().weighting == Heterogeneity::Weighting::LitParts;
-    const std::vector<std::uint32_t> order =
-        order_of_asked(rays, heterogeneity, asks_lights ? prepared_->finest : nullptr, progress);
+    std::vector<std::uint32_t> order = find_dark(heterogeneity, progress);
+    if (order.empty())
+        return;
+    // As scatter() asks, where lights are asked: neighbours in the picture read different rows.
+    if (asks_lights && prepared_->finest != nullptr)
+        prepared_->finest->make_coherent(rays, order, progress);
     const TexturedBlock textured(*prepared_, air, turn);
     constexpr std::size_t rays_per_block = 256;
     parallel_blocks(order.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {

@@ -11,9 +11,22 @@
 //           of the texture.
 #pragma once
 #include "light_shafts/prepared_lights.hpp"
+#include "light_shafts/turns.hpp"
 #include "volume/air_texture.hpp"
 
 namespace tyndall::light_shafts {
+/// Light beyond this depth, a thousandth, counts for the texture no more.
+inline constexpr float most_depth_of_light = 7.0f;
+/// Strata of a light that a ray's texture is asked for: they change its weights only, and those in penumbras.
+inline constexpr std::size_t most_strata_of_texture = 4;
+/// Where in its steps a pass looks: those of a pixel's passes fill the steps evenly.
+[[nodiscard]] inline float offset_in_step(const Turn& turn) {
+    return (static_cast<float>(spread(turn.index, turn.count)) + 0.5f) / static_cast<float>(turn.count);
+}
+
+/// The rays that have dark_air. Throws Cancelled.
+[[nodiscard]] std::vector<std::uint32_t> find_dark(std::span<const float> heterogeneity, const Progress& progress);
+
 /// Steps of one length over the parts of a ray that lie in media; what lies between two media is no part of any step.
 class AirStepping {
 public:

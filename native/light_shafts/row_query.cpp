@@ -118,15 +118,20 @@ void lit_intervals_of(const Rows& rows, const ViewRay* rays, std::size_t count, 
 }
 
 /// The slices nearest to rays, those of rows that exist.
-void find_slices_of(const Layout& layout, std::span<const ViewRay> rays, std::int32_t* slices) {
+void find_slices_of(const Layout& layout, const ViewRay* rays, const std::uint32_t* asked, std::size_t ray_count,
+                    std::int32_t* slices) {
     static constexpr hn::RebindToSigned<LineTag> di;
     const auto d = lines_tag;
     const auto last = hn::Set(d, static_cast<float>(layout.slice_count() - 1));
     alignas(64) std::array<std::int32_t, PlacedRays::capacity> found;
     PlacedRays placed;
-    for (std::size_t start = 0; start < rays.size(); start += PlacedRays::capacity) {
-        const std::size_t count = std::min(PlacedRays::capacity, rays.size() - start);
-        place_rays(layout.frame, rays.subspan(start, count), placed);
+    std::array<ViewRay, PlacedRays::capacity> some;
+    for (std::size_t start = 0; start < ray_count; start += PlacedRays::capacity) {
+        const std::size_t count = std::min(PlacedRays::capacity, ray_count - start);
+        if (asked != nullptr)
+            for (std::size_t i = 0; i < count; ++i)
+                some[i] = rays[asked[start + i]];
+        place_rays(layout.frame, {asked != nullptr ? some.data() : rays + start, count}, placed);
         for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
             const auto slice = slices_at(layout, hn::Load(d, &placed.slice_coordinate[i]));
             hn::Store(hn::ConvertTo(di, hn::Min(hn::Max(slice, hn::Zero(d)), last)), di, &found[i]);
@@ -168,21 +173,29 @@ static void sort_by_slice(std::span<std::uint32_t> order, std::span<const std::u
 }
 
 std::vector<std::uint32_t> by_wedge(const slope_rows::Layout& layout, std::span<const ViewRay> rays,
-                                    const Progress& progress) {
+                                    const Progress& progress, std::int32_t slices_per_row,
+                                    std::span<const std::uint32_t> asked) {
     if (layout.rows.empty())
         return {};
-    const std::size_t wedge_count = layout.rows.size() / slices_per_wedge + 1;
+    const std::size_t ray_count = asked.empty() ? rays.size() : asked.size();
+    const std::size_t wedge_count =
+        layout.rows.size() / static_cast<std::size_t>(slices_per_row) / slices_per_wedge + 1;
     // Counts per block and wedge: a block knows where its rays of a wedge go, and all blocks are dealt out at once.
     constexpr std::size_t rays_per_block = std::size_t{1} << 15;
-    std::vector<std::vector<std::uint32_t>> next((rays.size() + rays_per_block - 1) / rays_per_block);
-    std::vector<std::int32_t> slice_of(rays.size());
-    std::vector<std::uint32_t> order(rays.size());
-    std::vector<std::uint8_t> slice_in_wedge(rays.size()); // in the order of `order`
+    std::vector<std::vector<std::uint32_t>> next((ray_count + rays_per_block - 1) / rays_per_block);
+    std::vector<std::int32_t> slice_of(ray_count);
+    std::vector<std::uint32_t> order(ray_count);
+    std::vector<std::uint8_t> slice_in_wedge(ray_count); // in the order of `order`
     const auto wedge_of = [&](std::size_t ray) { return static_cast<std::uint32_t>(slice_of[ray]) / slices_per_wedge; };
-    parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
+    parallel_blocks(ray_count, rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
         std::vector<std::uint32_t>& counts = next[begin / rays_per_block];
         counts.assign(wedge_count, 0);
-        HWY_DYNAMIC_DISPATCH(find_slices_of)(layout, rays.subspan(begin, end - begin), &slice_of[begin]);
+        HWY_DYNAMIC_DISPATCH(find_slices_of)
+        (layout, rays.data() + (asked.empty() ? begin : 0), asked.empty() ? nullptr : &asked[begin], end - begin,
+         &slice_of[begin]);
+        if (slices_per_row > 1)
+            for (std::size_t ray = begin; ray < end; ++ray)
+                slice_of[ray] /= slices_per_row;
         for (std::size_t ray = begin; ray < end; ++ray)
             ++counts[wedge_of(ray)];
     });
@@ -194,10 +207,10 @@ std::vector<std::uint32_t> by_wedge(const slope_rows::Layout& layout, std::span<
             total += std::exchange(counts[wedge], total);
     }
     first_of_wedge.push_back(total);
-    parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
+    parallel_blocks(ray_count, rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t ray = begin; ray < end; ++ray) {
             const std::uint32_t place = next[begin / rays_per_block][wedge_of(ray)]++;
-            order[place] = static_cast<std::uint32_t>(ray);
+            order[place] = asked.empty() ? static_cast<std::uint32_t>(ray) : asked[ray];
             slice_in_wedge[place] =
                 static_cast<std::uint8_t>(static_cast<std::uint32_t>(slice_of[ray]) % slices_per_wedge);
         }

@@ -22,9 +22,11 @@ inline constexpr std::uint32_t slices_per_wedge = 32;
 /// The rays in the order of wedges, which are groups of consecutive slices; within a wedge some thousand at a time,
 /// slice by slice, in the order that they come in. Queried so, a row is read while it is in the cache, and rays, too,
 /// are fetched and written in stretches of the picture (one slice after the other, fetching rays takes longer than
-/// asking for them). Throws Cancelled.
+/// asking for them). Of coarse rows each stands for several slices. Of the rays `asked`, unless that is empty: all.
+/// Throws Cancelled.
 [[nodiscard]] std::vector<std::uint32_t> by_wedge(const slope_rows::Layout& layout, std::span<const ViewRay> rays,
-                                                  const Progress& progress);
+                                                  const Progress& progress, std::int32_t slices_per_row = 1,
+                                                  std::span<const std::uint32_t> asked = {});
 
 /// Lines [first, last] of one row that are lit for `slope`, as alternating first lit and first dark lines; ends are
 /// clipped. The kernel of lit_intervals, for tests.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/slope_rows_visibility.hpp"
+#include "light_shafts/row_query_air.hpp"
 #include "light_shafts/row_query_scatter.hpp"
 #include "light_shafts/row_query_shares.hpp"
 #include <tbb/task_arena.h>
@@ -160,6 +161,24 @@ static void add_some(const Visibility& visibility, std::span<const std::uint32_t
 std::vector<std::uint32_t> RowsVisibility::coherent_order(std::span<const ViewRay> rays,
                                                           const Progress& progress) const {
     return row_query::by_wedge(rows_->layout, rays, progress);
+}
+
+void RowsVisibility::make_coherent(std::span<const ViewRay> rays, std::vector<std::uint32_t>& asked,
+                                   const Progress& progress) const {
+    if (!rows_->layout.rows.empty() && !asked.empty())
+        asked = row_query::by_wedge(rows_->layout, rays, progress, 1, asked);
+}
+
+const CoarseRows* RowsVisibility::coarse_rows() const {
+    if (rows_->layout.frame.is_angular || rows_->layout.rows.empty())
+        return nullptr;
+    std::call_once(coarse_once_, [this] {
+        // A thread that waits for the others here must not begin what waits for these rows, too.
+        tbb::this_task_arena::isolate([this] {
+            coarse_ = std::make_unique<const CoarseRows>(make_coarse_rows(*rows_, row_query::most_air_lines));
+        });
+    });
+    return coarse_.get();
 }
 
 void RowsVisibility::find_lit_shares(std::span<const ViewRay> rays, const StepRows& steps,

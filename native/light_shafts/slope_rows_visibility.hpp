@@ -2,6 +2,7 @@
 // Visibility from slope rows, however they were filled; the few rays that rows cannot answer go to the exact strip, or
 // to the map that they came from where its occluders are edited.
 #pragma once
+#include "light_shafts/coarse_rows.hpp"
 #include "light_shafts/exact_strip.hpp"
 #include "light_shafts/occluders.hpp"
 #include "light_shafts/slope_rows.hpp"
@@ -31,6 +32,9 @@ public:
     void find_lit_shares(std::span<const ViewRay> rays, const StepRows& steps, std::span<float> shares) const override;
     [[nodiscard]] std::vector<std::uint32_t> coherent_order(std::span<const ViewRay> rays,
                                                             const Progress& progress) const override;
+    void make_coherent(std::span<const ViewRay> rays, std::vector<std::uint32_t>& asked,
+                       const Progress& progress) const override;
+    [[nodiscard]] const CoarseRows* coarse_rows() const override;
     [[nodiscard]] const Statistics& statistics() const override { return statistics_; }
     [[nodiscard]] const slope_rows::Rows& rows() const { return *rows_; }
     /// Rays that rows could not answer so far: too close to the epipole, or beyond the prepared rows.
@@ -45,7 +49,8 @@ private:
     std::shared_ptr<const StripOnDemand> strip_;
     std::shared_ptr<const slope_rows::Rows> rows_;
     Statistics statistics_;
-    mutable std::once_flag other_once_;
+    mutable std::once_flag other_once_, coarse_once_;
+    mutable std::unique_ptr<const CoarseRows> coarse_;
     mutable std::shared_ptr<const Visibility> other_;
     mutable std::atomic<std::size_t> near_epipole_count_ = 0, outside_count_ = 0;
 };

@@ -49,6 +49,8 @@ struct StepRows {
     std::uint32_t step_count;
 };
 
+struct CoarseRows; // coarse_rows.hpp
+
 class Visibility {
 public:
     Visibility() = default;
@@ -70,6 +72,11 @@ public:
     [[nodiscard]] virtual std::vector<std::uint32_t> coherent_order(std::span<const ViewRay>, const Progress&) const {
         return {};
     }
+    /// Brings the rays `asked` into such an order. Throws Cancelled.
+    virtual void make_coherent(std::span<const ViewRay>, std::vector<std::uint32_t>& /*asked*/, const Progress&) const {
+    }
+    /// Rows that tell lit lines of rays to a sun, coarser than those that lit_intervals reads; nothing where there are none.
+    [[nodiscard]] virtual const CoarseRows* coarse_rows() const { return nullptr; }
     /// What was built, what was skipped, which occluders had to fall back.
     [[nodiscard]] virtual const Statistics& statistics() const = 0;
 };

@@ -90,8 +90,10 @@ void FrameAir::report(Statistics& statistics) const {
 
 void FrameAir::ask_squares(const light_shafts::Shafts& shafts, light_shafts::Turn turn, const Progress& progress) {
     const Stopwatch stopwatch(seconds_);
+    picture_ = shafts.look_up_air(camera_, air_, progress, turn);
     asked_count_ += square_rays_.size();
-    square_heterogeneity_ = shafts.find_heterogeneity(square_rays_, air_, progress, turn);
+    square_heterogeneity_.assign(square_rays_.size(), dark_air);
+    shafts.find_heterogeneity(square_rays_, air_, square_heterogeneity_, progress, turn, picture_.get());
 }
 
 float FrameAir::carried_over(std::uint32_t x, std::uint32_t y, float far_m) const {
@@ -135,29 +137,31 @@ void FrameAir::find(const light_shafts::Shafts& shafts, light_shafts::Turn turn,
     const Stopwatch stopwatch(seconds_);
     const std::size_t first = waiting.first[first_pixel];
     const std::uint32_t width = region_.x1 - region_.x0;
-    constexpr std::size_t pixels_per_block = 1 << 11;
-    parallel_for(
-        end_pixel - first_pixel, progress,
-        [&](std::size_t index) {
-            const std::size_t pixel = first_pixel + index;
-            for (std::size_t part = waiting.first[pixel]; part < waiting.first[pixel + 1]; ++part) {
-                float& value = heterogeneity[part - first];
-                if (!fills_dark_ && radiance[part - first] == Rgb(0.0f))
-                    value = 1.0f;
-                else if (upsampling_ == 1)
-                    value = dark_air;
-                else
-                    value =
-                        carried_over(static_cast<std::uint32_t>(region_.x0 + pixel % width),
-                                     static_cast<std::uint32_t>(region_.y0 + pixel / width), waiting.rays[part].far_m);
-            }
-        },
-        pixels_per_block);
+    constexpr std::size_t pixels_per_block = 1 << 11, parts_per_block = 1 << 14;
+    asked_count_ += parallel_sum(
+        end_pixel - first_pixel, pixels_per_block, std::size_t{0}, progress, [&](std::size_t begin, std::size_t end) {
+            std::size_t asked_count = 0;
+            for (std::size_t pixel = first_pixel + begin; pixel < first_pixel + end; ++pixel)
+                for (std::size_t part = waiting.first[pixel]; part < waiting.first[pixel + 1]; ++part) {
+                    float& value = heterogeneity[part - first];
+                    if (!fills_dark_ && radiance[part - first] == Rgb(0.0f))
+                        value = 1.0f;
+                    else if (upsampling_ == 1)
+                        value = dark_air;
+                    else
+                        value = carried_over(static_cast<std::uint32_t>(region_.x0 + pixel % width),
+                                             static_cast<std::uint32_t>(region_.y0 + pixel / width),
+                                             waiting.rays[part].far_m);
+                    asked_count += value == dark_air ? 1 : 0;
+                }
+            return asked_count;
+        });
     const std::span<const ViewRay> rays = std::span(waiting.rays).subspan(first, heterogeneity.size());
-    asked_count_ += static_cast<std::size_t>(std::ranges::count(heterogeneity, dark_air));
-    shafts.find_heterogeneity(rays, air_, heterogeneity, progress, turn);
+    shafts.find_heterogeneity(rays, air_, heterogeneity, progress, turn, picture_.get());
     // Dark rays that have to have a texture, and those whose light came from strata that neighbours were asked for.
     shafts.find_heterogeneity(rays, air_of_whole_ray_, heterogeneity, progress, turn);
-    std::ranges::replace(heterogeneity, dark_air, 1.0f); // no media
+    parallel_blocks(heterogeneity.size(), parts_per_block, progress, [&](std::size_t begin, std::size_t end) {
+        std::ranges::replace(heterogeneity.subspan(begin, end - begin), dark_air, 1.0f); // no media
+    });
 }
 } // namespace tyndall::render

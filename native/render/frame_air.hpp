@@ -58,6 +58,8 @@ private:
     std::vector<std::uint32_t> first_of_square_;
     std::vector<light_shafts::ViewRay> square_rays_;
     std::vector<float> square_heterogeneity_;
+    std::shared_ptr<const light_shafts::PictureAir>
+        picture_; ///< Of the pass, where it is looked up for all rays at once.
     std::size_t asked_count_ = 0;
     double seconds_ = 0.0;
 };

@@ -17,6 +17,7 @@ static constexpr hn::Repartition<std::int64_t, Tag> d_index;
 static constexpr hn::Repartition<std::uint64_t, Tag> d_cell;
 static constexpr hn::Repartition<std::int16_t, Tag> d_short;
 static constexpr hn::Repartition<std::uint8_t, Tag> d_byte;
+static constexpr std::size_t lanes_count = hn::MaxLanes(d);
 using V = hn::Vec<Tag>;
 using I = hn::Vec<decltype(di)>;
 
@@ -33,16 +34,15 @@ struct StepLevels {
     I side_bits, first;
     V scale;
 };
-static HWY_INLINE StepLevels levels_at(const NoiseRay& ray, const Lit& lit, std::size_t i) {
+static HWY_INLINE StepLevels levels_at(const NoiseRay& ray, const float* sequence, const std::int32_t* level) {
     if (ray.level_of_step != nullptr) {
         static_assert(sizeof(PackedLevel) == 12);
-        const I at = hn::Mul(hn::Load(di, lit.level + i), hn::Set(di, 3));
+        const I at = hn::Mul(hn::Load(di, level), hn::Set(di, 3));
         const auto* const table = reinterpret_cast<const std::int32_t*>(ray.all_levels);
         return {hn::GatherIndex(di, table + 1, at), hn::GatherIndex(di, table, at),
                 hn::BitCast(d, hn::GatherIndex(di, table + 2, at))};
     }
-    const auto is_second =
-        hn::Ge(hn::Add(hn::Load(d, lit.sequence + i), hn::Set(d, ray.second_share)), hn::Set(d, 1.0f));
+    const auto is_second = hn::Ge(hn::Add(hn::Load(d, sequence), hn::Set(d, ray.second_share)), hn::Set(d, 1.0f));
     const auto is_second_whole = hn::RebindMask(di, is_second);
     const auto& [a, b] = ray.levels;
     const auto choose = [&](std::uint32_t of_first, std::uint32_t of_second) {
@@ -91,32 +91,61 @@ static HWY_INLINE V summed_cells(const NoiseRay& ray, hn::Vec<decltype(d_index)>
     return hn::Mul(hn::ConvertTo(d, layers), weights_of_z);
 }
 
+/// weight * N / mean(N) * 128^2 of a vector of steps, two lanes per step: those of the first and of the second half of
+/// each 128 bits.
+struct NoiseHalves {
+    V lower, upper;
+};
+static HWY_INLINE NoiseHalves noise_at(const NoiseRay& ray, V at_m, const StepLevels& level, V weights) {
+    const Along x = along(ray, 0, at_m, level.side_bits), y = along(ray, 1, at_m, level.side_bits),
+                z = along(ray, 2, at_m, level.side_bits);
+    const I row = hn::Or(hn::Shl(z.cell, level.side_bits), y.cell);
+    const I index = hn::Add(hn::Or(hn::Shl(row, level.side_bits), x.cell), level.first);
+    const I shares =
+        hn::Or(hn::Or(x.share, hn::ShiftLeft<8>(y.share)), hn::ShiftLeft<16>(hn::Sub(hn::Set(di, 128), y.share)));
+    const V weight = hn::Mul(weights, level.scale);
+    const V of_upper = hn::Mul(weight, hn::Mul(hn::ConvertTo(d, z.share), hn::Set(d, 1.0f / 128)));
+    const V of_lower = hn::Sub(weight, of_upper);
+    const I none = hn::Zero(di);
+    return {summed_cells(ray, hn::BitCast(d_index, hn::InterleaveLower(di, index, none)),
+                         hn::BitCast(d_cell, hn::InterleaveLower(di, shares, none)),
+                         hn::InterleaveLower(d, of_lower, of_upper)),
+            summed_cells(ray, hn::BitCast(d_index, hn::InterleaveUpper(di, index, none)),
+                         hn::BitCast(d_cell, hn::InterleaveUpper(di, shares, none)),
+                         hn::InterleaveUpper(d, of_lower, of_upper))};
+}
+
 static HWY_INLINE float sum_of(const NoiseRay& ray, Lit& lit) {
     for (std::size_t i = lit.count; i < lit.count + hn::Lanes(d); ++i)
         lit.at_m[i] = lit.weights[i] = lit.sequence[i] = 0.0f, lit.level[i] = 0;
     V sum = hn::Zero(d);
     for (std::size_t i = 0; i < lit.count; i += hn::Lanes(d)) {
-        const StepLevels level = levels_at(ray, lit, i);
-        const V at_m = hn::Load(d, lit.at_m + i);
-        const Along x = along(ray, 0, at_m, level.side_bits), y = along(ray, 1, at_m, level.side_bits),
-                    z = along(ray, 2, at_m, level.side_bits);
-        const I row = hn::Or(hn::Shl(z.cell, level.side_bits), y.cell);
-        const I index = hn::Add(hn::Or(hn::Shl(row, level.side_bits), x.cell), level.first);
-        const I shares =
-            hn::Or(hn::Or(x.share, hn::ShiftLeft<8>(y.share)), hn::ShiftLeft<16>(hn::Sub(hn::Set(di, 128), y.share)));
-        const V weight = hn::Mul(hn::Load(d, lit.weights + i), level.scale);
-        const V upper = hn::Mul(weight, hn::Mul(hn::ConvertTo(d, z.share), hn::Set(d, 1.0f / 128)));
-        const V lower = hn::Sub(weight, upper);
-        const I none = hn::Zero(di);
-        sum = hn::Add(sum, summed_cells(ray, hn::BitCast(d_index, hn::InterleaveLower(di, index, none)),
-                                        hn::BitCast(d_cell, hn::InterleaveLower(di, shares, none)),
-                                        hn::InterleaveLower(d, lower, upper)));
-        sum = hn::Add(sum, summed_cells(ray, hn::BitCast(d_index, hn::InterleaveUpper(di, index, none)),
-                                        hn::BitCast(d_cell, hn::InterleaveUpper(di, shares, none)),
-                                        hn::InterleaveUpper(d, lower, upper)));
+        const auto [lower, upper] =
+            noise_at(ray, hn::Load(d, lit.at_m + i), levels_at(ray, lit.sequence + i, lit.level + i),
+                     hn::Load(d, lit.weights + i));
+        sum = hn::Add(hn::Add(sum, lower), upper);
     }
     lit.count = 0;
     return hn::GetLane(hn::SumOfLanes(d, sum));
+}
+
+void find_of_ray(const NoiseRay& ray, float* values) {
+    alignas(64) float at_m[lanes_count] = {}, sequence[lanes_count] = {}, found[lanes_count];
+    alignas(64) std::int32_t level[lanes_count] = {};
+    for (std::size_t i = 0; i < ray.count; i += lanes_count) {
+        const std::size_t count = std::min(lanes_count, ray.count - i);
+        std::copy_n(ray.at_m + i, count, at_m);
+        if (ray.level_of_step != nullptr)
+            std::copy_n(ray.level_of_step + i, count, level);
+        else
+            std::copy_n(ray.sequence + i, count, sequence);
+        const auto [lower, upper] =
+            noise_at(ray, hn::Load(d, at_m), levels_at(ray, sequence, level), hn::Set(d, 1.0f / (128 * 128)));
+        const V of_lower = hn::Add(lower, hn::Shuffle2301(lower)), of_upper = hn::Add(upper, hn::Shuffle2301(upper));
+        const V mixed = hn::OddEven(of_upper, of_lower); // steps 0, 2, 1, 3 of each 128 bits
+        hn::Store(hn::InterleaveLower(d, mixed, hn::Shuffle1032(mixed)), d, found);
+        std::copy_n(found, count, values + i);
+    }
 }
 
 NoiseSums sum_of_ray(const NoiseRay& ray) {
@@ -161,6 +190,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace tyndall::air_noise {
 HWY_EXPORT(sum_of_ray);
+HWY_EXPORT(find_of_ray);
 NoiseSums sum_along(const NoiseRay& ray) { return HWY_DYNAMIC_DISPATCH(sum_of_ray)(ray); }
+void find_along(const NoiseRay& ray, float* values) { HWY_DYNAMIC_DISPATCH(find_of_ray)(ray, values); }
 } // namespace tyndall::air_noise
 #endif

@@ -31,4 +31,6 @@ struct NoiseSums {
     float weights, noise; ///< Of the weights, and of weight * N / mean(N).
 };
 [[nodiscard]] NoiseSums sum_along(const NoiseRay& ray);
+/// N / mean(N) of each step, whatever its weight.
+void find_along(const NoiseRay& ray, float* values);
 } // namespace tyndall::air_noise

@@ -42,7 +42,7 @@ AirTexture::AirTexture(const Heterogeneity& heterogeneity, const Progress& progr
     const dvec3 moved = cube_from_scene_ * heterogeneity.moved_m;
     offset_ = glm::ceil(moved) - moved; // wind of years leaves the noise as fine as it was
     double place = 0.5;
-    for (std::uint32_t step = 0; step < heterogeneity.step_count; ++step) {
+    for (std::uint32_t step = 0; step < most_points(); ++step) {
         place += 0.6180339887498949; // of any length these lie evenly
         place -= std::floor(place);
         sequence_.push_back(std::min(static_cast<float>(place), 0.9999999f));
@@ -112,22 +112,74 @@ static std::pair<float, float> within_unit_cube(const vec3& origin, const vec3& 
     return {std::max({near.x, near.y, near.z}), std::min({far.x, far.y, far.z})};
 }
 
+std::pair<float, float> AirTexture::painted_part(const AirSteps& steps) const {
+    constexpr std::pair none{std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()};
+    if (!heterogeneity_.painted)
+        return none;
+    const auto [first_m, last_m] = within_unit_cube(vec3(heterogeneity_.unit_from_scene * vec4(steps.origin, 1.0f)),
+                                                    vec3(heterogeneity_.unit_from_scene * vec4(steps.direction, 0.0f)));
+    return last_m < steps.at_m.front() || steps.at_m.back() < first_m || !(first_m <= last_m)
+               ? none
+               : std::pair{first_m, last_m};
+}
+
+/// Four texels per step: measured, the least error; half as many and twice as many have half as much again and a tenth
+/// more (benchmarks/heterogeneity_bench.cpp).
+static constexpr float texels_per_step_log2 = 2.0f;
+
 float AirTexture::mean(const AirSteps& steps) const {
-    // Four texels per step: measured, the least error; half as many and twice as many have half as much again and a
-    // tenth more (benchmarks/heterogeneity_bench.cpp).
-    const float least_level = std::log2(steps.step_m / texel_m_) - 2.0f;
-    if (heterogeneity_.painted) {
-        const auto [first_m, last_m] =
-            within_unit_cube(vec3(heterogeneity_.unit_from_scene * vec4(steps.origin, 1.0f)),
-                             vec3(heterogeneity_.unit_from_scene * vec4(steps.direction, 0.0f)));
-        if (!(last_m < steps.at_m.front() || steps.at_m.back() < first_m || last_m < first_m))
-            return mean_of_painted(steps, least_level, first_m, last_m);
-    }
+    const float least_level = std::log2(steps.step_m / texel_m_) - texels_per_step_log2;
+    if (const auto [first_m, last_m] = painted_part(steps); first_m <= last_m)
+        return mean_of_painted(steps, least_level, first_m, last_m);
     const float amount = heterogeneity_.amount;
     if (amount == 0.0f)
         return heterogeneity_.intensity;
     const auto [weights, noise] = air_noise::sum_along(noise_ray(steps, std::max(heterogeneity_.level, least_level)));
     return weights > 0.0f ? heterogeneity_.intensity * (1.0f + amount * (noise / weights - 1.0f)) : 1.0f;
+}
+
+void AirTexture::find(const AirSteps& steps, std::span<float> values) const {
+    const float least_level = std::log2(steps.step_m / texel_m_) - texels_per_step_log2;
+    const auto coarsest = static_cast<float>(noise_->level_count() - 1);
+    const auto [first_m, last_m] = painted_part(steps);
+    const bool is_painted = first_m <= last_m, has_levels = is_painted && heterogeneity_.painted->changes_level();
+    struct Workspace {
+        std::vector<Paint> paint;
+        std::vector<std::uint8_t> levels;
+    };
+    thread_local Workspace of_steps;
+    of_steps.paint.assign(is_painted ? steps.at_m.size() : 0, Paint{.amount = 0.0f, .level = 0.0f, .intensity = 1.0f});
+    of_steps.levels.assign(has_levels ? steps.at_m.size() : 0, 0);
+    float finest = coarsest;
+    for (std::size_t step = 0; step < of_steps.paint.size(); ++step) {
+        const float at_m = steps.at_m[step];
+        if (steps.weights[step] == 0.0f)
+            continue;
+        if (first_m <= at_m && at_m <= last_m)
+            of_steps.paint[step] =
+                paint_at(vec3(heterogeneity_.unit_from_scene * vec4(steps.origin + at_m * steps.direction, 1.0f)));
+        if (has_levels) {
+            const float level =
+                std::clamp(std::max(heterogeneity_.level + of_steps.paint[step].level, least_level), 0.0f, coarsest);
+            finest = std::min(finest, level);
+            of_steps.levels[step] = static_cast<std::uint8_t>(std::min(level + sequence_[step], coarsest));
+        }
+    }
+    if (is_painted || heterogeneity_.amount > 0.0f) {
+        air_noise::NoiseRay ray = noise_ray(steps, has_levels ? finest : std::max(heterogeneity_.level, least_level));
+        if (has_levels)
+            ray.level_of_step = of_steps.levels.data();
+        air_noise::find_along(ray, values.data());
+    }
+    for (std::size_t step = 0; step < steps.at_m.size(); ++step) {
+        float amount = heterogeneity_.amount, intensity = heterogeneity_.intensity;
+        if (is_painted) {
+            amount = std::clamp(amount + of_steps.paint[step].amount, 0.0f, 1.0f);
+            intensity *= of_steps.paint[step].intensity;
+        }
+        const float noise = amount == 0.0f ? 1.0f : values[step];
+        values[step] = steps.weights[step] == 0.0f ? 0.0f : intensity * (1.0f + amount * (noise - 1.0f));
+    }
 }
 
 float AirTexture::mean_of_painted(const AirSteps& steps, float least_level, float first_m, float last_m) const {

@@ -11,6 +11,7 @@
 #include "volume/air_noise.hpp"
 #include <memory>
 #include <span>
+#include <utility>
 
 namespace tyndall {
 /// Points of one ray, near to far.
@@ -33,15 +34,21 @@ public:
     /// What a point scatters relative to homogeneous air, by noise no finer than `least_level`; `sequence` in [0, 1)
     /// says which of two levels, where the level lies between them.
     [[nodiscard]] float at(const vec3& point, float least_level, float sequence) const;
-    /// Mean over the points, of which there are no more than step_count, in proportion to their weights; 1 where all of these
+    /// Points of a ray that mean() and find() take: twice step_count, and up to the next multiple of 16.
+    [[nodiscard]] std::uint32_t most_points() const { return (2 * heterogeneity_.step_count + 15) / 16 * 16; }
+    /// Mean over the points, of which there are no more than most_points(), in proportion to their weights; 1 where all of these
     /// are 0.
     [[nodiscard]] float mean(const AirSteps& steps) const;
+    /// Of each point that has a weight; 0 of the others.
+    void find(const AirSteps& steps, std::span<float> values) const;
 
 private:
     /// In the painted box, relative to what holds everywhere.
     struct Paint {
         float amount, level, intensity;
     };
+    /// Where the steps are in the painted box, in metres: .first to .second, which is before it where they are not.
+    [[nodiscard]] std::pair<float, float> painted_part(const AirSteps& steps) const;
     [[nodiscard]] Paint paint_at(const vec3& place) const;
     [[nodiscard]] float mean_of_painted(const AirSteps& steps, float least_level, float first_m, float last_m) const;
     [[nodiscard]] air_noise::NoiseRay noise_ray(const AirSteps& steps, float level) const;
