@@ -215,6 +215,9 @@ class Picture:
 PICTURES = (
     Picture("edits_forest_before", "forest_clearing"),
     Picture("edits_forest_close", "forest_clearing", lambda: add_edit("CLOSE", size_m=0.35)),
+    Picture(
+        "edits_forest_close_floor", "forest_clearing", lambda: add_edit("CLOSE", size_m=0.35, affects_surfaces=True)
+    ),
     Picture("edits_forest_close_along", "forest_clearing", lambda: add_edit("EPIPOLAR_CLOSE", size_m=0.25)),
     Picture("edits_forest_silhouette", "forest_clearing", lambda: add_edit("SILHOUETTE", size_m=0.15)),
     Picture("edits_hall_before", "window_hall"),

@@ -60,7 +60,7 @@ def draw_edits(layout: UILayout, context: Context, light: Light) -> None:
     column.operator("tyndall.occluder_edit_move", text="", icon="TRIA_UP").direction = "UP"
     column.operator("tyndall.occluder_edit_move", text="", icon="TRIA_DOWN").direction = "DOWN"
     if not settings.scatters_in_media:
-        draw_text(layout, context, "Scatter in Media is off: only holes that light surfaces show", icon="ERROR")
+        draw_text(layout, context, "Scatter in Media is off: only edits for surfaces show", icon="ERROR")
     column = layout.column()
     column.active = edit in having_a_say(settings.occluder_edits)
     column.use_property_split = is_wide_region(context)
@@ -83,6 +83,7 @@ def draw_edit(layout: UILayout, light: Light, edit: TyndallOccluderEdit, *, is_w
         layout.column().prop(edit, "affects_surfaces")
     else:
         column.prop(edit, "size_m", text=_SIZE_LABELS[edit.kind])
+        layout.column().prop(edit, "affects_surfaces", text="Shadow Surfaces")
     if light.type != "SUN":
         layout.column().prop(edit, "distance_m")
     column = layout.column()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""``light.tyndall.occluder_edits``: what is done to the occluders before a light, for the air's sake."""
+"""``light.tyndall.occluder_edits``: what is done to the occluders before a light, for the air's sake or for all."""
 
 from __future__ import annotations
 
@@ -211,8 +211,8 @@ class TyndallOccluderEdit(SwitchedItem, PropertyGroup):
     noise: PointerProperty(name="Noise", type=TyndallHoleNoise, update=tag, override=OVERRIDABLE)
     affects_surfaces: BoolProperty(
         name="Light Surfaces",
-        description="Light falls through these holes onto surfaces, too, so that a floor agrees with the air above "
-        "it. Costs a lookup of the noise per shadow ray, and another ray where that finds a hole",
+        description="Surfaces see this edit, too, so that a floor agrees with the air above it: light falls through "
+        "holes that are made, and what is filled or drawn out casts a shadow",
         default=False,
         update=tag,
         override=OVERRIDABLE,

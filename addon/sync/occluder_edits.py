@@ -86,7 +86,7 @@ class OccluderEditReader:
                 turn_rad=noise.turn_rad,
                 seed=noise.seed,
             ),
-            affects_surfaces=edit.kind == "HOLES" and edit.affects_surfaces,
+            affects_surfaces=edit.affects_surfaces,
             objects=self._objects(original),
             mask=self._mask(original, edit.mask_size_m, culprit),
         )

@@ -14,6 +14,9 @@ namespace tyndall::light_shafts {
 using namespace slope_rows;
 
 static bool is_of_map(EditKind kind) { return kind == EditKind::Close || kind == EditKind::Holes; }
+static bool is_made(const OccluderEdit& edit, OccluderEdits::Made made) {
+    return made == OccluderEdits::Made::All || edit.kind == EditKind::Holes;
+}
 
 OccluderEdits::OccluderEdits(const SceneDescription& scene, const Light& light, const Occluders& occluders)
     : light_name_(light.name), is_sun_(light.kind == LightKind::Sun),
@@ -52,6 +55,26 @@ float OccluderEdits::reach_on_map(const OccluderEdit& edit) const {
 }
 
 float OccluderEdits::length_on_rows(const OccluderEdit& edit) const { return 2.0f * reach_on_map(edit); }
+
+bool OccluderEdits::has_edits_of_rows() const {
+    return std::ranges::any_of(edits_, [](const PlacedEdit& edit) { return !is_of_map(edit.what->kind); });
+}
+
+float OccluderEdits::reach() const {
+    float sum = 0.0f;
+    for (const PlacedEdit& edit : edits_)
+        if (edit.what->kind != EditKind::Holes)
+            sum += 2.0f * reach_on_map(*edit.what);
+    return sum;
+}
+
+float OccluderEdits::one_sided_reach() const {
+    float longest = 0.0f;
+    for (const PlacedEdit& edit : edits_)
+        if (edit.what->kind == EditKind::EpipolarClose)
+            longest = std::max(longest, length_on_rows(*edit.what));
+    return longest;
+}
 
 void OccluderEdits::add_margins(LayoutConfig& layout) const {
     for (const PlacedEdit& edit : edits_) {
@@ -100,17 +123,20 @@ std::uint32_t OccluderEdits::finer_resolution(const SunPlace& place, std::uint32
     return result;
 }
 
-void OccluderEdits::report_what_is_too_fine(const ShadowMap& map, const Layout& layout, Statistics& statistics) const {
+void OccluderEdits::report_what_is_too_fine(const ShadowMap& map, const Layout* rows, const std::string& where,
+                                            Statistics& statistics) const {
     for (const PlacedEdit& edit : edits_) {
         const bool of_map = is_of_map(edit.what->kind);
-        const float step = of_map ? map.faces.front().texels->layout.line_step : layout.line_step;
+        if (!of_map && rows == nullptr)
+            continue;
+        const float step = of_map ? map.faces.front().texels->layout.line_step : rows->line_step;
         const float detail = of_map ? detail_on_map(*edit.what) : length_on_rows(*edit.what);
         if (detail >= step)
             continue;
         const float metres = (is_sun_ ? 1.0f : edit.what->distance_m) * step;
         std::ostringstream text;
-        text << "Light \"" << light_name_ << "\": its edit \"" << edit.what->name
-             << "\" is too fine to show: a texel is " << std::setprecision(2) << metres
+        text << "Light \"" << light_name_ << "\": its edit \"" << edit.what->name << "\" is too fine to show" << where
+             << ": a texel is " << std::setprecision(2) << metres
              << " m wide; raise the shafts' resolution, or take fewer light samples";
         statistics.report(text.str());
     }
@@ -187,14 +213,14 @@ std::pair<vec3, vec3> OccluderEdits::axes_across(const LightSample& sample) cons
 }
 
 ShadowMap OccluderEdits::map_of(const Group& group, const SunPlace& place, const LightSample& sample,
-                                std::uint32_t resolution, const PartialShading& partial,
+                                std::uint32_t resolution, const PartialShading& partial, Made made,
                                 const Progress& progress) const {
     PartialShading shading = partial;
     shading.instances = group.occluders.partial_instances;
     ShadowMap map = raster_filter_map(place, map_margin(), sample, finer_resolution(place, resolution), group.occluders,
                                       progress, shading);
     for (const std::size_t edit : group.edits)
-        if (is_of_map(edits_[edit].what->kind))
+        if (is_made(*edits_[edit].what, made) && is_of_map(edits_[edit].what->kind))
             for (DepthMap& face : map.faces)
                 edit_face(edits_[edit], face, progress);
     return map;
@@ -211,15 +237,16 @@ static void merge(ShadowMap& into, ShadowMap map, const Progress& progress) {
 }
 
 ShadowMap OccluderEdits::map(const SunPlace& place, const LightSample& sample, std::uint32_t resolution,
-                             const PartialShading& partial, const Progress& progress) const {
+                             const PartialShading& partial, const Progress& progress, Made made) const {
     ShadowMap all;
     for (const Group& group : groups_)
-        merge(all, map_of(group, place, sample, resolution, partial, progress), progress);
+        merge(all, map_of(group, place, sample, resolution, partial, made, progress), progress);
     return all;
 }
 
 ShadowMap OccluderEdits::fill(Rows& rows, const LightSample& sample, std::uint32_t resolution,
-                              const PartialShading& partial, Statistics& statistics, const Progress& progress) const {
+                              const PartialShading& partial, Statistics& statistics, const Progress& progress,
+                              Made made) const {
     SunPlace place;
     if (is_sun_) {
         const auto [x_axis, y_axis] = axes_across(sample);
@@ -233,10 +260,10 @@ ShadowMap OccluderEdits::fill(Rows& rows, const LightSample& sample, std::uint32
         if (!is_first && !own)
             own.emplace(rows.layout);
         Rows& filled = is_first ? rows : *own;
-        ShadowMap map = map_of(group, place, sample, resolution, partial, progress);
+        ShadowMap map = map_of(group, place, sample, resolution, partial, made, progress);
         rectify(map, filled, progress);
         for (const std::size_t edit : group.edits)
-            if (!is_of_map(edits_[edit].what->kind))
+            if (is_made(*edits_[edit].what, made) && !is_of_map(edits_[edit].what->kind))
                 edit_rows(edits_[edit], filled, progress);
         if (!is_first)
             keep_larger(rows, filled, progress);
@@ -246,7 +273,7 @@ ShadowMap OccluderEdits::fill(Rows& rows, const LightSample& sample, std::uint32
         summarise_slices(rows, static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end));
     });
     statistics.count("occluder edits: groups of objects", static_cast<double>(groups_.size()));
-    report_what_is_too_fine(all, rows.layout, statistics);
+    report_what_is_too_fine(all, &rows.layout, "", statistics);
     return all;
 }
 } // namespace tyndall::light_shafts

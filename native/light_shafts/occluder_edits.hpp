@@ -14,6 +14,9 @@
 namespace tyndall::light_shafts {
 class OccluderEdits {
 public:
+    /// Which of the edits are made.
+    enum class Made : std::uint8_t { All, HolesAlone };
+
     /// `scene`, `light` and `occluders` must outlive this.
     OccluderEdits(const SceneDescription& scene, const Light& light, const Occluders& occluders);
     /// No edit changes anything.
@@ -24,9 +27,10 @@ public:
     /// Lines that a layout of `lines` should have instead, for the filters along its rows to show: at most 2048, or as
     /// many as it has.
     [[nodiscard]] std::uint32_t finer_lines(const slope_rows::Layout& layout, std::uint32_t lines) const;
-    /// Of the occluders of all groups, with the edits of maps. Throws Cancelled.
+    /// Of the occluders of all groups, with the edits of maps. Its texels are where they are whatever is made. Throws
+    /// Cancelled.
     [[nodiscard]] ShadowMap map(const SunPlace& place, const LightSample& sample, std::uint32_t resolution,
-                                const PartialShading& partial, const Progress& progress) const;
+                                const PartialShading& partial, const Progress& progress, Made made = Made::All) const;
     /// What the filters of maps need around what is asked: metres of a sun, tangents of a lamp's face.
     [[nodiscard]] float map_margin() const;
     /// Axes of a sun's map, as upright as the light.
@@ -34,7 +38,18 @@ public:
     /// Fills the rows and summarises their blocks; returns the map that they came from, with the edits of maps. `partial`
     /// says how surfaces let a part of the light pass. Throws Cancelled.
     ShadowMap fill(slope_rows::Rows& rows, const LightSample& sample, std::uint32_t resolution,
-                   const PartialShading& partial, Statistics& statistics, const Progress& progress) const;
+                   const PartialShading& partial, Statistics& statistics, const Progress& progress,
+                   Made made = Made::All) const;
+    /// Some edit is of rows, which need a camera.
+    [[nodiscard]] bool has_edits_of_rows() const;
+    /// How far from where something stands edits may put something: all of their sizes together; metres of a sun,
+    /// tangents of a lamp's angles.
+    [[nodiscard]] float reach() const;
+    /// How far from the axis of half-planes rows are closed by what lies on one side of it alone: metres of a sun, radians.
+    [[nodiscard]] float one_sided_reach() const;
+    /// Edits of which a texel, or a light line of `rows`, is larger than what they do. Nothing: edits of rows do not count.
+    void report_what_is_too_fine(const ShadowMap& map, const slope_rows::Layout* rows, const std::string& where,
+                                 Statistics& statistics) const;
 
 private:
     /// Objects that the same edits mean.
@@ -43,10 +58,9 @@ private:
         std::vector<std::size_t> edits; ///< Into edits_.
     };
     [[nodiscard]] ShadowMap map_of(const Group& group, const SunPlace& place, const LightSample& sample,
-                                   std::uint32_t resolution, const PartialShading& partial,
+                                   std::uint32_t resolution, const PartialShading& partial, Made made,
                                    const Progress& progress) const;
     [[nodiscard]] std::uint32_t finer_resolution(const SunPlace& place, std::uint32_t resolution) const;
-    void report_what_is_too_fine(const ShadowMap& map, const slope_rows::Layout& layout, Statistics& statistics) const;
     [[nodiscard]] float reach_on_map(const OccluderEdit& edit) const;
     [[nodiscard]] float detail_on_map(const OccluderEdit& edit) const;
     [[nodiscard]] float length_on_rows(const OccluderEdit& edit) const;

@@ -28,11 +28,8 @@ static float patch_m2(const Light& light, std::uint32_t count) {
     return light.radius_m * light.radius_m / static_cast<float>(count);
 }
 
-/// Stratum `index` of `count` of a light. A stratum of a lamp stands for a patch of its surface: near it the light of a
-/// point would grow without bound, that of a disc as large is intensity / (r^2 + disc_radius^2) on its axis. What the
-/// softening takes away farther off falls with 1 / count. One stratum alone is the lamp's centre, not a point of its rim.
-static LightSample stratum_of(const Light& light, std::uint32_t light_index, std::uint32_t index, std::uint32_t count,
-                              std::uint32_t seed) {
+LightSample stratum_of(const Light& light, std::uint32_t light_index, std::uint32_t index, std::uint32_t count,
+                       std::uint32_t seed) {
     if (count == 1) {
         Light without_size = light;
         without_size.radius_m = without_size.half_angle_rad = 0.0f;

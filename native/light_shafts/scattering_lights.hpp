@@ -20,6 +20,13 @@ struct ScatteringLight {
 /// are strata at any power of two.
 [[nodiscard]] vec3 stratum(std::uint32_t index, std::uint32_t count, std::uint32_t seed);
 
+/// Stratum `index` of `count` of a light, with its share of the strength. A stratum of a lamp stands for a patch of its
+/// surface: near it the light of a point would grow without bound, that of a disc as large is
+/// intensity / (r^2 + disc_radius^2) on its axis. What the softening takes away farther off falls with 1 / count. One
+/// stratum alone is the lamp's centre, not a point of its rim.
+[[nodiscard]] LightSample stratum_of(const Light& light, std::uint32_t light_index, std::uint32_t index,
+                                     std::uint32_t count, std::uint32_t seed);
+
 /// Samples that each light gets.
 struct StrataCounts {
     std::vector<std::uint32_t> of_light; ///< Per Scene::lights; 1 for those without a size.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/direct_light.hpp"
 #include "core/sampling.hpp"
+#include "light_shafts/map_cache.hpp"
+#include "light_shafts/occluders.hpp"
+#include "light_shafts/ray_outline.hpp"
 #include "render/shadow_terminator.hpp"
 #include "scene/light_texture.hpp"
 #include "shading/surface_program.hpp"
@@ -11,6 +14,7 @@
 #include <numbers>
 
 namespace tyndall::render {
+using light_shafts::SurfaceShadows;
 static constexpr float pi = std::numbers::pi_v<float>;
 
 DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& statistics)
@@ -19,7 +23,7 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
         const Light& light = scene.lights()[index];
         if (!light.lights_surfaces || light.strength == Rgb(0.0f))
             continue;
-        lights_.push_back({index, LightAim(light), light_shafts::SurfaceHoles::make(scene, light)});
+        lights_.push_back({index, LightAim(light), light_shafts::SurfaceHoles::make(scene, light), nullptr});
         if (light.kind == LightKind::Sun && media.fills_world())
             statistics.report("Light \"" + light.name +
                               "\" is infinitely far away in the world's endless medium, which lets nothing of it "
@@ -38,6 +42,27 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
                           "\" shines through its own endless medium, which lets nothing through: bound the fog with a "
                           "fog box");
     ray_counts_.assign(light_count(), 1);
+}
+
+void DirectLight::prepare_edits(std::span<const std::uint8_t> is_asked, const Camera& camera,
+                                const light_shafts::Config& shafts, Statistics& statistics, const Progress& progress) {
+    std::shared_ptr<const light_shafts::Occluders> occluders;
+    std::vector<light_shafts::RaySpan> outline;
+    for (std::size_t index = 0; index < lights_.size(); ++index) {
+        AimedLight& aimed = lights_[index];
+        if (is_asked[index] == 0 || aimed.shadows || !SurfaceShadows::are_cast_by(scene_.lights()[aimed.index]))
+            continue;
+        const StageTimer timer(statistics, "direct light: edited occluders");
+        if (!occluders) {
+            occluders = shafts.kept_maps ? shafts.kept_maps->occluders_of(scene_, progress)
+                                         : std::make_shared<const light_shafts::Occluders>(
+                                               light_shafts::gather_occluders(scene_.description(), progress));
+            outline = SurfaceShadows::outline_of(scene_, camera, progress);
+        }
+        aimed.shadows = std::make_unique<const SurfaceShadows>(
+            scene_, *occluders, aimed.index, light_shafts::view_of(camera), outline,
+            SurfaceShadows::config_of(camera, shafts), statistics, progress);
+    }
 }
 
 Ray DirectLight::shadow_ray(const SurfacePoint& point, const vec3& direction) const {
@@ -155,6 +180,11 @@ void DirectLight::add_light(const AimedLight& aimed, std::span<const SurfacePoin
         scene_.shadow_transmittances(shadow.all(), shadow.passing);
     else
         shadow.passing.fill(Rgb(1.0f));
+    for (std::size_t index = 0; aimed.shadows && index < shadow.count; ++index) {
+        const ShadingPoint& point = points[shadow.points[index]].shading;
+        if (aimed.shadows->is_dark(point.position, point.geometric_normal, shadow.rays[index]))
+            shadow.passing[index] = Rgb(0.0f);
+    }
     if (has_media_)
         media_.attenuate(shadow.all(), shadow.passing);
     for (std::size_t index = 0; index < shadow.count; ++index) {

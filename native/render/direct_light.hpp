@@ -8,6 +8,7 @@
 //           for an image of it; times a light's ray count.
 #pragma once
 #include "light_shafts/surface_holes.hpp"
+#include "light_shafts/surface_shadows.hpp"
 #include "render/light_aim.hpp"
 #include "render/pixel_samples.hpp"
 #include "render/surface_point.hpp"
@@ -23,6 +24,11 @@ public:
 
     /// Reports to `statistics` what cannot light anything. Both references must outlive this.
     DirectLight(const Scene& scene, const Media& media, Statistics& statistics);
+
+    /// For those lights that `is_asked`: what the edits of their occluders put before surfaces. Once per light; without
+    /// it, at() and add_one() know nothing of such edits. Throws Cancelled.
+    void prepare_edits(std::span<const std::uint8_t> is_asked, const Camera& camera, const light_shafts::Config& shafts,
+                       Statistics& statistics, const Progress& progress);
 
     struct Irradiance {
         Rgb from_lights{0.0f}; ///< With occluders and media between, W/m^2.
@@ -57,7 +63,8 @@ private:
     struct AimedLight {
         std::uint32_t index; ///< Into Scene::lights.
         LightAim aim;
-        std::unique_ptr<const light_shafts::SurfaceHoles> holes; ///< Nothing: it meets its occluders as they are.
+        std::unique_ptr<const light_shafts::SurfaceHoles> holes;     ///< Nothing: it meets its occluders as they are.
+        std::unique_ptr<const light_shafts::SurfaceShadows> shadows; ///< Of edits; nothing before prepare_edits.
     };
     struct ShadowRays;
     void add(std::size_t light, std::span<const SurfacePoint> points, const LitPoints& lanes,

@@ -7,11 +7,11 @@
 namespace tyndall::render {
 FrameSurfaces::FrameSurfaces(const Scene& scene, const Media& media, const Camera& camera, const Region& region,
                              const FrameConfig& config, Statistics& statistics, Progress& progress)
-    : scene_(scene), media_(media), camera_(camera), region_(region), config_(config),
-      filter_(config.pixel_filter, config.filter_width_px), light_(scene, media, statistics) {
+    : scene_(scene), media_(media), camera_(camera), region_(region), config_(config), statistics_(statistics),
+      progress_(progress), filter_(config.pixel_filter, config.filter_width_px), light_(scene, media, statistics) {
     if (config.kept_surfaces)
         config.kept_surfaces->begin_picture(scene);
-    set_shadow_rays(statistics, progress);
+    set_shadow_rays();
 }
 
 ViewPath FrameSurfaces::view_path(bool collects_parts) const {
@@ -39,7 +39,7 @@ SurfaceKey FrameSurfaces::key(std::uint32_t sample_index, bool collects_parts) c
 }
 
 /// How many shadow rays a light gets per surface point, and how far neighbours share those of the world.
-void FrameSurfaces::set_shadow_rays(Statistics& statistics, Progress& progress) {
+void FrameSurfaces::set_shadow_rays() {
     const bool may_share = shares_strata(config_.shafts) && shared_reach_px(config_.pixel_samples) > 0;
     ShadowRayCounts counts{.of_light = std::vector<std::uint32_t>(light_.light_count(), 1)};
     if (config_.adapts_shadow_rays) {
@@ -50,31 +50,51 @@ void FrameSurfaces::set_shadow_rays(Statistics& statistics, Progress& progress) 
                       .world_scatters = config_.shafts.world_samples > 0,
                       .grid_method = config_.shafts.grid_method,
                       .grid_error_target = config_.shafts.grid_error_target,
-                      .shafts_seed = config_.shafts.seed};
+                      .shafts_seed = config_.shafts.seed,
+                      .edited_shadows = edited_shadows(scene_.lights())};
         const ShadowRayCounts* kept = config_.kept_surfaces ? config_.kept_surfaces->find_counts(key) : nullptr;
+        if (kept == nullptr)
+            light_.prepare_edits(std::vector<std::uint8_t>(light_.light_count(), 1), camera_, config_.shafts,
+                                 statistics_, progress_);
         counts = kept != nullptr ? *kept
                                  : count_shadow_rays(scene_, media_, light_, camera_, filter_, config_.seed, may_share,
-                                                     config_.shafts, progress);
+                                                     config_.shafts, progress_);
         if (config_.kept_surfaces && kept == nullptr)
             config_.kept_surfaces->keep_counts(std::move(key), counts);
     }
-    statistics.count("direct light: shadow rays per surface point",
-                     std::accumulate(counts.of_light.begin(), counts.of_light.end(), 0.0));
+    statistics_.count("direct light: shadow rays per surface point",
+                      std::accumulate(counts.of_light.begin(), counts.of_light.end(), 0.0));
     if (counts.is_world_shared)
         world_reach_px_ = shared_reach_px(std::uint64_t{counts.of_light.back()} * config_.pixel_samples);
     light_.set_ray_counts(std::move(counts.of_light));
 }
 
+std::optional<light_shafts::SurfaceShadows::Config> FrameSurfaces::edited_shadows(std::span<const Light> lights) const {
+    if (std::ranges::none_of(lights, light_shafts::SurfaceShadows::are_cast_by))
+        return std::nullopt;
+    return light_shafts::SurfaceShadows::config_of(camera_, config_.shafts);
+}
+
 std::vector<KeptLight> FrameSurfaces::lights_now() const {
     std::vector<KeptLight> lights;
     for (std::size_t light = 0; light < light_.light_count(); ++light) {
-        lights.push_back({.light = light_.is_world(light) ? Light{} : scene_.lights()[light_.index_of(light)],
-                          .ray_count = light_.ray_count(light)});
+        KeptLight now;
+        now.ray_count = light_.ray_count(light);
+        if (!light_.is_world(light)) {
+            now.light = scene_.lights()[light_.index_of(light)];
+            now.edited_shadows = edited_shadows({&now.light, 1});
+        }
+        lights.push_back(std::move(now));
     }
     return lights;
 }
 
 void FrameSurfaces::begin_pass(std::uint32_t sample_index, bool collects_parts, bool may_keep) {
+    choose_what_is_kept(sample_index, collects_parts, may_keep);
+    light_.prepare_edits(is_asked_, camera_, config_.shafts, statistics_, progress_);
+}
+
+void FrameSurfaces::choose_what_is_kept(std::uint32_t sample_index, bool collects_parts, bool may_keep) {
     sample_index_ = sample_index;
     collects_parts_ = collects_parts;
     band_ = 0;

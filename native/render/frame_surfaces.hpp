@@ -18,7 +18,7 @@ public:
     [[nodiscard]] const FilterSampler& filter() const { return filter_; }
     [[nodiscard]] SurfacePass::Config pass_config() const { return {config_.pixel_samples, config_.seed}; }
 
-    /// Before the bands of a pass. `may_keep`: every pixel is active.
+    /// Before the bands of a pass. `may_keep`: every pixel is active. Throws Cancelled.
     void begin_pass(std::uint32_t sample_index, bool collects_parts, bool may_keep);
     /// The next band, from below; see SurfacePass::trace.
     void trace(std::uint32_t first_row, std::uint32_t end_row, std::span<const std::uint8_t> is_active,
@@ -31,7 +31,12 @@ public:
 private:
     [[nodiscard]] SurfaceKey key(std::uint32_t sample_index, bool collects_parts) const;
     [[nodiscard]] std::vector<KeptLight> lights_now() const;
-    void set_shadow_rays(Statistics& statistics, Progress& progress);
+    void set_shadow_rays();
+    /// Of the pass that begins.
+    void choose_what_is_kept(std::uint32_t sample_index, bool collects_parts, bool may_keep);
+    /// How those of the lights that cast such shadows do it.
+    [[nodiscard]] std::optional<light_shafts::SurfaceShadows::Config>
+    edited_shadows(std::span<const Light> lights) const;
     [[nodiscard]] std::size_t pixel_count() const {
         return std::size_t{region_.x1 - region_.x0} * (region_.y1 - region_.y0);
     }
@@ -41,6 +46,8 @@ private:
     const Camera& camera_;
     Region region_;
     const FrameConfig& config_;
+    Statistics& statistics_;
+    Progress& progress_;
     FilterSampler filter_;
     DirectLight light_;
     std::uint32_t world_reach_px_ = 0;

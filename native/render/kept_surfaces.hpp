@@ -7,12 +7,14 @@
 //           for small pictures, 400 per pixel and 12 more per light, with points that a changed light is asked at.
 //           Passes of the last pictures do not make room for others: what does not fit is rendered anew each time.
 #pragma once
+#include "light_shafts/surface_shadows.hpp"
 #include "render/shadow_ray_counts.hpp"
 #include "render/surface_pass.hpp"
 #include "scene/camera.hpp"
 #include "scene/scene.hpp"
 #include <list>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace tyndall::render {
@@ -35,8 +37,11 @@ struct SurfaceKey {
 struct KeptLight {
     Light light;
     std::uint32_t ray_count = 0; ///< Shadow rays per point; 0: its light has to be asked for.
+    /// Where edits of its occluders cast shadows.
+    std::optional<light_shafts::SurfaceShadows::Config> edited_shadows = {};
     [[nodiscard]] bool operator==(const KeptLight& other) const {
-        return ray_count == other.ray_count && lights_surfaces_alike(light, other.light);
+        return ray_count == other.ray_count && edited_shadows == other.edited_shadows &&
+               lights_surfaces_alike(light, other.light);
     }
 };
 
@@ -58,6 +63,7 @@ struct CountsKey {
     light_shafts::GridMethod grid_method = light_shafts::GridMethod::March;
     float grid_error_target = 0.0f;
     std::uint32_t shafts_seed = 0;
+    std::optional<light_shafts::SurfaceShadows::Config> edited_shadows = {};
     [[nodiscard]] bool operator==(const CountsKey& other) const;
 };
 

@@ -6,14 +6,14 @@
 #include <tuple>
 
 namespace tyndall {
-/// Those are the edits that surfaces see.
-static bool is_seen_by_surfaces(const OccluderEdit& edit) {
-    return edit.kind == EditKind::Holes && edit.affects_surfaces;
-}
-static bool make_holes_alike(const OccluderEdit& a, const OccluderEdit& b) {
+static bool is_seen_by_surfaces(const OccluderEdit& edit) { return edit.affects_surfaces; }
+/// Names do not count, nor does what an edit of its kind does not read.
+static bool do_the_same(const OccluderEdit& a, const OccluderEdit& b) {
     const bool have_same_mask = a.mask == b.mask || (a.mask && b.mask && *a.mask == *b.mask);
-    return a.distance_m == b.distance_m && a.noise == b.noise && a.affects_all == b.affects_all &&
-           a.objects == b.objects && have_same_mask;
+    if (a.kind != b.kind || a.distance_m != b.distance_m || a.affects_all != b.affects_all || a.objects != b.objects ||
+        !have_same_mask)
+        return false;
+    return a.kind == EditKind::Holes ? a.noise == b.noise : a.size_m == b.size_m && a.shape == b.shape;
 }
 bool lights_surfaces_alike(const Light& a, const Light& b) {
     const auto all = [](const Light& light) {
@@ -25,6 +25,6 @@ bool lights_surfaces_alike(const Light& a, const Light& b) {
     const bool have_same_texture = a.texture == b.texture || (a.texture && b.texture && *a.texture == *b.texture);
     const auto seen = std::views::filter(is_seen_by_surfaces);
     return all(a) == all(b) && have_same_texture &&
-           std::ranges::equal(a.occluder_edits | seen, b.occluder_edits | seen, make_holes_alike);
+           std::ranges::equal(a.occluder_edits | seen, b.occluder_edits | seen, do_the_same);
 }
 } // namespace tyndall

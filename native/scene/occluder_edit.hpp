@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Edits of what stands between a light and the air: holes closed, made, silhouettes drawn out. The air sees the edited
-// occluders; surfaces see them as they are, but for holes that are meant for them, too.
+// occluders; surfaces see them as they are, but for the edits that are meant for them, too.
 // Based on: Kol, dissertation, TU Delft 2018, section 5.4.1.
 // Differs:  sizes are metres, not texels; each edit says which objects it means, and where.
 #pragma once
@@ -50,7 +50,7 @@ struct OccluderEdit {
     /// Lamps: sizes are measured this far from the light, and grow with the distance. (0, 1e6].
     float distance_m = 5.0f;
     HoleNoise noise = {};          ///< Holes.
-    bool affects_surfaces = false; ///< Holes: light falls through them onto surfaces, too; else on the air alone.
+    bool affects_surfaces = false; ///< Surfaces see what it does, too: light through holes, the shadows of the others.
     bool affects_all = true;
     std::vector<std::uint32_t> objects = {}; ///< Into SceneDescription::object_names, rising; unless it affects all.
     std::shared_ptr<const LightMask> mask = {};

@@ -246,7 +246,7 @@ class OccluderEdit:
     size_m: float = 0.1
     distance_m: float = 5.0  #: Lamps: sizes are measured this far from the light, and grow with the distance.
     noise: HoleNoise = field(default_factory=HoleNoise)  #: HOLES.
-    affects_surfaces: bool = False  #: HOLES: light falls through them onto surfaces, too.
+    affects_surfaces: bool = False  #: Surfaces see what it does, too: light through holes, the shadows of the others.
     objects: tuple[str, ...] | None = None  #: Names of the objects that it means; None: all.
     mask: LightMask | None = None
 

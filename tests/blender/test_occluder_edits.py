@@ -120,13 +120,13 @@ def test_edits_are_sent_in_their_order_without_those_that_are_off(sun: bpy.types
 
 
 def test_a_light_that_no_air_scatters_keeps_what_surfaces_see(sun: bpy.types.Light) -> None:
-    """The other edits shape shafts, and it draws none. Only holes can be for surfaces."""
+    """The other edits shape shafts, and it draws none."""
     add_edits("CLOSE", "HOLES", "HOLES")
     sun.tyndall.scatters_in_media = False
     assert sent() == ()
     for edit in sun.tyndall.occluder_edits[:2]:
         edit.affects_surfaces = True
-    assert [(edit.name, edit.affects_surfaces) for edit in sent()] == [("Make Holes", True)]
+    assert [(edit.name, edit.affects_surfaces) for edit in sent()] == [("Fill Holes", True), ("Make Holes", True)]
 
 
 @pytest.mark.parametrize("is_driven", [False, True])
@@ -548,7 +548,7 @@ def test_only_settings_that_the_edit_reads_are_shown(sun: bpy.types.Light, kind:
     edit = data.tyndall.occluder_edits[0]
     settings = set(shown(data))
     assert settings & {"size_m", "shape", "probability"} == SIZES[kind]
-    assert ("affects_surfaces" in settings) == (kind == "HOLES")
+    assert "affects_surfaces" in settings
     assert ("distance_m" in settings) == (light_type != "SUN")
     assert not settings & {"target_object", "target_collection", "mask_channel", "mask_size_m"}
     edit.target, edit.mask_image = "COLLECTION", image("Mask", np.ones((2, 2)))

@@ -154,7 +154,7 @@ TEST_CASE("a light without a size is one stratum, the same for every u") {
     CHECK(sample.softening_m2 == 0.0f);
 }
 
-TEST_CASE("surfaces tell lights apart by what they see of them: not by names, nor by edits for the air") {
+TEST_CASE("surfaces tell lights apart by what they see of them: not by names, nor by edits for the air alone") {
     const Light lamp{.name = "lamp", .kind = LightKind::Point, .position = {0, 0, 3}, .radius_m = 0.1f};
     Light other = lamp;
     other.name = "other";
@@ -168,6 +168,15 @@ TEST_CASE("surfaces tell lights apart by what they see of them: not by names, no
     CHECK(lights_surfaces_alike(other, same_holes));
     same_holes.occluder_edits[1].noise.turn_rad = 0.5f;
     CHECK(!lights_surfaces_alike(other, same_holes));
+    Light filled = other;
+    filled.occluder_edits[0].affects_surfaces = true;
+    CHECK(!lights_surfaces_alike(other, filled));
+    Light filled_alike = filled;
+    filled_alike.occluder_edits[0].name = "filled";
+    filled_alike.occluder_edits[0].noise.seed = 5; // which filling does not read
+    CHECK(lights_surfaces_alike(filled, filled_alike));
+    filled_alike.occluder_edits[0].size_m *= 2.0f;
+    CHECK(!lights_surfaces_alike(filled, filled_alike));
     for (auto change : {+[](Light& light) { light.position.x += 1.0f; }, +[](Light& light) { light.strength.y *= 2; },
                         +[](Light& light) { light.radius_m = 0.2f; }, +[](Light& light) { light.casts_shadow = false; },
                         +[](Light& light) { light.kind = LightKind::Spot; }}) {
