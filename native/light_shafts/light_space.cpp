@@ -43,8 +43,11 @@ void LightSpace::place_row(const DepthMap& face, std::int32_t row, std::vector<f
     if (is_flat_) {
         // Along the stratum's own direction onto the plane.
         const vec3 start = face.origin + column_x(0) * face.x_axis + y_on_face * face.y_axis - origin_;
-        const vec3 first = on_plane(start, face.z_axis),
-                   step = on_plane(start + layout.line_step * face.x_axis, face.z_axis) - first;
+        const vec3 first = on_plane(start, face.z_axis);
+        // Not the difference of two rounded places: of 8,192 texels the last ones would lie a texel or two off, in each
+        // row by others.
+        const float along_light = glm::dot(face.x_axis, z_axis_) / glm::dot(face.z_axis, z_axis_);
+        const vec3 step = layout.line_step * (face.x_axis - along_light * face.z_axis);
         const vec2 at(glm::dot(first, x_axis_), glm::dot(first, y_axis_)),
             per_column(glm::dot(step, x_axis_), glm::dot(step, y_axis_));
         for (std::size_t column = 0; column < count; ++column) {

@@ -161,8 +161,10 @@ ShadowMap raster_filter_map(const SunPlace& place, float margin, const LightSamp
 
 /// As many lines as texels, and a slice per line: the rows then add little to the error of the map.
 static slope_rows::LayoutConfig map_layout_of(const Config& config) {
-    const float texels = config.resolution > 0 ? static_cast<float>(config.resolution) : 30.0f / config.error_target;
-    return {.lines = static_cast<std::uint32_t>(std::clamp(texels, 16.0f, 8192.0f)), .slices_per_line = 1.0f};
+    if (config.resolution > 0)
+        return {.lines = config.resolution, .slices_per_line = 1.0f};
+    return {.lines = static_cast<std::uint32_t>(std::clamp(30.0f / config.error_target, 16.0f, 8192.0f)),
+            .slices_per_line = 1.0f};
 }
 
 std::unique_ptr<Visibility> make_shadow_map(const Scene& scene, const View& view, const LightSample& light,
