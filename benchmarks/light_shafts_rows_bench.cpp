@@ -5,10 +5,9 @@
 //   map, rectify   depth map to rows (SHADOW_MAP)             sun_moved    everything anew, the rays' order, too
 // Arguments: the scene (0: S, Sponza-LowPoly; 1: F, the forest) and the lines of a row. Counters: relative RMSE and
 // bias of the scattered light in percent over 1500 random rays; light/dark transitions per ray; slices.
-#include "light_shafts/row_query_scatter.hpp"
 #include "light_shafts/shadow_map.hpp"
 #include "support/machine.hpp"
-#include "support/shaft_scenes.hpp"
+#include "support/row_frames.hpp"
 #include <algorithm>
 #include <array>
 #include <map>
@@ -16,18 +15,12 @@
 namespace tyndall::bench {
 using namespace light_shafts;
 namespace {
-constexpr std::size_t rays_per_call = 256; // as light_shafts_scatter.cpp asks
-
 struct Prepared {
     ShaftScene* scene = nullptr;
     std::unique_ptr<slope_rows::Rows> rows;
     std::vector<std::uint32_t> order; ///< Rays by slice.
     std::vector<ViewRay> sorted;
 };
-
-slope_rows::LayoutConfig layout_config(std::uint32_t lines) {
-    return {.lines = lines, .slices_per_line = 0.5f, .memory_limit_bytes = std::size_t{4} << 30};
-}
 
 /// Rows of a scene, kept from benchmark to benchmark. Null where the scene's file is absent.
 Prepared* prepared(benchmark::State& state) {
@@ -53,18 +46,6 @@ Prepared* prepared(benchmark::State& state) {
     return &made;
 }
 
-/// Piece `index` of `count` equal ones; coloured if they are several.
-ScatterPiece make_piece(const ShaftScene& scene, const ViewRay& ray, int index, int count) {
-    const Rgb sigma = scene.sigma_t_per_m * (count > 1 ? Rgb(0.8f, 1.0f, 1.2f) : Rgb(1.0f));
-    ScatterPiece piece{};
-    piece.near_m = ray.far_m * static_cast<float>(index) / static_cast<float>(count);
-    piece.far_m = ray.far_m * static_cast<float>(index + 1) / static_cast<float>(count);
-    piece.source_per_m = Rgb(scene.sigma_t_per_m);
-    piece.depth_per_m = sigma;
-    piece.depth_at_near = sigma * piece.near_m;
-    return piece;
-}
-
 /// Three coloured pieces per ray, as a fog box and its light-side crossings make them.
 std::vector<PieceRows> make_coloured_pieces(const ShaftScene& scene, std::span<const ViewRay> rays) {
     std::vector<PieceRows> blocks;
@@ -79,18 +60,6 @@ std::vector<PieceRows> make_coloured_pieces(const ShaftScene& scene, std::span<c
     return blocks;
 }
 
-/// One grey piece, as long as any ray, for each ray of a call: light that is not attenuated on its way to the fog.
-PieceRows make_grey_pieces(const ShaftScene& scene) {
-    ViewRay longest{};
-    longest.far_m = 1e6f;
-    PieceRows rows;
-    for (std::size_t ray = 0; ray < rays_per_call; ++ray) {
-        rows.pieces.push_back(make_piece(scene, longest, 0, 1));
-        rows.end_ray();
-    }
-    return rows;
-}
-
 /// `pieces` of each call, or of all of them.
 void query(const slope_rows::Rows& rows, std::span<const ViewRay> rays, std::span<const PieceRows> pieces,
            std::span<Rgb> radiance) {
@@ -102,30 +71,6 @@ void query(const slope_rows::Rows& rows, std::span<const ViewRay> rays, std::spa
         row_query::add_scattered(rows, rays.subspan(begin, end - begin),
                                  pieces.size() == 1 ? pieces[0] : pieces[begin / rays_per_call], of_call, {},
                                  unanswered);
-    });
-}
-
-/// The same for rays in the picture's order.
-void query_by_wedge(const slope_rows::Rows& rows, const ShaftScene& scene, const PieceRows& pieces,
-                    std::span<Rgb> radiance) {
-    const std::span<const ViewRay> rays = scene.rays;
-    Progress progress;
-    const std::vector<std::uint32_t> order = row_query::by_wedge(rows.layout, rays, progress);
-    parallel_blocks(rays.size(), rays_per_call, progress, [&](std::size_t begin, std::size_t end) {
-        thread_local row_query::Unanswered unanswered;
-        std::array<ViewRay, rays_per_call> some;
-        std::array<Rgb, rays_per_call> of_some;
-        of_some.fill(Rgb(0.0f));
-        for (std::size_t i = begin; i < end; ++i) {
-            __builtin_prefetch(&rays[order[i]]);
-            __builtin_prefetch(&radiance[order[i]], 1);
-        }
-        for (std::size_t i = begin; i < end; ++i)
-            some[i - begin] = rays[order[i]];
-        row_query::add_scattered(rows, std::span(some).first(end - begin), pieces,
-                                 std::span(of_some).first(end - begin), {}, unanswered);
-        for (std::size_t i = begin; i < end; ++i)
-            radiance[order[i]] = of_some[i - begin];
     });
 }
 

@@ -15,8 +15,24 @@
 namespace tyndall::bench {
 using light_shafts::ViewRay;
 
+struct ShaftCamera {
+    vec3 position, forward;
+    float tan_half_width = 0.6f;
+    Bounds3 fog;
+
+    /// Through a point of the picture of full HD, in pixels from its lower left corner.
+    [[nodiscard]] vec3 direction_at(float x_px, float y_px) const {
+        constexpr float width = 1920.0f, height = 1080.0f;
+        const vec3 right = glm::normalize(glm::cross(forward, vec3(0, 0, 1)));
+        const vec3 up = glm::cross(right, forward);
+        const float u = x_px / width * 2 - 1, v = (y_px / height * 2 - 1) * height / width;
+        return glm::normalize(forward + tan_half_width * (u * right + v * up));
+    }
+};
+
 struct ShaftScene {
     support::TriangleSoup soup;
+    ShaftCamera camera;
     mat4 identity{1.0f};
     light_shafts::Occluders occluders;
     light_shafts::View view;
@@ -27,12 +43,6 @@ struct ShaftScene {
     /// Of some rays: the scattered share by brute-force marching, the truth of all errors here.
     std::vector<std::uint32_t> truth_rays;
     std::vector<double> truth;
-};
-
-struct ShaftCamera {
-    vec3 position, forward;
-    float tan_half_width = 0.6f;
-    Bounds3 fog;
 };
 
 inline float far_in_box(const Bounds3& box, const vec3& origin, const vec3& direction) {
@@ -85,15 +95,13 @@ inline void prepare(ShaftScene& scene, const ShaftCamera& camera, int truth_ray_
     commit_embree(scene);
     scene.occluders.meshes.push_back(light_shafts::make_occluder_mesh(scene.soup.positions, scene.soup.triangles));
     scene.occluders.add(scene.occluders.meshes.front().get(), &scene.identity);
+    scene.camera = camera;
     scene.view.position = camera.position;
     scene.rays.resize(width * height);
-    const vec3 right = glm::normalize(glm::cross(camera.forward, vec3(0, 0, 1)));
-    const vec3 up = glm::cross(right, camera.forward);
     Progress progress;
     parallel_for(width * height, progress, [&](std::size_t pixel) {
-        const float u = (static_cast<float>(pixel % width) + 0.5f) / width * 2 - 1;
-        const float v = ((static_cast<float>(pixel / width) + 0.5f) / height * 2 - 1) * height / width;
-        const vec3 direction = glm::normalize(camera.forward + camera.tan_half_width * (u * right + v * up));
+        const vec3 direction =
+            camera.direction_at(static_cast<float>(pixel % width) + 0.5f, static_cast<float>(pixel / width) + 0.5f);
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
         RTCRayHit hit{};
