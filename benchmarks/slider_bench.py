@@ -6,7 +6,8 @@ in the forest of a million triangles. real_time is the first picture of the new 
 sample per pixel), read_s what reading Blender's scene takes of both. stage_s:<name> are the first picture's stages,
 kept:<name> tells what it found. Drawing (16 ms here by software) and the wait for a redraw are not in it.
 
-scripts/python benchmarks/slider_bench.py --context FILE --output FILE
+scripts/python benchmarks/slider_bench.py --context FILE --output FILE [--simd NAME...]
+With --simd the first three sliders alone, on each of these instruction sets in turn (AVX-512, AVX2, SSE4).
 """
 
 from __future__ import annotations
@@ -157,7 +158,9 @@ def stages(works: list[Statistics]) -> dict[str, float]:
 
 def main() -> None:
     """Time the sliders and write the report."""
-    arguments = argument_parser(__doc__).parse_args()
+    parser = argument_parser(__doc__)
+    parser.add_argument("--simd", nargs="+", default=(), metavar="NAME")
+    arguments = parser.parse_args()
     tyndall.blender.enable()
     bpy.ops.wm.open_mainfile(filepath=str(SCENE))
     bpy.context.scene.render.engine = "TYNDALL"
@@ -186,15 +189,29 @@ def main() -> None:
         bench.camera = replace(bench.camera, world_from_camera=place)
         return functions(0)
 
-    rows = [
-        measure(bench, "transfer function", functions, rebuilds=True),
-        measure(bench, "occluder edit", edited, rebuilds=True),
-    ]
-    edit.is_enabled = False
-    bench.show(functions(0), bench.read())
-    rows.append(measure(bench, "sun moved", moved, rebuilds=True))
-    rows.append(measure(bench, "camera moved", camera_moved, rebuilds=False))
-    rows.append(measure(bench, "object moved", object_moved, rebuilds=True))
+    def light_sliders(suffix: str = "") -> list[Row]:
+        edit.is_enabled = True
+        bench.show(functions(0), bench.read())
+        rows = [
+            measure(bench, "transfer function" + suffix, functions, rebuilds=True),
+            measure(bench, "occluder edit" + suffix, edited, rebuilds=True),
+        ]
+        edit.is_enabled = False
+        bench.show(functions(0), bench.read())
+        return [*rows, measure(bench, "sun moved" + suffix, moved, rebuilds=True)]
+
+    rows: list[Row] = []
+    if arguments.simd:
+        from tyndall import _native  # noqa: PLC0415 (where enable() has put it)
+
+        for name in arguments.simd:
+            forced = _native.ForcedSimdTarget(name)
+            rows += light_sliders(f"/{name}")
+            del forced
+    else:
+        rows = light_sliders()
+        rows.append(measure(bench, "camera moved", camera_moved, rebuilds=False))
+        rows.append(measure(bench, "object moved", object_moved, rebuilds=True))
     bench.close()
     tyndall.blender.disable()
     for made in rows:

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # scripts/bench.sh [NAME...]: runs the benchmarks (all, or those named by their stem), writes benchmarks/results/*.json
 # with medians, and draws error against time. Leave the machine alone meanwhile: it times itself before each.
+# scripts/bench.sh figures: what docs/figures.md shows, and writes it: the paper's tables, error curves, AVX-512 beside
+# AVX2 in turn, flicker. Under ten minutes on two cores.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 shopt -s nullglob
@@ -33,35 +35,54 @@ commit = subprocess.run(git, capture_output=True, text=True, check=True).stdout.
 print(json.dumps({"cpu": cpu, "commit": commit}))
 PYTHON
 
+# RESULT STEM ARGUMENT...: runs a native benchmark.
+native() {
+    local result=$1 stem=$2
+    shift 2
+    echo "$result"
+    "build/release/benchmarks/$stem" "$@" --benchmark_out="build/logs/$result.json" >"build/logs/$result.log" 2>&1 ||
+        fail "$stem failed, see build/logs/$result.log"
+    /usr/bin/python3 benchmarks/merge_runs.py "build/logs/$result.json" build/logs/bench-context.json \
+        >"$results/$result.json.part"
+    mv "$results/$result.json.part" "$results/$result.json"
+}
+
+# RESULT STEM ARGUMENT...: runs one in Python.
+in_python() {
+    local result=$1 stem=$2
+    shift 2
+    echo "$result"
+    scripts/python "benchmarks/$stem.py" "$@" --context build/logs/bench-context.json --output "$results/$result.json" \
+        >"build/logs/$result.log" 2>&1 || fail "$stem failed, see build/logs/$result.log"
+}
+
+if [[ ${names[*]} == figures ]]; then
+    both=(--simd=AVX-512,AVX2 --rounds=3 --benchmark_min_time=0.2)
+    native paper_tables paper_tables_bench --rounds=3 --benchmark_min_time=0.1
+    native simd_functions transfer_functions_bench "${both[@]}" --benchmark_filter='^(apply_(smooth|noisy)|plain_apply)/'
+    native simd_edits light_shafts_edits_bench "${both[@]}" \
+        --benchmark_filter='^(close_(square|disc|rows)|dilate_rows|(moving_)?holes)/size:2048'
+    native simd_air heterogeneity_bench "${both[@]}" \
+        --benchmark_filter='^(march/scene:[01]/steps:64|upsample/scene:[01]/side:2)/'
+    native simd_fit light_map_fit_bench "${both[@]}" --benchmark_filter='^(see_and_build|steps)/0/'
+    in_python simd_sliders slider_bench --simd AVX-512 AVX2
+    native error_curves heterogeneity_bench --benchmark_min_time=0.2 --benchmark_filter='^(march|upsample)/'
+    native flicker flicker_bench
+    /usr/bin/python3 benchmarks/write_figures.py "$results" docs
+    exit
+fi
+
 ran=0
 for source in benchmarks/*_bench.cpp; do
     stem=$(basename "$source" .cpp)
     wanted "$stem" || continue
-    echo "$stem"
-    "build/release/benchmarks/$stem" --benchmark_repetitions=9 --benchmark_report_aggregates_only=true \
-        --benchmark_out="build/logs/$stem.json" >"build/logs/$stem.log" 2>&1 || fail "$stem failed, see build/logs/$stem.log"
-    /usr/bin/python3 - "build/logs/$stem.json" build/logs/bench-context.json >"$results/$stem.json.part" <<'PYTHON'
-import json
-import sys
-
-with open(sys.argv[1]) as report, open(sys.argv[2]) as context:
-    measured, about = json.load(report), json.load(context)
-for name in ("host_name", "executable"):
-    measured["context"].pop(name, None)
-measured["context"] |= about
-measured["benchmarks"] = [row for row in measured["benchmarks"] if row.get("aggregate_name") in {None, "median"}]
-json.dump(measured, sys.stdout, indent=1)
-print()
-PYTHON
-    mv "$results/$stem.json.part" "$results/$stem.json"
+    native "$stem" "$stem" --benchmark_repetitions=9 --benchmark_report_aggregates_only=true
     ran=1
 done
 for script in benchmarks/*_bench.py; do
     stem=$(basename "$script" .py)
     wanted "$stem" || continue
-    echo "$stem"
-    scripts/python "$script" --context build/logs/bench-context.json --output "$results/$stem.json" \
-        >"build/logs/$stem.log" 2>&1 || fail "$stem failed, see build/logs/$stem.log"
+    in_python "$stem" "$stem"
     ran=1
 done
 ((ran)) || fail "there is no benchmark named ${names[*]}"

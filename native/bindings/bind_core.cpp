@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bindings/bind.hpp"
+#include "core/errors.hpp"
 #include "core/progress.hpp"
+#include "core/simd.hpp"
 #include "core/statistics.hpp"
 #include <pybind11/stl.h>
 
@@ -19,7 +21,22 @@ static py::dict to_dict(const Statistics& statistics) {
     return py::dict("stages"_a = stages, "skipped"_a = skipped, "counts"_a = counts, "reports"_a = statistics.reports);
 }
 
+/// By the name that simd_target_name() has for it.
+static std::unique_ptr<ForcedSimdTarget> force_simd_target(const std::string& name) {
+    for (const SimdTarget target : available_simd_targets()) {
+        auto forced = std::make_unique<ForcedSimdTarget>(target);
+        if (simd_target_name() == name)
+            return forced;
+    }
+    throw InvalidInput("this CPU has no " + name);
+}
+
 void bind_core(py::module_& native) {
+    py::class_<ForcedSimdTarget>(
+        native, "ForcedSimdTarget",
+        "While it lives, kernels run on \"SSE4\", \"AVX2\" or \"AVX-512\"; for benchmarks, one at a "
+        "time. InvalidInput: the CPU lacks it.")
+        .def(py::init(&force_simd_target), "name"_a);
     py::class_<Progress>(native, "Progress", "What a long call tells its caller, and how any thread stops it.")
         .def(py::init<>())
         .def("cancel", &Progress::cancel, "Make the call raise Cancelled within 0.25 s.")
