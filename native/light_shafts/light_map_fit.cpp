@@ -23,6 +23,7 @@ void validate(const Scene& scene, std::span<const Strokes> strokes, const LightM
     require(16 <= config.resolution && config.resolution <= 4096, "resolution is ", config.resolution,
             ", outside [16, 4096]");
     require_in(config.regularisation, 0.0f, 1e6f, "regularisation");
+    require_in(config.shared_texels, 0.0f, 1.0f, "shared_texels");
     const std::size_t texel_count = std::size_t{current.place.resolution} * current.place.resolution;
     require(current.texels.empty() || (current.texels.size() == texel_count && current.place.size_m > 0.0f),
             "the current light map has ", current.texels.size(), " texels, not ", texel_count);
@@ -105,7 +106,8 @@ void LightMapFit::build_for_sun(std::span<const StrokeView> views, const Media& 
             blocks[block] = {};
         },
         1);
-    matrix_ = std::make_unique<const LightMapMatrix>(config.resolution, is_coloured, std::move(parts), progress);
+    matrix_ = std::make_unique<const LightMapMatrix>(config.resolution, is_coloured, std::move(parts), progress,
+                                                     config.shared_texels);
 }
 
 void LightMapFit::build_for_lamp(std::span<const StrokeView> views, const Media& media, const Light& lamp,
@@ -120,7 +122,8 @@ void LightMapFit::build_for_lamp(std::span<const StrokeView> views, const Media&
     if (is_coloured)
         for (LightMapMatrix::Part& part : parts)
             part.split_channels();
-    matrix_ = std::make_unique<const LightMapMatrix>(config.resolution, is_coloured, std::move(parts), progress);
+    matrix_ = std::make_unique<const LightMapMatrix>(config.resolution, is_coloured, std::move(parts), progress,
+                                                     config.shared_texels);
 }
 
 LightMapFit::LightMapFit(const Scene& scene, const Media& media, std::span<const Strokes> strokes,
@@ -158,6 +161,7 @@ LightMapFit::LightMapFit(const Scene& scene, const Media& media, std::span<const
     statistics_.count("light map fit: stroke pixels", static_cast<double>(desired.size()));
     statistics_.count("light map fit: seen texels", static_cast<double>(solver_->seen_texel_count()));
     statistics_.count("light map fit: weights", static_cast<double>(matrix_->weight_count()));
+    statistics_.count("light map fit: samples of the map", static_cast<double>(matrix_->sample_count()));
     statistics_.count("light map fit: matrix, bytes", static_cast<double>(matrix_->byte_count()));
 }
 

@@ -28,6 +28,8 @@ struct LightMapFitConfig {
     std::size_t light = 0;          ///< Into Scene::lights.
     std::uint32_t resolution = 512; ///< Texels per side, [16, 4096].
     float regularisation = 1e-3f;   ///< How much the map stays what it is, [0, 1e6]: see LightMapSolver.
+    /// Rays within so many texels of each other read the same line of the map, [0, 1]; 0: each its own.
+    float shared_texels = 0.15f;
     Config shafts;
 };
 

@@ -12,112 +12,148 @@
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::light_shafts::light_map_kernel::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-/// Lines of texels side by side. Not 16: what is stored as 64 bytes and read again 4 at a time waits for the cache.
+/// Columns of texels side by side. Not 16: what is stored as 64 bytes and read again 4 at a time waits for the cache.
 using Lines = hn::CappedTag<float, 8>;
 using Colour = hn::FixedTag<float, 4>;
+/// Four floats per column: as many columns as lanes are four vectors.
+using Wide = hn::CappedTag<float, 16>;
 static constexpr Lines lines;
 static constexpr Colour colour;
+static constexpr Wide wide;
 
-/// Calls visit.first or visit.second(offset, across, low, high) for each line of a stretch: the first of its two texels and
-/// the way to the other, in floats, and the weights of both, as vectors over the channels. Two by turns, so that sums need
-/// not wait for each other.
-template <bool is_coloured, typename Visit>
-static HWY_INLINE void for_lines(const Weights& weights, const RowStretch& stretch, Visit& visit) {
+/// Calls visit(index, offset, across, share) for each column of a line: the first of its two texels and the way to the other,
+/// in floats, and the share of the other.
+template <typename Visit>
+static HWY_INLINE void for_columns(const Weights& weights, const MapLine& line, const Visit& visit) {
     const hn::RebindToSigned<Lines> offsets;
-    const std::size_t lane_count = hn::Lanes(lines), line_count = stretch.count;
+    const std::size_t lane_count = hn::Lanes(lines), column_count = line.count;
     const auto resolution = static_cast<std::int32_t>(weights.resolution),
                row = 4 * static_cast<std::int32_t>(weights.pitch);
-    const std::int32_t per_line = stretch.goes_along_y ? row : 4, across = row + 4 - per_line;
-    const float* weight = weights.first + std::size_t{stretch.first_weight} * (is_coloured ? 4 : 1);
+    const std::int32_t per_line = line.goes_along_y ? row : 4, across = row + 4 - per_line;
     alignas(32) std::int32_t offset[8];
-    alignas(32) float low[8], high[8];
+    alignas(32) float shares[8];
     const auto last = hn::Set(offsets, resolution - 2), across_in_floats = hn::Set(offsets, across);
     const auto lane = hn::Iota(lines, 0.0f);
-    auto line_offset = hn::Mul(hn::Add(hn::Iota(offsets, 0), hn::Set(offsets, std::int32_t{stretch.first_line})),
+    auto line_offset = hn::Mul(hn::Add(hn::Iota(offsets, 0), hn::Set(offsets, std::int32_t{line.first_line})),
                                hn::Set(offsets, per_line));
     const auto offset_step = hn::Set(offsets, static_cast<std::int32_t>(lane_count) * per_line);
-    for (std::size_t begin = 0; begin < line_count; begin += lane_count) {
-        const auto position =
-            hn::MulAdd(hn::Add(lane, hn::Set(lines, static_cast<float>(begin))),
-                       hn::Set(lines, stretch.across_per_line), hn::Set(lines, stretch.across_at_first));
+    for (std::size_t begin = 0; begin < column_count; begin += lane_count) {
+        const auto position = hn::MulAdd(hn::Add(lane, hn::Set(lines, static_cast<float>(begin))),
+                                         hn::Set(lines, line.across_per_line), hn::Set(lines, line.across_at_first));
         const auto first = hn::Min(hn::Max(hn::ConvertTo(offsets, position), hn::Zero(offsets)), last);
-        const auto share =
-            hn::Clamp(hn::Sub(position, hn::ConvertTo(lines, first)), hn::Zero(lines), hn::Set(lines, 1.0f));
+        hn::Store(hn::Clamp(hn::Sub(position, hn::ConvertTo(lines, first)), hn::Zero(lines), hn::Set(lines, 1.0f)),
+                  lines, shares);
         hn::Store(hn::Add(line_offset, hn::Mul(first, across_in_floats)), offsets, offset);
         line_offset = hn::Add(line_offset, offset_step);
-        const std::size_t count = std::min(lane_count, line_count - begin);
-        if constexpr (is_coloured) {
-            hn::Store(share, lines, high);
-            for (std::size_t i = 0; i < count; ++i) {
-                const auto w = hn::LoadU(colour, weight + 4 * (begin + i));
-                const auto of_second = hn::Mul(w, hn::Set(colour, high[i]));
-                visit.first(offset[i], across, hn::Sub(w, of_second), of_second);
-            }
-        } else {
-            const auto w = hn::LoadU(lines, weight + begin); // the weights have slack behind the last one
-            const auto of_second = hn::Mul(w, share);
-            hn::Store(hn::Sub(w, of_second), lines, low);
-            hn::Store(of_second, lines, high);
-            // Unrolled, the compiler would take the vectors apart in registers, at three times the operations.
+        const std::size_t count = std::min(lane_count, column_count - begin);
 #pragma GCC unroll 1
-            for (std::size_t i = 0; i + 1 < count; i += 2) {
-                visit.first(offset[i], across, hn::Set(colour, low[i]), hn::Set(colour, high[i]));
-                visit.second(offset[i + 1], across, hn::Set(colour, low[i + 1]), hn::Set(colour, high[i + 1]));
-            }
-            if (count % 2 == 1)
-                visit.first(offset[count - 1], across, hn::Set(colour, low[count - 1]),
-                            hn::Set(colour, high[count - 1]));
+        for (std::size_t i = 0; i < count; ++i)
+            visit(begin + i, offset[i], across, hn::Set(colour, shares[i]));
+    }
+}
+
+/// Calls visit(four_samples, vector of weights) for each vector of a reader's samples; weights beyond its last are 0.
+template <bool is_coloured, typename Visit>
+static HWY_INLINE void for_samples(const Weights& weights, const LineReader& reader, float* samples,
+                                   const Visit& visit) {
+    const std::size_t lane_count = hn::Lanes(wide);
+    float* const own = samples + std::size_t{4} * reader.offset;
+    const std::uint16_t* const weight = weights.first + std::size_t{reader.first_weight} * (is_coloured ? 4 : 1);
+    const hn::Rebind<std::uint16_t, Wide> rounded;
+    const hn::RebindToSigned<Wide> places;
+    const auto load = [&](std::size_t at, std::size_t count) HWY_ATTR {
+        const auto in_units = hn::ConvertTo(wide, hn::PromoteTo(places, hn::LoadU(rounded, weight + at)));
+        return hn::IfThenElseZero(hn::FirstN(wide, count - at), in_units);
+    };
+    if constexpr (is_coloured) {
+        for (std::size_t at = 0; at < std::size_t{4} * reader.count; at += lane_count)
+            visit(own + at, load(at, std::size_t{4} * reader.count));
+    } else {
+        const auto quarter = hn::Iota(places, 0);
+        const auto quarter_lanes = static_cast<std::int32_t>(lane_count / 4);
+        const auto of_four = hn::ShiftRight<2>(quarter);
+        const auto at_first = hn::IndicesFromVec(wide, of_four),
+                   at_second = hn::IndicesFromVec(wide, hn::Add(of_four, hn::Set(places, quarter_lanes))),
+                   at_third = hn::IndicesFromVec(wide, hn::Add(of_four, hn::Set(places, 2 * quarter_lanes))),
+                   at_fourth = hn::IndicesFromVec(wide, hn::Add(of_four, hn::Set(places, 3 * quarter_lanes)));
+        for (std::size_t at = 0; at < reader.count; at += lane_count) {
+            const auto w = load(at, reader.count);
+            float* const four = own + 4 * at;
+            visit(four, hn::TableLookupLanes(w, at_first));
+            visit(four + lane_count, hn::TableLookupLanes(w, at_second));
+            visit(four + 2 * lane_count, hn::TableLookupLanes(w, at_third));
+            visit(four + 3 * lane_count, hn::TableLookupLanes(w, at_fourth));
         }
     }
 }
 
-using Channels = hn::Vec<Colour>;
-struct Reader {
-    const float* map;
-    Channels low = hn::Zero(colour), high = low, other_low = low, other_high = low;
-    HWY_INLINE void first(std::int32_t offset, std::int32_t across, Channels weight, Channels of_second) {
-        low = hn::MulAdd(weight, hn::LoadU(colour, map + offset), low);
-        high = hn::MulAdd(of_second, hn::LoadU(colour, map + offset + across), high);
+template <bool is_coloured>
+static void read_with(const Weights& weights, const MapLine& line, std::span<const LineReader> readers,
+                      const float* map, float* samples, vec4* of_reader) {
+    for_columns(weights, line, [&](std::size_t index, std::int32_t offset, std::int32_t across, auto share) HWY_ATTR {
+        const auto low = hn::LoadU(colour, map + offset), high = hn::LoadU(colour, map + offset + across);
+        hn::StoreU(hn::MulAdd(share, high, hn::NegMulAdd(share, low, low)), colour, samples + 4 * index);
+    });
+    for (std::size_t index = 0; index < readers.size(); ++index) {
+        auto sum = hn::Zero(wide);
+        for_samples<is_coloured>(weights, readers[index], samples, [&](const float* four, auto w) HWY_ATTR {
+            sum = hn::MulAdd(w, hn::LoadU(wide, four), sum);
+        });
+        alignas(64) float lanes[16];
+        hn::Store(sum, wide, lanes);
+        auto total = hn::LoadU(colour, lanes);
+        for (std::size_t at = 4; at < hn::Lanes(wide); at += 4)
+            total = hn::Add(total, hn::LoadU(colour, lanes + at));
+        hn::StoreU(hn::Mul(total, hn::Set(colour, readers[index].weight_unit)), colour, &of_reader[index].x);
     }
-    HWY_INLINE void second(std::int32_t offset, std::int32_t across, Channels weight, Channels of_second) {
-        other_low = hn::MulAdd(weight, hn::LoadU(colour, map + offset), other_low);
-        other_high = hn::MulAdd(of_second, hn::LoadU(colour, map + offset + across), other_high);
+}
+template <bool is_coloured, bool squares>
+static void add_with(const Weights& weights, const MapLine& line, std::span<const LineReader> readers,
+                     const vec4* ray_values, float* samples, float* map) {
+    std::fill_n(samples, std::size_t{4} * line.count, 0.0f);
+    for (const LineReader& reader : readers) {
+        const float unit = squares ? reader.weight_unit * reader.weight_unit : reader.weight_unit;
+        const auto value = hn::Mul(hn::LoadDup128(wide, &ray_values[reader.ray].x), hn::Set(wide, unit));
+        for_samples<is_coloured>(weights, reader, samples, [&](float* four, auto w) HWY_ATTR {
+            if constexpr (squares)
+                w = hn::Mul(w, w);
+            hn::StoreU(hn::MulAdd(w, value, hn::LoadU(wide, four)), wide, four);
+        });
     }
-};
-template <bool squares>
-struct Adder {
-    float* map;
-    Channels value;
-    HWY_INLINE void first(std::int32_t offset, std::int32_t across, Channels low, Channels high) const {
+    for_columns(weights, line, [&](std::size_t index, std::int32_t offset, std::int32_t across, auto share) HWY_ATTR {
+        const auto sample = hn::LoadU(colour, samples + 4 * index);
+        auto high = hn::Mul(share, sample), low = hn::Sub(sample, high);
         if constexpr (squares) {
-            low = hn::Mul(low, low);
-            high = hn::Mul(high, high);
+            const auto rest = hn::Sub(hn::Set(colour, 1.0f), share);
+            high = hn::Mul(share, high), low = hn::Mul(hn::Mul(rest, rest), sample);
         }
         float* const texel = map + offset;
-        hn::StoreU(hn::MulAdd(low, value, hn::LoadU(colour, texel)), colour, texel);
-        hn::StoreU(hn::MulAdd(high, value, hn::LoadU(colour, texel + across)), colour, texel + across);
-    }
-    HWY_INLINE void second(std::int32_t offset, std::int32_t across, Channels low, Channels high) const {
-        first(offset, across, low, high);
-    }
-};
-
-vec4 read_of(const Weights& weights, const RowStretch& stretch, const vec4* texels) {
-    Reader reader{&texels->x};
-    weights.is_coloured ? for_lines<true>(weights, stretch, reader) : for_lines<false>(weights, stretch, reader);
-    vec4 result;
-    hn::StoreU(hn::Add(hn::Add(reader.low, reader.high), hn::Add(reader.other_low, reader.other_high)), colour,
-               &result.x);
-    return result;
+        hn::StoreU(hn::Add(low, hn::LoadU(colour, texel)), colour, texel);
+        hn::StoreU(hn::Add(high, hn::LoadU(colour, texel + across)), colour, texel + across);
+    });
 }
-void add_of(const Weights& weights, const RowStretch& stretch, const vec4& value, bool squares, vec4* texels) {
-    const Channels channels = hn::LoadU(colour, &value.x);
-    const Adder<false> adder{&texels->x, channels};
-    const Adder<true> of_squares{&texels->x, channels};
+
+/// Of a line; whole vectors fit behind its last column.
+static float* samples_of(const MapLine& line) {
+    thread_local std::vector<float> samples;
+    samples.resize(std::max(samples.size(), 4 * (std::size_t{line.count} + hn::Lanes(wide))));
+    return samples.data();
+}
+
+void read_of(const Weights& weights, const MapLine& line, std::span<const LineReader> readers, const vec4* texels,
+             vec4* of_reader) {
+    weights.is_coloured ? read_with<true>(weights, line, readers, &texels->x, samples_of(line), of_reader)
+                        : read_with<false>(weights, line, readers, &texels->x, samples_of(line), of_reader);
+}
+void add_of(const Weights& weights, const MapLine& line, std::span<const LineReader> readers, const vec4* ray_values,
+            bool squares, vec4* texels) {
+    float *const map = &texels->x, *const samples = samples_of(line);
     if (weights.is_coloured)
-        squares ? for_lines<true>(weights, stretch, of_squares) : for_lines<true>(weights, stretch, adder);
+        squares ? add_with<true, true>(weights, line, readers, ray_values, samples, map)
+                : add_with<true, false>(weights, line, readers, ray_values, samples, map);
     else
-        squares ? for_lines<false>(weights, stretch, of_squares) : for_lines<false>(weights, stretch, adder);
+        squares ? add_with<false, true>(weights, line, readers, ray_values, samples, map)
+                : add_with<false, false>(weights, line, readers, ray_values, samples, map);
 }
 
 void attenuate_of(std::span<const float> depth, std::span<float> amount) {
@@ -141,11 +177,13 @@ HWY_EXPORT(read_of);
 HWY_EXPORT(add_of);
 HWY_EXPORT(attenuate_of);
 
-vec4 read(const Weights& weights, const RowStretch& stretch, const vec4* texels) {
-    return HWY_DYNAMIC_DISPATCH(read_of)(weights, stretch, texels);
+void read(const Weights& weights, const MapLine& line, std::span<const LineReader> readers, const vec4* texels,
+          vec4* of_reader) {
+    HWY_DYNAMIC_DISPATCH(read_of)(weights, line, readers, texels, of_reader);
 }
-void add(const Weights& weights, const RowStretch& stretch, const vec4& value, bool squares, vec4* texels) {
-    HWY_DYNAMIC_DISPATCH(add_of)(weights, stretch, value, squares, texels);
+void add(const Weights& weights, const MapLine& line, std::span<const LineReader> readers, const vec4* ray_values,
+         bool squares, vec4* texels) {
+    HWY_DYNAMIC_DISPATCH(add_of)(weights, line, readers, ray_values, squares, texels);
 }
 void attenuate(std::span<const float> depth, std::span<float> amount) {
     HWY_DYNAMIC_DISPATCH(attenuate_of)(depth, amount);

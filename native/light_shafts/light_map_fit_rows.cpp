@@ -43,25 +43,36 @@ static float sinh_share(float half_gain) {
     return 1.0f + square * (1.0f / 6.0f + square * (1.0f / 120.0f + square * (1.0f / 5040.0f)));
 }
 
-void RowMaker::add_cell(const ScatterPiece& piece, float near_m, float far_m, const Rgb& transmittance) {
-    const float length_m = far_m - near_m, middle_m = 0.5f * (near_m + far_m);
-    const std::size_t cell = position_.size(), channels = is_coloured_ ? 3 : 1;
-    position_.push_back(along_at_zero_ + along_per_m_ * std::clamp(middle_m, enters_m_, leaves_m_));
+void RowMaker::add_cells(const ScatterPiece& piece, float near_m, float cell_m, std::size_t count,
+                         const Rgb& transmittance) {
+    const std::size_t first = position_.size(), channels = is_coloured_ ? 3 : 1;
+    const float middle_m = near_m + 0.5f * cell_m;
+    position_.resize(first + count);
     if (depth_.size() < position_.size() * channels) {
         depth_.resize(2 * position_.size() * channels);
         amount_.resize(depth_.size());
     }
+    const float position = along_at_zero_ + along_per_m_ * std::clamp(middle_m, enters_m_, leaves_m_);
+    for (std::size_t cell = 0; cell < count; ++cell)
+        position_[first + cell] = position + static_cast<float>(cell) * along_per_m_ * cell_m;
     for (std::size_t i = 0; i < channels; ++i) {
         const auto channel = static_cast<int>(i);
-        const float gain = piece.depth_per_m[channel] * length_m;
-        float& depth = depth_[cell * channels + i];
-        float& amount = amount_[cell * channels + i];
+        const float gain = piece.depth_per_m[channel] * cell_m;
+        float* const depth = &depth_[first * channels + i];
+        float* const amount = &amount_[first * channels + i];
         if (std::abs(gain) > 1.0f) { // beyond what sinh_share is for
-            depth = 0.0f;
-            amount = transmittance[channel] * scattered(piece, near_m, far_m)[channel];
-        } else {
-            depth = piece.depth_at_near[channel] + piece.depth_per_m[channel] * (middle_m - piece.near_m);
-            amount = transmittance[channel] * piece.source_per_m[channel] * length_m * sinh_share(0.5f * gain);
+            for (std::size_t cell = 0; cell < count; ++cell) {
+                const float from_m = near_m + static_cast<float>(cell) * cell_m;
+                depth[cell * channels] = 0.0f;
+                amount[cell * channels] = transmittance[channel] * scattered(piece, from_m, from_m + cell_m)[channel];
+            }
+            continue;
+        }
+        const float at_first = piece.depth_at_near[channel] + piece.depth_per_m[channel] * (middle_m - piece.near_m);
+        const float of_cell = transmittance[channel] * piece.source_per_m[channel] * cell_m * sinh_share(0.5f * gain);
+        for (std::size_t cell = 0; cell < count; ++cell) {
+            depth[cell * channels] = at_first + static_cast<float>(cell) * gain;
+            amount[cell * channels] = of_cell;
         }
     }
 }
@@ -70,7 +81,7 @@ void RowMaker::add_part(const ScatterPiece& piece, float near_m, float far_m, co
     float from_m = near_m;
     const auto add_until = [&](float to_m) {
         if (from_m < to_m)
-            add_cell(piece, from_m, to_m, transmittance);
+            add_cells(piece, from_m, to_m - from_m, 1, transmittance);
         from_m = std::max(from_m, to_m);
     };
     add_until(std::min(enters_m_, far_m));
@@ -79,8 +90,14 @@ void RowMaker::add_part(const ScatterPiece& piece, float near_m, float far_m, co
         const float per_line_m = std::abs(1.0f / along_per_m_), sign = along_per_m_ > 0.0f ? 1.0f : -1.0f;
         const float begin = sign * (along_at_zero_ + along_per_m_ * from_m),
                     end = sign * (along_at_zero_ + along_per_m_ * last_m);
-        for (float line = std::floor(begin) + 1.0f; line < end; line += 1.0f)
-            add_until(std::min((line - sign * along_at_zero_) * per_line_m, last_m));
+        const float first_line = std::floor(begin) + 1.0f, whole = std::ceil(end) - 1.0f - first_line;
+        if (first_line < end)
+            add_until(std::min((first_line - sign * along_at_zero_) * per_line_m, last_m));
+        if (whole > 0.0f) {
+            const float cell_m = std::min(per_line_m, (last_m - from_m) / whole);
+            add_cells(piece, from_m, cell_m, static_cast<std::size_t>(whole), transmittance);
+            from_m += whole * cell_m;
+        }
     }
     add_until(last_m);
     add_until(far_m);

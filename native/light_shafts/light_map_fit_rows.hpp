@@ -35,9 +35,9 @@ public:
     void add_row(const SeenRay& seen, LightMapMatrix::Part& part);
 
 private:
-    struct Cell;
     void add_part(const ScatterPiece& piece, float near_m, float far_m, const Rgb& transmittance);
-    void add_cell(const ScatterPiece& piece, float near_m, float far_m, const Rgb& transmittance);
+    /// Side by side, of one length each.
+    void add_cells(const ScatterPiece& piece, float near_m, float cell_m, std::size_t count, const Rgb& transmittance);
 
     LightMapAxes axes_;
     LightMapPlace place_;

@@ -205,6 +205,6 @@ TEST_CASE("light map fit: where it ends, no texel could do better: it is at rest
             held_count += x == 0.0;
             worst = std::max(worst, (x > 0.0 ? std::abs(force) : std::max(force, 0.0)) / lambda);
         }
-    CHECK(worst < 1e-3); // of a texel's range: float32 sums of a thousand rays
+    CHECK(worst < 2e-3); // of a texel's range: float32 sums of a thousand rays
     CHECK(held_count > 20);
 }

@@ -72,7 +72,36 @@ TEST_CASE("light map fit: a ray reads the map bilinearly where it crosses the mi
             expected += weight * (goes_along_y ? glm::mix(at(low, 2 + line), at(low + 1, 2 + line), share)
                                                : glm::mix(at(2 + line, low), at(2 + line, low + 1), share));
         }
-        CHECK(glm::length(glm::dvec3(vec3(radiance[0])) - expected) < 1e-6 * glm::length(expected));
+        // Two of the weights are rounded to 1 / 65534 of the third.
+        CHECK(glm::length(glm::dvec3(vec3(radiance[0])) - expected) < 2.0 * 3.0 / 65534.0);
+    }
+}
+
+TEST_CASE("light map fit: rays that share a line of the map read it no farther from their own than they may") {
+    const std::array strokes{strokes_from({20, -9, 3}, 60)};
+    LightMapFitConfig config = config_of(128);
+    config.shared_texels = 0.0f;
+    const Fitted alone = begin_fit(grey_fog, strokes, config);
+    const LightMapMatrix& t = alone.fit->matrix();
+    // Ramps of one per texel: what is read is the mean place of a ray's light, of which a shared line changes no more.
+    std::vector<vec4> ramps(t.texel_count());
+    for (std::size_t texel = 0; texel < ramps.size(); ++texel)
+        ramps[texel] = vec4(static_cast<float>(texel % t.pitch()), static_cast<float>(texel / t.pitch()), 1.0f, 0.0f);
+    const std::vector<vec4> own = product(t, ramps);
+    std::size_t samples = t.sample_count();
+    for (const float shared_texels : {0.1f, 0.4f}) {
+        config.shared_texels = shared_texels;
+        const Fitted together = begin_fit(grey_fog, strokes, config);
+        CHECK(together.fit->matrix().sample_count() < (shared_texels < 0.2f ? samples : samples / 2));
+        samples = together.fit->matrix().sample_count();
+        const std::vector<vec4> shared = product(together.fit->matrix(), ramps);
+        for (std::size_t ray = 0; ray < own.size(); ++ray) {
+            if (own[ray].z == 0.0f)
+                continue;
+            CHECK(std::abs(shared[ray].z / own[ray].z - 1.0f) < 1e-4f);
+            const vec2 moved = vec2(shared[ray]) / shared[ray].z - vec2(own[ray]) / own[ray].z;
+            CHECK(std::max(std::abs(moved.x), std::abs(moved.y)) < shared_texels + 2e-3f);
+        }
     }
 }
 
