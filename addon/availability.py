@@ -48,7 +48,9 @@ def load() -> bool:
         from . import native_module
 
         native_module.load()
-        import tyndall.renderer  # noqa: F401  proves that every library behind it loads
+        from tyndall.native_fit import require_fit
+
+        require_fit()  # proves as well that every library behind it loads
     except (ImportError, OSError, RuntimeError) as error:
         _why_not = explained(error)
     else:
