@@ -4,15 +4,23 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, FCurve, Operator
+from mathutils import Vector
 
-from ..animation_paths import curves_at
+from ..animation_paths import animates_by_other_means, curves_at
+from ..availability import why_no_render
 from ..edited_light import edited_light
 from ..keyed_shafts import animated_properties, next_key
-from ..properties.heterogeneity import WIND_PATH
+from ..properties.heterogeneity import SCALE_PATH, WIND_PATH
 from .occluder_edits import active_edit
+
+if TYPE_CHECKING:
+    import numpy as np
+    from bpy.types import Scene
+    from numpy.typing import NDArray
 
 #: Of holes that stand still when their turn is animated: enough to see them drift.
 _SWAY_FOR_TURNING = 0.5
@@ -85,6 +93,62 @@ class TYNDALL_OT_key_wind(Operator):
         return {"FINISHED"}
 
 
+class TYNDALL_OT_loop_wind(Operator):
+    """Change the wind as little as it takes to have the texture where it was after the frame range: a seamless loop."""
+
+    bl_idname = "tyndall.loop_wind"
+    bl_label = "Loop Wind"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if (reason := why_no_render() or _why_no_loop(context.scene)) is not None:
+            cls.poll_message_set(reason)
+            return False
+        return True
+
+    def execute(self, context: Context) -> set[str]:
+        from tyndall.heterogeneity import AirNoise
+
+        scene = context.scene
+        air = scene.tyndall.heterogeneity
+        frame_count = scene.frame_end + 1 - scene.frame_start
+        seconds = frame_count * scene.render.fps_base / scene.render.fps
+        before = Vector(air.wind_m_per_s)
+        air.wind_m_per_s = _looping(before * seconds, AirNoise(scale_m=air.scale_m).periods_m) / seconds
+        after = Vector(air.wind_m_per_s)
+        self.report(
+            {"INFO"},
+            f"{frame_count} frames loop: the wind is {after.length / before.length:.2g} times as fast, and turned by "
+            f"{math.degrees(after.angle(before)):.0f}\N{DEGREE SIGN}",
+        )
+        return {"FINISHED"}
+
+
+def _why_no_loop(scene: Scene) -> str | None:
+    """What the button says that loops the wind; None: it may."""
+    air = scene.tyndall.heterogeneity
+    if not air.is_enabled:
+        return "Switch Texture the Air on first"
+    for path, name in ((WIND_PATH, "wind"), (SCALE_PATH, "scale")):
+        if curves_at(scene, path) or animates_by_other_means(scene, path):
+            return f"The {name} is animated: a loop needs one that stays"
+    return None if any(air.wind_m_per_s) else "There is no wind: set one first, as it shall be about"
+
+
+def _looping(way_m: Vector, periods_m: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The whole multiples of the periods, (3, 3) by rows at right angles, that end nearest to a way; but not at 0."""
+    import numpy as np
+
+    periods = periods_m @ np.array(way_m) / (periods_m**2).sum(axis=1)
+    whole = np.round(periods)
+    if not whole.any():
+        strongest = np.abs(periods).argmax()
+        whole[strongest] = np.copysign(1.0, periods[strongest])
+    looping_m: NDArray[np.float64] = whole @ periods_m
+    return looping_m
+
+
 class TYNDALL_OT_loop_holes(Operator):
     """Turn the active holes once over the frame range: their drift ends where it begins, as a loop without a seam."""
 
@@ -126,4 +190,10 @@ def _remove_keys(curve: FCurve) -> None:
         curve.keyframe_points.remove(curve.keyframe_points[index])
 
 
-CLASSES = (TYNDALL_OT_jump_to_key, TYNDALL_OT_toggle_key, TYNDALL_OT_key_wind, TYNDALL_OT_loop_holes)
+CLASSES = (
+    TYNDALL_OT_jump_to_key,
+    TYNDALL_OT_toggle_key,
+    TYNDALL_OT_key_wind,
+    TYNDALL_OT_loop_wind,
+    TYNDALL_OT_loop_holes,
+)

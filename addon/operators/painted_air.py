@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import bpy
@@ -163,6 +164,7 @@ class TYNDALL_OT_painted_air_resample(_VolumeOperator, Operator):
     resolution: IntVectorProperty(
         name="Resolution",
         description="Voxels along the sides of the box",
+        subtype="XYZ",
         size=3,
         min=1,
         max=MOST_VOXELS,
@@ -235,7 +237,9 @@ class TYNDALL_OT_painted_air_bake(_VolumeOperator, Operator):
 def memory_text(resolution: tuple[int, int, int]) -> str:
     """What a volume takes in memory while it is painted or rendered; a .blend has only what is painted."""
     nx, ny, nz = resolution
-    return f"{nx * ny * nz * 4 / 2**20:.3g} MiB per painted volume"
+    kibibytes = nx * ny * nz * 4 / 2**10
+    size = f"{kibibytes / 2**10:.3g} MiB" if kibibytes >= 2**10 else f"{math.ceil(kibibytes)} KiB"
+    return f"{size} per painted volume"
 
 
 CLASSES = (

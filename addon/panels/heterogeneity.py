@@ -58,7 +58,9 @@ class _Wind:
     def draw(self, context: Context) -> None:
         layout = self.layout
         settings = _settings(layout, context)
-        layout.column().prop(settings, "wind_m_per_s", text="Wind")
+        column = layout.column()
+        column.prop(settings, "wind_m_per_s", text="Wind")
+        column.operator("tyndall.loop_wind", icon="FILE_REFRESH")
         layout.column().prop(settings, "offset_m", text="Offset")
 
 

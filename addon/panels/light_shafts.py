@@ -15,11 +15,18 @@ if TYPE_CHECKING:
     from ..properties.light_shafts import TyndallLightShaftSettings
 
 
-def draw_methods(layout: UILayout, shafts: TyndallLightShaftSettings) -> None:
+def _draw_choice(column: UILayout, shafts: TyndallLightShaftSettings, name: str, *, is_wide: bool) -> None:
+    """In a narrow sidebar the label stands above: beside the field, both would be cut."""
+    if not is_wide:
+        column.label(text=shafts.bl_rna.properties[name].name)
+    column.prop(shafts, name) if is_wide else column.prop(shafts, name, text="")
+
+
+def draw_methods(layout: UILayout, shafts: TyndallLightShaftSettings, *, is_wide: bool = True) -> None:
     """Draw how shafts are found, and how finely."""
     column = layout.column(align=True)
-    column.prop(shafts, "method")
-    column.prop(shafts, "viewport_method")
+    _draw_choice(column, shafts, "method", is_wide=is_wide)
+    _draw_choice(column, shafts, "viewport_method", is_wide=is_wide)
     column = layout.column(align=True)
     target = column.column(align=True)
     target.active = shafts.resolution == 0 and shafts.method != "EXACT"
@@ -40,13 +47,16 @@ def draw_light_samples(layout: UILayout, shafts: TyndallLightShaftSettings) -> N
     sharing.prop(shafts, "shares_strata")
 
 
-def draw_grids(layout: UILayout, shafts: TyndallLightShaftSettings) -> None:
+def draw_grids(layout: UILayout, shafts: TyndallLightShaftSettings, *, is_wide: bool = True) -> None:
     """Draw how volume grids scatter."""
     column = layout.column(align=True)
-    column.prop(shafts, "grid_method")
+    _draw_choice(column, shafts, "grid_method", is_wide=is_wide)
     steps = column.column(align=True)
     steps.active = shafts.grid_method == "MARCH"
-    steps.prop(shafts, "grid_error_target")
+    if is_wide:
+        steps.prop(shafts, "grid_error_target")
+    else:
+        steps.prop(shafts, "grid_error_target", text="Error Target")
 
 
 class TYNDALL_PT_light_shafts(PropertiesPanel, Panel):

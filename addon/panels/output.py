@@ -46,9 +46,9 @@ class TYNDALL_PT_sidebar_quality(SidebarPanel, Panel):
         column = layout.column(align=True)
         column.prop(settings, "pixel_samples", text="Render Samples")
         column.prop(settings, "viewport_samples", text="Viewport")
-        draw_methods(layout, settings.shafts)
+        draw_methods(layout, settings.shafts, is_wide=is_wide_region(context))
         draw_light_samples(layout, settings.shafts)
-        draw_grids(layout, settings.shafts)
+        draw_grids(layout, settings.shafts, is_wide=is_wide_region(context))
 
 
 SIDEBAR_CLASSES = (TYNDALL_PT_sidebar_output, TYNDALL_PT_sidebar_quality, *STATISTICS_CLASSES)

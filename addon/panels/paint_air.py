@@ -76,7 +76,7 @@ class TYNDALL_PT_painted_volumes(SidebarPanel, Panel):
         column = layout.column()
         column.active = why_no_paint(context) is None
         column.prop(settings, "resolution")
-        column.label(text=memory_text(settings.resolution))
+        draw_text(column, context, memory_text(settings.resolution))
         for name in ("intensity", "amount", "level"):
             volume = getattr(settings, name)
             count = len(volume.tiles)

@@ -7,8 +7,9 @@ from bpy.types import Object, PropertyGroup
 from ..painted_air import is_box
 from .tagging import OVERRIDABLE, tag
 
-#: Of a scene's wind, for keys.
+#: Of a scene's wind and of its noise's scale, for keys.
 WIND_PATH = "tyndall.heterogeneity.wind_m_per_s"
+SCALE_PATH = "tyndall.heterogeneity.scale_m"
 
 WEIGHTINGS = (
     (

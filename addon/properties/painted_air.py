@@ -51,6 +51,7 @@ class TyndallPaintedAir(PropertyGroup):
         name="Resolution",
         description="Voxels along the sides of the box. What is painted is seen at the new resolution at once, and "
         "kept at it with the next stroke; until then, going back loses nothing",
+        subtype="XYZ",
         size=3,
         min=1,
         max=MOST_VOXELS,

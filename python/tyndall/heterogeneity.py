@@ -6,13 +6,20 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
 
 from .scene_description import FloatArray
 
 WEIGHTINGS = ("LIT_PARTS", "WHOLE_RAY")
 
 Matrix = tuple[tuple[float, float, float, float], ...]
+
+#: Of the noise's coarsest octave, along an edge of its cube.
+_CELLS_PER_SIDE = 8
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,6 +32,14 @@ class AirNoise:
     contrast: float = 1.0  #: 1: three deviations fill its range; higher ones cut what is beyond, [0, 10].
     resolution: int = 256  #: Texels per side of the cube, a power of two, [16, 512].
     seed: int = 0
+
+    @property
+    def periods_m(self) -> NDArray[np.float64]:
+        """Float64 (3, 3), metres: moved by whole multiples of its rows, the noise is what it was.
+
+        They are the edges of its cube, which lies askew in the scene: native/volume/air_texture.cpp.
+        """
+        return _CELLS_PER_SIDE * self.scale_m * _turned((0.0, 0.0, 1.0), 0.6) @ _turned((1.0, 2.0, 0.5), 0.8)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,3 +68,13 @@ class Heterogeneity:
     step_count: int = 64  #: Per ray, [1, 4096].
     upsampling: int = 1  #: Pixels per side that share a ray's texture, guided by depth: 1, 2, 4, 8 or 16.
     painted: PaintedAir | None = None
+
+
+def _turned(axis: tuple[float, float, float], angle_rad: float) -> NDArray[np.float64]:
+    """Float64 (3, 3): the rotation about an axis (Rodrigues)."""
+    x, y, z = np.array(axis) / np.linalg.norm(axis)
+    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turned: NDArray[np.float64] = (
+        np.eye(3) + math.sin(angle_rad) * across + (1.0 - math.cos(angle_rad)) * across @ across
+    )
+    return turned

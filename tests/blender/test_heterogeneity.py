@@ -15,7 +15,13 @@ from addon.engine.settings import frame_window, render_config
 from addon.engine.viewport_worker import View, coarser
 from addon.painted_air import write_volume
 from addon.panels.presets import TYNDALL_PT_air_presets, shipped_presets
-from addon.properties.heterogeneity import UPSAMPLINGS, WIND_PATH, TyndallHeterogeneity, may_be_painted
+from addon.properties.heterogeneity import (
+    SCALE_PATH,
+    UPSAMPLINGS,
+    WIND_PATH,
+    TyndallHeterogeneity,
+    may_be_painted,
+)
 from addon.sync.cameras import read_camera
 from addon.sync.heterogeneity import read_heterogeneity
 from addon.sync.reports import Reports
@@ -226,6 +232,43 @@ def test_wind_in_a_strip_is_taken_as_steady_and_says_so(air: TyndallHeterogeneit
     assert read()[1] == ()
 
 
+@pytest.mark.parametrize("wind_m_per_s", [(1.0, 0.1, 0.0), (-4.2, 1.8, 3.0), (0.01, -0.02, 0.0)])
+def test_a_looped_wind_covers_whole_periods_of_the_noise(
+    air: TyndallHeterogeneity, wind_m_per_s: tuple[float, ...]
+) -> None:
+    """From the first frame to the one after the last; no others but none at all are nearer to what it was."""
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end, scene.render.fps, scene.render.fps_base = 11, 250, 30, 1.001
+    air.scale_m, air.wind_m_per_s = 1.5, wind_m_per_s
+    wanted_m = np.subtract(at(251).moved_m, at(11).moved_m)
+    assert bpy.ops.tyndall.loop_wind() == {"FINISHED"}
+    way_m = np.subtract(at(251).moved_m, at(11).moved_m)
+    counts = np.stack(np.meshgrid(*[np.arange(-5, 6)] * 3), axis=-1).reshape(-1, 3)
+    ways_m = counts[counts.any(axis=1)] @ AirNoise(scale_m=1.5).periods_m
+    nearest_m = ways_m[np.linalg.norm(ways_m - wanted_m, axis=1).argmin()]
+    assert way_m == pytest.approx(nearest_m, abs=1e-4)
+    bpy.ops.tyndall.loop_wind()  # again: it loops already
+    assert np.subtract(at(251).moved_m, at(11).moved_m) == pytest.approx(way_m, abs=1e-5)
+
+
+def test_only_a_wind_that_stays_can_be_looped(air: TyndallHeterogeneity) -> None:
+    """The button says what stands against it: nothing to carry, no wind, one that is keyed, noise that grows."""
+    scene = bpy.context.scene
+    assert not bpy.ops.tyndall.loop_wind.poll(), "there is no wind"
+    air.wind_m_per_s = (1.0, 0.0, 0.0)
+    assert bpy.ops.tyndall.loop_wind.poll()
+    for path in (WIND_PATH, SCALE_PATH):
+        scene.keyframe_insert(path, frame=1)
+        with pytest.raises(RuntimeError, match="is animated: a loop needs one that stays"):
+            bpy.ops.tyndall.loop_wind()
+        scene.animation_data_clear()
+    scene.driver_add(WIND_PATH, 0)
+    assert not bpy.ops.tyndall.loop_wind.poll()
+    scene.animation_data_clear()
+    air.is_enabled = False
+    assert not bpy.ops.tyndall.loop_wind.poll()
+
+
 @pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.stem)
 def test_each_preset_is_a_texture_of_its_own(air: TyndallHeterogeneity, preset: Path) -> None:
     """It switches the texture on, brings a wind, keeps what is the scene's own, and is undone."""
@@ -317,6 +360,26 @@ def test_the_texture_goes_with_the_wind(beams: TyndallHeterogeneity) -> None:
     assert not np.allclose(picture(), carried, rtol=0.05)
     beams.wind_m_per_s, beams.offset_m = (0.0, 0.0, 0.0), (0.0, 1.0, 0.0)
     assert np.array_equal(picture(), carried)
+
+
+@pytest.mark.parametrize("wind_m_per_s", [(2.5, 0.0, 0.0), (0.0, 1.7, 0.2), (-1.0, 0.0, -4.0)])
+def test_a_looped_wind_ends_where_it_begins(beams: TyndallHeterogeneity, wind_m_per_s: tuple[float, ...]) -> None:
+    """The frame after the last is the first, to a ten-thousandth of the brightest pixel: speeds are single floats.
+
+    A third through it is another picture.
+    """
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 48
+    beams.is_enabled, beams.scale_m, beams.amount = True, 0.5, 1.0
+    beams.wind_m_per_s = wind_m_per_s
+    bpy.ops.tyndall.loop_wind()
+    pictures = {}
+    for frame in (1, 17, 49):
+        scene.frame_set(frame)
+        pictures[frame] = picture()
+    brightest = pictures[1].max()
+    assert np.abs(pictures[49] - pictures[1]).max() < 1e-4 * brightest
+    assert np.abs(pictures[17] - pictures[1]).max() > 0.05 * brightest
 
 
 # What is painted
