@@ -492,30 +492,6 @@ OPERATORS = {
 }
 
 
-def state() -> list[tuple[Any, ...]]:
-    data = bpy.data.lights["Sun"]
-    return [(edit.name, edit.kind, edit.order, edit.is_solo) for edit in data.tyndall.occluder_edits] + sorted(
-        curves(data)
-    )
-
-
-@pytest.mark.parametrize("operator", OPERATORS)
-def test_every_operator_is_undone_and_redone(sun: bpy.types.Light, operator: str) -> None:
-    """The list as it was, with the keys as they were."""
-    keyed(sun)
-    bpy.context.preferences.edit.use_global_undo = True
-    before = state()
-    bpy.ops.ed.undo_push(message="before")
-    assert OPERATORS[operator]() == {"FINISHED"}
-    after = state()
-    bpy.ops.ed.undo_push(message=operator)
-    assert after != before
-    bpy.ops.ed.undo()
-    assert state() == before
-    bpy.ops.ed.redo()
-    assert state() == after
-
-
 # What is shown
 
 

@@ -3,14 +3,36 @@
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
 
 import bpy
 import pytest
 from mathutils import Vector
 
-from addon import last_render
+from addon import last_render, operators
 from addon.panels.presets import TYNDALL_PT_render_presets, shipped_presets
+
+SESSIONS = Path(__file__).parents[1] / "window" / "sessions"
+#: No session clicks them, because:
+NOT_CLICKED = {"tyndall.paint_air_stroke": "a stroke by a script: the mouse paints through tyndall.paint_air"}
+
+
+def clicked_in_window() -> set[str]:
+    """What the window's sessions promise to run by the mouse; each of them fails where its promise is not kept."""
+    promises = [
+        ast.literal_eval(statement.value)
+        for session in SESSIONS.glob("*.py")
+        for statement in ast.parse(session.read_text()).body
+        if isinstance(statement, ast.Assign) and [ast.unparse(target) for target in statement.targets] == ["CLICKS"]
+    ]
+    return {name for promise in promises for name in promise}
+
+
+def test_every_operator_is_clicked_in_blenders_window() -> None:
+    """A button that nobody has seen and pressed is not finished. Nor is a promise kept about one that is gone."""
+    ours = {cls.bl_idname for cls in operators.CLASSES if issubclass(cls, bpy.types.Operator)}
+    assert clicked_in_window() == ours - set(NOT_CLICKED)
 
 
 def bounds_m(box: bpy.types.Object) -> tuple[Vector, Vector]:

@@ -195,7 +195,7 @@ def test_no_resolution_is_absurd(box: bpy.types.Object) -> None:
     settings = box.tyndall.painted_air
     settings.resolution = (0, 10**6, 64)
     assert tuple(settings.resolution) == (1, 512, 64)
-    assert "0.125 MiB per painted volume" in drawn(panels.TYNDALL_PT_painted_volumes)
+    assert "128 KiB per painted volume" in drawn(panels.TYNDALL_PT_painted_volumes)
 
 
 def test_the_tool_says_that_it_needs_a_mouse(box: bpy.types.Object) -> None:

@@ -240,38 +240,6 @@ def test_holes_loop_over_the_frame_range(scene: bpy.types.Scene) -> None:
     assert noise.sway == 0.5
 
 
-@pytest.mark.parametrize("operator", ["key_wind", "loop_holes", "toggle_key", "select_medium"])
-def test_every_operator_is_undone_and_redone(scene: bpy.types.Scene, operator: str) -> None:
-    """Ctrl-Z takes it back whole."""
-    scene.tyndall.heterogeneity.is_enabled = True
-    lamp = bpy.data.objects["Light"]
-    bpy.context.view_layer.objects.active = lamp
-    bpy.ops.tyndall.occluder_edit_add(kind="HOLES")
-    cube("Box", fog())
-    scene.tyndall.heterogeneity.keyframe_insert("amount", frame=5)
-    settings = {
-        "toggle_key": {"identifier": identifier("Air: Amount")},
-        "select_medium": {"material_name": "Fog"},
-    }.get(operator, {})
-
-    def state() -> object:
-        now = bpy.context.scene
-        keys = [(found.identifier, found.key_frames) for found in animated_properties(now)]
-        return keys, [thing.name for thing in bpy.context.selected_objects]
-
-    bpy.context.preferences.edit.use_global_undo = True
-    bpy.ops.ed.undo_push(message="before")
-    before = state()
-    assert getattr(bpy.ops.tyndall, operator)(**settings) == {"FINISHED"}
-    bpy.ops.ed.undo_push(message=operator)
-    after = state()
-    assert after != before
-    bpy.ops.ed.undo()
-    assert state() == before
-    bpy.ops.ed.redo()
-    assert state() == after
-
-
 # Output
 
 

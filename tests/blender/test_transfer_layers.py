@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import bpy
 import numpy as np
@@ -15,7 +13,6 @@ from addon.animation_paths import curves_at
 from addon.function_trees import ramp_of, set_stops
 from addon.panels import transfer_functions as panels
 from addon.properties import transfer_functions as properties
-from addon.transfer_states import keys_of
 from support.recording_layout import drawn
 from support.transfer_scene import LAYERS, add_layers, keyed, names, sent, shafts
 from tyndall.native_transfer_functions import compose
@@ -131,52 +128,6 @@ def test_operators_ask_for_what_they_need(function: bpy.types.NodeTree) -> None:
     assert not bpy.ops.tyndall.transfer_layer_add.poll()
     assert bpy.ops.tyndall.transfer_state_remove() == {"FINISHED"}
     assert not bpy.ops.tyndall.transfer_state_key.poll()
-
-
-OPERATORS: dict[str, Callable[[], set[str]]] = {
-    "new": bpy.ops.tyndall.transfer_function_new,
-    "preset": lambda: bpy.ops.tyndall.transfer_function_preset(preset="EMBER"),
-    "layer add": lambda: bpy.ops.tyndall.transfer_layer_add(kind="GRADIENT"),
-    "layer remove": bpy.ops.tyndall.transfer_layer_remove,
-    "layer duplicate": bpy.ops.tyndall.transfer_layer_duplicate,
-    "layer move": lambda: bpy.ops.tyndall.transfer_layer_move(direction="DOWN"),
-    "layer paint": bpy.ops.tyndall.transfer_layer_paint,
-    "layer solo": bpy.ops.tyndall.transfer_layer_solo,
-    "constraint add": bpy.ops.tyndall.transfer_constraint_add,
-    "constraint remove": bpy.ops.tyndall.transfer_constraint_remove,
-    "state add": bpy.ops.tyndall.transfer_state_add,
-    "state remove": bpy.ops.tyndall.transfer_state_remove,
-    "state key": bpy.ops.tyndall.transfer_state_key,
-}
-
-
-def state() -> list[Any]:
-    """All that an operator may change."""
-    found: list[Any] = [(one.order, one.function and one.function.name) for one in shafts().transfer_states]
-    found += [tuple(key.co) for key in keys_of(bpy.context.scene)]
-    for tree in bpy.data.node_groups:
-        found += [tree.name, sorted(tree.nodes.keys())]
-        for layer in tree.tyndall.layers:
-            found += [layer.name, layer.order, layer.is_solo, layer.constraints.keys()]
-            found.append(len(curves_at(tree, layer.path_from_id("opacity"))))
-    return found
-
-
-@pytest.mark.parametrize("operator", OPERATORS)
-def test_every_operator_is_undone_and_redone(function: bpy.types.NodeTree, operator: str) -> None:
-    """Lists, ramps and keys as they were."""
-    keyed(function)
-    bpy.context.preferences.edit.use_global_undo = True
-    before = state()
-    bpy.ops.ed.undo_push(message="before")
-    assert OPERATORS[operator]() == {"FINISHED"}
-    after = state()
-    bpy.ops.ed.undo_push(message=operator)
-    assert after != before
-    bpy.ops.ed.undo()
-    assert state() == before
-    bpy.ops.ed.redo()
-    assert state() == after
 
 
 # What is shown

@@ -47,10 +47,16 @@ def press(window: Any, keys: tuple[str, ...]) -> Iterator[float]:
 
 
 def show_only(name: str) -> None:
-    """Take the tab's other panels away, less what this one is within: where things are does not depend on them then."""
+    """Take the tab's other panels away, less what this one is within: where things are does not depend on them then.
+
+    What an earlier call took away is there again.
+    """
     from addon.panels import CLASSES  # noqa: PLC0415  where it is registered
 
     of_tab = [cls for cls in CLASSES if getattr(cls, "bl_category", "") == "Light Shafts"]
+    for cls in of_tab:
+        if not cls.is_registered:
+            bpy.utils.register_class(cls)
     within = {cls.__name__: getattr(cls, "bl_parent_id", "") for cls in of_tab}
 
     def line(panel: str) -> list[str]:

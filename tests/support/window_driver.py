@@ -3,6 +3,7 @@
 
 blender --factory-startup --python tests/support/window_driver.py -- SESSION.py FOLDER
 A session yields seconds to wait. What it puts into ``window.facts`` arrives in FOLDER/facts.json. Blender ends with it.
+It names in CLICKS the operators that it has Blender run by the mouse or a key: one that never ran so is an error.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import subprocess
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,8 @@ class Window:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.facts: dict[str, Any] = {}
+        self.clicked: set[str] = set()  #: Operators of ours that Blender's own loop ran.
+        self.is_in_script = True  #: Not so while Blender handles events.
         self._last_tick = time.monotonic()
         self._longest_gap_s = 0.0
         self._calm_ticks = 0
@@ -88,15 +91,43 @@ class Window:
             yield 0.02
 
 
-def play(session: Iterator[float], window: Window) -> Callable[[], float | None]:
+def watch_operators(window: Window) -> None:
+    """Note which operators of ours run by a click or a key, and not because the session's own code calls them."""
+    from addon.operators import CLASSES  # noqa: PLC0415  after the path is set
+
+    def noting(run: Callable[..., set[str]], name: str) -> Callable[..., set[str]]:
+        def invoke(self: Any, context: Any, event: Any) -> set[str]:
+            if not window.is_in_script:
+                window.clicked.add(name)
+            return run(self, context, event)
+
+        def execute(self: Any, context: Any) -> set[str]:
+            if not window.is_in_script:
+                window.clicked.add(name)
+            return run(self, context)
+
+        return invoke if run.__name__ == "invoke" else execute  # Blender counts their arguments
+
+    for cls in CLASSES:
+        for name in ("invoke", "execute"):
+            if issubclass(cls, bpy.types.Operator) and (run := getattr(cls, name, None)) is not None:
+                setattr(cls, name, noting(run, cls.bl_idname))
+
+
+def play(session: Iterator[float], expected: Iterable[str], window: Window) -> Callable[[], float | None]:
     def step() -> float | None:
+        window.is_in_script = True
         try:
             return next(session)
         except StopIteration:
+            if missing := sorted(set(expected) - window.clicked):
+                window.facts["error"] = f"never clicked: {missing}"
             finish(window)
         except Exception:  # noqa: BLE001  the test reads it
             window.facts["error"] = traceback.format_exc()
             finish(window)
+        finally:
+            window.is_in_script = False
         return None
 
     return step
@@ -111,12 +142,14 @@ def main(session_path: str, folder: str) -> None:
     import addon  # noqa: PLC0415  after the path is set
 
     bpy.context.preferences.view.show_splash = False
+    window = Window(Path(folder))
+    watch_operators(window)
     addon.register()
     spec = importlib.util.spec_from_file_location("session", session_path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    window = Window(Path(folder))
-    bpy.app.timers.register(play(module.session(window), window), first_interval=1.0, persistent=True)
+    played = play(module.session(window), getattr(module, "CLICKS", ()), window)
+    bpy.app.timers.register(played, first_interval=1.0, persistent=True)
 
 
 if __name__ == "__main__":

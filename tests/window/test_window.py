@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from PIL import Image
 
 REPOSITORY = Path(__file__).parents[2]
@@ -159,6 +160,7 @@ def test_strokes_are_painted_over_the_picture_and_fitted(play: Callable[..., Any
     assert played.facts["stopped"]
     assert played.facts["steps"] == [32, 64]
     assert np.allclose(played.facts["reddest"], (1.0, 0.0, 0.0), atol=0.02)
+    assert played.facts["views"] == [2, 1]
     assert played.facts["gobo"] == [True, False, True]  # without the further steps, without the fit, with it again
     assert not [line for line in played.console.splitlines() if any(text in line for text in COMPLAINTS)]
 
@@ -198,17 +200,42 @@ def test_the_air_is_painted_with_the_mouse(play: Callable[..., Any]) -> None:
 
 
 def test_the_tab_goes_from_the_medium_to_the_output(play: Callable[..., Any]) -> None:
-    """It opens without a complaint; the screenshot shows its steps in their order."""
+    """Its steps in their order, and each button of those that are no lists: haze, the lamp's view, keys, presets."""
     played = play("sidebar", screen_px=(1000, 1200))
+    steps = played.facts["steps"]
+    assert steps["fog box"] == steps["select"] == [["Fog Box"], ["Fog Box"]]
+    assert steps["depth map"] == "Lamp depth after"
+    assert steps["loop wind"] != [1.0, 0.1, 0.0]
+    states, wind = {"Shafts: State": [1.0]}, {"Air: Wind": [1.0]}
+    holes = {"Make Holes: Turn": [1.0, 251.0]}
+    assert steps["key colours"] == states
+    assert steps["key wind"] == wind | states
+    assert steps["loop holes"] == steps["undo remove key"] == wind | states | holes
+    assert steps["remove key"] == steps["redo remove key"] == states | holes
+    assert (steps["next key"], steps["previous key"]) == (251, 1)
+    assert steps["save preset"] == ["render"]
+    assert steps["preset"] == 32
+    assert steps["copy"]["reports"] == ['Material "Gold": Glossy is drawn as Diffuse']
     assert not [line for line in played.console.splitlines() if any(text in line for text in COMPLAINTS)]
 
 
-def test_the_air_goes_to_a_file_and_back(play: Callable[..., Any]) -> None:
-    """Through Blender's file browser, which shows what may be chosen."""
-    facts = play("air_files", screen_px=(1100, 800)).facts
-    assert facts["is_written"]
-    assert facts["is_shown"]
-    assert facts["is_loaded"]
+def test_the_air_is_textured_and_goes_to_a_file_and_back(play: Callable[..., Any]) -> None:
+    """By the mouse: presets, a box, what is done to all of it; through Blender's file browser, twice."""
+    played = play("air", screen_px=(1000, 1100))
+    steps = played.facts["steps"]
+    assert steps["preset"] == pytest.approx([5.0, 0.2, 0.05, 0.0])
+    assert steps["save preset"] == ["air"]
+    assert steps["box"] == "Painted Air"
+    assert steps["fill"] == [0.25, None, None]
+    assert (steps["flip"], steps["undo flip"], steps["redo flip"]) == (True, False, True)
+    assert steps["resample"] == [96, 96, 96]
+    assert steps["bake"][1:] == [-1.0, None], "noise and paint are one intensity, and the air adds none of its own"
+    assert steps["undo bake"] == [pytest.approx(0.4375), None, None]
+    assert steps["clear"] == [None, None, None]
+    assert steps["to file"]
+    assert steps["is shown"]
+    assert steps["from file"]
+    assert not [line for line in played.console.splitlines() if any(text in line for text in COMPLAINTS)]
 
 
 def test_light_shafts_go_over_cycles_in_the_window(play: Callable[..., Any]) -> None:

@@ -37,7 +37,15 @@ def stage() -> bpy.types.Object:
     return sun
 
 
+CLICKS = (
+    "tyndall.paint_strokes",
+    "tyndall.fit_light_map",
+    "tyndall.continue_light_map",
+    "tyndall.fit_view_add",
+    "tyndall.fit_view_remove",
+)
 PANEL_HEADER, PAINT, FIT, CONTINUE = (100, 74), (136, 200), (161, 338), (83, 338)
+ADD_VIEW, REMOVE_VIEW = (49, 104), (49, 125)
 STROKE_PX = (150, 190), 434  #: x from and to, y: over the left of the picture.
 
 
@@ -111,6 +119,10 @@ def session(window: Any) -> Iterator[float]:
         yield from press(window, (key,))
         settings = bpy.data.objects[name].data.tyndall
         window.facts.setdefault("gobo", []).append(settings.gobo_image is not None)
+    for place in (ADD_VIEW, REMOVE_VIEW):
+        yield from click(window, place)
+        window.facts.setdefault("views", []).append(len(bpy.data.objects[name].data.tyndall.light_map_fit.views))
+        window.screenshot(f"light_map_fit_views_{len(window.facts['views'])}")
 
 
 def texels_of(image: bpy.types.Image) -> np.ndarray:

@@ -13,6 +13,13 @@ import bpy
 
 from support.mouse import TAB, click, press, show_only, xdotool
 
+CLICKS = (
+    "tyndall.occluder_edit_add",
+    "tyndall.occluder_edit_duplicate",
+    "tyndall.occluder_edit_move",
+    "tyndall.occluder_edit_remove",
+    "tyndall.occluder_edit_solo",
+)
 ADD, REMOVE, MENU, UP, DOWN = ((49, y) for y in (71, 92, 120, 147, 168))
 DUPLICATE, SOLO = (168, 144), (168, 165)  # in the menu, once it is open
 EYE_OF_FIRST = (84, 77)

@@ -15,6 +15,7 @@ import numpy as np
 from support.beam_scene import build_beam_scene
 from support.mouse import click_at, press, xdotool
 
+CLICKS = ("tyndall.over_engine_set_up", "tyndall.leave_fog", "tyndall.over_engine_remove")
 HEADER, SET_UP = (140, 767), (436, 515)
 SWITCH, LEAVE_FOG, REMOVE = (66, 448), (245, 573), (626, 573)
 

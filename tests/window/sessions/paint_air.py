@@ -17,6 +17,7 @@ import numpy as np
 
 from support.mouse import TAB, click, press, xdotool
 
+CLICKS = ("tyndall.paint_air",)
 PAINT_BUTTON = (120, 71)
 
 

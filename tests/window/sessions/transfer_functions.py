@@ -13,6 +13,22 @@ import bpy
 
 from support.mouse import TAB, click, click_at, press, show_only, xdotool
 
+CLICKS = (
+    "tyndall.pick_constraint",
+    "tyndall.transfer_constraint_add",
+    "tyndall.transfer_constraint_remove",
+    "tyndall.transfer_function_new",
+    "tyndall.transfer_function_preset",
+    "tyndall.transfer_layer_add",
+    "tyndall.transfer_layer_duplicate",
+    "tyndall.transfer_layer_move",
+    "tyndall.transfer_layer_paint",
+    "tyndall.transfer_layer_remove",
+    "tyndall.transfer_layer_solo",
+    "tyndall.transfer_state_add",
+    "tyndall.transfer_state_key",
+    "tyndall.transfer_state_remove",
+)
 PANEL_HEADER = (100, 74)
 NEW, CHOOSE, FIRST_PRESETS = (117, 181), (117, 203), (125, 161)
 COPY, PRESETS = (71, 108), (125, 134)
