@@ -6,7 +6,6 @@ scripts/python examples/guide_pictures.py [NAME...]
 
 from __future__ import annotations
 
-import colorsys
 import sys
 import tempfile
 import time
@@ -17,189 +16,29 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-
-import tyndall.blender
-
-ROOT = Path(__file__).resolve().parent.parent
-SIZE_PX = (640, 360)
-
-
-def sun() -> bpy.types.Light:
-    """The scene's only one."""
-    return next(thing.data for thing in bpy.context.scene.objects if thing.type == "LIGHT" and thing.data.type == "SUN")
-
-
-def add_edit(kind: str, **settings: object) -> bpy.types.PropertyGroup:
-    """Add an edit of the sun's occluders; settings of the noise are given as they are called there."""
-    edits = sun().tyndall.occluder_edits
-    edit = edits.add()
-    edit.name, edit.kind, edit.order = kind, kind, len(edits)
-    for name, value in settings.items():
-        setattr(edit.noise if hasattr(edit.noise, name) else edit, name, value)
-    return edit
-
-
-def colour(preset: str) -> None:
-    """Recolour the shafts by a transfer function made of a preset."""
-    bpy.ops.tyndall.transfer_function_preset(preset=preset)
-
-
-def show_frame(frame: int) -> None:
-    """Go to a frame of an animated example."""
-    bpy.context.scene.frame_set(frame)
-
-
-def alarm_at_dawn() -> None:
-    """Give the terrain, which has functions of its own, the one of the other scenes."""
-    scene = bpy.context.scene
-    scene.tyndall.shafts.transfer_states.clear()
-    colour("ALARM")
-    scene.frame_set(25)
-
-
-def stained_glass(size_px: int = 512, pane_count: int = 60) -> bpy.types.Image:
-    """Panes of coloured glass between strips of lead, which tile."""
-    random = np.random.default_rng(4)
-    centres = random.random((pane_count, 2))
-    hues = random.choice([0.0, 0.08, 0.12, 0.38, 0.6, 0.63, 0.8], pane_count)
-    colours = np.array([colorsys.hsv_to_rgb(hue, 0.95, 1.0) for hue in hues])
-    axis = (np.arange(size_px) + 0.5) / size_px
-    places = np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 1, 2)
-    away = np.abs(places - centres)
-    distance = np.hypot(*np.moveaxis(np.minimum(away, 1.0 - away), -1, 0))
-    nearest = np.argsort(distance, axis=1)[:, :2]
-    gap = np.take_along_axis(distance, nearest, axis=1)
-    pixels = np.ones((size_px * size_px, 4), np.float32)
-    pixels[:, :3] = colours[nearest[:, 0]] * np.clip((gap[:, 1] - gap[:, 0]) / 0.02 - 0.5, 0.0, 1.0)[:, None]
-    image = bpy.data.images.new("Stained Glass", size_px, size_px)
-    image.pixels.foreach_set(pixels.ravel())
-    return image
-
-
-def breakup(size_px: int = 512) -> bpy.types.Image:
-    """Blades of light that turn around the middle, as a sheet of metal throws them."""
-    y, x = np.mgrid[0:size_px, 0:size_px] / size_px * 2.0 - 1.0
-    radius, angle = np.hypot(x, y), np.arctan2(y, x)
-    is_open = (np.sin(7.0 * angle + 5.0 * radius) > 0.15) & (radius > 0.12) & (radius < 0.95)
-    pixels = np.ones((size_px, size_px, 4), np.float32)
-    pixels[..., :3] = is_open[..., None]
-    image = bpy.data.images.new("Breakup", size_px, size_px)
-    image.pixels.foreach_set(pixels.ravel())
-    return image
-
-
-def throw_blades() -> None:
-    """Put the same gobo into every spot."""
-    image = breakup()
-    for thing in bpy.context.scene.objects:
-        if thing.type == "LIGHT" and thing.data.type == "SPOT":
-            thing.data.tyndall.gobo_image = image
-
-
-def throw_glass(size_m: float) -> None:
-    """Have the sun throw panes of stained glass."""
-    settings = sun().tyndall
-    settings.gobo_image, settings.gobo_size_m, settings.gobo_extension = stained_glass(), size_m, "REPEAT"
-
-
-#: Strokes over the hall: middle and radius, as shares of the frame's width from its lower left corner, and a colour.
-STROKES = (
-    ((0.10, 0.25), 0.07, (1.0, 0.12, 0.05)),
-    ((0.30, 0.32), 0.05, (0.1, 0.9, 0.25)),
-    ((0.42, 0.33), 0.04, (0.15, 0.35, 1.0)),
+from guide_edits import (
+    ROOT,
+    SIZE_PX,
+    add_edit,
+    alarm_at_dawn,
+    colour,
+    draft,
+    let_light_bounce,
+    paint_beams,
+    paint_one_shaft,
+    paint_shafts,
+    paint_stage,
+    show_frame,
+    show_pass,
+    smoke,
+    texture,
+    throw_blades,
+    throw_glass,
+    turn_medium,
+    use_function,
 )
 
-
-def paint_shafts() -> None:
-    """Paint over the hall what its shafts shall be like, and have the sun's map fitted to it."""
-    scene = bpy.context.scene
-    scene.render.engine = "TYNDALL"
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = *SIZE_PX, 100
-    bpy.context.view_layer.objects.active = next(thing for thing in scene.objects if thing.data == sun())
-    bpy.ops.tyndall.paint_strokes()
-    strokes = sun().tyndall.light_map_fit.views[0].strokes
-    width, height = strokes.size
-    pixels = np.zeros((height, width, 4), np.float32)
-    places = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1) / width
-    for middle, radius, colour in STROKES:
-        pixels[np.hypot(*np.moveaxis(places - middle, -1, 0)) < radius] = (*colour, 1.0)
-    strokes.pixels.foreach_set(pixels.ravel())
-    strokes.update()
-    bpy.ops.tyndall.fit_light_map()
-
-
-#: Strokes over beams of the stage: the spot, its place and a place farther along it in the picture, as shares of its
-#: width and height from the lower left corner.
-BEAMS = (("Back 2", (0.327, 0.832), (0.13, 0.49)), ("Back 5", (0.697, 0.852), (0.83, 0.5)))
-
-
-def paint_beams() -> None:
-    """Paint two beams of the stage as fans of five blades, red and dark, and have the spots' maps fitted to that."""
-    scene = bpy.context.scene
-    scene.render.engine = "TYNDALL"
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = *SIZE_PX, 100
-    for name, lamp, far in BEAMS:
-        spot = scene.objects[name]
-        bpy.context.view_layer.objects.active = spot
-        bpy.ops.tyndall.paint_strokes()
-        strokes = spot.data.tyndall.light_map_fit.views[0].strokes
-        width, height = strokes.size
-        columns, rows = np.meshgrid(np.arange(width), np.arange(height))
-        across, up = columns - lamp[0] * width, rows - lamp[1] * height
-        axis = np.array([(far[0] - lamp[0]) * width, (far[1] - lamp[1]) * height])
-        along, beside = (across * axis[0] + up * axis[1]), (across * axis[1] - up * axis[0])
-        blade = np.floor(beside / np.maximum(along, 1.0) / BLADE + 0.5)
-        is_painted = (along > 0.0) & (np.abs(blade) <= 2.0)
-        pixels = np.zeros((height, width, 4), np.float32)
-        pixels[is_painted] = (0.0, 0.0, 0.0, 1.0)
-        pixels[is_painted & (blade % 2.0 == 0.0)] = (4.0, 0.25, 0.05, 1.0)
-        strokes.pixels.foreach_set(pixels.ravel())
-        strokes.update()
-        bpy.ops.tyndall.fit_light_map()
-
-
-#: Tangent of the angle that a blade has in the picture.
-BLADE = 0.06
-
-
-def let_light_bounce(*, with_shafts: bool = False) -> None:
-    """Have Cycles draw indirect light, too; with its own fog, or with light shafts over a picture without fog."""
-    scene = bpy.context.scene
-    scene.cycles.device, scene.cycles.samples = "CPU", 16
-    scene.cycles.max_bounces = scene.cycles.diffuse_bounces = 4
-    if with_shafts:
-        bpy.ops.tyndall.over_engine_set_up()
-        bpy.ops.tyndall.leave_fog()
-
-
-def paint_air(places_m: list[tuple[float, float, float]], volume: str, value: float, radius_m: float) -> None:
-    """Paint one stroke, at full opacity, through places in the world."""
-    brush = bpy.context.scene.tyndall.air_brush
-    brush.volume, brush.mode, brush.opacity, brush.radius_m = volume, "PAINT", 1.0, radius_m
-    setattr(brush, volume.lower(), value)
-    dabs = [{"name": "", "location": place_m, "pressure": 1.0} for place_m in places_m]
-    bpy.ops.tyndall.paint_air_stroke(dabs=dabs)
-
-
-def paint_one_shaft() -> None:
-    """Dim the hall's shafts but the one that falls on the table, with dust in it: by paint in the air."""
-    scene = bpy.context.scene
-    scene.render.engine = "TYNDALL"
-    bpy.ops.tyndall.add_painted_box(voxels=128)
-    scene.tyndall.heterogeneity.amount = 0.0
-    scene.tyndall.heterogeneity.scale_m = 0.8
-    shaft_m = [(-5.5, -3.7, 5.7), (-0.4, -6.5, 0.9)]
-    scene.tyndall.air_brush.volume, scene.tyndall.air_brush.intensity = "INTENSITY", 0.12
-    bpy.ops.tyndall.painted_air_fill()
-    paint_air(shaft_m, "INTENSITY", 5.0, 1.6)
-    paint_air(shaft_m, "AMOUNT", 1.0, 1.6)
-
-
-def texture(preset: str, **settings: object) -> None:
-    """Give the air a preset's texture, with some of its settings changed."""
-    bpy.ops.tyndall.preset_apply(filepath=str(ROOT / "addon" / "presets" / "air" / f"{preset}.py"))
-    for name, value in settings.items():
-        setattr(bpy.context.scene.tyndall.heterogeneity, name, value)
+import tyndall.blender
 
 
 @dataclass(frozen=True)
@@ -210,8 +49,53 @@ class Picture:
     scene: str
     edit: Callable[[], object] = lambda: None
     engine: str = "TYNDALL"
+    size_px: tuple[int, int] = SIZE_PX
 
 
+USES = ("REPLACE", "MULTIPLY", "TINT")
+PASSES = ("Shafts", "Shafts Visibility", "Transmittance")
+WIND = {"wind_m_per_s": (0.6, 0.0, 0.0)}
+#: One or both ends of the texture's sliders, beside smoke that lies between.
+AIR_ENDS: dict[str, dict[str, float]] = {
+    "amount": {"low": 0.3},
+    "intensity": {"high": 2.0},
+    "scale_m": {"low": 0.25, "high": 2.0},
+    "contrast": {"low": 1.0, "high": 4.0},
+    "level": {"high": 3.0},
+    "octaves": {"low": 1},
+    "persistence": {"high": 0.75},
+}
+#: Of pictures of single controls, three of which stand side by side.
+CONTROL_PX = (400, 225)
+
+
+def control(name: str, scene: str, edit: Callable[[], object] = lambda: None) -> Picture:
+    """What one control does to an example."""
+    return Picture(f"control_{name}", scene, edit, size_px=CONTROL_PX)
+
+
+CONTROLS = (
+    control("hall", "window_hall"),
+    control("medium_thin", "window_hall", lambda: turn_medium(density_factor=0.3)),
+    control("medium_thick", "window_hall", lambda: turn_medium(density_factor=3.0)),
+    control("medium_even", "window_hall", lambda: turn_medium(asymmetry_g=0.0)),
+    control("medium_forward", "window_hall", lambda: turn_medium(asymmetry_g=0.8)),
+    control("medium_unattenuated", "window_hall", lambda: turn_medium(density_factor=3.0, attenuates=False)),
+    *(control(f"use_{use.lower()}", "window_hall", partial(use_function, "SUNRISE", use)) for use in USES),
+    control("air_even", "stage_spots"),
+    control("air", "stage_spots", smoke),
+    *(
+        control(f"air_{name}_{end}", "stage_spots", partial(smoke, **{name: value}))
+        for name, ends in AIR_ENDS.items()
+        for end, value in ends.items()
+    ),
+    control("air_whole_ray", "stage_spots", lambda: smoke(weighting="WHOLE_RAY")),
+    *(control(f"air_wind_{frame}", "stage_spots", partial(smoke, frame, **WIND)) for frame in (25, 49)),
+    control("paint_intensity", "stage_spots", lambda: paint_stage("INTENSITY", 0.0)),
+    control("paint_amount", "stage_spots", lambda: paint_stage("AMOUNT", -1.0)),
+    control("paint_level", "stage_spots", lambda: paint_stage("LEVEL", 4.0)),
+    *(control(f"pass_{name.lower().replace(' ', '_')}", "window_hall", partial(show_pass, name)) for name in PASSES),
+)
 PICTURES = (
     Picture("edits_forest_before", "forest_clearing"),
     Picture("edits_forest_close", "forest_clearing", lambda: add_edit("CLOSE", size_m=0.35)),
@@ -242,6 +126,7 @@ PICTURES = (
     Picture("air_hall_mist", "window_hall", lambda: texture("Mist_Banks")),
     Picture("air_stage_smoke", "stage_spots", lambda: texture("Drifting_Smoke")),
     Picture("colour_terrain_alarm", "terrain_sunrise", alarm_at_dawn),
+    *CONTROLS,
     *(
         Picture(f"colour_sunrise_{frame}", "terrain_sunrise", partial(show_frame, frame))
         for frame in (1, 25, 50, 75, 100)
@@ -257,7 +142,9 @@ def render(picture: Picture) -> None:
     scene = bpy.context.scene
     scene.render.engine = picture.engine
     picture.edit()
-    scene.render.resolution_x, scene.render.resolution_y = SIZE_PX
+    scene.render.resolution_x, scene.render.resolution_y = picture.size_px
+    if picture in CONTROLS:
+        draft()
     scene.render.resolution_percentage = 100
     scene.render.image_settings.file_format, scene.render.image_settings.quality = "JPEG", 88
     scene.render.use_stamp_filename = False  # a picture does not say where its scene lay
