@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Flicker: how the light of the air changes from frame to frame where the camera stands still, beside a reference that
-// moves alike and is computed 8 times as finely, at 2,000 pixels of full HD. 16 frames, 24 per second, in scenes S
+// moves alike and is computed 8 times as finely, at 2,000 pixels of full HD. 12 frames, 24 per second, in scenes S
 // (Sponza-LowPoly) and F (the forest):
 //   wind     1 m/s in the air's texture; setting: steps per ray. Reference: 512 steps, of the same noise, whose 256^3
 //            texels are what is drawn and no approximation
@@ -22,7 +22,7 @@ namespace tyndall::bench {
 namespace {
 using light_shafts::Config;
 using light_shafts::Method;
-constexpr int frame_count = 16;
+constexpr int frame_count = 12;
 constexpr std::size_t pixel_count = 2000;
 using Film = std::vector<std::vector<float>>; ///< By frame and pixel.
 

@@ -59,9 +59,9 @@ in_python() {
 if [[ ${names[*]} == figures ]]; then
     both=(--simd=AVX-512,AVX2 --rounds=3 --benchmark_min_time=0.2)
     native paper_tables paper_tables_bench --rounds=3 --benchmark_min_time=0.1
-    native simd_functions transfer_functions_bench "${both[@]}" --benchmark_filter='^(apply_(smooth|noisy)|plain_apply)/'
+    native simd_functions transfer_functions_bench "${both[@]}" --benchmark_filter='^(apply_(smooth|noisy))/'
     native simd_edits light_shafts_edits_bench "${both[@]}" \
-        --benchmark_filter='^(close_(square|disc|rows)|dilate_rows|(moving_)?holes)/size:2048'
+        --benchmark_filter='^(close_(square|disc|rows)|dilate_rows|(moving_)?holes(_in_space)?)/size:2048'
     native simd_air heterogeneity_bench "${both[@]}" \
         --benchmark_filter='^(march/scene:[01]/steps:64|upsample/scene:[01]/side:2)/'
     native simd_fit light_map_fit_bench "${both[@]}" --benchmark_filter='^(see_and_build|steps)/0/'
