@@ -1,103 +1,33 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/air_columns.hpp"
 #include "core/parallel.hpp"
+#include "light_shafts/air_columns_kernel.hpp"
 #include "light_shafts/heterogeneity_kernel.hpp"
 #include "light_shafts/prepared_lights.hpp"
 #include <algorithm>
 #include <cmath>
 
 namespace tyndall::light_shafts {
-static PictureGrid make_grid(const Camera& camera, float cell_px) {
-    const auto nodes = [&](std::uint32_t size_px) {
-        return static_cast<std::uint32_t>(std::ceil(static_cast<float>(size_px) / cell_px)) + 1;
-    };
-    const float per_x = static_cast<float>(camera.width_px) / (camera.window_right - camera.window_left) / cell_px,
-                per_y = static_cast<float>(camera.height_px) / (camera.window_top - camera.window_bottom) / cell_px;
-    const vec3 right(camera.world_from_camera[0]), up(camera.world_from_camera[1]), forward = camera.forward();
-    PictureGrid grid{.is_orthographic = camera.kind == CameraKind::Orthographic,
-                     .x = per_x * right,
-                     .y = per_y * up,
-                     .depth = forward,
-                     .offset = -vec2(per_x * camera.window_left, per_y * camera.window_bottom),
-                     .plane_m = glm::dot(forward, camera.ray(0, 0).origin),
-                     .width = nodes(camera.width_px),
-                     .height = nodes(camera.height_px)};
-    if (grid.is_orthographic)
-        grid.offset -= vec2(glm::dot(grid.x, camera.position()), glm::dot(grid.y, camera.position()));
-    return grid;
-}
+namespace {
+constexpr std::size_t columns_per_block = 32;
 
-/// As far apart at their far ends as steps are long, as long as that is some pixels.
-static float cell_px(const Camera& camera, float step_m, float last_m) {
-    const float px_per_m = static_cast<float>(camera.width_px) / (camera.window_right - camera.window_left) /
-                           (camera.kind == CameraKind::Orthographic ? 1.0f : last_m);
-    return std::clamp(std::abs(px_per_m) * step_m, 2.0f, 32.0f);
-}
+ViewRay endless(const Ray& ray) { return {ray.origin, ray.direction, 0.0f, std::numeric_limits<float>::infinity()}; }
 
-AirColumns::AirColumns(const Media& media, const Camera& camera, const AirTexture& air, float offset, float most_depth,
-                       const Progress& progress)
-    : media_(media), camera_(camera), offset_(offset) {
-    // Rays end at surfaces, halfway on average: then they have as many steps as they would have alone.
-    step_count_ = air.most_points();
-    find_ends(most_depth, progress);
-    if (is_empty())
-        return;
-    cell_px_ = cell_px(camera, step_m_, last_m());
-    grid_ = make_grid(camera, cell_px_);
-    const std::size_t steps = step_count_;
-    texture_.resize(std::size_t{grid_.width} * grid_.height * steps);
-    parallel_blocks(std::size_t{grid_.width} * grid_.height, 64, progress, [&](std::size_t begin, std::size_t end) {
-        thread_local std::vector<MediumSegment> segments;
-        thread_local std::vector<float> at_m, weights;
-        at_m.resize(steps), weights.resize(steps);
-        for (std::size_t step = 0; step < steps; ++step)
-            at_m[step] = first_m_ + (static_cast<float>(step) + offset_) * step_m_;
-        for (std::size_t column = begin; column < end; ++column) {
-            segments.clear();
-            const ViewRay along = ray(column);
-            clip_to_media(media_, along, segments);
-            std::ranges::fill(weights, 0.0f);
-            for (const MediumSegment& segment : segments) {
-                const auto step_at = [&](float t) {
-                    return std::clamp((t - first_m_) / step_m_, 0.0f, static_cast<float>(steps));
-                };
-                std::fill(weights.begin() + static_cast<int>(step_at(segment.near_m)),
-                          weights.begin() + static_cast<int>(std::ceil(step_at(segment.far_m))), 1.0f);
-            }
-            air.find({.origin = along.origin,
-                      .direction = along.direction,
-                      .at_m = at_m,
-                      .weights = weights,
-                      .step_m = step_m_},
-                     std::span(texture_).subspan(column * steps, steps));
-        }
-    });
-}
-
-static ViewRay endless(const Ray& ray) {
-    return {ray.origin, ray.direction, 0.0f, std::numeric_limits<float>::infinity()};
-}
-
-ViewRay AirColumns::ray(std::size_t column) const {
-    return endless(camera_.ray(cell_px_ * static_cast<float>(column % grid_.width),
-                               cell_px_ * static_cast<float>(column / grid_.width)));
-}
-
-void AirColumns::find_ends(float most_depth, const Progress& progress) {
+/// Where media begin and end along rays all over the picture.
+std::pair<float, float> find_ends(const Media& media, const Camera& camera, float most_depth) {
     float first_m = std::numeric_limits<float>::infinity(), last_m = 0.0f;
     std::vector<MediumSegment> segments;
     constexpr std::uint32_t rays_per_side = 48;
-    progress.poll();
+    const auto at = [](std::uint32_t i, std::uint32_t size_px) {
+        return static_cast<float>(i) * static_cast<float>(size_px) / rays_per_side;
+    };
     for (std::uint32_t y = 0; y <= rays_per_side; ++y)
         for (std::uint32_t x = 0; x <= rays_per_side; ++x) {
             segments.clear();
-            const auto at = [](std::uint32_t i, std::uint32_t size_px) {
-                return static_cast<float>(i) * static_cast<float>(size_px) / rays_per_side;
-            };
-            clip_to_media(media_, endless(camera_.ray(at(x, camera_.width_px), at(y, camera_.height_px))), segments);
+            clip_to_media(media, endless(camera.ray(at(x, camera.width_px), at(y, camera.height_px))), segments);
             float depth = 0.0f;
             for (const MediumSegment& segment : segments) {
-                const Rgb sigma_t = media_.sigma_t_per_m(segment.set);
+                const Rgb sigma_t = media.sigma_t_per_m(segment.set);
                 const float least = std::min({sigma_t.x, sigma_t.y, sigma_t.z});
                 float length_m = segment.far_m - segment.near_m;
                 if (least * length_m > most_depth - depth)
@@ -109,30 +39,143 @@ void AirColumns::find_ends(float most_depth, const Progress& progress) {
                 }
             }
         }
-    first_m_ = first_m;
-    step_m_ = first_m < last_m ? (last_m - first_m) / static_cast<float>(step_count_) : 0.0f;
+    return {first_m, last_m};
+}
+
+float px_per_window_m(const Camera& camera) {
+    return static_cast<float>(camera.width_px) / (camera.window_right - camera.window_left);
+}
+} // namespace
+
+AirGrid make_air_grid(const Media& media, const Camera& camera, const AirTexture& air, float most_depth) {
+    const auto [first_m, last_m] = find_ends(media, camera, most_depth);
+    const std::uint32_t step_count = air.most_points();
+    const float step_m = first_m < last_m ? (last_m - first_m) / static_cast<float>(step_count) : 0.0f;
+    const bool is_orthographic = camera.kind == CameraKind::Orthographic;
+    const float cell_px =
+        std::clamp(std::abs(px_per_window_m(camera)) * step_m / (is_orthographic ? 1.0f : last_m), 2.0f, 32.0f);
+    const auto columns = [&](std::uint32_t size_px) {
+        return static_cast<std::uint32_t>(std::ceil(static_cast<float>(size_px) / cell_px)) + 1;
+    };
+    const float per_x = px_per_window_m(camera) / cell_px,
+                per_y = static_cast<float>(camera.height_px) / (camera.window_top - camera.window_bottom) / cell_px;
+    const vec3 right(camera.world_from_camera[0]), up(camera.world_from_camera[1]);
+    AirGrid grid{.is_orthographic = is_orthographic,
+                 .x = per_x * right,
+                 .y = per_y * up,
+                 .depth = camera.forward(),
+                 .offset = -vec2(per_x * camera.window_left, per_y * camera.window_bottom),
+                 .plane_m = glm::dot(camera.forward(), camera.ray(0, 0).origin),
+                 .width = columns(camera.width_px),
+                 .height = columns(camera.height_px),
+                 .cell_px = cell_px,
+                 .first_m = first_m,
+                 .step_m = step_m,
+                 .step_count = step_count};
+    if (is_orthographic)
+        grid.offset -= vec2(glm::dot(grid.x, camera.position()), glm::dot(grid.y, camera.position()));
+    return grid;
+}
+
+void AirNeeds::add(std::span<const ViewRay> rays) {
+    constexpr std::size_t capacity = 256;
+    std::array<std::uint32_t, capacity> cells, steps;
+    for (std::size_t start = 0; start < rays.size(); start += capacity) {
+        const auto some = rays.subspan(start, std::min(capacity, rays.size() - start));
+        air_columns::find_cells(grid_, some, cells, steps);
+        for (std::size_t ray = 0, next; ray < some.size(); ray = next) {
+            std::uint32_t most = 0;
+            for (next = ray; next < some.size() && cells[next] == cells[ray]; ++next)
+                most = std::max(most, steps[next]);
+            std::atomic<std::uint32_t>& of_cell = steps_[cells[ray]];
+            std::uint32_t before = of_cell.load(std::memory_order_relaxed);
+            while (before < most && !of_cell.compare_exchange_weak(before, most, std::memory_order_relaxed))
+                ;
+        }
+    }
+}
+
+std::vector<std::uint32_t> AirNeeds::of_columns() const {
+    static constexpr std::size_t before = static_cast<std::size_t>(most_span) + 2, after = before - 1;
+    const auto most_around = [](std::size_t at, std::size_t count, const auto& value_at) {
+        std::uint32_t most = 0;
+        for (std::size_t i = at - std::min(at, before); i < std::min(at + after + 1, count); ++i)
+            most = std::max(most, value_at(i));
+        return most;
+    };
+    std::vector<std::uint32_t> along_x(steps_.size()), most(steps_.size());
+    for (std::size_t cell = 0; cell < steps_.size(); ++cell) {
+        const std::size_t row = cell / grid_.width * grid_.width;
+        along_x[cell] = most_around(cell - row, grid_.width, [&](std::size_t x) { return steps_[row + x].load(); });
+    }
+    for (std::size_t cell = 0; cell < steps_.size(); ++cell) {
+        const std::size_t x = cell % grid_.width;
+        most[cell] =
+            most_around(cell / grid_.width, grid_.height, [&](std::size_t y) { return along_x[y * grid_.width + x]; });
+        // Blocks of lines lie a little farther along a neighbour that is closer to the sun.
+        most[cell] = std::min((most[cell] + most[cell] / 8 + 15) / 16 * 16, grid_.step_count);
+    }
+    return most;
+}
+
+AirColumns::AirColumns(const Media& media, const Camera& camera, const AirGrid& grid, const AirNeeds& needs,
+                       const AirTexture& air, float offset, const Progress& progress)
+    : media_(media), camera_(camera), grid_(grid), steps_(needs.of_columns()),
+      texture_(std::make_unique_for_overwrite<float[]>(grid.column_count() * grid.step_count)) {
+    for (std::uint32_t step = 0; step < grid.step_count; ++step)
+        at_m_.push_back(grid.first_m + (static_cast<float>(step) + offset) * grid.step_m);
+    parallel_blocks(grid.column_count(), columns_per_block, progress, [&](std::size_t begin, std::size_t end) {
+        thread_local std::vector<MediumSegment> segments;
+        thread_local std::vector<float> weights;
+        for (std::size_t column = begin; column < end; ++column) {
+            const std::size_t steps = steps_[column];
+            if (steps == 0)
+                continue;
+            segments.clear();
+            const ViewRay along = ray(column);
+            clip_to_media(media_, along, segments);
+            weights.assign(steps, 0.0f);
+            for (const MediumSegment& segment : segments) {
+                const auto step_at = [&](float t) {
+                    return std::clamp((t - grid_.first_m) / grid_.step_m, 0.0f, static_cast<float>(steps));
+                };
+                std::fill(weights.begin() + static_cast<std::ptrdiff_t>(step_at(segment.near_m)),
+                          weights.begin() + static_cast<std::ptrdiff_t>(std::ceil(step_at(segment.far_m))), 1.0f);
+            }
+            air.find({.origin = along.origin,
+                      .direction = along.direction,
+                      .at_m = std::span<const float>(at_m_).first(steps),
+                      .weights = weights,
+                      .step_m = grid_.step_m},
+                     {texture_.get() + column * grid_.step_count, steps});
+        }
+    });
+}
+
+ViewRay AirColumns::ray(std::size_t column) const {
+    return endless(camera_.ray(grid_.cell_px * static_cast<float>(column % grid_.width),
+                               grid_.cell_px * static_cast<float>(column / grid_.width)));
 }
 
 ColumnLight AirColumns::find(const DirectionalScatter& light, const Progress& progress) const {
-    ColumnLight columns;
-    const std::size_t steps = step_count_;
-    columns.light.resize(texture_.size());
-    columns.textured.resize(texture_.size());
-    parallel_blocks(std::size_t{grid_.width} * grid_.height, 64, progress, [&](std::size_t begin, std::size_t end) {
+    const std::size_t size = grid_.column_count() * grid_.step_count;
+    ColumnLight columns{std::make_unique_for_overwrite<float[]>(size), std::make_unique_for_overwrite<float[]>(size)};
+    parallel_blocks(grid_.column_count(), columns_per_block, progress, [&](std::size_t begin, std::size_t end) {
         thread_local std::vector<MediumSegment> segments;
         thread_local std::vector<ScatterPiece> pieces;
-        thread_local std::vector<float> at_m, shares, weights;
-        at_m.resize(steps), shares.resize(steps), weights.resize(steps);
-        for (std::size_t step = 0; step < steps; ++step)
-            at_m[step] = first_m_ + (static_cast<float>(step) + offset_) * step_m_;
-        const auto step_at = [&](float t) {
-            return std::clamp((t - first_m_) / step_m_, 0.0f, static_cast<float>(steps));
-        };
+        thread_local std::vector<float> shares, weights;
         for (std::size_t column = begin; column < end; ++column) {
+            const std::size_t steps = steps_[column];
+            if (steps == 0)
+                continue;
             segments.clear(), pieces.clear();
             const MediaRay clipped = clip_to_media(media_, ray(column), segments);
             light.append_pieces(clipped.clipped, segments, pieces);
-            std::ranges::fill(weights, 0.0f);
+            shares.resize(steps);
+            weights.assign(steps, 0.0f);
+            const auto step_at = [&](float t) {
+                return std::clamp((t - grid_.first_m) / grid_.step_m, 0.0f, static_cast<float>(steps));
+            };
             for (const ScatterPiece& piece : pieces) {
                 const float from = step_at(piece.near_m), to = step_at(piece.far_m);
                 if (!(from < to))
@@ -141,15 +184,15 @@ ColumnLight AirColumns::find(const DirectionalScatter& light, const Progress& pr
                 for (std::size_t step = first; step < past; ++step)
                     shares[step] =
                         std::min(to, static_cast<float>(step + 1)) - std::max(from, static_cast<float>(step));
-                air_steps::add_piece(piece, step_m_,
-                                     {.at_m = at_m.data() + first,
+                air_steps::add_piece(piece, grid_.step_m,
+                                     {.at_m = at_m_.data() + first,
                                       .shares = shares.data() + first,
                                       .weights = weights.data() + first,
                                       .count = past - first});
             }
             float sum = 0.0f, textured = 0.0f;
             for (std::size_t step = 0; step < steps; ++step) {
-                const std::size_t at = column * steps + step;
+                const std::size_t at = column * grid_.step_count + step;
                 sum += weights[step];
                 textured += weights[step] * texture_[at];
                 columns.light[at] = sum;

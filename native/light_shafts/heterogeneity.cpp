@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/heterogeneity.hpp"
+#include "core/huge_pages.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/heterogeneity_kernel.hpp"
 #include "light_shafts/picture_air.hpp"
@@ -245,7 +246,7 @@ std::vector<std::uint32_t> find_dark(std::span<const float> heterogeneity, const
             static_cast<std::size_t>(std::ranges::count(of_block(begin, end), dark_air));
     });
     std::partial_sum(first.begin(), first.end(), first.begin());
-    std::vector<std::uint32_t> dark(first.back());
+    auto dark = large_vector<std::uint32_t>(first.back());
     parallel_blocks(heterogeneity.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
         std::size_t next = first[begin / rays_per_block];
         for (std::size_t ray = begin; ray < end && next < first[begin / rays_per_block + 1]; ++ray)
@@ -255,26 +256,32 @@ std::vector<std::uint32_t> find_dark(std::span<const float> heterogeneity, const
     return dark;
 }
 
-void Shafts::find_heterogeneity(std::span<const ViewRay> rays, const AirTexture& air, std::span<float> heterogeneity,
-                                const Progress& progress, Turn turn, const PictureAir* picture) const {
+std::size_t Shafts::find_heterogeneity(std::span<const ViewRay> rays, const AirTexture& air,
+                                       std::span<float> heterogeneity, const Progress& progress, Turn turn,
+                                       const PictureAir* picture) const {
     require(heterogeneity.size() == rays.size(), "find_heterogeneity: ", rays.size(), " rays, but room for ",
             heterogeneity.size(), " results");
+    std::vector<std::uint32_t> asked = find_dark(heterogeneity, progress);
     if (picture != nullptr)
-        picture->find(rays, heterogeneity, progress);
-    const bool asks_lights = air.heterogeneity().weighting == Heterogeneity::Weighting::LitParts;
-    std::vector<std::uint32_t> order = find_dark(heterogeneity, progress);
-    if (order.empty())
-        return;
+        asked = picture->find(rays, asked, heterogeneity, progress);
+    const auto count_dark = [&] {
+        return parallel_sum(heterogeneity.size(), 1 << 15, std::size_t{0}, progress, [&](std::size_t begin, auto end) {
+            return static_cast<std::size_t>(std::ranges::count(heterogeneity.subspan(begin, end - begin), dark_air));
+        });
+    };
+    if (asked.empty())
+        return count_dark();
     // As scatter() asks, where lights are asked: neighbours in the picture read different rows.
-    if (asks_lights && prepared_->finest != nullptr)
-        prepared_->finest->make_coherent(rays, order, progress);
+    if (air.heterogeneity().weighting == Heterogeneity::Weighting::LitParts && prepared_->finest != nullptr)
+        prepared_->finest->make_coherent(rays, asked, progress);
     const TexturedBlock textured(*prepared_, air, turn);
     constexpr std::size_t rays_per_block = 256;
-    parallel_blocks(order.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
+    parallel_blocks(asked.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
         thread_local Block block;
         thread_local Steps steps;
-        prepared_->gather(rays, std::span(order).subspan(begin, end - begin), block);
+        prepared_->gather(rays, std::span(asked).subspan(begin, end - begin), block);
         textured.find(block, steps, heterogeneity);
     });
+    return count_dark();
 }
 } // namespace tyndall::light_shafts

@@ -146,14 +146,14 @@ public:
     /// this turn's strata, reaches it. By up to a few of a light's strata.
     [[nodiscard]] std::vector<float> find_heterogeneity(std::span<const ViewRay> rays, const AirTexture& air,
                                                         const Progress& progress, Turn turn = {}) const;
-    /// The same, of those rays that have dark_air; the others keep what they have. `picture`: what was looked up for all
-    /// rays of the camera in this turn, or nothing.
-    void find_heterogeneity(std::span<const ViewRay> rays, const AirTexture& air, std::span<float> heterogeneity,
-                            const Progress& progress, Turn turn, const PictureAir* picture = nullptr) const;
-    /// Looks the air up for the rays of a whole picture in one turn; nothing where rays are better asked one by one. `air`
-    /// must outlive the result. Throws Cancelled.
-    [[nodiscard]] std::shared_ptr<const PictureAir> look_up_air(const Camera& camera, const AirTexture& air,
-                                                                const Progress& progress, Turn turn) const;
+    /// The same, of those rays that have dark_air; the others keep what they have. `picture`: of their camera, if there is
+    /// one. Returns how many are dark still.
+    std::size_t find_heterogeneity(std::span<const ViewRay> rays, const AirTexture& air, std::span<float> heterogeneity,
+                                   const Progress& progress, Turn turn, const PictureAir* picture = nullptr) const;
+    /// How the rays of a picture are best asked together in a turn; nothing where they are better asked one by one. All
+    /// must outlive the result.
+    [[nodiscard]] std::shared_ptr<const PictureAir> picture_air(const Camera& camera, const AirTexture& air,
+                                                                Turn turn) const;
     /// One per ray.
     [[nodiscard]] std::vector<Air> find_air(std::span<const ViewRay> rays, const Progress& progress) const;
     /// Gives alone_cell to the rays that pass a lamp whose strata are shared at less than a few times the spacing of the

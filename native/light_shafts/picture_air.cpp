@@ -4,6 +4,8 @@
 #include "light_shafts/heterogeneity.hpp"
 #include "light_shafts/row_query_air.hpp"
 #include "light_shafts/turns.hpp"
+#include <algorithm>
+#include <tbb/concurrent_vector.h>
 
 namespace tyndall::light_shafts {
 /// The beams that a turn asks of a light, and how much each counts.
@@ -32,57 +34,65 @@ bool PictureAir::fits(const PreparedLights& prepared, const AirTexture& air, con
     return fit;
 }
 
-PictureAir::PictureAir(const PreparedLights& prepared, const Camera& camera, const AirTexture& air, const Turn& turn,
-                       const Progress& progress)
-    : columns_(prepared.media, camera, air, offset_in_step(turn), most_depth_of_light, progress) {
-    if (columns_.is_empty())
-        return;
+PictureAir::PictureAir(const PreparedLights& prepared, const Camera& camera, const AirTexture& air, const Turn& turn)
+    : media_(prepared.media), camera_(camera), air_(air), offset_(offset_in_step(turn)),
+      grid_(make_air_grid(prepared.media, camera, air, most_depth_of_light)) {
     for_asked_beams(prepared, turn, [&](const Beam& beam, float weight) {
-        beams_.push_back({beam.visibility->coarse_rows(), weight, columns_.find(*beam.directional, progress)});
+        beams_.push_back({&*beam.directional, beam.visibility->coarse_rows(), weight});
     });
 }
 
-void PictureAir::find(std::span<const ViewRay> rays, std::span<float> heterogeneity, const Progress& progress) const {
-    if (beams_.empty())
-        return;
-    const std::vector<std::uint32_t> asked = find_dark(heterogeneity, progress);
-    if (asked.empty())
-        return;
+std::vector<std::uint32_t> PictureAir::find(std::span<const ViewRay> rays, std::span<const std::uint32_t> asked,
+                                            std::span<float> heterogeneity, const Progress& progress) const {
+    if (asked.empty() || grid_.is_empty())
+        return {};
+    tbb::concurrent_vector<std::uint32_t> unanswered;
     const CoarseRows& coarse = *beams_.front().rows;
+    AirNeeds needs(grid_);
     const std::vector<std::uint32_t> order =
-        row_query::by_wedge(coarse.rows->layout, rays, progress, coarse.stride, asked);
+        row_query::by_wedge(coarse.rows->layout, rays, progress, coarse.stride, asked,
+                            [&](std::span<const ViewRay> some) { needs.add(some); });
+    const AirColumns columns(media_, camera_, grid_, needs, air_, offset_, progress);
+    std::vector<ColumnLight> lights;
+    for (const AskedBeam& beam : beams_)
+        lights.push_back(columns.find(*beam.light, progress));
     constexpr std::size_t rays_per_block = 256;
     parallel_blocks(order.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
-        thread_local std::vector<ViewRay> block;
-        thread_local std::vector<float> light, textured;
+        std::array<ViewRay, rays_per_block> of_block;
+        std::array<float, rays_per_block> light{}, textured{};
         thread_local row_query::Uncovered uncovered;
-        block.resize(end - begin);
-        light.assign(end - begin, 0.0f), textured.assign(end - begin, 0.0f);
-        for (std::size_t at = begin; at < end; ++at)
+        const std::span<const ViewRay> block = std::span(of_block).first(end - begin);
+        // They lie in many lines of the picture; those of the next block arrive while this one is asked.
+        for (std::size_t at = end; at < std::min(end + rays_per_block, order.size()); ++at)
             __builtin_prefetch(&rays[order[at]]);
         for (std::size_t at = begin; at < end; ++at) {
-            ViewRay& ray = block[at - begin] = rays[order[at]];
-            ray.near_m = std::max(ray.near_m, columns_.first_m());
-            ray.far_m = std::min(ray.far_m, columns_.last_m());
+            ViewRay& ray = of_block[at - begin] = rays[order[at]];
+            const float shift_m = grid_.shift_m(ray);
+            ray.near_m = std::max(ray.near_m, grid_.first_m - shift_m);
+            ray.far_m = std::min(ray.far_m, grid_.last_m() - shift_m);
         }
-        for (const AskedBeam& beam : beams_) {
+        for (std::size_t beam = 0; beam < beams_.size(); ++beam) {
             uncovered.near_epipole.clear(), uncovered.outside.clear();
-            row_query::add_lit_air(*beam.rows, columns_, beam.columns, beam.weight, block, {light, textured},
-                                   uncovered);
-            for (const auto* const rays_without : {&uncovered.near_epipole, &uncovered.outside})
-                for (const std::uint32_t ray : *rays_without)
+            row_query::add_lit_air(*beams_[beam].rows, columns, lights[beam], beams_[beam].weight, block,
+                                   {light, textured}, uncovered);
+            for (const auto* const without : {&uncovered.near_epipole, &uncovered.outside})
+                for (const std::uint32_t ray : *without)
                     light[ray] = -std::numeric_limits<float>::infinity(); // to be asked alone
         }
         for (std::size_t at = begin; at < end; ++at)
             if (light[at - begin] > 0.0f)
                 heterogeneity[order[at]] = textured[at - begin] / light[at - begin];
+            else if (light[at - begin] < 0.0f)
+                unanswered.push_back(order[at]);
     });
+    std::vector<std::uint32_t> result(unanswered.begin(), unanswered.end());
+    std::ranges::sort(result); // threads find them in any order
+    return result;
 }
 
-std::shared_ptr<const PictureAir> Shafts::look_up_air(const Camera& camera, const AirTexture& air,
-                                                      const Progress& progress, Turn turn) const {
+std::shared_ptr<const PictureAir> Shafts::picture_air(const Camera& camera, const AirTexture& air, Turn turn) const {
     return !is_empty() && PictureAir::fits(*prepared_, air, turn)
-               ? std::make_shared<const PictureAir>(*prepared_, camera, air, turn, progress)
+               ? std::make_shared<const PictureAir>(*prepared_, camera, air, turn)
                : nullptr;
 }
 } // namespace tyndall::light_shafts

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The texture of the air for the rays of a whole picture, under suns: looked up once in columns of air some pixels apart,
-// and weighted for each ray by where it is lit.
-// Data flow: camera -> columns: texture, and light of each sun, 8 bytes per step -> rays in the order of coarse rows ->
-//           per row and 16 rays: 2 columns between 4 each, lit lines -> light, textured light -> their ratio.
-// Bound:    full HD: the columns of 33,000 nodes, 64 steps each; per packet of rays as many lines as it scatters at 2,048
-//           lines a row, and 2 columns.
+// The texture of the air for the rays of a picture, under suns: looked up in columns of air some pixels apart, and weighted
+// for each ray by where it is lit.
+// Data flow: rays -> order of coarse rows, 9 bytes per ray, and how long columns must be -> columns: texture and light of
+//           each sun, 8 bytes per step -> per row and 16 rays: what two of them have between four columns, lit lines ->
+//           light, textured light -> their ratio.
+// Bound:    full HD: 14,000 columns of up to 128 steps, and per packet of 16 rays one ray's columns and the lit lines, which
+//           take a third of the time; the rest is reading rays twice, in two orders.
 #pragma once
 #include "light_shafts/air_columns.hpp"
 #include "light_shafts/coarse_rows.hpp"
@@ -13,21 +14,26 @@
 namespace tyndall::light_shafts {
 class PictureAir {
 public:
-    /// Of all lights, which fit; throws Cancelled.
-    PictureAir(const PreparedLights& prepared, const Camera& camera, const AirTexture& air, const Turn& turn,
-               const Progress& progress);
+    /// All lights must fit. All arguments must outlive this.
+    PictureAir(const PreparedLights& prepared, const Camera& camera, const AirTexture& air, const Turn& turn);
     /// Whether these lights and this air are better asked so than ray by ray.
     [[nodiscard]] static bool fits(const PreparedLights& prepared, const AirTexture& air, const Turn& turn);
-    /// Of those rays that have dark_air, and keep it where they are dark or have no answer here. Throws Cancelled.
-    void find(std::span<const ViewRay> rays, std::span<float> heterogeneity, const Progress& progress) const;
+    /// Of the rays `asked`; those that are dark keep what they have, and so do those that have to be asked one by one, which
+    /// it returns. Throws Cancelled.
+    [[nodiscard]] std::vector<std::uint32_t> find(std::span<const ViewRay> rays, std::span<const std::uint32_t> asked,
+                                                  std::span<float> heterogeneity, const Progress& progress) const;
 
 private:
     struct AskedBeam {
+        const DirectionalScatter* light;
         const CoarseRows* rows;
         float weight;
-        ColumnLight columns;
     };
-    AirColumns columns_;
+    const Media& media_;
+    const Camera& camera_;
+    const AirTexture& air_;
+    float offset_; ///< In a step.
+    AirGrid grid_;
     std::vector<AskedBeam> beams_;
 };
 } // namespace tyndall::light_shafts

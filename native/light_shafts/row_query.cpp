@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/row_query.hpp"
+#include "core/huge_pages.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/slope_rows_kernels.hpp"
 #include <algorithm>
@@ -119,7 +120,7 @@ void lit_intervals_of(const Rows& rows, const ViewRay* rays, std::size_t count, 
 
 /// The slices nearest to rays, those of rows that exist.
 void find_slices_of(const Layout& layout, const ViewRay* rays, const std::uint32_t* asked, std::size_t ray_count,
-                    std::int32_t* slices) {
+                    std::int32_t* slices, const std::function<void(std::span<const ViewRay>)>& visit) {
     static constexpr hn::RebindToSigned<LineTag> di;
     const auto d = lines_tag;
     const auto last = hn::Set(d, static_cast<float>(layout.slice_count() - 1));
@@ -131,7 +132,10 @@ void find_slices_of(const Layout& layout, const ViewRay* rays, const std::uint32
         if (asked != nullptr)
             for (std::size_t i = 0; i < count; ++i)
                 some[i] = rays[asked[start + i]];
-        place_rays(layout.frame, {asked != nullptr ? some.data() : rays + start, count}, placed);
+        const std::span<const ViewRay> block{asked != nullptr ? some.data() : rays + start, count};
+        if (visit)
+            visit(block);
+        place_rays(layout.frame, block, placed);
         for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
             const auto slice = slices_at(layout, hn::Load(d, &placed.slice_coordinate[i]));
             hn::Store(hn::ConvertTo(di, hn::Min(hn::Max(slice, hn::Zero(d)), last)), di, &found[i]);
@@ -174,7 +178,8 @@ static void sort_by_slice(std::span<std::uint32_t> order, std::span<const std::u
 
 std::vector<std::uint32_t> by_wedge(const slope_rows::Layout& layout, std::span<const ViewRay> rays,
                                     const Progress& progress, std::int32_t slices_per_row,
-                                    std::span<const std::uint32_t> asked) {
+                                    std::span<const std::uint32_t> asked,
+                                    const std::function<void(std::span<const ViewRay>)>& visit) {
     if (layout.rows.empty())
         return {};
     const std::size_t ray_count = asked.empty() ? rays.size() : asked.size();
@@ -183,16 +188,16 @@ std::vector<std::uint32_t> by_wedge(const slope_rows::Layout& layout, std::span<
     // Counts per block and wedge: a block knows where its rays of a wedge go, and all blocks are dealt out at once.
     constexpr std::size_t rays_per_block = std::size_t{1} << 15;
     std::vector<std::vector<std::uint32_t>> next((ray_count + rays_per_block - 1) / rays_per_block);
-    std::vector<std::int32_t> slice_of(ray_count);
-    std::vector<std::uint32_t> order(ray_count);
-    std::vector<std::uint8_t> slice_in_wedge(ray_count); // in the order of `order`
+    auto slice_of = large_vector<std::int32_t>(ray_count);
+    auto order = large_vector<std::uint32_t>(ray_count);
+    auto slice_in_wedge = large_vector<std::uint8_t>(ray_count); // in the order of `order`
     const auto wedge_of = [&](std::size_t ray) { return static_cast<std::uint32_t>(slice_of[ray]) / slices_per_wedge; };
     parallel_blocks(ray_count, rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
         std::vector<std::uint32_t>& counts = next[begin / rays_per_block];
         counts.assign(wedge_count, 0);
         HWY_DYNAMIC_DISPATCH(find_slices_of)
         (layout, rays.data() + (asked.empty() ? begin : 0), asked.empty() ? nullptr : &asked[begin], end - begin,
-         &slice_of[begin]);
+         &slice_of[begin], visit);
         if (slices_per_row > 1)
             for (std::size_t ray = begin; ray < end; ++ray)
                 slice_of[ray] /= slices_per_row;

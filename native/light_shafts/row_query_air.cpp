@@ -67,13 +67,12 @@ static void find_coarse(const CoarseRows& rows, PlacedRays& placed, std::size_t 
     }
 }
 
-/// Where a ray passes between the columns, in cells.
-static vec2 place_in(const PictureGrid& grid, const ViewRay& ray) {
-    if (grid.is_orthographic)
-        return vec2(glm::dot(grid.x, ray.origin), glm::dot(grid.y, ray.origin)) + grid.offset;
-    return vec2(glm::dot(grid.x, ray.direction), glm::dot(grid.y, ray.direction)) /
-               glm::dot(grid.depth, ray.direction) +
-           grid.offset;
+/// Of two vectors side by side.
+static HWY_INLINE V looked_up(V low, V high, I index) {
+    const I size = hn::Set(di, static_cast<std::int32_t>(lanes));
+    const auto within = hn::IndicesFromVec(d, hn::And(index, hn::Sub(size, hn::Set(di, 1))));
+    const auto is_low = hn::RebindMask(d, hn::Lt(index, size));
+    return hn::IfThenElse(is_low, hn::TableLookupLanes(low, within), hn::TableLookupLanes(high, within));
 }
 
 /// A ray of a row, and its light and texture up to the edges of the row's blocks.
@@ -83,36 +82,29 @@ public:
 
     void begin(const AirColumns& air, const ColumnLight& columns, const Asked& asked, std::size_t at,
                const ViewRay& ray, const RowView& row) {
-        const PictureGrid& grid = air.grid();
+        const AirGrid& grid = air.grid();
         slope = asked.slope[at];
-        const vec2 place = place_in(grid, ray);
+        const vec2 place = grid.place(ray);
         const float x = std::clamp(place.x, 0.0f, static_cast<float>(grid.width - 1)),
                     y = std::clamp(place.y, 0.0f, static_cast<float>(grid.height - 1));
         const auto left = std::min(static_cast<std::size_t>(x), std::size_t{grid.width} - 2),
                    lower = std::min(static_cast<std::size_t>(y), std::size_t{grid.height} - 2);
         const float share_x = x - static_cast<float>(left), share_y = y - static_cast<float>(lower);
-        step_count_ = air.step_count();
-        const std::size_t corner = (lower * grid.width + left) * step_count_, above = grid.width * step_count_;
-        const V ul = hn::Set(d, share_y * (1 - share_x)), ur = hn::Set(d, share_y * share_x),
-                ll = hn::Set(d, (1 - share_y) * (1 - share_x)), lr = hn::Set(d, (1 - share_y) * share_x);
-        light_up_to_.resize(step_count_ + 1), textured_up_to_.resize(step_count_ + 1);
+        const std::size_t column = lower * grid.width + left;
+        right_ = grid.step_count, above_ = grid.width * right_;
+        step_count_ = std::min({air.step_count(column), air.step_count(column + 1), air.step_count(column + grid.width),
+                                air.step_count(column + grid.width + 1)});
+        corner_light_ = columns.light.get() + column * right_;
+        corner_textured_ = columns.textured.get() + column * right_;
+        shares_ = {(1 - share_y) * (1 - share_x), (1 - share_y) * share_x, share_y * (1 - share_x), share_y * share_x};
+        light_up_to_.resize(step_count_ + 2 * lanes), textured_up_to_.resize(step_count_ + 2 * lanes);
         light_up_to_[0] = textured_up_to_[0] = 0.0f;
-        for (std::size_t step = 0; step < step_count_; step += lanes) {
-            const auto between = [&](const std::vector<float>& values) {
-                const float* const from = values.data() + corner + step;
-                return hn::MulAdd(hn::LoadU(d, from), ll,
-                                  hn::MulAdd(hn::LoadU(d, from + step_count_), lr,
-                                             hn::MulAdd(hn::LoadU(d, from + above), ul,
-                                                        hn::Mul(hn::LoadU(d, from + above + step_count_), ur))));
-            };
-            hn::StoreU(between(columns.light), d, &light_up_to_[step + 1]);
-            hn::StoreU(between(columns.textured), d, &textured_up_to_[step + 1]);
-        }
-        const float per_step = 1.0f / air.step_m();
-        const float shift_m = grid.is_orthographic ? glm::dot(grid.depth, ray.origin) - grid.plane_m : 0.0f;
-        const float edge_m =
-            asked.near_m[at] + (static_cast<float>(row.first) - asked.near_index[at]) * asked.m_per_line[at] + shift_m;
-        first_edge_ = (edge_m - air.first_m()) * per_step;
+        begin_step_ = past_step_ = 0;
+        const float per_step = 1.0f / grid.step_m;
+        const float edge_m = asked.near_m[at] +
+                             (static_cast<float>(row.first) - asked.near_index[at]) * asked.m_per_line[at] +
+                             grid.shift_m(ray);
+        first_edge_ = (edge_m - grid.first_m) * per_step;
         steps_per_block_ = static_cast<float>(block_lines) * asked.m_per_line[at] * per_step;
         ready_ = 0;
     }
@@ -128,9 +120,22 @@ public:
                                  hn::Set(d, static_cast<float>(step_count_)));
             const I step = hn::Min(hn::ConvertTo(di, at), hn::Set(di, static_cast<std::int32_t>(step_count_) - 1));
             const V share = hn::Sub(at, hn::ConvertTo(d, step));
+            const std::int32_t first = hn::GetLane(step), last = hn::ExtractLane(step, lanes - 1); // they rise
+            interpolate(static_cast<std::size_t>(std::max(first, 1) - 1), static_cast<std::size_t>(last) + 1);
+            // Most vectors of edges lie within two of steps, where a look-up takes a fifth of a gather's time.
+            const bool is_close = last - first < static_cast<std::int32_t>(2 * lanes) - 1;
+            const I in_two = is_close ? hn::Sub(step, hn::Set(di, first)) : hn::Zero(di);
             const auto find = [&](const std::vector<float>& up_to, float* at_edge) {
-                const V before = hn::GatherIndex(d, up_to.data(), step),
-                        after = hn::GatherIndex(d, up_to.data() + 1, step);
+                V before, after;
+                if (is_close) {
+                    const float* const from = &up_to[static_cast<std::size_t>(first)];
+                    const V low = hn::LoadU(d, from), high = hn::LoadU(d, from + lanes);
+                    before = looked_up(low, high, in_two);
+                    after = looked_up(low, high, hn::Add(in_two, hn::Set(di, 1)));
+                } else {
+                    before = hn::GatherIndex(d, up_to.data(), step);
+                    after = hn::GatherIndex(d, up_to.data() + 1, step);
+                }
                 hn::Store(hn::MulAdd(share, hn::Sub(after, before), before), d, at_edge + edge);
             };
             find(light_up_to_, light);
@@ -141,7 +146,36 @@ public:
     alignas(64) float light[most_edges], textured[most_edges];
 
 private:
-    std::size_t step_count_;
+    /// Between the four columns around, up to the ends of steps [begin, past) at least.
+    void interpolate(std::size_t begin, std::size_t past) {
+        const bool is_empty = begin_step_ == past_step_;
+        begin = std::min(begin, is_empty ? begin : begin_step_) / lanes * lanes;
+        past = std::max(past, past_step_);
+        const V ll = hn::Set(d, shares_[0]), lr = hn::Set(d, shares_[1]), ul = hn::Set(d, shares_[2]),
+                ur = hn::Set(d, shares_[3]);
+        const auto add = [&](std::size_t step) {
+            const auto between = [&](const float* corner) {
+                const float* const from = corner + step;
+                return hn::MulAdd(hn::LoadU(d, from), ll,
+                                  hn::MulAdd(hn::LoadU(d, from + right_), lr,
+                                             hn::MulAdd(hn::LoadU(d, from + above_), ul,
+                                                        hn::Mul(hn::LoadU(d, from + above_ + right_), ur))));
+            };
+            hn::StoreU(between(corner_light_), d, &light_up_to_[step + 1]);
+            hn::StoreU(between(corner_textured_), d, &textured_up_to_[step + 1]);
+        };
+        if (is_empty)
+            begin_step_ = past_step_ = begin;
+        for (; begin_step_ > begin; begin_step_ -= lanes)
+            add(begin_step_ - lanes);
+        for (; past_step_ < past; past_step_ += lanes)
+            add(past_step_);
+    }
+
+    std::size_t step_count_, right_, above_; ///< From a column to the next ones.
+    const float *corner_light_, *corner_textured_;
+    std::array<float, 4> shares_;
+    std::size_t begin_step_, past_step_; ///< Steps up to whose ends sums are known.
     float first_edge_, steps_per_block_;
     std::uint32_t ready_;
     std::vector<float> light_up_to_, textured_up_to_;
@@ -258,35 +292,37 @@ public:
     std::span<const ViewRay> rays;
 
     void add(float weight, const row_query::AirSums& sums) {
-        thread_local Knot knots[2];
+        thread_local Knot knots[4];
         Knot *a = &knots[0], *b = &knots[1];
-        std::size_t known = asked.count; // the ray that `a` is of
+        std::size_t from = asked.count, past = from; // the rays that they are of
         for (std::size_t begin = 0, end; begin < asked.count; begin = end) {
             end = begin + asked.count_together(begin);
             AirPacket packet;
             std::size_t least = 0, most = 0;
             while (!gather(begin, end, packet, least, most))
                 end = begin + (end - begin) / 2;
-            const bool has_first = known == begin;
-            known = asked.count;
             packet.row = rows.row(asked.slice[asked.ray(begin)]);
             if (!packet.blocks.find(packet.row, packet.least_slope, packet.most_slope,
                                     hn::GetLane(hn::MinOfLanes(di, packet.first_line)),
                                     hn::GetLane(hn::MaxOfLanes(di, packet.last_line))))
                 continue;
-            // Rays mostly follow each other along the row: then what is found at the next packet's first serves twice.
-            if (is_between(begin, end, packet)) {
-                if (!has_first)
-                    start(*a, begin, packet.row);
-                start(*b, end, packet.row);
+            // Rays mostly follow each other along the row: two of them serve all between.
+            if (begin < from || past <= begin)
+                if (const std::size_t next = find_past(begin, end); next > begin) {
+                    if (from < past && past == begin)
+                        std::swap(a, b);
+                    else
+                        start(*a, begin, packet.row);
+                    start(*b, next, packet.row);
+                    from = begin, past = next;
+                }
+            if (from <= begin && end <= past && is_between(from, past, packet)) {
                 packet.add(*a, *b);
-                std::swap(a, b);
-                known = end;
             } else {
-                start(*a, least, packet.row);
+                start(knots[2], least, packet.row);
                 if (least != most)
-                    start(*b, most, packet.row);
-                packet.add(*a, least != most ? *b : *a);
+                    start(knots[3], most, packet.row);
+                packet.add(knots[2], knots[least != most ? 3 : 2]);
             }
             alignas(64) float results[2][lanes];
             hn::Store(packet.light, d, results[0]);
@@ -300,9 +336,6 @@ public:
     }
 
 private:
-    /// Farthest apart that two rays are between which all is linear, in cells of the columns.
-    static constexpr float most_span = 2.5f;
-
     [[nodiscard]] const ViewRay& ray_at(std::size_t at) const {
         return rays[static_cast<std::size_t>(asked.number[asked.ray(at)])];
     }
@@ -310,8 +343,8 @@ private:
         knot.begin(air, columns, asked, asked.ray(at), ray_at(at), row);
     }
     [[nodiscard]] bool are_near(std::size_t a, std::size_t b) const {
-        const vec2 apart = glm::abs(place_in(air.grid(), ray_at(a)) - place_in(air.grid(), ray_at(b)));
-        return std::max(apart.x, apart.y) < most_span;
+        const vec2 apart = glm::abs(air.grid().place(ray_at(a)) - air.grid().place(ray_at(b)));
+        return std::max(apart.x, apart.y) < AirNeeds::most_span;
     }
     /// Rays [begin, end); false where they are too far apart. Lanes without a ray are like the first.
     bool gather(std::size_t begin, std::size_t end, AirPacket& packet, std::size_t& least, std::size_t& most) const {
@@ -335,14 +368,20 @@ private:
         packet.last_line = hn::ConvertTo(di, column(asked.last_line));
         return true;
     }
-    /// Whether the packet's rays lie between its first and the ray after it, in the same row, or hardly beyond.
-    [[nodiscard]] bool is_between(std::size_t begin, std::size_t end, const AirPacket& packet) const {
-        if (end >= asked.count || asked.slice[asked.ray(end)] != asked.slice[asked.ray(begin)])
-            return false;
-        const float from = asked.slope[asked.ray(begin)], to = asked.slope[asked.ray(end)];
-        const float beyond = 0.25f * std::abs(to - from);
-        return std::min(from, to) - beyond <= packet.least_slope && packet.most_slope <= std::max(from, to) + beyond &&
-               are_near(begin, end);
+    /// A ray of the same row, at or after `end`, up to which all may lie between it and the one at `begin`; `begin`: none.
+    [[nodiscard]] std::size_t find_past(std::size_t begin, std::size_t end) const {
+        for (const std::size_t count : {std::size_t{32}, std::size_t{16}, end - begin})
+            if (const std::size_t past = begin + count; end <= past && past < asked.count &&
+                                                        asked.slice[asked.ray(past)] == asked.slice[asked.ray(begin)] &&
+                                                        are_near(begin, past))
+                return past;
+        return begin;
+    }
+    /// Whether the packet's rays lie between two others, or hardly beyond.
+    [[nodiscard]] bool is_between(std::size_t a, std::size_t b, const AirPacket& packet) const {
+        const float from = asked.slope[asked.ray(a)], to = asked.slope[asked.ray(b)];
+        const float beyond = 0.1f * std::abs(to - from);
+        return std::min(from, to) - beyond <= packet.least_slope && packet.most_slope <= std::max(from, to) + beyond;
     }
 };
 

@@ -7,7 +7,7 @@
 #include "light_shafts/row_query.hpp"
 
 namespace tyndall::light_shafts::row_query {
-inline constexpr std::int32_t most_air_lines = 2560; ///< Of rows that are asked.
+inline constexpr std::int32_t most_air_lines = 1280; ///< Of rows that are asked.
 
 /// Sums over lit parts of rays; textured / light is what a ray's light is to be multiplied by.
 struct AirSums {

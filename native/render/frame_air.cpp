@@ -90,7 +90,7 @@ void FrameAir::report(Statistics& statistics) const {
 
 void FrameAir::ask_squares(const light_shafts::Shafts& shafts, light_shafts::Turn turn, const Progress& progress) {
     const Stopwatch stopwatch(seconds_);
-    picture_ = shafts.look_up_air(camera_, air_, progress, turn);
+    picture_ = shafts.picture_air(camera_, air_, turn);
     asked_count_ += square_rays_.size();
     square_heterogeneity_.assign(square_rays_.size(), dark_air);
     shafts.find_heterogeneity(square_rays_, air_, square_heterogeneity_, progress, turn, picture_.get());
@@ -137,10 +137,19 @@ void FrameAir::find(const light_shafts::Shafts& shafts, light_shafts::Turn turn,
     const Stopwatch stopwatch(seconds_);
     const std::size_t first = waiting.first[first_pixel];
     const std::uint32_t width = region_.x1 - region_.x0;
-    constexpr std::size_t pixels_per_block = 1 << 11, parts_per_block = 1 << 14;
+    constexpr std::size_t pixels_per_block = 1 << 11;
     asked_count_ += parallel_sum(
         end_pixel - first_pixel, pixels_per_block, std::size_t{0}, progress, [&](std::size_t begin, std::size_t end) {
             std::size_t asked_count = 0;
+            if (upsampling_ == 1) {
+                for (std::size_t part = waiting.first[first_pixel + begin]; part < waiting.first[first_pixel + end];
+                     ++part) {
+                    const bool is_asked = fills_dark_ || radiance[part - first] != Rgb(0.0f);
+                    heterogeneity[part - first] = is_asked ? dark_air : 1.0f;
+                    asked_count += is_asked ? 1 : 0;
+                }
+                return asked_count;
+            }
             for (std::size_t pixel = first_pixel + begin; pixel < first_pixel + end; ++pixel)
                 for (std::size_t part = waiting.first[pixel]; part < waiting.first[pixel + 1]; ++part) {
                     float& value = heterogeneity[part - first];
@@ -157,11 +166,11 @@ void FrameAir::find(const light_shafts::Shafts& shafts, light_shafts::Turn turn,
             return asked_count;
         });
     const std::span<const ViewRay> rays = std::span(waiting.rays).subspan(first, heterogeneity.size());
-    shafts.find_heterogeneity(rays, air_, heterogeneity, progress, turn, picture_.get());
+    std::size_t dark_count = shafts.find_heterogeneity(rays, air_, heterogeneity, progress, turn, picture_.get());
     // Dark rays that have to have a texture, and those whose light came from strata that neighbours were asked for.
-    shafts.find_heterogeneity(rays, air_of_whole_ray_, heterogeneity, progress, turn);
-    parallel_blocks(heterogeneity.size(), parts_per_block, progress, [&](std::size_t begin, std::size_t end) {
-        std::ranges::replace(heterogeneity.subspan(begin, end - begin), dark_air, 1.0f); // no media
-    });
+    if (dark_count > 0)
+        dark_count = shafts.find_heterogeneity(rays, air_of_whole_ray_, heterogeneity, progress, turn);
+    if (dark_count > 0)
+        std::ranges::replace(heterogeneity, dark_air, 1.0f); // no media
 }
 } // namespace tyndall::render

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "volume/air_noise.hpp"
 #include "core/errors.hpp"
+#include "core/huge_pages.hpp"
 #include "core/parallel.hpp"
 #include "core/random.hpp"
 #include <algorithm>
@@ -208,6 +209,7 @@ AirNoiseVolume::AirNoiseVolume(const AirNoise& noise, const Progress& progress) 
                            .scale = 1.0f / levels_[level].mean});
     std::ranges::reverse(packed_);
     corners_ = std::make_unique_for_overwrite<std::uint64_t[]>(first);
+    prefer_huge_pages(corners_.get(), first * sizeof(std::uint64_t));
 }
 
 std::span<const air_noise::PackedLevel> AirNoiseVolume::packed(std::uint32_t finest_level) const {

