@@ -19,10 +19,17 @@ if TYPE_CHECKING:
 
     from tyndall import Progress
     from tyndall.light_map_fit import LightMap, LightMapFit, LightMapFitConfig, StrokeView
+    from tyndall.renderer import Session
     from tyndall.scene_description import SceneDescription
 
 #: Fits that may go on, by the full name of their light; in memory only.
 _kept: dict[str, LightMapFit] = {}
+#: The scene as the last fit saw it: the next one takes over what has not changed. One at most; none while a fit begins.
+_idle_sessions: list[Session] = []
+
+
+#: Bytes of maps that a session keeps: no map has room, but the scene's occluders are gathered once.
+_OCCLUDERS_ALONE = 1
 
 
 @dataclass(eq=False)
@@ -55,9 +62,10 @@ class _NewFit(PreparedFit):
         from tyndall.light_map_fit import LightMapFit
         from tyndall.renderer import Session
 
-        session = Session()
+        session = _idle_sessions.pop() if _idle_sessions else Session(kept_maps_bytes=_OCCLUDERS_ALONE)
         session.update(self.description, progress)
         self.fit = LightMapFit(session, self.light_name, self.views, progress, current=self.current, config=self.config)
+        _idle_sessions[:] = [session]
 
 
 def kept_fit(light: Light) -> LightMapFit | None:
@@ -156,6 +164,7 @@ def residuals_of(light: Light) -> list[float]:
 @persistent
 def _forget(*_: object) -> None:
     _kept.clear()
+    _idle_sessions.clear()
 
 
 def register() -> None:
@@ -164,4 +173,4 @@ def register() -> None:
 
 def unregister() -> None:
     bpy.app.handlers.load_pre.remove(_forget)
-    _kept.clear()
+    _forget()

@@ -116,7 +116,7 @@ class LightMapFit:
             resolution=config.resolution,
             regularisation=config.regularisation,
             most_pixels=config.most_pixels,
-            shafts=native_shafts(config.shafts),
+            shafts=native_shafts(config.shafts, session.kept_maps),
             thread_count=config.thread_count,
             progress=progress,
         )

@@ -272,6 +272,11 @@ class Session:
             raise _native.InvalidInput(f'Light "{light_name}" is not in the scene, or cannot be used')
         return self._scene, self._light_names.index(light_name)
 
+    @property
+    def kept_maps(self) -> _native.MapCache | None:
+        """For calls that look at the scene's occluders, too."""
+        return self._kept_maps
+
     def native_camera(self, camera: Camera) -> _native.Camera:
         """The camera in the scene as last updated. Raises ``InvalidInput``."""
         return _native_camera(camera, self._origin_in_world)

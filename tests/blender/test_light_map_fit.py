@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 
+from addon import fitted_maps
 from addon.fitted_maps import keep, new_fit
 from addon.sync.images import ImageReader
 from addon.sync.reports import Reports
@@ -127,6 +128,22 @@ def test_a_second_fit_writes_to_the_same_image_and_continue_takes_more_steps(sun
     assert bpy.ops.tyndall.fit_light_map() == {"FINISHED"}
     assert settings.gobo_image == image
     assert texels_of(image)[32, 24:40, 0].mean() < 0.5 * red
+
+
+def test_the_next_fit_takes_over_the_scene_until_another_file_is_opened(sun: bpy.types.Object) -> None:
+    painted(sun)
+    fit = new_fit(bpy.context, sun.data, sun)
+    fit.begin(Progress())
+    sun.location.x += 1.0
+    bpy.context.view_layer.update()
+    again = new_fit(bpy.context, sun.data, sun)
+    again.begin(Progress())
+    (session,) = fitted_maps._idle_sessions  # noqa: SLF001  what nobody else sees
+    assert session.statistics["counts"]["meshes sent"] == 0
+    assert session.statistics["counts"]["meshes reused"] > 0
+    assert again.fit.light_map.centre_m != fit.fit.light_map.centre_m  # from where the light is now
+    bpy.ops.wm.read_homefile(app_template="")
+    assert not fitted_maps._idle_sessions  # noqa: SLF001
 
 
 def test_a_fit_that_was_stopped_goes_on(sun: bpy.types.Object) -> None:
