@@ -57,7 +57,7 @@ PASSES = ("Shafts", "Shafts Visibility", "Transmittance")
 WIND = {"wind_m_per_s": (0.6, 0.0, 0.0)}
 #: One or both ends of the texture's sliders, beside smoke that lies between.
 AIR_ENDS: dict[str, dict[str, float]] = {
-    "amount": {"low": 0.3},
+    "amount": {"low": 0.5},
     "intensity": {"high": 2.0},
     "scale_m": {"low": 0.25, "high": 2.0},
     "contrast": {"low": 1.0, "high": 4.0},
