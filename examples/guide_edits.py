@@ -229,8 +229,11 @@ def paint_stage(volume: str, value: float) -> None:
 
 
 def show_pass(name: str) -> None:
-    """Write one of the render's passes instead of the picture."""
+    """Write one of the render's passes instead of the picture; shares of 1 as they are, without a film's curve."""
     scene = bpy.context.scene
+    if name != "Shafts":
+        view = scene.view_settings
+        view.view_transform, view.look, view.exposure, view.gamma = "Standard", "None", 0.0, 1.0
     setattr(bpy.context.view_layer.tyndall, f"use_pass_{name.lower().replace(' ', '_')}", True)
     nodes, links = compositor(scene)
     source, output = nodes

@@ -71,7 +71,7 @@ CONTROL_PX = (400, 225)
 
 def control(name: str, scene: str, edit: Callable[[], object] = lambda: None) -> Picture:
     """What one control does to an example."""
-    return Picture(f"control_{name}", scene, edit, size_px=CONTROL_PX)
+    return Picture(f"control_{name}".replace(" ", "_"), scene, edit, size_px=CONTROL_PX)
 
 
 CONTROLS = (
@@ -94,7 +94,10 @@ CONTROLS = (
     control("paint_intensity", "stage_spots", lambda: paint_stage("INTENSITY", 0.0)),
     control("paint_amount", "stage_spots", lambda: paint_stage("AMOUNT", -1.0)),
     control("paint_level", "stage_spots", lambda: paint_stage("LEVEL", 4.0)),
-    *(control(f"pass_{name.lower().replace(' ', '_')}", "window_hall", partial(show_pass, name)) for name in PASSES),
+    *(
+        control(f"pass_{name.lower().replace(' ', '_')}", "forest_clearing", partial(show_pass, name))
+        for name in PASSES
+    ),
 )
 PICTURES = (
     Picture("edits_forest_before", "forest_clearing"),
