@@ -71,3 +71,12 @@ def test_progress_never_goes_back() -> None:
     progress.message = "Embree"
     assert (progress.fraction, progress.message) == (0.5, "Embree")
     assert progress.remaining_s == pytest.approx(progress.elapsed_s, rel=0.5)
+
+
+def test_kernels_run_on_the_instruction_set_that_lives() -> None:
+    """The baseline is on every CPU; after it the next one may be forced, and what a CPU lacks is named."""
+    for _ in range(2):
+        forced = _native.ForcedSimdTarget("SSE4")
+        del forced
+    with pytest.raises(InvalidInput, match="this CPU has no MMX"):
+        _native.ForcedSimdTarget("MMX")
