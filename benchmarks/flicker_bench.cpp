@@ -12,10 +12,11 @@
 // the first less the second; change_of_error, RMS change of what lies between the two, which is 0 only where all moves
 // as it should; worst_change_of_error, its 99.9th percentile; at_<f>_hz, RMS amplitude over time of what changes at this
 // frequency (of a Hann window), and reference_at_<f>_hz. fast and reference_fast: share of what changes, above 6 Hz.
-#include "support/machine.hpp"
 #include "support/moving_shots.hpp"
 #include <algorithm>
+#include <benchmark/benchmark.h>
 #include <complex>
+#include <cstdio>
 #include <map>
 
 namespace tyndall::bench {
