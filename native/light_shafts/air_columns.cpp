@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/air_columns.hpp"
+#include "core/huge_pages.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/air_columns_kernel.hpp"
 #include "light_shafts/heterogeneity_kernel.hpp"
@@ -122,6 +123,7 @@ AirColumns::AirColumns(const Media& media, const Camera& camera, const AirGrid& 
                        const AirTexture& air, float offset, const Progress& progress)
     : media_(media), camera_(camera), grid_(grid), steps_(needs.of_columns()),
       texture_(std::make_unique_for_overwrite<float[]>(grid.column_count() * grid.step_count)) {
+    prefer_large(texture_.get());
     for (std::uint32_t step = 0; step < grid.step_count; ++step)
         at_m_.push_back(grid.first_m + (static_cast<float>(step) + offset) * grid.step_m);
     parallel_blocks(grid.column_count(), columns_per_block, progress, [&](std::size_t begin, std::size_t end) {
@@ -152,6 +154,12 @@ AirColumns::AirColumns(const Media& media, const Camera& camera, const AirGrid& 
     });
 }
 
+void AirColumns::prefer_large(float* values) const {
+    // Where few columns are asked, small pages leave out what lies between them.
+    if (2 * std::ranges::count(steps_, 0u) < std::ssize(steps_))
+        prefer_huge_pages(values, grid_.column_count() * grid_.step_count * sizeof(float));
+}
+
 ViewRay AirColumns::ray(std::size_t column) const {
     return endless(camera_.ray(grid_.cell_px * static_cast<float>(column % grid_.width),
                                grid_.cell_px * static_cast<float>(column / grid_.width)));
@@ -160,6 +168,8 @@ ViewRay AirColumns::ray(std::size_t column) const {
 ColumnLight AirColumns::find(const DirectionalScatter& light, const Progress& progress) const {
     const std::size_t size = grid_.column_count() * grid_.step_count;
     ColumnLight columns{std::make_unique_for_overwrite<float[]>(size), std::make_unique_for_overwrite<float[]>(size)};
+    prefer_large(columns.light.get());
+    prefer_large(columns.textured.get());
     parallel_blocks(grid_.column_count(), columns_per_block, progress, [&](std::size_t begin, std::size_t end) {
         thread_local std::vector<MediumSegment> segments;
         thread_local std::vector<ScatterPiece> pieces;

@@ -76,6 +76,7 @@ public:
 
 private:
     [[nodiscard]] ViewRay ray(std::size_t column) const;
+    void prefer_large(float* values) const;
 
     const Media& media_;
     const Camera& camera_;

@@ -92,22 +92,25 @@ void FrameAir::ask_squares(const light_shafts::Shafts& shafts, light_shafts::Tur
     const Stopwatch stopwatch(seconds_);
     picture_ = shafts.picture_air(camera_, air_, turn);
     asked_count_ += square_rays_.size();
+    has_one_each_ = true;
+    for (std::size_t square = 0; square < first_of_square_.size(); ++square)
+        has_one_each_ = has_one_each_ && first_of_square_[square] == square;
     square_heterogeneity_.assign(square_rays_.size(), dark_air);
     shafts.find_heterogeneity(square_rays_, air_, square_heterogeneity_, progress, turn, picture_.get());
 }
 
+std::pair<std::uint32_t, float> FrameAir::square_before(std::uint32_t pixel, std::uint32_t first,
+                                                        std::uint32_t end) const {
+    const float at =
+        std::clamp((static_cast<float>(pixel) - static_cast<float>(upsampling_ / 2)) / static_cast<float>(upsampling_),
+                   static_cast<float>(first), static_cast<float>(end - 1));
+    const auto before = static_cast<std::uint32_t>(at);
+    return std::pair{before, at - static_cast<float>(before)};
+}
+
 float FrameAir::carried_over(std::uint32_t x, std::uint32_t y, float far_m) const {
-    /// Difference of two rays' ends, relative to the longer one, at which they have nothing in common.
-    constexpr float other_surface = 0.1f;
-    const auto place = [&](std::uint32_t pixel, std::uint32_t first, std::uint32_t end) {
-        const float at = std::clamp((static_cast<float>(pixel) - static_cast<float>(upsampling_ / 2)) /
-                                        static_cast<float>(upsampling_),
-                                    static_cast<float>(first), static_cast<float>(end - 1));
-        const auto before = static_cast<std::uint32_t>(at);
-        return std::pair{before, at - static_cast<float>(before)};
-    };
-    const auto [before_x, share_x] = place(x, squares_.x0, squares_.x1);
-    const auto [before_y, share_y] = place(y, squares_.y0, squares_.y1);
+    const auto [before_x, share_x] = square_before(x, squares_.x0, squares_.x1);
+    const auto [before_y, share_y] = square_before(y, squares_.y0, squares_.y1);
     float sum = 0.0f, weight_sum = 0.0f;
     for (std::uint32_t corner = 0; corner < 4; ++corner) {
         const bool is_right = corner % 2 == 1, is_upper = corner / 2 == 1;
@@ -117,18 +120,33 @@ float FrameAir::carried_over(std::uint32_t x, std::uint32_t y, float far_m) cons
         const std::size_t square = std::size_t{before_y - squares_.y0 + is_upper} * (squares_.x1 - squares_.x0) +
                                    before_x - squares_.x0 + is_right;
         for (std::size_t part = first_of_square_[square]; part < first_of_square_[square + 1]; ++part) {
-            const float other_m = square_rays_[part].far_m, longer_m = std::max(far_m, other_m);
-            const float away =
-                std::isinf(longer_m) ? (far_m == other_m ? 0.0f : 1.0f) : std::abs(far_m - other_m) / longer_m;
-            if (away >= other_surface || square_heterogeneity_[part] == dark_air)
+            const float other_m = square_rays_[part].far_m;
+            // Of two endless rays 0, of one a NaN.
+            const float away = far_m == other_m ? 0.0f : std::abs(far_m - other_m) / std::max(far_m, other_m);
+            if (!(away < other_surface) || square_heterogeneity_[part] == dark_air)
                 continue;
             const float weight = near * (1.0f - away / other_surface);
             sum += weight * square_heterogeneity_[part];
             weight_sum += weight;
         }
     }
-    constexpr float least_weight = 1e-3f; // of neighbours that hardly agree
-    return weight_sum > least_weight ? sum / weight_sum : dark_air;
+    return weight_sum > least_neighbour_weight ? sum / weight_sum : dark_air;
+}
+
+PixelsBetweenSquares FrameAir::between_squares(std::uint32_t x, std::uint32_t y) const {
+    const auto [before_y, share_y] = square_before(y, squares_.y0, squares_.y1);
+    const std::size_t squares_per_line = squares_.x1 - squares_.x0;
+    const std::size_t lower = (before_y - squares_.y0) * squares_per_line,
+                      upper = (std::min(before_y + 1, squares_.y1 - 1) - squares_.y0) * squares_per_line;
+    return {.x = x,
+            .side = upsampling_,
+            .first_square = squares_.x0,
+            .end_square = squares_.x1,
+            .lower = &square_rays_[lower],
+            .upper = &square_rays_[upper],
+            .lower_heterogeneity = &square_heterogeneity_[lower],
+            .upper_heterogeneity = &square_heterogeneity_[upper],
+            .share_y = share_y};
 }
 
 void FrameAir::find(const light_shafts::Shafts& shafts, light_shafts::Turn turn, const WaitingParts& waiting,
@@ -150,19 +168,29 @@ void FrameAir::find(const light_shafts::Shafts& shafts, light_shafts::Turn turn,
                 }
                 return asked_count;
             }
-            for (std::size_t pixel = first_pixel + begin; pixel < first_pixel + end; ++pixel)
+            for (std::size_t pixel = first_pixel + begin, next; pixel < first_pixel + end; pixel = next) {
+                const auto x = static_cast<std::uint32_t>(region_.x0 + pixel % width),
+                           y = static_cast<std::uint32_t>(region_.y0 + pixel / width);
+                // Pixels of one ray each, to the end of the line.
+                const std::size_t line_end = std::min(first_pixel + end, (pixel / width + 1) * width);
+                for (next = pixel; next < line_end && waiting.first[next + 1] - waiting.first[next] == 1;)
+                    ++next;
+                if (has_one_each_ && next > pixel) {
+                    const std::size_t part = waiting.first[pixel], count = next - pixel;
+                    asked_count += carry_over(between_squares(x, y), std::span(waiting.rays).subspan(part, count),
+                                              radiance.subspan(part - first, count), fills_dark_,
+                                              heterogeneity.subspan(part - first, count));
+                    continue;
+                }
+                next = pixel + 1;
                 for (std::size_t part = waiting.first[pixel]; part < waiting.first[pixel + 1]; ++part) {
                     float& value = heterogeneity[part - first];
-                    if (!fills_dark_ && radiance[part - first] == Rgb(0.0f))
-                        value = 1.0f;
-                    else if (upsampling_ == 1)
-                        value = dark_air;
-                    else
-                        value = carried_over(static_cast<std::uint32_t>(region_.x0 + pixel % width),
-                                             static_cast<std::uint32_t>(region_.y0 + pixel / width),
-                                             waiting.rays[part].far_m);
+                    value = !fills_dark_ && radiance[part - first] == Rgb(0.0f)
+                                ? 1.0f
+                                : carried_over(x, y, waiting.rays[part].far_m);
                     asked_count += value == dark_air ? 1 : 0;
                 }
+            }
             return asked_count;
         });
     const std::span<const ViewRay> rays = std::span(waiting.rays).subspan(first, heterogeneity.size());

@@ -12,6 +12,7 @@
 // Bound:    one question per lit ray, or per square; 4 neighbours per pixel.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
+#include "render/carry_over_kernel.hpp"
 #include "render/surface_pass.hpp"
 #include "volume/air_texture.hpp"
 
@@ -46,6 +47,10 @@ private:
         WaitingParts parts;
     };
     [[nodiscard]] std::uint32_t middle_px(std::uint32_t square, std::uint32_t frame_px) const;
+    /// The square whose middle lies before a pixel's, along one axis, and the share of the one after it.
+    [[nodiscard]] std::pair<std::uint32_t, float> square_before(std::uint32_t pixel, std::uint32_t first,
+                                                                std::uint32_t end) const;
+    [[nodiscard]] PixelsBetweenSquares between_squares(std::uint32_t x, std::uint32_t y) const;
     [[nodiscard]] float carried_over(std::uint32_t x, std::uint32_t y, float far_m) const;
 
     AirTexture air_, air_of_whole_ray_;
@@ -58,6 +63,7 @@ private:
     std::vector<std::uint32_t> first_of_square_;
     std::vector<light_shafts::ViewRay> square_rays_;
     std::vector<float> square_heterogeneity_;
+    bool has_one_each_ = false; ///< Each square one ray.
     std::shared_ptr<const light_shafts::PictureAir>
         picture_; ///< Of the pass, where it is looked up for all rays at once.
     std::size_t asked_count_ = 0;
