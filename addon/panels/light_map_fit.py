@@ -53,8 +53,8 @@ class TYNDALL_PT_light_map_fit(SidebarPanel, Panel):
         column = layout.column()
         column.use_property_split = is_wide_region(context)
         if (view := views_of(light).active) is not None:
-            column.prop(view, "camera", text="Camera")
-            column.prop(view, "strokes", text="Strokes")
+            column.prop(view, "camera", text="Camera" if is_wide_region(context) else "")
+            column.prop(view, "strokes", text="Strokes" if is_wide_region(context) else "")
         layout.operator("tyndall.paint_strokes", icon="BRUSH_DATA")
         column = layout.column(align=True)
         column.use_property_split = is_wide_region(context)
