@@ -93,7 +93,7 @@ LightDepthPicture light_depth_picture(const Scene& scene, std::size_t index, std
     const Range range = range_of(before);
     picture.before = picture_of(before, range, picture.width, picture.height);
     picture.after =
-        picture_of(edits.map(place, sample, resolution, partial, progress), range, picture.width, picture.height);
+        picture_of(edits.map(place, sample, {resolution}, partial, progress), range, picture.width, picture.height);
     return picture;
 }
 } // namespace tyndall::light_shafts

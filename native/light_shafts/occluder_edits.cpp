@@ -113,13 +113,15 @@ float OccluderEdits::detail_on_map(const OccluderEdit& edit) const {
     return is_sun_ ? cell_m : cell_m / edit.distance_m;
 }
 
-std::uint32_t OccluderEdits::finer_resolution(const SunPlace& place, std::uint32_t resolution) const {
+std::uint32_t OccluderEdits::finer_resolution(const SunPlace& place, MapResolution resolution) const {
+    if (resolution.map == EditedMap::AsAsked)
+        return resolution.texels;
     const vec2 size = is_sun_ ? place.window.max - place.window.min : vec2(2.0f);
     const float extent = std::max(size.x, size.y) + 2.0f * map_margin();
-    std::uint32_t result = resolution;
+    std::uint32_t result = resolution.texels;
     for (const PlacedEdit& edit : edits_)
         if (is_of_map(edit.what->kind))
-            result = std::max(result, finer(extent, detail_on_map(*edit.what) / samples_per_reach, resolution));
+            result = std::max(result, finer(extent, detail_on_map(*edit.what) / samples_per_reach, resolution.texels));
     return result;
 }
 
@@ -213,7 +215,7 @@ std::pair<vec3, vec3> OccluderEdits::axes_across(const LightSample& sample) cons
 }
 
 ShadowMap OccluderEdits::map_of(const Group& group, const SunPlace& place, const LightSample& sample,
-                                std::uint32_t resolution, const PartialShading& partial, Made made,
+                                MapResolution resolution, const PartialShading& partial, Made made,
                                 const Progress& progress) const {
     PartialShading shading = partial;
     shading.instances = group.occluders.partial_instances;
@@ -236,7 +238,7 @@ static void merge(ShadowMap& into, ShadowMap map, const Progress& progress) {
         keep_larger(*into.faces[face].texels, *map.faces[face].texels, progress);
 }
 
-ShadowMap OccluderEdits::map(const SunPlace& place, const LightSample& sample, std::uint32_t resolution,
+ShadowMap OccluderEdits::map(const SunPlace& place, const LightSample& sample, MapResolution resolution,
                              const PartialShading& partial, const Progress& progress, Made made) const {
     ShadowMap all;
     for (const Group& group : groups_)
@@ -244,7 +246,7 @@ ShadowMap OccluderEdits::map(const SunPlace& place, const LightSample& sample, s
     return all;
 }
 
-ShadowMap OccluderEdits::fill(Rows& rows, const LightSample& sample, std::uint32_t resolution,
+ShadowMap OccluderEdits::fill(Rows& rows, const LightSample& sample, MapResolution resolution,
                               const PartialShading& partial, Statistics& statistics, const Progress& progress,
                               Made made) const {
     SunPlace place;

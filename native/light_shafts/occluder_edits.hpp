@@ -10,8 +10,15 @@
 #include "light_shafts/occluders.hpp"
 #include "light_shafts/placed_edit.hpp"
 #include "light_shafts/shadow_map.hpp"
+#include "light_shafts/visibility.hpp"
 
 namespace tyndall::light_shafts {
+/// Texels along the longer side of a map, as asked for.
+struct MapResolution {
+    std::uint32_t texels = 2048;
+    EditedMap map = EditedMap::ShowsEdits;
+};
+
 class OccluderEdits {
 public:
     /// Which of the edits are made.
@@ -29,7 +36,7 @@ public:
     [[nodiscard]] std::uint32_t finer_lines(const slope_rows::Layout& layout, std::uint32_t lines) const;
     /// Of the occluders of all groups, with the edits of maps. Its texels are where they are whatever is made. Throws
     /// Cancelled.
-    [[nodiscard]] ShadowMap map(const SunPlace& place, const LightSample& sample, std::uint32_t resolution,
+    [[nodiscard]] ShadowMap map(const SunPlace& place, const LightSample& sample, MapResolution resolution,
                                 const PartialShading& partial, const Progress& progress, Made made = Made::All) const;
     /// What the filters of maps need around what is asked: metres of a sun, tangents of a lamp's face.
     [[nodiscard]] float map_margin() const;
@@ -37,7 +44,7 @@ public:
     [[nodiscard]] std::pair<vec3, vec3> axes_across(const LightSample& sample) const;
     /// Fills the rows and summarises their blocks; returns the map that they came from, with the edits of maps. `partial`
     /// says how surfaces let a part of the light pass. Throws Cancelled.
-    ShadowMap fill(slope_rows::Rows& rows, const LightSample& sample, std::uint32_t resolution,
+    ShadowMap fill(slope_rows::Rows& rows, const LightSample& sample, MapResolution resolution,
                    const PartialShading& partial, Statistics& statistics, const Progress& progress,
                    Made made = Made::All) const;
     /// Some edit is of rows, which need a camera.
@@ -58,9 +65,9 @@ private:
         std::vector<std::size_t> edits; ///< Into edits_.
     };
     [[nodiscard]] ShadowMap map_of(const Group& group, const SunPlace& place, const LightSample& sample,
-                                   std::uint32_t resolution, const PartialShading& partial, Made made,
+                                   MapResolution resolution, const PartialShading& partial, Made made,
                                    const Progress& progress) const;
-    [[nodiscard]] std::uint32_t finer_resolution(const SunPlace& place, std::uint32_t resolution) const;
+    [[nodiscard]] std::uint32_t finer_resolution(const SunPlace& place, MapResolution resolution) const;
     [[nodiscard]] float reach_on_map(const OccluderEdit& edit) const;
     [[nodiscard]] float detail_on_map(const OccluderEdit& edit) const;
     [[nodiscard]] float length_on_rows(const OccluderEdit& edit) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/prepared_lights.hpp"
 #include "core/parallel.hpp"
+#include "light_shafts/edited_resolution.hpp"
 #include "light_shafts/exact_strip.hpp"
 #include "light_shafts/grid_resolution.hpp"
 #include "light_shafts/light_shares.hpp"
@@ -96,6 +97,7 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         Beam* beam;
         float share_of_light;
         const OccluderEdits* edits;
+        float error_target = 0.0f; ///< Of all of an edited light's samples; 0: as its share says.
     };
     std::vector<BeamToPrepare> all_beams;
     std::vector<std::unique_ptr<const OccluderEdits>> edits;
@@ -146,27 +148,53 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         config.kept_maps->begin_picture();
     const MapCache::Counts before = config.kept_maps ? config.kept_maps->counts() : MapCache::Counts{};
     progress.set_message("Light shafts: " + std::to_string(all_beams.size()) + " light samples");
+    const auto with_outline = [&](const Beam& beam, const auto& use) {
+        if (beam.cell == nullptr)
+            return use(std::span<const RaySpan>(outer_rays));
+        const std::vector<RaySpan> in_cell = clip_to_cell(outer_rays, beam.cell->directions, beam.cell->reach_m);
+        return use(std::span(in_cell));
+    };
+    const auto make_edited = [&](const BeamToPrepare& of, const Config& how, EditedMap map) {
+        return with_outline(*of.beam, [&](std::span<const RaySpan> rays) {
+            return make_edited_beam(scene, *of.edits, *occluders, view, of.beam->sample, rays, strip_on_demand, how,
+                                    progress, map);
+        });
+    };
+    for (std::size_t index = 0; config.resolution == 0 && index < all_beams.size(); ++index) {
+        BeamToPrepare& of = all_beams[index];
+        if (of.edits == nullptr)
+            continue;
+        if (index > 0 && all_beams[index - 1].edits == of.edits) { // one sample tells of its light
+            of.error_target = all_beams[index - 1].error_target;
+            continue;
+        }
+        const StageTimer timer(statistics, "occluder edits: resolution");
+        Config asked = config_of_share(config, shares.share(of.beam->share), of.share_of_light);
+        of.error_target =
+            measured_error_target(*this, *of.beam, clipped, asked.error_target, [&](std::uint32_t texels) {
+                asked.resolution = texels;
+                return make_edited(of, asked, EditedMap::AsAsked);
+            });
+    }
     parallel_for(
         all_beams.size(), progress,
         [&](std::size_t index) {
-            auto& [beam, share_of_light, of_light] = all_beams[index];
+            auto& [beam, share_of_light, of_light, error_target] = all_beams[index];
             beam->dim_by_grids(grid_loss, progress);
             if (config.method == Method::Exact && of_light == nullptr) {
                 beam->visibility = make_exact_strip(scene, beam->sample, strip);
                 return;
             }
-            const Config share = config_of_share(config, shares.share(beam->share), share_of_light);
-            std::vector<RaySpan> in_cell;
-            if (beam->cell != nullptr)
-                in_cell = clip_to_cell(outer_rays, beam->cell->directions, beam->cell->reach_m);
-            const std::span<const RaySpan> rays = beam->cell != nullptr ? in_cell : outer_rays;
+            Config share = config_of_share(config, shares.share(beam->share), share_of_light);
             if (of_light != nullptr) {
-                beam->visibility = make_edited_beam(scene, *of_light, *occluders, view, beam->sample, rays,
-                                                    strip_on_demand, share, progress);
+                share.error_target = std::max(share.error_target, error_target);
+                beam->visibility = make_edited(all_beams[index], share, EditedMap::ShowsEdits);
                 return;
             }
             MakeBeamVisibility& make = config.method == Method::Epipolar ? make_epipolar_beam : make_shadow_map_beam;
-            beam->visibility = make(scene, *occluders, view, beam->sample, rays, strip_on_demand, share, progress);
+            beam->visibility = with_outline(*beam, [&](std::span<const RaySpan> rays) {
+                return make(scene, *occluders, view, beam->sample, rays, strip_on_demand, share, progress);
+            });
         },
         1);
     float most = -1.0f;

@@ -2,6 +2,7 @@
 #include "light_shafts/shadow_map.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/coloured_rows.hpp"
+#include "light_shafts/edited_resolution.hpp"
 #include "light_shafts/map_cache.hpp"
 #include "light_shafts/map_visibility.hpp"
 #include "light_shafts/occluder_edits.hpp"
@@ -161,10 +162,9 @@ ShadowMap raster_filter_map(const SunPlace& place, float margin, const LightSamp
 
 /// As many lines as texels, and a slice per line: the rows then add little to the error of the map.
 static slope_rows::LayoutConfig map_layout_of(const Config& config) {
-    if (config.resolution > 0)
-        return {.lines = config.resolution, .slices_per_line = 1.0f};
-    return {.lines = static_cast<std::uint32_t>(std::clamp(30.0f / config.error_target, 16.0f, 8192.0f)),
-            .slices_per_line = 1.0f};
+    const float texels =
+        config.resolution > 0 ? static_cast<float>(config.resolution) : texels_of_map(config.error_target);
+    return {.lines = static_cast<std::uint32_t>(texels), .slices_per_line = 1.0f};
 }
 
 std::unique_ptr<Visibility> make_shadow_map(const Scene& scene, const View& view, const LightSample& light,
@@ -202,7 +202,7 @@ std::unique_ptr<Visibility> make_edited_beam(const Scene& scene, const OccluderE
                                              const View& view, const LightSample& light,
                                              std::span<const RaySpan> outline,
                                              std::shared_ptr<const StripOnDemand> strip, const Config& config,
-                                             Progress& progress) {
+                                             Progress& progress, EditedMap map) {
     const Preparation preparation{scene, occluders, view, light, outline, std::move(strip), progress};
     slope_rows::LayoutConfig layout = sharing_memory(map_layout_of(config), occluders);
     edits.add_margins(layout);
@@ -219,7 +219,7 @@ std::unique_ptr<Visibility> make_edited_beam(const Scene& scene, const OccluderE
         preparation, std::move(prepared), config.seed, std::nullopt,
         [&](Rows& rows, const PartialShading& partial, Statistics& statistics) -> std::shared_ptr<const Visibility> {
             return std::make_shared<const MapVisibility>(
-                edits.fill(rows, light, layout.lines, partial, statistics, progress));
+                edits.fill(rows, light, {layout.lines, map}, partial, statistics, progress));
         });
 }
 } // namespace tyndall::light_shafts

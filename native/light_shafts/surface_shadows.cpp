@@ -136,9 +136,9 @@ static std::unique_ptr<Rows> make_rows(const OccluderEdits& edits, const View& v
     }
     Rows before(made);
     auto rows = std::make_unique<Rows>(std::move(made));
-    edits.fill(*rows, sample, layout.lines, partial, statistics, progress);
+    edits.fill(*rows, sample, {layout.lines}, partial, statistics, progress);
     Statistics ignored;
-    edits.fill(before, sample, layout.lines, partial, ignored, progress, OccluderEdits::Made::HolesAlone);
+    edits.fill(before, sample, {layout.lines}, partial, ignored, progress, OccluderEdits::Made::HolesAlone);
     keep_changes(*rows, before, progress);
     return rows;
 }
@@ -171,9 +171,9 @@ SurfaceShadows::SurfaceShadows(const Scene& scene, const Occluders& occluders, s
             const SunPlace place = is_sun_ ? sun_place_of(edits, sample, outline) : SunPlace{};
             Stratum& stratum = strata_[index];
             stratum.place = is_sun_ ? sample.towards_light : sample.position;
-            stratum.map = edits.map(place, sample, layout.lines, partial, progress);
+            stratum.map = edits.map(place, sample, {layout.lines}, partial, progress);
             keep_changes(stratum.map,
-                         edits.map(place, sample, layout.lines, partial, progress, OccluderEdits::Made::HolesAlone),
+                         edits.map(place, sample, {layout.lines}, partial, progress, OccluderEdits::Made::HolesAlone),
                          progress);
             if (edits.has_edits_of_rows())
                 stratum.rows = make_rows(edits, view, sample, outline, layout, partial, of_stratum[index], progress);

@@ -103,10 +103,12 @@ using MakeBeamVisibility = std::unique_ptr<Visibility>(const Scene& scene, const
 MakeBeamVisibility make_epipolar_beam;
 MakeBeamVisibility make_shadow_map_beam;
 class OccluderEdits;
+/// Whether a map is made finer than asked for where edits would not show: up to 2,048 texels per side.
+enum class EditedMap : std::uint8_t { ShowsEdits, AsAsked };
 /// A sample of a light whose occluders are edited: by its depth map, whatever the method.
 std::unique_ptr<Visibility> make_edited_beam(const Scene& scene, const OccluderEdits& edits, const Occluders& occluders,
                                              const View& view, const LightSample& light,
                                              std::span<const RaySpan> outline,
                                              std::shared_ptr<const StripOnDemand> strip, const Config& config,
-                                             Progress& progress);
+                                             Progress& progress, EditedMap map = EditedMap::ShowsEdits);
 } // namespace tyndall::light_shafts

@@ -250,7 +250,7 @@ TEST_CASE("holes stay where they are while the camera moves, and go with the lig
                                                           {.lines = 512}, progress));
             Statistics statistics;
             const OccluderEdits edits(stage.scene->description(), moved.light, occluders);
-            return MapVisibility(edits.fill(rows, sample, 1024, PartialShading({}, sample, 0), statistics, progress));
+            return MapVisibility(edits.fill(rows, sample, {1024}, PartialShading({}, sample, 0), statistics, progress));
         };
         const auto is_lit_at = [&](const MapVisibility& map, const vec3& point) {
             LitRows lit;
