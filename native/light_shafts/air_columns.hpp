@@ -45,7 +45,7 @@ struct AirGrid {
 class AirNeeds {
 public:
     /// Rays so many cells apart, along each axis, may be asked together: columns last for all of these.
-    static constexpr float most_span = 2.5f;
+    static constexpr float most_span = 1.75f;
 
     explicit AirNeeds(const AirGrid& grid) : grid_(grid), steps_(grid.column_count()) {}
     /// Safe from any thread.

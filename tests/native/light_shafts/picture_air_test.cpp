@@ -146,7 +146,7 @@ TEST_CASE("more steps come closer, and passes over the same pixels agree") {
     double before = 1.0;
     for (const std::uint32_t step_count : {4u, 16u, 64u}) {
         const double rms = frame.error_of(frame.of_picture(noisy(step_count)), truth).rms;
-        CHECK(rms < 0.6 * before);
+        CHECK(rms < 0.75 * before);
         before = rms;
     }
     // Their points lie elsewhere in the same steps, which are as coarse.
