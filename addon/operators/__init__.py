@@ -20,6 +20,7 @@ from . import (
     transfer_functions,
     transfer_states,
     volume_files,
+    world_sun,
 )
 
 CLASSES = (
@@ -37,6 +38,7 @@ CLASSES = (
     *paint_air.CLASSES,
     *painted_air.CLASSES,
     *volume_files.CLASSES,
+    *world_sun.CLASSES,
     *reports.CLASSES,
     *presets.CLASSES,
 )

@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import math
+
 from bpy.types import Context, Panel, UILayout
 
 from ..shader_nodes import plugged_in
-from .base import PropertiesPanel, draw_node_socket, draw_text, draw_without_output
+from .base import PropertiesPanel, draw_node_socket, draw_text, draw_value, draw_without_output
 
 
 class WorldPanel(PropertiesPanel):
@@ -40,6 +42,39 @@ class TYNDALL_PT_world_surface(WorldPanel, Panel):
             draw_without_output(layout, world, "color")
 
 
+class TYNDALL_PT_world_sun(WorldPanel, Panel):
+    bl_label = "Sun from Image"
+
+    def draw_header(self, context: Context) -> None:
+        self.layout.prop(context.world.tyndall, "takes_sun", text="")
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        settings = context.world.tyndall
+        sun = settings.sun
+        layout.operator(
+            "tyndall.sun_from_world", text="Make Sun from Image" if sun is None else "Update Sun", icon="LIGHT_SUN"
+        )
+        column = layout.column()
+        column.active = settings.takes_sun
+        column.prop(settings, "sun")
+        column.prop(settings, "sun_threshold")
+        if sun is None:
+            draw_text(
+                layout,
+                context,
+                "The brightest light of the world's image becomes a sun object, with shafts that can be edited; the "
+                "image gives the rest",
+                icon="INFO",
+            )
+        else:
+            height = math.degrees(math.asin(max(-1.0, min(1.0, sun.matrix_world.to_3x3().col[2].normalized().z))))
+            draw_value(layout, context, "Height", f"{height:.1f}°")
+            draw_value(layout, context, "Width", f"{math.degrees(sun.data.angle):.2g}°")
+            draw_value(layout, context, "Strength", f"{sun.data.energy:.3g} W/m²")
+
+
 class TYNDALL_PT_world_volume(WorldPanel, Panel):
     bl_label = "Volume"
 
@@ -52,4 +87,4 @@ class TYNDALL_PT_world_volume(WorldPanel, Panel):
             draw_without_output(layout, context.world)
 
 
-CLASSES = (TYNDALL_PT_world_surface, TYNDALL_PT_world_volume)
+CLASSES = (TYNDALL_PT_world_surface, TYNDALL_PT_world_sun, TYNDALL_PT_world_volume)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings that are saved in the .blend: ``tyndall`` of scenes, view layers, objects, lights and node trees."""
+"""Settings that are saved in the .blend: ``tyndall`` of scenes, view layers, worlds, objects, lights and node trees."""
 
 from bpy.props import PointerProperty
-from bpy.types import Light, NodeTree, Object, Scene, ViewLayer
+from bpy.types import Light, NodeTree, Object, Scene, ViewLayer, World
 from bpy.utils import register_class, unregister_class
 
 from . import air_brush, light_map_fit, occluder_edits, painted_air, transfer_functions, transfer_layers
@@ -15,6 +15,7 @@ from .scene import TyndallSceneSettings
 from .tagging import OVERRIDABLE, tag
 from .transfer_functions import TyndallTransferFunction
 from .view_layer import TyndallViewLayerSettings
+from .world import TyndallWorldSettings
 
 #: In the order of registration: a group before the group that points to it.
 CLASSES = (
@@ -30,12 +31,14 @@ CLASSES = (
     TyndallSceneSettings,
     TyndallLightSettings,
     TyndallViewLayerSettings,
+    TyndallWorldSettings,
 )
 OWNERS = (
     (Scene, TyndallSceneSettings),
     (Object, TyndallObjectSettings),
     (Light, TyndallLightSettings),
     (ViewLayer, TyndallViewLayerSettings),
+    (World, TyndallWorldSettings),
     (NodeTree, TyndallTransferFunction),
 )
 

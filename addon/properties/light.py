@@ -34,7 +34,7 @@ class TyndallLightSettings(PropertyGroup):
     )
     occluder_edits: CollectionProperty(
         name="Occluder Edits",
-        description="What is done to the occluders before this light, for the air only: surfaces keep their shadows",
+        description="What is done to the occluders before this light: the air sees it, surfaces where an edit says so",
         type=TyndallOccluderEdit,
         override=EXTENSIBLE,
     )

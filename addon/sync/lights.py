@@ -82,7 +82,7 @@ def _strength(data: bpy.types.Light) -> NDArray[np.float64]:
             strength *= np.array(data.temperature_color)
         if not data.normalize:
             strength *= _emitting_measure(data)
-    return np.multiply(strength, _irradiance_share(data.angle / 2) if data.type == "SUN" else _INTENSITY_PER_WATT)
+    return np.multiply(strength, irradiance_share(data.angle / 2) if data.type == "SUN" else _INTENSITY_PER_WATT)
 
 
 def _emitting_measure(data: bpy.types.Light) -> float:
@@ -92,7 +92,7 @@ def _emitting_measure(data: bpy.types.Light) -> float:
     return 4.0 * (math.pi * data.shadow_soft_size**2 or 1.0)
 
 
-def _irradiance_share(half_angle_rad: float) -> float:
+def irradiance_share(half_angle_rad: float) -> float:
     """Cycles 3.x spreads a sun evenly over a disc at distance 1: the mean cosine over the disc is left."""
     cosine = math.cos(min(half_angle_rad, 1.57))
     return 1.0 if _IS_BLENDER_4 else 2.0 * cosine / (1.0 + cosine)

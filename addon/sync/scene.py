@@ -23,6 +23,7 @@ from .relit_scene import ReadScene, is_light, light_names
 from .reports import Reports
 from .volume_sources import is_volume
 from .volumes import VolumeReader
+from .world_suns import WorldSuns
 from .worlds import read_world
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ class SceneReader:
         self._images = ImageReader()
         self._masks = MaskReader()
         self._volumes = VolumeReader()
+        self._suns = WorldSuns()
         self._meshes: dict[str, Mesh] = {}
         self._live: dict[int, tuple[Mesh | None, set[int]]] = {}  # by address of the evaluated mesh, while it lives
         self._live_depsgraph = 0
@@ -86,7 +88,11 @@ class SceneReader:
         materials = MaterialReader(reports, self._images, layer.material_override, is_lit=is_lit)
         is_viewport = depsgraph.mode == "VIEWPORT"
         instances = self._instances(placements, materials, reports, poll, is_viewport=is_viewport)
-        world, medium = read_world(_world_of(depsgraph), reports, self._images)
+        shown_world = _world_of(depsgraph)
+        world, medium = read_world(shown_world, reports, self._images)
+        if shown_world is not None:
+            lights = {one.object_name: one.matrices[0] for one in placements if one.data is None}
+            world = self._suns.take_out(shown_world.original, world, lights, reports)
         if depsgraph.mode == "RENDER" and depsgraph.scene_eval.render.use_motion_blur:
             reports.add(f'Scene "{depsgraph.scene_eval.name}"', "motion blur is not drawn")
         poll()

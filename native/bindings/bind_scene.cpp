@@ -53,18 +53,25 @@ static Light make_light(std::string name, int kind, const Triple& strength, cons
     return light;
 }
 
+static std::shared_ptr<const EnvironmentImage>
+environment_image(const std::string& name, const std::optional<py::array>& pixels, const char* argument) {
+    if (!pixels)
+        return nullptr;
+    auto image = std::make_shared<EnvironmentImage>();
+    image->name = name;
+    image->pixels = to_vector<Rgb, float>(*pixels, {-1, -1, 3}, argument);
+    image->height = static_cast<std::uint32_t>(pixels->shape(0));
+    image->width = static_cast<std::uint32_t>(pixels->shape(1));
+    return image;
+}
+
 static World make_world(std::string name, const Triple& radiance, const std::optional<py::array>& pixels,
-                        const py::array& image_from_world) {
-    std::shared_ptr<EnvironmentImage> image;
-    if (pixels) {
-        image = std::make_shared<EnvironmentImage>();
-        image->name = name;
-        image->pixels = to_vector<Rgb, float>(*pixels, {-1, -1, 3}, "pixels");
-        image->height = static_cast<std::uint32_t>(pixels->shape(0));
-        image->width = static_cast<std::uint32_t>(pixels->shape(1));
-    }
+                        const py::array& image_from_world, const std::optional<py::array>& seen_pixels) {
+    auto image = environment_image(name, pixels, "pixels"),
+         seen_image = environment_image(name, seen_pixels, "seen_pixels");
     const mat3 rotation = to_matrix<mat3, 3>(image_from_world, "image_from_world");
-    return without_gil([&] { return World(std::move(name), to_vec3(radiance), std::move(image), rotation); });
+    return without_gil(
+        [&] { return World(std::move(name), to_vec3(radiance), std::move(image), rotation, std::move(seen_image)); });
 }
 
 namespace {
@@ -144,7 +151,9 @@ TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
              "position: relative to the scene's origin; axis: unit vector along which the light shines.");
     py::class_<World>(native, "World")
         .def(py::init(&make_world), "name"_a, "radiance"_a, "pixels"_a, "image_from_world"_a,
-             "pixels: float32 (height, width, 3), rows bottom to top, or None; image_from_world: float32 (3, 3).");
+             "seen_pixels"_a = py::none(),
+             "pixels: float32 (height, width, 3), rows bottom to top, or None; image_from_world: float32 (3, 3); "
+             "seen_pixels: as pixels, what cameras see instead of them.");
     py::class_<SceneWithMedia>(native, "Scene", "With its media. Immutable; safe from any thread.")
         .def(py::init(&make_scene), "origin_in_world"_a, "meshes"_a, "mesh_indices"_a, "world_from_object"_a,
              "object_names"_a, "first_slot_materials"_a, "slot_counts"_a, "is_camera_visible"_a, "casts_shadow"_a,

@@ -177,7 +177,7 @@ private:
             const Rgb passing = media_.is_empty() ? Rgb(1.0f) : media_.transmittance(inside);
             seen.opacity[pixel][camera_ray] = 1.0f - average(passing);
             if (!hit.is_hit()) {
-                seen.emitted[pixel][camera_ray] = average(passing * scene_.world().radiance(inside.direction));
+                seen.emitted[pixel][camera_ray] = average(passing * scene_.world().seen_radiance(inside.direction));
                 continue;
             }
             points[count] = surface_point(scene_, rays[pixel], hit, seeds[pixel]);

@@ -38,7 +38,7 @@ void ViewPath::reach_world(const Follower& follower, PathSample& sample) const {
     if (config_.is_film_transparent)
         sample.alpha = 1.0f - average(follower.throughput());
     else
-        sample.radiance += follower.throughput() * scene_.world().radiance(follower.part.direction);
+        sample.radiance += follower.throughput() * scene_.world().seen_radiance(follower.part.direction);
 }
 
 void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds,

@@ -74,17 +74,23 @@ static PiecewiseConstant2d importance_of(const EnvironmentImage& image) {
     return {weights, image.width};
 }
 
-World::World(std::string name, Rgb radiance, std::shared_ptr<const EnvironmentImage> image, mat3 image_from_world)
-    : name_(std::move(name)), radiance_(radiance), image_(std::move(image)), image_from_world_(image_from_world) {
+World::World(std::string name, Rgb radiance, std::shared_ptr<const EnvironmentImage> image, mat3 image_from_world,
+             std::shared_ptr<const EnvironmentImage> seen_image)
+    : name_(std::move(name)), radiance_(radiance), image_(std::move(image)), seen_image_(std::move(seen_image)),
+      image_from_world_(image_from_world) {
     is_black_ = radiance_ == Rgb(0.0f);
     require(is_finite(radiance_), "world '", name_, "': its radiance is not finite");
+    for (std::shared_ptr<const EnvironmentImage>* given : {&image_, &seen_image_}) {
+        if (*given == nullptr)
+            continue;
+        const EnvironmentImage& one = **given;
+        require(one.width > 0 && one.height > 0 && one.pixels.size() == std::size_t{one.width} * one.height, "world '",
+                name_, "': image '", one.name, "' has ", one.pixels.size(), " pixels for ", one.width, " x ",
+                one.height);
+        *given = without_broken_pixels(std::move(*given));
+    }
     if (image_ == nullptr)
         return;
-    require(image_->width > 0 && image_->height > 0 &&
-                image_->pixels.size() == std::size_t{image_->width} * image_->height,
-            "world '", name_, "': image '", image_->name, "' has ", image_->pixels.size(), " pixels for ",
-            image_->width, " x ", image_->height);
-    image_ = without_broken_pixels(std::move(image_));
     importance_ = std::make_shared<const PiecewiseConstant2d>(importance_of(*image_));
     is_black_ |=
         std::all_of(image_->pixels.begin(), image_->pixels.end(), [](const Rgb& pixel) { return pixel == Rgb(0.0f); });
@@ -116,6 +122,12 @@ Rgb World::radiance(const vec3& unit_direction) const {
     if (image_ == nullptr)
         return radiance_;
     return radiance_ * bilinear(*image_, uv_of(image_from_world_ * unit_direction));
+}
+
+Rgb World::seen_radiance(const vec3& unit_direction) const {
+    if (seen_image_ == nullptr)
+        return radiance(unit_direction);
+    return radiance_ * bilinear(*seen_image_, uv_of(image_from_world_ * unit_direction));
 }
 
 World::DirectionSample World::sample(vec2 u) const {

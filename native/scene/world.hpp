@@ -20,13 +20,16 @@ class World {
 public:
     World() = default;
     /// Radiance is `radiance` times the image, if there is one. Pixels that are not finite are black, as in Cycles.
-    /// Throws InvalidInput that names the world: a radiance that is not finite, an image of another size than it says.
+    /// Cameras see `seen_image`, which gives no light; nothing: they see the image. Throws InvalidInput that names the
+    /// world: a radiance that is not finite, an image of another size than it says.
     World(std::string name, Rgb radiance, std::shared_ptr<const EnvironmentImage> image = nullptr,
-          mat3 image_from_world = mat3(1.0f));
+          mat3 image_from_world = mat3(1.0f), std::shared_ptr<const EnvironmentImage> seen_image = nullptr);
 
     [[nodiscard]] bool is_black() const { return is_black_; }
     [[nodiscard]] bool has_image() const { return image_ != nullptr; }
     [[nodiscard]] Rgb radiance(const vec3& unit_direction) const;
+    /// As cameras see it.
+    [[nodiscard]] Rgb seen_radiance(const vec3& unit_direction) const;
     struct DirectionSample {
         vec3 direction; ///< Unit, towards the world.
         float pdf_per_sr;
@@ -37,13 +40,14 @@ public:
     [[nodiscard]] const std::string& name() const { return name_; }
     /// The same radiance of the same image, not of an equal one; names do not count.
     [[nodiscard]] bool shines_as(const World& other) const {
-        return radiance_ == other.radiance_ && image_ == other.image_ && image_from_world_ == other.image_from_world_;
+        return radiance_ == other.radiance_ && image_ == other.image_ && seen_image_ == other.seen_image_ &&
+               image_from_world_ == other.image_from_world_;
     }
 
 private:
     std::string name_;
     Rgb radiance_{0.0f};
-    std::shared_ptr<const EnvironmentImage> image_;
+    std::shared_ptr<const EnvironmentImage> image_, seen_image_;
     mat3 image_from_world_{1.0f};
     bool is_black_ = true;
     std::shared_ptr<const PiecewiseConstant2d> importance_; ///< Of the image's texels; nothing without an image.

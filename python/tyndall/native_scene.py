@@ -372,4 +372,5 @@ def _make_world(world: World) -> _native.World:
         radiance=world.radiance,
         pixels=None if world.image is None else linear_colours(world.image),
         image_from_world=world.image_from_world.astype(np.float32, order="C"),
+        seen_pixels=None if world.seen_image is None else linear_colours(world.seen_image),
     )

@@ -311,6 +311,7 @@ class World:
     radiance: Rgb = (0.0, 0.0, 0.0)
     image: Image | None = None
     image_from_world: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))  #: (3, 3) rotation.
+    seen_image: Image | None = None  #: What cameras see in place of the image, without its light.
     medium: int = -1  #: Into SceneDescription.media: fills all space; -1: none.
 
 
