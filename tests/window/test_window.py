@@ -256,3 +256,11 @@ def test_light_shafts_go_over_cycles_in_the_window(play: Callable[..., Any]) -> 
     assert played.facts["frames"] == 8
     assert played.facts["ends"] == ["complete", "complete", "complete", "cancel"]
     assert not [line for line in played.console.splitlines() if any(text in line for text in COMPLAINTS)]
+
+
+def test_a_sun_is_made_of_the_world_s_image_by_its_button(play: Callable[..., Any]) -> None:
+    """Made, undone, redone, and updated: one object all the time."""
+    facts = play("world_sun", screen_px=(900, 700)).facts
+    assert facts["made"] == facts["redone"] == facts["updated"] == ["Sun of World"]
+    assert facts["undone"] == []
+    assert facts["takes_sun"]
