@@ -14,6 +14,7 @@ from ..availability import why_no_render
 from .fog_box import select_only
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
 #: From the world's origin; a sun shines from infinity, the object only has to be at hand.
@@ -108,7 +109,7 @@ def _turn(thing: Object, towards: Vector) -> None:
     thing.matrix_world = Matrix.Translation(where) @ turn
 
 
-def _shine(light: Light, irradiance: NDArray, half_angle_rad: float) -> None:
+def _shine(light: Light, irradiance: NDArray[np.float64], half_angle_rad: float) -> None:
     """``irradiance``: (3,), W/m^2 on a plane that faces it."""
     from ..sync.lights import irradiance_share
 

@@ -35,7 +35,7 @@ def directions(height: int, width: int) -> NDArray[np.float64]:
 
 
 def sky_with_disc(
-    towards: NDArray[np.float64], half_angle_rad: float, disc: NDArray[np.float64] = DISC, height: int = 256
+    towards: NDArray[np.float64], half_angle_rad: float, disc: NDArray[np.float64] = DISC, height: int = 128
 ) -> NDArray[np.float32]:
     """An even sky with an even disc; texels at its rim by their share of it, of 8 x 8 places."""
     fine = 8
@@ -55,21 +55,21 @@ def unit(*vector: float) -> NDArray[np.float64]:
 
 @pytest.mark.parametrize(
     "towards",
-    [unit(1, 0.3, 0.5), unit(-1, 0.001, 0.2), unit(0.2, -1, -0.4), unit(0, 0, 1), unit(0.03, 0.02, -1)],
+    [unit(1, 0.3, 0.5), unit(-1, 0.001, 0.2), unit(0.2, -1, -0.4), unit(0.015, 0.01, 1), unit(0.06, 0.02, -1)],
     ids=["high", "across the seam", "below", "zenith", "nadir"],
 )
-@pytest.mark.parametrize("half_angle_rad", [0.03, 0.15])
+@pytest.mark.parametrize("half_angle_rad", [0.06, 0.2])
 def test_a_disc_is_found_where_it_stands_with_its_size_and_its_light(
     towards: NDArray[np.float64], half_angle_rad: float
 ) -> None:
     """A disc of radiance L over a sky of S gives a plane that faces it pi sin^2 (L - S) more than the sky alone.
 
-    Its place is right to a tenth of a texel, 0.0123 rad here, its light to 1 %, and its size to a third of a texel.
+    Its place is right to a tenth of a texel, 0.0245 rad here, its light to 1 %, and its size to a third of a texel.
     """
     sun = find_sun(sky_with_disc(towards, half_angle_rad))
-    assert np.arccos(min(1.0, sun.direction @ towards)) < 0.0013
+    assert np.arccos(min(1.0, sun.direction @ towards)) < 0.0025
     assert sun.irradiance == pytest.approx(np.pi * np.sin(half_angle_rad) ** 2 * (DISC - SKY), rel=0.01)
-    assert sun.half_angle_rad == pytest.approx(half_angle_rad, abs=0.004)
+    assert sun.half_angle_rad == pytest.approx(half_angle_rad, abs=0.008)
 
 
 def test_one_texel_is_a_sun_too() -> None:
@@ -98,7 +98,7 @@ def test_a_clipped_sun_of_bytes_is_found() -> None:
     """Photographs end at 1: the sun there is what is clipped, among clouds of half its brightness."""
     image = np.clip(sky_with_disc(unit(1, 1, 1), 0.06) * 0.4, 0.0, 1.0)
     sun = find_sun(image)
-    assert sun.half_angle_rad == pytest.approx(0.06, abs=0.006)
+    assert sun.half_angle_rad == pytest.approx(0.06, abs=0.0123)  # every texel that it touches
 
 
 @pytest.mark.parametrize("name", ["uniform", "black", "gradient", "half", "noise", "broken"])
@@ -157,7 +157,7 @@ def irradiance(world: World, light: Light | None, normal: NDArray[np.float64]) -
 def test_a_surface_that_faces_the_sun_receives_as_much_as_from_the_image() -> None:
     """By Tyndall's own light: the image alone, and its sun with what is left of it. A tilted surface does, too."""
     towards = unit(0.4, 0.3, 0.8)
-    image = sky_with_disc(towards, 0.05, height=128)
+    image = sky_with_disc(towards, 0.05)
     sun = find_sun(image)
     place = np.eye(4)
     place[:3, 2] = sun.direction
