@@ -11,6 +11,7 @@ import numpy as np
 
 from support.mouse import click_at, press
 
+CLICKS = ("tyndall.sun_from_world",)
 WIDTH_PX, HEIGHT_PX = 64, 32
 BUTTON_PX = (380, 174)  #: From the window's left and top, where no other panel of ours is above.
 
