@@ -31,8 +31,9 @@ def edits() -> Iterator[bpy.types.PropertyGroup]:
 
 
 def as_it_is() -> None:
-    """Physical shafts: every edit of theirs is off, nothing recolours them."""
+    """Physical shafts in even air: every edit of theirs is off, nothing recolours them."""
     bpy.context.scene.tyndall.shafts.use_transfer_functions = False
+    bpy.context.scene.tyndall.heterogeneity.is_enabled = False
     for edit in edits():
         edit.is_enabled = False
     for light in bpy.data.lights:
@@ -46,6 +47,11 @@ def as_saved() -> None:
 def without_functions() -> None:
     """Occluders as edited, colours as they are."""
     bpy.context.scene.tyndall.shafts.use_transfer_functions = False
+
+
+def without_paint() -> None:
+    """The texture of the air as the sliders have it."""
+    bpy.context.scene.tyndall.heterogeneity.painted = None
 
 
 def show_state(index: int) -> None:
@@ -107,6 +113,13 @@ PICTURES = (
     *(Picture(f"flower_bed_{frame}", "flower_bed", partial(show_frame, frame)) for frame in (1, 5, 9)),
     Picture("citadel_before", "citadel", as_it_is),
     *(Picture(f"citadel_{name}", "citadel", partial(look_through, camera)) for name, camera in CITADEL_VIEWS),
+    Picture("skeleton_hall_before", "skeleton_hall", as_it_is),
+    Picture("skeleton_hall_textured", "skeleton_hall", without_paint),
+    Picture("skeleton_hall", "skeleton_hall"),
+    Picture("arbor_before", "arbor", as_it_is),
+    Picture("arbor", "arbor"),
+    Picture("village_dawn_before", "village_dawn", as_it_is),
+    Picture("village_dawn", "village_dawn"),
     Picture("terrain_sunrise_before", "terrain_sunrise", physical_dawn),
     *(Picture(f"style_{scene}", scene, posterise) for scene in ("terrain_sunrise", "palm_tree", "scarecrow")),
 )

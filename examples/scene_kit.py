@@ -342,6 +342,25 @@ def edit_occluders(light: bpy.types.Object, kind: str, **settings: object) -> bp
     return edit
 
 
+def paint_air(
+    places_m: Sequence[Sequence[float]],
+    volume: str,
+    value: float,
+    radius_m: float,
+    *,
+    normal: Sequence[float] = (0.0, 0.0, 1.0),
+    **brush_settings: float,
+) -> None:
+    """Paint one stroke, at full opacity unless told otherwise, through places in the world; the box is the scene's."""
+    brush = bpy.context.scene.tyndall.air_brush
+    brush.volume, brush.mode, brush.opacity, brush.radius_m = volume, "PAINT", 1.0, radius_m
+    setattr(brush, volume.lower(), value)
+    for name, setting in brush_settings.items():
+        setattr(brush, name, setting)
+    dabs = [{"name": "", "location": place_m, "pressure": 1.0} for place_m in places_m]
+    bpy.ops.tyndall.paint_air_stroke(dabs=dabs, normal=normal)
+
+
 def set_up(*, view: str, look: str = "None", exposure: float = 0.0) -> None:
     """Set the render up: full HD, direct light and single scattering only."""
     scene = bpy.context.scene

@@ -131,3 +131,41 @@ def test_a_citadels_shafts_reach_the_colours_that_were_painted_over_three_camera
         size = np.sqrt((white[is_painted] ** 2).mean())
         assert np.sqrt(((reached[is_painted] - wanted) ** 2).mean()) < 0.2 * size
         assert np.sqrt(((white[is_painted] - wanted) ** 2).mean()) > 0.4 * size
+
+
+def test_paint_gives_back_the_light_behind_a_skeleton_and_leaves_the_wisps_below_it(gallery: Gallery) -> None:
+    gallery.make("skeleton_hall")
+    painted, textured, even = (
+        gallery.shafts(name)[0].mean(axis=-1)
+        for name in ("skeleton_hall", "skeleton_hall_textured", "skeleton_hall_before")
+    )
+    behind_claws, below = np.s_[36:54, 80:110], np.s_[:25, :]
+    assert np.median(textured[behind_claws]) < 0.2 * np.median(even[behind_claws])
+    assert np.median(painted[behind_claws]) > 0.5 * np.median(even[behind_claws])
+    np.testing.assert_allclose(painted[below], textured[below], rtol=0.02, atol=1e-3 * even.max())
+    is_lit = even[below] > 0.1 * even.max()
+    assert np.std(textured[below][is_lit] / even[below][is_lit]) > 0.2
+
+
+def test_paint_tones_the_glare_of_an_arbor_down_and_nothing_else(gallery: Gallery) -> None:
+    gallery.make("arbor")
+    ratio = np.divide(*(gallery.shafts(name)[0].mean(axis=-1) for name in ("arbor", "arbor_before")))
+    assert ratio.max() < 1.0 + 1e-5
+    left, right = ratio[:, :60], ratio[:, 90:]
+    assert np.median(left) < 0.25
+    assert np.median(right) > 0.95
+
+
+def test_a_village_has_mist_in_its_lane_smoke_on_its_roofs_and_calm_light_below_its_belfry(gallery: Gallery) -> None:
+    gallery.make("village_dawn")
+    dawn = gallery.shafts("village_dawn")[0].mean(axis=-1)
+    bpy.context.scene.tyndall.heterogeneity.seed = 5
+    other_noise = gallery.shafts("village_dawn")[0].mean(axis=-1)
+    even = gallery.shafts("village_dawn_before")[0].mean(axis=-1)
+    lane, roofs, below_belfry = np.s_[:20, 100:112], np.s_[45:80, :40], np.s_[30:50, 75:90]
+    assert np.median(dawn[lane]) > 2.0 * np.median(even[lane])
+    assert (dawn[roofs] / even[roofs]).max() > 1.8
+    # Where paint has taken the texture away there is none to change.
+    changes = np.abs(np.log(other_noise / dawn))
+    assert np.median(changes[below_belfry]) < 0.5 * np.median(changes[lane])
+    assert np.median(changes[below_belfry]) < 0.5 * np.median(changes[roofs])
