@@ -168,7 +168,7 @@ PRESETS = (
         identifier="SEPIA",
         name="Sepia",
         description="An old photograph: every light in one warm brown",
-        layers=(PresetLayer(name="Brown", stops=((0.0, "#9c7448"), (1.0, "#f8dcae")), gain=1.2),),
+        layers=(PresetLayer(name="Brown", stops=((0.0, "#7e4c22"), (1.0, "#f4c078")), gain=1.35),),
     ),
     Preset(
         identifier="TEAL_ORANGE",
@@ -203,7 +203,7 @@ PRESETS = (
         layers=(
             PresetLayer(
                 name="Flame",
-                stops=((0.0, "#fff0b4"), (0.12, "#ffc45c"), (0.4, "#e8782c"), (1.0, "#8c2c1c")),
+                stops=((0.0, "#ffdca0"), (0.12, "#ffae5c"), (0.4, "#e8702c"), (1.0, "#8c2c1c")),
                 from_to=_ALONG_Y,
                 gain=1.3,
             ),

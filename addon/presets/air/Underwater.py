@@ -3,11 +3,11 @@ import bpy
 
 air = bpy.context.scene.tyndall.heterogeneity
 air.is_enabled = True
-air.amount = 0.8
+air.amount = 1.0
 air.intensity = 1.0
-air.level = 1.0
+air.level = 0.5
 air.scale_m = 3.0
 air.octaves = 3
 air.persistence = 0.6
-air.contrast = 1.5
+air.contrast = 2.4
 air.wind_m_per_s = (0.15, 0.1, 0.02)
