@@ -165,7 +165,5 @@ def test_a_village_has_mist_in_its_lane_smoke_on_its_roofs_and_calm_light_below_
     lane, roofs, below_belfry = np.s_[:20, 100:112], np.s_[45:80, :40], np.s_[30:50, 75:90]
     assert np.median(dawn[lane]) > 2.0 * np.median(even[lane])
     assert (dawn[roofs] / even[roofs]).max() > 1.8
-    # Where paint has taken the texture away there is none to change.
-    changes = np.abs(np.log(other_noise / dawn))
-    assert np.median(changes[below_belfry]) < 0.5 * np.median(changes[lane])
-    assert np.median(changes[below_belfry]) < 0.5 * np.median(changes[roofs])
+    # Where paint has taken the texture away, another noise hardly shows.
+    assert np.median(np.abs(np.log(other_noise[below_belfry] / dawn[below_belfry]))) < 0.05
