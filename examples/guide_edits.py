@@ -8,6 +8,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from scene_kit import paint_air
 
 ROOT = Path(__file__).resolve().parent.parent
 SIZE_PX = (640, 360)
@@ -159,15 +160,6 @@ def let_light_bounce(*, with_shafts: bool = False) -> None:
     if with_shafts:
         bpy.ops.tyndall.over_engine_set_up()
         bpy.ops.tyndall.leave_fog()
-
-
-def paint_air(places_m: list[tuple[float, float, float]], volume: str, value: float, radius_m: float) -> None:
-    """Paint one stroke, at full opacity, through places in the world."""
-    brush = bpy.context.scene.tyndall.air_brush
-    brush.volume, brush.mode, brush.opacity, brush.radius_m = volume, "PAINT", 1.0, radius_m
-    setattr(brush, volume.lower(), value)
-    dabs = [{"name": "", "location": place_m, "pressure": 1.0} for place_m in places_m]
-    bpy.ops.tyndall.paint_air_stroke(dabs=dabs)
 
 
 def paint_one_shaft() -> None:
