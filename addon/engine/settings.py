@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 #: Of lights' depth maps and slope rows, in a viewport and from frame to frame of an animation.
 KEPT_MAPS_BYTES = 512 << 20
-#: Of what camera rays met, in a viewport: two samples of full HD beside its coarse pictures.
-KEPT_SURFACES_BYTES = 768 << 20
+#: Of what camera rays met, in a viewport: a sample of full HD, with points to be lit, beside its coarse pictures.
+KEPT_SURFACES_BYTES = 1 << 30
 _LEAST_RESOLUTION = 16  #: The property starts at 0, which picks a resolution; between them lies nothing useful.
 
 

@@ -107,14 +107,18 @@ void DirectLight::add(std::size_t light, std::span<const SurfacePoint> points, c
     const std::uint32_t count = ray_counts_[light];
     const float share = 1.0f / static_cast<float>(count);
     for (std::uint32_t ray = 0; ray < count; ++ray) {
-        // A light has the same pair wherever it shines: what one point skips does not shift another light's numbers.
-        const PairIndex pair{first_pair.sample_index * count + ray,
-                             first_pair.pair_index + static_cast<std::uint32_t>(light)};
+        const PairIndex pair = pair_of(light, ray, first_pair);
         if (is_world(light))
             add_world(points, lanes, pair, share, irradiance);
         else
             add_light(lights_[light], points, lanes, pair, share, irradiance);
     }
+}
+
+/// A light has the same pair wherever it shines: what one point skips does not shift another light's numbers.
+PairIndex DirectLight::pair_of(std::size_t light, std::uint32_t ray, const PairIndex& first_pair) const {
+    return {first_pair.sample_index * ray_counts_[light] + ray,
+            first_pair.pair_index + static_cast<std::uint32_t>(light)};
 }
 
 void DirectLight::finish(const Light& light, const SurfacePoint& point, Ray& ray, Rgb& arriving) const {
@@ -161,11 +165,10 @@ static Ray ray_of(const AimedRays& aimed, std::size_t lane) {
             .far_m = aimed.far_m[lane]};
 }
 
-void DirectLight::add_light(const AimedLight& aimed, std::span<const SurfacePoint> points, const LitPoints& lanes,
-                            const PairIndex& pair, float share, std::span<Irradiance> irradiance) const {
+void DirectLight::aim(const AimedLight& aimed, std::span<const SurfacePoint> points, const LitPoints& lanes,
+                      const PairIndex& pair, float share, ShadowRays& shadow) const {
     const Light& light = scene_.lights()[aimed.index];
     AimedRays towards;
-    ShadowRays shadow;
     for (LaneSet left = aimed.aim.aim(lanes, pair, towards); left != 0; left &= left - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(left));
         Ray ray = ray_of(towards, lane);
@@ -174,6 +177,13 @@ void DirectLight::add_light(const AimedLight& aimed, std::span<const SurfacePoin
         if (arriving != Rgb(0.0f))
             shadow.push(ray, arriving, lane);
     }
+}
+
+void DirectLight::add_light(const AimedLight& aimed, std::span<const SurfacePoint> points, const LitPoints& lanes,
+                            const PairIndex& pair, float share, std::span<Irradiance> irradiance) const {
+    const Light& light = scene_.lights()[aimed.index];
+    ShadowRays shadow;
+    aim(aimed, points, lanes, pair, share, shadow);
     if (light.casts_shadow && aimed.holes)
         aimed.holes->shadow_transmittances(shadow.all(), shadow.passing);
     else if (light.casts_shadow)
@@ -194,12 +204,11 @@ void DirectLight::add_light(const AimedLight& aimed, std::span<const SurfacePoin
     }
 }
 
-void DirectLight::add_world(std::span<const SurfacePoint> points, const LitPoints& lanes, const PairIndex& pair,
-                            float share, std::span<Irradiance> irradiance) const {
+static float power_share(float a, float b) { return a * a / (a * a + b * b); }
+
+void DirectLight::aim_at_world(const LitPoints& lanes, const PairIndex& pair, float share, ShadowRays& shadow) const {
     const World& world = scene_.world();
-    const auto power_share = [](float a, float b) { return a * a / (a * a + b * b); };
     AimedRays towards;
-    ShadowRays shadow;
     for (LaneSet left = LightAim::aim_at_world(lanes, pair, towards); left != 0; left &= left - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(left));
         const Ray ray = ray_of(towards, lane);
@@ -209,10 +218,11 @@ void DirectLight::add_world(std::span<const SurfacePoint> points, const LitPoint
         if (weight > 0.0f)
             shadow.push(ray, pi * share * weight * world.radiance(ray.direction), lane);
     }
-    add_from_world(shadow, irradiance);
-    if (!world.has_image())
-        return;
-    shadow.count = 0;
+}
+
+void DirectLight::aim_at_world_image(std::span<const SurfacePoint> points, const PairIndex& pair, float share,
+                                     ShadowRays& shadow) const {
+    const World& world = scene_.world();
     for (std::size_t index = 0; index < points.size(); ++index) {
         const SurfacePoint& point = points[index];
         const World::DirectionSample sample =
@@ -224,7 +234,55 @@ void DirectLight::add_world(std::span<const SurfacePoint> points, const LitPoint
             power_share(sample.pdf_per_sr, cosine_hemisphere_pdf_per_sr(cosine)) * cosine / sample.pdf_per_sr;
         shadow.push(shadow_ray(point, sample.direction), share * weight * sample.radiance, index);
     }
+}
+
+void DirectLight::add_world(std::span<const SurfacePoint> points, const LitPoints& lanes, const PairIndex& pair,
+                            float share, std::span<Irradiance> irradiance) const {
+    ShadowRays shadow;
+    aim_at_world(lanes, pair, share, shadow);
     add_from_world(shadow, irradiance);
+    if (!scene_.world().has_image())
+        return;
+    shadow.count = 0;
+    aim_at_world_image(points, pair, share, shadow);
+    add_from_world(shadow, irradiance);
+}
+
+LaneSet DirectLight::may_meet(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,
+                              const MovedBoxes& boxes) const {
+    if (!is_world(light) && !scene_.lights()[lights_[light].index].casts_shadow)
+        return 0;
+    const LitPoints lanes = lanes_of(points);
+    if (!is_world(light) && lights_[light].aim.may_light(lanes) == 0)
+        return 0;
+    LaneSet found = 0;
+    ShadowRays shadow;
+    const auto test = [&] {
+        for (std::size_t index = 0; index < shadow.count; ++index)
+            if (const LaneSet lane = LaneSet{1} << shadow.points[index]; (found & lane) == 0)
+                found |= boxes.may_meet(shadow.rays[index]) ? lane : 0;
+        shadow.count = 0;
+    };
+    for (std::uint32_t ray = 0; ray < ray_counts_[light]; ++ray) {
+        const PairIndex pair = pair_of(light, ray, first_pair);
+        if (!is_world(light)) {
+            aim(lights_[light], points, lanes, pair, 1.0f, shadow);
+            test();
+            continue;
+        }
+        aim_at_world(lanes, pair, 1.0f, shadow);
+        test();
+        if (scene_.world().has_image()) {
+            aim_at_world_image(points, pair, 1.0f, shadow);
+            test();
+        }
+    }
+    return found;
+}
+
+bool DirectLight::is_told_by_rays(std::size_t light) const {
+    return is_world(light) || std::ranges::none_of(scene_.lights()[index_of(light)].occluder_edits,
+                                                   [](const OccluderEdit& edit) { return edit.affects_surfaces; });
 }
 
 /// One ray at a time: in packets, rays into all directions are slower.

@@ -13,6 +13,7 @@
 #include "render/pixel_samples.hpp"
 #include "render/surface_point.hpp"
 #include "scene/media.hpp"
+#include "scene/moved_instances.hpp"
 #include "scene/scene.hpp"
 #include <span>
 
@@ -58,6 +59,11 @@ public:
     /// What at() adds for one of the lights.
     void add_one(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,
                  std::span<Irradiance> irradiance) const;
+    /// Those of up to most_points points of which one of at()'s shadow rays to the light may meet the boxes.
+    [[nodiscard]] LaneSet may_meet(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,
+                                   const MovedBoxes& boxes) const;
+    /// Its shadow rays alone tell what reaches a point. False: edits of its occluders show on surfaces, too.
+    [[nodiscard]] bool is_told_by_rays(std::size_t light) const;
 
 private:
     struct AimedLight {
@@ -72,10 +78,17 @@ private:
     /// One stratum, which stands for `share` of the light.
     void add_light(const AimedLight& aimed, std::span<const SurfacePoint> points, const LitPoints& lanes,
                    const PairIndex& pair, float share, std::span<Irradiance> irradiance) const;
+    void aim(const AimedLight& aimed, std::span<const SurfacePoint> points, const LitPoints& lanes,
+             const PairIndex& pair, float share, ShadowRays& shadow) const;
     /// What the lanes leave out: a spot's cone, a texture, the lift off a smooth surface's terminator.
     void finish(const Light& light, const SurfacePoint& point, Ray& ray, Rgb& arriving) const;
     void add_world(std::span<const SurfacePoint> points, const LitPoints& lanes, const PairIndex& pair, float share,
                    std::span<Irradiance> irradiance) const;
+    void aim_at_world(const LitPoints& lanes, const PairIndex& pair, float share, ShadowRays& shadow) const;
+    /// By its brightness.
+    void aim_at_world_image(std::span<const SurfacePoint> points, const PairIndex& pair, float share,
+                            ShadowRays& shadow) const;
+    [[nodiscard]] PairIndex pair_of(std::size_t light, std::uint32_t ray, const PairIndex& first_pair) const;
     void add_from_world(ShadowRays& shadow, std::span<Irradiance> irradiance) const;
     /// Towards the light, lifted off a smooth surface's terminator.
     [[nodiscard]] Ray shadow_ray(const SurfacePoint& point, const vec3& direction) const;

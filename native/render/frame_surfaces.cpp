@@ -89,6 +89,13 @@ std::vector<KeptLight> FrameSurfaces::lights_now() const {
     return lights;
 }
 
+std::optional<MovedView> FrameSurfaces::moved_since(const KeptPass& kept) const {
+    MovedBoxes boxes(scene_, kept.stood_at, camera_.position());
+    if (boxes.is_empty())
+        return std::nullopt;
+    return MovedView(std::move(boxes), camera_, config_.pixel_samples > 1 ? filter_.radius_px() : 0.0f);
+}
+
 void FrameSurfaces::begin_pass(std::uint32_t sample_index, bool collects_parts, bool may_keep) {
     choose_what_is_kept(sample_index, collects_parts, may_keep);
     light_.prepare_edits(is_asked_, camera_, config_.shafts, statistics_, progress_);
@@ -103,6 +110,7 @@ void FrameSurfaces::choose_what_is_kept(std::uint32_t sample_index, bool collect
     is_asked_.assign(light_count, 1);
     asked_light_count_ += light_count;
     pass_.reset();
+    moved_.reset();
     is_new_ = true;
     const SurfaceForm form = config_.kept_surfaces && may_keep
                                  ? config_.kept_surfaces->form_for(pixel_count(), light_count)
@@ -113,10 +121,12 @@ void FrameSurfaces::choose_what_is_kept(std::uint32_t sample_index, bool collect
     if (const auto kept = config_.kept_surfaces->find(key); kept && kept->form == form) {
         const std::vector<KeptLight> now = lights_now();
         kept->lights.resize(light_count);
+        moved_ = moved_since(*kept);
         for (std::size_t light = 0; light < light_count; ++light)
-            is_asked_[light] = kept->lights[light] == now[light] ? 0 : 1;
+            is_asked_[light] = kept->lights[light] == now[light] && !(moved_ && !light_.is_told_by_rays(light)) ? 0 : 1;
         const auto changed = static_cast<std::size_t>(std::ranges::count(is_asked_, 1));
-        if (form == SurfaceForm::Points || (changed == 0 && kept->light_count == light_count)) {
+        if (form == SurfaceForm::Points || (changed == 0 && kept->light_count == light_count && !moved_)) {
+            kept->is_at_work = true;
             // Until all of its bands are done, their light is of neither state.
             for (std::size_t light = 0; light < light_count; ++light)
                 if (is_asked_[light] != 0)
@@ -130,6 +140,7 @@ void FrameSurfaces::choose_what_is_kept(std::uint32_t sample_index, bool collect
             return;
         }
         std::ranges::fill(is_asked_, 1);
+        moved_.reset();
     }
     pass_ = std::make_shared<KeptPass>();
     pass_->key = std::move(key);
@@ -142,6 +153,7 @@ void FrameSurfaces::trace(std::uint32_t first_row, std::uint32_t end_row, std::s
     const ViewPath path = view_path(collects_parts_);
     const SurfacePass pass(path, camera_, region_, filter_, pass_config());
     SurfacePass::Kept kept{.form = SurfaceForm::Nothing, .parts = {}, .is_asked = is_asked_};
+    kept.moved = moved_ ? &*moved_ : nullptr;
     std::vector<SurfaceBlock> of_this_pass;
     std::vector<SurfaceBlock>* blocks = &of_this_pass;
     if (pass_) {
@@ -158,12 +170,26 @@ void FrameSurfaces::trace(std::uint32_t first_row, std::uint32_t end_row, std::s
 void FrameSurfaces::end_pass() {
     if (!pass_)
         return;
-    pass_->lights = lights_now();
+    pass_->finish(lights_now());
+    count_blocks();
     if (is_new_)
         config_.kept_surfaces->keep(pass_);
     else
         config_.kept_surfaces->count_again(*pass_);
     pass_.reset();
+}
+
+void FrameSurfaces::count_blocks() {
+    if (!moved_)
+        return;
+    for (const std::vector<SurfaceBlock>& band : pass_->bands)
+        for (const SurfaceBlock& block : band) {
+            ++(block.was_kept ? kept_block_count_ : walked_block_count_);
+            const std::size_t point_lights = block.walk.points.size() * light_.light_count();
+            const std::size_t again = block.was_kept ? block.lit_again_count : point_lights;
+            lit_again_count_ += again;
+            kept_lit_count_ += point_lights - again;
+        }
 }
 
 void FrameSurfaces::count(Statistics& statistics) const {
@@ -173,6 +199,12 @@ void FrameSurfaces::count(Statistics& statistics) const {
     statistics.count("surfaces: passes walked", static_cast<double>(pass_count_ - kept_pass_count_));
     statistics.count("surfaces: lights kept", static_cast<double>(kept_light_count_));
     statistics.count("surfaces: lights asked", static_cast<double>(asked_light_count_));
+    if (kept_block_count_ + walked_block_count_ > 0) {
+        statistics.count("moved objects: blocks of pixels kept", static_cast<double>(kept_block_count_));
+        statistics.count("moved objects: blocks of pixels walked", static_cast<double>(walked_block_count_));
+        statistics.count("moved objects: light on points kept", static_cast<double>(kept_lit_count_));
+        statistics.count("moved objects: light on points asked", static_cast<double>(lit_again_count_));
+    }
     statistics.count("kept surfaces: bytes", static_cast<double>(config_.kept_surfaces->bytes()));
 }
 } // namespace tyndall::render

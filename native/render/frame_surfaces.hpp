@@ -3,6 +3,8 @@
 #pragma once
 #include "render/frame.hpp"
 #include "render/kept_surfaces.hpp"
+#include "render/moved_view.hpp"
+#include <optional>
 
 namespace tyndall::render {
 class FrameSurfaces {
@@ -37,6 +39,9 @@ private:
     /// How those of the lights that cast such shadows do it.
     [[nodiscard]] std::optional<light_shafts::SurfaceShadows::Config>
     edited_shadows(std::span<const Light> lights) const;
+    /// What moved since a pass was kept. Where it is nothing, nothing did.
+    [[nodiscard]] std::optional<MovedView> moved_since(const KeptPass& kept) const;
+    void count_blocks();
     [[nodiscard]] std::size_t pixel_count() const {
         return std::size_t{region_.x1 - region_.x0} * (region_.y1 - region_.y0);
     }
@@ -58,7 +63,10 @@ private:
     bool is_new_ = false;            ///< Its rays are walked.
     std::size_t band_ = 0;
     std::vector<std::uint8_t> is_asked_; ///< Per light.
+    std::optional<MovedView> moved_;     ///< What moved since the pass was kept; nothing: nothing did.
 
     std::size_t pass_count_ = 0, kept_pass_count_ = 0, asked_light_count_ = 0, kept_light_count_ = 0;
+    /// Of passes since which something moved.
+    std::size_t kept_block_count_ = 0, walked_block_count_ = 0, lit_again_count_ = 0, kept_lit_count_ = 0;
 };
 } // namespace tyndall::render

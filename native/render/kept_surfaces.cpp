@@ -7,7 +7,7 @@ namespace tyndall::render {
 static constexpr std::uint64_t last_pictures = 8;
 static constexpr std::size_t kept_counts = 8;
 /// Per pixel; of a few more than one surface point.
-static constexpr std::size_t sample_bytes = 100, point_bytes = 400, point_bytes_per_light = 16;
+static constexpr std::size_t sample_bytes = 100, point_bytes = 300, point_bytes_per_light = 16;
 
 bool SurfaceKey::operator==(const SurfaceKey& other) const {
     return geometry == other.geometry && world.shines_as(other.world) && camera == other.camera &&
@@ -35,17 +35,43 @@ std::size_t KeptPass::bytes() const {
     return sum;
 }
 
+void KeptPass::move_to(std::shared_ptr<const void> geometry, const StoodAt& moved) {
+    key.geometry = std::move(geometry);
+    for (const auto& [index, places] : moved) {
+        std::vector<mat4>& known = stood_at[index];
+        // Where it has stood since the pass was complete, no block was traced, unless the pass was at work there.
+        for (const mat4& place : places)
+            if ((known.empty() || is_at_work) && std::ranges::find(known, place) == known.end())
+                known.push_back(place);
+    }
+    is_at_work = false;
+}
+
+void KeptPass::finish(std::vector<KeptLight> lights_of_key) {
+    lights = std::move(lights_of_key);
+    stood_at.clear();
+    is_at_work = false;
+}
+
 void KeptSurfaces::begin_picture(const Scene& scene) {
     ++picture_;
     const std::shared_ptr<const void> geometry = scene.geometry();
-    for (auto entry = entries_.begin(); entry != entries_.end();)
-        if (const auto here = entry++; here->pass->key.geometry != geometry)
-            remove(here);
-    std::erase_if(counts_, [&](const auto& kept) { return kept.first.surfaces.geometry != geometry; });
+    if (last_scene_ && last_scene_->geometry() == geometry)
+        return;
+    const auto moved = last_scene_ ? moved_instances(last_scene_->description(), scene.description()) : std::nullopt;
+    if (moved) {
+        for (const Entry& entry : entries_)
+            entry.pass->move_to(geometry, *moved);
+    } else {
+        entries_.clear();
+        bytes_ = 0;
+    }
+    counts_.clear();
+    last_scene_ = std::make_unique<const Scene>(scene, std::vector<Light>{}, World{});
 }
 
 SurfaceForm KeptSurfaces::form_for(std::size_t pixel_count, std::size_t light_count) const {
-    if (pixel_count * (point_bytes + point_bytes_per_light * light_count) <= capacity_bytes_ / 2)
+    if (pixel_count * (point_bytes + point_bytes_per_light * light_count) <= capacity_bytes_ / 4 * 3)
         return SurfaceForm::Points;
     return pixel_count * sample_bytes <= capacity_bytes_ / 2 ? SurfaceForm::Samples : SurfaceForm::Nothing;
 }

@@ -2,15 +2,19 @@
 // What camera rays met in the last pictures, kept for the next: an edit of what stands before a light in the air traces
 // no ray, and a light that moved is asked anew at the points that the others have lit already.
 // Differs:  nothing is told by names or by what was changed, as in light_shafts/map_cache.hpp: all that a pass depends on
-//           is its key, and so pictures have the same bits with and without it, whatever was rendered before.
+//           is its key, and so pictures have the same bits with and without it, whatever was rendered before. Where
+//           instances moved, scenes are compared (scene/moved_instances.hpp), and what no ray could tell stays. Those bits
+//           are not promised where surfaces of several instances lie in one another: which of them a ray meets is then a
+//           matter of Embree's tree.
 // Bound:    as many bytes as it is given: some 100 per pixel and sample with their light (of 1920 x 1080 pixels 200 MB);
-//           for small pictures, 400 per pixel and 12 more per light, with points that a changed light is asked at.
+//           where there is room, 300 per pixel and 12 more per light, with points that a changed light is asked at.
 //           Passes of the last pictures do not make room for others: what does not fit is rendered anew each time.
 #pragma once
 #include "light_shafts/surface_shadows.hpp"
 #include "render/shadow_ray_counts.hpp"
 #include "render/surface_pass.hpp"
 #include "scene/camera.hpp"
+#include "scene/moved_instances.hpp"
 #include "scene/scene.hpp"
 #include <list>
 #include <memory>
@@ -52,7 +56,13 @@ struct KeptPass {
     std::size_t light_count = 0;
     std::vector<KeptLight> lights;                ///< In the order of DirectLight; none before the pass is complete.
     std::vector<std::vector<SurfaceBlock>> bands; ///< Of the picture, from below.
+    StoodAt stood_at;        ///< When some of its blocks were traced, and not in the scene of its key.
+    bool is_at_work = false; ///< Some of its blocks may have been traced in the scene of its key.
     [[nodiscard]] std::size_t bytes() const;
+    /// Its key gets that geometry, before which those instances stood elsewhere.
+    void move_to(std::shared_ptr<const void> geometry, const StoodAt& moved);
+    /// All of its blocks are of the scene of its key.
+    void finish(std::vector<KeptLight> lights_of_key);
 };
 
 /// What the shadow ray counts of a picture depend on.
@@ -72,7 +82,7 @@ class KeptSurfaces {
 public:
     explicit KeptSurfaces(std::size_t capacity_bytes) : capacity_bytes_(capacity_bytes) {}
 
-    /// Call it before each picture: passes over other geometry are forgotten.
+    /// Call it before each picture: passes over other geometry are forgotten, but for where instances stand.
     void begin_picture(const Scene& scene);
     /// What of a pass is worth its memory.
     [[nodiscard]] SurfaceForm form_for(std::size_t pixel_count, std::size_t light_count) const;
@@ -98,7 +108,8 @@ private:
 
     std::size_t capacity_bytes_, bytes_ = 0;
     std::uint64_t picture_ = 0;
-    std::list<Entry> entries_; ///< Those last asked for come first.
+    std::unique_ptr<const Scene> last_scene_; ///< In the dark.
+    std::list<Entry> entries_;                ///< Those last asked for come first.
     std::list<std::pair<CountsKey, ShadowRayCounts>> counts_;
 };
 } // namespace tyndall::render

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/surface_pass.hpp"
 #include "core/parallel.hpp"
+#include "render/moved_view.hpp"
 #include "render/pixel_samples.hpp"
 #include <algorithm>
 #include <array>
@@ -93,6 +94,8 @@ void SurfacePass::walk_block(const Call& call, SurfaceBlock& block, Catch& caugh
         call.progress.poll();
         walk_square(call, x, y0, block, caught, walk);
     }
+    block.parts.clear();
+    block.samples = {};
     const std::size_t pixel_count = block.pixel_count();
     block.parts.first.reserve(pixel_count + 1);
     block.parts.rays.reserve(pixel_count);
@@ -107,6 +110,20 @@ void SurfacePass::walk_block(const Call& call, SurfaceBlock& block, Catch& caugh
     }
 }
 
+void SurfacePass::ask_lights(const Call& call, SurfaceBlock& block, const SurfaceWalk& walk,
+                             SurfaceLight& light) const {
+    if (!block.was_kept) {
+        thread_local std::vector<std::uint8_t> all;
+        all.assign(call.kept.is_asked.size(), 1);
+        path_.ask_lights(walk, call.sample_index, all, light);
+        return;
+    }
+    path_.ask_lights(walk, call.sample_index, call.kept.is_asked, light);
+    if (call.kept.moved != nullptr)
+        block.lit_again_count =
+            path_.ask_again(walk, call.sample_index, call.kept.is_asked, call.kept.moved->boxes(), light);
+}
+
 void SurfacePass::trace_block(const Call& call, SurfaceBlock& block) const {
     thread_local Catch caught;
     const bool keeps_points = call.kept.form == SurfaceForm::Points;
@@ -118,19 +135,25 @@ void SurfacePass::trace_block(const Call& call, SurfaceBlock& block) const {
         for (std::size_t pixel = 0; pixel < pixel_count; ++pixel)
             block.samples.push(caught.samples[pixel], call.kept.parts);
     };
-    const bool was_walked = block.is_walked;
+    const bool was_walked =
+        block.is_walked && !(call.kept.moved != nullptr && call.kept.moved->may_show_in(block.pixels));
+    block.is_walked = was_walked; // a walk may be stopped on the way
+    block.was_kept = was_walked;
+    block.lit_again_count = 0;
     if (was_walked) {
         caught.is_caught.fill(1);
         for (std::size_t pixel = 0; pixel < pixel_count; ++pixel)
             caught.samples[pixel] = block.samples.get(pixel, call.kept.parts);
     } else {
         walk_block(call, block, caught, walk);
-        if (keeps_points)
+        if (keeps_points) {
+            walk.shrink_to_fit();
             pack();
+        }
     }
     if (call.kept.is_lit && !(was_walked && keeps_samples)) {
         call.progress.poll();
-        path_.ask_lights(walk, call.sample_index, call.kept.is_asked, light);
+        ask_lights(call, block, walk, light);
         path_.add_light(walk, light, caught.samples);
     }
     if (!was_walked && keeps_samples)

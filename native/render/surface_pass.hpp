@@ -32,6 +32,8 @@ struct SurfaceBlock {
     PackedSamples samples; ///< As are the walk and its light: of the form that is kept.
     SurfaceWalk walk;
     SurfaceLight light;
+    std::size_t lit_again_count = 0; ///< Light of points that was asked for again when it was traced last.
+    bool was_kept = false;           ///< Then its walk served.
 
     [[nodiscard]] std::uint32_t width_px() const { return pixels.x1 - pixels.x0; }
     [[nodiscard]] std::uint32_t pixel_count() const { return width_px() * (pixels.y1 - pixels.y0); }
@@ -43,6 +45,8 @@ struct SurfaceBlock {
     }
     [[nodiscard]] std::size_t bytes() const;
 };
+
+class MovedView; // moved_view.hpp
 
 class SurfacePass {
 public:
@@ -65,9 +69,10 @@ public:
     struct Kept {
         SurfaceForm form = SurfaceForm::Nothing;
         PackedSamples::Parts parts;
-        /// Lights that have changed; all of them of rows that are not walked.
+        /// Lights that have changed. Of what is not walked, all are asked.
         std::span<const std::uint8_t> is_asked;
-        bool is_lit = true; ///< False: light is not wanted.
+        bool is_lit = true;               ///< False: light is not wanted.
+        const MovedView* moved = nullptr; ///< What moved since the rows were walked; nothing: nothing did.
     };
     /// Takes what a pixel's ray found; the pixel is counted in the region, row by row. Called from any thread.
     using Deliver = std::function<void(std::size_t pixel, const PathSample& sample)>;
@@ -90,6 +95,7 @@ private:
     }
     [[nodiscard]] std::vector<SurfaceBlock> blocks_of(const Rows& rows) const;
     void trace_block(const Call& call, SurfaceBlock& block) const;
+    void ask_lights(const Call& call, SurfaceBlock& block, const SurfaceWalk& walk, SurfaceLight& light) const;
     void walk_block(const Call& call, SurfaceBlock& block, Catch& caught, SurfaceWalk& walk) const;
     void walk_square(const Call& call, std::uint32_t x0, std::uint32_t y0, const SurfaceBlock& block, Catch& caught,
                      SurfaceWalk& walk) const;

@@ -28,6 +28,12 @@ struct SurfaceWalk {
         shades.clear();
         batches.clear();
     }
+    /// For one that is kept.
+    void shrink_to_fit() {
+        points.shrink_to_fit();
+        shades.shrink_to_fit();
+        batches.shrink_to_fit();
+    }
     /// After the points of a layer; none: no batch.
     void end_batch(std::uint32_t layer) {
         const auto end = static_cast<std::uint32_t>(points.size());

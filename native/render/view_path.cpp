@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/view_path.hpp"
 #include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -130,6 +131,39 @@ void ViewPath::ask_lights(const SurfaceWalk& walked, std::uint32_t sample_index,
         }
         first = end;
     }
+}
+
+std::size_t ViewPath::ask_again(const SurfaceWalk& walked, std::uint32_t sample_index,
+                                std::span<const std::uint8_t> is_asked, const MovedBoxes& moved,
+                                SurfaceLight& light) const {
+    std::array<SurfacePoint, DirectLight::most_points> again;
+    std::array<std::uint32_t, DirectLight::most_points> index_of;
+    std::array<DirectLight::Irradiance, DirectLight::most_points> irradiance;
+    std::size_t again_count = 0, first = 0;
+    for (const auto [end, layer] : walked.batches) {
+        const auto points = std::span(walked.points).subspan(first, end - first);
+        const PairIndex first_pair{sample_index, 1 + layer * pairs_per_layer};
+        for (std::size_t index = 0; index < light_.light_count(); ++index) {
+            if (is_asked[index] != 0)
+                continue;
+            std::size_t count = 0;
+            for (LaneSet left = light_.may_meet(index, points, first_pair, moved); left != 0; left &= left - 1) {
+                const auto point = static_cast<std::uint32_t>(std::countr_zero(left));
+                again[count] = points[point];
+                irradiance[count] = {};
+                index_of[count++] = static_cast<std::uint32_t>(first) + point;
+            }
+            if (count == 0)
+                continue;
+            light_.add_one(index, std::span(again).first(count), first_pair, irradiance);
+            SurfaceLight::OfLight& of_light = light.lights[index];
+            for (std::size_t i = 0; i < count; ++i)
+                of_light.irradiance[index_of[i]] = irradiance[i].sum(); // no occluder changes what is unshadowed
+            again_count += count;
+        }
+        first = end;
+    }
+    return again_count;
 }
 
 void ViewPath::add_light(const SurfaceWalk& walked, const SurfaceLight& light, std::span<PathSample> samples) const {

@@ -45,6 +45,10 @@ public:
     /// Overwrites what those lights that `is_asked` give to the points.
     void ask_lights(const SurfaceWalk& walked, std::uint32_t sample_index, std::span<const std::uint8_t> is_asked,
                     SurfaceLight& light) const;
+    /// The same of the other lights, at those points alone that have a shadow ray which may meet the boxes; returns how
+    /// many there are, light by light.
+    std::size_t ask_again(const SurfaceWalk& walked, std::uint32_t sample_index, std::span<const std::uint8_t> is_asked,
+                          const MovedBoxes& moved, SurfaceLight& light) const;
     /// Adds the light on their surfaces to the samples.
     void add_light(const SurfaceWalk& walked, const SurfaceLight& light, std::span<PathSample> samples) const;
 

@@ -52,14 +52,16 @@ static std::array<int, packet_size> fill(RTCRay16& packet, std::span<const Ray> 
 
 /// Embree's context, and behind it what the filters need: Embree hands them the pointer to the context.
 struct QueryContext {
-    QueryContext(const Scene& asked, const Ray* first_ray, Rgb* first_passing)
+    QueryContext(const Scene& asked, const Ray* first_ray, dvec3* first_passing)
         : scene(asked), rays(first_ray), passing(first_passing) {
         rtcInitIntersectContext(&embree);
     }
     RTCIntersectContext embree;
     const Scene& scene;
     const Ray* rays; ///< By RTCRay::id.
-    Rgb* passing;    ///< By RTCRay::id: light that passes, of shadow rays.
+    /// By RTCRay::id: light that passes, of shadow rays. In double, so that as a float it does not tell in which order
+    /// Embree's tree had the surfaces: another tree over the same ones gives the same bits.
+    dvec3* passing;
     const std::uint64_t* bits_of_instance = nullptr;
     std::uint64_t ignored = 0;
 };
@@ -96,9 +98,9 @@ static void attenuate(const RTCFilterFunctionNArguments* arguments) {
             arguments->valid[lane] = 0;
             continue;
         }
-        Rgb& passing = context.passing[ray.id];
-        passing *= context.scene.transparency(context.rays[ray.id], hit_of(ray, hit));
-        if (passing != Rgb(0.0f))
+        dvec3& passing = context.passing[ray.id];
+        passing *= dvec3(context.scene.transparency(context.rays[ray.id], hit_of(ray, hit)));
+        if (Rgb(passing) != Rgb(0.0f))
             arguments->valid[lane] = 0;
     }
 }
@@ -154,7 +156,7 @@ Rgb Scene::shadow_transmittance(const Ray& ray) const { return shadow_transmitta
 
 Rgb Scene::shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> bits_of_instance,
                                 std::uint64_t ignored) const {
-    Rgb passing(1.0f);
+    dvec3 passing(1.0);
     QueryContext context(*this, &ray, &passing);
     context.bits_of_instance = bits_of_instance.data();
     context.ignored = ignored;
@@ -163,7 +165,7 @@ Rgb Scene::shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> b
     RTCRay query = embree_ray(ray, shadow_mask);
     rtcOccluded1(embree_scene(), &context.embree, &query);
     const bool is_occluded = query.tfar < 0.0f;
-    return is_occluded ? Rgb(0.0f) : passing;
+    return is_occluded ? Rgb(0.0f) : Rgb(passing);
 }
 
 void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing) const {
@@ -174,16 +176,16 @@ void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> pass
                 passing[first + lane] = shadow_transmittance(these[lane]);
             continue;
         }
-        std::fill_n(&passing[first], these.size(), Rgb(1.0f));
-        QueryContext context(*this, these.data(), &passing[first]);
+        std::array<dvec3, packet_size> passing_of;
+        passing_of.fill(dvec3(1.0));
+        QueryContext context(*this, these.data(), passing_of.data());
         if (geometry_->lets_light_pass)
             context.embree.filter = attenuate;
         RTCRay16 query;
         alignas(64) const std::array<int, packet_size> valid = fill(query, these, shadow_mask);
         rtcOccluded16(valid.data(), embree_scene(), &context.embree, &query);
         for (std::size_t lane = 0; lane < these.size(); ++lane)
-            if (query.tfar[lane] < 0.0f)
-                passing[first + lane] = Rgb(0.0f);
+            passing[first + lane] = query.tfar[lane] < 0.0f ? Rgb(0.0f) : Rgb(passing_of[lane]);
     }
 }
 } // namespace tyndall

@@ -200,14 +200,22 @@ def _relative_matrices(groups: list[Instances], origin: NDArray[np.float64]) -> 
 
 
 def _origin_in_world(groups: list[Instances], description: SceneDescription) -> NDArray[np.float64]:
-    """The median of the placed objects, in whole metres: outliers do not move it, small motions seldom do."""
+    """The median of the placed objects, rounded: outliers do not move it, and motions seldom do.
+
+    In whole metres, and in steps as large as the scene: where it moves, so do all coordinates, and nothing is kept.
+    """
     places = [group.world_from_object[:, :3, 3] for group in groups]
     places += [volume.world_from_object[None, :3, 3] for volume in description.volumes]
     if not places:
         places = [light.world_from_light[None, :3, 3] for light in description.lights]
     points = np.concatenate(places) if places else np.zeros((0, 3))
     points = points[np.isfinite(points).all(axis=1)]
-    return np.round(np.median(points, axis=0)) if len(points) else np.zeros(3)
+    if len(points) == 0:
+        return np.zeros(3)
+    median = np.median(points, axis=0)
+    spread_m = float(np.median(np.abs(points - median).max(axis=1)))
+    step_m = 2.0 ** np.ceil(np.log2(4.0 * min(max(spread_m, 0.25), 1e30)))
+    return np.round(median / step_m) * step_m
 
 
 def _build_meshes(

@@ -31,7 +31,7 @@ from tyndall.scene_description import (
 from tyndall.transfer_functions import TransferFunction, WeightedFunction
 
 ROOM_BYTES = 64 << 20
-NO_ROOM_FOR_POINTS_BYTES = 600 * 24 * 24  # but for samples
+NO_ROOM_FOR_POINTS_BYTES = 400 * 24 * 24  # but for samples
 WIDE = np.diag([40.0, 40.0, 1.0, 1.0])
 HOLES = OccluderEdit(name="holes", kind=EditKind.HOLES, noise=HoleNoise(scale_m=0.5, probability=0.3))
 CLOSE = OccluderEdit(name="close", kind=EditKind.CLOSE, size_m=0.2)
