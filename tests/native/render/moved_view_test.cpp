@@ -24,7 +24,6 @@ static bool meets(const Bounds3& box, const Ray& ray) {
     return near_m <= far_m;
 }
 
-// Seen to fail without the reach of the filter, and where corners behind the camera are left out of the rectangle.
 TEST_CASE("no ray of a pixel outside of the rectangle meets the box, before, beside, behind and around the camera") {
     std::mt19937 random(2);
     std::uniform_real_distribution<float> one(-1.0f, 1.0f);

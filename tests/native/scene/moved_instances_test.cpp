@@ -61,7 +61,6 @@ TEST_CASE("what bounds a medium is no mere surface: where it moves, the scene is
     CHECK(!moved_instances(before, after));
 }
 
-// Seen to fail without the margins, and with the box of the place before alone.
 TEST_CASE("a ray that meets an instance where it stood or stands may meet the boxes, grazing or not") {
     std::mt19937 random(1);
     std::uniform_real_distribution<float> one(-1.0f, 1.0f);
