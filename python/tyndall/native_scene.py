@@ -215,7 +215,8 @@ def _origin_in_world(groups: list[Instances], description: SceneDescription) -> 
     median = np.median(points, axis=0)
     spread_m = float(np.median(np.abs(points - median).max(axis=1)))
     step_m = 2.0 ** np.ceil(np.log2(4.0 * min(max(spread_m, 0.25), 1e30)))
-    return np.round(median / step_m) * step_m
+    origin: NDArray[np.float64] = np.round(median / step_m) * step_m
+    return origin
 
 
 def _build_meshes(
