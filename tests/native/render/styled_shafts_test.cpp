@@ -77,8 +77,11 @@ TransferFunction function_of(std::vector<Layer> layers, ParameterAxis x = {.full
     return function;
 }
 /// The parameter along `axis` of every pixel, read back from a picture that shows it.
-std::vector<float> shown(const Scene& scene, const ParameterAxis& axis, const Camera& camera = camera_above()) {
-    const Film film = film_of(scene, config_with({{.function = function_of({ramp()}, axis)}}), camera);
+std::vector<float> shown(const Scene& scene, const ParameterAxis& axis, const Camera& camera = camera_above(),
+                         std::optional<std::uint32_t> reference_light = {}) {
+    FrameConfig config = config_with({{.function = function_of({ramp()}, axis)}});
+    config.reference_light = reference_light;
+    const Film film = film_of(scene, config, camera);
     std::vector<float> along;
     for (std::size_t pixel = 0; pixel < values(film, Pass::Depth).size(); ++pixel)
         along.push_back(values(film, Pass::Shafts)[3 * pixel]);
@@ -156,6 +159,35 @@ TEST_CASE("each axis measures what it says") {
     const float most = *std::ranges::max_element(visibility);
     for (std::size_t pixel = 0; pixel < visibility.size(); ++pixel)
         CHECK(std::abs(fitted[pixel] - std::min(1.0f, visibility[pixel] / most)) < 0.02f);
+}
+
+TEST_CASE(
+    "without a sun functions are about all lamps together, or about the one that is chosen, be it a spot or a point") {
+    Light point{.name = "Point", .kind = LightKind::Point, .strength = Rgb(20.0f), .position = {2.5f, 0, 4}};
+    Light spot{.name = "Spot", .kind = LightKind::Spot, .strength = Rgb(50.0f), .position = {0.5f, 1, 4.4f}};
+    spot.spot_half_angle_rad = 0.9f;
+    const auto under = [](std::vector<Light> lights) {
+        SceneDescription description = description_of(*fog_over_plates());
+        description.lights = std::move(lights);
+        return Scene(std::move(description), Progress());
+    };
+    const Scene both = under({point, spot});
+    const ParameterAxis visibility{.full_visibility = 1.0f}, lit{.axis = Axis::MeanLitPosition, .high_m = 10.0f};
+    const std::array<std::vector<float>, 2> alone{shown(under({point}), visibility), shown(under({spot}), visibility)};
+    CHECK(alone[0] != alone[1]);
+    for (const std::uint32_t light : {0u, 1u}) {
+        CAPTURE(light);
+        const std::vector<float> chosen = shown(both, visibility, camera_above(), light),
+                                 chosen_lit = shown(both, lit, camera_above(), light),
+                                 lit_alone = shown(under({light == 0 ? point : spot}), lit);
+        for (std::size_t pixel = 0; pixel < chosen.size(); ++pixel) {
+            CHECK(std::abs(chosen[pixel] - alone[light][pixel]) < 1e-4f);
+            CHECK(std::abs(chosen_lit[pixel] - lit_alone[pixel]) < 1e-4f);
+        }
+    }
+    const std::vector<float> together = shown(both, visibility);
+    for (std::size_t pixel = 0; pixel < together.size(); ++pixel)
+        CHECK(std::abs(together[pixel] - 0.5f * (alone[0][pixel] + alone[1][pixel])) < texel);
 }
 
 TEST_CASE("the mean lit position of a ray that is lit from end to end is the middle of its fog") {
