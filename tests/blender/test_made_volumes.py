@@ -140,13 +140,14 @@ def settings_of(domain: bpy.types.Object) -> bpy.types.FluidDomainSettings:
 
 
 @pytest.fixture
-def without_solver() -> None:
-    """The solver of a bpy module ends the process when it is freed: it simulates nothing there."""
+def fluid_solver(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """That of a bpy module simulates nothing, and ends the process when it is freed."""
     if not bpy.app.binary_path:
         pytest.skip("the bpy module's fluid solver simulates nothing")
+    monkeypatch.chdir(tmp_path)  # it leaves a tile of noise of 25 MB where it runs
 
 
-@pytest.mark.usefixtures("without_solver")
+@pytest.mark.usefixtures("fluid_solver")
 @pytest.mark.parametrize("settings", [{}, {"use_noise": True}, {"use_adaptive_domain": True}])
 def test_smoke_is_what_cycles_draws(tmp_path: Path, settings: dict[str, object]) -> None:
     scene, shader = before_a_wall()
@@ -157,7 +158,7 @@ def test_smoke_is_what_cycles_draws(tmp_path: Path, settings: dict[str, object])
     assert rms_difference(ours, cycles) < 2e-3
 
 
-@pytest.mark.usefixtures("without_solver")
+@pytest.mark.usefixtures("fluid_solver")
 def test_voxels_of_smoke_are_those_of_the_simulation(tmp_path: Path) -> None:
     _, shader = before_a_wall()
     domain = simulated(tmp_path, shader)
@@ -171,7 +172,7 @@ def test_voxels_of_smoke_are_those_of_the_simulation(tmp_path: Path) -> None:
     assert np.array_equal(dense.transpose(2, 1, 0).ravel(), np.array(of_domain.density_grid, np.float32))
 
 
-@pytest.mark.usefixtures("without_solver")
+@pytest.mark.usefixtures("fluid_solver")
 def test_a_domain_without_smoke_is_named(tmp_path: Path) -> None:
     _, shader = before_a_wall()
     domain = cube("Domain", shader)
