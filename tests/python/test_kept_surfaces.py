@@ -222,7 +222,7 @@ OF_EDITED_SHADOWS: dict[str, Change] = {
 @pytest.mark.parametrize("capacity_bytes", [ROOM_BYTES, NO_ROOM_FOR_POINTS_BYTES], ids=["points", "samples"])
 @pytest.mark.parametrize("change", OF_EDITED_SHADOWS)
 def test_an_edit_that_shadows_surfaces_asks_its_own_light_anew(change: str, capacity_bytes: int) -> None:
-    """And no picture can tell what was rendered before. Seen to fail with a key without the maps' resolution."""
+    """And no picture can tell what was rendered before."""
     before = State().with_sun(occluder_edits=(replace(CLOSE, affects_surfaces=True),))
     before = before.with_config(adapts_shadow_rays=False)
     after = OF_EDITED_SHADOWS[change](before)

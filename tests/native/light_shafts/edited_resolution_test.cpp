@@ -108,7 +108,8 @@ TEST_CASE("light that the rays do not see leaves the error target as it is, and 
     CHECK(!is_asked);
 }
 
-TEST_CASE("a resolution of 0 keeps the error target, to a quarter, against the finest map, with fewer texels where they are enough") {
+TEST_CASE("a resolution of 0 keeps the error target, to a quarter, against the finest map, with fewer texels where "
+          "they are enough") {
     const std::vector<ViewRay> rays = rays_through_fog();
     const OccluderEdit close{.name = "close", .size_m = 0.5f, .distance_m = 4.0f},
         grow{.name = "grow", .kind = EditKind::Silhouette, .size_m = 0.5f, .distance_m = 4.0f};
