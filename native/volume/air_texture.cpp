@@ -53,6 +53,19 @@ AirTexture::AirTexture(const Heterogeneity& heterogeneity, const Progress& progr
     }
 }
 
+float AirTexture::least_voxel_m() const {
+    float least_m = std::numeric_limits<float>::infinity();
+    if (!heterogeneity_.painted)
+        return least_m;
+    const mat3 scene_from_unit = glm::inverse(mat3(heterogeneity_.unit_from_scene));
+    const PaintedAir& painted = *heterogeneity_.painted;
+    for (const PaintedVolume* volume : {&painted.amount(), &painted.level(), &painted.intensity()})
+        for (std::size_t axis = 0; !volume->is_empty() && axis < 3; ++axis)
+            least_m = std::min(least_m, glm::length(scene_from_unit[static_cast<glm::length_t>(axis)]) /
+                                            static_cast<float>(volume->size[axis]));
+    return least_m;
+}
+
 AirTexture AirTexture::weighted(Heterogeneity::Weighting weighting) const {
     AirTexture result = *this;
     result.heterogeneity_.weighting = weighting;

@@ -27,6 +27,8 @@ class AirTexture {
 public:
     /// Makes the noise volume unless it is kept. Throws InvalidInput, which names the culprit, and Cancelled.
     AirTexture(const Heterogeneity& heterogeneity, const Progress& progress);
+    /// Shortest edge of a painted voxel, in metres of the scene; infinite where nothing is painted.
+    [[nodiscard]] float least_voxel_m() const;
     /// The same air with another weighting.
     [[nodiscard]] AirTexture weighted(Heterogeneity::Weighting weighting) const;
 

@@ -76,8 +76,22 @@ def key_of_amount(_sun: bpy.types.Object, _folder: Path) -> dict[str, Any]:
     return {"identifier": "bpy.data.scenes['Scene'].tyndall.heterogeneity.amount"}
 
 
-def fitted(_sun: bpy.types.Object, _folder: Path) -> None:
+def fitted(sun: bpy.types.Object, _folder: Path) -> None:
+    """Not to its end: to go on changes the map."""
+    sun.data.tyndall.light_map_fit.steps = 2
     bpy.ops.tyndall.fit_light_map()
+
+
+def under_a_bright_image(_sun: bpy.types.Object, _folder: Path) -> None:
+    tree = bpy.context.scene.world.node_tree
+    texture = tree.nodes.new("ShaderNodeTexEnvironment")
+    texture.image = bpy.data.images.new("Sky", 64, 32, float_buffer=True)
+    pixels = [0.1, 0.1, 0.1, 1.0] * (64 * 32)
+    first = 4 * (64 * 24 + 10)
+    pixels[first : first + 3] = [1000.0] * 3
+    texture.image.pixels.foreach_set(pixels)
+    texture.image.pack()
+    tree.links.new(texture.outputs["Color"], tree.nodes["Background"].inputs["Color"])
 
 
 def under_cycles(_sun: bpy.types.Object, _folder: Path) -> None:
@@ -121,6 +135,7 @@ SETTINGS: dict[str, Callable[[bpy.types.Object, Path], dict[str, Any] | None]] =
     "tyndall.pick_constraint": lambda *_: {"place": (0.5, 0.5)},
     "tyndall.continue_light_map": fitted,
     "tyndall.paint_strokes": without_strokes,
+    "tyndall.sun_from_world": under_a_bright_image,
     "tyndall.over_engine_set_up": under_cycles,
     "tyndall.over_engine_remove": over_cycles,
     "tyndall.leave_fog": over_cycles,
