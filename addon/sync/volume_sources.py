@@ -7,7 +7,7 @@ one read. Those of a fluid domain it hands out as they are simulated.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -86,16 +86,12 @@ def _readable(infos: list[GridInfo]) -> tuple[str, ...]:
     return tuple(info.name for info in infos if not info.refusal and info.value_type != "vec3s")
 
 
-def _content_key(grid: SparseGrid) -> str:
+def _by_content(grid: SparseGrid) -> DensityGrid:
+    """Its key changes with the content and with nothing else."""
     digest = blake2b(grid.name.encode(), digest_size=16)
     for array in (grid.leaf_origins, grid.leaf_values, grid.local_from_index, np.float32(grid.background)):
         digest.update(np.ascontiguousarray(array).data)
-    return digest.hexdigest()
-
-
-def _kept_or(grid: SparseGrid, kept: Mapping[str, DensityGrid]) -> DensityGrid:
-    key = _content_key(grid)
-    return kept.get(key) or DensityGrid(key=key, grid=grid)
+    return DensityGrid(key=digest.hexdigest(), grid=grid)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,7 +126,7 @@ class _VolumeFile:
 class _MadeVolume:
     """By modifiers, geometry nodes or a script."""
 
-    grids: dict[str, SparseGrid]
+    grids: dict[str, DensityGrid]
     grid_names: tuple[str, ...]
     keeps_opacity: bool
     voxel_shift: float = _VOXEL_SHIFT
@@ -147,11 +143,11 @@ class _MadeVolume:
             if not volume.grids.save(str(path)):
                 raise NoVolumeError(f"Blender could not write its grids to {path}")
             names = _readable(grid_infos(path))
-            grids = read_vdb(path, names)
+            grids = {name: _by_content(grid) for name, grid in read_vdb(path, names).items()}
         return cls(grids=grids, grid_names=names, keeps_opacity=_keeps_opacity(volume))
 
     def read(self, name: str, kept: Mapping[str, DensityGrid]) -> DensityGrid:
-        return _kept_or(self.grids[name], kept)
+        return kept.get(self.grids[name].key) or self.grids[name]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -166,7 +162,6 @@ class _SmokeDomain:
     voxel_shift: float = 0.0
     outlives_read: bool = False
     advice_if_empty: str = "bake the simulation, or play it from its first frame"
-    found: dict[str, SparseGrid] = field(default_factory=dict)
 
     @classmethod
     def of(cls, domain: FluidDomainSettings, mesh: Mesh) -> _SmokeDomain:
@@ -184,9 +179,8 @@ class _SmokeDomain:
         return cls(domain=domain, local_from_index=local_from_index, resolution=(nx, ny, nz), grid_names=names)
 
     def read(self, name: str, kept: Mapping[str, DensityGrid]) -> DensityGrid:
-        if name not in self.found:
-            values = np.empty(np.prod(self.resolution), np.float32)
-            getattr(self.domain, _DOMAIN_GRIDS[name]).foreach_get(values)
-            dense = values.reshape(self.resolution[::-1]).transpose(2, 1, 0)
-            self.found[name] = from_dense(name, dense, self.local_from_index)
-        return _kept_or(self.found[name], kept)
+        values = np.empty(np.prod(self.resolution), np.float32)
+        getattr(self.domain, _DOMAIN_GRIDS[name]).foreach_get(values)
+        dense = values.reshape(self.resolution[::-1]).transpose(2, 1, 0)
+        grid = _by_content(from_dense(name, dense, self.local_from_index))
+        return kept.get(grid.key) or grid

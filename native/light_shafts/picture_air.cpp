@@ -22,7 +22,7 @@ static void for_asked_beams(const PreparedLights& prepared, const Turn& turn, co
     }
 }
 
-bool PictureAir::fits(const PreparedLights& prepared, const Camera& camera, const AirTexture& air, const Turn& turn) {
+bool PictureAir::fits(const PreparedLights& prepared, const AirTexture& air, const Turn& turn) {
     if (air.heterogeneity().step_count > 128 || !prepared.media.grids().is_empty())
         return false;
     if (air.heterogeneity().weighting != Heterogeneity::Weighting::LitParts)
@@ -31,12 +31,7 @@ bool PictureAir::fits(const PreparedLights& prepared, const Camera& camera, cons
     for_asked_beams(prepared, turn, [&](const Beam& beam, float) {
         fit = fit && beam.directional && beam.visibility->coarse_rows() != nullptr;
     });
-    if (!fit || !air.heterogeneity().painted)
-        return fit;
-    // Smoke that is painted some voxels wide and a hundred times as bright as the air around it has to be met by each ray.
-    constexpr float steps_per_voxel = 8.0f;
-    const AirGrid grid = make_air_grid(prepared.media, camera, air, most_depth_of_light);
-    return air.least_voxel_m() >= steps_per_voxel * grid.step_m;
+    return fit;
 }
 
 PictureAir::PictureAir(const PreparedLights& prepared, const Camera& camera, const AirTexture& air, const Turn& turn)
@@ -45,6 +40,12 @@ PictureAir::PictureAir(const PreparedLights& prepared, const Camera& camera, con
     for_asked_beams(prepared, turn, [&](const Beam& beam, float weight) {
         beams_.push_back({&*beam.directional, beam.visibility->coarse_rows(), weight});
     });
+}
+
+bool PictureAir::shows_paint() const {
+    // Smoke that is painted some voxels wide and a hundred times as bright as the air around it has to be met by each ray.
+    constexpr float steps_per_voxel = 8.0f;
+    return air_.least_voxel_m() >= steps_per_voxel * grid_.step_m;
 }
 
 std::vector<std::uint32_t> PictureAir::find(std::span<const ViewRay> rays, std::span<const std::uint32_t> asked,
@@ -96,8 +97,9 @@ std::vector<std::uint32_t> PictureAir::find(std::span<const ViewRay> rays, std::
 }
 
 std::shared_ptr<const PictureAir> Shafts::picture_air(const Camera& camera, const AirTexture& air, Turn turn) const {
-    return !is_empty() && PictureAir::fits(*prepared_, camera, air, turn)
-               ? std::make_shared<const PictureAir>(*prepared_, camera, air, turn)
-               : nullptr;
+    if (is_empty() || !PictureAir::fits(*prepared_, air, turn))
+        return nullptr;
+    auto picture = std::make_shared<const PictureAir>(*prepared_, camera, air, turn);
+    return picture->shows_paint() ? std::move(picture) : nullptr;
 }
 } // namespace tyndall::light_shafts

@@ -16,10 +16,10 @@ class PictureAir {
 public:
     /// All lights must fit. All arguments must outlive this.
     PictureAir(const PreparedLights& prepared, const Camera& camera, const AirTexture& air, const Turn& turn);
-    /// Whether these lights and this air are better asked so than ray by ray. Columns lie too far
-    /// apart for fine paint.
-    [[nodiscard]] static bool fits(const PreparedLights& prepared, const Camera& camera, const AirTexture& air,
-                                   const Turn& turn);
+    /// Whether these lights and this air are better asked so than ray by ray.
+    [[nodiscard]] static bool fits(const PreparedLights& prepared, const AirTexture& air, const Turn& turn);
+    /// False: columns lie too far apart for what is painted.
+    [[nodiscard]] bool shows_paint() const;
     /// Of the rays `asked`; those that are dark keep what they have, and so do those that have to be asked one by one, which
     /// it returns. Throws Cancelled.
     [[nodiscard]] std::vector<std::uint32_t> find(std::span<const ViewRay> rays, std::span<const std::uint32_t> asked,

@@ -9,7 +9,7 @@ from pathlib import Path
 def require_fit() -> None:
     """Raise RuntimeError, in words for whoever installed it, unless the native module takes what this package sends.
 
-    Sends it one of everything, for a picture of one pixel, which takes some milliseconds: a module of another version
+    Sends it one of everything, for a picture of one pixel, in some 60 ms of CPU time: a module of another version
     stumbles over an argument that it does not know, or lacks what it is asked for. ImportError: it does not load.
     """
     try:
