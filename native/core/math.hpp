@@ -39,6 +39,10 @@ struct Bounds3 {
     }
     [[nodiscard]] bool is_empty() const { return min.x > max.x || min.y > max.y || min.z > max.z; }
     [[nodiscard]] vec3 centre() const { return 0.5f * min + 0.5f * max; }
+    /// Corner 0 to 7 has the high end of axis i where bit i is set.
+    [[nodiscard]] vec3 corner(std::size_t index) const {
+        return {(index & 1) != 0 ? max.x : min.x, (index & 2) != 0 ? max.y : min.y, (index & 4) != 0 ? max.z : min.z};
+    }
     [[nodiscard]] float diagonal_m() const { return is_empty() ? 0.0f : glm::length(max - min); }
 };
 

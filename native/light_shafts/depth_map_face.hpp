@@ -97,8 +97,7 @@ public:
     [[nodiscard]] static bool misses(const Pyramid& pyramid, const FromObject& at, const Bounds3& box) {
         std::array<vec3, 8> corners;
         for (std::size_t corner = 0; corner < corners.size(); ++corner)
-            corners[corner] = at({(corner & 1) != 0 ? box.max.x : box.min.x, (corner & 2) != 0 ? box.max.y : box.min.y,
-                                  (corner & 4) != 0 ? box.max.z : box.min.z});
+            corners[corner] = at(box.corner(corner));
         return pyramid.misses(corners);
     }
 

@@ -34,11 +34,8 @@ StripScene make_strip_scene(const Scene& scene, const Progress& progress) {
                                 .slot_of_triangle = &mesh.arrays().material_slots,
                                 .instance = index});
         Bounds3& box = boxes.emplace_back();
-        for (int corner = 0; corner < 8; ++corner) {
-            const auto& [min, max] = mesh.bounds();
-            const vec3 point((corner & 1) ? max.x : min.x, (corner & 2) ? max.y : min.y, (corner & 4) ? max.z : min.z);
-            box.grow(vec3(instance.world_from_object * vec4(point, 1.0f)));
-        }
+        for (std::size_t corner = 0; corner < 8; ++corner)
+            box.grow(vec3(instance.world_from_object * vec4(mesh.bounds().corner(corner), 1.0f)));
         const vec3 reach = glm::max(glm::abs(box.min), glm::abs(box.max));
         strip.top_reach = glm::max(strip.top_reach, reach);
         box.min -= 4e-7f * reach, box.max += 4e-7f * reach; // what the product above may have rounded away

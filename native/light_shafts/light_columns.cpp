@@ -3,18 +3,9 @@
 #include "core/parallel.hpp"
 #include "scene/media.hpp"
 #include <algorithm>
-#include <array>
 #include <tuple>
 
 namespace tyndall::light_shafts {
-static std::array<vec3, 8> corners_of(const Bounds3& box) {
-    std::array<vec3, 8> corners;
-    for (int corner = 0; corner < 8; ++corner)
-        corners[static_cast<std::size_t>(corner)] =
-            glm::mix(box.min, box.max, vec3(corner & 1, corner >> 1 & 1, corner >> 2));
-    return corners;
-}
-
 void LightColumns::add_face(const vec3& forward, const vec2& low, const vec2& high) {
     Face& face = faces_.emplace_back();
     face.forward = forward;
@@ -39,8 +30,9 @@ LightColumns::LightColumns(const PlacedGrid& placed, const LightSample& light, f
         spacing_uv_ = spacing_m_;
         const auto [across, up] = orthonormal_basis(forward);
         vec2 low(std::numeric_limits<float>::infinity()), high(-low);
-        for (const vec3& corner : corners_of(placed.bounds)) {
-            const vec2 uv(glm::dot(corner - origin_, across), glm::dot(corner - origin_, up));
+        for (std::size_t corner = 0; corner < 8; ++corner) {
+            const vec3 way = placed.bounds.corner(corner) - origin_;
+            const vec2 uv(glm::dot(way, across), glm::dot(way, up));
             low = glm::min(low, uv), high = glm::max(high, uv);
         }
         add_face(forward, low, high);

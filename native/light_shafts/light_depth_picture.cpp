@@ -14,8 +14,7 @@ static SunPlace place_of(const Scene& scene, const OccluderEdits& edits, const L
     place.window = {vec2(std::numeric_limits<float>::infinity()), vec2(-std::numeric_limits<float>::infinity())};
     const Bounds3 bounds = scene.surface_bounds();
     for (std::size_t corner = 0; corner < 8; ++corner) {
-        const vec3 p((corner & 1) != 0 ? bounds.max.x : bounds.min.x, (corner & 2) != 0 ? bounds.max.y : bounds.min.y,
-                     (corner & 4) != 0 ? bounds.max.z : bounds.min.z);
+        const vec3 p = bounds.corner(corner);
         const vec2 at(glm::dot(p, x_axis), glm::dot(p, y_axis));
         place.window.min = glm::min(place.window.min, at);
         place.window.max = glm::max(place.window.max, at);

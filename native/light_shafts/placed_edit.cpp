@@ -20,9 +20,7 @@ Bounds3 bounds_of_occluders(const SceneDescription& scene, const OccluderEdit* e
             continue;
         const Bounds3& box = scene.meshes[instance.mesh_index]->bounds();
         for (std::size_t corner = 0; corner < 8 && !box.is_empty(); ++corner)
-            bounds.grow(vec3(instance.world_from_object * vec4((corner & 1) != 0 ? box.max.x : box.min.x,
-                                                               (corner & 2) != 0 ? box.max.y : box.min.y,
-                                                               (corner & 4) != 0 ? box.max.z : box.min.z, 1.0f)));
+            bounds.grow(vec3(instance.world_from_object * vec4(box.corner(corner), 1.0f)));
     }
     return bounds;
 }

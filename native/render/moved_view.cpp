@@ -14,9 +14,8 @@ Region pixels_that_may_see(const Bounds3& box, const Camera& camera, float reach
         window_max(camera.window_right, camera.window_top);
     dvec2 least_px(std::numeric_limits<double>::infinity()), most_px(-std::numeric_limits<double>::infinity());
     int before_count = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-        const vec3 choice(corner & 1, corner >> 1 & 1, corner >> 2);
-        const glm::dvec4 place = camera_from_scene * glm::dvec4(glm::mix(box.min, box.max, choice), 1.0);
+    for (std::size_t corner = 0; corner < 8 && !box.is_empty(); ++corner) {
+        const glm::dvec4 place = camera_from_scene * glm::dvec4(box.corner(corner), 1.0);
         if (is_perspective && !(place.z < 0.0))
             continue;
         ++before_count;

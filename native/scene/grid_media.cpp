@@ -19,11 +19,8 @@ GridMedia::GridMedia(const SceneDescription& description) {
         placed.grid_from_world = glm::inverse(world_from_grid);
         placed.voxel_m = static_cast<float>(std::cbrt(std::abs(glm::determinant(glm::dmat3(world_from_grid)))));
         const Bounds3& box = volume.grid->bounds();
-        for (int corner = 0; corner < 8; ++corner) {
-            const vec3 choice(corner & 1, corner >> 1 & 1, corner >> 2);
-            const glm::dvec4 place(glm::dvec3(glm::mix(box.min, box.max, choice)), 1.0);
-            placed.bounds.grow(vec3(glm::dvec3(world_from_grid * place)));
-        }
+        for (std::size_t corner = 0; corner < 8; ++corner)
+            placed.bounds.grow(vec3(glm::dvec3(world_from_grid * glm::dvec4(box.corner(corner), 1.0))));
         grids_.push_back(placed);
         least_voxel_m_ = std::min(least_voxel_m_, placed.voxel_m);
     }

@@ -74,12 +74,8 @@ Media::Media(const Scene& scene, const Progress& progress) : scene_(scene) {
     for (std::uint32_t index = 0; index < boundaries->all.size(); ++index) {
         const MediumBoundary& boundary = boundaries->all[index];
         const mat4& world_from_object = description.instances[boundary.instance].world_from_object;
-        for (int corner = 0; corner < 8; ++corner) {
-            const Bounds3& box = boundary.object_bounds;
-            const vec3 point((corner & 1) ? box.max.x : box.min.x, (corner & 2) ? box.max.y : box.min.y,
-                             (corner & 4) ? box.max.z : box.min.z);
-            boundaries->bounds.grow(vec3(world_from_object * vec4(point, 1.0f)));
-        }
+        for (std::size_t corner = 0; corner < 8; ++corner)
+            boundaries->bounds.grow(vec3(world_from_object * vec4(boundary.object_bounds.corner(corner), 1.0f)));
         if (boundary.is_box)
             boundaries->boxes.push_back(index);
         has_meshes |= !boundary.is_box;

@@ -66,12 +66,10 @@ void append_medium_cuts(const SceneDescription& scene, const MediumBoundary& bou
 }
 
 void append_box_cuts(const Bounds3& box, const PlaneCoordinates<double>& plane, std::vector<MediumCut>& cuts) {
-    // Corner c has the high end of axis i where bit i of c is set.
     double height[8], x[8], y[8];
     int above = 0;
     for (int corner = 0; corner < 8; ++corner) {
-        const dvec3 point(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                          corner & 4 ? box.max.z : box.min.z);
+        const dvec3 point(box.corner(static_cast<std::size_t>(corner)));
         height[corner] = plane.height(point), x[corner] = plane.x(point), y[corner] = plane.y(point);
         above |= (height[corner] >= 0.0) << corner;
     }

@@ -99,8 +99,8 @@ std::optional<StoodAt> moved_instances(const SceneDescription& before, const Sce
 static Bounds3 box_of(const Bounds3& of_mesh, const mat4& scene_from_object) {
     Bounds3 box;
     float largest_m = 0.0f;
-    for (int corner = 0; corner < 8; ++corner) {
-        const vec3 in_object = glm::mix(of_mesh.min, of_mesh.max, vec3(corner & 1, corner >> 1 & 1, corner >> 2));
+    for (std::size_t corner = 0; corner < 8 && !of_mesh.is_empty(); ++corner) {
+        const vec3 in_object = of_mesh.corner(corner);
         box.grow(vec3(glm::dmat4(scene_from_object) * glm::dvec4(in_object, 1.0)));
         for (int row = 0; row < 3; ++row) {
             float sum_m = std::abs(scene_from_object[3][row]);

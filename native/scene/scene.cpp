@@ -192,10 +192,8 @@ const Material& Scene::Geometry::slot_material(const Instance& instance, std::si
 
 static Bounds3 transformed(const Bounds3& bounds, const mat4& to_from) {
     Bounds3 result;
-    for (int corner = 0; corner < 8; ++corner) {
-        const vec3 choice(corner & 1, corner >> 1 & 1, corner >> 2);
-        result.grow(vec3(to_from * vec4(glm::mix(bounds.min, bounds.max, choice), 1.0f)));
-    }
+    for (std::size_t corner = 0; corner < 8 && !bounds.is_empty(); ++corner)
+        result.grow(vec3(to_from * vec4(bounds.corner(corner), 1.0f)));
     return result;
 }
 

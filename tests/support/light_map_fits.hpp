@@ -82,6 +82,14 @@ inline double inner_product(std::span<const vec4> a, std::span<const vec4> b) {
         sum += glm::dot(glm::dvec3(a[i]), glm::dvec3(b[i]));
     return sum;
 }
+/// How far <Tx, y> is off <x, T'y>, relative, for colours at random.
+inline double transpose_error(const LightMapMatrix& t) {
+    const std::vector<vec4> x = random_colours(t.texel_count(), 3), y = random_colours(t.ray_count(), 4);
+    const std::vector<vec4> t_x = product(t, x);
+    std::vector<vec4> t_y(x.size());
+    t.multiply_transposed(y, t_y, Progress());
+    return std::abs(inner_product(t_x, y) / inner_product(x, t_y) - 1.0);
+}
 inline double relative_rms(std::span<const vec4> a, std::span<const vec4> b) {
     double difference = 0.0, size = 0.0;
     for (std::size_t i = 0; i < a.size(); ++i) {
