@@ -54,7 +54,7 @@ AirGrid make_air_grid(const Media& media, const Camera& camera, const AirTexture
     const float step_m = first_m < last_m ? (last_m - first_m) / static_cast<float>(step_count) : 0.0f;
     const bool is_orthographic = camera.kind == CameraKind::Orthographic;
     const float cell_px =
-        std::clamp(std::abs(px_per_window_m(camera)) * step_m / (is_orthographic ? 1.0f : last_m), 2.0f, 32.0f);
+        std::clamp(std::abs(px_per_window_m(camera)) * step_m / (is_orthographic ? 1.0f : last_m), 1.0f, 32.0f);
     const auto columns = [&](std::uint32_t size_px) {
         return static_cast<std::uint32_t>(std::ceil(static_cast<float>(size_px) / cell_px)) + 1;
     };

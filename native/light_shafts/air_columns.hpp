@@ -38,7 +38,7 @@ struct AirGrid {
     }
 };
 /// Steps as long as those that rays which end halfway would have alone, as far as light of `most_depth` optical depth comes;
-/// columns are as far apart at the far end as steps are long, and at least two pixels.
+/// columns are as far apart at the far end as steps are long, and at least a pixel.
 [[nodiscard]] AirGrid make_air_grid(const Media& media, const Camera& camera, const AirTexture& air, float most_depth);
 
 /// Steps that columns must have for the rays between them. The result does not depend on who adds first.

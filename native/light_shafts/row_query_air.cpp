@@ -7,13 +7,10 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "light_shafts/row_query_place-inl.hpp"
+#include "light_shafts/row_query_knot-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::light_shafts::HWY_NAMESPACE {
-/// Blocks of a row, and what vectors reach beyond.
-static constexpr std::size_t most_edges = row_query::most_air_lines / block_lines + 2 * block_lines;
-
 /// Rows and lines of placed rays, among coarse rows. What reaches beyond its row ends there; rays without a line, and those
 /// that end before they begin, get far_m = near_m.
 static void find_coarse(const CoarseRows& rows, PlacedRays& placed, std::size_t count, RowHits& hits) {
@@ -67,118 +64,31 @@ static void find_coarse(const CoarseRows& rows, PlacedRays& placed, std::size_t 
     }
 }
 
-/// Of two vectors side by side.
-static HWY_INLINE V looked_up(V low, V high, I index) {
-    const I size = hn::Set(di, static_cast<std::int32_t>(lanes));
-    const auto within = hn::IndicesFromVec(d, hn::And(index, hn::Sub(size, hn::Set(di, 1))));
-    const auto is_low = hn::RebindMask(d, hn::Lt(index, size));
-    return hn::IfThenElse(is_low, hn::TableLookupLanes(low, within), hn::TableLookupLanes(high, within));
-}
+/// Of lit lines along two rays.
+struct LineSums {
+    V light_a, textured_a, light_b, textured_b;
 
-/// A ray of a row, and its light and texture up to the edges of the row's blocks.
-class Knot {
-public:
-    float slope;
-
-    void begin(const AirColumns& air, const ColumnLight& columns, const Asked& asked, std::size_t at,
-               const ViewRay& ray, const RowView& row) {
-        const AirGrid& grid = air.grid();
-        slope = asked.slope[at];
-        const vec2 place = grid.place(ray);
-        const float x = std::clamp(place.x, 0.0f, static_cast<float>(grid.width - 1)),
-                    y = std::clamp(place.y, 0.0f, static_cast<float>(grid.height - 1));
-        const auto left = std::min(static_cast<std::size_t>(x), std::size_t{grid.width} - 2),
-                   lower = std::min(static_cast<std::size_t>(y), std::size_t{grid.height} - 2);
-        const float share_x = x - static_cast<float>(left), share_y = y - static_cast<float>(lower);
-        const std::size_t column = lower * grid.width + left;
-        right_ = grid.step_count, above_ = grid.width * right_;
-        step_count_ = std::min({air.step_count(column), air.step_count(column + 1), air.step_count(column + grid.width),
-                                air.step_count(column + grid.width + 1)});
-        corner_light_ = columns.light.get() + column * right_;
-        corner_textured_ = columns.textured.get() + column * right_;
-        shares_ = {(1 - share_y) * (1 - share_x), (1 - share_y) * share_x, share_y * (1 - share_x), share_y * share_x};
-        light_up_to_.resize(step_count_ + 2 * lanes), textured_up_to_.resize(step_count_ + 2 * lanes);
-        light_up_to_[0] = textured_up_to_[0] = 0.0f;
-        begin_step_ = past_step_ = 0;
-        const float per_step = 1.0f / grid.step_m;
-        const float edge_m = asked.near_m[at] +
-                             (static_cast<float>(row.first) - asked.near_index[at]) * asked.m_per_line[at] +
-                             grid.shift_m(ray);
-        first_edge_ = (edge_m - grid.first_m) * per_step;
-        steps_per_block_ = static_cast<float>(block_lines) * asked.m_per_line[at] * per_step;
-        ready_ = 0;
-    }
-    /// Makes light and textured known at the edges of 16 blocks from 16 * group on.
-    void reach(std::uint32_t group) {
-        if ((ready_ >> group & 1) != 0)
-            return;
-        ready_ |= std::uint32_t{1} << group;
-        for (std::size_t edge = std::size_t{group} * block_lines; edge < std::size_t{group + 1} * block_lines;
-             edge += lanes) {
-            const V number = hn::ConvertTo(d, hn::Iota(di, static_cast<std::int32_t>(edge)));
-            const V at = clamped(hn::MulAdd(number, hn::Set(d, steps_per_block_), hn::Set(d, first_edge_)), hn::Zero(d),
-                                 hn::Set(d, static_cast<float>(step_count_)));
-            const I step = hn::Min(hn::ConvertTo(di, at), hn::Set(di, static_cast<std::int32_t>(step_count_) - 1));
-            const V share = hn::Sub(at, hn::ConvertTo(d, step));
-            const std::int32_t first = hn::GetLane(step), last = hn::ExtractLane(step, lanes - 1); // they rise
-            interpolate(static_cast<std::size_t>(std::max(first, 1) - 1), static_cast<std::size_t>(last) + 1);
-            // Most vectors of edges lie within two of steps, where a look-up takes a fifth of a gather's time.
-            const bool is_close = last - first < static_cast<std::int32_t>(2 * lanes) - 1;
-            const I in_two = is_close ? hn::Sub(step, hn::Set(di, first)) : hn::Zero(di);
-            const auto find = [&](const std::vector<float>& up_to, float* at_edge) {
-                V before, after;
-                if (is_close) {
-                    const float* const from = &up_to[static_cast<std::size_t>(first)];
-                    const V low = hn::LoadU(d, from), high = hn::LoadU(d, from + lanes);
-                    before = looked_up(low, high, in_two);
-                    after = looked_up(low, high, hn::Add(in_two, hn::Set(di, 1)));
-                } else {
-                    before = hn::GatherIndex(d, up_to.data(), step);
-                    after = hn::GatherIndex(d, up_to.data() + 1, step);
-                }
-                hn::Store(hn::MulAdd(share, hn::Sub(after, before), before), d, at_edge + edge);
+    /// Of lines from `first` on, a bit each; a lane per line.
+    HWY_INLINE void add_lit(const Knot& a, const Knot& b, std::size_t first, std::uint32_t lit) {
+        for (std::size_t at = 0; at < block_lines; at += lanes) {
+            const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(lit >> at),
+                                           static_cast<std::uint8_t>(lit >> at >> 8)};
+            const LaneMask is_lit = hn::LoadMaskBits(d, bytes);
+            const auto add = [&](V& sum, const float* of_line) {
+                sum = hn::Add(sum, hn::IfThenElseZero(is_lit, hn::Load(d, of_line + first + at)));
             };
-            find(light_up_to_, light);
-            find(textured_up_to_, textured);
+            add(light_a, a.line_light), add(textured_a, a.line_textured);
+            add(light_b, b.line_light), add(textured_b, b.line_textured);
         }
     }
-
-    alignas(64) float light[most_edges], textured[most_edges];
-
-private:
-    /// Between the four columns around, up to the ends of steps [begin, past) at least.
-    void interpolate(std::size_t begin, std::size_t past) {
-        const bool is_empty = begin_step_ == past_step_;
-        begin = std::min(begin, is_empty ? begin : begin_step_) / lanes * lanes;
-        past = std::max(past, past_step_);
-        const V ll = hn::Set(d, shares_[0]), lr = hn::Set(d, shares_[1]), ul = hn::Set(d, shares_[2]),
-                ur = hn::Set(d, shares_[3]);
-        const auto add = [&](std::size_t step) {
-            const auto between = [&](const float* corner) {
-                const float* const from = corner + step;
-                return hn::MulAdd(hn::LoadU(d, from), ll,
-                                  hn::MulAdd(hn::LoadU(d, from + right_), lr,
-                                             hn::MulAdd(hn::LoadU(d, from + above_), ul,
-                                                        hn::Mul(hn::LoadU(d, from + above_ + right_), ur))));
-            };
-            hn::StoreU(between(corner_light_), d, &light_up_to_[step + 1]);
-            hn::StoreU(between(corner_textured_), d, &textured_up_to_[step + 1]);
+    /// Of one line, for the rays that have it; a lane per ray.
+    HWY_INLINE void add(const Knot& a, const Knot& b, std::size_t line, LaneMask has) {
+        const auto add_one = [&](V& sum, const float* of_line) {
+            sum = hn::IfThenElse(has, hn::Add(sum, hn::Set(d, of_line[line])), sum);
         };
-        if (is_empty)
-            begin_step_ = past_step_ = begin;
-        for (; begin_step_ > begin; begin_step_ -= lanes)
-            add(begin_step_ - lanes);
-        for (; past_step_ < past; past_step_ += lanes)
-            add(past_step_);
+        add_one(light_a, a.line_light), add_one(textured_a, a.line_textured);
+        add_one(light_b, b.line_light), add_one(textured_b, b.line_textured);
     }
-
-    std::size_t step_count_, right_, above_; ///< From a column to the next ones.
-    const float *corner_light_, *corner_textured_;
-    std::array<float, 4> shares_;
-    std::size_t begin_step_, past_step_; ///< Steps up to whose ends sums are known.
-    float first_edge_, steps_per_block_;
-    std::uint32_t ready_;
-    std::vector<float> light_up_to_, textured_up_to_;
 };
 
 /// Up to 16 rays of one row.
@@ -192,7 +102,6 @@ struct AirPacket {
     V light, textured;
 
     void add(Knot& a, Knot& b) {
-        light = textured = hn::Zero(d);
         const std::int32_t words = (blocks.end - blocks.first + blocks_per_word - 1) / blocks_per_word;
         const auto least_of_lines = [](I v) { return hn::GetLane(hn::MinOfLanes(di, v)); };
         const auto most_of_lines = [](I v) { return hn::GetLane(hn::MaxOfLanes(di, v)); };
@@ -204,7 +113,9 @@ struct AirPacket {
         const V share =
             slope_span == 0.0f ? hn::Zero(d) : hn::Div(hn::Sub(slope, hn::Set(d, a.slope)), hn::Set(d, slope_span));
         float runs[4] = {};
-        V of_light = hn::Zero(d), of_texture = of_light;
+        const V none = hn::Zero(d);
+        LineSums of_all{none, none, none, none}; // lines that all rays have, a lane per line
+        LineSums of_some = of_all;               // others, a lane per ray
         for (std::int32_t word = 0; word < words; ++word) {
             const std::int32_t start = blocks.first + word * blocks_per_word;
             const std::uint64_t some = blocks.some_lit[static_cast<std::size_t>(word)];
@@ -231,54 +142,38 @@ struct AirPacket {
                 runs[3] += b.textured[past] - b.textured[begin];
                 left = bit + length >= 64 ? 0 : left & ~((std::uint64_t{1} << (bit + length)) - 1);
             }
-            const auto add_lines = [&](int bit, V lines) {
-                const auto begin = static_cast<std::size_t>(start + bit);
-                const float light_a = a.light[begin + 1] - a.light[begin],
-                            light_b = b.light[begin + 1] - b.light[begin];
-                const float textured_a = a.textured[begin + 1] - a.textured[begin],
-                            textured_b = b.textured[begin + 1] - b.textured[begin];
-                const V light_here = hn::MulAdd(share, hn::Set(d, light_b - light_a), hn::Set(d, light_a));
-                const V texture_here = hn::MulAdd(share, hn::Set(d, textured_b - textured_a), hn::Set(d, textured_a));
-                of_light = hn::MulAdd(lines, light_here, of_light);
-                of_texture = hn::MulAdd(lines, texture_here, of_texture);
-            };
-            for (std::uint64_t left = some & inner & ~all; left != 0; left &= left - 1) {
-                const int bit = std::countr_zero(left);
-                const float* const slopes = row.slopes + (start + bit) * block_lines;
-                const std::uint32_t lit = at_or_above(hn::Set(d, least_slope), slopes);
-                V lines = hn::Set(d, static_cast<float>(std::popcount(lit)));
-                for (std::uint32_t doubtful = at_or_above(hn::Set(d, most_slope), slopes) & ~lit; doubtful != 0;
-                     doubtful &= doubtful - 1)
-                    lines =
-                        hn::Add(lines, hn::IfThenElseZero(hn::Ge(slope, hn::Set(d, slopes[__builtin_ctz(doubtful)])),
-                                                          hn::Set(d, 1.0f)));
-                add_lines(bit, lines);
-            }
-            for (std::uint64_t left = some & ~inner; left != 0; left &= left - 1) {
-                const int bit = std::countr_zero(left);
-                const float* const slopes = row.slopes + (start + bit) * block_lines;
-                const I block_line = hn::Set(di, (start + bit) * block_lines);
-                const auto before = [&](I line) {
-                    const I count = hn::Min(hn::Max(hn::Sub(line, block_line), hn::Zero(di)), hn::Set(di, block_lines));
-                    return hn::Sub(hn::Shl(hn::Set(di, 1), count), hn::Set(di, 1));
-                };
-                const std::uint32_t lit = at_or_above(hn::Set(d, least_slope), slopes);
-                I bits = hn::Set(di, static_cast<std::int32_t>(lit));
-                for (std::uint32_t doubtful = at_or_above(hn::Set(d, most_slope), slopes) & ~lit; doubtful != 0;
-                     doubtful &= doubtful - 1) {
-                    const int line = __builtin_ctz(doubtful);
-                    bits = hn::Or(bits, hn::IfThenElseZero(hn::RebindMask(di, hn::Ge(slope, hn::Set(d, slopes[line]))),
-                                                           hn::Set(di, 1 << line)));
+            for (std::uint64_t left = some & ~(all & inner); left != 0; left &= left - 1) {
+                const auto block = static_cast<std::size_t>(start + std::countr_zero(left));
+                a.reach_lines(block), b.reach_lines(block);
+                const std::size_t first = block * block_lines;
+                const float* const slopes = row.slopes + first;
+                std::uint32_t lit = at_or_above(hn::Set(d, least_slope), slopes),
+                              doubtful = at_or_above(hn::Set(d, most_slope), slopes) & ~lit;
+                if ((inner >> std::countr_zero(left) & 1) != 0) {
+                    of_all.add_lit(a, b, first, lit);
+                    for (; doubtful != 0; doubtful &= doubtful - 1) {
+                        const std::size_t line = static_cast<std::size_t>(std::countr_zero(doubtful));
+                        of_some.add(a, b, first + line, hn::Ge(slope, hn::Set(d, slopes[line])));
+                    }
+                    continue;
                 }
-                bits = hn::And(bits, hn::AndNot(before(first_in_row), before(past_in_row)));
-                add_lines(bit, hn::ConvertTo(d, hn::BitCast(di, hn::PopulationCount(hn::BitCast(
-                                                                    hn::RebindToUnsigned<decltype(di)>(), bits)))));
+                for (lit |= doubtful; lit != 0; lit &= lit - 1) {
+                    const std::size_t line = static_cast<std::size_t>(std::countr_zero(lit));
+                    const I number = hn::Set(di, static_cast<std::int32_t>(first + line));
+                    const LaneMask has_line =
+                        hn::RebindMask(d, hn::AndNot(hn::Lt(number, first_in_row), hn::Lt(number, past_in_row)));
+                    of_some.add(a, b, first + line, hn::And(has_line, hn::Ge(slope, hn::Set(d, slopes[line]))));
+                }
             }
         }
-        const V per_line = hn::Set(d, 1.0f / block_lines);
-        light = hn::MulAdd(of_light, per_line, hn::MulAdd(share, hn::Set(d, runs[2] - runs[0]), hn::Set(d, runs[0])));
-        textured =
-            hn::MulAdd(of_texture, per_line, hn::MulAdd(share, hn::Set(d, runs[3] - runs[1]), hn::Set(d, runs[1])));
+        const auto sum = [&](int which, V of_all_lines, V of_some_lines) {
+            return hn::Add(hn::Add(hn::Set(d, runs[which]), hn::SumOfLanes(d, of_all_lines)), of_some_lines);
+        };
+        const V light_a = sum(0, of_all.light_a, of_some.light_a), light_b = sum(2, of_all.light_b, of_some.light_b);
+        const V textured_a = sum(1, of_all.textured_a, of_some.textured_a),
+                textured_b = sum(3, of_all.textured_b, of_some.textured_b);
+        light = hn::MulAdd(share, hn::Sub(light_b, light_a), light_a);
+        textured = hn::MulAdd(share, hn::Sub(textured_b, textured_a), textured_a);
     }
 };
 

@@ -69,6 +69,11 @@ def blurred(picture: NDArray[np.float64], width_px: int) -> NDArray[np.float64]:
     return np.lib.stride_tricks.sliding_window_view(padded, (width_px, width_px)).mean(axis=(2, 3))
 
 
+def rms(values: NDArray[np.float64]) -> float:
+    """Root of the mean square."""
+    return float(np.sqrt((values**2).mean()))
+
+
 def share_of_fine_detail(shafts: NDArray[np.float64], depth: NDArray[np.float64]) -> float:
     """What varies within three pixels, against what varies within eleven, before the open sky; of logarithms."""
     brightness = np.log(shafts.mean(axis=-1))
@@ -76,7 +81,7 @@ def share_of_fine_detail(shafts: NDArray[np.float64], depth: NDArray[np.float64]
     nearest = np.lib.stride_tricks.sliding_window_view(np.pad(depth, 2, mode="edge"), (5, 5)).min(axis=(2, 3))
     in_sky = nearest > SKY_M
     fine, coarse = (brightness - broad)[in_sky], (broad - blurred(broad, 11))[in_sky]
-    return float(np.sqrt((fine**2).mean() / (coarse**2).mean()))
+    return rms(fine) / rms(coarse)
 
 
 def test_filled_holes_calm_the_light_of_a_palms_crown(gallery: Gallery) -> None:
@@ -128,9 +133,9 @@ def test_a_citadels_shafts_reach_the_colours_that_were_painted_over_three_camera
         painted = citadel.painted(strokes)[1::3, 1::3]
         is_painted = painted[..., 3] > 0
         wanted = (white * painted[..., :3])[is_painted]
-        size = np.sqrt((white[is_painted] ** 2).mean())
-        assert np.sqrt(((reached[is_painted] - wanted) ** 2).mean()) < 0.2 * size
-        assert np.sqrt(((white[is_painted] - wanted) ** 2).mean()) > 0.4 * size
+        size = rms(white[is_painted])
+        assert rms(reached[is_painted] - wanted) < 0.2 * size
+        assert rms(white[is_painted] - wanted) > 0.4 * size
 
 
 def test_paint_gives_back_the_light_behind_a_skeleton_and_leaves_the_wisps_below_it(gallery: Gallery) -> None:
@@ -142,7 +147,8 @@ def test_paint_gives_back_the_light_behind_a_skeleton_and_leaves_the_wisps_below
     behind_claws, below = np.s_[36:54, 80:110], np.s_[:25, :]
     assert np.median(textured[behind_claws]) < 0.2 * np.median(even[behind_claws])
     assert np.median(painted[behind_claws]) > 0.5 * np.median(even[behind_claws])
-    np.testing.assert_allclose(painted[below], textured[below], rtol=0.02, atol=1e-3 * even.max())
+    # Fine paint has every ray ask for itself; without it rays share columns of air.
+    assert rms(painted[below] - textured[below]) < 0.05 * rms(textured[below])
     is_lit = even[below] > 0.1 * even.max()
     assert np.std(textured[below][is_lit] / even[below][is_lit]) > 0.2
 

@@ -140,6 +140,24 @@ TEST_CASE("a picture's rays find what they would find one by one, whatever camer
     }
 }
 
+TEST_CASE("shafts thinner than a block of lines meet the air where they are, not its mean over the block") {
+    auto scene = support::make_scene(
+        {{.mesh = support::cube(),
+          .world_from_object = glm::scale(mat4(1.0f), vec3(4.0f)),
+          .material = {.name = "fog", .medium_index = 0, .has_surface = false}},
+         {.mesh = support::soup_mesh(20000, {.min = vec3(-6, -6, 4.2f), .max = vec3(6, 6, 4.4f)}, 0.35f, 9)}},
+        {{.name = "fog", .lobes = {{Rgb(0.1f), 0.0f}}}}, {sun({0.3f, -0.2f, 1})});
+    const Frame frame(std::move(scene), camera_before(CameraKind::Perspective), {.resolution = 1024});
+    Heterogeneity air = noisy(128);
+    air.noise.scale_m = 2.0f;
+    air.noise.contrast = 2.0f;
+    const std::vector<float> found = frame.of_picture(air);
+    air.step_count = 1024;
+    const auto [rms, bias] = frame.error_of(found, frame.one_by_one(air));
+    CHECK(rms < 0.012); // 0.020 with the mean over the block
+    CHECK(std::abs(bias) < 0.004);
+}
+
 TEST_CASE("more steps come closer, and passes over the same pixels agree") {
     const Frame frame(fog_with({sun({0.3f, -0.2f, 1})}), camera_before(CameraKind::Perspective));
     const std::vector<float> truth = frame.one_by_one(noisy(1024));
