@@ -25,6 +25,7 @@ LAYER_OF_PART = {
     "scene": 3,
     "light_shafts": 4,
     "transfer_functions": 4,
+    "voxel_dag": 4,
     "render": 5,
     "bindings": 6,
 }
