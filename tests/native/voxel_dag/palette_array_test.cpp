@@ -118,6 +118,10 @@ TEST_CASE("bytes that are cut off or damaged are refused with the section's name
     std::vector<std::uint8_t> other = bytes;
     other[0] ^= 1;
     CHECK(complaint(other) == "palette array: section 'header' does not begin with its mark");
+    std::vector<std::uint8_t> constant = encode_palettes(test::Values(100, 3), {}, {}); // 7 bits of entry, 4 of width
+    constant[41] |= 0x80;
+    CHECK(complaint(constant) ==
+          "palette array: section 'directory' has a palette of block 0 that ends behind the last");
     other = bytes, other.push_back(0);
     CHECK(complaint(other) == "palette array: section 'end' is followed by 1 bytes");
 }
