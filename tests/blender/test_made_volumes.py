@@ -78,21 +78,25 @@ def test_a_modifier_changes_the_volume_of_a_file(tmp_path: Path) -> None:
     assert without.grid.key == before.grid.key
 
 
-def test_what_was_made_is_read_again_only_when_it_changes() -> None:
+def test_what_was_made_is_read_again_only_when_it_changes(request: pytest.FixtureRequest) -> None:
     _, shader = before_a_wall()
     _, shape = meshed_volume(shader)
     other = cube("Other")
     reader = SceneReader()
 
+    def hear(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+        reader.note_updates(depsgraph)
+
     def read_live() -> list[object]:
-        reader.note_updates(bpy.context.evaluated_depsgraph_get())
+        bpy.context.view_layer.update()
         return [volume.grid for volume in read(reader, is_live=True).volumes]
 
+    bpy.app.handlers.depsgraph_update_post.append(hear)
+    request.addfinalizer(lambda: bpy.app.handlers.depsgraph_update_post.remove(hear))
     first = read_live()
     other.location.x += 0.1
     assert read_live()[0] is first[0]
     shape.scale *= 0.5
-    bpy.context.view_layer.update()
     assert read_live()[0] is not first[0]
 
 
