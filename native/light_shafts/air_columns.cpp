@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/air_columns.hpp"
 #include "core/huge_pages.hpp"
-#include "core/parallel.hpp"
-#include "light_shafts/air_columns_kernel.hpp"
 #include "light_shafts/heterogeneity_kernel.hpp"
 #include "light_shafts/prepared_lights.hpp"
 #include <algorithm>
@@ -10,7 +8,7 @@
 
 namespace tyndall::light_shafts {
 namespace {
-constexpr std::size_t columns_per_block = 32;
+constexpr std::uint32_t steps_at_once = 16;
 
 ViewRay endless(const Ray& ray) { return {ray.origin, ray.direction, 0.0f, std::numeric_limits<float>::infinity()}; }
 
@@ -78,138 +76,98 @@ AirGrid make_air_grid(const Media& media, const Camera& camera, const AirTexture
     return grid;
 }
 
-void AirNeeds::add(std::span<const ViewRay> rays) {
-    constexpr std::size_t capacity = 256;
-    std::array<std::uint32_t, capacity> cells, steps;
-    for (std::size_t start = 0; start < rays.size(); start += capacity) {
-        const auto some = rays.subspan(start, std::min(capacity, rays.size() - start));
-        air_columns::find_cells(grid_, some, cells, steps);
-        for (std::size_t ray = 0, next; ray < some.size(); ray = next) {
-            std::uint32_t most = 0;
-            for (next = ray; next < some.size() && cells[next] == cells[ray]; ++next)
-                most = std::max(most, steps[next]);
-            std::atomic<std::uint32_t>& of_cell = steps_[cells[ray]];
-            std::uint32_t before = of_cell.load(std::memory_order_relaxed);
-            while (before < most && !of_cell.compare_exchange_weak(before, most, std::memory_order_relaxed))
-                ;
-        }
-    }
-}
-
-std::vector<std::uint32_t> AirNeeds::of_columns() const {
-    static constexpr std::size_t before = static_cast<std::size_t>(most_span) + 2, after = before - 1;
-    const auto most_around = [](std::size_t at, std::size_t count, const auto& value_at) {
-        std::uint32_t most = 0;
-        for (std::size_t i = at - std::min(at, before); i < std::min(at + after + 1, count); ++i)
-            most = std::max(most, value_at(i));
-        return most;
-    };
-    std::vector<std::uint32_t> along_x(steps_.size()), most(steps_.size());
-    for (std::size_t cell = 0; cell < steps_.size(); ++cell) {
-        const std::size_t row = cell / grid_.width * grid_.width;
-        along_x[cell] = most_around(cell - row, grid_.width, [&](std::size_t x) { return steps_[row + x].load(); });
-    }
-    for (std::size_t cell = 0; cell < steps_.size(); ++cell) {
-        const std::size_t x = cell % grid_.width;
-        most[cell] =
-            most_around(cell / grid_.width, grid_.height, [&](std::size_t y) { return along_x[y * grid_.width + x]; });
-        // Blocks of lines lie a little farther along a neighbour that is closer to the sun.
-        most[cell] = std::min((most[cell] + most[cell] / 8 + 15) / 16 * 16, grid_.step_count);
-    }
-    return most;
-}
-
-AirColumns::AirColumns(const Media& media, const Camera& camera, const AirGrid& grid, const AirNeeds& needs,
-                       const AirTexture& air, float offset, const Progress& progress)
-    : media_(media), camera_(camera), grid_(grid), steps_(needs.of_columns()),
-      texture_(std::make_unique_for_overwrite<float[]>(grid.column_count() * grid.step_count)) {
-    prefer_large(texture_.get());
+AirColumns::AirColumns(const Media& media, const Camera& camera, const AirGrid& grid, const AirTexture& air,
+                       float offset, std::vector<const DirectionalScatter*> lights)
+    : media_(media), camera_(camera), grid_(grid), air_(air), lights_(std::move(lights)), ready_(grid.column_count()) {
     for (std::uint32_t step = 0; step < grid.step_count; ++step)
         at_m_.push_back(grid.first_m + (static_cast<float>(step) + offset) * grid.step_m);
-    parallel_blocks(grid.column_count(), columns_per_block, progress, [&](std::size_t begin, std::size_t end) {
-        thread_local std::vector<MediumSegment> segments;
-        thread_local std::vector<float> weights;
-        for (std::size_t column = begin; column < end; ++column) {
-            const std::size_t steps = steps_[column];
-            if (steps == 0)
-                continue;
-            segments.clear();
-            const ViewRay along = ray(column);
-            clip_to_media(media_, along, segments);
-            weights.assign(steps, 0.0f);
-            for (const MediumSegment& segment : segments) {
-                const auto step_at = [&](float t) {
-                    return std::clamp((t - grid_.first_m) / grid_.step_m, 0.0f, static_cast<float>(steps));
-                };
-                std::fill(weights.begin() + static_cast<std::ptrdiff_t>(step_at(segment.near_m)),
-                          weights.begin() + static_cast<std::ptrdiff_t>(std::ceil(step_at(segment.far_m))), 1.0f);
+    const std::size_t size = grid.column_count() * grid.step_count;
+    for (std::size_t light = 0; light < lights_.size(); ++light) {
+        Sums& sums = sums_.emplace_back(std::make_unique_for_overwrite<float[]>(size),
+                                        std::make_unique_for_overwrite<float[]>(size));
+        prefer_huge_pages(sums.light.get(), size * sizeof(float));
+        prefer_huge_pages(sums.textured.get(), size * sizeof(float));
+    }
+}
+
+void AirColumns::reach(std::size_t column, std::uint32_t count) {
+    constexpr std::uint32_t is_growing = 1;
+    count = std::min((count + steps_at_once - 1) / steps_at_once * steps_at_once, grid_.step_count);
+    std::atomic<std::uint32_t>& ready = ready_[column];
+    std::uint32_t seen = ready.load(std::memory_order_acquire);
+    while (seen < count) // a multiple of 16, which the lowest bit does not change
+        if ((seen & is_growing) != 0)
+            seen = ready.load(std::memory_order_acquire);
+        else if (ready.compare_exchange_weak(seen, seen | is_growing, std::memory_order_acquire)) {
+            try {
+                extend(column, seen, count);
+            } catch (...) {
+                ready.store(seen, std::memory_order_release);
+                throw;
             }
-            air.find({.origin = along.origin,
-                      .direction = along.direction,
-                      .at_m = std::span<const float>(at_m_).first(steps),
-                      .weights = weights,
-                      .step_m = grid_.step_m},
-                     {texture_.get() + column * grid_.step_count, steps});
+            ready.store(count, std::memory_order_release);
+            return;
         }
-    });
 }
 
-void AirColumns::prefer_large(float* values) const {
-    // Where few columns are asked, small pages leave out what lies between them.
-    if (2 * std::ranges::count(steps_, 0u) < std::ssize(steps_))
-        prefer_huge_pages(values, grid_.column_count() * grid_.step_count * sizeof(float));
+void AirColumns::extend(std::size_t column, std::uint32_t begin, std::uint32_t end) {
+    thread_local std::vector<MediumSegment> segments;
+    thread_local std::vector<float> is_in_media, texture;
+    segments.clear();
+    const MediaRay along = clip_to_media(media_,
+                                         endless(camera_.ray(grid_.cell_px * static_cast<float>(column % grid_.width),
+                                                             grid_.cell_px * static_cast<float>(column / grid_.width))),
+                                         segments);
+    is_in_media.assign(grid_.step_count, 0.0f);
+    texture.resize(end - begin);
+    for (const MediumSegment& segment : segments)
+        std::fill(is_in_media.begin() + static_cast<std::ptrdiff_t>(step_at(segment.near_m)),
+                  is_in_media.begin() + static_cast<std::ptrdiff_t>(std::ceil(step_at(segment.far_m))), 1.0f);
+    air_.find({.origin = along.clipped.origin,
+               .direction = along.clipped.direction,
+               .at_m = std::span<const float>(at_m_).subspan(begin, end - begin),
+               .weights = std::span<const float>(is_in_media).subspan(begin, end - begin),
+               .step_m = grid_.step_m,
+               .first = begin},
+              texture);
+    const std::size_t first = column * grid_.step_count;
+    for (std::size_t light = 0; light < lights_.size(); ++light)
+        add_up(*lights_[light], along.clipped, segments, begin, texture, &sums_[light].light[first],
+               &sums_[light].textured[first]);
 }
 
-ViewRay AirColumns::ray(std::size_t column) const {
-    return endless(camera_.ray(grid_.cell_px * static_cast<float>(column % grid_.width),
-                               grid_.cell_px * static_cast<float>(column / grid_.width)));
-}
-
-ColumnLight AirColumns::find(const DirectionalScatter& light, const Progress& progress) const {
-    const std::size_t size = grid_.column_count() * grid_.step_count;
-    ColumnLight columns{std::make_unique_for_overwrite<float[]>(size), std::make_unique_for_overwrite<float[]>(size)};
-    prefer_large(columns.light.get());
-    prefer_large(columns.textured.get());
-    parallel_blocks(grid_.column_count(), columns_per_block, progress, [&](std::size_t begin, std::size_t end) {
-        thread_local std::vector<MediumSegment> segments;
-        thread_local std::vector<ScatterPiece> pieces;
-        thread_local std::vector<float> shares, weights;
-        for (std::size_t column = begin; column < end; ++column) {
-            const std::size_t steps = steps_[column];
-            if (steps == 0)
+void AirColumns::add_up(const DirectionalScatter& light, const ViewRay& clipped,
+                        std::span<const MediumSegment> segments, std::uint32_t begin, std::span<const float> texture,
+                        float* light_sums, float* textured_sums) const {
+    thread_local std::vector<ScatterPiece> pieces;
+    pieces.clear();
+    light.append_pieces(clipped, segments, pieces);
+    float sum = begin > 0 ? light_sums[begin - 1] : 0.0f, textured = begin > 0 ? textured_sums[begin - 1] : 0.0f;
+    const auto past = begin + static_cast<std::uint32_t>(texture.size());
+    for (std::uint32_t start = begin; start < past; start += steps_at_once) {
+        std::array<float, steps_at_once> shares, weights{};
+        for (const ScatterPiece& piece : pieces) {
+            const float from = std::max(step_at(piece.near_m), static_cast<float>(start)),
+                        to = std::min(step_at(piece.far_m), static_cast<float>(start + steps_at_once));
+            if (!(from < to))
                 continue;
-            segments.clear(), pieces.clear();
-            const MediaRay clipped = clip_to_media(media_, ray(column), segments);
-            light.append_pieces(clipped.clipped, segments, pieces);
-            shares.resize(steps);
-            weights.assign(steps, 0.0f);
-            const auto step_at = [&](float t) {
-                return std::clamp((t - grid_.first_m) / grid_.step_m, 0.0f, static_cast<float>(steps));
-            };
-            for (const ScatterPiece& piece : pieces) {
-                const float from = step_at(piece.near_m), to = step_at(piece.far_m);
-                if (!(from < to))
-                    continue;
-                const auto first = static_cast<std::size_t>(from), past = static_cast<std::size_t>(std::ceil(to));
-                for (std::size_t step = first; step < past; ++step)
-                    shares[step] =
-                        std::min(to, static_cast<float>(step + 1)) - std::max(from, static_cast<float>(step));
-                air_steps::add_piece(piece, grid_.step_m,
-                                     {.at_m = at_m_.data() + first,
-                                      .shares = shares.data() + first,
-                                      .weights = weights.data() + first,
-                                      .count = past - first});
-            }
-            float sum = 0.0f, textured = 0.0f;
-            for (std::size_t step = 0; step < steps; ++step) {
-                const std::size_t at = column * grid_.step_count + step;
-                sum += weights[step];
-                textured += weights[step] * texture_[at];
-                columns.light[at] = sum;
-                columns.textured[at] = textured;
-            }
+            const std::size_t first = static_cast<std::size_t>(from) - start,
+                              end = static_cast<std::size_t>(std::ceil(to)) - start;
+            for (std::size_t step = first; step < end; ++step)
+                shares[step] = std::min(to, static_cast<float>(start + step + 1)) -
+                               std::max(from, static_cast<float>(start + step));
+            air_steps::add_piece(piece, grid_.step_m,
+                                 {.at_m = at_m_.data() + start + first,
+                                  .shares = shares.data() + first,
+                                  .weights = weights.data() + first,
+                                  .count = end - first});
         }
-    });
-    return columns;
+        for (std::size_t step = 0; step < steps_at_once; ++step) {
+            sum += weights[step];
+            textured += weights[step] * texture[start - begin + step];
+            light_sums[start + step] = sum;
+            textured_sums[start + step] = textured;
+        }
+    }
 }
 } // namespace tyndall::light_shafts

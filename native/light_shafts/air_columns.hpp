@@ -3,7 +3,7 @@
 // shadow, as sums from the camera on. Rays between them take the mean of the four around.
 // Based on: Wronski, Volumetric Fog, SIGGRAPH 2014 (a volume along the view, of a few pixels per cell).
 // Differs:  no shadow is in it: shadows stay as sharp as the slope rows, and each ray's own. Sums are exact between steps
-//           however long a lit stretch is. A column ends where the last of the rays around it does.
+//           however long a lit stretch is. A column is made when a ray next to it is lit, as far as that goes.
 // Bound:    per column and step one look-up of the texture, and one exponential and 8 bytes per light.
 #pragma once
 #include "light_shafts/scatter_pieces.hpp"
@@ -41,48 +41,42 @@ struct AirGrid {
 /// columns are as far apart at the far end as steps are long, and at least a pixel.
 [[nodiscard]] AirGrid make_air_grid(const Media& media, const Camera& camera, const AirTexture& air, float most_depth);
 
-/// Steps that columns must have for the rays between them. The result does not depend on who adds first.
-class AirNeeds {
-public:
-    /// Rays so many cells apart, along each axis, may be asked together: columns last for all of these.
-    static constexpr float most_span = 1.75f;
-
-    explicit AirNeeds(const AirGrid& grid) : grid_(grid), steps_(grid.column_count()) {}
-    /// Safe from any thread.
-    void add(std::span<const ViewRay> rays);
-    /// Column by column, multiples of 16; 0 where no ray is near.
-    [[nodiscard]] std::vector<std::uint32_t> of_columns() const;
-
-private:
-    const AirGrid& grid_;
-    std::vector<std::atomic<std::uint32_t>> steps_; ///< Of the cell whose lower left corner is the column.
-};
-
-/// Sums up to the far end of each step, column by column.
-struct ColumnLight {
-    std::unique_ptr<float[]> light, textured;
-};
-
+/// Made where and as far as they are asked for. Safe from any thread; the bits depend neither on who asks nor in what order.
 class AirColumns {
 public:
-    /// `offset` in (0, 1): where in a step its point lies. All must outlive this. Throws Cancelled.
-    AirColumns(const Media& media, const Camera& camera, const AirGrid& grid, const AirNeeds& needs,
-               const AirTexture& air, float offset, const Progress& progress);
+    /// `offset` in (0, 1): where in a step its point lies. All must outlive this.
+    AirColumns(const Media& media, const Camera& camera, const AirGrid& grid, const AirTexture& air, float offset,
+               std::vector<const DirectionalScatter*> lights);
 
     [[nodiscard]] const AirGrid& grid() const { return grid_; }
-    [[nodiscard]] std::uint32_t step_count(std::size_t column) const { return steps_[column]; }
-    /// Throws Cancelled.
-    [[nodiscard]] ColumnLight find(const DirectionalScatter& light, const Progress& progress) const;
+    /// Makes known the first `count` steps of a column, up to the next multiple of 16.
+    void reach(std::size_t column, std::uint32_t count);
+    /// Sums up to the far ends of those steps; the next column has its own grid().step_count farther on.
+    [[nodiscard]] const float* light(std::size_t of_light, std::size_t column) const {
+        return &sums_[of_light].light[column * grid_.step_count];
+    }
+    [[nodiscard]] const float* textured(std::size_t of_light, std::size_t column) const {
+        return &sums_[of_light].textured[column * grid_.step_count];
+    }
 
 private:
-    [[nodiscard]] ViewRay ray(std::size_t column) const;
-    void prefer_large(float* values) const;
+    struct Sums {
+        std::unique_ptr<float[]> light, textured; ///< Column by column.
+    };
+    void extend(std::size_t column, std::uint32_t begin, std::uint32_t end);
+    void add_up(const DirectionalScatter& light, const ViewRay& clipped, std::span<const MediumSegment> segments,
+                std::uint32_t begin, std::span<const float> texture, float* light_sums, float* textured_sums) const;
+    [[nodiscard]] float step_at(float distance_m) const {
+        return std::clamp((distance_m - grid_.first_m) / grid_.step_m, 0.0f, static_cast<float>(grid_.step_count));
+    }
 
     const Media& media_;
     const Camera& camera_;
     const AirGrid& grid_;
-    std::vector<std::uint32_t> steps_; ///< Per column; what lies behind them is not there.
-    std::vector<float> at_m_;          ///< Of the points.
-    std::unique_ptr<float[]> texture_; ///< Column by column; 0 outside of media.
+    const AirTexture& air_;
+    std::vector<const DirectionalScatter*> lights_;
+    std::vector<float> at_m_;                       ///< Of the points.
+    std::vector<std::atomic<std::uint32_t>> ready_; ///< Steps that are known; and whether more are being made.
+    std::vector<Sums> sums_;                        ///< Of each light.
 };
 } // namespace tyndall::light_shafts

@@ -35,11 +35,14 @@ bool PictureAir::fits(const PreparedLights& prepared, const AirTexture& air, con
 }
 
 PictureAir::PictureAir(const PreparedLights& prepared, const Camera& camera, const AirTexture& air, const Turn& turn)
-    : media_(prepared.media), camera_(camera), air_(air), offset_(offset_in_step(turn)),
-      grid_(make_air_grid(prepared.media, camera, air, most_depth_of_light)) {
+    : air_(air), grid_(make_air_grid(prepared.media, camera, air, most_depth_of_light)) {
+    std::vector<const DirectionalScatter*> lights;
     for_asked_beams(prepared, turn, [&](const Beam& beam, float weight) {
-        beams_.push_back({&*beam.directional, beam.visibility->coarse_rows(), weight});
+        beams_.push_back({beam.visibility->coarse_rows(), weight});
+        lights.push_back(&*beam.directional);
     });
+    columns_ =
+        std::make_unique<AirColumns>(prepared.media, camera, grid_, air, offset_in_step(turn), std::move(lights));
 }
 
 bool PictureAir::shows_paint() const {
@@ -54,14 +57,8 @@ std::vector<std::uint32_t> PictureAir::find(std::span<const ViewRay> rays, std::
         return {};
     tbb::concurrent_vector<std::uint32_t> unanswered;
     const CoarseRows& coarse = *beams_.front().rows;
-    AirNeeds needs(grid_);
     const std::vector<std::uint32_t> order =
-        row_query::by_wedge(coarse.rows->layout, rays, progress, coarse.stride, asked,
-                            [&](std::span<const ViewRay> some) { needs.add(some); });
-    const AirColumns columns(media_, camera_, grid_, needs, air_, offset_, progress);
-    std::vector<ColumnLight> lights;
-    for (const AskedBeam& beam : beams_)
-        lights.push_back(columns.find(*beam.light, progress));
+        row_query::by_wedge(coarse.rows->layout, rays, progress, coarse.stride, asked);
     constexpr std::size_t rays_per_block = 256;
     parallel_blocks(order.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
         std::array<ViewRay, rays_per_block> of_block;
@@ -79,8 +76,8 @@ std::vector<std::uint32_t> PictureAir::find(std::span<const ViewRay> rays, std::
         }
         for (std::size_t beam = 0; beam < beams_.size(); ++beam) {
             uncovered.near_epipole.clear(), uncovered.outside.clear();
-            row_query::add_lit_air(*beams_[beam].rows, columns, lights[beam], beams_[beam].weight, block,
-                                   {light, textured}, uncovered);
+            row_query::add_lit_air(*beams_[beam].rows, *columns_, beam, beams_[beam].weight, block, {light, textured},
+                                   uncovered);
             for (const auto* const without : {&uncovered.near_epipole, &uncovered.outside})
                 for (const std::uint32_t ray : *without)
                     light[ray] = -std::numeric_limits<float>::infinity(); // to be asked alone

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The texture of the air for the rays of a picture, under suns: looked up in columns of air some pixels apart, and weighted
 // for each ray by where it is lit.
-// Data flow: rays -> order of coarse rows, 9 bytes per ray, and how long columns must be -> columns: texture and light of
-//           each sun, 8 bytes per step -> per row and 16 rays: what two of them have between four columns, lit lines ->
-//           light, textured light -> their ratio.
+// Data flow: rays -> order of coarse rows, 9 bytes per ray -> per row and 16 rays: lit blocks -> where there are any, the
+//           columns around two of the rays, made when first met: texture and light of each sun, 8 bytes per step -> what
+//           both have between four columns, lit lines -> light, textured light -> their ratio.
 // Bound:    full HD: 14,000 columns of up to 128 steps, and per packet of 16 rays one ray's columns and the lit lines, which
 //           take a third of the time; the rest is reading rays twice, in two orders.
 #pragma once
@@ -27,15 +27,12 @@ public:
 
 private:
     struct AskedBeam {
-        const DirectionalScatter* light;
         const CoarseRows* rows;
         float weight;
     };
-    const Media& media_;
-    const Camera& camera_;
     const AirTexture& air_;
-    float offset_; ///< In a step.
     AirGrid grid_;
-    std::vector<AskedBeam> beams_;
+    std::vector<AskedBeam> beams_;        ///< One of each light of the columns.
+    std::unique_ptr<AirColumns> columns_; ///< They grow as they are asked for.
 };
 } // namespace tyndall::light_shafts

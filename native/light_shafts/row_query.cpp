@@ -120,7 +120,7 @@ void lit_intervals_of(const Rows& rows, const ViewRay* rays, std::size_t count, 
 
 /// The slices nearest to rays, those of rows that exist.
 void find_slices_of(const Layout& layout, const ViewRay* rays, const std::uint32_t* asked, std::size_t ray_count,
-                    std::int32_t* slices, const std::function<void(std::span<const ViewRay>)>& visit) {
+                    std::int32_t* slices) {
     static constexpr hn::RebindToSigned<LineTag> di;
     const auto d = lines_tag;
     const auto last = hn::Set(d, static_cast<float>(layout.slice_count() - 1));
@@ -133,8 +133,6 @@ void find_slices_of(const Layout& layout, const ViewRay* rays, const std::uint32
             for (std::size_t i = 0; i < count; ++i)
                 some[i] = rays[asked[start + i]];
         const std::span<const ViewRay> block{asked != nullptr ? some.data() : rays + start, count};
-        if (visit)
-            visit(block);
         place_rays(layout.frame, block, placed);
         for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
             const auto slice = slices_at(layout, hn::Load(d, &placed.slice_coordinate[i]));
@@ -178,8 +176,7 @@ static void sort_by_slice(std::span<std::uint32_t> order, std::span<const std::u
 
 std::vector<std::uint32_t> by_wedge(const slope_rows::Layout& layout, std::span<const ViewRay> rays,
                                     const Progress& progress, std::int32_t slices_per_row,
-                                    std::span<const std::uint32_t> asked,
-                                    const std::function<void(std::span<const ViewRay>)>& visit) {
+                                    std::span<const std::uint32_t> asked) {
     if (layout.rows.empty())
         return {};
     const std::size_t ray_count = asked.empty() ? rays.size() : asked.size();
@@ -197,7 +194,7 @@ std::vector<std::uint32_t> by_wedge(const slope_rows::Layout& layout, std::span<
         counts.assign(wedge_count, 0);
         HWY_DYNAMIC_DISPATCH(find_slices_of)
         (layout, rays.data() + (asked.empty() ? begin : 0), asked.empty() ? nullptr : &asked[begin], end - begin,
-         &slice_of[begin], visit);
+         &slice_of[begin]);
         if (slices_per_row > 1)
             for (std::size_t ray = begin; ray < end; ++ray)
                 slice_of[ray] /= slices_per_row;

@@ -7,7 +7,6 @@
 // Bound:    a view ray reads 2 values per 16 lines, and 16 slopes per block that a shadow's border crosses.
 #pragma once
 #include "light_shafts/slope_rows.hpp"
-#include <functional>
 #include <span>
 
 namespace tyndall::light_shafts::row_query {
@@ -24,11 +23,10 @@ inline constexpr std::uint32_t slices_per_wedge = 32;
 /// slice by slice, in the order that they come in. Queried so, a row is read while it is in the cache, and rays, too,
 /// are fetched and written in stretches of the picture (one slice after the other, fetching rays takes longer than
 /// asking for them). Of coarse rows each stands for several slices. Of the rays `asked`, unless that is empty: all.
-/// `visit` sees them all, some at a time, from any thread. Throws Cancelled.
+/// Throws Cancelled.
 [[nodiscard]] std::vector<std::uint32_t> by_wedge(const slope_rows::Layout& layout, std::span<const ViewRay> rays,
                                                   const Progress& progress, std::int32_t slices_per_row = 1,
-                                                  std::span<const std::uint32_t> asked = {},
-                                                  const std::function<void(std::span<const ViewRay>)>& visit = {});
+                                                  std::span<const std::uint32_t> asked = {});
 
 /// Lines [first, last] of one row that are lit for `slope`, as alternating first lit and first dark lines; ends are
 /// clipped. The kernel of lit_intervals, for tests.

@@ -64,32 +64,11 @@ static void find_coarse(const CoarseRows& rows, PlacedRays& placed, std::size_t 
     }
 }
 
-/// Of lit lines along two rays.
-struct LineSums {
-    V light_a, textured_a, light_b, textured_b;
-
-    /// Of lines from `first` on, a bit each; a lane per line.
-    HWY_INLINE void add_lit(const Knot& a, const Knot& b, std::size_t first, std::uint32_t lit) {
-        for (std::size_t at = 0; at < block_lines; at += lanes) {
-            const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(lit >> at),
-                                           static_cast<std::uint8_t>(lit >> at >> 8)};
-            const LaneMask is_lit = hn::LoadMaskBits(d, bytes);
-            const auto add = [&](V& sum, const float* of_line) {
-                sum = hn::Add(sum, hn::IfThenElseZero(is_lit, hn::Load(d, of_line + first + at)));
-            };
-            add(light_a, a.line_light), add(textured_a, a.line_textured);
-            add(light_b, b.line_light), add(textured_b, b.line_textured);
-        }
-    }
-    /// Of one line, for the rays that have it; a lane per ray.
-    HWY_INLINE void add(const Knot& a, const Knot& b, std::size_t line, LaneMask has) {
-        const auto add_one = [&](V& sum, const float* of_line) {
-            sum = hn::IfThenElse(has, hn::Add(sum, hn::Set(d, of_line[line])), sum);
-        };
-        add_one(light_a, a.line_light), add_one(textured_a, a.line_textured);
-        add_one(light_b, b.line_light), add_one(textured_b, b.line_textured);
-    }
-};
+/// Of the lowest bits, one per lane.
+static HWY_INLINE LaneMask mask_of(std::uint32_t bits) {
+    const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits), static_cast<std::uint8_t>(bits >> 8)};
+    return hn::LoadMaskBits(d, bytes);
+}
 
 /// Up to 16 rays of one row.
 struct AirPacket {
@@ -101,6 +80,10 @@ struct AirPacket {
 
     V light, textured;
 
+    bool find_blocks() {
+        return blocks.find(row, least_slope, most_slope, hn::GetLane(hn::MinOfLanes(di, first_line)),
+                           hn::GetLane(hn::MaxOfLanes(di, last_line)));
+    }
     void add(Knot& a, Knot& b) {
         const std::int32_t words = (blocks.end - blocks.first + blocks_per_word - 1) / blocks_per_word;
         const auto least_of_lines = [](I v) { return hn::GetLane(hn::MinOfLanes(di, v)); };
@@ -113,9 +96,12 @@ struct AirPacket {
         const V share =
             slope_span == 0.0f ? hn::Zero(d) : hn::Div(hn::Sub(slope, hn::Set(d, a.slope)), hn::Set(d, slope_span));
         float runs[4] = {};
-        const V none = hn::Zero(d);
-        LineSums of_all{none, none, none, none}; // lines that all rays have, a lane per line
-        LineSums of_some = of_all;               // others, a lane per ray
+        // Of lines that all rays have, a lane per line; and of others, a lane per ray.
+        V all_light_a = hn::Zero(d), all_textured_a = all_light_a, all_light_b = all_light_a,
+          all_textured_b = all_light_a;
+        V light_a = all_light_a, textured_a = all_light_a, light_b = all_light_a, textured_b = all_light_a;
+        const float *const a_light = a.line_light, *const a_textured = a.line_textured, *const b_light = b.line_light,
+                           *const b_textured = b.line_textured;
         for (std::int32_t word = 0; word < words; ++word) {
             const std::int32_t start = blocks.first + word * blocks_per_word;
             const std::uint64_t some = blocks.some_lit[static_cast<std::size_t>(word)];
@@ -147,31 +133,41 @@ struct AirPacket {
                 a.reach_lines(block), b.reach_lines(block);
                 const std::size_t first = block * block_lines;
                 const float* const slopes = row.slopes + first;
-                std::uint32_t lit = at_or_above(hn::Set(d, least_slope), slopes),
-                              doubtful = at_or_above(hn::Set(d, most_slope), slopes) & ~lit;
-                if ((inner >> std::countr_zero(left) & 1) != 0) {
-                    of_all.add_lit(a, b, first, lit);
-                    for (; doubtful != 0; doubtful &= doubtful - 1) {
-                        const std::size_t line = static_cast<std::size_t>(std::countr_zero(doubtful));
-                        of_some.add(a, b, first + line, hn::Ge(slope, hn::Set(d, slopes[line])));
+                const std::uint32_t lit = at_or_above(hn::Set(d, least_slope), slopes);
+                std::uint32_t of_some = at_or_above(hn::Set(d, most_slope), slopes);
+                const bool has_all_rays = (inner >> std::countr_zero(left) & 1) != 0;
+                if (has_all_rays) {
+                    of_some &= ~lit;
+                    for (std::size_t at = 0; at < block_lines; at += lanes) {
+                        const LaneMask is_lit = mask_of(lit >> at);
+                        const auto add = [&](V sum, const float* of_line) {
+                            return hn::Add(sum, hn::IfThenElseZero(is_lit, hn::Load(d, of_line + first + at)));
+                        };
+                        all_light_a = add(all_light_a, a_light), all_textured_a = add(all_textured_a, a_textured);
+                        all_light_b = add(all_light_b, b_light), all_textured_b = add(all_textured_b, b_textured);
                     }
-                    continue;
                 }
-                for (lit |= doubtful; lit != 0; lit &= lit - 1) {
-                    const std::size_t line = static_cast<std::size_t>(std::countr_zero(lit));
-                    const I number = hn::Set(di, static_cast<std::int32_t>(first + line));
-                    const LaneMask has_line =
-                        hn::RebindMask(d, hn::AndNot(hn::Lt(number, first_in_row), hn::Lt(number, past_in_row)));
-                    of_some.add(a, b, first + line, hn::And(has_line, hn::Ge(slope, hn::Set(d, slopes[line]))));
+                for (; of_some != 0; of_some &= of_some - 1) {
+                    const auto line = static_cast<std::size_t>(std::countr_zero(of_some));
+                    LaneMask has_line = hn::Ge(slope, hn::Set(d, slopes[line]));
+                    if (!has_all_rays) {
+                        const I number = hn::Set(di, static_cast<std::int32_t>(first + line));
+                        has_line = hn::And(has_line, hn::RebindMask(d, hn::AndNot(hn::Lt(number, first_in_row),
+                                                                                  hn::Lt(number, past_in_row))));
+                    }
+                    const auto add = [&](V sum, const float* of_line) {
+                        return hn::IfThenElse(has_line, hn::Add(sum, hn::Set(d, of_line[first + line])), sum);
+                    };
+                    light_a = add(light_a, a_light), textured_a = add(textured_a, a_textured);
+                    light_b = add(light_b, b_light), textured_b = add(textured_b, b_textured);
                 }
             }
         }
-        const auto sum = [&](int which, V of_all_lines, V of_some_lines) {
-            return hn::Add(hn::Add(hn::Set(d, runs[which]), hn::SumOfLanes(d, of_all_lines)), of_some_lines);
+        const auto in_all = [&](int run, V of_all, V of_some) {
+            return hn::Add(hn::Add(hn::Set(d, runs[run]), hn::SumOfLanes(d, of_all)), of_some);
         };
-        const V light_a = sum(0, of_all.light_a, of_some.light_a), light_b = sum(2, of_all.light_b, of_some.light_b);
-        const V textured_a = sum(1, of_all.textured_a, of_some.textured_a),
-                textured_b = sum(3, of_all.textured_b, of_some.textured_b);
+        light_a = in_all(0, all_light_a, light_a), textured_a = in_all(1, all_textured_a, textured_a);
+        light_b = in_all(2, all_light_b, light_b), textured_b = in_all(3, all_textured_b, textured_b);
         light = hn::MulAdd(share, hn::Sub(light_b, light_a), light_a);
         textured = hn::MulAdd(share, hn::Sub(textured_b, textured_a), textured_a);
     }
@@ -181,25 +177,27 @@ struct AirPacket {
 class AirPackets {
 public:
     const CoarseRows& rows;
-    const AirColumns& air;
-    const ColumnLight& columns;
+    AirColumns& air;
+    std::size_t light;
     const Asked& asked;
     std::span<const ViewRay> rays;
 
     void add(float weight, const row_query::AirSums& sums) {
-        thread_local Knot knots[4];
+        thread_local Knot of_thread[4];
+        Knot* const knots = of_thread;
         Knot *a = &knots[0], *b = &knots[1];
         std::size_t from = asked.count, past = from; // the rays that they are of
         for (std::size_t begin = 0, end; begin < asked.count; begin = end) {
             end = begin + asked.count_together(begin);
             AirPacket packet;
-            std::size_t least = 0, most = 0;
-            while (!gather(begin, end, packet, least, most))
-                end = begin + (end - begin) / 2;
             packet.row = rows.row(asked.slice[asked.ray(begin)]);
-            if (!packet.blocks.find(packet.row, packet.least_slope, packet.most_slope,
-                                    hn::GetLane(hn::MinOfLanes(di, packet.first_line)),
-                                    hn::GetLane(hn::MaxOfLanes(di, packet.last_line))))
+            std::size_t least = 0, most = 0;
+            bool is_lit;
+            for (gather(begin, end, packet, least, most);
+                 (is_lit = packet.find_blocks()) && least != most && !are_near(place(least), place(most));
+                 gather(begin, end, packet, least, most))
+                end = begin + (end - begin) / 2; // too far apart for what lies between
+            if (!is_lit)
                 continue;
             // Rays mostly follow each other along the row: two of them serve all between.
             if (begin < from || past <= begin)
@@ -207,16 +205,17 @@ public:
                     if (from < past && past == begin)
                         std::swap(a, b);
                     else
-                        start(*a, begin, packet.row);
-                    start(*b, next, packet.row);
+                        start(*a, begin, packet.row, last_line(begin, next));
+                    start(*b, next, packet.row, last_line(begin, next + most_between + 1));
                     from = begin, past = next;
                 }
             if (from <= begin && end <= past && is_between(from, past, packet)) {
                 packet.add(*a, *b);
             } else {
-                start(knots[2], least, packet.row);
+                const std::int32_t last = last_line(begin, end);
+                start(knots[2], least, packet.row, last);
                 if (least != most)
-                    start(knots[3], most, packet.row);
+                    start(knots[3], most, packet.row, last);
                 packet.add(knots[2], knots[least != most ? 3 : 2]);
             }
             alignas(64) float results[2][lanes];
@@ -231,18 +230,31 @@ public:
     }
 
 private:
+    static constexpr std::size_t most_between = 32;  ///< From a ray to the next whose columns are looked up.
+    static constexpr float most_cells_apart = 1.75f; ///< Of two such rays, along each axis.
+
     [[nodiscard]] const ViewRay& ray_at(std::size_t at) const {
         return rays[static_cast<std::size_t>(asked.number[asked.ray(at)])];
     }
-    void start(Knot& knot, std::size_t at, const RowView& row) const {
-        knot.begin(air, columns, asked, asked.ray(at), ray_at(at), row);
+    void start(Knot& knot, std::size_t at, const RowView& row, std::int32_t last_line) const {
+        knot.begin(air, light, asked, asked.ray(at), ray_at(at), row, last_line);
     }
-    [[nodiscard]] bool are_near(std::size_t a, std::size_t b) const {
-        const vec2 apart = glm::abs(air.grid().place(ray_at(a)) - air.grid().place(ray_at(b)));
-        return std::max(apart.x, apart.y) < AirNeeds::most_span;
+    /// The farthest that any ray of [begin, past) reaches; those of other rows count for nothing.
+    [[nodiscard]] std::int32_t last_line(std::size_t begin, std::size_t past) const {
+        float last = 0.0f;
+        const std::int32_t slice = asked.slice[asked.ray(begin)];
+        for (std::size_t at = begin; at < std::min(past, asked.count); ++at)
+            if (const std::size_t ray = asked.ray(at); asked.slice[ray] == slice)
+                last = std::max(last, asked.last_line[ray]);
+        return static_cast<std::int32_t>(last);
     }
-    /// Rays [begin, end); false where they are too far apart. Lanes without a ray are like the first.
-    bool gather(std::size_t begin, std::size_t end, AirPacket& packet, std::size_t& least, std::size_t& most) const {
+    [[nodiscard]] vec2 place(std::size_t at) const { return air.grid().place(ray_at(at)); }
+    [[nodiscard]] static bool are_near(const vec2& a, const vec2& b) {
+        const vec2 apart = glm::abs(a - b);
+        return std::max(apart.x, apart.y) < most_cells_apart;
+    }
+    /// Rays [begin, end), and those of the least and the largest slope. Lanes without a ray are like the first.
+    void gather(std::size_t begin, std::size_t end, AirPacket& packet, std::size_t& least, std::size_t& most) const {
         const auto is_member = hn::RebindMask(di, hn::FirstN(d, end - begin));
         const I first = hn::Set(di, static_cast<std::int32_t>(asked.ray(begin)));
         const I at = hn::IfThenElse(is_member,
@@ -257,18 +269,16 @@ private:
             return begin + static_cast<std::size_t>(hn::FindFirstTrue(d, hn::Eq(packet.slope, hn::Set(d, slope))));
         };
         least = lane_of(packet.least_slope), most = lane_of(packet.most_slope);
-        if (least != most && !are_near(least, most))
-            return false;
         packet.first_line = hn::ConvertTo(di, column(asked.first_line));
         packet.last_line = hn::ConvertTo(di, column(asked.last_line));
-        return true;
     }
     /// A ray of the same row, at or after `end`, up to which all may lie between it and the one at `begin`; `begin`: none.
     [[nodiscard]] std::size_t find_past(std::size_t begin, std::size_t end) const {
-        for (const std::size_t count : {std::size_t{32}, std::size_t{16}, end - begin})
+        const vec2 here = place(begin);
+        for (const std::size_t count : {most_between, most_between / 2, end - begin})
             if (const std::size_t past = begin + count; end <= past && past < asked.count &&
                                                         asked.slice[asked.ray(past)] == asked.slice[asked.ray(begin)] &&
-                                                        are_near(begin, past))
+                                                        are_near(here, place(past)))
                 return past;
         return begin;
     }
@@ -280,7 +290,7 @@ private:
     }
 };
 
-void add_lit_air_of(const CoarseRows& rows, const AirColumns& air, const ColumnLight& columns, float weight,
+void add_lit_air_of(const CoarseRows& rows, AirColumns& air, std::size_t light, float weight,
                     std::span<const ViewRay> rays, const row_query::AirSums& sums, row_query::Uncovered& uncovered) {
     PlacedRays placed;
     RowHits hits;
@@ -295,7 +305,7 @@ void add_lit_air_of(const CoarseRows& rows, const AirColumns& air, const ColumnL
         asked.first_of_call = static_cast<std::uint32_t>(start);
         asked.select(rows.layout, placed, hits, std::span(one_each).first(block.size() + 1), uncovered);
         asked.sort();
-        AirPackets{rows, air, columns, asked, block}.add(
+        AirPackets{rows, air, light, asked, block}.add(
             weight, {sums.light.subspan(start, block.size()), sums.textured.subspan(start, block.size())});
     }
 }
@@ -308,7 +318,7 @@ HWY_EXPORT(add_lit_air_of);
 } // namespace tyndall::light_shafts
 
 namespace tyndall::light_shafts::row_query {
-void add_lit_air(const CoarseRows& rows, const AirColumns& air, const ColumnLight& light, float weight,
+void add_lit_air(const CoarseRows& rows, AirColumns& air, std::size_t light, float weight,
                  std::span<const ViewRay> rays, const AirSums& sums, Uncovered& uncovered) {
     HWY_DYNAMIC_DISPATCH(add_lit_air_of)(rows, air, light, weight, rays, sums, uncovered);
 }

@@ -13,7 +13,7 @@ inline constexpr std::int32_t most_air_lines = 1280; ///< Of rows that are asked
 struct AirSums {
     std::span<float> light, textured;
 };
-/// Adds `weight` times what each ray has; rays that rows cannot answer get nothing and are named.
-void add_lit_air(const CoarseRows& rows, const AirColumns& air, const ColumnLight& light, float weight,
+/// Adds `weight` times what each ray has of a light of `air`; rays that rows cannot answer get nothing and are named.
+void add_lit_air(const CoarseRows& rows, AirColumns& air, std::size_t light, float weight,
                  std::span<const ViewRay> rays, const AirSums& sums, Uncovered& uncovered);
 } // namespace tyndall::light_shafts::row_query

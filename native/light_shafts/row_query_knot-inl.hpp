@@ -28,10 +28,21 @@ class Knot {
 public:
     float slope;
 
-    void begin(const AirColumns& air, const ColumnLight& columns, const Asked& asked, std::size_t at,
-               const ViewRay& ray, const RowView& row) {
+    /// `last_line`: the last that anything is asked of.
+    void begin(AirColumns& air, std::size_t of_light, const Asked& asked, std::size_t at, const ViewRay& ray,
+               const RowView& row, std::int32_t last_line) {
         const AirGrid& grid = air.grid();
         slope = asked.slope[at];
+        const float per_step = 1.0f / grid.step_m;
+        const float edge_m = asked.near_m[at] +
+                             (static_cast<float>(row.first) - asked.near_index[at]) * asked.m_per_line[at] +
+                             grid.shift_m(ray);
+        first_edge_ = (edge_m - grid.first_m) * per_step;
+        steps_per_line_ = asked.m_per_line[at] * per_step;
+        const float end = first_edge_ + steps_per_line_ * static_cast<float>(last_line + 1 - row.first);
+        step_count_ =
+            static_cast<std::size_t>(std::max(1.0f, std::min(static_cast<float>(grid.step_count), end + 1.0f)));
+
         const vec2 place = grid.place(ray);
         const float x = std::clamp(place.x, 0.0f, static_cast<float>(grid.width - 1)),
                     y = std::clamp(place.y, 0.0f, static_cast<float>(grid.height - 1));
@@ -39,21 +50,15 @@ public:
                    lower = std::min(static_cast<std::size_t>(y), std::size_t{grid.height} - 2);
         const float share_x = x - static_cast<float>(left), share_y = y - static_cast<float>(lower);
         const std::size_t column = lower * grid.width + left;
+        for (const std::size_t corner : {column, column + 1, column + grid.width, column + grid.width + 1})
+            air.reach(corner, static_cast<std::uint32_t>(step_count_));
         right_ = grid.step_count, above_ = grid.width * right_;
-        step_count_ = std::min({air.step_count(column), air.step_count(column + 1), air.step_count(column + grid.width),
-                                air.step_count(column + grid.width + 1)});
-        corner_light_ = columns.light.get() + column * right_;
-        corner_textured_ = columns.textured.get() + column * right_;
+        corner_light_ = air.light(of_light, column);
+        corner_textured_ = air.textured(of_light, column);
         shares_ = {(1 - share_y) * (1 - share_x), (1 - share_y) * share_x, share_y * (1 - share_x), share_y * share_x};
-        light_up_to_.resize(step_count_ + 2 * lanes), textured_up_to_.resize(step_count_ + 2 * lanes);
+        light_up_to_.resize(step_count_ + 3 * lanes), textured_up_to_.resize(step_count_ + 3 * lanes);
         light_up_to_[0] = textured_up_to_[0] = 0.0f;
         begin_step_ = past_step_ = 0;
-        const float per_step = 1.0f / grid.step_m;
-        const float edge_m = asked.near_m[at] +
-                             (static_cast<float>(row.first) - asked.near_index[at]) * asked.m_per_line[at] +
-                             grid.shift_m(ray);
-        first_edge_ = (edge_m - grid.first_m) * per_step;
-        steps_per_line_ = asked.m_per_line[at] * per_step;
         ready_ = 0;
         ready_lines_ = {};
     }

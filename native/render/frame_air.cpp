@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 #include <algorithm>
 #include <chrono>
+#include <numeric>
 
 namespace tyndall::render {
 using light_shafts::dark_air;
@@ -43,29 +44,48 @@ std::uint32_t FrameAir::middle_px(std::uint32_t square, std::uint32_t frame_px) 
 
 void FrameAir::begin_pass(const ViewPath& path, const FilterSampler& filter, const SurfacePass::Config& config,
                           std::uint32_t sample_index, const WaitingParts& waiting, const Progress& progress) {
-    square_rays_.clear();
-    first_of_square_.assign(1, 0);
     for (auto& [pixels, parts] : margins_) {
         parts.clear();
         const std::uint32_t rows = pixels.y1 - pixels.y0;
         SurfacePass(path, camera_, pixels, filter, config)
             .find_parts({.sample_index = sample_index, .first_row = 0, .end_row = rows}, parts, progress);
     }
-    const auto append = [&](const Region& pixels, const WaitingParts& parts, std::uint32_t x, std::uint32_t y) {
-        if (x < pixels.x0 || pixels.x1 <= x || y < pixels.y0 || pixels.y1 <= y)
-            return;
-        const std::size_t pixel = std::size_t{y - pixels.y0} * (pixels.x1 - pixels.x0) + (x - pixels.x0);
-        square_rays_.insert(square_rays_.end(), parts.rays.begin() + parts.first[pixel],
-                            parts.rays.begin() + parts.first[pixel + 1]);
-    };
-    for (std::uint32_t square_y = squares_.y0; square_y < squares_.y1; ++square_y)
-        for (std::uint32_t square_x = squares_.x0; square_x < squares_.x1; ++square_x) {
-            const std::uint32_t x = middle_px(square_x, camera_.width_px), y = middle_px(square_y, camera_.height_px);
-            append(region_, waiting, x, y);
+    const std::size_t squares_per_line = squares_.x1 - squares_.x0;
+    /// visit(rays of a part of the frame) for those of a square's middle pixel, of the squares [begin, end).
+    const auto for_rays = [&](std::size_t begin, std::size_t end, const auto& visit) {
+        for (std::size_t square = begin; square < end; ++square) {
+            const auto middle = [&](std::size_t index, std::uint32_t first, std::uint32_t frame_px) {
+                return middle_px(first + static_cast<std::uint32_t>(index), frame_px);
+            };
+            const std::uint32_t x = middle(square % squares_per_line, squares_.x0, camera_.width_px),
+                                y = middle(square / squares_per_line, squares_.y0, camera_.height_px);
+            const auto visit_in = [&](const Region& pixels, const WaitingParts& parts) {
+                if (x < pixels.x0 || pixels.x1 <= x || y < pixels.y0 || pixels.y1 <= y)
+                    return;
+                const std::size_t pixel = std::size_t{y - pixels.y0} * (pixels.x1 - pixels.x0) + (x - pixels.x0);
+                visit(square,
+                      std::span(parts.rays).subspan(parts.first[pixel], parts.first[pixel + 1] - parts.first[pixel]));
+            };
+            visit_in(region_, waiting);
             for (const auto& [pixels, parts] : margins_)
-                append(pixels, parts, x, y);
-            first_of_square_.push_back(static_cast<std::uint32_t>(square_rays_.size()));
+                visit_in(pixels, parts);
         }
+    };
+    const std::size_t square_count = squares_per_line * (squares_.y1 - squares_.y0);
+    constexpr std::size_t squares_per_block = 1 << 12;
+    first_of_square_.assign(square_count + 1, 0);
+    parallel_blocks(square_count, squares_per_block, progress, [&](std::size_t begin, std::size_t end) {
+        for_rays(begin, end, [&](std::size_t square, std::span<const ViewRay> rays) {
+            first_of_square_[square + 1] += static_cast<std::uint32_t>(rays.size());
+        });
+    });
+    std::partial_sum(first_of_square_.begin(), first_of_square_.end(), first_of_square_.begin());
+    square_rays_.resize(first_of_square_.back());
+    parallel_blocks(square_count, squares_per_block, progress, [&](std::size_t begin, std::size_t end) {
+        auto next = square_rays_.begin() + first_of_square_[begin];
+        for_rays(begin, end,
+                 [&](std::size_t, std::span<const ViewRay> rays) { next = std::ranges::copy(rays, next).out; });
+    });
 }
 
 namespace {

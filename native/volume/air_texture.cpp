@@ -112,7 +112,7 @@ air_noise::NoiseRay AirTexture::noise_ray(const AirSteps& steps, float level) co
                             .direction = {},
                             .at_m = steps.at_m.data(),
                             .weights = steps.weights.data(),
-                            .sequence = sequence_.data(),
+                            .sequence = sequence_.data() + steps.first,
                             .all_levels = packed.data(),
                             .count = steps.at_m.size()};
     for (glm::length_t axis = 0; axis < 3; ++axis) {
@@ -175,7 +175,8 @@ void AirTexture::find(const AirSteps& steps, std::span<float> values) const {
             const float level =
                 std::clamp(std::max(heterogeneity_.level + of_steps.paint[step].level, least_level), 0.0f, coarsest);
             finest = std::min(finest, level);
-            of_steps.levels[step] = static_cast<std::uint8_t>(std::min(level + sequence_[step], coarsest));
+            of_steps.levels[step] =
+                static_cast<std::uint8_t>(std::min(level + sequence_[steps.first + step], coarsest));
         }
     }
     if (is_painted || heterogeneity_.amount > 0.0f) {
@@ -220,7 +221,8 @@ float AirTexture::mean_of_painted(const AirSteps& steps, float least_level, floa
         if (has_levels) {
             const float level = std::clamp(std::max(heterogeneity_.level + paint.level, least_level), 0.0f, coarsest);
             finest = std::min(finest, level);
-            of_noise.levels[step] = static_cast<std::uint8_t>(std::min(level + sequence_[step], coarsest));
+            of_noise.levels[step] =
+                static_cast<std::uint8_t>(std::min(level + sequence_[steps.first + step], coarsest));
         }
     }
     if (weight_sum == 0.0f)

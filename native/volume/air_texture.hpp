@@ -20,6 +20,7 @@ struct AirSteps {
     std::span<const float> at_m;    ///< Distances from the origin.
     std::span<const float> weights; ///< As many.
     float step_m;                   ///< From one point to the next.
+    std::uint32_t first = 0;        ///< Of them, among all points of the ray.
 };
 
 /// Immutable; safe from any thread.
@@ -41,7 +42,7 @@ public:
     /// Mean over the points, of which there are no more than most_points(), in proportion to their weights; 1 where all of these
     /// are 0.
     [[nodiscard]] float mean(const AirSteps& steps) const;
-    /// Of each point that has a weight; 0 of the others.
+    /// Of each point that has a weight; 0 of the others. Points that are asked together or apart have the same bits.
     void find(const AirSteps& steps, std::span<float> values) const;
 
 private:
