@@ -2,13 +2,13 @@
 #include "voxel_dag/build_dag.hpp"
 #include "voxel_dag/first_use.hpp"
 #include "voxel_dag/unique_table.hpp"
+#include "voxel_dag/write_level.hpp"
 #include <algorithm>
 #include <deque>
 #include <tbb/enumerable_thread_specific.h>
 
 namespace tyndall::voxel_dag {
 namespace {
-using Children = std::array<std::uint32_t, 8>; ///< Numbers in the level below, by octant; 0: none there.
 using LeafTable = UniqueTable<std::uint64_t>;
 using NodeTable = UniqueTable<Children>;
 constexpr std::size_t block_bricks = 1 << 15; ///< About what a thread takes at a time: its row fits the second cache.
@@ -170,7 +170,8 @@ private:
         Dag dag{.level = voxels_.level, .leaves = {}, .levels = std::vector<DagLevel>(nodes_.size())};
         std::vector<std::uint32_t> names{root};
         for (std::size_t i = nodes_.size(); i-- > 0;) {
-            write_level(dag.levels[i], nodes_[i], names);
+            const auto record_of = [&](std::size_t node) -> const Children& { return nodes_[i][names[node]]; };
+            dag.levels[i] = written_level(names.size(), record_of, 0, progress_);
             const std::size_t below = i > 0 ? nodes_[i - 1].past() : leaves_.past();
             names = number_by_first_use(dag.levels[i].children, below, progress_);
             nodes_.pop_back();
@@ -179,40 +180,6 @@ private:
         for (const std::uint32_t name : names)
             dag.leaves.push_back(leaves_[name]);
         return dag;
-    }
-
-    /// Nodes in the order of their names; children keep the numbers that the table below gave them.
-    void write_level(DagLevel& level, const NodeTable& nodes, const std::vector<std::uint32_t>& names) {
-        constexpr std::size_t block = 1 << 12;
-        level.child_masks.resize(names.size());
-        level.first_children.resize(names.size() + 1);
-        std::vector<std::uint32_t> counts((names.size() + block - 1) / block + 1, 0);
-        parallel_blocks(names.size(), block, progress_, [&](std::size_t begin, std::size_t end) {
-            std::uint32_t count = 0;
-            for (std::size_t i = begin; i < end; ++i) {
-                const Children& children = nodes[names[i]];
-                std::uint32_t mask = 0;
-                for (std::uint32_t octant = 0; octant < 8; ++octant)
-                    mask |= std::uint32_t{children[octant] != 0} << octant;
-                level.child_masks[i] = static_cast<std::uint8_t>(mask);
-                level.first_children[i] = count; // in this block, so far
-                count += static_cast<std::uint32_t>(std::popcount(mask));
-            }
-            counts[begin / block + 1] = count;
-        });
-        for (std::size_t i = 1; i < counts.size(); ++i)
-            counts[i] += counts[i - 1];
-        level.first_children.back() = counts.back();
-        level.children.resize(counts.back());
-        parallel_blocks(names.size(), block, progress_, [&](std::size_t begin, std::size_t end) {
-            std::uint32_t at = counts[begin / block];
-            for (std::size_t i = begin; i < end; ++i) {
-                level.first_children[i] = at;
-                for (const std::uint32_t child : nodes[names[i]])
-                    if (child != 0)
-                        level.children[at++] = child;
-            }
-        });
     }
 
     const LeafMasks& voxels_;
