@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxel_dag/tile_scan.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "voxel_dag/tile_scan.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace tyndall::voxel_dag::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+using Tag = hn::CappedTag<double, 8>;
+using Words = hn::RebindToUnsigned<Tag>;
+using Indices = hn::RebindToSigned<Tag>;
+static constexpr Tag d;
+static constexpr Words words;
+static constexpr std::size_t lanes = hn::MaxLanes(d);
+using V = hn::Vec<Tag>;
+using W = hn::Vec<Words>;
+
+static HWY_INLINE V at(const Line& line, V x) { return hn::MulAdd(hn::Set(d, line.slope), x, hn::Set(d, line.offset)); }
+template <std::size_t count>
+static HWY_INLINE V lower_bound(const std::array<Line, count>& lines, V x, V bound) {
+    for (const Line& line : lines)
+        bound = hn::Max(bound, at(line, x));
+    return bound;
+}
+template <std::size_t count>
+static HWY_INLINE V upper_bound(const std::array<Line, count>& lines, V x, V bound) {
+    for (const Line& line : lines)
+        bound = hn::Min(bound, at(line, x));
+    return bound;
+}
+/// Of whole numbers in [0, 2^52).
+static HWY_INLINE W as_words(V whole) {
+    return hn::Xor(hn::BitCast(words, hn::Add(whole, hn::Set(d, 0x1p52))), hn::BitCast(words, hn::Set(d, 0x1p52)));
+}
+static HWY_INLINE W place_of(W index, const WordPlace& place) {
+    return hn::Or(hn::ShiftLeftSame(hn::And(index, hn::Set(words, 3)), place.low_shift),
+                  hn::ShiftLeftSame(hn::ShiftRight<2>(index), place.high_shift));
+}
+
+/// Runs that wait to be written: vectors leave what is active in them here, one behind the other.
+class Runs {
+public:
+    explicit Runs(TileBits& bits) : bits_(bits) {}
+    HWY_INLINE void push(W mask, W place, hn::Mask<Words> is_active) {
+        hn::CompressStore(place, is_active, words, places_ + count_);
+        count_ += hn::CompressStore(mask, is_active, words, masks_ + count_);
+        if (count_ > room - lanes)
+            write();
+    }
+    HWY_INLINE void write() {
+        for (std::size_t run = 0; run < count_; ++run)
+            bits_.words[places_[run]] |= masks_[run];
+        count_ = 0;
+    }
+
+private:
+    static constexpr std::size_t room = 256;
+    TileBits& bits_;
+    std::size_t count_ = 0;
+    alignas(64) std::uint64_t places_[room + lanes], masks_[room + lanes];
+};
+
+static HWY_INLINE void scan_one(const TileLines& lines, const WordPlace& of_row, const WordPlace& of_depth,
+                                Runs& runs) {
+    const V last_row = hn::Set(d, lines.last_row), ones = hn::Set(d, 1.0);
+    for (double first_row = lines.first_row; first_row <= lines.last_row; first_row += static_cast<double>(lanes)) {
+        const V row = hn::Add(hn::Set(d, first_row), hn::ConvertTo(d, hn::Iota(Indices(), 0)));
+        const V run_from = lower_bound(lines.run_by_row.lower, row, hn::Set(d, lines.first_run));
+        const V run_to = upper_bound(lines.run_by_row.upper, row, hn::Set(d, lines.last_run));
+        const V last_depth = hn::Floor(upper_bound(lines.depth_by_row.upper, row, hn::Set(d, lines.last_depth)));
+        V depth = hn::Ceil(lower_bound(lines.depth_by_row.lower, row, hn::Set(d, lines.first_depth)));
+        const auto is_row = hn::And(hn::Le(row, last_row), hn::Le(hn::Ceil(run_from), run_to));
+        const V plane_from = hn::MulAdd(hn::Set(d, lines.run_from.row_slope), row, hn::Set(d, lines.run_from.offset));
+        const V plane_to = hn::MulAdd(hn::Set(d, lines.run_to.row_slope), row, hn::Set(d, lines.run_to.offset));
+        const W row_place = place_of(as_words(row), of_row);
+        for (;; depth = hn::Add(depth, ones)) {
+            const auto is_left = hn::And(is_row, hn::Le(depth, last_depth));
+            if (hn::AllFalse(d, is_left))
+                break;
+            V from = hn::MulAdd(hn::Set(d, lines.run_from.depth_slope), depth, plane_from);
+            V to = hn::MulAdd(hn::Set(d, lines.run_to.depth_slope), depth, plane_to);
+            from = hn::Ceil(lower_bound(lines.run_by_depth.lower, depth, hn::Max(from, run_from)));
+            to = hn::Floor(upper_bound(lines.run_by_depth.upper, depth, hn::Min(to, run_to)));
+            const auto is_run = hn::And(is_left, hn::Le(from, to));
+            if (hn::AllFalse(d, is_run))
+                continue;
+            const W mask =
+                hn::And(hn::Shl(hn::Set(words, ~std::uint64_t{0}), as_words(from)),
+                        hn::Shr(hn::Set(words, ~std::uint64_t{0}), as_words(hn::Sub(hn::Set(d, tile_side - 1.0), to))));
+            const W place = hn::Or(row_place, place_of(as_words(depth), of_depth));
+            runs.push(mask, place, hn::RebindMask(words, is_run));
+        }
+    }
+}
+
+static void scan_all(std::span<const TileLines> triangles, const ScanAxes& axes, TileBits& bits) {
+    Runs runs(bits);
+    for (const TileLines& lines : triangles)
+        scan_one(lines, row_place(axes), depth_place(axes), runs);
+    runs.write();
+}
+} // namespace tyndall::voxel_dag::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include <algorithm>
+#include <cmath>
+
+namespace tyndall::voxel_dag {
+HWY_EXPORT(scan_all);
+void scan(std::span<const TileLines> triangles, const ScanAxes& axes, TileBits& bits) {
+    HWY_DYNAMIC_DISPATCH(scan_all)(triangles, axes, bits);
+}
+
+static Int128 floor_of_quotient(Int128 numerator, Int128 denominator) { // denominator > 0
+    const Int128 quotient = numerator / denominator;
+    return quotient - Int128{numerator % denominator < 0};
+}
+
+namespace {
+/// Indices from `from` to `to`; none where from > to.
+struct Interval {
+    std::int64_t from, to;
+    void keep(const WidePlane::Test& test, std::int64_t row, std::int64_t depth) {
+        const Int128 rest = test.row * row + test.depth * depth + test.offset;
+        if (test.run > 0)
+            from = static_cast<std::int64_t>(std::clamp<Int128>(-floor_of_quotient(rest, test.run), from, tile_side));
+        else if (test.run < 0)
+            to = static_cast<std::int64_t>(std::clamp<Int128>(floor_of_quotient(rest, -test.run), -1, to));
+        else if (rest < 0)
+            to = -1;
+    }
+    void keep(const Line& lower, const Line& upper, std::int64_t by) {
+        const auto x = static_cast<double>(by), highest = static_cast<double>(tile_side);
+        from = std::max(
+            from, static_cast<std::int64_t>(std::ceil(std::clamp(lower.slope * x + lower.offset, -1.0, highest))));
+        to = std::min(to,
+                      static_cast<std::int64_t>(std::floor(std::clamp(upper.slope * x + upper.offset, -1.0, highest))));
+    }
+    template <std::size_t count>
+    void keep(const Bounds<count>& bounds, std::int64_t by) {
+        for (std::size_t i = 0; i < count; ++i)
+            keep(bounds.lower[i], bounds.upper[i], by);
+    }
+};
+} // namespace
+
+void scan(const TileLines& lines, const WidePlane& plane, const ScanAxes& axes, TileBits& bits) {
+    const auto whole = [](double first, double last) {
+        return Interval{static_cast<std::int64_t>(first), static_cast<std::int64_t>(last)};
+    };
+    const Interval rows = whole(lines.first_row, lines.last_row);
+    for (std::int64_t row = rows.from; row <= rows.to; ++row) {
+        Interval depths = whole(lines.first_depth, lines.last_depth);
+        depths.keep(lines.depth_by_row, row);
+        for (std::int64_t depth = depths.from; depth <= depths.to; ++depth) {
+            Interval run = whole(lines.first_run, lines.last_run);
+            run.keep(lines.run_by_row, row);
+            run.keep(lines.run_by_depth, depth);
+            run.keep(plane.lower, row, depth);
+            run.keep(plane.upper, row, depth);
+            if (run.from <= run.to)
+                bits.words[row_place(axes).of(static_cast<std::uint32_t>(row)) |
+                           depth_place(axes).of(static_cast<std::uint32_t>(depth))] |=
+                    ~std::uint64_t{0} << run.from & ~std::uint64_t{0} >> (tile_side - 1 - run.to);
+        }
+    }
+}
+} // namespace tyndall::voxel_dag
+#endif

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Draws triangles into a tile: in each row and at each depth of it, the cells a triangle sets are one run of bits.
+// Based on: Schwarz and Seidel 2010, section 3, whose tests bound rows of a projection.
+// Differs:  no bit is set on its own: the lanes of a vector are rows, and each writes the run between its bounds by one
+//           OR. Along the axis that the normals lean to least, runs are longest.
+// Bound:    per vector of rows and step of depth, 6 multiply-adds and as many minima; per run, one OR.
+#pragma once
+#include "voxel_dag/tile_lines.hpp"
+#include <span>
+
+namespace tyndall::voxel_dag {
+/// By the widest vectors of this CPU (core/simd.hpp); the bits are the same with each.
+void scan(std::span<const TileLines> triangles, const ScanAxes& axes, TileBits& bits);
+/// A triangle that lay_lines() calls LinesAndWidePlane.
+void scan(const TileLines& lines, const WidePlane& plane, const ScanAxes& axes, TileBits& bits);
+} // namespace tyndall::voxel_dag
