@@ -37,11 +37,16 @@ _kept: dict[tuple[str, str], KeptFrame] = {}
 
 
 def kept_frame(scene_name: str, view_layer_name: str, *, keeps_maps: bool) -> KeptFrame:
-    """What a view layer kept; the first of its frames decides whether lights' maps are part of it."""
+    """What a view layer kept. Lights' maps are part of it, if asked for, or from the second frame on.
+
+    Blender says of the scene it was asked to render that it is an animation, and not of others beside it.
+    """
     kept = _kept.get((scene_name, view_layer_name))
+    is_first = kept is None
     if kept is None:
-        kept = KeptFrame(session=Session(kept_maps_bytes=KEPT_MAPS_BYTES if keeps_maps else 0))
-        _kept[scene_name, view_layer_name] = kept
+        kept = _kept[scene_name, view_layer_name] = KeptFrame(session=Session())
+    if keeps_maps or not is_first:
+        kept.session.keep_maps(KEPT_MAPS_BYTES)
     return kept
 
 

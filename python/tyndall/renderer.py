@@ -107,7 +107,9 @@ class Session:
         trace no ray, and a changed light only its own. Pictures are the same, bit for bit.
         """
         self._unstyled = UnstyledPictures(kept_pictures)
-        self._kept_maps = _native.MapCache(kept_maps_bytes) if kept_maps_bytes > 0 else None
+        self._kept_maps: _native.MapCache | None = None
+        if kept_maps_bytes > 0:
+            self.keep_maps(kept_maps_bytes)
         self._kept_surfaces = _native.KeptSurfaces(kept_surfaces_bytes) if kept_surfaces_bytes > 0 else None
         self._parts = NativeParts()
         self._function_textures: dict[str, _native.Texture] = {}
@@ -271,6 +273,11 @@ class Session:
         if self._scene is None or light_name not in self._light_names:
             raise _native.InvalidInput(f'Light "{light_name}" is not in the scene, or cannot be used')
         return self._scene, self._light_names.index(light_name)
+
+    def keep_maps(self, capacity_bytes: int) -> None:
+        """As ``kept_maps_bytes`` of a new session, from now on, unless maps are kept already."""
+        if self._kept_maps is None:
+            self._kept_maps = _native.MapCache(capacity_bytes)
 
     @property
     def kept_maps(self) -> _native.MapCache | None:

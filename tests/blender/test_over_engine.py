@@ -15,7 +15,7 @@ import pytest
 from numpy.typing import NDArray
 
 from addon import last_render, over_engine, panels
-from addon.engine import failures
+from addon.engine import failures, sessions
 from addon.over_engine import compositor, fog
 from addon.over_engine.shafts_scene import shafts_scene_of
 from addon.panels import over_engine as over_engine_panel
@@ -260,6 +260,28 @@ def test_an_animation_follows_markers_and_keys(hall: bpy.types.Scene, tmp_path: 
         assert np.allclose(picture, rendered(hall), atol=1e-6)
     assert np.abs(pictures[0] - pictures[1]).max() > 0.05
     assert np.abs(pictures[1] - pictures[2]).max() > 0.005
+
+
+def test_from_the_second_frame_on_an_animation_keeps_lights_maps(hall: bpy.types.Scene, tmp_path: Path) -> None:
+    """Blender tells the second scene's engine nothing of an animation; a still keeps none."""
+    set_up(hall)
+    hall.tyndall.shafts.method = "EPIPOLAR"
+    hall.frame_end = 3
+    hall.render.filepath = str(tmp_path / "frame_")
+    kept: list[bool] = []
+
+    def note(scene: bpy.types.Scene, *_: object) -> None:
+        counts = last_render.statistics_of(scene.name)["counts"]
+        kept.append(any(counts.get(f"{name}: kept", 0) > 0 for name in ("depth map", "slope rows")))
+
+    bpy.app.handlers.render_post.append(note)
+    try:
+        bpy.ops.render.render(animation=True)
+        bpy.ops.render.render()
+    finally:
+        bpy.app.handlers.render_post.remove(note)
+    assert kept == [False, False, True, False]
+    assert not sessions._kept, "nothing is kept after the last frame"  # noqa: SLF001
 
 
 def test_off_the_picture_is_the_engines_own(hall: bpy.types.Scene) -> None:
