@@ -7,10 +7,12 @@
 //   baked:   4 + 4 + 4 bits of check * marble * lambert: check 0.55 or 1, of 8 x 8 x 8 cubes; marble from (0.9, 0.85, 0.75)
 //            to (0.3, 0.45, 0.6) as 1/2 + 1/2 sin(40 x + 6 sin 14 y + 4 sin 17 z), x, y, z in [0, 1]; lambert = 1/4 +
 //            3/4 max(0, n . (0.48, 0.36, 0.8))
+#include "core/random.hpp"
 #include "voxel_dag/material_indices.hpp"
 #include "voxel_dag/morton.hpp"
 #include "voxel_dag/palette_array.hpp"
 #include "voxel_dag/palette_blocks.hpp"
+#include "voxel_dag/run_array.hpp"
 #include <algorithm>
 #include <benchmark/benchmark.h>
 #include <cmath>
@@ -149,10 +151,66 @@ void algorithm_1_decode(benchmark::State& state) {
     if (decoded != values_of(state))
         state.SkipWithError("what was decoded differs");
 }
+
+std::vector<std::uint8_t> encode_runs(const benchmark::State& state) {
+    return run_array::encode(values_of(state), {.log2_block_entries = static_cast<std::uint32_t>(state.range(1))}, {});
+}
+void runs_bytes(benchmark::State& state) {
+    std::vector<std::uint8_t> bytes;
+    for (auto _ : state)
+        bytes = encode_runs(state);
+    report(state, values_of(state).size(), bytes.size());
+}
+void runs_decode(benchmark::State& state) {
+    const std::vector<std::uint8_t> bytes = encode_runs(state);
+    const RunArray array(bytes);
+    Values decoded(static_cast<std::size_t>(array.size()));
+    for (auto _ : state)
+        array.decode(0, decoded);
+    report(state, decoded.size(), bytes.size());
+    if (decoded != values_of(state))
+        state.SkipWithError("what was decoded differs");
+}
+void runs_open(benchmark::State& state) {
+    const std::vector<std::uint8_t> bytes = encode_runs(state);
+    for (auto _ : state)
+        benchmark::DoNotOptimize(RunArray(bytes));
+    report(state, values_of(state).size(), bytes.size());
+}
+
+/// 2^20 entries all over the array, in no order.
+template <typename Array>
+void read_at_random(benchmark::State& state, const Array& array) {
+    constexpr std::uint32_t count = 1u << 20;
+    std::uint64_t sum = 0;
+    for (auto _ : state)
+        for (std::uint32_t i = 0; i < count; ++i)
+            sum += array.at(static_cast<std::uint32_t>(std::uint64_t{hash(i)} * array.size() >> 32));
+    benchmark::DoNotOptimize(sum);
+    state.counters["Mread_per_s"] = benchmark::Counter(1e-6 * count, benchmark::Counter::kIsIterationInvariantRate);
+}
+void algorithm_1_random(benchmark::State& state) {
+    const std::vector<std::uint8_t> bytes = encode_palettes(values_of(state), {}, {});
+    read_at_random(state, PaletteArray(bytes));
+}
+void runs_random(benchmark::State& state) {
+    const std::vector<std::uint8_t> bytes = encode_runs(state);
+    read_at_random(state, RunArray(bytes));
+}
 } // namespace
 
-#define TYNDALL_BOTH ->ArgName("normals_0_baked_1")->Arg(0)->Arg(1)->UseRealTime()->Unit(benchmark::kMillisecond)
+#define TYNDALL_BOTH ->ArgName("values")->Arg(0)->Arg(1)->UseRealTime()->Unit(benchmark::kMillisecond)
 BENCHMARK(algorithm_1_blocks) TYNDALL_BOTH;
 BENCHMARK(algorithm_1_bytes) TYNDALL_BOTH;
 BENCHMARK(algorithm_1_decode) TYNDALL_BOTH;
+BENCHMARK(algorithm_1_random) TYNDALL_BOTH;
+#define TYNDALL_RUNS                                                                                                   \
+    ->ArgNames({"values", "log2_block"})                                                                               \
+        ->ArgsProduct({{0, 1}, {9, 10, 11}})                                                                           \
+        ->UseRealTime()                                                                                                \
+        ->Unit(benchmark::kMillisecond)
+BENCHMARK(runs_bytes) TYNDALL_RUNS;
+BENCHMARK(runs_decode) TYNDALL_RUNS;
+BENCHMARK(runs_open) TYNDALL_RUNS;
+BENCHMARK(runs_random) TYNDALL_RUNS;
 } // namespace tyndall::bench

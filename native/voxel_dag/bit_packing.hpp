@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace tyndall::voxel_dag {
@@ -54,6 +55,14 @@ public:
         }
         for (; count > 0; --count)
             append(value, width);
+    }
+    /// The first bits of a row.
+    void append_bits(std::span<const std::uint8_t> row, std::uint64_t count) {
+        for (std::size_t byte = 0; count > 0; ++byte) {
+            const auto width = static_cast<std::uint32_t>(count < 8 ? count : 8);
+            append(row[byte] & low_bits(width), width);
+            count -= width;
+        }
     }
     /// Up to the next byte with zeros; the bytes so far.
     [[nodiscard]] std::vector<std::uint8_t> take() {
