@@ -8,53 +8,47 @@
 
 namespace tyndall::voxel_dag {
 namespace {
-/// What the nodes of a plain level became.
+/// What a plain node became: read together, so kept together.
 struct Merged {
-    std::vector<std::uint32_t> numbers;    ///< By plain node: the node that stands for it.
-    std::vector<std::uint8_t> tags;        ///< By plain node: what turns that one into it.
-    std::vector<std::uint8_t> stabilizers; ///< By merged node.
+    std::uint32_t number;    ///< Of the node that stands for it.
+    std::uint8_t tag;        ///< What turns that one into it.
+    std::uint8_t stabilizer; ///< Of that one.
 };
 
 /// Merges `count` nodes, canonical_of(plain node). Returns the merged ones in order of their numbers.
 template <class Node, class CanonicalOf>
-std::vector<Node> merge_level(std::size_t count, const CanonicalOf& canonical_of, Merged& merged,
+std::vector<Node> merge_level(std::size_t count, const CanonicalOf& canonical_of, std::vector<Merged>& merged,
                               const Progress& progress) {
     using Table = UniqueTable<Node>;
     Table table(count);
-    merged.numbers.resize(count);
-    merged.tags.resize(count);
-    std::vector<std::uint8_t> stabilizers(count); // by plain node
+    std::vector<std::uint32_t> numbers(count);
+    merged.resize(count);
     tbb::enumerable_thread_specific<typename Table::Reserve> reserves;
     std::atomic<bool> is_full = true;
     while (is_full.exchange(false)) {
         parallel_blocks(count, Table::batch_size * 128, progress, [&](std::size_t begin, std::size_t end) {
+            typename Table::Reserve& reserve = reserves.local();
             for (std::size_t first = begin; first < end; first += Table::batch_size) {
                 std::array<Node, Table::batch_size> batch;
                 const std::size_t batched = std::min(Table::batch_size, end - first);
                 for (std::size_t i = 0; i < batched; ++i) {
                     const Canonical<Node> canonical = canonical_of(first + i);
                     batch[i] = canonical.node;
-                    merged.tags[first + i] = canonical.tag;
-                    stabilizers[first + i] = canonical.stabilizer;
+                    merged[first + i] = {.number = 0, .tag = canonical.tag, .stabilizer = canonical.stabilizer};
                 }
-                if (!table.find_or_insert({batch.data(), batched}, &merged.numbers[first], reserves.local()))
+                if (!table.find_or_insert({batch.data(), batched}, &numbers[first], reserve))
                     return is_full.store(true); // of what threads took and did not need
             }
         });
         if (is_full)
             table.make_room(table.past(), progress);
     }
-    const std::vector<std::uint32_t> names = number_by_first_use(merged.numbers, table.past(), progress);
+    const std::vector<std::uint32_t> names = number_by_first_use(numbers, table.past(), progress);
+    parallel_for(
+        count, progress, [&](std::size_t i) { merged[i].number = numbers[i]; }, 1 << 14);
     std::vector<Node> nodes(names.size());
-    merged.stabilizers.resize(names.size());
     parallel_for(
         names.size(), progress, [&](std::size_t i) { nodes[i] = table[names[i]]; }, 1 << 12);
-    parallel_for(
-        count, progress,
-        [&](std::size_t i) { // the same byte from each plain node
-            std::atomic_ref(merged.stabilizers[merged.numbers[i]]).store(stabilizers[i], std::memory_order_relaxed);
-        },
-        1 << 12);
     return nodes;
 }
 } // namespace
@@ -80,12 +74,12 @@ Dag merge_symmetric(const Dag& plain, const MergeConfig& config, const Progress&
     Dag dag{.level = plain.level, .symmetry = config.symmetry, .leaves = {}, .levels = {}};
     if (plain.is_empty())
         return dag;
-    Merged below;
+    std::vector<Merged> below;
     dag.leaves = merge_level<std::uint64_t>(
         plain.leaves.size(), [&](std::size_t leaf) { return canonical_leaf(plain.leaves[leaf], config.symmetry); },
         below, progress);
     for (const DagLevel& nodes : plain.levels) {
-        Merged merged;
+        std::vector<Merged> merged;
         const auto canonical_of = [&](std::size_t node) {
             TurnedChildren turned{};
             std::array<std::uint8_t, 8> stabilizers{};
@@ -93,10 +87,10 @@ Dag merge_symmetric(const Dag& plain, const MergeConfig& config, const Progress&
             for (std::uint32_t octant = 0; octant < 8; ++octant) {
                 if ((nodes.child_masks[node] >> octant & 1) == 0)
                     continue;
-                const std::uint32_t child = nodes.children[at++];
-                turned.children[octant] = below.numbers[child] + 1;
-                turned.tags[octant] = below.tags[child];
-                stabilizers[octant] = below.stabilizers[below.numbers[child]];
+                const Merged& child = below[nodes.children[at++]];
+                turned.children[octant] = child.number + 1;
+                turned.tags[octant] = child.tag;
+                stabilizers[octant] = child.stabilizer;
             }
             return canonical_node(turned, stabilizers, config.symmetry);
         };
@@ -105,7 +99,7 @@ Dag merge_symmetric(const Dag& plain, const MergeConfig& config, const Progress&
         dag.levels.push_back(written_level(records.size(), record_of, 1, progress));
         below = std::move(merged);
     }
-    dag.root_tag = below.tags.front();
+    dag.root_tag = below.front().tag;
     return dag;
 }
 } // namespace tyndall::voxel_dag
