@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Fields of any width, one after another, lowest bits first, in words of 64 bits (little-endian machines).
+#pragma once
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+namespace tyndall::voxel_dag {
+static_assert(std::endian::native == std::endian::little);
+inline constexpr std::uint32_t most_field_bits = 57; ///< What one unaligned load of 64 bits has in any case.
+
+class BitWriter {
+public:
+    [[nodiscard]] std::uint64_t size() const { return size_; } ///< In bits.
+    void clear() {
+        words_.clear();
+        size_ = 0;
+    }
+    /// `value` is below 2^width; up to 64 bits.
+    void append(std::uint64_t value, std::uint32_t width) {
+        if (width == 0)
+            return;
+        const std::uint32_t used = size_ % 64;
+        if (used == 0)
+            words_.push_back(value);
+        else
+            words_.back() |= value << used;
+        if (used != 0 && used + width > 64)
+            words_.push_back(value >> (64 - used));
+        size_ += width;
+    }
+    void append(const BitWriter& other) {
+        const std::uint32_t rest = other.size_ % 64;
+        for (std::size_t i = 0; i + 1 < other.words_.size(); ++i)
+            append(other.words_[i], 64);
+        if (!other.words_.empty())
+            append(other.words_.back(), rest == 0 ? 64 : rest);
+    }
+    /// With one word of zeros behind, so that read_bits() may load beyond the end.
+    [[nodiscard]] std::vector<std::uint64_t> padded_words() && {
+        words_.push_back(0);
+        return std::move(words_);
+    }
+
+private:
+    std::vector<std::uint64_t> words_;
+    std::uint64_t size_ = 0;
+};
+
+/// Up to most_field_bits from a bit on; at least one word lies behind the last field.
+[[nodiscard]] inline std::uint64_t read_bits(const std::vector<std::uint64_t>& words, std::uint64_t bit,
+                                             std::uint32_t width) {
+    std::uint64_t loaded;
+    std::memcpy(&loaded, reinterpret_cast<const unsigned char*>(words.data()) + bit / 8, sizeof(loaded));
+    return loaded >> bit % 8 & ((std::uint64_t{1} << width) - 1);
+}
+} // namespace tyndall::voxel_dag

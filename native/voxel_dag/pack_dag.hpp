@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// DAG -> packed bits (packed_dag.hpp).
+// Based on: Jaspe, dissertation 2018, 5.4.3, for the order of a level's nodes: by falling number of references.
+// Differs:  what has one reference is turned as its parent needs it, and goes into the parent's record.
+// Bound:    a bit is copied once per level of records around it.
+#pragma once
+#include "voxel_dag/packed_dag.hpp"
+
+namespace tyndall::voxel_dag {
+/// Any symmetry; the same bits for any number of threads. Throws InvalidInput where a level's shared records reach 512 MiB,
+/// and Cancelled.
+[[nodiscard]] PackedDag pack_dag(const Dag& dag, const Progress& progress);
+} // namespace tyndall::voxel_dag

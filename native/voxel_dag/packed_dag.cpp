@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxel_dag/packed_dag.hpp"
+#include "voxel_dag/cube_group.hpp"
+#include <algorithm>
+#include <bit>
+
+namespace tyndall::voxel_dag {
+static std::uint32_t count_of(std::uint32_t bits) { return static_cast<std::uint32_t>(std::popcount(bits)); }
+
+/// Bits of the fields of classes, 2 bits each, `count` of them.
+static std::uint32_t fields_size(const std::array<std::uint32_t, 4>& field_bits, std::uint32_t classes,
+                                 std::uint32_t count) {
+    const std::uint32_t low = classes & 0x5555u, high = classes >> 1 & 0x5555u;
+    const std::uint32_t third = count_of(low & high), first = count_of(low) - third, second = count_of(high) - third;
+    return (count - first - second - third) * field_bits[0] + first * field_bits[1] + second * field_bits[2] +
+           third * field_bits[3];
+}
+
+/// Of the children before one that is there.
+static std::uint32_t index_of(const PackedHeader& header, std::uint32_t octant) {
+    return count_of(header.child_mask & ((1u << octant) - 1));
+}
+static std::uint32_t first_classes(const PackedHeader& header, std::uint32_t count) {
+    return header.classes & ((1u << 2 * count) - 1);
+}
+static std::uint32_t class_of(const PackedHeader& header, std::uint32_t index) {
+    return header.classes >> 2 * index & 3;
+}
+/// Class 0: of those children, how many lie inside.
+static std::uint32_t inside_count(std::uint32_t classes, std::uint32_t count) {
+    return count - count_of((classes | classes >> 1) & 0x5555u);
+}
+
+PackedHeader packed_header(const PackedDag& dag, const PackedNode& node) {
+    const auto fields = static_cast<std::uint32_t>(read_bits(dag.records, node.bit, 24));
+    const std::uint32_t mask = fields & 0xff, class_bits = 2 * count_of(mask);
+    return {
+        .body_bit = node.bit + 8 + class_bits, .child_mask = mask, .classes = fields >> 8 & ((1u << class_bits) - 1)};
+}
+
+/// Behind a record of 8^3.
+static std::uint64_t end_of_smallest(const PackedDag& dag, std::uint64_t bit) {
+    const PackedHeader header = packed_header(dag, {.bit = bit});
+    return header.body_bit + fields_size(dag.levels[0].field_bits, header.classes, count_of(header.child_mask));
+}
+
+static std::uint64_t shared_record(const PackedDag& dag, std::uint32_t level, std::uint32_t rank) {
+    const std::uint32_t step = directory_step(level);
+    std::uint64_t bit = dag.levels[level - leaf_level - 1].directory[rank / step];
+    for (std::uint32_t i = rank % step; i > 0; --i)
+        bit = end_of_smallest(dag, bit);
+    return bit;
+}
+
+PackedNode packed_child(const PackedDag& dag, std::uint32_t level, const PackedNode& node, const PackedHeader& header,
+                        std::uint32_t octant) {
+    const PackedLevel& format = dag.levels[level - leaf_level - 1];
+    const std::uint32_t index = index_of(header, octant), at_class = class_of(header, index);
+    const std::uint32_t before = first_classes(header, index);
+    if (at_class != 0) {
+        const std::uint64_t field = read_bits(
+            dag.records, header.body_bit + fields_size(format.field_bits, before, index), format.field_bits[at_class]);
+        const std::uint32_t width = format.classes.widths[at_class];
+        const auto rank = static_cast<std::uint32_t>(field & ((std::uint64_t{1} << width) - 1));
+        return {.bit = shared_record(dag, level - 1, format.classes.begins[at_class] + rank),
+                .turn = cube_group.product[node.turn][field >> width]};
+    }
+    const std::uint32_t child_count = count_of(header.child_mask);
+    std::uint64_t bit = header.body_bit + fields_size(format.field_bits, header.classes, child_count);
+    std::uint32_t skipped = inside_count(before, index);
+    if (level == leaf_level + 2) {
+        for (; skipped > 0; --skipped)
+            bit = end_of_smallest(dag, bit);
+        return {.bit = bit, .turn = node.turn};
+    }
+    const std::uint32_t inside = inside_count(header.classes, child_count);
+    if (inside > 1) {
+        const auto width = static_cast<std::uint32_t>(read_bits(dag.records, bit, 5));
+        std::uint64_t length_bit = bit + 5;
+        bit = length_bit + std::uint64_t{inside - 1} * width;
+        for (; skipped > 0; --skipped, length_bit += width)
+            bit += read_bits(dag.records, length_bit, width);
+    }
+    return {.bit = bit, .turn = node.turn};
+}
+
+std::uint32_t packed_pair(const PackedDag& dag, const PackedHeader& header, std::uint32_t octant) {
+    const PackedLevel& format = dag.levels[0];
+    const std::uint32_t index = index_of(header, octant), at_class = class_of(header, index);
+    const std::uint64_t bit = header.body_bit + fields_size(format.field_bits, first_classes(header, index), index);
+    return format.classes.begins[at_class] +
+           static_cast<std::uint32_t>(read_bits(dag.records, bit, format.field_bits[at_class]));
+}
+
+PackedLeaf packed_leaf(const PackedDag& dag, std::uint32_t pair) {
+    const std::uint32_t width = dag.leaf_bits + dag.tag_bits;
+    const std::uint64_t field = read_bits(dag.pairs, std::uint64_t{pair} * width, width);
+    return {.mask = dag.leaves[field & ((std::uint64_t{1} << dag.leaf_bits) - 1)],
+            .tag = static_cast<std::uint32_t>(field >> dag.leaf_bits)};
+}
+
+bool PackedDag::contains(const Voxel& voxel) const {
+    if (is_empty() || std::ranges::any_of(voxel, [&](std::uint32_t at) { return at >> level != 0; }))
+        return false;
+    const std::uint64_t code = morton_code(voxel);
+    PackedNode node{.bit = root_bit};
+    std::uint32_t pair = 0;
+    for (std::uint32_t at = level; at > leaf_level; --at) {
+        const auto there = static_cast<std::uint32_t>(code >> 3 * (at - 1) & 7);
+        const std::uint32_t octant = cube_group.octant[cube_group.inverse[node.turn]][there];
+        const PackedHeader header = packed_header(*this, node);
+        if ((header.child_mask >> octant & 1) == 0)
+            return false;
+        if (at == leaf_level + 1)
+            pair = packed_pair(*this, header, octant);
+        else
+            node = packed_child(*this, at, node, header, octant);
+    }
+    const PackedLeaf leaf = packed_leaf(*this, pair);
+    const std::uint32_t turn = cube_group.product[node.turn][leaf.tag];
+    return (leaf.mask >> turned_voxel(cube_group.inverse[turn], static_cast<std::uint32_t>(code & 63)) & 1) != 0;
+}
+
+std::uint64_t PackedDag::byte_count() const {
+    std::uint64_t bytes = 8 * (leaves.size() + pairs.size() + records.size()) + 24;
+    for (const PackedLevel& format : levels)
+        bytes += 4 * (format.directory.size() + 12);
+    return bytes;
+}
+
+void decode(const PackedDag& dag, std::size_t part_size, const std::function<void(const LeafMasks& part)>& receive,
+            const Progress& progress) {
+    require(part_size > 0, "voxel DAG: decoded in parts of 0 bricks");
+    if (dag.is_empty())
+        return;
+    LeafMasks part{.level = dag.level, .codes = {}, .masks = {}};
+    const auto hand_over = [&] {
+        progress.poll();
+        receive(part);
+        part.codes.clear(), part.masks.clear();
+    };
+    const auto add = [&](std::uint64_t code, std::uint32_t pair, std::uint32_t turn) {
+        const PackedLeaf leaf = packed_leaf(dag, pair);
+        part.codes.push_back(code);
+        part.masks.push_back(turned_leaf(cube_group.product[turn][leaf.tag], leaf.mask));
+        if (part.codes.size() == part_size)
+            hand_over();
+    };
+    const auto visit = [&](const auto& self, std::uint32_t level, std::uint64_t code, const PackedNode& node) -> void {
+        const PackedHeader header = packed_header(dag, node);
+        for (std::uint32_t there = 0; there < 8; ++there) {
+            const std::uint32_t octant = cube_group.octant[cube_group.inverse[node.turn]][there];
+            if ((header.child_mask >> octant & 1) == 0)
+                continue;
+            if (level == leaf_level + 1)
+                add(code << 3 | there, packed_pair(dag, header, octant), node.turn);
+            else
+                self(self, level - 1, code << 3 | there, packed_child(dag, level, node, header, octant));
+        }
+    };
+    if (dag.level == leaf_level)
+        add(0, 0, 0);
+    else
+        visit(visit, dag.level, 0, {.bit = dag.root_bit});
+    if (!part.codes.empty())
+        hand_over();
+}
+} // namespace tyndall::voxel_dag
