@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/material_indices.hpp"
-#include "core/random.hpp"
-#include <algorithm>
+#include "voxel_dag/numbered_values.hpp"
 #include <bit>
 
 namespace tyndall::voxel_dag {
@@ -40,52 +39,19 @@ static MaterialIndices by_rank(std::span<const std::uint32_t> values, std::uint3
     return result;
 }
 
-/// Open addressing, at most half full. A slot holds 1 + the number of a material, in the order of first use.
-class FirstUses {
-public:
-    std::uint32_t number_of(std::uint32_t value) {
-        std::size_t slot = hash(value) & (slots_.size() - 1);
-        for (; slots_[slot] != 0; slot = (slot + 1) & (slots_.size() - 1))
-            if (values[slots_[slot] - 1] == value)
-                return slots_[slot] - 1;
-        values.push_back(value);
-        slots_[slot] = static_cast<std::uint32_t>(values.size());
-        if (2 * values.size() > slots_.size())
-            grow();
-        return static_cast<std::uint32_t>(values.size() - 1);
-    }
-    std::vector<std::uint32_t> values;
-
-private:
-    void grow() {
-        slots_.assign(2 * slots_.size(), 0);
-        for (std::size_t i = 0; i < values.size(); ++i) {
-            std::size_t slot = hash(values[i]) & (slots_.size() - 1);
-            while (slots_[slot] != 0)
-                slot = (slot + 1) & (slots_.size() - 1);
-            slots_[slot] = static_cast<std::uint32_t>(i + 1);
-        }
-    }
-    std::vector<std::uint32_t> slots_ = std::vector<std::uint32_t>(1024);
-};
-
 static MaterialIndices by_hash(std::span<const std::uint32_t> values, const Progress& progress) {
-    FirstUses uses;
+    NumberedValues<std::uint32_t> numbered;
     MaterialIndices result{.materials = {}, .indices = std::vector<std::uint32_t>(values.size())};
     in_parts(values.size(), progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             result.indices[i] = i > begin && values[i] == values[i - 1] ? result.indices[i - 1] //
-                                                                        : uses.number_of(values[i]);
+                                                                        : numbered.number_of(values[i]);
     });
-    result.materials = uses.values;
-    std::ranges::sort(result.materials);
-    std::vector<std::uint32_t> rank(uses.values.size());
-    for (std::size_t number = 0; number < rank.size(); ++number)
-        rank[number] = static_cast<std::uint32_t>(std::ranges::lower_bound(result.materials, uses.values[number]) -
-                                                  result.materials.begin());
+    AscendingOrder order(numbered.values());
+    result.materials = std::move(order.values);
     in_parts(values.size(), progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            result.indices[i] = rank[result.indices[i]];
+            result.indices[i] = order.rank[result.indices[i]];
     });
     return result;
 }
