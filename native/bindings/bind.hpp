@@ -37,4 +37,5 @@ void bind_transfer_functions(py::module_& native);
 void bind_heterogeneity(py::module_& native);
 void bind_render(py::module_& native);
 void bind_light_map_fit(py::module_& native);
+void bind_voxel_dag(py::module_& native);
 } // namespace tyndall::bindings

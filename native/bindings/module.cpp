@@ -19,5 +19,6 @@ PYBIND11_MODULE(_native, native) {
     bind_heterogeneity(native);
     bind_render(native);
     bind_light_map_fit(native);
+    bind_voxel_dag(native);
 }
 } // namespace tyndall::bindings

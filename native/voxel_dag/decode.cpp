@@ -1,44 +1,33 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/decode.hpp"
 #include "voxel_dag/cube_group.hpp"
-#include <array>
 
 namespace tyndall::voxel_dag {
-void decode(const Dag& dag, std::size_t part_size, const std::function<void(const LeafMasks& part)>& receive,
-            const Progress& progress) {
-    require(part_size > 0, "voxel DAG: decoded in parts of 0 bricks");
-    if (dag.is_empty())
-        return;
-    LeafMasks part{.level = dag.level, .codes = {}, .masks = {}};
-    const auto hand_over = [&] {
-        progress.poll();
-        receive(part);
-        part.codes.clear(), part.masks.clear();
-    };
-    const auto add = [&](std::uint64_t code, std::uint32_t leaf, std::uint32_t turn) {
-        part.codes.push_back(code);
-        part.masks.push_back(turned_leaf(turn, dag.leaves[leaf]));
-        if (part.codes.size() == part_size)
-            hand_over();
-    };
-    // A node on the way down, and the next of its octants, as they lie in the world.
-    struct Step {
-        std::uint64_t code;
-        std::uint32_t node, turn, octant;
-    };
-    std::array<Step, most_level - leaf_level> steps;
-    std::size_t i = dag.levels.size(); // levels[i - 1] is at work
-    if (i == 0)
-        add(0, 0, dag.root_tag);
-    else
-        steps[i - 1] = {0, 0, dag.root_tag, 0};
-    while (i > 0 && i <= dag.levels.size()) {
-        Step& step = steps[i - 1];
+Decoder::Decoder(const Dag& dag) : dag_(dag), depth_(dag.levels.size()), is_done_(dag.is_empty()) {
+    if (depth_ > 0)
+        steps_[depth_ - 1] = {0, 0, dag.root_tag, 0};
+}
+
+void Decoder::add(std::uint64_t code, std::uint32_t leaf, std::uint32_t turn, LeafMasks& part) const {
+    part.codes.push_back(code);
+    part.masks.push_back(turned_leaf(turn, dag_.leaves[leaf]));
+}
+
+bool Decoder::next(std::size_t most_bricks, LeafMasks& part) {
+    part.level = dag_.level;
+    part.codes.clear(), part.masks.clear();
+    if (!is_done_ && dag_.levels.empty()) {
+        add(0, 0, dag_.root_tag, part);
+        is_done_ = true;
+    }
+    while (!is_done_ && part.codes.size() < most_bricks) {
+        Step& step = steps_[depth_ - 1];
         if (step.octant == 8) {
-            ++i;
+            is_done_ = depth_ == dag_.levels.size();
+            ++depth_;
             continue;
         }
-        const DagLevel& nodes = dag.levels[i - 1];
+        const DagLevel& nodes = dag_.levels[depth_ - 1];
         const std::uint32_t there = step.octant++;
         const std::uint32_t octant = cube_group.octant[cube_group.inverse[step.turn]][there];
         if ((nodes.child_masks[step.node] >> octant & 1) == 0)
@@ -46,13 +35,22 @@ void decode(const Dag& dag, std::size_t part_size, const std::function<void(cons
         const std::size_t reference = nodes.reference(step.node, octant);
         const std::uint32_t child = nodes.children[reference];
         const std::uint32_t turn = cube_group.product[step.turn][nodes.tag(reference)];
-        if (i == 1)
-            add(step.code << 3 | there, child, turn);
+        if (depth_ == 1)
+            add(step.code << 3 | there, child, turn, part);
         else
-            steps[--i - 1] = {step.code << 3 | there, child, turn, 0};
+            steps_[--depth_ - 1] = {step.code << 3 | there, child, turn, 0};
     }
-    if (!part.codes.empty())
-        hand_over();
+    return !part.codes.empty();
+}
+
+void decode(const Dag& dag, std::size_t part_size, const std::function<void(const LeafMasks& part)>& receive,
+            const Progress& progress) {
+    require(part_size > 0, "voxel DAG: decoded in parts of 0 bricks");
+    Decoder decoder(dag);
+    for (LeafMasks part; decoder.next(part_size, part);) {
+        progress.poll();
+        receive(part);
+    }
 }
 
 LeafMasks decode(const Dag& dag, const Progress& progress) {
