@@ -158,27 +158,37 @@ TileBins bin_triangles(const SnappedMesh& mesh, const Progress& progress) {
         std::vector<std::uint64_t> entries;
         std::vector<std::size_t> next; ///< By part: how many, and then where they go.
         std::uint64_t outside_count = 0;
+        double seen_area = 0; ///< Each triangle's, along the axis that sees it best, in square steps.
     };
     std::vector<Block> blocks((count + block_size - 1) / block_size);
     parallel_blocks(count, block_size, progress, [&](std::size_t begin, std::size_t end) {
         Block& block = blocks[begin / block_size];
         const auto scratch = std::make_unique<TileBits>();
         for (std::size_t triangle = begin; triangle < end; ++triangle)
-            block.outside_count += !binning.bin(triangle, *scratch, block.entries);
+            if (binning.bin(triangle, *scratch, block.entries))
+                block.seen_area += 0.5 * std::ranges::max(seen_along_axes(mesh.triangle(triangle)));
+            else
+                ++block.outside_count;
         block.next.resize(binning.part_count());
         for (const std::uint64_t entry : block.entries)
             ++block.next[binning.part_of(entry)];
     });
 
-    TileBins bins{.entries = {}, .first_of_part = {0}, .outside_triangle_count = 0};
+    TileBins bins{.entries = {}, .first_of_part = {0}, .outside_triangle_count = 0, .expected_brick_count = 0};
     for (std::size_t part = 0; part < binning.part_count(); ++part) {
         std::size_t end = bins.first_of_part.back();
         for (Block& block : blocks)
             end += std::exchange(block.next[part], end);
         bins.first_of_part.push_back(end);
     }
-    for (const Block& block : blocks)
+    double seen_area = 0;
+    for (const Block& block : blocks) {
         bins.outside_triangle_count += block.outside_count;
+        seen_area += block.seen_area;
+    }
+    // A brick of a surface has 9 voxels or more, if it is no dust; a flat triangle meets 512 bricks of a tile at most.
+    bins.expected_brick_count = static_cast<std::size_t>(
+        std::min(seen_area / (9.0 * (1 << 2 * step_bits)), 512.0 * static_cast<double>(bins.first_of_part.back())));
     bins.entries.resize(bins.first_of_part.back());
     parallel_for(
         blocks.size(), progress,

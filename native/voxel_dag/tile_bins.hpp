@@ -14,6 +14,7 @@ struct TileBins {
     std::vector<std::uint64_t> entries;      ///< Ascending within a part.
     std::vector<std::size_t> first_of_part;  ///< And one behind the last.
     std::uint64_t outside_triangle_count;
+    std::size_t expected_brick_count; ///< About as many as the triangles' area makes: how much to reserve, no bound.
 
     [[nodiscard]] std::size_t part_count() const { return first_of_part.size() - 1; }
     [[nodiscard]] std::span<const std::uint64_t> part(std::size_t index) const {

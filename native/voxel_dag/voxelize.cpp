@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/voxelize.hpp"
-#include "core/parallel.hpp"
+#include "core/huge_pages.hpp"
+#include "core/parallel_in_order.hpp"
 #include "voxel_dag/tile_bins.hpp"
 #include "voxel_dag/tile_bricks.hpp"
 #include "voxel_dag/tile_scan.hpp"
 #include <bit>
 #include <memory>
-#include <numeric>
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/task_arena.h>
 
 namespace tyndall::voxel_dag {
 namespace {
@@ -17,8 +18,10 @@ struct Workplace {
     Bricks bricks;
     std::vector<TileLines> lines;
 };
+/// Bricks of one part of the cube; its vectors stay as long as the largest part has needed.
 struct Part {
     std::vector<std::uint64_t> codes, masks;
+    std::size_t brick_count = 0;
     std::uint64_t voxel_count = 0, tile_count = 0;
 };
 
@@ -27,8 +30,8 @@ public:
     Drawing(const SnappedMesh& mesh, VoxelizeRule rule) : mesh_(mesh), rule_(rule) {}
 
     /// Draws the tiles that `entries` name, which is all of one part of the cube.
-    [[nodiscard]] Part draw(std::span<const std::uint64_t> entries, Workplace& place) const {
-        Part part;
+    void draw(std::span<const std::uint64_t> entries, Workplace& place, Part& part) const {
+        part.brick_count = part.voxel_count = part.tile_count = 0;
         while (!entries.empty()) {
             const std::uint64_t tile = TileBins::tile(entries.front());
             std::size_t count = 1;
@@ -37,7 +40,6 @@ public:
             draw_tile(tile, entries.first(count), place, part);
             entries = entries.subspan(count);
         }
-        return part;
     }
 
 private:
@@ -74,55 +76,54 @@ private:
 
     static void append(std::uint64_t tile, const Bricks& bricks, Part& part) {
         ++part.tile_count;
+        if (part.codes.size() < part.brick_count + tile_bricks) {
+            part.codes.resize(2 * (part.brick_count + tile_bricks));
+            part.masks.resize(part.codes.size());
+        }
+        std::uint64_t *code = part.codes.data() + part.brick_count, *mask = part.masks.data() + part.brick_count;
         for (std::uint64_t word = 0; word < bricks.is_full.size(); ++word)
             for (std::uint64_t full = bricks.is_full[word]; full != 0; full &= full - 1) {
                 const std::uint64_t brick = word * 64 + static_cast<std::uint64_t>(std::countr_zero(full));
-                part.codes.push_back(tile * tile_bricks + brick);
-                part.masks.push_back(bricks.masks[brick]);
+                *code++ = tile * tile_bricks + brick;
+                *mask++ = bricks.masks[brick];
                 part.voxel_count += static_cast<std::uint64_t>(std::popcount(bricks.masks[brick]));
             }
+        part.brick_count = static_cast<std::size_t>(code - part.codes.data());
     }
 
     const SnappedMesh& mesh_;
     VoxelizeRule rule_;
 };
 
+void append(const std::vector<std::uint64_t>& from, std::size_t count, std::vector<std::uint64_t>& to) {
+    to.insert(to.end(), from.begin(), from.begin() + static_cast<std::ptrdiff_t>(count));
+}
+
 template <typename Position>
 VoxelizeResult run(std::span<const Position> positions_m, std::span<const uvec3> triangles,
                    const VoxelizeConfig& config, const Progress& progress) {
     const SnappedMesh mesh = snap(positions_m, triangles, config, progress);
     const TileBins bins = bin_triangles(mesh, progress);
-    const Drawing drawing(mesh, config.rule);
-    std::vector<Part> parts(bins.part_count());
-    tbb::enumerable_thread_specific<std::unique_ptr<Workplace>> places([] { return std::make_unique<Workplace>(); });
-    parallel_for(
-        parts.size(), progress,
-        [&](std::size_t index) {
-            if (!bins.part(index).empty())
-                parts[index] = drawing.draw(bins.part(index), *places.local());
-        },
-        1);
-
     VoxelizeResult result{.leaves = {.level = mesh.level, .codes = {}, .masks = {}}, .statistics = {}};
     result.statistics.triangle_tile_count = bins.entries.size();
     result.statistics.outside_triangle_count = bins.outside_triangle_count;
-    std::vector<std::size_t> first{0};
-    for (const Part& part : parts) {
-        first.push_back(first.back() + part.codes.size());
-        result.statistics.voxel_count += part.voxel_count;
-        result.statistics.tile_count += part.tile_count;
+    for (std::vector<std::uint64_t>* const bricks : {&result.leaves.codes, &result.leaves.masks}) {
+        bricks->reserve(bins.expected_brick_count);
+        prefer_huge_pages(bricks->data(), bins.expected_brick_count * sizeof(std::uint64_t));
     }
-    result.leaves.codes.resize(first.back());
-    result.leaves.masks.resize(first.back());
-    parallel_for(
-        parts.size(), progress,
-        [&](std::size_t index) {
-            const auto at = static_cast<std::ptrdiff_t>(first[index]);
-            std::ranges::copy(parts[index].codes, result.leaves.codes.begin() + at);
-            std::ranges::copy(parts[index].masks, result.leaves.masks.begin() + at);
-            parts[index] = {};
-        },
-        16);
+    const Drawing drawing(mesh, config.rule);
+    tbb::enumerable_thread_specific<std::unique_ptr<Workplace>> places([] { return std::make_unique<Workplace>(); });
+    // Two for each thread: one waits for its turn while the next is drawn.
+    std::vector<Part> parts(2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
+    parallel_in_order(
+        bins.part_count(), parts, progress,
+        [&](std::size_t index, Part& part) { drawing.draw(bins.part(index), *places.local(), part); },
+        [&](std::size_t, const Part& part) {
+            append(part.codes, part.brick_count, result.leaves.codes);
+            append(part.masks, part.brick_count, result.leaves.masks);
+            result.statistics.voxel_count += part.voxel_count;
+            result.statistics.tile_count += part.tile_count;
+        });
     return result;
 }
 } // namespace
