@@ -8,8 +8,8 @@
 #include <vector>
 
 namespace tyndall {
-/// make(index, slot) for each index below count, in any thread; then put(index, slot) in the order of the indices. Slots
-/// are used again and again, and at most as many pieces are on the way. Polls Progress before each piece.
+/// make(index, slot) for each index below count, in any thread; then put(index, slot) in the order of the indices.
+/// Slots are used again and again; at most as many pieces are on the way. Polls Progress before each piece.
 template <typename Slot, typename Make, typename Put>
 void parallel_in_order(std::size_t count, std::vector<Slot>& slots, const Progress& progress, const Make& make,
                        const Put& put) {

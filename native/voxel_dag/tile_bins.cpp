@@ -112,11 +112,11 @@ private:
                 cell <<= tile_level;
             TileLines lines;
             WidePlane plane;
-            switch (lay_lines(corners, frame, lines, plane)) {
+            switch (lay_lines(corners, frame, lines, 0, plane)) {
             case Meets::No:
                 return;
             case Meets::Lines:
-                scan(std::span(&lines, 1), axes, scratch);
+                scan(std::span(&lines, 1), 1, axes, scratch);
                 break;
             case Meets::LinesAndWidePlane:
                 scan(lines, plane, axes, scratch);
@@ -129,8 +129,8 @@ private:
     template <typename Append>
     static void take_tiles(const TileLines& lines, const TileFrame& frame, TileBits& scratch, const Append& append) {
         const auto& axes = frame.axes;
-        for (auto row = static_cast<std::uint32_t>(lines.first_row); row <= lines.last_row; ++row)
-            for (auto depth = static_cast<std::uint32_t>(lines.first_depth); depth <= lines.last_depth; ++depth) {
+        for (auto row = static_cast<std::uint32_t>(lines.first_row[0]); row <= lines.last_row[0]; ++row)
+            for (auto depth = static_cast<std::uint32_t>(lines.first_depth[0]); depth <= lines.last_depth[0]; ++depth) {
                 std::uint64_t& word = scratch.words[row_place(axes).of(row) | depth_place(axes).of(depth)];
                 for (; word != 0; word &= word - 1) {
                     std::array<std::int64_t, 3> tile = frame.first_cell;

@@ -56,10 +56,15 @@ private:
 template <typename Integer>
 using Corners = std::array<std::array<Integer, 3>, 3>; ///< In steps from the tile's lower corner.
 
+static void leave_free(Line& line, std::size_t lane, double offset) {
+    line.slope[lane] = 0;
+    line.offset[lane] = offset;
+}
+
 /// Bounds of the index along `bounded` by that along `by`, of the three edges as seen along the third axis.
 template <typename Integer, std::size_t count>
 static void bound_by_edges(const Corners<Integer>& corners, std::uint32_t bounded, std::uint32_t by,
-                           const Tests<Integer>& tests, Bounds<count>& bounds) {
+                           const Tests<Integer>& tests, Bounds<count>& bounds, std::size_t lane) {
     const std::uint32_t first = std::min(bounded, by), second = std::max(bounded, by);
     const auto along = [&](std::size_t edge, std::uint32_t axis) {
         return corners[(edge + 1) % 3][axis] - corners[edge][axis];
@@ -76,29 +81,32 @@ static void bound_by_edges(const Corners<Integer>& corners, std::uint32_t bounde
         const Integer offset = tests.offset(inward, {corners[edge][first], corners[edge][second]});
         const auto scale = -1.0 / static_cast<double>(of_bounded);
         Line& line = of_bounded > 0 ? bounds.lower[lower++] : bounds.upper[upper++];
-        line = {.slope = static_cast<double>(bounded == first ? inward[1] : inward[0]) * scale,
-                .offset = (static_cast<double>(clamped(offset)) + 0.5) * scale};
+        line.slope[lane] = static_cast<double>(bounded == first ? inward[1] : inward[0]) * scale;
+        line.offset[lane] = (static_cast<double>(clamped(offset)) + 0.5) * scale;
     }
     for (; lower < 2; ++lower)
-        bounds.lower[lower] = {.slope = 0, .offset = -no_bound};
+        leave_free(bounds.lower[lower], lane, -no_bound);
     for (; upper < 2; ++upper)
-        bounds.upper[upper] = {.slope = 0, .offset = no_bound};
+        leave_free(bounds.upper[upper], lane, no_bound);
 }
 
 /// One of the plane's two tests, c . index + offset >= 0.
 template <typename Integer>
-static void bound_by_plane(const std::array<Integer, 3>& c, Integer offset, const ScanAxes& axes, TileLines& lines) {
+static void bound_by_plane(const std::array<Integer, 3>& c, Integer offset, const ScanAxes& axes, TileLines& lines,
+                           std::size_t lane) {
     const Integer run = c[axes.run], row = c[axes.row], depth = c[axes.depth];
     const double e = static_cast<double>(clamped(offset)) + 0.5;
     if (run != 0) {
         const double scale = -1.0 / static_cast<double>(run);
-        (run > 0 ? lines.run_from : lines.run_to) = {.row_slope = static_cast<double>(row) * scale,
-                                                     .depth_slope = static_cast<double>(depth) * scale,
-                                                     .offset = e * scale};
+        PlaneLine& line = run > 0 ? lines.run_from : lines.run_to;
+        line.row_slope[lane] = static_cast<double>(row) * scale;
+        line.depth_slope[lane] = static_cast<double>(depth) * scale;
+        line.offset[lane] = e * scale;
     } else if (depth != 0) {
         const double scale = -1.0 / static_cast<double>(depth);
-        (depth > 0 ? lines.depth_by_row.lower
-                   : lines.depth_by_row.upper)[2] = {.slope = static_cast<double>(row) * scale, .offset = e * scale};
+        Line& line = (depth > 0 ? lines.depth_by_row.lower : lines.depth_by_row.upper)[2];
+        line.slope[lane] = static_cast<double>(row) * scale;
+        line.offset[lane] = e * scale;
     } // otherwise the triangle lies in one row, as the bounding box says
 }
 
@@ -116,11 +124,13 @@ static std::array<Integer, 3> normal_of(const Corners<Integer>& corners) {
 /// Whether the plane needs to be kept as integers.
 template <typename Integer>
 static bool lay_plane(const Corners<Integer>& corners, const ScanAxes& axes, const Tests<Integer>& tests,
-                      TileLines& lines, WidePlane& plane) {
-    lines.depth_by_row.lower[2] = {.slope = 0, .offset = -no_bound};
-    lines.depth_by_row.upper[2] = {.slope = 0, .offset = no_bound};
-    lines.run_from = {.offset = -no_bound};
-    lines.run_to = {.offset = no_bound};
+                      TileLines& lines, std::size_t lane, WidePlane& plane) {
+    leave_free(lines.depth_by_row.lower[2], lane, -no_bound);
+    leave_free(lines.depth_by_row.upper[2], lane, no_bound);
+    for (PlaneLine* const line : {&lines.run_from, &lines.run_to}) {
+        line->row_slope[lane] = line->depth_slope[lane] = 0;
+        line->offset[lane] = line == &lines.run_from ? -no_bound : no_bound;
+    }
     std::array<Integer, 3> normal = normal_of(corners);
     if (magnitude_sum(normal) >= most_coefficients) {
         // Walls and floors have long normals that say little: (0, 0, 2^50) is (0, 0, 1).
@@ -137,8 +147,8 @@ static bool lay_plane(const Corners<Integer>& corners, const ScanAxes& axes, con
     const std::array<Integer, 3> opposite{-normal[0], -normal[1], -normal[2]};
     const Integer lower = tests.offset(normal, corners[0]), upper = tests.offset(opposite, corners[0]);
     if (magnitude_sum(normal) < most_coefficients) {
-        bound_by_plane(normal, lower, axes, lines);
-        bound_by_plane(opposite, upper, axes, lines);
+        bound_by_plane(normal, lower, axes, lines, lane);
+        bound_by_plane(opposite, upper, axes, lines, lane);
         return false;
     }
     plane.lower = {normal[axes.run], normal[axes.row], normal[axes.depth], lower};
@@ -147,20 +157,22 @@ static bool lay_plane(const Corners<Integer>& corners, const ScanAxes& axes, con
 }
 
 template <typename Integer>
-static bool lay(const SnappedTriangle& triangle, const TileFrame& frame, TileLines& lines, WidePlane& plane) {
+static bool lay(const SnappedTriangle& triangle, const TileFrame& frame, TileLines& lines, std::size_t lane,
+                WidePlane& plane) {
     Corners<Integer> corners;
     for (std::size_t corner = 0; corner < 3; ++corner)
         for (std::size_t axis = 0; axis < 3; ++axis)
             corners[corner][axis] = triangle[corner][axis] - (frame.first_cell[axis] << frame.cell_bits);
     const Tests<Integer> tests(frame.cell_bits, frame.rule);
     const auto& [run, row, depth] = frame.axes;
-    bound_by_edges(corners, depth, row, tests, lines.depth_by_row);
-    bound_by_edges(corners, run, row, tests, lines.run_by_row);
-    bound_by_edges(corners, run, depth, tests, lines.run_by_depth);
-    return lay_plane(corners, frame.axes, tests, lines, plane);
+    bound_by_edges(corners, depth, row, tests, lines.depth_by_row, lane);
+    bound_by_edges(corners, run, row, tests, lines.run_by_row, lane);
+    bound_by_edges(corners, run, depth, tests, lines.run_by_depth, lane);
+    return lay_plane(corners, frame.axes, tests, lines, lane, plane);
 }
 
-Meets lay_lines(const SnappedTriangle& triangle, const TileFrame& frame, TileLines& lines, WidePlane& plane) {
+Meets lay_lines(const SnappedTriangle& triangle, const TileFrame& frame, TileLines& lines, std::size_t lane,
+                WidePlane& plane) {
     std::array<double, 3> first, last; // of the indices in the bounding box
     std::int64_t farthest = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -175,11 +187,11 @@ Meets lay_lines(const SnappedTriangle& triangle, const TileFrame& frame, TileLin
         farthest = std::max({farthest, magnitude(least - corner), magnitude(most - corner)});
     }
     const auto& [run, row, depth] = frame.axes;
-    lines.first_run = first[run], lines.last_run = last[run];
-    lines.first_row = first[row], lines.last_row = last[row];
-    lines.first_depth = first[depth], lines.last_depth = last[depth];
-    const bool is_wide = farthest < most_narrow ? lay<std::int64_t>(triangle, frame, lines, plane)
-                                                : lay<Int128>(triangle, frame, lines, plane);
+    lines.first_run[lane] = first[run], lines.last_run[lane] = last[run];
+    lines.first_row[lane] = first[row], lines.last_row[lane] = last[row];
+    lines.first_depth[lane] = first[depth], lines.last_depth[lane] = last[depth];
+    const bool is_wide = farthest < most_narrow ? lay<std::int64_t>(triangle, frame, lines, lane, plane)
+                                                : lay<Int128>(triangle, frame, lines, lane, plane);
     return is_wide ? Meets::LinesAndWidePlane : Meets::Lines;
 }
 } // namespace tyndall::voxel_dag

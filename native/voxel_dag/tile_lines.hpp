@@ -4,7 +4,7 @@
 // Differs:  each test, c . index + e >= 0 in integers, is solved for the index along the runs (or the depth). 0.5 is
 //           added to e: no test changes, and no bound is nearer than 0.5 / |c_run| to an integer, so that double
 //           precision rounds it to the right one while the components of c add up to less than 2^42.
-// Bound:    320 bytes per triangle and tile.
+// Bound:    320 bytes per triangle and tile. For triangles near a tile see tile_lines_kernel.hpp.
 #pragma once
 #include "voxel_dag/snapped_mesh.hpp"
 #include "voxel_dag/tile.hpp"
@@ -22,8 +22,10 @@ struct TileFrame {
 };
 
 inline constexpr double no_bound = 1e18; ///< Beyond all indices.
+inline constexpr std::size_t block_lanes = 8;
+using Lanes = std::array<double, block_lanes>; ///< One of each triangle of a block.
 struct Line {
-    double slope = 0, offset = 0;
+    Lanes slope, offset;
 };
 /// Indices at least as large as each lower line and at most as large as each upper one.
 template <std::size_t count>
@@ -32,10 +34,11 @@ struct Bounds {
 };
 /// The same over rows and depths.
 struct PlaneLine {
-    double row_slope = 0, depth_slope = 0, offset = 0;
+    Lanes row_slope, depth_slope, offset;
 };
-struct TileLines {
-    double first_run, last_run, first_row, last_row, first_depth, last_depth;
+/// Of eight triangles. One that has no part in the tile has a first index beyond the last.
+struct alignas(64) TileLines {
+    Lanes first_run, last_run, first_row, last_row, first_depth, last_depth;
     Bounds<3> depth_by_row; ///< Three edges leave two bounds on each side; the plane may be a third.
     Bounds<2> run_by_row, run_by_depth;
     PlaneLine run_from, run_to;
@@ -49,7 +52,7 @@ struct WidePlane {
 };
 enum class Meets : std::uint8_t { No, Lines, LinesAndWidePlane };
 
-/// Sets `lines`, and `plane` where it returns LinesAndWidePlane. No: the triangle's bounding box lies outside.
+/// Sets one lane of `lines`, and `plane` where it returns LinesAndWidePlane. No: its bounding box lies outside.
 [[nodiscard]] Meets lay_lines(const SnappedTriangle& triangle, const TileFrame& frame, TileLines& lines,
-                              WidePlane& plane);
+                              std::size_t lane, WidePlane& plane);
 } // namespace tyndall::voxel_dag

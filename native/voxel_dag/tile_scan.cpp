@@ -18,19 +18,31 @@ static constexpr std::size_t lanes = hn::MaxLanes(d);
 using V = hn::Vec<Tag>;
 using W = hn::Vec<Words>;
 
-static HWY_INLINE V at(const Line& line, V x) { return hn::MulAdd(hn::Set(d, line.slope), x, hn::Set(d, line.offset)); }
-template <std::size_t count>
-static HWY_INLINE V lower_bound(const std::array<Line, count>& lines, V x, V bound) {
-    for (const Line& line : lines)
-        bound = hn::Max(bound, at(line, x));
-    return bound;
-}
-template <std::size_t count>
-static HWY_INLINE V upper_bound(const std::array<Line, count>& lines, V x, V bound) {
-    for (const Line& line : lines)
-        bound = hn::Min(bound, at(line, x));
-    return bound;
-}
+/// One triangle of a block.
+class Triangle {
+public:
+    HWY_INLINE Triangle(const TileLines& block, std::size_t lane) : lines(block), lane_(lane) {}
+    HWY_INLINE double one(const Lanes& value) const { return value[lane_]; }
+    HWY_INLINE V of(const Lanes& value) const { return hn::Set(d, value[lane_]); }
+    HWY_INLINE V at(const Line& line, V x) const { return hn::MulAdd(of(line.slope), x, of(line.offset)); }
+    template <std::size_t count>
+    HWY_INLINE V lower_bound(const std::array<Line, count>& bounds, V x, V bound) const {
+        for (const Line& line : bounds)
+            bound = hn::Max(bound, at(line, x));
+        return bound;
+    }
+    template <std::size_t count>
+    HWY_INLINE V upper_bound(const std::array<Line, count>& bounds, V x, V bound) const {
+        for (const Line& line : bounds)
+            bound = hn::Min(bound, at(line, x));
+        return bound;
+    }
+
+    const TileLines& lines;
+
+private:
+    std::size_t lane_;
+};
 /// Of whole numbers in [0, 2^52).
 static HWY_INLINE W as_words(V whole) {
     return hn::Xor(hn::BitCast(words, hn::Add(whole, hn::Set(d, 0x1p52))), hn::BitCast(words, hn::Set(d, 0x1p52)));
@@ -63,27 +75,30 @@ private:
     alignas(64) std::uint64_t places_[room + lanes], masks_[room + lanes];
 };
 
-static HWY_INLINE void scan_one(const TileLines& lines, const WordPlace& of_row, const WordPlace& of_depth,
+static HWY_INLINE void scan_one(const Triangle& triangle, const WordPlace& of_row, const WordPlace& of_depth,
                                 Runs& runs) {
-    const V last_row = hn::Set(d, lines.last_row), ones = hn::Set(d, 1.0);
-    for (double first_row = lines.first_row; first_row <= lines.last_row; first_row += static_cast<double>(lanes)) {
+    const TileLines& lines = triangle.lines;
+    const double end = triangle.one(lines.last_row);
+    const V last_row = hn::Set(d, end), ones = hn::Set(d, 1.0);
+    for (double first_row = triangle.one(lines.first_row); first_row <= end; first_row += static_cast<double>(lanes)) {
         const V row = hn::Add(hn::Set(d, first_row), hn::ConvertTo(d, hn::Iota(Indices(), 0)));
-        const V run_from = lower_bound(lines.run_by_row.lower, row, hn::Set(d, lines.first_run));
-        const V run_to = upper_bound(lines.run_by_row.upper, row, hn::Set(d, lines.last_run));
-        const V last_depth = hn::Floor(upper_bound(lines.depth_by_row.upper, row, hn::Set(d, lines.last_depth)));
-        V depth = hn::Ceil(lower_bound(lines.depth_by_row.lower, row, hn::Set(d, lines.first_depth)));
+        const V run_from = triangle.lower_bound(lines.run_by_row.lower, row, triangle.of(lines.first_run));
+        const V run_to = triangle.upper_bound(lines.run_by_row.upper, row, triangle.of(lines.last_run));
+        const V last_depth =
+            hn::Floor(triangle.upper_bound(lines.depth_by_row.upper, row, triangle.of(lines.last_depth)));
+        V depth = hn::Ceil(triangle.lower_bound(lines.depth_by_row.lower, row, triangle.of(lines.first_depth)));
         const auto is_row = hn::And(hn::Le(row, last_row), hn::Le(hn::Ceil(run_from), run_to));
-        const V plane_from = hn::MulAdd(hn::Set(d, lines.run_from.row_slope), row, hn::Set(d, lines.run_from.offset));
-        const V plane_to = hn::MulAdd(hn::Set(d, lines.run_to.row_slope), row, hn::Set(d, lines.run_to.offset));
+        const V plane_from = hn::MulAdd(triangle.of(lines.run_from.row_slope), row, triangle.of(lines.run_from.offset));
+        const V plane_to = hn::MulAdd(triangle.of(lines.run_to.row_slope), row, triangle.of(lines.run_to.offset));
         const W row_place = place_of(as_words(row), of_row);
         for (;; depth = hn::Add(depth, ones)) {
             const auto is_left = hn::And(is_row, hn::Le(depth, last_depth));
             if (hn::AllFalse(d, is_left))
                 break;
-            V from = hn::MulAdd(hn::Set(d, lines.run_from.depth_slope), depth, plane_from);
-            V to = hn::MulAdd(hn::Set(d, lines.run_to.depth_slope), depth, plane_to);
-            from = hn::Ceil(lower_bound(lines.run_by_depth.lower, depth, hn::Max(from, run_from)));
-            to = hn::Floor(upper_bound(lines.run_by_depth.upper, depth, hn::Min(to, run_to)));
+            V from = hn::MulAdd(triangle.of(lines.run_from.depth_slope), depth, plane_from);
+            V to = hn::MulAdd(triangle.of(lines.run_to.depth_slope), depth, plane_to);
+            from = hn::Ceil(triangle.lower_bound(lines.run_by_depth.lower, depth, hn::Max(from, run_from)));
+            to = hn::Floor(triangle.upper_bound(lines.run_by_depth.upper, depth, hn::Min(to, run_to)));
             const auto is_run = hn::And(is_left, hn::Le(from, to));
             if (hn::AllFalse(d, is_run))
                 continue;
@@ -96,10 +111,10 @@ static HWY_INLINE void scan_one(const TileLines& lines, const WordPlace& of_row,
     }
 }
 
-static void scan_all(std::span<const TileLines> triangles, const ScanAxes& axes, TileBits& bits) {
+static void scan_all(std::span<const TileLines> blocks, std::size_t count, const ScanAxes& axes, TileBits& bits) {
     Runs runs(bits);
-    for (const TileLines& lines : triangles)
-        scan_one(lines, row_place(axes), depth_place(axes), runs);
+    for (std::size_t index = 0; index < count; ++index)
+        scan_one(Triangle(blocks[index / block_lanes], index % block_lanes), row_place(axes), depth_place(axes), runs);
     runs.write();
 }
 } // namespace tyndall::voxel_dag::HWY_NAMESPACE
@@ -111,8 +126,8 @@ HWY_AFTER_NAMESPACE();
 
 namespace tyndall::voxel_dag {
 HWY_EXPORT(scan_all);
-void scan(std::span<const TileLines> triangles, const ScanAxes& axes, TileBits& bits) {
-    HWY_DYNAMIC_DISPATCH(scan_all)(triangles, axes, bits);
+void scan(std::span<const TileLines> blocks, std::size_t count, const ScanAxes& axes, TileBits& bits) {
+    HWY_DYNAMIC_DISPATCH(scan_all)(blocks, count, axes, bits);
 }
 
 static Int128 floor_of_quotient(Int128 numerator, Int128 denominator) { // denominator > 0
@@ -135,10 +150,10 @@ struct Interval {
     }
     void keep(const Line& lower, const Line& upper, std::int64_t by) {
         const auto x = static_cast<double>(by), highest = static_cast<double>(tile_side);
-        from = std::max(
-            from, static_cast<std::int64_t>(std::ceil(std::clamp(lower.slope * x + lower.offset, -1.0, highest))));
-        to = std::min(to,
-                      static_cast<std::int64_t>(std::floor(std::clamp(upper.slope * x + upper.offset, -1.0, highest))));
+        from = std::max(from, static_cast<std::int64_t>(
+                                  std::ceil(std::clamp(lower.slope[0] * x + lower.offset[0], -1.0, highest))));
+        to = std::min(
+            to, static_cast<std::int64_t>(std::floor(std::clamp(upper.slope[0] * x + upper.offset[0], -1.0, highest))));
     }
     template <std::size_t count>
     void keep(const Bounds<count>& bounds, std::int64_t by) {
@@ -149,8 +164,8 @@ struct Interval {
 } // namespace
 
 void scan(const TileLines& lines, const WidePlane& plane, const ScanAxes& axes, TileBits& bits) {
-    const auto whole = [](double first, double last) {
-        return Interval{static_cast<std::int64_t>(first), static_cast<std::int64_t>(last)};
+    const auto whole = [](const Lanes& first, const Lanes& last) {
+        return Interval{static_cast<std::int64_t>(first[0]), static_cast<std::int64_t>(last[0])};
     };
     const Interval rows = whole(lines.first_row, lines.last_row);
     for (std::int64_t row = rows.from; row <= rows.to; ++row) {

@@ -9,8 +9,9 @@
 #include <span>
 
 namespace tyndall::voxel_dag {
-/// By the widest vectors of this CPU (core/simd.hpp); the bits are the same with each.
-void scan(std::span<const TileLines> triangles, const ScanAxes& axes, TileBits& bits);
-/// A triangle that lay_lines() calls LinesAndWidePlane.
+/// The first `count` triangles of the blocks, by the widest vectors of this CPU (core/simd.hpp); the bits are the same
+/// with each.
+void scan(std::span<const TileLines> blocks, std::size_t count, const ScanAxes& axes, TileBits& bits);
+/// A triangle, in lane 0, that lay_lines() calls LinesAndWidePlane.
 void scan(const TileLines& lines, const WidePlane& plane, const ScanAxes& axes, TileBits& bits);
 } // namespace tyndall::voxel_dag

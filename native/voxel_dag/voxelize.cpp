@@ -4,6 +4,7 @@
 #include "core/parallel_in_order.hpp"
 #include "voxel_dag/tile_bins.hpp"
 #include "voxel_dag/tile_bricks.hpp"
+#include "voxel_dag/tile_lines_kernel.hpp"
 #include "voxel_dag/tile_scan.hpp"
 #include <bit>
 #include <memory>
@@ -16,6 +17,8 @@ namespace {
 struct Workplace {
     TileBits bits;
     Bricks bricks;
+    std::vector<NearTriangles> near;
+    std::vector<SnappedTriangle> far;
     std::vector<TileLines> lines;
 };
 /// Bricks of one part of the cube; its vectors stay as long as the largest part has needed.
@@ -44,34 +47,72 @@ public:
 
 private:
     void draw_tile(std::uint64_t tile, std::span<const std::uint64_t> entries, Workplace& place, Part& part) const {
-        std::array<double, 3> seen{};
-        for (const std::uint64_t entry : entries) {
-            const std::array<double, 3> areas = seen_along_axes(mesh_.triangle(TileBins::triangle(entry)));
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                seen[axis] += areas[axis];
-        }
         const Voxel at = voxel_at(tile);
         TileFrame frame{.first_cell = {at[0], at[1], at[2]},
                         .cell_bits = step_bits,
                         .last = std::min<std::int64_t>((std::int64_t{1} << mesh_.level) - 1, tile_side - 1),
                         .rule = rule_,
-                        .axes = scan_axes(seen)};
+                        .axes = {}};
         for (std::int64_t& cell : frame.first_cell)
             cell <<= tile_level;
-        place.lines.resize(entries.size());
-        std::size_t line_count = 0;
-        for (const std::uint64_t entry : entries) {
-            TileLines& lines = place.lines[line_count];
-            WidePlane plane;
-            const Meets meets = lay_lines(mesh_.triangle(TileBins::triangle(entry)), frame, lines, plane);
-            if (meets == Meets::Lines)
-                ++line_count;
-            else if (meets == Meets::LinesAndWidePlane)
-                scan(lines, plane, frame.axes, place.bits);
+        const std::size_t near_count = gather(entries, frame, place);
+        const std::span near(place.near.data(), (near_count + block_lanes - 1) / block_lanes);
+        std::array<double, 3> seen = seen_along_axes(near);
+        for (const SnappedTriangle& triangle : place.far) {
+            const std::array<double, 3> areas = seen_along_axes(triangle);
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                seen[axis] += areas[axis];
         }
-        scan(std::span(place.lines).first(line_count), frame.axes, place.bits);
+        frame.axes = scan_axes(seen);
+
+        place.lines.resize(std::max(place.lines.size(), near.size() + 1));
+        lay_near_lines(near, frame, place.lines);
+        scan(place.lines, near_count, frame.axes, place.bits);
+        for (const SnappedTriangle& triangle : place.far)
+            draw_far(triangle, frame, place);
         take_bricks(place.bits, frame.axes, place.bricks);
         append(tile, place.bricks, part);
+    }
+
+    /// Tells near triangles from far ones; returns how many are near.
+    std::size_t gather(std::span<const std::uint64_t> entries, const TileFrame& frame, Workplace& place) const {
+        place.near.resize(std::max(place.near.size(), entries.size() / block_lanes + 1));
+        place.far.clear();
+        std::size_t count = 0;
+        Steps corner_of_tile;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            corner_of_tile[axis] = frame.first_cell[axis] << frame.cell_bits;
+        for (const std::uint64_t entry : entries) {
+            const SnappedTriangle triangle = mesh_.triangle(TileBins::triangle(entry));
+            NearTriangles& block = place.near[count / block_lanes];
+            std::int64_t any = 0; // bits that a coordinate or, below 0, its complement has
+            for (std::size_t corner = 0; corner < 3; ++corner)
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    const std::int64_t at = triangle[corner][axis] - corner_of_tile[axis];
+                    any |= at ^ at >> 63;
+                    block.corner[corner][axis][count % block_lanes] = static_cast<double>(at);
+                }
+            if (any < most_near)
+                ++count;
+            else
+                place.far.push_back(triangle);
+        }
+        return count;
+    }
+
+    static void draw_far(const SnappedTriangle& triangle, const TileFrame& frame, Workplace& place) {
+        TileLines& lines = place.lines.front();
+        WidePlane plane;
+        switch (lay_lines(triangle, frame, lines, 0, plane)) {
+        case Meets::No:
+            break;
+        case Meets::Lines:
+            scan(std::span(&lines, 1), 1, frame.axes, place.bits);
+            break;
+        case Meets::LinesAndWidePlane:
+            scan(lines, plane, frame.axes, place.bits);
+            break;
+        }
     }
 
     static void append(std::uint64_t tile, const Bricks& bricks, Part& part) {
