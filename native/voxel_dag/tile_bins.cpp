@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 namespace tyndall::voxel_dag {
 std::array<double, 3> seen_along_axes(const SnappedTriangle& triangle) {
@@ -61,6 +62,7 @@ public:
         return std::size_t{1} << 3 * std::min(tile_level_of_cube_, most_part_level);
     }
     [[nodiscard]] std::size_t part_of(std::uint64_t entry) const { return entry >> part_shift_; }
+    [[nodiscard]] int part_shift() const { return part_shift_; }
 
     /// Appends the entries of one triangle; false: it is outside.
     bool bin(std::size_t triangle, TileBits& scratch, std::vector<std::uint64_t>& entries) const {
@@ -85,7 +87,8 @@ private:
     [[nodiscard]] TileBox box_of(const SnappedTriangle& corners) const {
         TileBox box;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto [least, most] = std::minmax({corners[0][axis], corners[1][axis], corners[2][axis]});
+            const std::int64_t a = corners[0][axis], b = corners[1][axis], c = corners[2][axis];
+            const std::int64_t least = std::min(a, std::min(b, c)), most = std::max(a, std::max(b, c));
             box.first[axis] = std::max<std::int64_t>(least >> tile_bits, 0);
             box.last[axis] = std::min(most >> tile_bits, last_tile());
             // A cube of less than one tile has no whole last tile.
@@ -146,6 +149,24 @@ private:
     std::uint32_t tile_level_of_cube_; ///< 2^this tiles a side.
     int part_shift_;
 };
+
+/// Entries of one part, by the bits of the tile that lie below `part_shift`; those of one tile stay in their order.
+void sort_by_tile(std::span<std::uint64_t> entries, int part_shift) {
+    constexpr int digit_bits = 9;
+    std::vector<std::uint64_t> sorted(entries.size());
+    for (int shift = TileBins::triangle_bits; shift < part_shift; shift += digit_bits) {
+        const auto digit = [&](std::uint64_t entry) {
+            return entry >> shift & ((1u << std::min(digit_bits, part_shift - shift)) - 1);
+        };
+        std::array<std::uint32_t, 1 << digit_bits> next{};
+        for (const std::uint64_t entry : entries)
+            ++next[digit(entry)];
+        std::exclusive_scan(next.begin(), next.end(), next.begin(), 0u);
+        for (const std::uint64_t entry : entries)
+            sorted[next[digit(entry)]++] = entry;
+        std::ranges::copy(sorted, entries.begin());
+    }
+}
 } // namespace
 
 TileBins bin_triangles(const SnappedMesh& mesh, const Progress& progress) {
@@ -164,6 +185,7 @@ TileBins bin_triangles(const SnappedMesh& mesh, const Progress& progress) {
     parallel_blocks(count, block_size, progress, [&](std::size_t begin, std::size_t end) {
         Block& block = blocks[begin / block_size];
         const auto scratch = std::make_unique<TileBits>();
+        block.entries.reserve(2 * (end - begin));
         for (std::size_t triangle = begin; triangle < end; ++triangle)
             if (binning.bin(triangle, *scratch, block.entries))
                 block.seen_area += 0.5 * std::ranges::max(seen_along_axes(mesh.triangle(triangle)));
@@ -200,9 +222,10 @@ TileBins bin_triangles(const SnappedMesh& mesh, const Progress& progress) {
     parallel_for(
         bins.part_count(), progress,
         [&](std::size_t part) {
-            const auto first = bins.entries.begin();
-            std::sort(first + static_cast<std::ptrdiff_t>(bins.first_of_part[part]),
-                      first + static_cast<std::ptrdiff_t>(bins.first_of_part[part + 1]));
+            sort_by_tile(
+                std::span(bins.entries)
+                    .subspan(bins.first_of_part[part], bins.first_of_part[part + 1] - bins.first_of_part[part]),
+                binning.part_shift());
         },
         16);
     return bins;

@@ -11,7 +11,7 @@ namespace tyndall::voxel_dag {
 /// Tiles by parts of the cube: all tiles of one part come before those of the next in Morton order.
 struct TileBins {
     static constexpr int triangle_bits = 31; ///< An entry is the tile's Morton code, above the triangle's index.
-    std::vector<std::uint64_t> entries;      ///< Ascending within a part.
+    std::vector<std::uint64_t> entries;      ///< Ascending.
     std::vector<std::size_t> first_of_part;  ///< And one behind the last.
     std::uint64_t outside_triangle_count;
     std::size_t expected_brick_count; ///< About as many as the triangles' area makes: how much to reserve, no bound.

@@ -91,22 +91,26 @@ static HWY_INLINE void scan_one(const Triangle& triangle, const WordPlace& of_ro
         const V plane_from = hn::MulAdd(triangle.of(lines.run_from.row_slope), row, triangle.of(lines.run_from.offset));
         const V plane_to = hn::MulAdd(triangle.of(lines.run_to.row_slope), row, triangle.of(lines.run_to.offset));
         const W row_place = place_of(as_words(row), of_row);
-        for (;; depth = hn::Add(depth, ones)) {
-            const auto is_left = hn::And(is_row, hn::Le(depth, last_depth));
-            if (hn::AllFalse(d, is_left))
-                break;
-            V from = hn::MulAdd(triangle.of(lines.run_from.depth_slope), depth, plane_from);
-            V to = hn::MulAdd(triangle.of(lines.run_to.depth_slope), depth, plane_to);
-            from = hn::Ceil(triangle.lower_bound(lines.run_by_depth.lower, depth, hn::Max(from, run_from)));
-            to = hn::Floor(triangle.upper_bound(lines.run_by_depth.upper, depth, hn::Min(to, run_to)));
-            const auto is_run = hn::And(is_left, hn::Le(from, to));
-            if (hn::AllFalse(d, is_run))
-                continue;
+        const auto draw = [&](V at_depth, hn::Mask<Tag> is_left) HWY_ATTR {
+            V from = hn::MulAdd(triangle.of(lines.run_from.depth_slope), at_depth, plane_from);
+            V to = hn::MulAdd(triangle.of(lines.run_to.depth_slope), at_depth, plane_to);
+            from = hn::Ceil(triangle.lower_bound(lines.run_by_depth.lower, at_depth, hn::Max(from, run_from)));
+            to = hn::Floor(triangle.upper_bound(lines.run_by_depth.upper, at_depth, hn::Min(to, run_to)));
             const W mask =
                 hn::And(hn::Shl(hn::Set(words, ~std::uint64_t{0}), as_words(from)),
                         hn::Shr(hn::Set(words, ~std::uint64_t{0}), as_words(hn::Sub(hn::Set(d, tile_side - 1.0), to))));
-            const W place = hn::Or(row_place, place_of(as_words(depth), of_depth));
-            runs.push(mask, place, hn::RebindMask(words, is_run));
+            const W place = hn::Or(row_place, place_of(as_words(at_depth), of_depth));
+            runs.push(mask, place, hn::RebindMask(words, hn::And(is_left, hn::Le(from, to))));
+        };
+        // Two depths at a time: how many there are is hard to foretell, and each wrong guess costs as much as one.
+        for (;;) {
+            const auto is_left = hn::And(is_row, hn::Le(depth, last_depth));
+            if (hn::AllFalse(d, is_left))
+                break;
+            draw(depth, is_left);
+            depth = hn::Add(depth, ones);
+            draw(depth, hn::And(is_row, hn::Le(depth, last_depth)));
+            depth = hn::Add(depth, ones);
         }
     }
 }
