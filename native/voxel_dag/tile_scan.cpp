@@ -52,27 +52,34 @@ static HWY_INLINE W place_of(W index, const WordPlace& place) {
                   hn::ShiftLeftSame(hn::ShiftRight<2>(index), place.high_shift));
 }
 
+struct WaitingRuns {
+    static constexpr std::size_t room = 256;
+    alignas(64) std::uint64_t places[room + 2 * lanes], masks[room + 2 * lanes];
+};
+static HWY_NOINLINE void write(const WaitingRuns& runs, std::size_t count, TileBits& bits) {
+    for (std::size_t run = 0; run < count; ++run)
+        bits.words[runs.places[run]] |= runs.masks[run];
+}
+
 /// Runs that wait to be written: vectors leave what is active in them here, one behind the other.
 class Runs {
 public:
-    explicit Runs(TileBits& bits) : bits_(bits) {}
+    HWY_INLINE Runs(WaitingRuns& waiting, TileBits& bits) : waiting_(waiting), bits_(bits) {}
     HWY_INLINE void push(W mask, W place, hn::Mask<Words> is_active) {
-        hn::CompressStore(place, is_active, words, places_ + count_);
-        count_ += hn::CompressStore(mask, is_active, words, masks_ + count_);
-        if (count_ > room - lanes)
-            write();
+        hn::CompressStore(place, is_active, words, waiting_.places + count_);
+        count_ += hn::CompressStore(mask, is_active, words, waiting_.masks + count_);
+        if (count_ > WaitingRuns::room)
+            write_all();
     }
-    HWY_INLINE void write() {
-        for (std::size_t run = 0; run < count_; ++run)
-            bits_.words[places_[run]] |= masks_[run];
+    HWY_INLINE void write_all() {
+        write(waiting_, count_, bits_);
         count_ = 0;
     }
 
 private:
-    static constexpr std::size_t room = 256;
+    WaitingRuns& waiting_;
     TileBits& bits_;
-    std::size_t count_ = 0;
-    alignas(64) std::uint64_t places_[room + lanes], masks_[room + lanes];
+    std::size_t count_ = 0; // apart from what is stored through vectors, so that it stays in a register
 };
 
 static HWY_INLINE void scan_one(const Triangle& triangle, const WordPlace& of_row, const WordPlace& of_depth,
@@ -116,10 +123,11 @@ static HWY_INLINE void scan_one(const Triangle& triangle, const WordPlace& of_ro
 }
 
 static void scan_all(std::span<const TileLines> blocks, std::size_t count, const ScanAxes& axes, TileBits& bits) {
-    Runs runs(bits);
+    WaitingRuns waiting;
+    Runs runs(waiting, bits);
     for (std::size_t index = 0; index < count; ++index)
         scan_one(Triangle(blocks[index / block_lanes], index % block_lanes), row_place(axes), depth_place(axes), runs);
-    runs.write();
+    runs.write_all();
 }
 } // namespace tyndall::voxel_dag::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
