@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The lines of tile_lines.hpp for triangles near their tile, one in each lane of a vector.
-// Differs:  from lay_lines() in nothing that a scan sees. Sums of products of three coordinates below 2^16 steps are whole
-//           numbers below 2^53, which doubles hold.
+// Differs:  from lay_lines() in nothing that a scan sees. What three coordinates below 2^16 steps are multiplied and added
+//           up to are whole numbers below 2^53, which doubles hold.
 // Bound:    about 450 vector operations and 11 divisions per block.
 #pragma once
 #include "voxel_dag/tile_lines.hpp"

@@ -50,6 +50,38 @@ TEST_CASE("many triangles set the union of what each of them sets") {
     check_against_oracle(triangles, 8);
 }
 
+// Seen to fail with a digit of the tiles' order left out, and with blocks of 64^3 tiles that lose their last one.
+TEST_CASE("in cubes of thousands of tiles, each triangle finds its own, wherever they lie") {
+    std::mt19937 random(13);
+    for (const std::uint32_t level : {11u, 13u, 15u, 17u}) {
+        CAPTURE(level);
+        std::vector<Triangle> triangles;
+        for (int place = 0; place < 6; ++place) {
+            Point corner;
+            for (std::int64_t& at : corner)
+                at = random_below(random, (std::int64_t{1} << level) - 300) * 256;
+            for (int i = 0; i < 20; ++i) { // neighbours, whose tiles are mixed in the order of triangles
+                Triangle triangle = random_triangle(random, 8, 12, 0, i % 2 == 0 ? 1 : 128);
+                for (Point& at : triangle)
+                    for (std::size_t axis = 0; axis < 3; ++axis)
+                        at[axis] += corner[axis];
+                triangles.push_back(triangle);
+            }
+            if (place >= 3)
+                continue;
+            // A sliver along each axis, through all tiles from end to end.
+            Triangle sliver{corner, corner, corner};
+            const auto axis = static_cast<std::size_t>(place);
+            sliver[0][axis] = 300;
+            sliver[1][axis] = ((std::int64_t{1} << level) - 2) * 256;
+            sliver[2][(axis + 1) % 3] += 700;
+            sliver[2][(axis + 2) % 3] += 400;
+            triangles.push_back(sliver);
+        }
+        check_against_oracle(triangles, level);
+    }
+}
+
 TEST_CASE("triangles that are a point or a line set what a triangle as thin as that would") {
     std::mt19937 random(5);
     for (int i = 0; i < 300; ++i) {
