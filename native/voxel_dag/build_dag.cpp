@@ -13,10 +13,10 @@ using LeafTable = UniqueTable<std::uint64_t>;
 using NodeTable = UniqueTable<Children>;
 constexpr std::size_t block_bricks = 1 << 15; ///< About what a thread takes at a time: its row fits the second cache.
 
-/// Of a surface at each scale: 4 of 5 nodes of 8^3 are distinct, of 30 leaves 1.
+/// Of a surface: of 30 leaves 1 is distinct, and of its nodes nearly all but those of 8^3, 3 of 4.
 std::size_t expected_leaves(std::size_t brick_count) { return brick_count / 32; }
 std::size_t expected_nodes(std::size_t brick_count, std::uint32_t level) {
-    return level < 32 ? brick_count >> 2 * (level - leaf_level) : 0;
+    return level == leaf_level + 1 ? brick_count / 16 * 3 : brick_count >> 2 * (level - leaf_level);
 }
 
 /// Nodes of one level in Morton order: their codes and their numbers.

@@ -18,16 +18,32 @@
 #include <type_traits>
 
 namespace tyndall::voxel_dag {
+/// A record as words: what is hashed and compared.
+template <class Record>
+[[nodiscard]] auto words_of(const Record& record) {
+    static_assert(std::has_unique_object_representations_v<Record> && sizeof(Record) % sizeof(std::uint64_t) == 0);
+    std::array<std::uint64_t, sizeof(Record) / sizeof(std::uint64_t)> words;
+    std::memcpy(words.data(), &record, sizeof(record));
+    return words;
+}
+/// Without a branch per word.
+template <class Record>
+[[nodiscard]] bool are_equal(const Record& a, const Record& b) {
+    const auto a_words = words_of(a), b_words = words_of(b);
+    std::uint64_t difference = 0;
+    for (std::size_t i = 0; i < a_words.size(); ++i)
+        difference |= a_words[i] ^ b_words[i];
+    return difference == 0;
+}
+
 template <class Record>
 [[nodiscard]] std::uint64_t hash_of(const Record& record) {
-    static_assert(std::has_unique_object_representations_v<Record> && sizeof(Record) % sizeof(std::uint64_t) == 0);
     // Odd, of digits that follow no rule: those of the golden ratio and of splitmix64.
     static constexpr std::array<std::uint64_t, 5> factors{0x9e3779b97f4a7c15ull, 0xbf58476d1ce4e5b9ull,
                                                           0x94d049bb133111ebull, 0xd6e8feb86659fd93ull,
                                                           0xff51afd7ed558ccdull};
-    std::array<std::uint64_t, sizeof(Record) / sizeof(std::uint64_t)> words;
+    const auto words = words_of(record);
     static_assert(words.size() <= factors.size());
-    std::memcpy(words.data(), &record, sizeof(record));
     std::uint64_t sum = 0;
     for (std::size_t i = 0; i < words.size(); ++i)
         sum += words[i] * factors[i];
@@ -150,7 +166,7 @@ private:
             }
             // Here, too, where another thread was faster: it may have brought the same record.
             const auto number = static_cast<std::uint32_t>(slot);
-            if (slot >> 32 == hash >> 32 && std::memcmp(&records_[number], &record, sizeof(record)) == 0)
+            if (slot >> 32 == hash >> 32 && are_equal(records_[number], record))
                 return number;
             at = (at + 1) & (slot_count_ - 1);
         }

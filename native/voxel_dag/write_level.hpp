@@ -46,13 +46,21 @@ template <class RecordOf>
         for (std::size_t node = begin; node < end; ++node) {
             const auto& record = record_of(node);
             level.first_children[node] = at;
+            // Each place is written, and kept where there is a child: a branch would be as good as random.
+            Children children;
+            std::array<std::uint8_t, 8> tags;
+            std::uint32_t count_here = 0;
             for (std::uint32_t octant = 0; octant < 8; ++octant) {
-                if (children_of(record)[octant] == 0)
-                    continue;
+                const std::uint32_t child = children_of(record)[octant];
+                children[count_here] = child - first_number;
                 if constexpr (has_tags)
-                    level.tags[at] = record.tags[octant];
-                level.children[at++] = children_of(record)[octant] - first_number;
+                    tags[count_here] = record.tags[octant];
+                count_here += child != 0;
             }
+            std::copy_n(children.begin(), count_here, level.children.begin() + at);
+            if constexpr (has_tags)
+                std::copy_n(tags.begin(), count_here, level.tags.begin() + at);
+            at += count_here;
         }
     });
     return level;
