@@ -36,10 +36,15 @@ public:
     [[nodiscard]] std::uint64_t bit_count() const { return 8 * bytes_.size() + held_bits_; }
     /// value is below 2^width; width is at most most_packed_bits.
     void append(std::uint64_t value, std::uint32_t width) {
-        held_ |= value << held_bits_; // fewer than 8 bits are held: none is lost
+        held_ |= value << held_bits_; // fewer than 64 bits are held
         held_bits_ += width;
-        if (held_bits_ >= 8)
-            flush();
+        if (held_bits_ >= 64) {
+            const std::size_t at = bytes_.size();
+            bytes_.resize(at + sizeof(held_));
+            std::memcpy(bytes_.data() + at, &held_, sizeof(held_));
+            held_bits_ -= 64;
+            held_ = value >> (width - held_bits_); // width is 1 at least, or nothing would have been full
+        }
     }
     /// `count` times the same number.
     void append_run(std::uint64_t value, std::uint32_t width, std::uint64_t count) {
@@ -66,23 +71,15 @@ public:
     }
     /// Up to the next byte with zeros; the bytes so far.
     [[nodiscard]] std::vector<std::uint8_t> take() {
-        if (held_bits_ > 0)
+        for (; held_bits_ > 0; held_bits_ -= held_bits_ < 8 ? held_bits_ : 8, held_ >>= 8)
             bytes_.push_back(static_cast<std::uint8_t>(held_));
-        held_ = held_bits_ = 0;
-        return std::move(bytes_);
+        held_ = 0;
+        return std::exchange(bytes_, {});
     }
 
 private:
-    void flush() {
-        const std::size_t at = bytes_.size(), whole = held_bits_ / 8;
-        bytes_.resize(at + whole);
-        std::memcpy(bytes_.data() + at, &held_, whole);
-        held_ = whole == 8 ? 0 : held_ >> 8 * whole;
-        held_bits_ -= static_cast<std::uint32_t>(8 * whole);
-    }
-
     std::vector<std::uint8_t> bytes_;
     std::uint64_t held_ = 0;
-    std::uint32_t held_bits_ = 0; // fewer than 8 between calls
+    std::uint32_t held_bits_ = 0; // fewer than 64 between calls
 };
 } // namespace tyndall::voxel_dag
