@@ -2,9 +2,9 @@
 // Attributes of 12 bits for the voxels of a mesh, in Morton order: what attribute arrays are measured on.
 //   normals: vertex normals (means of faces by area) at the point of the triangle that the voxel's centre is projected
 //            to along the triangle's largest axis, in 6 + 6 bits: (v / 2 + 1 / 2) * 63, rounded, of the octahedral map
-//   baked:   4 + 4 + 4 bits of check * marble * lambert: check 1 or 0.55, of 8 x 8 x 8 cubes; marble from (0.9, 0.85,
-//            0.75) to (0.3, 0.45, 0.6) as 1/2 + 1/2 sin(40 x + 6 sin 14 y + 4 sin 17 z), x, y, z in [0, 1]; lambert =
-//            1/4 + 3/4 max(0, n . (0.48, 0.36, 0.8))
+//   baked:   4 + 4 + 4 bits of check * marble * lambert: check 1 or 0.55, of 16 x 16 x 16 cubes; marble from (0.9,
+//            0.85, 0.75) to (0.3, 0.45, 0.6) as 1/2 + 1/2 sin(120 x + 18 sin 14 y + 12 sin 17 z), x, y, z in [0, 1];
+//            lambert = 1/4 + 3/4 max(0, n . (0.48, 0.36, 0.8))
 // Of several triangles in a voxel the first counts. A voxel that this finds no triangle for (its arithmetic is not that of
 // the voxelizer) has the values of the voxel before it: 1 in 1,200 of the dragon, 1 in 3,900 of Sponza.
 #pragma once
@@ -30,9 +30,10 @@ inline std::uint32_t normal_of_12_bits(const dvec3& n) {
     return rounded(0.5 * at.x + 0.5, 6) << 6 | rounded(0.5 * at.y + 0.5, 6);
 }
 inline std::uint32_t baked_color_of_12_bits(const dvec3& at, const dvec3& n) {
-    const dvec3 cube = glm::floor(8.0 * at);
+    const dvec3 cube = glm::floor(16.0 * at);
     const double check = std::fmod(cube.x + cube.y + cube.z, 2.0) == 0.0 ? 1.0 : 0.55;
-    const double vein = 0.5 + 0.5 * std::sin(40.0 * at.x + 6.0 * std::sin(14.0 * at.y) + 4.0 * std::sin(17.0 * at.z));
+    const double vein =
+        0.5 + 0.5 * std::sin(120.0 * at.x + 18.0 * std::sin(14.0 * at.y) + 12.0 * std::sin(17.0 * at.z));
     const double shade = check * (0.25 + 0.75 * std::max(0.0, glm::dot(n, dvec3(0.48, 0.36, 0.8))));
     const auto channel = [&](double light, double dark) { return rounded(shade * std::lerp(light, dark, vein), 4); };
     return channel(0.9, 0.3) << 8 | channel(0.85, 0.45) << 4 | channel(0.75, 0.6);
