@@ -31,7 +31,7 @@ inline constexpr std::uint32_t most_packed_bits = 57; ///< Of one number: 64 les
     return word >> (position & 7) & low_bits(width);
 }
 
-class BitWriter {
+class BitPacker {
 public:
     [[nodiscard]] std::uint64_t bit_count() const { return 8 * bytes_.size() + held_bits_; }
     /// value is below 2^width; width is at most most_packed_bits.

@@ -59,7 +59,7 @@ public:
         std::memcpy(bytes_.data() + at, &value, sizeof(Number));
     }
     void section(std::span<const std::uint8_t> part) { bytes_.insert(bytes_.end(), part.begin(), part.end()); }
-    void packed(BitWriter& bits) { section(bits.take()); }
+    void packed(BitPacker& bits) { section(bits.take()); }
     [[nodiscard]] std::vector<std::uint8_t> finish() {
         bytes_.resize(bytes_.size() + bit_slack_bytes);
         return std::move(bytes_);

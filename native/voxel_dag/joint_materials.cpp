@@ -60,7 +60,7 @@ std::vector<std::uint8_t> encode_columns(const JointMaterials& materials) {
     for (const std::vector<std::uint32_t>& column : materials.columns)
         writer.number(width_of(column));
     for (const std::vector<std::uint32_t>& column : materials.columns) {
-        BitWriter bits;
+        BitPacker bits;
         for (const std::uint32_t value : column)
             bits.append(value, width_of(column));
         writer.packed(bits);

@@ -41,7 +41,7 @@ inline constexpr auto groups = [] {
     const Group group = groups[base];
     return std::uint64_t{count / group.digit_count} * group.bits + bits_for(power(base, count % group.digit_count));
 }
-inline void append(std::span<const std::uint32_t> digits, std::uint32_t base, BitWriter& bits) {
+inline void append(std::span<const std::uint32_t> digits, std::uint32_t base, BitPacker& bits) {
     const Group group = groups[base];
     for (std::size_t begin = 0; begin < digits.size(); begin += group.digit_count) {
         const auto part = digits.subspan(begin, std::min<std::size_t>(group.digit_count, digits.size() - begin));

@@ -66,7 +66,7 @@ private:
 } // namespace
 
 static void append_indices(std::span<const std::uint32_t> block, std::uint32_t index_bits, const PalettePool& pool,
-                           BitWriter& indices) {
+                           BitPacker& indices) {
     for (std::size_t i = 0; i < block.size() && index_bits > 0;) {
         std::size_t end = i + 1;
         while (end < block.size() && block[end] == block[i])
@@ -82,7 +82,7 @@ std::vector<std::uint8_t> encode_palettes(std::span<const std::uint32_t> values,
     const auto material_count = static_cast<std::uint32_t>(materials.size());
     const auto blocks = palette_blocks::partition(entries, material_count, config, progress);
     PalettePool pool(material_count);
-    BitWriter indices;
+    BitPacker indices;
     struct Placed {
         std::uint64_t palette, first_bit;
     };
@@ -109,7 +109,7 @@ std::vector<std::uint8_t> encode_palettes(std::span<const std::uint32_t> values,
     writer.number(palette_count);
     writer.number(std::uint64_t{palettes.size()});
     writer.number(index_bit_count);
-    BitWriter bits;
+    BitPacker bits;
     for (const std::uint32_t material : materials)
         bits.append(material, value_bits);
     writer.packed(bits);

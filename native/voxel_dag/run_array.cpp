@@ -30,7 +30,7 @@ std::vector<std::uint8_t> run_array::encode(std::span<const std::uint32_t> value
     const run_block::Shape shape{log2_entries, bits_for(std::uint64_t{largest} + 1)};
     const auto block_count = static_cast<std::size_t>(count_of_blocks(values.size(), log2_entries));
     const std::size_t block_entries = std::size_t{1} << log2_entries;
-    BitWriter blocks;
+    BitPacker blocks;
     std::vector<std::uint64_t> offsets;
     std::unordered_map<std::string, std::uint64_t> offset_of; // of equal blocks; a block's bytes say where it ends
     std::vector<Packed> packed(std::min(blocks_at_once, block_count));
@@ -38,7 +38,7 @@ std::vector<std::uint8_t> run_array::encode(std::span<const std::uint32_t> value
         const std::size_t count = std::min(blocks_at_once, block_count - first);
         const auto pack = [&](std::size_t i) {
             const std::size_t begin = (first + i) * block_entries;
-            BitWriter bits;
+            BitPacker bits;
             run_block::append(values.subspan(begin, std::min(block_entries, values.size() - begin)), shape, bits);
             packed[i].bit_count = bits.bit_count();
             packed[i].bytes = bits.take();
@@ -59,7 +59,7 @@ std::vector<std::uint8_t> run_array::encode(std::span<const std::uint32_t> value
     writer.number(shape.value_bits);
     writer.number(std::uint64_t{values.size()});
     writer.number(blocks.bit_count());
-    BitWriter directory;
+    BitPacker directory;
     for (const std::uint64_t offset : offsets)
         directory.append(offset, bits_for(blocks.bit_count()));
     writer.packed(directory);

@@ -21,7 +21,7 @@ struct Shape {
     std::uint32_t value_bits;   ///< Of a value, [0, 32].
 };
 /// One to 2^log2_entries values, the last of which lasts to the block's end.
-void append(std::span<const std::uint32_t> values, const Shape& shape, BitWriter& bits);
+void append(std::span<const std::uint32_t> values, const Shape& shape, BitPacker& bits);
 
 /// Where the parts of a block are.
 class Reader {

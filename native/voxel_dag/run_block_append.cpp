@@ -77,7 +77,7 @@ ByteTable table_of(std::vector<std::uint8_t> bytes) {
     return {width, std::move(bytes)};
 }
 
-void append_flags(const std::vector<std::uint8_t>& flags, const ByteTable& table, BitWriter& bits) {
+void append_flags(const std::vector<std::uint8_t>& flags, const ByteTable& table, BitPacker& bits) {
     for (std::size_t group = 0; group < flags.size(); group += 8)
         bits.append(std::any_of(&flags[group], &flags[group] + 8, [](std::uint8_t byte) { return byte != 0; }), 1);
     for (std::size_t group = 0; group < flags.size(); group += 8) {
@@ -108,7 +108,7 @@ std::uint32_t cheapest_low_bits(const std::vector<std::uint32_t>& ascending, std
             best = width;
     return best;
 }
-void append_ascending(const std::vector<std::uint32_t>& ascending, std::uint32_t low_width, BitWriter& bits) {
+void append_ascending(const std::vector<std::uint32_t>& ascending, std::uint32_t low_width, BitPacker& bits) {
     for (const std::uint32_t value : ascending)
         bits.append((value - ascending.front()) & low_bits(low_width), low_width);
     std::uint64_t high = 0;
@@ -121,7 +121,7 @@ void append_ascending(const std::vector<std::uint32_t>& ascending, std::uint32_t
 }
 } // namespace
 
-void append(std::span<const std::uint32_t> values, const Shape& shape, BitWriter& bits) {
+void append(std::span<const std::uint32_t> values, const Shape& shape, BitPacker& bits) {
     const auto [flags, runs] = flags_of(values, shape.log2_entries);
     const auto repeats = [&runs = runs](std::size_t run) { return run >= 2 && runs[run] == runs[run - 2]; };
     std::vector<std::uint32_t> firsts; // values that do not repeat the one before last

@@ -14,7 +14,7 @@ using namespace tyndall::voxel_dag;
 
 TEST_CASE("packed numbers of every width are read back from any bit, and runs are what single ones would be") {
     std::mt19937_64 random(1);
-    BitWriter bits;
+    BitPacker bits;
     std::vector<std::array<std::uint64_t, 3>> numbers;
     for (int i = 0; i < 4000; ++i) {
         const auto width = static_cast<std::uint32_t>(random() % (most_packed_bits + 1));

@@ -14,7 +14,7 @@ using namespace tyndall::voxel_dag;
 TEST_CASE("set bits are counted and found as one by one, wherever rows of bits begin and end") {
     test::Random random(1);
     for (const std::uint32_t density : {2u, 50u, 97u}) {
-        BitWriter writer;
+        BitPacker writer;
         std::vector<bool> bits;
         for (int i = 0; i < 700; ++i) {
             bits.push_back(random() % 100 < density);
@@ -40,7 +40,7 @@ TEST_CASE("digits of every base are read back, in fewer bits than whole ones hav
     for (std::uint32_t base = 1; base <= packed_digits::most_base; base += base < 300 ? 1 : 97) {
         CAPTURE(base);
         const std::uint32_t count = random() % 90;
-        BitWriter bits;
+        BitPacker bits;
         bits.append(5, 3);
         test::Values digits(count);
         for (std::uint32_t& digit : digits)
