@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/tile_bins.hpp"
+#include "core/huge_pages.hpp"
 #include "core/parallel.hpp"
 #include "voxel_dag/tile_scan.hpp"
 #include <bit>
@@ -216,7 +217,7 @@ TileBins bin_triangles(const SnappedMesh& mesh, const Progress& progress) {
     // A brick of a surface has 9 voxels or more, if it is no dust; a flat triangle meets 512 bricks of a tile at most.
     bins.expected_brick_count = static_cast<std::size_t>(
         std::min(seen_area / (9.0 * (1 << 2 * step_bits)), 512.0 * static_cast<double>(bins.first_of_part.back())));
-    bins.entries.resize(bins.first_of_part.back());
+    bins.entries = large_vector<std::uint64_t>(bins.first_of_part.back());
     parallel_for(
         blocks.size(), progress,
         [&](std::size_t index) {
