@@ -66,8 +66,21 @@ class Runs {
 public:
     HWY_INLINE Runs(WaitingRuns& waiting, TileBits& bits) : waiting_(waiting), bits_(bits) {}
     HWY_INLINE void push(W mask, W place, hn::Mask<Words> is_active) {
+#if HWY_TARGET <= HWY_AVX3
         hn::CompressStore(place, is_active, words, waiting_.places + count_);
         count_ += hn::CompressStore(mask, is_active, words, waiting_.masks + count_);
+#else // Highway's own is slower there than to append each lane and to count those that stay
+        alignas(64) std::uint64_t places[lanes], masks[lanes];
+        std::uint8_t active[8] = {};
+        hn::Store(place, words, places);
+        hn::Store(mask, words, masks);
+        hn::StoreMaskBits(words, is_active, active);
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            waiting_.places[count_] = places[lane];
+            waiting_.masks[count_] = masks[lane];
+            count_ += active[0] >> lane & 1u;
+        }
+#endif
         if (count_ > WaitingRuns::room)
             write_all();
     }
