@@ -5,6 +5,7 @@
 #include "core/random.hpp"
 #include "support/voxel_attributes.hpp"
 #include "voxel_dag/color_palette.hpp"
+#include "voxel_dag/joint_materials.hpp"
 #include "voxel_dag/material_indices.hpp"
 #include "voxel_dag/palette_array.hpp"
 #include "voxel_dag/palette_blocks.hpp"
@@ -103,6 +104,26 @@ void read_at_random(benchmark::State& state) {
     state.counters["Mread_per_s"] = benchmark::Counter(1e-6 * count, benchmark::Counter::kIsIterationInvariantRate);
 }
 
+/// Normals and colours as one material, in one array and a table, against an array of each.
+void joint_materials(benchmark::State& state) {
+    const VoxelAttributes& attributes = attributes_of(state.range(0));
+    const std::array<std::span<const std::uint32_t>, 2> both{attributes.normals, attributes.baked};
+    std::uint64_t bytes = 0;
+    std::size_t material_count = 0;
+    for (auto _ : state) {
+        const JointMaterials joint = join(both, {});
+        bytes = run_array::encode(joint.indices, {}, {}).size() + encode_columns(joint).size();
+        material_count = joint.columns[0].size();
+    }
+    report(state, attributes.normals.size(), bytes);
+    state.counters["materials"] = static_cast<double>(material_count);
+    std::uint64_t apart = 0;
+    for (const auto& values : both)
+        apart += run_array::encode(values, {}, {}).size();
+    state.counters["apart_bytes_per_entry"] =
+        static_cast<double>(apart) / static_cast<double>(attributes.normals.size());
+}
+
 /// Colours of 24 bits, the baked ones times a gradient of 16 shades along the array, as few: by number, or by difference.
 void colors_quantized(benchmark::State& state) {
     std::vector<PackedColor> colors = values_of(state);
@@ -138,6 +159,7 @@ BENCHMARK(decoded<PaletteArray, palettes_of>)->Apply(on_all)->Name("palettes_dec
 BENCHMARK(decoded<RunArray, runs_of>)->Apply(on_all_sizes)->Name("runs_decoded");
 BENCHMARK(read_at_random<PaletteArray, palettes_of>)->Apply(on_all)->Name("palettes_read_at_random");
 BENCHMARK(read_at_random<RunArray, runs_of>)->Apply(on_all_sizes)->Name("runs_read_at_random");
+BENCHMARK(joint_materials)->ArgName("mesh")->Arg(0)->Arg(1)->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(colors_quantized)
     ->ArgNames({"mesh", "values", "colors"})
     ->ArgsProduct({{0, 1}, {1}, {0, 256, 4096}})

@@ -74,21 +74,30 @@ const char* Reader::damage() const {
     return runs_before(byte_count_) + 1 == run_count_ ? nullptr : "flags";
 }
 
+inline std::uint8_t Reader::byte_of_table(std::uint64_t index) const {
+    const std::uint64_t within = std::min<std::uint64_t>(index, table_size_ - 1); // beyond it only if it is damaged
+    return static_cast<std::uint8_t>(read_bits(bytes_, byte_table_ + 8 * within, 8));
+}
 std::uint8_t Reader::flag_byte(std::uint32_t number) const {
     const std::uint64_t stored = read_bits(bytes_, bytes_at_ + std::uint64_t{number} * byte_bits_, byte_bits_);
     if (byte_bits_ == 8)
         return static_cast<std::uint8_t>(stored);
-    const std::uint64_t in_table = std::min<std::uint64_t>(stored, table_size_ - 1); // beyond it only if it is damaged
-    return static_cast<std::uint8_t>(read_bits(bytes_, byte_table_ + 8 * in_table, 8));
+    return byte_of_table(stored);
 }
 
 /// Flags that are set in the first bytes.
 std::uint32_t Reader::runs_before(std::uint32_t byte_count) const {
     if (byte_bits_ == 8)
         return count_ones(bytes_, bytes_at_, bytes_at_ + 8 * std::uint64_t{byte_count});
+    if (byte_bits_ == 0)
+        return byte_count * static_cast<std::uint32_t>(std::popcount(flag_byte(0)));
+    const std::uint32_t together = most_packed_bits / byte_bits_; // indices in a word
     int count = 0;
-    for (std::uint32_t number = 0; number < byte_count; ++number)
-        count += std::popcount(flag_byte(number));
+    for (std::uint32_t begin = 0; begin < byte_count; begin += together) {
+        std::uint64_t word = read_bits(bytes_, bytes_at_ + std::uint64_t{begin} * byte_bits_, most_packed_bits);
+        for (std::uint32_t left = std::min(together, byte_count - begin); left > 0; --left, word >>= byte_bits_)
+            count += std::popcount(byte_of_table(word & low_bits(byte_bits_)));
+    }
     return static_cast<std::uint32_t>(count);
 }
 

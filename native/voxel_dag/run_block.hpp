@@ -37,6 +37,7 @@ public:
     void decode(std::span<std::uint32_t> values) const;
 
 private:
+    [[nodiscard]] std::uint8_t byte_of_table(std::uint64_t index) const;
     [[nodiscard]] std::uint8_t flag_byte(std::uint32_t number) const;
     [[nodiscard]] std::uint32_t runs_before(std::uint32_t byte_count) const;
     [[nodiscard]] std::uint32_t run_of(std::uint32_t entry) const;
