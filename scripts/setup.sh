@@ -12,7 +12,7 @@ cd "$(dirname "$0")/.."
 packages=(
     ca-certificates git g++ cmake ninja-build ccache clang-format python3-dev python3-venv
     libembree-dev libopenvdb-dev libboost-dev libimath-dev libtbb-dev libglm-dev libhwy-dev libfmt-dev
-    doctest-dev libbenchmark-dev
+    zlib1g-dev doctest-dev libbenchmark-dev
     blender python3-numpy xvfb xauth xdotool imagemagick
     libgl1 libgl1-mesa-dri libice6 libsm6 libx11-6 libxext6 libxfixes3 libxi6 libxrender1 libxt6 libxkbcommon0
 )

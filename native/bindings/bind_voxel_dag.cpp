@@ -1,37 +1,41 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bindings/arrays.hpp"
 #include "bindings/bind.hpp"
+#include "bindings/paths.hpp"
 #include "voxel_dag/build_dag.hpp"
-#include "voxel_dag/decode.hpp"
+#include "voxel_dag/dag_file.hpp"
 #include "voxel_dag/merge_symmetric.hpp"
-#include "voxel_dag/voxelize.hpp"
+#include "voxel_dag/pack_dag.hpp"
+#include "voxel_dag/snapped_mesh.hpp"
+#include "voxel_dag/trace.hpp"
 #include <pybind11/stl.h>
 
 namespace tyndall::bindings {
 using namespace py::literals;
 using namespace voxel_dag;
 
-/// A DAG whose nodes stay where they are: what hands its voxels out refers to them.
-struct VoxelDag {
-    std::shared_ptr<const Dag> dag;
-    std::uint64_t voxel_count;
-};
 struct VoxelParts {
-    std::shared_ptr<const Dag> dag;
-    Decoder decoder;
+    std::shared_ptr<const PlacedDag> placed; ///< What the decoder refers to.
+    PackedDecoder decoder;
 };
 
+/// The voxels of a mesh, and the cube that they are of.
 template <class Vector>
-static LeafMasks leaves_of(const py::array& positions, std::span<const uvec3> triangles, const VoxelizeConfig& config,
-                           const Progress& progress) {
+static std::pair<LeafMasks, Cube> voxels_of(const py::array& positions, std::span<const uvec3> triangles,
+                                            const VoxelizeConfig& config, const Progress& progress) {
     check_array<typename Vector::value_type>(positions, {-1, 3}, "positions");
     const std::span points(static_cast<const Vector*>(positions.data()), static_cast<std::size_t>(positions.shape(0)));
-    return without_gil([&] { return voxel_dag::voxelize(points, triangles, config, progress).leaves; });
+    return without_gil([&] {
+        LeafMasks leaves = voxel_dag::voxelize(points, triangles, config, progress).leaves;
+        return std::pair(std::move(leaves), config.bounds_m ? *config.bounds_m : cube_around(points, triangles));
+    });
 }
 
-static VoxelDag voxelize_mesh(const py::array& positions, const py::array& triangles, std::uint32_t resolution,
-                              VoxelizeRule rule, const std::optional<std::pair<std::array<double, 3>, double>>& bounds,
-                              Symmetry symmetry, std::uint64_t memory_budget_bytes, const Progress& progress) {
+static std::shared_ptr<PlacedDag> voxelize_mesh(const py::array& positions, const py::array& triangles,
+                                                std::uint32_t resolution, VoxelizeRule rule,
+                                                const std::optional<std::pair<std::array<double, 3>, double>>& bounds,
+                                                Symmetry symmetry, std::uint64_t memory_budget_bytes,
+                                                const Progress& progress) {
     check_array<std::uint32_t>(triangles, {-1, 3}, "triangles");
     const std::span corners(static_cast<const uvec3*>(triangles.data()), static_cast<std::size_t>(triangles.shape(0)));
     VoxelizeConfig config{.resolution = resolution, .rule = rule};
@@ -39,17 +43,50 @@ static VoxelDag voxelize_mesh(const py::array& positions, const py::array& trian
         config.bounds_m = {.lower_m = dvec3(bounds->first[0], bounds->first[1], bounds->first[2]),
                            .side_m = bounds->second};
     const bool is_double = py::isinstance<py::array_t<double>>(positions);
-    const LeafMasks leaves = is_double ? leaves_of<dvec3>(positions, corners, config, progress)
-                                       : leaves_of<vec3>(positions, corners, config, progress);
+    const auto [leaves, cube] = is_double ? voxels_of<dvec3>(positions, corners, config, progress)
+                                          : voxels_of<vec3>(positions, corners, config, progress);
     return without_gil([&] {
         Dag dag = build_dag(leaves, {.memory_budget_bytes = memory_budget_bytes}, progress);
         if (symmetry != Symmetry::None)
             dag = merge_symmetric(dag, {.symmetry = symmetry, .memory_budget_bytes = memory_budget_bytes}, progress);
-        return VoxelDag{std::make_shared<const Dag>(std::move(dag)), leaves.voxel_count()};
+        return std::make_shared<PlacedDag>(pack_dag(dag, progress), cube);
     });
 }
 
-static py::array_t<bool> contains(const VoxelDag& self, const py::array& coordinates) {
+static py::tuple trace_rays(const PlacedDag& self, const py::array& origins, const py::array& directions,
+                            const Progress& progress) {
+    check_array<double>(origins, {-1, 3}, "origins");
+    check_array<double>(directions, {origins.shape(0), 3}, "directions");
+    const auto count = static_cast<std::size_t>(origins.shape(0));
+    py::array_t<double> distances(origins.shape(0));
+    py::array_t<std::uint32_t> voxels({origins.shape(0), py::ssize_t{3}});
+    py::array_t<float> normals({origins.shape(0), py::ssize_t{3}});
+    const auto* starts = static_cast<const dvec3*>(origins.data());
+    const auto* ways = static_cast<const dvec3*>(directions.data());
+    double* const distance = distances.mutable_data();
+    auto* const voxel = reinterpret_cast<Voxel*>(voxels.mutable_data());
+    auto* const normal = reinterpret_cast<vec3*>(normals.mutable_data());
+    without_gil([&] {
+        const double per_m = static_cast<double>(std::uint64_t{1} << self.dag.level) / self.bounds_m.side_m;
+        std::vector<VoxelRay> rays(count);
+        for (std::size_t i = 0; i < count; ++i)
+            rays[i] = {.origin = (starts[i] - self.bounds_m.lower_m) * per_m, .direction = ways[i] * per_m};
+        std::vector<VoxelHit> hits(count);
+        trace(self.dag, rays, hits, progress);
+        for (std::size_t i = 0; i < count; ++i) {
+            distance[i] = hits[i].distance * glm::length(ways[i]);
+            voxel[i] = hits[i].voxel;
+            normal[i] = vec3(0.0f);
+            if (const int axis = static_cast<int>(hits[i].axis); hits[i].is_hit() && axis < 3)
+                normal[i][axis] = ways[i][axis] < 0.0 ? 1.0f : -1.0f;
+            if (!hits[i].is_hit())
+                distance[i] = std::numeric_limits<double>::infinity();
+        }
+    });
+    return py::make_tuple(distances, voxels, normals);
+}
+
+static py::array_t<bool> contains(const PlacedDag& self, const py::array& coordinates) {
     check_array<std::uint32_t>(coordinates, {-1, 3}, "coordinates");
     py::array_t<bool> found(coordinates.shape(0));
     const auto* voxels = static_cast<const Voxel*>(coordinates.data());
@@ -57,7 +94,7 @@ static py::array_t<bool> contains(const VoxelDag& self, const py::array& coordin
     const auto count = static_cast<std::size_t>(coordinates.shape(0));
     without_gil([&] {
         for (std::size_t i = 0; i < count; ++i)
-            results[i] = self.dag->contains(voxels[i]);
+            results[i] = self.dag.contains(voxels[i]);
     });
     return found;
 }
@@ -82,14 +119,6 @@ static py::array_t<std::uint32_t> next_voxels(VoxelParts& parts) {
     return to_numpy(std::move(coordinates), {count, 3});
 }
 
-static std::uint64_t geometry_bytes(const VoxelDag& self) {
-    std::uint64_t bytes = self.dag->leaves.size() * sizeof(std::uint64_t);
-    for (const DagLevel& level : self.dag->levels)
-        bytes += level.child_masks.size() + level.first_children.size() * sizeof(std::uint32_t) +
-                 level.children.size() * sizeof(std::uint32_t) + level.tags.size();
-    return bytes;
-}
-
 void bind_voxel_dag(py::module_& native) {
     py::enum_<VoxelizeRule>(native, "VoxelizeRule")
         .value("THIN", VoxelizeRule::Thin)
@@ -101,15 +130,41 @@ void bind_voxel_dag(py::module_& native) {
     py::class_<VoxelParts>(native, "VoxelParts", "uint32 (k, 3), x, y and z of voxels in Morton order, part by part.")
         .def("__iter__", [](VoxelParts& self) -> VoxelParts& { return self; })
         .def("__next__", &next_voxels);
-    py::class_<VoxelDag>(native, "VoxelDag", "Immutable; for any number of threads.")
-        .def_property_readonly("resolution", [](const VoxelDag& self) { return self.dag->resolution(); })
-        .def_readonly("voxel_count", &VoxelDag::voxel_count)
-        .def_property_readonly("node_count", [](const VoxelDag& self) { return self.dag->node_count(); })
-        .def_property_readonly("geometry_bytes", &geometry_bytes)
+    py::class_<PlacedDag, std::shared_ptr<PlacedDag>>(native, "VoxelDag", "Immutable; for any number of threads.")
+        .def_property_readonly("resolution", [](const PlacedDag& self) { return std::uint64_t{1} << self.dag.level; })
+        .def_property_readonly("voxel_count", [](const PlacedDag& self) { return self.dag.voxel_count; })
+        .def_property_readonly("node_count", [](const PlacedDag& self) { return self.dag.node_count; })
+        .def_property_readonly("geometry_bytes", [](const PlacedDag& self) { return self.dag.byte_count(); })
+        .def_property_readonly(
+            "bounds_m",
+            [](const PlacedDag& self) {
+                const dvec3& lower_m = self.bounds_m.lower_m;
+                return std::pair(std::array{lower_m.x, lower_m.y, lower_m.z}, self.bounds_m.side_m);
+            },
+            "Lower corner and side of the cube.")
         .def("contains", &contains, "coordinates"_a, "coordinates: uint32 (k, 3). Releases the GIL.")
-        .def("coordinates", [](const VoxelDag& self) {
-            return VoxelParts{self.dag, Decoder(*self.dag)};
-        });
+        .def("coordinates",
+             [](const std::shared_ptr<PlacedDag>& self) {
+                 return VoxelParts{self, PackedDecoder(self->dag)};
+             })
+        .def(
+            "trace", &trace_rays, "origins"_a, "directions"_a, "progress"_a,
+            R"(origins and directions: float64 (k, 3), in metres. Returns distances in metres, (k,), infinite where nothing is
+hit; voxels, uint32 (k, 3); and normals, float32 (k, 3), 0 where a ray began in a voxel. Releases the GIL. Cancelled.)")
+        .def(
+            "save",
+            [](const PlacedDag& self, const py::object& path, const Progress& progress) {
+                const std::string name = path_of(path);
+                without_gil([&] { write_dag(self.dag, self.bounds_m, name, progress); });
+            },
+            "path"_a, "progress"_a, "Releases the GIL. IoError: the path and why; Cancelled.");
+    native.def(
+        "load_voxel_dag",
+        [](const py::object& path, const Progress& progress) {
+            const std::string name = path_of(path);
+            return without_gil([&] { return std::make_shared<PlacedDag>(read_dag(name, progress)); });
+        },
+        "path"_a, "progress"_a, "Releases the GIL. IoError: the path and what is wrong with it; Cancelled.");
     native.def(
         "voxelize", &voxelize_mesh, "positions"_a, "triangles"_a, "resolution"_a, "rule"_a, "bounds"_a, "symmetry"_a,
         "memory_budget_bytes"_a, "progress"_a,

@@ -240,6 +240,9 @@ PackedDag pack_dag(const Dag& dag, const Progress& progress) {
     progress.poll();
     if (dag.is_empty())
         return {.level = dag.level, .leaves = {}, .pairs = {}, .records = {}, .levels = {}};
-    return Packing(dag, progress).run();
+    PackedDag packed = Packing(dag, progress).run();
+    packed.voxel_count = dag.voxel_count();
+    packed.node_count = dag.node_count();
+    return packed;
 }
 } // namespace tyndall::voxel_dag

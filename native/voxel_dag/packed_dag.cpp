@@ -128,41 +128,85 @@ std::uint64_t PackedDag::byte_count() const {
     return bytes;
 }
 
+PackedDecoder::PackedDecoder(const PackedDag& dag)
+    : dag_(dag), depth_(dag.level - leaf_level), is_done_(dag.is_empty()) {
+    if (depth_ > 0 && !is_done_)
+        enter(0, {.bit = dag.root_bit});
+}
+
+void PackedDecoder::enter(std::uint64_t code, const PackedNode& node) {
+    steps_[depth_ - 1] = {.code = code, .node = node, .header = packed_header(dag_, node), .octant = 0};
+}
+
+void PackedDecoder::add(std::uint64_t code, std::uint32_t pair, std::uint32_t turn, LeafMasks& part) const {
+    const PackedLeaf leaf = packed_leaf(dag_, pair);
+    part.codes.push_back(code);
+    part.masks.push_back(turned_leaf(cube_group.product[turn][leaf.tag], leaf.mask));
+}
+
+bool PackedDecoder::next(std::size_t most_bricks, LeafMasks& part) {
+    part.level = dag_.level;
+    part.codes.clear(), part.masks.clear();
+    const std::uint32_t root_depth = dag_.level - leaf_level;
+    if (!is_done_ && root_depth == 0) {
+        add(0, 0, 0, part);
+        is_done_ = true;
+    }
+    while (!is_done_ && part.codes.size() < most_bricks) {
+        Step& step = steps_[depth_ - 1];
+        if (step.octant == 8) {
+            is_done_ = depth_ == root_depth;
+            ++depth_;
+            continue;
+        }
+        const std::uint32_t there = step.octant++;
+        const std::uint32_t octant = cube_group.octant[cube_group.inverse[step.node.turn]][there];
+        if ((step.header.child_mask >> octant & 1) == 0)
+            continue;
+        if (depth_ == 1) {
+            add(step.code << 3 | there, packed_pair(dag_, step.header, octant), step.node.turn, part);
+            continue;
+        }
+        const PackedNode child = packed_child(dag_, depth_ + leaf_level, step.node, step.header, octant);
+        const std::uint64_t code = step.code << 3 | there;
+        --depth_;
+        enter(code, child);
+    }
+    return !part.codes.empty();
+}
+
 void decode(const PackedDag& dag, std::size_t part_size, const std::function<void(const LeafMasks& part)>& receive,
             const Progress& progress) {
     require(part_size > 0, "voxel DAG: decoded in parts of 0 bricks");
-    if (dag.is_empty())
-        return;
-    LeafMasks part{.level = dag.level, .codes = {}, .masks = {}};
-    const auto hand_over = [&] {
+    PackedDecoder decoder(dag);
+    for (LeafMasks part; decoder.next(part_size, part);) {
         progress.poll();
         receive(part);
-        part.codes.clear(), part.masks.clear();
-    };
-    const auto add = [&](std::uint64_t code, std::uint32_t pair, std::uint32_t turn) {
-        const PackedLeaf leaf = packed_leaf(dag, pair);
-        part.codes.push_back(code);
-        part.masks.push_back(turned_leaf(cube_group.product[turn][leaf.tag], leaf.mask));
-        if (part.codes.size() == part_size)
-            hand_over();
-    };
-    const auto visit = [&](const auto& self, std::uint32_t level, std::uint64_t code, const PackedNode& node) -> void {
-        const PackedHeader header = packed_header(dag, node);
-        for (std::uint32_t there = 0; there < 8; ++there) {
-            const std::uint32_t octant = cube_group.octant[cube_group.inverse[node.turn]][there];
-            if ((header.child_mask >> octant & 1) == 0)
-                continue;
-            if (level == leaf_level + 1)
-                add(code << 3 | there, packed_pair(dag, header, octant), node.turn);
-            else
-                self(self, level - 1, code << 3 | there, packed_child(dag, level, node, header, octant));
-        }
-    };
-    if (dag.level == leaf_level)
-        add(0, 0, 0);
-    else
-        visit(visit, dag.level, 0, {.bit = dag.root_bit});
-    if (!part.codes.empty())
-        hand_over();
+    }
+}
+
+void require_usable(const PackedDag& dag) {
+    require(leaf_level <= dag.level && dag.level <= most_level, "voxel DAG: 2^", dag.level, " a side; from 2^",
+            leaf_level, " to 2^", most_level, " are possible");
+    require(dag.tag_bits == 0 || dag.tag_bits == 3 || dag.tag_bits == 6, "voxel DAG: tags of ", dag.tag_bits, " bits");
+    require(dag.leaf_bits <= 32, "voxel DAG: numbers of leaves of ", dag.leaf_bits, " bits");
+    if (dag.is_empty())
+        return;
+    require(dag.levels.size() == dag.level - leaf_level, "voxel DAG: ", dag.levels.size(), " levels of nodes in 2^",
+            dag.level, " voxels a side");
+    constexpr std::uint64_t slack_bits = 64; // behind the last bit that is read
+    require(64 * dag.pairs.size() >= dag.leaf_bits + dag.tag_bits + slack_bits,
+            "voxel DAG: no leaf has a name");
+    const std::uint64_t record_bits = 64 * dag.records.size();
+    require(dag.level == leaf_level || (slack_bits <= record_bits && dag.root_bit < record_bits - slack_bits),
+            "voxel DAG: the root's record is not there");
+    for (std::size_t i = 0; i < dag.levels.size(); ++i) {
+        const PackedLevel& level = dag.levels[i];
+        for (std::size_t at_class = 0; at_class < 4; ++at_class)
+            require(level.classes.widths[at_class] <= 32 && level.field_bits[at_class] <= 32 + dag.tag_bits,
+                    "voxel DAG: fields of ", level.field_bits[at_class], " bits in level ", i + leaf_level + 1);
+        require(std::ranges::all_of(level.directory, [&](std::uint32_t bit) { return bit < record_bits - slack_bits; }),
+                "voxel DAG: the directory of level ", i + leaf_level + 1, " leaves the records");
+    }
 }
 } // namespace tyndall::voxel_dag

@@ -38,6 +38,8 @@ struct PackedDag {
     std::vector<std::uint64_t> records; ///< All levels' shared records and what lies inside them; the root's last.
     std::vector<PackedLevel> levels;    ///< levels[i]: 2^(3 + i) voxels a side.
     std::uint64_t root_bit = 0;         ///< Where the root's record begins.
+    std::uint64_t voxel_count = 0,
+                  node_count = 0; ///< Of the DAG that was packed: voxels, and distinct nodes and leaves.
 
     bool operator==(const PackedDag&) const = default;
     [[nodiscard]] bool is_empty() const { return leaves.empty(); }
@@ -70,6 +72,31 @@ struct PackedLeaf {
 };
 [[nodiscard]] PackedLeaf packed_leaf(const PackedDag& dag, std::uint32_t pair);
 
+/// Throws InvalidInput, which names what is wrong with the tables that records are read by. What these say is trusted.
+void require_usable(const PackedDag& dag);
+
+/// As Decoder, from the packed bits.
+class PackedDecoder {
+public:
+    explicit PackedDecoder(const PackedDag& dag);
+    /// The next bricks, at most so many, at least one; false, and none, where all have been handed out.
+    bool next(std::size_t most_bricks, LeafMasks& part);
+
+private:
+    struct Step {
+        std::uint64_t code;
+        PackedNode node;
+        PackedHeader header;
+        std::uint32_t octant; ///< The next, as it lies in the world.
+    };
+    void enter(std::uint64_t code, const PackedNode& node);
+    void add(std::uint64_t code, std::uint32_t pair, std::uint32_t turn, LeafMasks& part) const;
+
+    const PackedDag& dag_;
+    std::array<Step, most_level - leaf_level> steps_;
+    std::uint32_t depth_; ///< The step that is at work, and one.
+    bool is_done_;
+};
 /// As decode(Dag), from the packed bits.
 void decode(const PackedDag& dag, std::size_t part_size, const std::function<void(const LeafMasks& part)>& receive,
             const Progress& progress);

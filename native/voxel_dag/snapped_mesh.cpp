@@ -51,9 +51,8 @@ static void require_usable(std::span<const Position> positions_m, std::span<cons
                triangles[triangle].z, "; there are ", positions_m.size());
 }
 
-/// Around the vertices that triangles use: one that none uses must not change the scale.
 template <typename Position>
-static Cube cube_around(std::span<const Position> positions_m, std::span<const uvec3> triangles) {
+Cube cube_around(std::span<const Position> positions_m, std::span<const uvec3> triangles) {
     dvec3 lower(positions_m[triangles[0].x]), upper = lower;
     for (const uvec3& corners : triangles)
         for (int corner = 0; corner < 3; ++corner) {
@@ -66,6 +65,9 @@ static Cube cube_around(std::span<const Position> positions_m, std::span<const u
     require(side_m > 0, "all triangles lie in one point: bounds_m has to say which cube is meant");
     return {.lower_m = lower, .side_m = side_m};
 }
+
+template Cube cube_around(std::span<const vec3>, std::span<const uvec3>);
+template Cube cube_around(std::span<const dvec3>, std::span<const uvec3>);
 
 template <typename Position>
 SnappedMesh snap(std::span<const Position> positions_m, std::span<const uvec3> triangles, const VoxelizeConfig& config,

@@ -21,6 +21,11 @@ struct SnappedMesh {
         return {positions[corners.x], positions[corners.y], positions[corners.z]};
     }
 };
+/// What is voxelized unless the configuration says: around the vertices that triangles use, which are there and finite.
+template <typename Position>
+[[nodiscard]] Cube cube_around(std::span<const Position> positions_m, std::span<const uvec3> triangles);
+extern template Cube cube_around(std::span<const vec3>, std::span<const uvec3>);
+extern template Cube cube_around(std::span<const dvec3>, std::span<const uvec3>);
 /// Throws as voxelize() does.
 template <typename Position>
 [[nodiscard]] SnappedMesh snap(std::span<const Position> positions_m, std::span<const uvec3> triangles,

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
@@ -56,8 +57,14 @@ class VoxelDag:
 
     @property
     def geometry_bytes(self) -> int:
-        """Of the nodes, as they lie in memory."""
+        """Of all nodes, as they lie in memory and in the file."""
         return self._native.geometry_bytes
+
+    @property
+    def bounds_m(self) -> NDArray[np.float64]:
+        """Lower and upper corner of the cube, (2, 3)."""
+        lower_m, side_m = self._native.bounds_m
+        return np.array([lower_m, np.add(lower_m, side_m)])
 
     def contains(self, coordinates: ArrayLike) -> NDArray[np.bool_]:
         """Whether voxels are set, (k,), for whole numbers x, y and z, (k, 3). What lies outside is not.
@@ -70,6 +77,35 @@ class VoxelDag:
         """All voxels in Morton order (x changes fastest), some at a time: (k, 3)."""
         return iter(self._native.coordinates())
 
+    def trace(
+        self, origins_m: ArrayLike, directions: ArrayLike, progress: Progress | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.uint32], NDArray[np.float32]]:
+        """The first voxel along each ray: distance in metres, (k,); voxel, (k, 3); normal of its face, (k, 3).
+
+        ``origins_m`` and ``directions``: (k, 3); directions may have any length. A miss has an infinite distance. A ray
+        that begins in a voxel hits it at 0, without a normal. Raises InvalidInput and Cancelled.
+        """
+        from . import _native  # noqa: PLC0415 - as below
+
+        origins = np.ascontiguousarray(_points(origins_m, "origins_m"), np.float64)
+        ways = np.ascontiguousarray(_points(directions, "directions"), np.float64)
+        if origins.shape != ways.shape:
+            raise _refuse(f"{len(origins)} origins_m, but {len(ways)} directions")
+        return self._native.trace(origins, ways, progress or _native.Progress())
+
+    def save(self, path: str | os.PathLike[str], progress: Progress | None = None) -> None:
+        """Write a ``.tdag`` file, whole or not at all. Raises IoError, which names the path, and Cancelled."""
+        from . import _native  # noqa: PLC0415 - as below
+
+        self._native.save(path, progress or _native.Progress())
+
+
+def load(path: str | os.PathLike[str], progress: Progress | None = None) -> VoxelDag:
+    """Read a ``.tdag`` file. Raises IoError, which names the path and the section that is damaged, and Cancelled."""
+    from . import _native  # noqa: PLC0415 - a scene can be described without it
+
+    return VoxelDag(_native.load_voxel_dag(path, progress or _native.Progress()))
+
 
 def voxelize(
     positions_m: ArrayLike, triangles: ArrayLike, config: Config | None = None, progress: Progress | None = None
@@ -79,12 +115,12 @@ def voxelize(
     ``positions_m``: (n, 3), float32 or float64, in metres; ``triangles``: (m, 3), three indices of positions each.
     Raises InvalidInput, which names the vertex, the triangle or the setting, and Cancelled.
     """
-    from . import _native  # noqa: PLC0415 - a scene can be described without it
+    from . import _native  # noqa: PLC0415 - as above
 
     config = config or Config()
     return VoxelDag(
         _native.voxelize(
-            positions=_points(positions_m),
+            positions=_points(positions_m, "positions_m"),
             triangles=_indices(triangles, "triangles"),
             resolution=_whole("resolution", config.resolution, _MOST_INDEX),
             rule=_named(_native.VoxelizeRule, "rule", config.rule),
@@ -101,7 +137,7 @@ def voxelize(
 def _refuse(message: str) -> Exception:
     from . import _native  # noqa: PLC0415 - as above
 
-    return _native.InvalidInput(f"voxelize: {message}")
+    return _native.InvalidInput(f"voxel DAG: {message}")
 
 
 def _whole(name: str, value: object, most: int) -> int:
@@ -129,10 +165,10 @@ def _rows_of_three(values: ArrayLike, name: str) -> NDArray[Any]:
     return array
 
 
-def _points(values: ArrayLike) -> NDArray[np.float32] | NDArray[np.float64]:
-    array = _rows_of_three(values, "positions_m")
+def _points(values: ArrayLike, name: str) -> NDArray[np.float32] | NDArray[np.float64]:
+    array = _rows_of_three(values, name)
     if array.dtype.kind not in "fiu":
-        raise _refuse(f"positions_m are {array.dtype}, not numbers")
+        raise _refuse(f"{name} are {array.dtype}, not numbers")
     return np.ascontiguousarray(array, array.dtype if array.dtype in (np.float32, np.float64) else np.float64)
 
 

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import itertools
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import tyndall
-from tyndall.voxel_dag import Config, VoxelDag, voxelize
+from support.full_disk import largest_file
+from tyndall.voxel_dag import Config, VoxelDag, load, voxelize
 
 CUBE = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 #: Two triangles per face, by the corners of CUBE.
@@ -135,6 +137,65 @@ def test_a_mesh_without_triangles_is_refused() -> None:
     for bounds in (None, [[0, 0, 0], [1, 1, 1]]):
         with pytest.raises(tyndall.InvalidInput, match="no triangles"):
             voxelize(CUBE, [], Config(resolution=64, bounds_m=bounds))
+
+
+def first_voxels(is_set: np.ndarray, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Distances by asking each voxel: where the ray is within it along all three axes at once; inf where nowhere."""
+    lower = np.argwhere(is_set)[None]
+    with np.errstate(divide="ignore"):
+        ends = np.stack([(lower + side - origins[:, None]) / directions[:, None] for side in (0, 1)])
+    near, far = ends.min(axis=0).max(axis=-1), ends.max(axis=0).min(axis=-1)
+    entered = np.where((near < far) & (far > 0), np.maximum(near, 0), np.inf)
+    return entered.min(axis=1)
+
+
+def test_rays_meet_the_voxel_that_asking_each_one_finds() -> None:
+    bounds = np.array([[-4.0, -4, -4], [4, 4, 4]])
+    dag = voxelize(*soup(400, 6), Config(resolution=32, bounds_m=bounds))
+    is_set = np.zeros((32, 32, 32), bool)
+    is_set[tuple(all_of(dag).T)] = True
+    random = np.random.default_rng(7)
+    origins, directions = random.uniform(-6, 6, (400, 3)), random.normal(size=(400, 3))
+    distance_m, voxels, normals = dag.trace(origins, directions)
+    lengths = np.linalg.norm(directions, axis=1)
+    wanted_m = first_voxels(is_set, (origins + 4) * 4, directions * 4) * lengths
+    assert 0.2 < np.isfinite(wanted_m).mean() < 0.95
+    np.testing.assert_allclose(distance_m, wanted_m, rtol=1e-12, atol=1e-12)
+    is_hit = np.isfinite(distance_m)
+    assert is_set[tuple(voxels[is_hit].T)].all()
+    began_outside = is_hit & (distance_m > 0)
+    assert np.array_equal(np.abs(normals[began_outside]).sum(axis=1), np.ones(began_outside.sum()))
+    assert (np.einsum("ij,ij->i", normals[began_outside], directions[began_outside]) < 0).all()
+    assert not normals[distance_m == 0].any()
+    points = (origins + distance_m[:, None] * directions / lengths[:, None])[began_outside]
+    face = ((points + 4) * 4 - voxels[began_outside] - 0.5) * np.abs(normals[began_outside])
+    np.testing.assert_allclose(face, 0.5 * normals[began_outside], atol=1e-9)
+
+
+def test_a_file_gives_everything_back(tmp_path: Path) -> None:
+    mesh = soup(200, 8)
+    dag = voxelize(*mesh, Config(resolution=256))
+    dag.save(tmp_path / "a.tdag")
+    again = load(tmp_path / "a.tdag")
+    assert np.array_equal(all_of(again), all_of(dag))
+    for name in ("resolution", "voxel_count", "node_count", "geometry_bytes"):
+        assert getattr(again, name) == getattr(dag, name)
+    assert np.array_equal(again.bounds_m, dag.bounds_m)
+    np.testing.assert_allclose(dag.bounds_m[0], mesh[0].min(axis=0), rtol=1e-15)
+    assert dag.bounds_m[1].max() - dag.bounds_m[0].max() <= np.ptp(mesh[0], axis=0).max() * (1 + 1e-15)
+    assert (tmp_path / "a.tdag").stat().st_size < dag.geometry_bytes + 4096
+
+
+def test_a_full_disk_leaves_the_file_that_was_there(tmp_path: Path) -> None:
+    path = tmp_path / "a.tdag"
+    small, large = (voxelize(*soup(200, 9), Config(resolution=resolution)) for resolution in (16, 256))
+    small.save(path)
+    with largest_file(1 << 14), pytest.raises(tyndall.IoError, match=r"a\.tdag: .*room"):
+        large.save(path)
+    assert load(path).resolution == 16
+    assert [entry.name for entry in tmp_path.iterdir()] == ["a.tdag"]
+    with pytest.raises(tyndall.IoError, match=r"missing\.tdag"):
+        load(tmp_path / "missing.tdag")
 
 
 def test_a_cancelled_call_stops() -> None:

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxel_dag/dag_file.hpp"
+#include "core/errors.hpp"
+#include "core/partial_file.hpp"
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <span>
+#include <system_error>
+#include <zlib.h>
+
+namespace tyndall::voxel_dag {
+namespace {
+static_assert(std::endian::native == std::endian::little, "files are little-endian, and read as they lie");
+
+constexpr std::array<char, 8> magic{'T', 'D', 'A', 'G', '\r', '\n', '\x1a', '\n'}; // shows what text mode does to it
+constexpr std::uint32_t version = 1;
+constexpr std::uint64_t alignment = 64;
+constexpr std::size_t bytes_at_once = std::size_t{4} << 20;
+
+struct Header {
+    std::array<char, 8> magic;
+    std::uint32_t version, level, tag_bits, leaf_bits;
+    std::uint64_t root_bit, voxel_count, node_count, file_bytes;
+    std::array<double, 3> lower_m;
+    double side_m;
+    std::uint32_t section_count, table_checksum, reserved, checksum; ///< The last of all that is before it.
+};
+static_assert(sizeof(Header) == 104);
+
+enum class Kind : std::uint32_t { Formats = 1, Directory = 2, Records = 3, Pairs = 4, Leaves = 5 };
+struct Section {
+    Kind kind;
+    std::uint32_t level; ///< Of a directory: its nodes have 2^level voxels a side. Else 0.
+    std::uint64_t offset, bytes;
+    std::uint32_t checksum, reserved;
+};
+static_assert(sizeof(Section) == 32);
+
+/// How one level names what is below it.
+struct Format {
+    std::array<std::uint32_t, 4> widths, begins, field_bits;
+};
+static_assert(sizeof(Format) == 48);
+
+std::string name_of(const Section& section) {
+    switch (section.kind) {
+    case Kind::Formats:
+        return "the formats of the levels";
+    case Kind::Directory:
+        return "the directory of level " + std::to_string(section.level);
+    case Kind::Records:
+        return "the records";
+    case Kind::Pairs:
+        return "the pairs of leaves and tags";
+    case Kind::Leaves:
+        return "the leaves";
+    }
+    return "a section of an unknown kind";
+}
+
+std::uint64_t aligned(std::uint64_t offset) { return (offset + alignment - 1) / alignment * alignment; }
+
+std::uint32_t checksum_of(std::span<const std::byte> bytes) {
+    return static_cast<std::uint32_t>(
+        crc32_z(crc32_z(0, nullptr, 0), reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+template <class Value>
+std::span<const std::byte> bytes_of(const Value& value) {
+    return std::as_bytes(std::span(&value, 1));
+}
+std::uint32_t checksum_of(const Header& header) {
+    return checksum_of(bytes_of(header).first(offsetof(Header, checksum)));
+}
+
+struct Closer {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, Closer>;
+
+/// Calls work(first, count) for stretches, between which the call can be cancelled.
+template <class Work>
+void in_stretches(std::size_t size, const Progress& progress, const Work& work) {
+    for (std::size_t first = 0; first < size; first += bytes_at_once) {
+        progress.poll();
+        work(first, std::min(bytes_at_once, size - first));
+    }
+}
+
+class Writer {
+public:
+    Writer(const std::filesystem::path& path, const Progress& progress)
+        : path_(path), part_(path), file_(std::fopen(part_.name().c_str(), "wb")), progress_(progress) {
+        if (!file_)
+            fail();
+    }
+    void write(std::span<const std::byte> bytes) {
+        in_stretches(bytes.size(), progress_, [&](std::size_t first, std::size_t count) {
+            if (std::fwrite(bytes.data() + first, 1, count, file_.get()) != count)
+                fail();
+        });
+        at_ += bytes.size();
+    }
+    void pad_to(std::uint64_t offset) {
+        const std::array<std::byte, alignment> zeros{};
+        write(std::span(zeros).first(offset - at_));
+    }
+    void complete() {
+        if (std::fclose(file_.release()) != 0)
+            fail();
+        part_.complete();
+    }
+
+private:
+    [[noreturn]] void fail() const {
+        refuse_file(path_,
+                    std::generic_category().message(errno) + ": see that the folder can be written to and has room");
+    }
+
+    const std::filesystem::path& path_;
+    PartialFile part_;
+    File file_;
+    const Progress& progress_;
+    std::uint64_t at_ = 0;
+};
+
+class Reader {
+public:
+    Reader(const std::filesystem::path& path, const Progress& progress)
+        : path_(path), file_(std::fopen(path.c_str(), "rb")), progress_(progress) {
+        std::error_code error;
+        if (!file_ || (size_ = std::filesystem::file_size(path, error), error))
+            refuse_file(path, error ? error.message() : std::generic_category().message(errno));
+    }
+    [[nodiscard]] std::uint64_t size() const { return size_; }
+    [[noreturn]] void refuse(const std::string& reason) const { refuse_file(path_, reason); }
+    void read(std::uint64_t offset, std::span<std::byte> bytes, const std::string& what) const {
+        if (offset > size_ || bytes.size() > size_ - offset)
+            refuse("it ends within " + what + ": copy or save it again");
+        if (std::fseek(file_.get(), static_cast<long>(offset), SEEK_SET) != 0)
+            refuse(std::generic_category().message(errno));
+        in_stretches(bytes.size(), progress_, [&](std::size_t first, std::size_t count) {
+            if (std::fread(bytes.data() + first, 1, count, file_.get()) != count)
+                refuse("reading " + what + " failed");
+        });
+    }
+    /// `count` of them, after their checksum was seen to fit.
+    template <class Value>
+    [[nodiscard]] std::vector<Value> values(const Section& section) const {
+        if (section.offset > size_ || section.bytes > size_ - section.offset)
+            refuse("it ends within " + name_of(section) + ": copy or save it again");
+        if (section.bytes % sizeof(Value) != 0)
+            refuse(name_of(section) + " have a size of " + std::to_string(section.bytes) + " bytes");
+        std::vector<Value> values(section.bytes / sizeof(Value));
+        read(section.offset, std::as_writable_bytes(std::span(values)), name_of(section));
+        if (checksum_of(std::as_bytes(std::span(values))) != section.checksum)
+            refuse(name_of(section) + " are damaged: copy or save the file again");
+        return values;
+    }
+
+private:
+    const std::filesystem::path& path_;
+    File file_;
+    const Progress& progress_;
+    std::uint64_t size_ = 0;
+};
+
+Header read_header(const Reader& reader) {
+    Header header{};
+    reader.read(0, std::as_writable_bytes(std::span(&header, 1)), "its header");
+    if (header.magic != magic)
+        reader.refuse("it is no .tdag file");
+    if (header.version > version)
+        reader.refuse("it is of version " + std::to_string(header.version) + ", this Tyndall reads up to " +
+                      std::to_string(version) + ": install a newer one");
+    if (header.checksum != checksum_of(header))
+        reader.refuse("its header is damaged: copy or save the file again");
+    if (header.file_bytes != reader.size())
+        reader.refuse("it has " + std::to_string(reader.size()) + " bytes instead of " +
+                      std::to_string(header.file_bytes) + ": copy or save it again");
+    return header;
+}
+
+std::vector<Section> read_table(const Reader& reader, const Header& header) {
+    constexpr std::size_t most_sections = 4096; // more than any version has
+    if (header.section_count > most_sections)
+        reader.refuse("it has " + std::to_string(header.section_count) + " sections");
+    std::vector<Section> table(header.section_count);
+    reader.read(sizeof(Header), std::as_writable_bytes(std::span(table)), "its table of sections");
+    if (checksum_of(std::as_bytes(std::span(table))) != header.table_checksum)
+        reader.refuse("its table of sections is damaged: copy or save the file again");
+    return table;
+}
+} // namespace
+
+void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem::path& path,
+               const Progress& progress) {
+    std::vector<Format> formats;
+    for (const PackedLevel& level : dag.levels)
+        formats.push_back({level.classes.widths, level.classes.begins, level.field_bits});
+    std::vector<Section> table;
+    std::vector<std::span<const std::byte>> contents;
+    const auto append = [&](Kind kind, std::uint32_t level, const auto& values) {
+        const auto bytes = std::as_bytes(std::span(values));
+        table.push_back({kind, level, 0, bytes.size(), checksum_of(bytes), 0});
+        contents.push_back(bytes);
+    };
+    append(Kind::Formats, 0, formats);
+    for (std::size_t i = dag.levels.size(); i-- > 0;)
+        append(Kind::Directory, static_cast<std::uint32_t>(i) + leaf_level + 1, dag.levels[i].directory);
+    append(Kind::Leaves, 0, dag.leaves);
+    append(Kind::Pairs, 0, dag.pairs);
+    append(Kind::Records, 0, dag.records);
+    std::uint64_t end = sizeof(Header) + table.size() * sizeof(Section);
+    for (Section& section : table) {
+        section.offset = aligned(end);
+        end = section.offset + section.bytes;
+    }
+    Header header{.magic = magic,
+                  .version = version,
+                  .level = dag.level,
+                  .tag_bits = dag.tag_bits,
+                  .leaf_bits = dag.leaf_bits,
+                  .root_bit = dag.root_bit,
+                  .voxel_count = dag.voxel_count,
+                  .node_count = dag.node_count,
+                  .file_bytes = end,
+                  .lower_m = {bounds_m.lower_m.x, bounds_m.lower_m.y, bounds_m.lower_m.z},
+                  .side_m = bounds_m.side_m,
+                  .section_count = static_cast<std::uint32_t>(table.size()),
+                  .table_checksum = checksum_of(std::as_bytes(std::span(table))),
+                  .reserved = 0,
+                  .checksum = 0};
+    header.checksum = checksum_of(header);
+    Writer writer(path, progress);
+    writer.write(bytes_of(header));
+    writer.write(std::as_bytes(std::span(table)));
+    for (std::size_t section = 0; section < table.size(); ++section) {
+        writer.pad_to(table[section].offset);
+        writer.write(contents[section]);
+    }
+    writer.complete();
+}
+
+PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) {
+    const Reader reader(path, progress);
+    const Header header = read_header(reader);
+    PackedDag dag{.level = header.level,
+                  .tag_bits = header.tag_bits,
+                  .leaf_bits = header.leaf_bits,
+                  .leaves = {},
+                  .pairs = {},
+                  .records = {},
+                  .levels = {},
+                  .root_bit = header.root_bit,
+                  .voxel_count = header.voxel_count,
+                  .node_count = header.node_count};
+    for (const Section& section : read_table(reader, header))
+        switch (section.kind) {
+        case Kind::Formats:
+            for (std::size_t i = 0; const Format& format : reader.values<Format>(section)) {
+                dag.levels.resize(std::max(dag.levels.size(), i + 1));
+                dag.levels[i].classes = {.widths = format.widths, .begins = format.begins};
+                dag.levels[i++].field_bits = format.field_bits;
+            }
+            break;
+        case Kind::Directory:
+            if (section.level <= leaf_level || section.level > most_level)
+                reader.refuse(name_of(section) + " belongs to no level");
+            dag.levels.resize(std::max(dag.levels.size(), std::size_t{section.level - leaf_level}));
+            dag.levels[section.level - leaf_level - 1].directory = reader.values<std::uint32_t>(section);
+            break;
+        case Kind::Leaves:
+            dag.leaves = reader.values<std::uint64_t>(section);
+            break;
+        case Kind::Pairs:
+            dag.pairs = reader.values<std::uint64_t>(section);
+            break;
+        case Kind::Records:
+            dag.records = reader.values<std::uint64_t>(section);
+            break;
+        default: // of a kind that came later, and that this version can do without
+            break;
+        }
+    try {
+        require_usable(dag);
+    } catch (const InvalidInput& error) {
+        reader.refuse(error.what());
+    }
+    return {.dag = std::move(dag),
+            .bounds_m = {.lower_m = dvec3(header.lower_m[0], header.lower_m[1], header.lower_m[2]),
+                         .side_m = header.side_m}};
+}
+} // namespace tyndall::voxel_dag

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A packed DAG in a file, .tdag: a header, a table of sections, and the sections as they lie in memory, so that a file that
+// is mapped can be followed in place; each has a checksum. docs/tdag.md describes every byte.
+// Bound:    the DAG's bytes, written once; read and checked once, at zlib's 1 to 3 GB/s.
+#pragma once
+#include "core/progress.hpp"
+#include "voxel_dag/packed_dag.hpp"
+#include "voxel_dag/voxelize.hpp"
+#include <filesystem>
+
+namespace tyndall::voxel_dag {
+/// Voxels of a cube somewhere in space.
+struct PlacedDag {
+    PackedDag dag;
+    Cube bounds_m;
+};
+
+/// The file appears whole or not at all. Throws IoError, which names the path and why, and Cancelled.
+void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem::path& path, const Progress& progress);
+/// Throws IoError, which names the path, and the section that is damaged or missing; and
+/// Cancelled.
+[[nodiscard]] PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress);
+} // namespace tyndall::voxel_dag

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/errors.hpp"
+#include "support/voxel_sets.hpp"
+#include "voxel_dag/build_dag.hpp"
+#include "voxel_dag/dag_file.hpp"
+#include "voxel_dag/merge_symmetric.hpp"
+#include "voxel_dag/pack_dag.hpp"
+#include <doctest/doctest.h>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <unistd.h>
+
+using namespace tyndall;
+using namespace tyndall::voxel_dag;
+using namespace tyndall::support;
+
+namespace {
+const Progress progress;
+constexpr double side_m = 0.1; // no number of bits holds it
+const Cube place{.lower_m = dvec3(-1.5, 2e5, 1e-3), .side_m = side_m};
+
+PackedDag packed(const LeafMasks& voxels, Symmetry symmetry) {
+    Dag dag = build_dag(voxels, {}, progress);
+    if (symmetry != Symmetry::None)
+        dag = merge_symmetric(dag, {.symmetry = symmetry}, progress);
+    return pack_dag(dag, progress);
+}
+
+/// A file that goes with the test.
+class TestFile {
+public:
+    TestFile()
+        : path_(std::filesystem::temp_directory_path() / ("tyndall_dag_test_" + std::to_string(getpid()) + ".tdag")) {}
+    TestFile(const TestFile&) = delete;
+    TestFile& operator=(const TestFile&) = delete;
+    ~TestFile() { std::filesystem::remove(path_); }
+
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+    [[nodiscard]] std::string bytes() const {
+        std::ifstream file(path_, std::ios::binary);
+        return {std::istreambuf_iterator<char>(file), {}};
+    }
+    void replace(const std::string& bytes) const { std::ofstream(path_, std::ios::binary) << bytes; }
+    /// What reading it complains of; "" where it does not.
+    [[nodiscard]] std::string complaint() const {
+        try {
+            static_cast<void>(read_dag(path_, progress));
+        } catch (const IoError& error) {
+            return error.what();
+        }
+        return "";
+    }
+
+private:
+    std::filesystem::path path_;
+};
+} // namespace
+
+TEST_CASE("a file gives back the DAG that was written, bit by bit, and its place in metres") {
+    const TestFile file;
+    for (const Symmetry symmetry : {Symmetry::None, Symmetry::Reflections, Symmetry::Cube})
+        for (const LeafMasks& voxels :
+             {sphere_voxels(7, {64, 64, 64}, 50), random_voxels(5, 0.01, 3), sierpinski_voxels(6), full_voxels(2),
+              full_voxels(6), LeafMasks{.level = 9, .codes = {}, .masks = {}}}) {
+            const PackedDag dag = packed(voxels, symmetry);
+            write_dag(dag, place, file.path(), progress);
+            const PlacedDag read = read_dag(file.path(), progress);
+            REQUIRE(read.dag == dag);
+            REQUIRE(read.bounds_m.lower_m == place.lower_m);
+            REQUIRE(read.bounds_m.side_m == side_m);
+        }
+}
+
+TEST_CASE("a file that ends early is refused, wherever it ends, and says so") {
+    const TestFile file;
+    write_dag(packed(sphere_voxels(6, {30, 30, 30}, 25), Symmetry::Cube), place, file.path(), progress);
+    const std::string whole = file.bytes();
+    for (std::size_t length = 0; length < whole.size(); length += 7) {
+        CAPTURE(length);
+        file.replace(whole.substr(0, length));
+        const std::string complaint = file.complaint();
+        REQUIRE(complaint.starts_with(file.path().string() + ": "));
+        REQUIRE(complaint.find(length < 104 ? "header" : "bytes instead of") != std::string::npos);
+    }
+    file.replace(whole + "x");
+    CHECK(file.complaint().find("bytes instead of") != std::string::npos);
+}
+
+TEST_CASE("a byte that has changed is found, but for those between sections, and the section is named") {
+    const TestFile file;
+    const PackedDag dag = packed(sphere_voxels(6, {30, 30, 30}, 25), Symmetry::Reflections);
+    write_dag(dag, place, file.path(), progress);
+    const std::string whole = file.bytes();
+    std::mt19937 random(4);
+    std::size_t unnoticed = 0;
+    for (std::size_t at = 0; at < whole.size(); ++at) {
+        CAPTURE(at);
+        std::string changed = whole;
+        changed[at] = static_cast<char>(changed[at] ^ static_cast<char>(1 + random() % 255));
+        file.replace(changed);
+        if (const std::string complaint = file.complaint(); complaint.empty()) {
+            REQUIRE(read_dag(file.path(), progress).dag == dag);
+            ++unnoticed;
+        }
+    }
+    CHECK(unnoticed < 64 * 9); // sections begin at multiples of 64
+    std::string changed = whole;
+    changed[whole.size() - 20] ^= 1;
+    file.replace(changed);
+    CHECK(file.complaint() == file.path().string() + ": the records are damaged: copy or save the file again");
+}
+
+TEST_CASE("what is no such file, and one of a newer version, is told apart from what is damaged") {
+    const TestFile file;
+    CHECK(file.complaint().find("No such file") != std::string::npos);
+    file.replace(std::string(200, 'x'));
+    CHECK(file.complaint().find("no .tdag file") != std::string::npos);
+    write_dag(packed(full_voxels(3), Symmetry::None), place, file.path(), progress);
+    std::string newer = file.bytes();
+    newer[8] = 2;
+    file.replace(newer);
+    CHECK(file.complaint().find("version 2") != std::string::npos);
+}
+
+TEST_CASE("a file that cannot be written leaves the one that was there, and a cancelled call, too") {
+    const TestFile file;
+    const PackedDag dag = packed(full_voxels(3), Symmetry::None);
+    CHECK_THROWS_AS(write_dag(dag, place, "/nowhere/a.tdag", progress), IoError);
+    write_dag(dag, place, file.path(), progress);
+    Progress cancelled;
+    cancelled.cancel();
+    const PackedDag other = packed(sphere_voxels(6, {30, 30, 30}, 25), Symmetry::Cube);
+    CHECK_THROWS_AS(write_dag(other, place, file.path(), cancelled), Cancelled);
+    CHECK(read_dag(file.path(), progress).dag == dag);
+    CHECK_THROWS_AS(static_cast<void>(read_dag(file.path(), cancelled)), Cancelled);
+}
