@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Digits of any base, as many in one number as waste the fewest bits: 4 of base 38 in 21 bits, 5.25 each instead of 6.
-// Bound:    two divisions per digit; 0.01 to 0.1 bits beyond log2(base), which saves 7 % of indices at normals of a scan.
+// Bound:    two divisions per digit; 0.01 to 0.1 bits beyond log2(base), which saves 6 % of the indices of a scan's normals.
 #pragma once
 #include "voxel_dag/bit_packing.hpp"
 #include <algorithm>
