@@ -2,9 +2,11 @@
 #include "voxel_dag/first_use.hpp"
 #include "core/parallel.hpp"
 #include <atomic>
+#include <bit>
 
 namespace tyndall::voxel_dag {
 static constexpr std::size_t block_size = 1 << 14;
+static constexpr std::uint32_t unused = ~std::uint32_t{0};
 
 static void keep_smallest(std::uint32_t& kept, std::uint32_t position) {
     const std::atomic_ref shared(kept);
@@ -15,34 +17,36 @@ static void keep_smallest(std::uint32_t& kept, std::uint32_t position) {
 
 std::vector<std::uint32_t> number_by_first_use(std::span<std::uint32_t> references, std::size_t name_count,
                                                const Progress& progress) {
-    std::vector<std::uint32_t> first(name_count, ~std::uint32_t{0});
+    std::vector<std::uint32_t> first(name_count, unused);
     parallel_for(
         references.size(), progress,
         [&](std::size_t i) { keep_smallest(first[references[i]], static_cast<std::uint32_t>(i)); }, block_size);
 
-    std::vector<std::vector<std::uint32_t>> firsts((references.size() + block_size - 1) / block_size);
+    // A bit per reference that is the first of its name: how many bits are below it is that name's number.
+    std::vector<std::uint64_t> is_first(references.size() / 64 + 1, 0);
     parallel_for(
-        references.size(), progress,
-        [&](std::size_t i) {
-            if (first[references[i]] == i)
-                firsts[i / block_size].push_back(references[i]);
+        name_count, progress,
+        [&](std::size_t name) {
+            if (first[name] != unused)
+                std::atomic_ref(is_first[first[name] / 64])
+                    .fetch_or(std::uint64_t{1} << first[name] % 64, std::memory_order_relaxed);
         },
         block_size);
+    std::vector<std::uint32_t> below(is_first.size() + 1, 0);
+    for (std::size_t word = 0; word < is_first.size(); ++word)
+        below[word + 1] = below[word] + static_cast<std::uint32_t>(std::popcount(is_first[word]));
 
-    std::vector<std::size_t> begins(firsts.size() + 1, 0);
-    for (std::size_t block = 0; block < firsts.size(); ++block)
-        begins[block + 1] = begins[block] + firsts[block].size();
-    std::vector<std::uint32_t> names(begins.back());
-    // What was the first position of a name is its number from here on.
+    std::vector<std::uint32_t> names(below.back());
     parallel_for(
-        firsts.size(), progress,
-        [&](std::size_t block) {
-            for (std::size_t i = 0; i < firsts[block].size(); ++i) {
-                names[begins[block] + i] = firsts[block][i];
-                first[firsts[block][i]] = static_cast<std::uint32_t>(begins[block] + i);
-            }
+        name_count, progress,
+        [&](std::size_t name) {
+            if (first[name] == unused)
+                return;
+            const std::uint64_t before = is_first[first[name] / 64] & ((std::uint64_t{1} << first[name] % 64) - 1);
+            first[name] = below[first[name] / 64] + static_cast<std::uint32_t>(std::popcount(before));
+            names[first[name]] = static_cast<std::uint32_t>(name);
         },
-        1);
+        block_size);
     parallel_for(
         references.size(), progress, [&](std::size_t i) { references[i] = first[references[i]]; }, block_size);
     return names;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Numbers in the order of first use, which no thread has a say in.
-// Based on: the smallest position per name, kept by an atomic minimum; firsts are counted by block, then numbered.
-// Bound:    3 passes over the references; 8 bytes per name.
+// Based on: the smallest position per name, kept by an atomic minimum; a bit at each, whose rank is the number.
+// Bound:    2 passes over the references, 2 over the names; 8 bytes per name, 1.5 bits per reference.
 #pragma once
 #include "core/progress.hpp"
 #include <cstdint>
