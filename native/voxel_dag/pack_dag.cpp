@@ -11,6 +11,7 @@
 namespace tyndall::voxel_dag {
 namespace {
 constexpr std::uint32_t no_rank = ~std::uint32_t{0};
+constexpr std::size_t fewest_ready = 256; ///< Records that threads can share among them.
 
 /// Names in the order of how often they are named, and the rank of each; those below `fewest` uses have none.
 struct Ranks {
@@ -67,8 +68,11 @@ public:
             packed_.levels.push_back(std::move(format));
         }
         BitWriter records;
-        for (std::size_t i = 0; i < shared_.size(); ++i)
+        for (std::size_t i = 0; i < shared_.size(); ++i) {
             write_shared(i, records);
+            if (dag_.levels[i + 1].node_count() < fewest_ready && ready_.empty())
+                write_ready(i);
+        }
         packed_.root_bit = records.size();
         if (!dag_.levels.empty())
             write(dag_.levels.size() - 1, 0, records, scratches_.local());
@@ -180,6 +184,20 @@ private:
         }
     }
 
+    /// What lies inside others from here on up is the root's one record, nearly all of a surface: its parts are written
+    /// side by side.
+    void write_ready(std::size_t i) {
+        ready_.resize(dag_.levels[i].node_count());
+        parallel_for(
+            ready_.size(), progress_,
+            [&](std::size_t node) {
+                if (const auto number = static_cast<std::uint32_t>(node); !is_shared(i, number))
+                    write(i, number, ready_[node], scratches_.local());
+            },
+            16);
+        ready_level_ = i;
+    }
+
     void write(std::size_t i, std::uint32_t node, BitWriter& out, Scratch& scratch) const {
         const DagLevel& nodes = dag_.levels[i];
         const std::uint32_t turn = turns_[i][node];
@@ -205,7 +223,10 @@ private:
                 fields[count] = (rank - formats.begins[at_class]) | tag << formats.widths[at_class];
             } else {
                 const std::uint64_t begin = inside.size();
-                write(i - 1, child, inside, scratch);
+                if (i - 1 == ready_level_)
+                    inside.append(ready_[child]);
+                else
+                    write(i - 1, child, inside, scratch);
                 lengths[inside_count++] = static_cast<std::uint32_t>(inside.size() - begin);
             }
             widths[count] = packed_.levels[i].field_bits[at_class];
@@ -233,6 +254,8 @@ private:
     std::vector<std::uint32_t> pairs_;             ///< By reference from 8^3 to leaves.
     Ranks pair_ranks_;
     tbb::enumerable_thread_specific<Scratch> scratches_;
+    std::size_t ready_level_ = ~std::size_t{0}; ///< Of which the records that lie inside others are written already.
+    std::vector<BitWriter> ready_;              ///< Those, by node.
 };
 } // namespace
 
