@@ -38,7 +38,8 @@ static std::shared_ptr<PlacedDag> voxelize_mesh(const py::array& positions, cons
                                                 const Progress& progress) {
     check_array<std::uint32_t>(triangles, {-1, 3}, "triangles");
     const std::span corners(static_cast<const uvec3*>(triangles.data()), static_cast<std::size_t>(triangles.shape(0)));
-    VoxelizeConfig config{.resolution = resolution, .rule = rule};
+    VoxelizeConfig config{
+        .resolution = resolution, .rule = rule, .bounds_m = {}, .memory_budget_bytes = memory_budget_bytes};
     if (bounds)
         config.bounds_m = {.lower_m = dvec3(bounds->first[0], bounds->first[1], bounds->first[2]),
                            .side_m = bounds->second};

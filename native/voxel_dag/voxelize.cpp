@@ -152,11 +152,27 @@ void append(const std::vector<std::uint64_t>& from, std::size_t count, std::vect
     to.insert(to.end(), from.begin(), from.begin() + static_cast<std::ptrdiff_t>(count));
 }
 
+/// Bricks of a surface grow with the square of the resolution.
+void require_room(std::uint64_t brick_count, const VoxelizeConfig& config) {
+    constexpr std::uint64_t bytes_per_brick = 16;
+    std::uint64_t bytes = bytes_per_brick * brick_count;
+    if (bytes <= config.memory_budget_bytes)
+        return;
+    const std::uint64_t wanted = bytes;
+    std::uint32_t fits = config.resolution;
+    while (fits > 1u << leaf_level && bytes > config.memory_budget_bytes)
+        fits /= 2, bytes /= 4;
+    refuse("the mesh makes about ", wanted >> 20, " MiB of voxels at a resolution of ", config.resolution,
+           ", beyond the budget of ", config.memory_budget_bytes >> 20, " MiB; a resolution of ", fits, " would ",
+           bytes <= config.memory_budget_bytes ? "fit" : "not fit either");
+}
+
 template <typename Position>
 VoxelizeResult run(std::span<const Position> positions_m, std::span<const uvec3> triangles,
                    const VoxelizeConfig& config, const Progress& progress) {
     const SnappedMesh mesh = snap(positions_m, triangles, config, progress);
     const TileBins bins = bin_triangles(mesh, progress);
+    require_room(bins.expected_brick_count, config);
     VoxelizeResult result{.leaves = {.level = mesh.level, .codes = {}, .masks = {}}, .statistics = {}};
     result.statistics.triangle_tile_count = bins.entries.size();
     result.statistics.outside_triangle_count = bins.outside_triangle_count;

@@ -39,6 +39,7 @@ struct VoxelizeConfig {
     /// What is voxelized; the mesh may reach beyond. Without: from the lowest corner of the box around the triangles,
     /// as long as that box's longest side. What lies on an upper face of the cube belongs to the last voxels.
     std::optional<Cube> bounds_m = std::nullopt;
+    std::uint64_t memory_budget_bytes = ~std::uint64_t{0}; ///< For the voxels that come out.
 };
 struct VoxelizeStatistics {
     std::uint64_t voxel_count = 0;
@@ -51,7 +52,8 @@ struct VoxelizeResult {
     VoxelizeStatistics statistics;
 };
 /// Throws InvalidInput, which names the setting, the first vertex that is not finite or lies 2^32 voxels or more from
-/// the cube's lower corner, or the first triangle that has a vertex which is not there; and Cancelled.
+/// the cube's lower corner, or the first triangle that has a vertex which is not there, or a budget that does not suffice and
+/// what would fit; and Cancelled.
 [[nodiscard]] VoxelizeResult voxelize(std::span<const vec3> positions_m, std::span<const uvec3> triangles,
                                       const VoxelizeConfig& config, const Progress& progress);
 [[nodiscard]] VoxelizeResult voxelize(std::span<const dvec3> positions_m, std::span<const uvec3> triangles,

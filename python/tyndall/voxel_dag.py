@@ -31,7 +31,7 @@ class Config:
     #: as long as its longest side.
     bounds_m: ArrayLike | None = None
     symmetry: Literal["none", "reflections", "cube"] = "cube"  #: What may turn a subtree that is stored once.
-    memory_budget_bytes: int | None = None  #: Of the graph's tables; None: no limit.
+    memory_budget_bytes: int | None = None  #: Of the voxels, and of the graph's tables; None: no limit.
 
 
 class VoxelDag:

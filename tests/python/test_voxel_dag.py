@@ -117,6 +117,15 @@ def test_a_wrong_setting_is_named(changes: dict[str, object], culprit: str) -> N
         voxelize(CUBE, CUBE_TRIANGLES, Config(**{"resolution": 64} | changes))
 
 
+def test_a_budget_that_does_not_suffice_says_what_would_fit() -> None:
+    mesh = soup(50, 10)
+    with pytest.raises(tyndall.InvalidInput, match=r"a resolution of (\d+) would fit") as refusal:
+        voxelize(*mesh, Config(resolution=4096, memory_budget_bytes=1 << 21))
+    fitting = int(str(refusal.value).split("a resolution of ")[2].split()[0])
+    assert voxelize(*mesh, Config(resolution=fitting)).voxel_count > 0
+    assert 64 <= fitting < 4096
+
+
 def test_a_wrong_mesh_is_named() -> None:
     config = Config(resolution=64)
     damaged = CUBE.copy()
