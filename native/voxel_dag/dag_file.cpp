@@ -41,11 +41,12 @@ struct Section {
 };
 static_assert(sizeof(Section) == 32);
 
-/// How one level names what is below it.
+/// How one level names what is below it, and its child masks.
 struct Format {
-    std::array<std::uint32_t, 4> widths, begins, field_bits;
+    std::array<std::uint32_t, 4> widths, begins, field_bits, mask_widths, mask_begins;
+    std::array<std::uint8_t, 256> child_masks;
 };
-static_assert(sizeof(Format) == 48);
+static_assert(sizeof(Format) == 336);
 
 std::string name_of(const Section& section) {
     switch (section.kind) {
@@ -201,7 +202,8 @@ void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem
                const Progress& progress) {
     std::vector<Format> formats;
     for (const PackedLevel& level : dag.levels)
-        formats.push_back({level.classes.widths, level.classes.begins, level.field_bits});
+        formats.push_back({level.classes.widths, level.classes.begins, level.field_bits, level.mask_classes.widths,
+                           level.mask_classes.begins, level.child_masks});
     std::vector<Section> table;
     std::vector<std::span<const std::byte>> contents;
     const auto append = [&](Kind kind, std::uint32_t level, const auto& values) {
@@ -265,6 +267,8 @@ PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) 
             for (std::size_t i = 0; const Format& format : reader.values<Format>(section)) {
                 dag.levels.resize(std::max(dag.levels.size(), i + 1));
                 dag.levels[i].classes = {.widths = format.widths, .begins = format.begins};
+                dag.levels[i].mask_classes = {.widths = format.mask_widths, .begins = format.mask_begins};
+                dag.levels[i].child_masks = format.child_masks;
                 dag.levels[i++].field_bits = format.field_bits;
             }
             break;

@@ -60,11 +60,14 @@ public:
         name_pairs();
         for (std::size_t i = 0; i < dag_.levels.size(); ++i) {
             const std::uint32_t first_class = i == 0 ? 0 : 1;
-            PackedLevel format{.classes = best_classes(i == 0 ? pair_ranks_.uses : shared_[i - 1].uses, first_class),
+            PackedLevel format{.mask_classes = {},
+                               .child_masks = {},
+                               .classes = best_classes(i == 0 ? pair_ranks_.uses : shared_[i - 1].uses, first_class),
                                .field_bits = {},
                                .directory = {}};
             for (std::uint32_t at = first_class; at < 4; ++at)
                 format.field_bits[at] = format.classes.widths[at] + (i == 0 ? 0 : packed_.tag_bits);
+            rank_masks(i, format);
             packed_.levels.push_back(std::move(format));
         }
         BitWriter records;
@@ -160,6 +163,23 @@ private:
         pairs_ = std::move(numbers);
     }
 
+    /// The child masks of a level's records, by falling number of records.
+    void rank_masks(std::size_t i, PackedLevel& format) {
+        const DagLevel& nodes = dag_.levels[i];
+        std::vector<std::uint32_t> masks(nodes.node_count());
+        parallel_for(
+            masks.size(), progress_,
+            [&](std::size_t node) {
+                for_each_child(nodes, node, turns_[i][node],
+                               [&](std::uint32_t there, std::size_t) { masks[node] |= 1u << there; });
+            },
+            1 << 12);
+        mask_ranks_.push_back(ranked(masks, 256, 1));
+        format.mask_classes = best_classes(mask_ranks_[i].uses, 0);
+        std::ranges::transform(mask_ranks_[i].names, format.child_masks.begin(),
+                               [](std::uint32_t mask) { return static_cast<std::uint8_t>(mask); });
+    }
+
     void write_shared(std::size_t i, BitWriter& records) {
         constexpr std::size_t block = 512;
         const std::vector<std::uint32_t>& nodes = shared_[i].names;
@@ -232,7 +252,10 @@ private:
             widths[count] = packed_.levels[i].field_bits[at_class];
             classes |= at_class << 2 * count++;
         });
-        out.append(mask, 8);
+        const RankClasses& mask_formats = packed_.levels[i].mask_classes;
+        const std::uint32_t mask_rank = mask_ranks_[i].rank[mask], mask_class = mask_formats.class_of(mask_rank, 0);
+        out.append(mask_class, 2);
+        out.append(mask_rank - mask_formats.begins[mask_class], mask_formats.widths[mask_class]);
         out.append(classes, 2 * count);
         for (std::uint32_t at = 0; at < count; ++at)
             out.append(fields[at], widths[at]);
@@ -253,6 +276,7 @@ private:
     std::vector<std::vector<std::uint8_t>> turns_; ///< By level and node, as its record is written.
     std::vector<std::uint32_t> pairs_;             ///< By reference from 8^3 to leaves.
     Ranks pair_ranks_;
+    std::vector<Ranks> mask_ranks_; ///< By level.
     tbb::enumerable_thread_specific<Scratch> scratches_;
     std::size_t ready_level_ = ~std::size_t{0}; ///< Of which the records that lie inside others are written already.
     std::vector<BitWriter> ready_;              ///< Those, by node.

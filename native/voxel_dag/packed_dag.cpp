@@ -31,16 +31,22 @@ static std::uint32_t inside_count(std::uint32_t classes, std::uint32_t count) {
     return count - count_of((classes | classes >> 1) & 0x5555u);
 }
 
-PackedHeader packed_header(const PackedDag& dag, const PackedNode& node) {
-    const auto fields = static_cast<std::uint32_t>(read_bits(dag.records, node.bit, 24));
-    const std::uint32_t mask = fields & 0xff, class_bits = 2 * count_of(mask);
-    return {
-        .body_bit = node.bit + 8 + class_bits, .child_mask = mask, .classes = fields >> 8 & ((1u << class_bits) - 1)};
+PackedHeader packed_header(const PackedDag& dag, std::uint32_t level, const PackedNode& node) {
+    const PackedLevel& format = dag.levels[level - leaf_level - 1];
+    auto fields = static_cast<std::uint32_t>(read_bits(dag.records, node.bit, 26)); // 2 + 8 + 16 at most
+    const std::uint32_t mask_class = fields & 3, mask_bits = format.mask_classes.widths[mask_class];
+    fields >>= 2;
+    const std::uint32_t mask =
+        format.child_masks[(format.mask_classes.begins[mask_class] + (fields & ((1u << mask_bits) - 1))) & 0xff];
+    const std::uint32_t class_bits = 2 * count_of(mask);
+    return {.body_bit = node.bit + 2 + mask_bits + class_bits,
+            .child_mask = mask,
+            .classes = fields >> mask_bits & ((1u << class_bits) - 1)};
 }
 
 /// Behind a record of 8^3.
 static std::uint64_t end_of_smallest(const PackedDag& dag, std::uint64_t bit) {
-    const PackedHeader header = packed_header(dag, {.bit = bit});
+    const PackedHeader header = packed_header(dag, leaf_level + 1, {.bit = bit});
     return header.body_bit + fields_size(dag.levels[0].field_bits, header.classes, count_of(header.child_mask));
 }
 
@@ -108,7 +114,7 @@ bool PackedDag::contains(const Voxel& voxel) const {
     for (std::uint32_t at = level; at > leaf_level; --at) {
         const auto there = static_cast<std::uint32_t>(code >> 3 * (at - 1) & 7);
         const std::uint32_t octant = cube_group.octant[cube_group.inverse[node.turn]][there];
-        const PackedHeader header = packed_header(*this, node);
+        const PackedHeader header = packed_header(*this, at, node);
         if ((header.child_mask >> octant & 1) == 0)
             return false;
         if (at == leaf_level + 1)
@@ -124,7 +130,7 @@ bool PackedDag::contains(const Voxel& voxel) const {
 std::uint64_t PackedDag::byte_count() const {
     std::uint64_t bytes = 8 * (leaves.size() + pairs.size() + records.size()) + 24;
     for (const PackedLevel& format : levels)
-        bytes += 4 * (format.directory.size() + 12);
+        bytes += 4 * (format.directory.size() + 20) + format.child_masks.size();
     return bytes;
 }
 
@@ -135,7 +141,8 @@ PackedDecoder::PackedDecoder(const PackedDag& dag)
 }
 
 void PackedDecoder::enter(std::uint64_t code, const PackedNode& node) {
-    steps_[depth_ - 1] = {.code = code, .node = node, .header = packed_header(dag_, node), .octant = 0};
+    steps_[depth_ - 1] = {
+        .code = code, .node = node, .header = packed_header(dag_, depth_ + leaf_level, node), .octant = 0};
 }
 
 void PackedDecoder::add(std::uint64_t code, std::uint32_t pair, std::uint32_t turn, LeafMasks& part) const {
@@ -195,15 +202,15 @@ void require_usable(const PackedDag& dag) {
     require(dag.levels.size() == dag.level - leaf_level, "voxel DAG: ", dag.levels.size(), " levels of nodes in 2^",
             dag.level, " voxels a side");
     constexpr std::uint64_t slack_bits = 64; // behind the last bit that is read
-    require(64 * dag.pairs.size() >= dag.leaf_bits + dag.tag_bits + slack_bits,
-            "voxel DAG: no leaf has a name");
+    require(64 * dag.pairs.size() >= dag.leaf_bits + dag.tag_bits + slack_bits, "voxel DAG: no leaf has a name");
     const std::uint64_t record_bits = 64 * dag.records.size();
     require(dag.level == leaf_level || (slack_bits <= record_bits && dag.root_bit < record_bits - slack_bits),
             "voxel DAG: the root's record is not there");
     for (std::size_t i = 0; i < dag.levels.size(); ++i) {
         const PackedLevel& level = dag.levels[i];
         for (std::size_t at_class = 0; at_class < 4; ++at_class)
-            require(level.classes.widths[at_class] <= 32 && level.field_bits[at_class] <= 32 + dag.tag_bits,
+            require(level.mask_classes.widths[at_class] <= 8 && level.classes.widths[at_class] <= 32 &&
+                        level.field_bits[at_class] <= 32 + dag.tag_bits,
                     "voxel DAG: fields of ", level.field_bits[at_class], " bits in level ", i + leaf_level + 1);
         require(std::ranges::all_of(level.directory, [&](std::uint32_t bit) { return bit < record_bits - slack_bits; }),
                 "voxel DAG: the directory of level ", i + leaf_level + 1, " leaves the records");

@@ -5,11 +5,12 @@
 //           one reference. Those take no reference at all: they lie in their parent's record, turned as it needs them.
 //           Nodes of two or more references make a dictionary per level, in four widths of ranks (rank_classes.hpp).
 //           Leaves are named with their tag, as pairs, by nodes of 8^3.
-// Record:   child mask (8 bits); per child 2 bits of class; per child its field: in 8^3, the rank of a pair; above,
-//           nothing for class 0, which lies inside, else a rank in the dictionary below and a tag; above 16^3, with two
-//           or more children inside, 5 bits of width and the lengths of all but the last; then the records inside.
-// Bound:    the dragon at 8K^3, 98.1 M voxels of the thin rule: 14.4 MB with 48 turns (21.6 in the published layout), 17.0
-//           with 8, 19.8 with none. One load of 64 bits per field.
+// Record:   the rank of its child mask in its level's list: 2 bits of class, and as many as that class has; per child 2
+//           bits of class; per child its field: in 8^3, the rank of a pair; above, nothing for class 0, which lies
+//           inside, else a rank in the dictionary below and a tag; above 16^3, with two or more children inside, 5 bits
+//           of width and the lengths of all but the last; then the records inside.
+// Bound:    the dragon at 8K^3, 98.1 M voxels of the thin rule: 14.2 MB with 48 turns (21.6 in the published layout), 16.7
+//           with 8, 19.4 with none. One load of 64 bits per field.
 #pragma once
 #include "core/progress.hpp"
 #include "voxel_dag/bit_stream.hpp"
@@ -20,9 +21,11 @@
 namespace tyndall::voxel_dag {
 /// How the records of one level name what is below them, and where its own shared records are.
 struct PackedLevel {
-    RankClasses classes;                     ///< Of ranks below.
-    std::array<std::uint32_t, 4> field_bits; ///< Per class: rank and tag.
-    std::vector<std::uint32_t> directory;    ///< Bit at which every directory_step(level)-th shared record begins.
+    RankClasses mask_classes;                    ///< Of ranks in child_masks.
+    std::array<std::uint8_t, 256> child_masks{}; ///< By rank: those that the level's records have, then zeros.
+    RankClasses classes;                         ///< Of ranks below.
+    std::array<std::uint32_t, 4> field_bits;     ///< Per class: rank and tag.
+    std::vector<std::uint32_t> directory;        ///< Bit at which every directory_step(level)-th shared record begins.
 
     bool operator==(const PackedLevel&) const = default;
 };
@@ -59,7 +62,7 @@ struct PackedHeader {
     std::uint32_t child_mask; ///< By octant of the record, not of the world.
     std::uint32_t classes;    ///< 2 bits per child that is there.
 };
-[[nodiscard]] PackedHeader packed_header(const PackedDag& dag, const PackedNode& node);
+[[nodiscard]] PackedHeader packed_header(const PackedDag& dag, std::uint32_t level, const PackedNode& node);
 /// A child that is there, by octant of the record; of a node of 16^3 or more.
 [[nodiscard]] PackedNode packed_child(const PackedDag& dag, std::uint32_t level, const PackedNode& node,
                                       const PackedHeader& header, std::uint32_t octant);

@@ -54,7 +54,9 @@ struct OpenNode {
 OpenNode opened(const Dag& dag, std::uint32_t level, const Node& node) {
     return {.child_mask = dag.levels[level - leaf_level - 1].child_masks[node.number], .number = node.number};
 }
-PackedHeader opened(const PackedDag& dag, std::uint32_t, const PackedNode& node) { return packed_header(dag, node); }
+PackedHeader opened(const PackedDag& dag, std::uint32_t level, const PackedNode& node) {
+    return packed_header(dag, level, node);
+}
 
 Node child_of(const Dag& dag, std::uint32_t level, const Node& node, const OpenNode&, std::uint32_t octant) {
     const DagLevel& nodes = dag.levels[level - leaf_level - 1];
