@@ -19,6 +19,20 @@ struct VoxelParts {
     PackedDecoder decoder;
 };
 
+using Bounds = std::pair<std::array<double, 3>, double>; ///< Lower corner and side.
+static Cube cube_of(const Bounds& bounds) {
+    const auto& [lower_m, side_m] = bounds;
+    return {.lower_m = dvec3(lower_m[0], lower_m[1], lower_m[2]), .side_m = side_m};
+}
+
+static std::shared_ptr<PlacedDag> packed(const LeafMasks& leaves, const Cube& bounds_m, Symmetry symmetry,
+                                         std::uint64_t memory_budget_bytes, const Progress& progress) {
+    Dag dag = build_dag(leaves, {.memory_budget_bytes = memory_budget_bytes}, progress);
+    if (symmetry != Symmetry::None)
+        dag = merge_symmetric(dag, {.symmetry = symmetry, .memory_budget_bytes = memory_budget_bytes}, progress);
+    return std::make_shared<PlacedDag>(pack_dag(dag, progress), bounds_m);
+}
+
 /// The voxels of a mesh, and the cube that they are of.
 template <class Vector>
 static std::pair<LeafMasks, Cube> voxels_of(const py::array& positions, std::span<const uvec3> triangles,
@@ -33,24 +47,27 @@ static std::pair<LeafMasks, Cube> voxels_of(const py::array& positions, std::spa
 
 static std::shared_ptr<PlacedDag> voxelize_mesh(const py::array& positions, const py::array& triangles,
                                                 std::uint32_t resolution, VoxelizeRule rule,
-                                                const std::optional<std::pair<std::array<double, 3>, double>>& bounds,
-                                                Symmetry symmetry, std::uint64_t memory_budget_bytes,
-                                                const Progress& progress) {
+                                                const std::optional<Bounds>& bounds, Symmetry symmetry,
+                                                std::uint64_t memory_budget_bytes, const Progress& progress) {
     check_array<std::uint32_t>(triangles, {-1, 3}, "triangles");
     const std::span corners(static_cast<const uvec3*>(triangles.data()), static_cast<std::size_t>(triangles.shape(0)));
     VoxelizeConfig config{
         .resolution = resolution, .rule = rule, .bounds_m = {}, .memory_budget_bytes = memory_budget_bytes};
     if (bounds)
-        config.bounds_m = {.lower_m = dvec3(bounds->first[0], bounds->first[1], bounds->first[2]),
-                           .side_m = bounds->second};
+        config.bounds_m = cube_of(*bounds);
     const bool is_double = py::isinstance<py::array_t<double>>(positions);
     const auto [leaves, cube] = is_double ? voxels_of<dvec3>(positions, corners, config, progress)
                                           : voxels_of<vec3>(positions, corners, config, progress);
+    return without_gil([&] { return packed(leaves, cube, symmetry, memory_budget_bytes, progress); });
+}
+
+static std::shared_ptr<PlacedDag> dag_of_voxels(const py::array& coordinates, std::uint32_t level, const Bounds& bounds,
+                                                Symmetry symmetry, std::uint64_t memory_budget_bytes,
+                                                const Progress& progress) {
+    auto voxels = to_vector<Voxel, std::uint32_t>(coordinates, {-1, 3}, "coordinates");
     return without_gil([&] {
-        Dag dag = build_dag(leaves, {.memory_budget_bytes = memory_budget_bytes}, progress);
-        if (symmetry != Symmetry::None)
-            dag = merge_symmetric(dag, {.symmetry = symmetry, .memory_budget_bytes = memory_budget_bytes}, progress);
-        return std::make_shared<PlacedDag>(pack_dag(dag, progress), cube);
+        return packed(leaf_masks_of(std::move(voxels), level), cube_of(bounds), symmetry, memory_budget_bytes,
+                      progress);
     });
 }
 
@@ -171,5 +188,10 @@ hit; voxels, uint32 (k, 3); and normals, float32 (k, 3), 0 where a ray began in 
         "memory_budget_bytes"_a, "progress"_a,
         R"(positions: float32 or float64 (n, 3); triangles: uint32 (m, 3); bounds: lower corner and side of a cube, or None.
 Releases the GIL. TypeError: dtype or shape; InvalidInput: a value; Cancelled.)");
+    native.def(
+        "voxel_dag_of", &dag_of_voxels, "coordinates"_a, "level"_a, "bounds"_a, "symmetry"_a, "memory_budget_bytes"_a,
+        "progress"_a,
+        R"(coordinates: uint32 (n, 3), below 2 ** level; bounds: lower corner and side of a cube. Releases the GIL.
+TypeError: dtype or shape; InvalidInput: a value; Cancelled.)");
 }
 } // namespace tyndall::bindings

@@ -126,12 +126,42 @@ def voxelize(
             rule=_named(_native.VoxelizeRule, "rule", config.rule),
             bounds=_cube(config.bounds_m),
             symmetry=_named(_native.VoxelSymmetry, "symmetry", config.symmetry),
-            memory_budget_bytes=_MOST_BYTES
-            if config.memory_budget_bytes is None
-            else _whole("memory_budget_bytes", config.memory_budget_bytes, _MOST_BYTES),
+            memory_budget_bytes=_budget(config),
             progress=progress or _native.Progress(),
         )
     )
+
+
+def from_coordinates(
+    coordinates: ArrayLike, config: Config | None = None, progress: Progress | None = None
+) -> VoxelDag:
+    """Of voxels x, y and z, (n, 3) whole numbers below ``config.resolution``, in any order; they may repeat.
+
+    Without ``bounds_m`` a voxel is a cube of 1 m, and the first begins at 0. The rule has nothing to say. Raises
+    InvalidInput, which names the voxel or the setting, and Cancelled.
+    """
+    from . import _native  # noqa: PLC0415 - as above
+
+    config = config or Config()
+    resolution = _whole("resolution", config.resolution, _MOST_INDEX)
+    if resolution.bit_count() != 1:
+        raise _refuse(f"resolution is {resolution}, no power of two")
+    return VoxelDag(
+        _native.voxel_dag_of(
+            coordinates=_indices(coordinates, "coordinates"),
+            level=resolution.bit_length() - 1,
+            bounds=_cube(config.bounds_m) or ([0.0, 0.0, 0.0], float(resolution)),
+            symmetry=_named(_native.VoxelSymmetry, "symmetry", config.symmetry),
+            memory_budget_bytes=_budget(config),
+            progress=progress or _native.Progress(),
+        )
+    )
+
+
+def _budget(config: Config) -> int:
+    if config.memory_budget_bytes is None:
+        return _MOST_BYTES
+    return _whole("memory_budget_bytes", config.memory_budget_bytes, _MOST_BYTES)
 
 
 def _refuse(message: str) -> Exception:

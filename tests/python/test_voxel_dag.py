@@ -11,7 +11,7 @@ import pytest
 
 import tyndall
 from support.full_disk import largest_file
-from tyndall.voxel_dag import Config, VoxelDag, load, voxelize
+from tyndall.voxel_dag import Config, VoxelDag, from_coordinates, load, voxelize
 
 CUBE = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 #: Two triangles per face, by the corners of CUBE.
@@ -87,6 +87,28 @@ def test_conservative_holds_thin_and_neither_depends_on_the_order_or_the_type_of
         positions.astype(np.float64), triangles[::-1].astype(np.int64), Config(resolution=128, bounds_m=bounds)
     )
     assert np.array_equal(all_of(again), all_of(thin))
+
+
+@pytest.mark.parametrize("resolution", [4, 8, 64, 131072])
+def test_voxels_in_any_order_come_back_in_mortons(resolution: int) -> None:
+    voxels = np.random.default_rng(resolution).integers(0, resolution, (3000, 3))
+    dag = from_coordinates(np.concatenate([voxels, voxels[:500]]), Config(resolution=resolution))
+    wanted = np.unique(voxels, axis=0)
+    assert dag.voxel_count == len(wanted)
+    assert np.array_equal(all_of(dag), wanted[np.argsort(morton(wanted))])
+    distance_m, voxel, normal = dag.trace(wanted[:1] + 0.5, [[0, 0, 1]])
+    assert (distance_m[0], voxel[0].tolist(), normal[0].tolist()) == (0.0, wanted[0].tolist(), [0, 0, 0])
+    for wrong, culprit in ((resolution, str(resolution)), (-1, "-1")):
+        with pytest.raises(tyndall.InvalidInput, match=culprit):
+            from_coordinates([[0, wrong, 0]], Config(resolution=resolution))
+
+
+def test_voxels_of_a_mesh_and_the_same_by_their_coordinates_are_one_file(tmp_path: Path) -> None:
+    config = Config(resolution=128, bounds_m=[[-4, -4, -4], [4, 4, 4]])
+    dag = voxelize(*soup(200, 11), config)
+    from_coordinates(all_of(dag)[::-1], config).save(tmp_path / "a.tdag")
+    dag.save(tmp_path / "b.tdag")
+    assert (tmp_path / "a.tdag").read_bytes() == (tmp_path / "b.tdag").read_bytes()
 
 
 def test_a_mesh_outside_of_the_bounds_leaves_nothing_and_nothing_is_contained_beyond_them() -> None:
