@@ -8,21 +8,11 @@
 #define HWY_TARGET_INCLUDE "light_shafts/flat_filters_kernel.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+// After it: once per target.
+#include "light_shafts/extremes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::light_shafts::flat_filters::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-using Tag = hn::CappedTag<float, 16>;
-using V = hn::Vec<Tag>;
-static constexpr Tag d;
-
-struct Largest {
-    static HWY_INLINE V of(V a, V b) { return hn::Max(a, b); }
-};
-struct Smallest {
-    static HWY_INLINE V of(V a, V b) { return hn::Min(a, b); }
-};
-
 /// Lines are cut into stretches of `width`; a window is the end of one and the beginning of the next.
 template <typename Extreme>
 static void running_extreme_in_strip(float* rows, std::size_t count, std::size_t width) {

@@ -1,33 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/row_extremes_kernel.hpp"
-#include "light_shafts/slope_rows.hpp"
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <limits>
 #include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "light_shafts/row_extremes_kernel.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+// After it: once per target.
+#include "light_shafts/extremes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::light_shafts::flat_filters::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-using Tag = hn::CappedTag<float, 16>;
-using V = hn::Vec<Tag>;
-static constexpr Tag d;
 static constexpr std::size_t lanes = hn::MaxLanes(d), most_levels = std::bit_width(lanes) - 1;
-
-struct Largest {
-    static constexpr float neutral = slope_rows::no_occluder;
-    static HWY_INLINE V of(V a, V b) { return hn::Max(a, b); }
-};
-struct Smallest {
-    static constexpr float neutral = std::numeric_limits<float>::infinity();
-    static HWY_INLINE V of(V a, V b) { return hn::Min(a, b); }
-};
 
 /// `lanes` values from value n on of two vectors side by side; n is a power of two, at most half a vector.
 template <std::size_t n>
