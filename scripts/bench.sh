@@ -3,7 +3,7 @@
 # scripts/bench.sh [NAME...]: runs the benchmarks (all, or those named by their stem), writes benchmarks/results/*.json
 # with medians, and draws error against time. Leave the machine alone meanwhile: it times itself before each.
 # scripts/bench.sh figures: what docs/figures.md shows, and writes it: the paper's tables, error curves, AVX-512 beside
-# AVX2 in turn, flicker. Under ten minutes on two cores.
+# AVX2 in turn, flicker. About a quarter of an hour on two cores.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 shopt -s nullglob
