@@ -42,10 +42,10 @@ def kept_frame(scene_name: str, view_layer_name: str, *, keeps_maps: bool) -> Ke
     Blender says of the scene it was asked to render that it is an animation, and not of others beside it.
     """
     kept = _kept.get((scene_name, view_layer_name))
-    is_first = kept is None
     if kept is None:
-        kept = _kept[scene_name, view_layer_name] = KeptFrame(session=Session())
-    if keeps_maps or not is_first:
+        kept = KeptFrame(session=Session(kept_maps_bytes=KEPT_MAPS_BYTES if keeps_maps else 0))
+        _kept[scene_name, view_layer_name] = kept
+    else:
         kept.session.keep_maps(KEPT_MAPS_BYTES)
     return kept
 

@@ -92,13 +92,12 @@ static py::tuple trace_rays(const PlacedDag& self, const py::array& origins, con
         std::vector<VoxelHit> hits(count);
         trace(self.dag, rays, hits, progress);
         for (std::size_t i = 0; i < count; ++i) {
-            distance[i] = hits[i].distance * glm::length(ways[i]);
+            const bool is_hit = hits[i].is_hit(); // a miss stays one along a direction of length 0
+            distance[i] = is_hit ? hits[i].distance * glm::length(ways[i]) : hits[i].distance;
             voxel[i] = hits[i].voxel;
             normal[i] = vec3(0.0f);
-            if (const int axis = static_cast<int>(hits[i].axis); hits[i].is_hit() && axis < 3)
+            if (const int axis = static_cast<int>(hits[i].axis); is_hit && axis < 3)
                 normal[i][axis] = ways[i][axis] < 0.0 ? 1.0f : -1.0f;
-            if (!hits[i].is_hit())
-                distance[i] = std::numeric_limits<double>::infinity();
         }
     });
     return py::make_tuple(distances, voxels, normals);

@@ -6,14 +6,13 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-if TYPE_CHECKING:
-    from . import _native
-    from ._native import Progress
+from . import _native
+from ._native import Progress
 
 _MOST_BYTES = 2**64 - 1
 _MOST_INDEX = 2**32 - 1
@@ -85,26 +84,20 @@ class VoxelDag:
         ``origins_m`` and ``directions``: (k, 3); directions may have any length. A miss has an infinite distance. A ray
         that begins in a voxel hits it at 0, without a normal. Raises InvalidInput and Cancelled.
         """
-        from . import _native  # noqa: PLC0415 - as below
-
         origins = np.ascontiguousarray(_points(origins_m, "origins_m"), np.float64)
         ways = np.ascontiguousarray(_points(directions, "directions"), np.float64)
         if origins.shape != ways.shape:
             raise _refuse(f"{len(origins)} origins_m, but {len(ways)} directions")
-        return self._native.trace(origins, ways, progress or _native.Progress())
+        return self._native.trace(origins, ways, progress or Progress())
 
     def save(self, path: str | os.PathLike[str], progress: Progress | None = None) -> None:
         """Write a ``.tdag`` file, whole or not at all. Raises IoError, which names the path, and Cancelled."""
-        from . import _native  # noqa: PLC0415 - as below
-
-        self._native.save(path, progress or _native.Progress())
+        self._native.save(path, progress or Progress())
 
 
 def load(path: str | os.PathLike[str], progress: Progress | None = None) -> VoxelDag:
     """Read a ``.tdag`` file. Raises IoError, which names the path and the section that is damaged, and Cancelled."""
-    from . import _native  # noqa: PLC0415 - a scene can be described without it
-
-    return VoxelDag(_native.load_voxel_dag(path, progress or _native.Progress()))
+    return VoxelDag(_native.load_voxel_dag(path, progress or Progress()))
 
 
 def voxelize(
@@ -115,8 +108,6 @@ def voxelize(
     ``positions_m``: (n, 3), float32 or float64, in metres; ``triangles``: (m, 3), three indices of positions each.
     Raises InvalidInput, which names the vertex, the triangle or the setting, and Cancelled.
     """
-    from . import _native  # noqa: PLC0415 - as above
-
     config = config or Config()
     return VoxelDag(
         _native.voxelize(
@@ -127,7 +118,7 @@ def voxelize(
             bounds=_cube(config.bounds_m),
             symmetry=_named(_native.VoxelSymmetry, "symmetry", config.symmetry),
             memory_budget_bytes=_budget(config),
-            progress=progress or _native.Progress(),
+            progress=progress or Progress(),
         )
     )
 
@@ -140,8 +131,6 @@ def from_coordinates(
     Without ``bounds_m`` a voxel is a cube of 1 m, and the first begins at 0. The rule has nothing to say. Raises
     InvalidInput, which names the voxel or the setting, and Cancelled.
     """
-    from . import _native  # noqa: PLC0415 - as above
-
     config = config or Config()
     resolution = _whole("resolution", config.resolution, _MOST_INDEX)
     if resolution.bit_count() != 1:
@@ -153,7 +142,7 @@ def from_coordinates(
             bounds=_cube(config.bounds_m) or ([0.0, 0.0, 0.0], float(resolution)),
             symmetry=_named(_native.VoxelSymmetry, "symmetry", config.symmetry),
             memory_budget_bytes=_budget(config),
-            progress=progress or _native.Progress(),
+            progress=progress or Progress(),
         )
     )
 
@@ -165,8 +154,6 @@ def _budget(config: Config) -> int:
 
 
 def _refuse(message: str) -> Exception:
-    from . import _native  # noqa: PLC0415 - as above
-
     return _native.InvalidInput(f"voxel DAG: {message}")
 
 
