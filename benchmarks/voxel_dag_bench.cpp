@@ -12,6 +12,7 @@
 #include "support/voxel_meshes.hpp"
 #include "voxel_dag/build_dag.hpp"
 #include "voxel_dag/dag_counts.hpp"
+#include "voxel_dag/decode.hpp"
 #include "voxel_dag/merge_symmetric.hpp"
 #include "voxel_dag/pack_dag.hpp"
 #include "voxel_dag/trace.hpp"
@@ -141,18 +142,22 @@ void decode_packed(benchmark::State& state) {
     report(state, *voxels, dag);
 }
 
+/// Under the 48 turns, in arrays or packed.
+template <class Kind>
+Kind merged(const LeafMasks& voxels) {
+    Dag dag = merge_symmetric(build_dag(voxels, {}, Progress()), {}, Progress());
+    if constexpr (std::is_same_v<Kind, PackedDag>)
+        return pack_dag(dag, Progress());
+    else
+        return dag;
+}
+
 template <class Kind>
 void contains(benchmark::State& state) {
     const LeafMasks* const voxels = voxels_of(state);
     if (voxels == nullptr)
         return;
-    const Dag dag = merge_symmetric(build_dag(*voxels, {}, Progress()), {}, Progress());
-    const Kind asked = [&] {
-        if constexpr (std::is_same_v<Kind, PackedDag>)
-            return pack_dag(dag, Progress());
-        else
-            return dag;
-    }();
+    const auto asked = merged<Kind>(*voxels);
     std::mt19937_64 random(1);
     std::vector<Voxel> places;
     for (int i = 0; i < 1 << 20; ++i)
@@ -206,13 +211,7 @@ void trace_rays(benchmark::State& state, std::vector<VoxelRay> (*make_rays)(cons
     const LeafMasks* const voxels = voxels_of(state);
     if (voxels == nullptr)
         return;
-    const Dag dag = merge_symmetric(build_dag(*voxels, {}, Progress()), {}, Progress());
-    const Kind traced = [&] {
-        if constexpr (std::is_same_v<Kind, PackedDag>)
-            return pack_dag(dag, Progress());
-        else
-            return dag;
-    }();
+    const auto traced = merged<Kind>(*voxels);
     const std::vector<VoxelRay> rays = make_rays(*voxels);
     std::size_t hit_count = 0;
     for (auto _ : state) {

@@ -4,6 +4,7 @@
 #include "bindings/paths.hpp"
 #include "voxel_dag/build_dag.hpp"
 #include "voxel_dag/dag_file.hpp"
+#include "voxel_dag/decode.hpp"
 #include "voxel_dag/merge_symmetric.hpp"
 #include "voxel_dag/pack_dag.hpp"
 #include "voxel_dag/snapped_mesh.hpp"
@@ -16,7 +17,7 @@ using namespace voxel_dag;
 
 struct VoxelParts {
     std::shared_ptr<const PlacedDag> placed; ///< What the decoder refers to.
-    PackedDecoder decoder;
+    Decoder<PackedDag> decoder;
 };
 
 using Bounds = std::pair<std::array<double, 3>, double>; ///< Lower corner and side.
@@ -162,7 +163,7 @@ void bind_voxel_dag(py::module_& native) {
         .def("contains", &contains, "coordinates"_a, "coordinates: uint32 (k, 3). Releases the GIL.")
         .def("coordinates",
              [](const std::shared_ptr<PlacedDag>& self) {
-                 return VoxelParts{self, PackedDecoder(self->dag)};
+                 return VoxelParts{self, Decoder<PackedDag>(self->dag)};
              })
         .def(
             "trace", &trace_rays, "origins"_a, "directions"_a, "progress"_a,

@@ -1,56 +1,75 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/decode.hpp"
-#include "voxel_dag/cube_group.hpp"
+#include "core/errors.hpp"
 
 namespace tyndall::voxel_dag {
-Decoder::Decoder(const Dag& dag) : dag_(dag), depth_(dag.levels.size()), is_done_(dag.is_empty()) {
-    if (depth_ > 0)
-        steps_[depth_ - 1] = {0, 0, dag.root_tag, 0};
+template <class Tree>
+Decoder<Tree>::Decoder(const Tree& tree) : tree_(tree), level_(tree.level), is_done_(tree.is_empty()) {
+    if (level_ > leaf_level && !is_done_)
+        enter(0, root_of(tree));
 }
 
-void Decoder::add(std::uint64_t code, std::uint32_t leaf, std::uint32_t turn, LeafMasks& part) const {
+template <class Tree>
+void Decoder<Tree>::enter(std::uint64_t code, const Place& place) {
+    step() = {.code = code, .place = place, .open = opened(tree_, level_, place), .octant = 0};
+}
+
+template <class Tree>
+void Decoder<Tree>::add(std::uint64_t code, const Place& place, LeafMasks& part) const {
+    const TurnedLeaf leaf = leaf_of(tree_, place);
     part.codes.push_back(code);
-    part.masks.push_back(turned_leaf(turn, dag_.leaves[leaf]));
+    part.masks.push_back(turned_leaf(leaf.turn, leaf.mask));
 }
 
-bool Decoder::next(std::size_t most_bricks, LeafMasks& part) {
-    part.level = dag_.level;
+template <class Tree>
+bool Decoder<Tree>::next(std::size_t most_bricks, LeafMasks& part) {
+    part.level = tree_.level;
     part.codes.clear(), part.masks.clear();
-    if (!is_done_ && dag_.levels.empty()) {
-        add(0, 0, dag_.root_tag, part);
+    if (!is_done_ && tree_.level == leaf_level) {
+        add(0, root_of(tree_), part);
         is_done_ = true;
     }
     while (!is_done_ && part.codes.size() < most_bricks) {
-        Step& step = steps_[depth_ - 1];
-        if (step.octant == 8) {
-            is_done_ = depth_ == dag_.levels.size();
-            ++depth_;
+        Step& at = step();
+        if (at.octant == 8) {
+            is_done_ = level_++ == tree_.level;
             continue;
         }
-        const DagLevel& nodes = dag_.levels[depth_ - 1];
-        const std::uint32_t there = step.octant++;
-        const std::uint32_t octant = cube_group.octant[cube_group.inverse[step.turn]][there];
-        if ((nodes.child_masks[step.node] >> octant & 1) == 0)
+        const std::uint32_t there = at.octant++;
+        const std::uint32_t octant = cube_group.octant[cube_group.inverse[at.place.turn]][there];
+        if ((at.open.child_mask >> octant & 1) == 0)
             continue;
-        const std::size_t reference = nodes.reference(step.node, octant);
-        const std::uint32_t child = nodes.children[reference];
-        const std::uint32_t turn = cube_group.product[step.turn][nodes.tag(reference)];
-        if (depth_ == 1)
-            add(step.code << 3 | there, child, turn, part);
-        else
-            steps_[--depth_ - 1] = {step.code << 3 | there, child, turn, 0};
+        const Place child = child_of(tree_, level_, at.place, at.open, octant);
+        const std::uint64_t code = at.code << 3 | there;
+        if (level_ == leaf_level + 1) {
+            add(code, child, part);
+            continue;
+        }
+        --level_;
+        enter(code, child);
     }
     return !part.codes.empty();
 }
+template class Decoder<Dag>;
+template class Decoder<PackedDag>;
 
-void decode(const Dag& dag, std::size_t part_size, const std::function<void(const LeafMasks& part)>& receive,
-            const Progress& progress) {
+template <class Tree>
+static void decode_tree(const Tree& tree, std::size_t part_size,
+                        const std::function<void(const LeafMasks& part)>& receive, const Progress& progress) {
     require(part_size > 0, "voxel DAG: decoded in parts of 0 bricks");
-    Decoder decoder(dag);
+    Decoder<Tree> decoder(tree);
     for (LeafMasks part; decoder.next(part_size, part);) {
         progress.poll();
         receive(part);
     }
+}
+void decode(const Dag& dag, std::size_t part_size, const std::function<void(const LeafMasks& part)>& receive,
+            const Progress& progress) {
+    decode_tree(dag, part_size, receive, progress);
+}
+void decode(const PackedDag& dag, std::size_t part_size, const std::function<void(const LeafMasks& part)>& receive,
+            const Progress& progress) {
+    decode_tree(dag, part_size, receive, progress);
 }
 
 LeafMasks decode(const Dag& dag, const Progress& progress) {

@@ -4,6 +4,7 @@
 // Differs:  what has one reference is turned as its parent needs it, and goes into the parent's record.
 // Bound:    a bit is copied once per level of records around it.
 #pragma once
+#include "core/progress.hpp"
 #include "voxel_dag/packed_dag.hpp"
 
 namespace tyndall::voxel_dag {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/packed_dag.hpp"
+#include "core/errors.hpp"
 #include "voxel_dag/cube_group.hpp"
 #include <algorithm>
 #include <bit>
@@ -132,64 +133,6 @@ std::uint64_t PackedDag::byte_count() const {
     for (const PackedLevel& format : levels)
         bytes += 4 * (format.directory.size() + 20) + format.child_masks.size();
     return bytes;
-}
-
-PackedDecoder::PackedDecoder(const PackedDag& dag)
-    : dag_(dag), depth_(dag.level - leaf_level), is_done_(dag.is_empty()) {
-    if (depth_ > 0 && !is_done_)
-        enter(0, {.bit = dag.root_bit});
-}
-
-void PackedDecoder::enter(std::uint64_t code, const PackedNode& node) {
-    steps_[depth_ - 1] = {
-        .code = code, .node = node, .header = packed_header(dag_, depth_ + leaf_level, node), .octant = 0};
-}
-
-void PackedDecoder::add(std::uint64_t code, std::uint32_t pair, std::uint32_t turn, LeafMasks& part) const {
-    const PackedLeaf leaf = packed_leaf(dag_, pair);
-    part.codes.push_back(code);
-    part.masks.push_back(turned_leaf(cube_group.product[turn][leaf.tag], leaf.mask));
-}
-
-bool PackedDecoder::next(std::size_t most_bricks, LeafMasks& part) {
-    part.level = dag_.level;
-    part.codes.clear(), part.masks.clear();
-    const std::uint32_t root_depth = dag_.level - leaf_level;
-    if (!is_done_ && root_depth == 0) {
-        add(0, 0, 0, part);
-        is_done_ = true;
-    }
-    while (!is_done_ && part.codes.size() < most_bricks) {
-        Step& step = steps_[depth_ - 1];
-        if (step.octant == 8) {
-            is_done_ = depth_ == root_depth;
-            ++depth_;
-            continue;
-        }
-        const std::uint32_t there = step.octant++;
-        const std::uint32_t octant = cube_group.octant[cube_group.inverse[step.node.turn]][there];
-        if ((step.header.child_mask >> octant & 1) == 0)
-            continue;
-        if (depth_ == 1) {
-            add(step.code << 3 | there, packed_pair(dag_, step.header, octant), step.node.turn, part);
-            continue;
-        }
-        const PackedNode child = packed_child(dag_, depth_ + leaf_level, step.node, step.header, octant);
-        const std::uint64_t code = step.code << 3 | there;
-        --depth_;
-        enter(code, child);
-    }
-    return !part.codes.empty();
-}
-
-void decode(const PackedDag& dag, std::size_t part_size, const std::function<void(const LeafMasks& part)>& receive,
-            const Progress& progress) {
-    require(part_size > 0, "voxel DAG: decoded in parts of 0 bricks");
-    PackedDecoder decoder(dag);
-    for (LeafMasks part; decoder.next(part_size, part);) {
-        progress.poll();
-        receive(part);
-    }
 }
 
 void require_usable(const PackedDag& dag) {

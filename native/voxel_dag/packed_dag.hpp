@@ -12,11 +12,10 @@
 // Bound:    the dragon at 8K^3, 98.1 M voxels of the thin rule: 14.2 MB with 48 turns (21.6 in the published layout), 16.7
 //           with 8, 19.4 with none. One load of 64 bits per field.
 #pragma once
-#include "core/progress.hpp"
 #include "voxel_dag/bit_stream.hpp"
 #include "voxel_dag/dag.hpp"
 #include "voxel_dag/rank_classes.hpp"
-#include <functional>
+#include <array>
 
 namespace tyndall::voxel_dag {
 /// How the records of one level name what is below them, and where its own shared records are.
@@ -77,30 +76,4 @@ struct PackedLeaf {
 
 /// Throws InvalidInput, which names what is wrong with the tables that records are read by. What these say is trusted.
 void require_usable(const PackedDag& dag);
-
-/// As Decoder, from the packed bits.
-class PackedDecoder {
-public:
-    explicit PackedDecoder(const PackedDag& dag);
-    /// The next bricks, at most so many, at least one; false, and none, where all have been handed out.
-    bool next(std::size_t most_bricks, LeafMasks& part);
-
-private:
-    struct Step {
-        std::uint64_t code;
-        PackedNode node;
-        PackedHeader header;
-        std::uint32_t octant; ///< The next, as it lies in the world.
-    };
-    void enter(std::uint64_t code, const PackedNode& node);
-    void add(std::uint64_t code, std::uint32_t pair, std::uint32_t turn, LeafMasks& part) const;
-
-    const PackedDag& dag_;
-    std::array<Step, most_level - leaf_level> steps_;
-    std::uint32_t depth_; ///< The step that is at work, and one.
-    bool is_done_;
-};
-/// As decode(Dag), from the packed bits.
-void decode(const PackedDag& dag, std::size_t part_size, const std::function<void(const LeafMasks& part)>& receive,
-            const Progress& progress);
 } // namespace tyndall::voxel_dag

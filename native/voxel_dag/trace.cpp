@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/trace.hpp"
 #include "core/parallel.hpp"
-#include "voxel_dag/cube_group.hpp"
+#include "voxel_dag/tree_nodes.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -39,46 +39,6 @@ private:
     std::array<bool, 3> is_parallel_;
     std::uint32_t against_ = 0;
 };
-
-/// Where one is in an array of nodes: what PackedNode is in packed bits.
-struct Node {
-    std::uint32_t number = 0, turn = 0;
-};
-Node root_of(const Dag& dag) { return {.turn = dag.root_tag}; }
-PackedNode root_of(const PackedDag& dag) { return {.bit = dag.root_bit}; }
-
-/// A node of 8^3 or more on the way, with the mask of its children by its own octants.
-struct OpenNode {
-    std::uint32_t child_mask, number;
-};
-OpenNode opened(const Dag& dag, std::uint32_t level, const Node& node) {
-    return {.child_mask = dag.levels[level - leaf_level - 1].child_masks[node.number], .number = node.number};
-}
-PackedHeader opened(const PackedDag& dag, std::uint32_t level, const PackedNode& node) {
-    return packed_header(dag, level, node);
-}
-
-Node child_of(const Dag& dag, std::uint32_t level, const Node& node, const OpenNode&, std::uint32_t octant) {
-    const DagLevel& nodes = dag.levels[level - leaf_level - 1];
-    const std::size_t reference = nodes.reference(node.number, octant);
-    return {.number = nodes.children[reference], .turn = cube_group.product[node.turn][nodes.tag(reference)]};
-}
-PackedNode child_of(const PackedDag& dag, std::uint32_t level, const PackedNode& node, const PackedHeader& header,
-                    std::uint32_t octant) {
-    if (level > leaf_level + 1)
-        return packed_child(dag, level, node, header, octant);
-    return {.bit = packed_pair(dag, header, octant), .turn = node.turn}; // a leaf lies behind its pair
-}
-
-struct TurnedLeaf {
-    std::uint64_t mask;
-    std::uint32_t turn;
-};
-TurnedLeaf leaf_of(const Dag& dag, const Node& node) { return {.mask = dag.leaves[node.number], .turn = node.turn}; }
-TurnedLeaf leaf_of(const PackedDag& dag, const PackedNode& node) {
-    const PackedLeaf leaf = packed_leaf(dag, static_cast<std::uint32_t>(node.bit));
-    return {.mask = leaf.mask, .turn = cube_group.product[node.turn][leaf.tag]};
-}
 
 /// Bit i: byte i is not 0.
 std::uint32_t occupied_bytes(std::uint64_t leaf) {

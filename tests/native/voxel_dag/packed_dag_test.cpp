@@ -2,6 +2,7 @@
 #include "support/voxel_sets.hpp"
 #include "voxel_dag/build_dag.hpp"
 #include "voxel_dag/dag_counts.hpp"
+#include "voxel_dag/decode.hpp"
 #include "voxel_dag/merge_symmetric.hpp"
 #include "voxel_dag/pack_dag.hpp"
 #include "voxel_dag/packed_dag.hpp"
