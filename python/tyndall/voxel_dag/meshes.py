@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes and lists of voxels become graphs."""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from tyndall import _native
+from tyndall._native import Progress
+
+from .checks import MOST_INDEX, budget, cube, indices, named, points, refuse, whole
+from .config import Config
+from .dag import VoxelDag
+
+
+def voxelize(
+    positions_m: ArrayLike, triangles: ArrayLike, config: Config | None = None, progress: Progress | None = None
+) -> VoxelDag:
+    """The surface of a mesh. The result depends on neither the order of triangles nor the number of threads.
+
+    ``positions_m``: (n, 3), float32 or float64, in metres; ``triangles``: (m, 3), three indices of positions each.
+    Raises InvalidInput, which names the vertex, the triangle or the setting, and Cancelled.
+    """
+    config = config or Config()
+    return VoxelDag(
+        _native.voxelize(
+            positions=points(positions_m, "positions_m"),
+            triangles=indices(triangles, "triangles"),
+            resolution=whole("resolution", config.resolution, MOST_INDEX),
+            rule=named(_native.VoxelizeRule, "rule", config.rule),
+            bounds=cube(config.bounds_m),
+            symmetry=named(_native.VoxelSymmetry, "symmetry", config.symmetry),
+            memory_budget_bytes=budget(config),
+            progress=progress or Progress(),
+        )
+    )
+
+
+def from_coordinates(
+    coordinates: ArrayLike, config: Config | None = None, progress: Progress | None = None
+) -> VoxelDag:
+    """Of voxels x, y and z, (n, 3) whole numbers below ``config.resolution``, in any order; they may repeat.
+
+    Without ``bounds_m`` a voxel is a cube of 1 m, and the first begins at 0. The rule has nothing to say. Raises
+    InvalidInput, which names the voxel or the setting, and Cancelled.
+    """
+    config = config or Config()
+    resolution = whole("resolution", config.resolution, MOST_INDEX)
+    if resolution.bit_count() != 1:
+        raise refuse(f"resolution is {resolution}, no power of two")
+    return VoxelDag(
+        _native.voxel_dag_of(
+            coordinates=indices(coordinates, "coordinates"),
+            level=resolution.bit_length() - 1,
+            bounds=cube(config.bounds_m) or ([0.0, 0.0, 0.0], float(resolution)),
+            symmetry=named(_native.VoxelSymmetry, "symmetry", config.symmetry),
+            memory_budget_bytes=budget(config),
+            progress=progress or Progress(),
+        )
+    )
