@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/errors.hpp"
+#include "support/packed_voxels.hpp"
 #include "support/voxel_sets.hpp"
-#include "voxel_dag/build_dag.hpp"
 #include "voxel_dag/dag_file.hpp"
-#include "voxel_dag/merge_symmetric.hpp"
-#include "voxel_dag/pack_dag.hpp"
 #include <doctest/doctest.h>
 #include <fstream>
 #include <iterator>
@@ -19,13 +17,6 @@ namespace {
 const Progress progress;
 constexpr double side_m = 0.1; // no number of bits holds it
 const Cube place{.lower_m = dvec3(-1.5, 2e5, 1e-3), .side_m = side_m};
-
-PackedDag packed(const LeafMasks& voxels, Symmetry symmetry) {
-    Dag dag = build_dag(voxels, {}, progress);
-    if (symmetry != Symmetry::None)
-        dag = merge_symmetric(dag, {.symmetry = symmetry}, progress);
-    return pack_dag(dag, progress);
-}
 
 /// A file that goes with the test.
 class TestFile {
@@ -59,7 +50,7 @@ private:
 
 TEST_CASE("a file gives back the DAG that was written, bit by bit, and its place in metres") {
     const TestFile file;
-    for (const Symmetry symmetry : {Symmetry::None, Symmetry::Reflections, Symmetry::Cube})
+    for (const Symmetry symmetry : all_symmetries)
         for (const LeafMasks& voxels :
              {sphere_voxels(7, {64, 64, 64}, 50), random_voxels(5, 0.01, 3), sierpinski_voxels(6), full_voxels(2),
               full_voxels(6), LeafMasks{.level = 9, .codes = {}, .masks = {}}}) {
