@@ -4,14 +4,18 @@
 #include "bindings/voxel_dag.hpp"
 #include "voxel_dag/pack_dag.hpp"
 #include "voxel_dag/snapped_mesh.hpp"
+#include "voxel_dag/voxel_attributes.hpp"
 #include <pybind11/stl.h>
 
 namespace tyndall::bindings {
 using namespace py::literals;
 using namespace voxel_dag;
 
-static std::shared_ptr<PlacedDag> packed(const LeafMasks& leaves, const Cube& bounds_m, Symmetry symmetry,
-                                         std::uint64_t memory_budget_bytes, const Progress& progress) {
+/// attributes: of the voxels of leaves, or none.
+static std::shared_ptr<PlacedDag> packed(const LeafMasks& leaves, const VoxelAttributes& attributes,
+                                         const Cube& bounds_m, Symmetry symmetry, std::uint64_t memory_budget_bytes,
+                                         const Progress& progress) {
+    require(attributes.is_empty(), "voxel DAG: attributes cannot be kept yet");
     Dag dag = build_dag(leaves, {.memory_budget_bytes = memory_budget_bytes}, progress);
     if (symmetry != Symmetry::None)
         dag = merge_symmetric(dag, {.symmetry = symmetry, .memory_budget_bytes = memory_budget_bytes}, progress);
@@ -43,7 +47,7 @@ static std::shared_ptr<PlacedDag> voxelize_mesh(const py::array& positions, cons
     const bool is_double = py::isinstance<py::array_t<double>>(positions);
     const auto [leaves, cube] = is_double ? voxels_of<dvec3>(positions, corners, config, progress)
                                           : voxels_of<vec3>(positions, corners, config, progress);
-    return without_gil([&] { return packed(leaves, cube, symmetry, memory_budget_bytes, progress); });
+    return without_gil([&] { return packed(leaves, {}, cube, symmetry, memory_budget_bytes, progress); });
 }
 
 static std::shared_ptr<PlacedDag> dag_of_voxels(const py::array& coordinates, std::uint32_t level, const Bounds& bounds,
@@ -51,7 +55,7 @@ static std::shared_ptr<PlacedDag> dag_of_voxels(const py::array& coordinates, st
                                                 const Progress& progress) {
     auto voxels = to_vector<Voxel, std::uint32_t>(coordinates, {-1, 3}, "coordinates");
     return without_gil([&] {
-        return packed(leaf_masks_of(std::move(voxels), level), cube_of(bounds), symmetry, memory_budget_bytes,
+        return packed(leaf_masks_of(std::move(voxels), level), {}, cube_of(bounds), symmetry, memory_budget_bytes,
                       progress);
     });
 }
