@@ -186,11 +186,6 @@ void list_runs(const TileLines& block, std::size_t lane, const ScanAxes& axes, T
     HWY_DYNAMIC_DISPATCH(list_one)(block, lane, axes, runs);
 }
 
-static Int128 floor_of_quotient(Int128 numerator, Int128 denominator) { // denominator > 0
-    const Int128 quotient = numerator / denominator;
-    return quotient - Int128{numerator % denominator < 0};
-}
-
 namespace {
 /// Indices from `from` to `to`; none where from > to.
 struct Interval {

@@ -236,7 +236,7 @@ TEST_CASE("triangles far larger than the cube colour it as a part of them would"
     }
 }
 
-// Seen to fail with sums of floats.
+// Seen to fail with samples that are computed in the order of the scan's axes, which other triangles have a say in.
 TEST_CASE("neither threads, nor vectors, nor the order of triangles change a bit") {
     std::mt19937 random(4);
     std::vector<Triangle> triangles;
