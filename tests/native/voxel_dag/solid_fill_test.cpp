@@ -65,13 +65,14 @@ std::vector<Triangle> voxel_box(const Point& lower, const Point& upper, std::int
     }
     return outwards(box(from, to));
 }
-std::vector<Triangle> random_tetrahedron(std::mt19937& random, std::int64_t side, std::int64_t beyond) {
+/// Corners lie `grid` steps apart, among them centres of voxels.
+std::vector<Triangle> random_tetrahedron(std::mt19937& random, std::int64_t side, std::int64_t beyond,
+                                         std::int64_t grid) {
     std::array<Point, 4> corners;
     for (Point& corner : corners)
-        for (std::int64_t& at : corner) {
-            at = random_below(random, (side + 2 * beyond) * 4) * (steps_per_voxel / 4) - beyond * steps_per_voxel;
-            at -= at == side * steps_per_voxel ? 1 : 0; // what lies on the upper faces is a test of its own
-        }
+        for (std::int64_t& at : corner)
+            at = (random_below(random, (side + 2 * beyond) * steps_per_voxel / grid)) * grid + 128 -
+                 beyond * steps_per_voxel;
     return outwards(tetrahedron(corners));
 }
 
@@ -144,7 +145,7 @@ TEST_CASE("a cube is solid: all its voxels, and no other") {
     CHECK(small.all.voxel_count() == 64);
 }
 
-// Seen to fail with a tie of an edge, or of a centre, broken the other way.
+// Seen to fail with edges that belong to both of their triangles.
 TEST_CASE("exactly the voxels of the surface, and those whose centres lie within: tetrahedra that may overlap") {
     std::mt19937 random(12);
     std::uint64_t inside_count = 0;
@@ -152,7 +153,7 @@ TEST_CASE("exactly the voxels of the surface, and those whose centres lie within
         std::vector<std::vector<Triangle>> parts;
         std::vector<Triangle> triangles;
         for (int part = 0; part < 1 + round % 3; ++part) {
-            parts.push_back(random_tetrahedron(random, 32, round % 4 == 0 ? 40 : 0));
+            parts.push_back(random_tetrahedron(random, 32, round % 4 == 0 ? 40 : 0, round % 3 == 0 ? 1 : 1024));
             triangles = together(triangles, parts.back());
         }
         const Solid solid = solid_of(mesh_of(triangles), config_of(5, round % 2 == 0 ? Thin : Conservative));
@@ -204,7 +205,7 @@ TEST_CASE("neither the order of triangles nor threads change a solid") {
     std::mt19937 random(3);
     std::vector<Triangle> triangles;
     for (int i = 0; i < 30; ++i)
-        triangles = together(triangles, random_tetrahedron(random, 128, 30));
+        triangles = together(triangles, random_tetrahedron(random, 128, 30, 64));
     const Mesh mesh = mesh_of(triangles);
     const LeafMasks first = solid_of(mesh, config_of(7, Thin)).all;
     for (const int threads : {1, 2, 7})
