@@ -65,6 +65,8 @@ struct PackedHeader {
 /// A child that is there, by octant of the record; of a node of 16^3 or more.
 [[nodiscard]] PackedNode packed_child(const PackedDag& dag, std::uint32_t level, const PackedNode& node,
                                       const PackedHeader& header, std::uint32_t octant);
+/// Behind a record of 8^3.
+[[nodiscard]] std::uint64_t end_of_smallest(const PackedDag& dag, std::uint64_t bit);
 /// Rank of the pair that a record of 8^3 names.
 [[nodiscard]] std::uint32_t packed_pair(const PackedDag& dag, const PackedHeader& header, std::uint32_t octant);
 /// The leaf of a pair, and its tag.
