@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from tyndall import _native
 from tyndall._native import Progress
 
-from .checks import indices, points, refuse
+from .checks import indices, per_row, points, refuse, whole
 
 
 class VoxelDag:
@@ -59,22 +59,59 @@ class VoxelDag:
         return iter(self._native.coordinates())
 
     def trace(
-        self, origins_m: ArrayLike, directions: ArrayLike, progress: Progress | None = None
+        self,
+        origins_m: ArrayLike,
+        directions: ArrayLike,
+        level: int | None = None,
+        *,
+        spread: ArrayLike = 0.0,
+        progress: Progress | None = None,
     ) -> tuple[NDArray[np.float64], NDArray[np.uint32], NDArray[np.float32]]:
         """The first voxel along each ray: distance in metres, (k,); voxel, (k, 3); normal of its face, (k, 3).
 
         ``origins_m`` and ``directions``: (k, 3); directions may have any length. A miss has an infinite distance. A ray
-        that begins in a voxel hits it at 0, without a normal. Raises InvalidInput and Cancelled.
+        that begins in a voxel hits it at 0, without a normal.
+
+        ``level``: 1 traces the octants of the whole, each number more their octants, and None voxels. ``spread``, one
+        number or (k,): how much wider a ray's cone becomes per metre; a cube that is no wider than the cone where it
+        begins is hit whole. The voxel is then the lowest of that cube. Raises InvalidInput and Cancelled.
         """
-        origins = np.ascontiguousarray(points(origins_m, "origins_m"), np.float64)
-        ways = np.ascontiguousarray(points(directions, "directions"), np.float64)
-        if origins.shape != ways.shape:
-            raise refuse(f"{len(origins)} origins_m, but {len(ways)} directions")
-        return self._native.trace(origins, ways, progress or Progress())
+        origins, ways = _rays(origins_m, directions)
+        finest = self.resolution.bit_length() - 1
+        return self._native.trace(
+            origins,
+            ways,
+            finest if level is None else whole("level", level, finest),
+            per_row(spread, len(origins), "spread"),
+            progress or Progress(),
+        )
+
+    def occluded(
+        self,
+        origins_m: ArrayLike,
+        directions: ArrayLike,
+        end_m: ArrayLike = np.inf,
+        progress: Progress | None = None,
+    ) -> NDArray[np.bool_]:
+        """Whether a voxel begins along each ray before ``end_m``, one number or (k,): (k,).
+
+        ``origins_m`` and ``directions``: (k, 3); directions may have any length. Raises InvalidInput and Cancelled.
+        """
+        origins, ways = _rays(origins_m, directions)
+        return self._native.occluded(origins, ways, per_row(end_m, len(origins), "end_m"), progress or Progress())
 
     def save(self, path: str | os.PathLike[str], progress: Progress | None = None) -> None:
         """Write a ``.tdag`` file, whole or not at all. Raises IoError, which names the path, and Cancelled."""
         self._native.save(path, progress or Progress())
+
+
+def _rays(origins_m: ArrayLike, directions: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """As many origins as directions."""
+    origins = np.ascontiguousarray(points(origins_m, "origins_m"), np.float64)
+    ways = np.ascontiguousarray(points(directions, "directions"), np.float64)
+    if origins.shape != ways.shape:
+        raise refuse(f"{len(origins)} origins_m, but {len(ways)} directions")
+    return origins, ways
 
 
 def load(path: str | os.PathLike[str], progress: Progress | None = None) -> VoxelDag:
