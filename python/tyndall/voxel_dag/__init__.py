@@ -3,6 +3,8 @@
 
 from .config import Config
 from .dag import VoxelDag, load
+from .forecast import Forecast, forecast
 from .meshes import from_coordinates, voxelize
+from .out_of_core import voxelize_to_file
 
-__all__ = ["Config", "VoxelDag", "from_coordinates", "load", "voxelize"]
+__all__ = ["Config", "Forecast", "VoxelDag", "forecast", "from_coordinates", "load", "voxelize", "voxelize_to_file"]
