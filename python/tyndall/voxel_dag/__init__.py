@@ -2,7 +2,23 @@
 """Meshes as voxels, and these as a directed acyclic graph: equal subtrees, also turned ones, are stored once."""
 
 from .config import Config
-from .dag import VoxelDag, load
+from .dag import LevelCounts, VoxelDag, load
+from .estimate import Estimate, Extent, estimate, extent_of, largest_that_fits
 from .meshes import from_coordinates, voxelize
+from .preview import exposed_faces, preview
 
-__all__ = ["Config", "VoxelDag", "from_coordinates", "load", "voxelize"]
+__all__ = [
+    "Config",
+    "Estimate",
+    "Extent",
+    "LevelCounts",
+    "VoxelDag",
+    "estimate",
+    "exposed_faces",
+    "extent_of",
+    "from_coordinates",
+    "largest_that_fits",
+    "load",
+    "preview",
+    "voxelize",
+]
