@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """``object.tyndall_voxels``: the file that an object stands for; ``scene.tyndall.voxelize``: how one is made."""
 
+import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, PointerProperty, StringProperty
 from bpy.types import Collection, PropertyGroup
 
@@ -8,6 +9,9 @@ from .tagging import OVERRIDABLE, tag
 
 #: Levels of a .tdag file: 2^level voxels a side.
 LEAST_LEVEL, MOST_LEVEL = 2, 17
+
+#: Without it Blender 4.5 and later warn of a path that begins with "//"; older ones do not know the word.
+_MAY_BE_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
 
 RESOLUTIONS = tuple(
     (str(2**level), f"{2**level:,}", f"{2**level:,} voxels along each side of a cube around what is voxelized", level)
@@ -34,6 +38,7 @@ class TyndallVoxels(PropertyGroup):
         name="File",
         description="A .tdag file, whose voxels this object stands for. Its cube lies in the object's own space",
         subtype="FILE_PATH",
+        options=_MAY_BE_RELATIVE,
         update=tag,
         override=OVERRIDABLE,
     )
@@ -94,9 +99,9 @@ class TyndallVoxelizeSettings(PropertyGroup):
         override=OVERRIDABLE,
     )
     memory_budget_mib: IntProperty(
-        name="Memory Budget",
-        description="MiB for the voxels, and as many again for the graph's tables. What does not fit is refused before "
-        "it begins; 0: no limit",
+        name="Memory, MiB",
+        description="Budget of the voxels, and as many again for the graph's tables. What does not fit is refused "
+        "before it begins; 0: no limit",
         min=0,
         soft_max=65536,
         default=4096,
@@ -109,6 +114,7 @@ class TyndallVoxelizeSettings(PropertyGroup):
         description="Where the .tdag file goes; one that is there is written over. Empty: beside the .blend, with the "
         "name of what becomes voxels, and a number if need be",
         subtype="FILE_PATH",
+        options=_MAY_BE_RELATIVE,
         update=tag,
         override=OVERRIDABLE,
     )

@@ -26,6 +26,7 @@ _BYTES_PER_BRICK = 16
 _FILE_BYTES_PER_VOXEL = 0.2
 #: Per core, from a mesh to a packed graph with 48 symmetries: the dragon at 8,192.
 _VOXELS_PER_S = 38e6
+_START_S = 0.05  #: Of whatever mesh.
 _LEAST_RESOLUTION = 4
 
 
@@ -80,7 +81,7 @@ def estimate(extent: Extent, config: Config) -> Estimate:
         voxel_count=voxels,
         memory_bytes=max(_BYTES_PER_BRICK * bricks, tables_bytes),
         file_bytes=round(_FILE_BYTES_PER_VOXEL * voxels),
-        seconds=voxels / (_VOXELS_PER_S * (os.cpu_count() or 1)),
+        seconds=_START_S + voxels / (_VOXELS_PER_S * (os.cpu_count() or 1)),
     )
 
 
