@@ -57,10 +57,7 @@ class VoxelDag:
         return self._native.bytes_by_part
 
     def levels(self, progress: Progress | None = None) -> list[LevelCounts]:
-        """From cubes of 2 voxels a side to the whole one; none of an empty DAG. Raises Cancelled.
-
-        Reads each distinct node: a second for some 10 million.
-        """
+        """From cubes of 2 voxels a side to the whole one; none of an empty DAG. Reads every node. Raises Cancelled."""
         return [
             LevelCounts(side=1 << level, node_count=distinct, tree_node_count=in_tree)
             for level, distinct, in_tree in self._native.levels(progress or Progress())
