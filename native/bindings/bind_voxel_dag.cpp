@@ -75,6 +75,7 @@ void bind_voxel_dag(py::module_& native) {
                 without_gil([&] { write_dag(self.dag, self.bounds_m, name, progress); });
             },
             "path"_a, "progress"_a, "Releases the GIL. IoError: the path and why; Cancelled.");
+    bind_voxel_counts(native, type);
     bind_voxel_trace(type);
     bind_voxelize(native);
     bind_out_of_core(native);

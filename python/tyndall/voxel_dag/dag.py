@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +14,15 @@ from tyndall import _native
 from tyndall._native import Progress
 
 from .checks import indices, per_row, points, refuse, whole
+
+
+@dataclass(frozen=True, kw_only=True)
+class LevelCounts:
+    """How many cubes of one size the voxels take."""
+
+    side: int  #: In voxels.
+    node_count: int  #: Distinct ones, which are stored; 0 for a side of 2: those are bytes of their brick's word.
+    tree_node_count: int  #: Those of an octree, which shares nothing.
 
 
 class VoxelDag:
@@ -40,6 +50,18 @@ class VoxelDag:
     def geometry_bytes(self) -> int:
         """Of all nodes, as they lie in memory and in the file."""
         return self._native.geometry_bytes
+
+    @property
+    def bytes_by_part(self) -> dict[str, int]:
+        """What ``geometry_bytes`` is the sum of."""
+        return self._native.bytes_by_part
+
+    def levels(self, progress: Progress | None = None) -> list[LevelCounts]:
+        """From cubes of 2 voxels a side to the whole one; none of an empty DAG. Reads every node. Raises Cancelled."""
+        return [
+            LevelCounts(side=1 << level, node_count=distinct, tree_node_count=in_tree)
+            for level, distinct, in_tree in self._native.levels(progress or Progress())
+        ]
 
     @property
     def bounds_m(self) -> NDArray[np.float64]:
