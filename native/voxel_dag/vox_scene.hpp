@@ -8,6 +8,7 @@
 #include "voxel_dag/leaf_masks.hpp"
 #include "voxel_dag/vox_file.hpp"
 #include "voxel_dag/voxel_attributes.hpp"
+#include "voxel_dag/voxelize.hpp"
 
 namespace tyndall::voxel_dag::vox {
 struct Config {
@@ -32,4 +33,19 @@ enum class TooManyColors : std::uint8_t {
 /// or none. Throws InvalidInput (colours; more than 2^31 bytes, and what would fit; `lower` beyond 2^30) and Cancelled.
 [[nodiscard]] File file_of(const LeafMasks& leaves, std::span<const std::uint32_t> colors,
                            const std::array<std::int64_t, 3>& lower, TooManyColors too_many, const Progress& progress);
+
+/// In metres, and from and to a path, which messages begin with.
+struct PlacedVoxels {
+    LeafMasks leaves;
+    VoxelAttributes attributes;
+    Cube bounds_m;
+};
+/// Throws InvalidInput as voxels_of() does, and for a size that is no length; IoError, which names the chunk that is
+/// damaged; and Cancelled.
+[[nodiscard]] PlacedVoxels read_placed(const std::filesystem::path& path, double voxel_size_m, const Config& config,
+                                       const Progress& progress);
+/// Voxels lie on whole numbers of their size: the cube's lowest corner is rounded to one. Throws InvalidInput as
+/// file_of() does, IoError and Cancelled.
+void write_placed(const LeafMasks& leaves, std::span<const std::uint32_t> colors, const Cube& bounds_m,
+                  TooManyColors too_many, const std::filesystem::path& path, const Progress& progress);
 } // namespace tyndall::voxel_dag::vox
