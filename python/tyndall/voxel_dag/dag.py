@@ -13,9 +13,10 @@ from tyndall import _native
 from tyndall._native import Progress
 
 from .checks import indices, points, refuse
+from .exports import Exports
 
 
-class VoxelDag:
+class VoxelDag(Exports):
     """Voxels of a cube. Immutable; safe from any thread."""
 
     def __init__(self, native: _native.VoxelDag) -> None:
