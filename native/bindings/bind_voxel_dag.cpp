@@ -77,6 +77,7 @@ void bind_voxel_dag(py::module_& native) {
             "path"_a, "progress"_a, "Releases the GIL. IoError: the path and why; Cancelled.");
     bind_voxel_counts(native, type);
     bind_voxel_trace(type);
+    bind_voxel_export(type);
     bind_voxelize(native);
     bind_out_of_core(native);
     native.def(

@@ -14,6 +14,7 @@ from tyndall import _native
 from tyndall._native import Progress
 
 from .checks import indices, per_row, points, refuse, whole
+from .exports import Exports
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,7 +26,7 @@ class LevelCounts:
     tree_node_count: int  #: Those of an octree, which shares nothing.
 
 
-class VoxelDag:
+class VoxelDag(Exports):
     """Voxels of a cube. Immutable; safe from any thread."""
 
     def __init__(self, native: _native.VoxelDag) -> None:
