@@ -48,9 +48,13 @@ def test_every_voxel_has_what_was_given_through_a_file_too(symmetry: str, tmp_pa
     assert (tmp_path / "a.tdag").stat().st_size < dag.geometry_bytes + dag.attribute_bytes + 4096
 
 
-def test_colors_from_0_to_1_are_those_of_bytes() -> None:
+def test_colors_from_0_to_1_are_those_of_bytes_and_arrays_may_lie_in_memory_as_they_like() -> None:
     dag = all_kinds(colors=(COLORS / 255).astype(np.float32))
     assert np.array_equal(dag.colors_at(VOXELS), COLORS)
+    columns = {"colors": np.asfortranarray(COLORS / 255), "normals": np.asfortranarray(NORMALS)}
+    dag = all_kinds(**columns, channels={"wet": np.repeat(WET, 2)[::2]})
+    assert np.array_equal(dag.colors_at(np.asfortranarray(VOXELS)), COLORS)
+    assert np.array_equal(dag.channel_at("wet", VOXELS), WET)
 
 
 def test_of_a_voxel_that_repeats_the_last_row_counts() -> None:

@@ -98,7 +98,7 @@ def colors(values: ArrayLike | None, rows: int) -> NDArray[np.uint8] | None:
     if is_wrong.any():
         wrong = int(np.argmax(is_wrong))
         raise refuse(f"colors: row {wrong} is {array[wrong].tolist()}, outside [0, 1]")
-    return np.asarray(np.rint(255 * array), np.uint8)
+    return np.ascontiguousarray(np.rint(255 * array), np.uint8)
 
 
 def normals(values: ArrayLike | None, rows: int) -> NDArray[np.float32] | None:
