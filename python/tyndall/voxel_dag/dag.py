@@ -16,6 +16,8 @@ from tyndall._native import Progress
 from .checks import indices, per_row, points, refuse, whole
 from .exports import Exports
 
+MOST_LEVEL = 17  #: Of the largest cube, 131072 voxels a side.
+
 
 @dataclass(frozen=True, kw_only=True)
 class LevelCounts:
@@ -54,7 +56,10 @@ class VoxelDag(Exports):
 
     @property
     def bytes_by_part(self) -> dict[str, int]:
-        """What ``geometry_bytes`` is the sum of."""
+        """What ``geometry_bytes`` and ``attribute_bytes`` are the sum of.
+
+        Of attributes: counts, materials, indices, mean_materials and mean_indices.
+        """
         return self._native.bytes_by_part
 
     def levels(self, progress: Progress | None = None) -> list[LevelCounts]:
@@ -63,6 +68,34 @@ class VoxelDag(Exports):
             LevelCounts(side=1 << level, node_count=distinct, tree_node_count=in_tree)
             for level, distinct, in_tree in self._native.levels(progress or Progress())
         ]
+
+    @property
+    def attribute_bytes(self) -> int:
+        """Of colours, normals, channels and what finds them, as they lie in memory and in the file."""
+        return self._native.attribute_bytes
+
+    @property
+    def attribute_errors(self) -> dict[str, float]:
+        """What is lost, over voxels: ``mean_cie94``, ``most_cie94``, ``mean_degrees``, ``most_degrees``.
+
+        Raises InvalidInput where there are no attributes.
+        """
+        return self._native.attribute_errors
+
+    @property
+    def has_colors(self) -> bool:
+        """Whether voxels have colours."""
+        return self._native.has_colors
+
+    @property
+    def has_normals(self) -> bool:
+        """Whether voxels have normals."""
+        return self._native.has_normals
+
+    @property
+    def channels(self) -> list[str]:
+        """Names of further values."""
+        return self._native.channels
 
     @property
     def bounds_m(self) -> NDArray[np.float64]:
@@ -80,6 +113,29 @@ class VoxelDag(Exports):
     def coordinates(self) -> Iterator[NDArray[np.uint32]]:
         """All voxels in Morton order (x changes fastest), some at a time: (k, 3)."""
         return iter(self._native.coordinates())
+
+    def colors_at(self, coordinates: ArrayLike, level: int = 0, progress: Progress | None = None) -> NDArray[np.uint8]:
+        """Colours of voxels, (k, 3), as sRGB encodes them.
+
+        At ``level`` l the mean, in linear light, of what is set of the cube of 2**l voxels a side around each. Raises
+        InvalidInput, which names the first voxel that is not set, and Cancelled.
+        """
+        return self._native.colors_at(*self._cubes(coordinates, level), progress or Progress())
+
+    def normals_at(
+        self, coordinates: ArrayLike, level: int = 0, progress: Progress | None = None
+    ) -> NDArray[np.float32]:
+        """Normals of voxels, (k, 3), of length 1; at a level, the direction of their sum, as colors_at() has it."""
+        return self._native.normals_at(*self._cubes(coordinates, level), progress or Progress())
+
+    def channel_at(
+        self, name: str, coordinates: ArrayLike, level: int = 0, progress: Progress | None = None
+    ) -> NDArray[np.uint8]:
+        """Values of a channel, (k,); at a level, their rounded mean, as colors_at() has it."""
+        return self._native.channel_at(name, *self._cubes(coordinates, level), progress or Progress())
+
+    def _cubes(self, coordinates: ArrayLike, level: int) -> tuple[NDArray[np.uint32], int]:
+        return indices(coordinates, "coordinates"), whole("level", level, MOST_LEVEL)
 
     def trace(
         self,
