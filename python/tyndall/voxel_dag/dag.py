@@ -137,6 +137,16 @@ class VoxelDag(Exports):
     def _cubes(self, coordinates: ArrayLike, level: int) -> tuple[NDArray[np.uint32], int]:
         return indices(coordinates, "coordinates"), whole("level", level, MOST_LEVEL)
 
+    def coarse_cubes(
+        self, level: int, most_cubes: int, progress: Progress | None = None
+    ) -> tuple[NDArray[np.uint32], int]:
+        """Cubes of a grid of 2^level a side that hold a voxel, (k, 3), in Morton order; and their level.
+
+        That is lower than ``level`` where there would be more than ``most_cubes``, and never finer than the voxels.
+        Takes as long as there are cubes, however many voxels lie in them. Raises Cancelled.
+        """
+        return self._native.coarse_cubes(level, most_cubes, progress or Progress())
+
     def trace(
         self,
         origins_m: ArrayLike,
