@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from itertools import count
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,12 +15,25 @@ from tyndall._native import Progress
 
 from .checks import indices, points, refuse
 
+_keys = count()
+
 
 class VoxelDag:
     """Voxels of a cube. Immutable; safe from any thread."""
 
     def __init__(self, native: _native.VoxelDag) -> None:
         self._native = native
+        self._key = next(_keys)
+
+    @property
+    def key(self) -> int:
+        """No other object of this process has the same."""
+        return self._key
+
+    @property
+    def native(self) -> _native.VoxelDag:
+        """What the native side calls it by."""
+        return self._native
 
     @property
     def resolution(self) -> int:
