@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +18,8 @@ from .checks import indices, per_row, points, refuse, whole
 from .exports import Exports
 
 MOST_LEVEL = 17  #: Of the largest cube, 131072 voxels a side.
+
+_keys = count()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,6 +36,17 @@ class VoxelDag(Exports):
 
     def __init__(self, native: _native.VoxelDag) -> None:
         self._native = native
+        self._key = next(_keys)
+
+    @property
+    def key(self) -> int:
+        """No other object of this process has the same."""
+        return self._key
+
+    @property
+    def native(self) -> _native.VoxelDag:
+        """What the native side calls it by."""
+        return self._native
 
     @property
     def resolution(self) -> int:
