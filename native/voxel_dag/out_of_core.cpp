@@ -150,6 +150,11 @@ void OutOfCore::join(const std::vector<PartFile>& parts, const std::filesystem::
                        progress.advance_to(parts_end + (join_end - parts_end) * static_cast<float>(share));
                    });
     statistics_.join_pass_count = joined.statistics.most_passes;
+    const std::uint64_t pack_bytes = estimated_pack_bytes(joined.dag),
+                        budget_bytes = config_.voxels.memory_budget_bytes;
+    require(pack_bytes <= budget_bytes, "voxel DAG: packing ", joined.dag.node_count(), " nodes takes about ",
+            pack_bytes >> 20, " MiB, and the budget is ", budget_bytes >> 20, " MiB: allow more, or a resolution of ",
+            config_.voxels.resolution / 2, ", which takes a quarter to a half");
     progress.set_message("Packing " + std::to_string(joined.dag.node_count()) + " nodes");
     const PackedDag packed = pack_dag(joined.dag, progress);
     joined.dag = {};
@@ -157,6 +162,11 @@ void OutOfCore::join(const std::vector<PartFile>& parts, const std::filesystem::
     statistics_.geometry_bytes = packed.byte_count();
     progress.set_message("Writing " + path.filename().string());
     write_dag(packed, cube_m_, path, progress);
+}
+
+std::string OutOfCore::what_is_kept(std::size_t finished_count) const {
+    return " (" + std::to_string(finished_count) + " of " + std::to_string(parts_.count()) + " parts are kept in " +
+           folder_.string() + ": the same call goes on from there)";
 }
 
 OutOfCoreStatistics OutOfCore::finish(const std::filesystem::path& path, Progress& progress) {
@@ -167,9 +177,9 @@ OutOfCoreStatistics OutOfCore::finish(const std::filesystem::path& path, Progres
         make_parts(parts, progress);
         join(parts, path, progress);
     } catch (const IoError& error) {
-        throw IoError(std::string(error.what()) + " (" + std::to_string(parts.size()) + " of " +
-                      std::to_string(parts_.count()) + " parts are kept in " + folder_.string() +
-                      ": the same call goes on from there)");
+        throw IoError(error.what() + what_is_kept(parts.size()));
+    } catch (const InvalidInput& error) {
+        throw InvalidInput(error.what() + what_is_kept(parts.size()));
     }
     std::error_code ignored; // the file is there: what cannot be removed does it no harm
     std::filesystem::remove_all(folder_, ignored);

@@ -58,6 +58,8 @@ private:
     void make_parts(std::vector<PartFile>& parts, Progress& progress);
     void join(const std::vector<PartFile>& parts, const std::filesystem::path& path, Progress& progress);
 
+    [[nodiscard]] std::string what_is_kept(std::size_t finished_count) const;
+
     OutOfCoreConfig config_;
     Cube cube_m_;
     SnappedMesh mesh_;

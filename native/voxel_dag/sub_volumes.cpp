@@ -4,7 +4,7 @@
 #include "voxel_dag/tile_bins.hpp"
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 namespace tyndall::voxel_dag {
 namespace {
@@ -141,8 +141,6 @@ SubVolumes split(const SnappedMesh& mesh, VoxelizeRule rule, std::uint64_t most_
             parts.triangles[next[code]++] = static_cast<std::uint32_t>(triangle);
         });
     }
-    const double all = std::accumulate(bricks.begin(), bricks.end(), 0.0);
-    parts.expected_brick_count = static_cast<std::uint64_t>(all);
     return parts;
 }
 

@@ -9,11 +9,10 @@
 
 namespace tyndall::voxel_dag {
 struct SubVolumes {
-    std::uint32_t level;                    ///< 2^level voxels a side.
-    std::vector<std::uint64_t> codes;       ///< Morton codes of those that triangles may meet, ascending.
-    std::vector<std::size_t> first;         ///< Of each, and one past: where its triangles begin.
-    std::vector<std::uint32_t> triangles;   ///< Indices in the mesh.
-    std::uint64_t expected_brick_count = 0; ///< In all, about: a surface seldom has more.
+    std::uint32_t level;                  ///< 2^level voxels a side.
+    std::vector<std::uint64_t> codes;     ///< Morton codes of those that triangles may meet, ascending.
+    std::vector<std::size_t> first;       ///< Of each, and one past: where its triangles begin.
+    std::vector<std::uint32_t> triangles; ///< Indices in the mesh.
 
     [[nodiscard]] std::size_t count() const { return codes.size(); }
 };
