@@ -7,6 +7,7 @@
 #include "voxel_dag/merge_symmetric.hpp"
 #include "voxel_dag/pack_dag.hpp"
 #include <cerrno>
+#include <charconv>
 #include <fcntl.h>
 #include <sys/file.h>
 #include <system_error>
@@ -61,6 +62,19 @@ std::uint64_t most_bricks(const SnappedMesh& mesh, const OutOfCoreConfig& config
     return (budget_bytes - mesh_bytes) / part_bytes_per_brick;
 }
 
+/// Of the parts in a folder: with another budget the same job goes on with them. most_level where there are none.
+std::uint32_t level_of_parts(const std::filesystem::path& folder) {
+    std::uint32_t level = most_level;
+    std::error_code ignored; // no folder, no parts
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+        const std::string name = entry.path().filename().string();
+        std::uint32_t found = 0;
+        if (std::from_chars(name.data(), name.data() + name.size(), found).ec == std::errc())
+            level = std::min(level, found);
+    }
+    return level;
+}
+
 void make_folder(const std::filesystem::path& folder) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
@@ -72,12 +86,12 @@ void make_folder(const std::filesystem::path& folder) {
 template <typename Position>
 OutOfCore::OutOfCore(std::span<const Position> positions_m, std::span<const uvec3> triangles,
                      const OutOfCoreConfig& config, const Progress& progress)
-    : config_(config), mesh_(snap(positions_m, triangles, config.voxels, progress)),
-      parts_(split(mesh_, config.voxels.rule, most_bricks(mesh_, config), progress)) {
+    : config_(config), mesh_(snap(positions_m, triangles, config.voxels, progress)) {
     cube_m_ = config.voxels.bounds_m ? *config.voxels.bounds_m : cube_around(positions_m, triangles);
     const Fingerprint fingerprint = fingerprint_of(mesh_, config);
     job_ = fingerprint.value();
     folder_ = config.scratch_folder / ("tyndall-" + fingerprint.text());
+    parts_ = split(mesh_, config.voxels.rule, most_bricks(mesh_, config), level_of_parts(folder_), progress);
     statistics_.part_count = parts_.count();
 }
 template OutOfCore::OutOfCore(std::span<const vec3>, std::span<const uvec3>, const OutOfCoreConfig&, const Progress&);

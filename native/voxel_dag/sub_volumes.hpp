@@ -16,10 +16,10 @@ struct SubVolumes {
 
     [[nodiscard]] std::size_t count() const { return codes.size(); }
 };
-/// The largest sub-cubes that have at most so many bricks of 4^3, as far as the triangles' areas tell; one, where all
-/// have. Throws InvalidInput for 2^31 triangles or more or where no size is small enough, and Cancelled.
+/// The largest sub-cubes of at most 2^most_part_level voxels a side that have at most so many bricks of 4^3, as far as the
+/// triangles' areas tell. Throws InvalidInput for 2^31 triangles or more or where no size is small enough, and Cancelled.
 [[nodiscard]] SubVolumes split(const SnappedMesh& mesh, VoxelizeRule rule, std::uint64_t most_bricks,
-                               const Progress& progress);
+                               std::uint32_t most_part_level, const Progress& progress);
 
 /// The triangles of one sub-cube, from its lower corner on, with three positions each.
 struct SubMesh {

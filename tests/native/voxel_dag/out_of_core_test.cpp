@@ -171,6 +171,19 @@ TEST_CASE("what was finished before an interruption is kept, and a damaged part 
     }
 }
 
+TEST_CASE("with a larger budget a job goes on with the parts that it has") {
+    const TestFolder folder;
+    const Job job = soup(9, 400, 6);
+    OutOfCore interrupted = job.out_of_core(folder, 256);
+    for (std::size_t part = 0; part < 7; ++part)
+        interrupted.make_part(part, Progress());
+    REQUIRE(job.out_of_core(folder, 1).part_count() == interrupted.part_count());
+    OutOfCoreStatistics statistics;
+    CHECK((job.in_parts(folder, 1, &statistics) == job.at_once(folder)));
+    CHECK(statistics.kept_part_count == 7);
+    CHECK(job.out_of_core(folder, 1).part_count() == 1);
+}
+
 TEST_CASE("jobs of other meshes and settings share a scratch folder, not their parts") {
     const TestFolder folder;
     Job first = soup(9, 400, 8), second = first;
@@ -261,7 +274,7 @@ TEST_CASE("sub-cubes' voxels are those of the whole") {
     const SnappedMesh mesh = snap(std::span<const dvec3>(job.mesh.positions), job.mesh.triangles, config, Progress());
     const LeafMasks whole = voxelize(mesh, config, Progress()).leaves;
     for (const std::uint64_t most_bricks : {100'000u, 10'000u, 4'096u}) {
-        const SubVolumes parts = split(mesh, config.rule, most_bricks, Progress());
+        const SubVolumes parts = split(mesh, config.rule, most_bricks, most_level, Progress());
         LeafMasks all{.level = job.level, .codes = {}, .masks = {}};
         for (std::size_t part = 0; part < parts.count(); ++part) {
             const SubMesh sub = sub_mesh(mesh, parts, part);
@@ -273,5 +286,5 @@ TEST_CASE("sub-cubes' voxels are those of the whole") {
         }
         CHECK((all == whole));
     }
-    CHECK_THROWS_AS(static_cast<void>(split(mesh, config.rule, 10, Progress())), InvalidInput);
+    CHECK_THROWS_AS(static_cast<void>(split(mesh, config.rule, 10, most_level, Progress())), InvalidInput);
 }
