@@ -24,7 +24,20 @@ struct Header {
 };
 static_assert(sizeof(Header) == 104);
 
-enum class Kind : std::uint32_t { Formats = 1, Directory = 2, Records = 3, Pairs = 4, Leaves = 5 };
+enum class Kind : std::uint32_t {
+    Formats = 1,
+    Directory = 2,
+    Records = 3,
+    Pairs = 4,
+    Leaves = 5,
+    Attributes = 6, ///< What there is of those below.
+    CountDirectory = 7,
+    Counts = 8,
+    Materials = 9,
+    Indices = 10,
+    MeanMaterials = 11,
+    MeanIndices = 12,
+};
 struct Section {
     Kind kind;
     std::uint32_t level; ///< Of a directory: its nodes have 2^level voxels a side. Else 0.
@@ -52,6 +65,20 @@ std::string name_of(const Section& section) {
         return "the pairs of leaves and tags";
     case Kind::Leaves:
         return "the leaves";
+    case Kind::Attributes:
+        return "the names of the attributes";
+    case Kind::CountDirectory:
+        return "the directory of counts of level " + std::to_string(section.level);
+    case Kind::Counts:
+        return "the counts of voxels";
+    case Kind::Materials:
+        return "the materials";
+    case Kind::Indices:
+        return "the voxels' materials";
+    case Kind::MeanMaterials:
+        return "the materials of means";
+    case Kind::MeanIndices:
+        return "the nodes' means";
     }
     return "a section of an unknown kind";
 }
@@ -90,8 +117,8 @@ std::vector<Section> read_table(const FileReader& reader, const Header& header) 
 }
 } // namespace
 
-void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem::path& path,
-               const Progress& progress) {
+static void write(const PackedDag& dag, const Cube& bounds_m, const AttributeParts* attributes,
+                  const std::filesystem::path& path, const Progress& progress) {
     std::vector<Format> formats;
     for (const PackedLevel& level : dag.levels)
         formats.push_back({level.classes.widths, level.classes.begins, level.field_bits, level.mask_classes.widths,
@@ -109,6 +136,19 @@ void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem
     append(Kind::Leaves, 0, dag.leaves);
     append(Kind::Pairs, 0, dag.pairs);
     append(Kind::Records, 0, dag.records);
+    std::vector<std::uint8_t> names;
+    if (attributes != nullptr) {
+        names = encode_names(*attributes);
+        append(Kind::Attributes, 0, names);
+        for (std::size_t i = attributes->order.directories.size(); i-- > 0;)
+            append(Kind::CountDirectory, static_cast<std::uint32_t>(i) + counted_level,
+                   attributes->order.directories[i]);
+        append(Kind::Counts, 0, attributes->order.counts);
+        append(Kind::Materials, 0, attributes->voxels.materials);
+        append(Kind::Indices, 0, attributes->voxels.indices);
+        append(Kind::MeanMaterials, 0, attributes->means.materials);
+        append(Kind::MeanIndices, 0, attributes->means.indices);
+    }
     std::uint64_t end = sizeof(Header) + table.size() * sizeof(Section);
     for (Section& section : table) {
         section.offset = aligned(end);
@@ -140,6 +180,14 @@ void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem
     writer.complete();
 }
 
+void write_dag(const PlacedDag& placed, const std::filesystem::path& path, const Progress& progress) {
+    write(placed.dag, placed.bounds_m, placed.attributes ? &placed.attributes->parts() : nullptr, path, progress);
+}
+void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem::path& path,
+               const Progress& progress) {
+    write(dag, bounds_m, nullptr, path, progress);
+}
+
 PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) {
     const FileReader reader(path, progress);
     const Header header = read_header(reader);
@@ -153,6 +201,9 @@ PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) 
                   .root_bit = header.root_bit,
                   .voxel_count = header.voxel_count,
                   .node_count = header.node_count};
+    std::optional<AttributeParts> parts;
+    const auto attributes = [&]() -> AttributeParts& { return parts ? *parts : parts.emplace(); };
+    std::vector<std::uint8_t> names;
     for (const Section& section : read_table(reader, header))
         switch (section.kind) {
         case Kind::Formats:
@@ -179,16 +230,49 @@ PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) 
         case Kind::Records:
             dag.records = reader.values<std::uint64_t>(section);
             break;
+        case Kind::Attributes:
+            attributes();
+            names = reader.values<std::uint8_t>(section);
+            break;
+        case Kind::CountDirectory: {
+            if (section.level < counted_level || section.level > most_level)
+                reader.refuse(name_of(section) + " belongs to no level");
+            auto& directories = attributes().order.directories;
+            directories.resize(std::max(directories.size(), std::size_t{section.level - counted_level + 1}));
+            directories[section.level - counted_level] = reader.values<std::uint32_t>(section);
+            break;
+        }
+        case Kind::Counts:
+            attributes().order.counts = reader.values<std::uint64_t>(section);
+            break;
+        case Kind::Materials:
+            attributes().voxels.materials = reader.values<std::uint8_t>(section);
+            break;
+        case Kind::Indices:
+            attributes().voxels.indices = reader.values<std::uint8_t>(section);
+            break;
+        case Kind::MeanMaterials:
+            attributes().means.materials = reader.values<std::uint8_t>(section);
+            break;
+        case Kind::MeanIndices:
+            attributes().means.indices = reader.values<std::uint8_t>(section);
+            break;
         default: // of a kind that came later, and that this version can do without
             break;
         }
+    std::shared_ptr<const DagAttributes> kept;
     try {
         require_usable(dag);
+        if (parts) {
+            decode_names(names, *parts);
+            kept = std::make_shared<const DagAttributes>(std::move(*parts), dag);
+        }
     } catch (const InvalidInput& error) {
         reader.refuse(error.what());
     }
     return {.dag = std::move(dag),
             .bounds_m = {.lower_m = dvec3(header.lower_m[0], header.lower_m[1], header.lower_m[2]),
-                         .side_m = header.side_m}};
+                         .side_m = header.side_m},
+            .attributes = std::move(kept)};
 }
 } // namespace tyndall::voxel_dag
