@@ -31,7 +31,7 @@ struct OutOfCoreStatistics {
 
 class OutOfCore {
 public:
-    /// Snaps the mesh and splits the cube. The triangles must outlive this. Throws as voxelize() and split() do.
+    /// Snaps the mesh and splits the cube: as parts that are there already did, if those fit the budget. The triangles must outlive this. Throws as voxelize() and split() do.
     template <typename Position>
     OutOfCore(std::span<const Position> positions_m, std::span<const uvec3> triangles, const OutOfCoreConfig& config,
               const Progress& progress);
@@ -57,6 +57,8 @@ private:
     void draw_part(std::size_t part, const Progress& progress) const;
     void make_parts(std::vector<PartFile>& parts, Progress& progress);
     void join(const std::vector<PartFile>& parts, const std::filesystem::path& path, Progress& progress);
+
+    [[nodiscard]] std::string what_is_kept(std::size_t finished_count) const;
 
     OutOfCoreConfig config_;
     Cube cube_m_;

@@ -38,9 +38,8 @@ def voxelize_to_file(
     require_room(positions_m, triangles, path, config, scratch=scratch, progress=progress)
     folder, count = scratch_of(path, scratch), workers if isinstance(workers, int) else 1
     if workers is not None:
-        jobs.run(
-            part_jobs(positions_m, triangles, config, folder, worker_count=count, progress=progress), workers, progress
-        )
+        parts = part_jobs(positions_m, triangles, config, folder, worker_count=count, progress=progress)
+        jobs.run(parts, workers, progress, share=0.75)
     native = parts_of(positions_m, triangles, config, folder, progress, worker_count=count)
     native.finish(path, progress)
     return load(path, progress)
