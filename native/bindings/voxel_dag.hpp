@@ -24,4 +24,5 @@ void bind_out_of_core(py::module_& native);
 void bind_voxel_counts(py::module_& native, VoxelDagClass& type);
 void bind_voxel_trace(VoxelDagClass& type);
 void bind_voxel_export(VoxelDagClass& type);
+void bind_voxel_attributes(VoxelDagClass& type);
 } // namespace tyndall::bindings

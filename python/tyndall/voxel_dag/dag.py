@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from tyndall import _native
 from tyndall._native import Progress
 
-from .checks import indices, per_row, points, refuse, whole
+from .checks import MOST_LEVEL, indices, per_row, points, refuse, whole
 from .exports import Exports
 
 
@@ -53,9 +53,37 @@ class VoxelDag(Exports):
         return self._native.geometry_bytes
 
     @property
+    def attribute_bytes(self) -> int:
+        """Of colours, normals, channels and what finds them, as they lie in memory and in the file."""
+        return self._native.attribute_bytes
+
+    @property
     def bytes_by_part(self) -> dict[str, int]:
-        """What ``geometry_bytes`` is the sum of."""
-        return self._native.bytes_by_part
+        """What ``geometry_bytes`` is the sum of, and of attributes counts, materials, indices and those of means."""
+        return {**self._native.bytes_by_part, **self._native.attribute_bytes_by_part}
+
+    @property
+    def attribute_errors(self) -> dict[str, float]:
+        """What is lost, over voxels: ``mean_cie94``, ``most_cie94``, ``mean_degrees``, ``most_degrees``.
+
+        Raises InvalidInput where there are no attributes.
+        """
+        return self._native.attribute_errors
+
+    @property
+    def has_colors(self) -> bool:
+        """Whether voxels have colours."""
+        return self._native.has_colors
+
+    @property
+    def has_normals(self) -> bool:
+        """Whether voxels have normals."""
+        return self._native.has_normals
+
+    @property
+    def channels(self) -> list[str]:
+        """Names of further values."""
+        return self._native.channels
 
     def levels(self, progress: Progress | None = None) -> list[LevelCounts]:
         """From cubes of 2 voxels a side to the whole one; none of an empty DAG. Reads every node. Raises Cancelled."""
@@ -80,6 +108,29 @@ class VoxelDag(Exports):
     def coordinates(self) -> Iterator[NDArray[np.uint32]]:
         """All voxels in Morton order (x changes fastest), some at a time: (k, 3)."""
         return iter(self._native.coordinates())
+
+    def colors_at(self, coordinates: ArrayLike, level: int = 0, progress: Progress | None = None) -> NDArray[np.uint8]:
+        """Colours of voxels, (k, 3), as sRGB encodes them.
+
+        At ``level`` l the mean, in linear light, of what is set of the cube of 2**l voxels a side around each. Raises
+        InvalidInput, which names the first voxel that is not set, and Cancelled.
+        """
+        return self._native.colors_at(*self._cubes(coordinates, level), progress or Progress())
+
+    def normals_at(
+        self, coordinates: ArrayLike, level: int = 0, progress: Progress | None = None
+    ) -> NDArray[np.float32]:
+        """Normals of voxels, (k, 3), of length 1; at a level, the direction of their sum, as colors_at() has it."""
+        return self._native.normals_at(*self._cubes(coordinates, level), progress or Progress())
+
+    def channel_at(
+        self, name: str, coordinates: ArrayLike, level: int = 0, progress: Progress | None = None
+    ) -> NDArray[np.uint8]:
+        """Values of a channel, (k,); at a level, their rounded mean, as colors_at() has it."""
+        return self._native.channel_at(name, *self._cubes(coordinates, level), progress or Progress())
+
+    def _cubes(self, coordinates: ArrayLike, level: int) -> tuple[NDArray[np.uint32], int]:
+        return indices(coordinates, "coordinates"), whole("level", level, MOST_LEVEL)
 
     def trace(
         self,

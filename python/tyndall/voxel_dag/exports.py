@@ -14,9 +14,8 @@ from tyndall import _native
 from tyndall._native import Progress
 from tyndall.volumes import MEMORY_LIMIT_BYTES
 
-from .checks import MOST_BYTES, named, refuse, whole
+from .checks import MOST_BYTES, MOST_LEVEL, named, refuse, whole
 
-MOST_LEVEL = 17  #: 2^17 voxels a side are the most.
 #: Of a block of 8 x 8 x 8 voxels while OpenVDB has it: its own leaf, and those around it that a level set needs.
 GRID_BYTES_PER_BLOCK = 8192
 
