@@ -141,6 +141,12 @@ def attribute_config(config: Config) -> _native.VoxelAttributeConfig:
     )
 
 
+def check_no_rows(config: Config) -> None:
+    """Refuse attributes that are listed voxel by voxel."""
+    if config.colors is not None or config.normals is not None or config.channels:
+        raise refuse("config has colors, normals or channels, rows of a list of voxels: use from_coordinates")
+
+
 def cube(bounds_m: ArrayLike | None) -> tuple[list[float], float] | None:
     """Lower corner and side."""
     if bounds_m is None:
