@@ -42,9 +42,9 @@ class Preview:
     """In the space of its box."""
 
     def __init__(self, dag: VoxelDag, level: int, style: str, progress: Progress) -> None:
-        from tyndall.voxel_dag import exposed_faces, preview
+        from tyndall.voxel_dag import exposed_faces
 
-        cubes, self.level = preview(dag, level, MOST_CUBES, progress)
+        cubes, self.level = dag.coarse_cubes(level, MOST_CUBES, progress)
         lower_m, upper_m = dag.bounds_m
         size_m = (upper_m - lower_m) / 2**self.level
         self.kind = style

@@ -56,7 +56,7 @@ class TyndallVoxels(PropertyGroup):
         description="The preview has 2^level voxels along a side, or fewer where these would be too many to draw",
         min=0,
         max=MOST_LEVEL,
-        default=6,
+        default=7,
         options=set(),
         update=tag,
         override=OVERRIDABLE,

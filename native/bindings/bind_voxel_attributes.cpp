@@ -26,22 +26,10 @@ static auto rows_to_numpy(const std::vector<Row>& rows) {
     return array;
 }
 
-static std::map<std::string, std::uint64_t> attribute_bytes_by_part(const PlacedDag& self) {
-    if (!self.attributes)
-        return {};
-    const AttributeParts& parts = self.attributes->parts();
-    return {{"counts", parts.order.byte_count()},
-            {"materials", parts.voxels.materials.size()},
-            {"indices", parts.voxels.indices.size()},
-            {"mean_materials", parts.means.materials.size()},
-            {"mean_indices", parts.means.indices.size()}};
-}
-
 void bind_voxel_attributes(VoxelDagClass& type) {
     type.def_property_readonly(
             "attribute_bytes",
             [](const PlacedDag& self) { return self.attributes ? self.attributes->parts().byte_count() : 0; })
-        .def_property_readonly("attribute_bytes_by_part", &attribute_bytes_by_part)
         .def_property_readonly("attribute_errors",
                                [](const PlacedDag& self) {
                                    const AttributeErrors& errors = attributes_of(self).parts().errors;

@@ -76,6 +76,7 @@ void bind_voxel_dag(py::module_& native) {
             },
             "path"_a, "progress"_a, "Releases the GIL. IoError: the path and why; Cancelled.");
     bind_voxel_counts(native, type);
+    bind_voxel_preview(type);
     bind_voxel_trace(type);
     bind_voxel_export(type);
     bind_voxel_attributes(type);

@@ -36,6 +36,7 @@ void bind_voxelize(py::module_& native);
 void bind_voxel_files(py::module_& native, VoxelDagClass& type);
 void bind_out_of_core(py::module_& native);
 void bind_voxel_counts(py::module_& native, VoxelDagClass& type);
+void bind_voxel_preview(VoxelDagClass& type);
 void bind_voxel_trace(VoxelDagClass& type);
 void bind_voxel_export(VoxelDagClass& type);
 void bind_voxel_attributes(VoxelDagClass& type);

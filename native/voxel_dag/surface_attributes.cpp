@@ -79,7 +79,10 @@ public:
         triangles_.lay(mesh_, rule_, tile, entries);
         for_each_triangle([&](std::size_t triangle, const SampledTriangle& sampled) { add(triangle, sampled); });
         require_weights(bricks);
-        write_values(bricks.first_voxel, to);
+        if (!to.colors.empty())
+            write_colors(std::span(to.colors).subspan(bricks.first_voxel, voxel_count_));
+        if (fours().channels != 0)
+            write_channels(bricks.first_voxel, to.channels);
         if (fours().normals != 0)
             write_normals(bricks.first_voxel, to);
         return voxel_count_;
@@ -176,21 +179,26 @@ private:
                     refuse_voxel(leaves_.codes[brick], left);
     }
 
-    void write_values(std::uint64_t first_voxel, VoxelAttributes& to) const {
+    void take_four(std::size_t four) {
+        means_.resize(voxel_count_);
+        take_means(sums_.data() + four, sums_.data(), fours().count, voxel_count_, means_.data());
+    }
+    void write_colors(std::span<std::uint32_t> to) {
         const auto& byte_of_linear = bytes_of_linear();
+        take_four(0);
         for (std::size_t slot = 0; slot < voxel_count_; ++slot) {
-            const double per_weight = 1.0 / static_cast<double>(sum(slot, 0)[3]);
-            const auto mean = [&](std::int64_t total) { return static_cast<double>(total) * per_weight; };
-            if (!to.colors.empty()) {
-                std::uint32_t color = 0;
-                for (std::size_t channel = 0; channel < 3; ++channel)
-                    color |= std::uint32_t{byte_of_linear[static_cast<std::size_t>(mean(sum(slot, 0)[channel]) + 0.5)]}
-                             << 8 * channel;
-                to.colors[first_voxel + slot] = color;
-            }
-            for (std::size_t channel = 0; channel < to.channels.size(); ++channel)
-                to.channels[channel].values[first_voxel + slot] = static_cast<std::uint8_t>(
-                    mean(sum(slot, fours().channels)[channel]) * (255.0 / double{whole_value}) + 0.5);
+            const auto byte = [&](std::size_t channel) {
+                return std::uint32_t{byte_of_linear[static_cast<std::uint16_t>(means_[slot][channel])]};
+            };
+            to[slot] = byte(0) | byte(1) << 8 | byte(2) << 16;
+        }
+    }
+    void write_channels(std::uint64_t first_voxel, std::vector<VoxelChannel>& to) {
+        take_four(fours().channels);
+        for (std::size_t channel = 0; channel < to.size(); ++channel) {
+            std::uint8_t* const values = to[channel].values.data() + first_voxel;
+            for (std::size_t slot = 0; slot < voxel_count_; ++slot) // 65535 is 255 times 257
+                values[slot] = static_cast<std::uint8_t>((means_[slot][channel] + 128) / 257);
         }
     }
 
@@ -257,6 +265,7 @@ private:
     std::array<SurfaceValues::Corners, SurfaceFours::most> corners_;
     std::uint64_t voxel_count_ = 0;
     std::vector<FourSums> sums_;
+    std::vector<FourMeans> means_;
     std::vector<std::uint32_t> cancelled_;          ///< Slots whose normals cancel.
     std::vector<std::uint32_t> place_in_cancelled_; ///< Of each slot.
     std::vector<Sides> sides_;                      ///< Of each cancelled slot.

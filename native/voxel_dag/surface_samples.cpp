@@ -114,6 +114,20 @@ static void add(const SurfaceSamples& samples, const std::array<Four, 3>& values
 #endif
     }
 }
+
+static void divide(const FourSums* sums, const FourSums* weights, std::size_t stride, std::size_t count,
+                   FourMeans* means) {
+    const hn::CappedTag<double, 4> wide;
+    const hn::RebindToSigned<decltype(wide)> sum;
+    const hn::Rebind<std::int32_t, decltype(wide)> whole;
+    for (std::size_t slot = 0; slot < count; ++slot) {
+        const auto per_weight = hn::Set(wide, 1.0 / static_cast<double>(weights[slot * stride][3]));
+        for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(wide)) {
+            const auto total = hn::ConvertTo(wide, hn::LoadU(sum, sums[slot * stride].data() + lane));
+            hn::StoreU(hn::DemoteTo(whole, hn::Round(hn::Mul(total, per_weight))), whole, means[slot].data() + lane);
+        }
+    }
+}
 } // namespace tyndall::voxel_dag::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -130,6 +144,12 @@ std::size_t take_samples(const SampledTriangle& triangle, const TriangleRuns& ru
 }
 void add_samples(const SurfaceSamples& samples, const std::array<Four, 3>& values, std::size_t stride, FourSums* sums) {
     HWY_DYNAMIC_DISPATCH(add)(samples, values, stride, sums);
+}
+
+HWY_EXPORT(divide);
+void take_means(const FourSums* sums, const FourSums* weights, std::size_t stride, std::size_t count,
+                FourMeans* means) {
+    HWY_DYNAMIC_DISPATCH(divide)(sums, weights, stride, count, means);
 }
 
 /// Below this height in voxels, a sixteenth of a step, shares of the corners would not be told apart in single precision.

@@ -52,6 +52,9 @@ struct SurfaceSamples {
 
 /// Sums of weight * value, exact whatever the order they are added in: up to 2^31 samples in a voxel.
 using FourSums = std::array<std::int64_t, 4>;
+using FourMeans = std::array<std::int32_t, 4>;
 /// Adds the values of the three corners; sums[slot * stride] is a voxel's. Values stay within 2^16.
 void add_samples(const SurfaceSamples& samples, const std::array<Four, 3>& values, std::size_t stride, FourSums* sums);
+/// Of `count` voxels: sums[slot * stride] divided by the last of weights[slot * stride], rounded.
+void take_means(const FourSums* sums, const FourSums* weights, std::size_t stride, std::size_t count, FourMeans* means);
 } // namespace tyndall::voxel_dag

@@ -17,7 +17,6 @@ from tyndall.voxel_dag import (
     extent_of,
     from_coordinates,
     largest_that_fits,
-    preview,
     voxelize,
 )
 
@@ -106,7 +105,7 @@ def test_levels_count_cubes_that_are_not_empty() -> None:
 def test_a_preview_has_the_cubes_that_hold_voxels(level: int) -> None:
     """Each once; never finer than the voxels are."""
     voxels, dag = scattered(2)
-    cubes, found = preview(dag, level, most_cubes=10**6)
+    cubes, found = dag.coarse_cubes(level, most_cubes=10**6)
     assert found == min(level, 6)
     assert len(np.unique(cubes, axis=0)) == len(cubes)
     assert np.array_equal(np.unique(cubes, axis=0), np.unique(voxels >> np.uint32(6 - found), axis=0))
@@ -117,7 +116,7 @@ def test_a_preview_of_too_many_cubes_is_coarser(most_cubes: int) -> None:
     """The finest level that has no more; nothing is lost."""
     voxels, dag = scattered(3)
     counts = [len(np.unique(voxels >> np.uint32(6 - level), axis=0)) for level in range(7)]
-    cubes, found = preview(dag, 6, most_cubes)
+    cubes, found = dag.coarse_cubes(6, most_cubes)
     assert found == max(level for level in range(7) if counts[level] <= most_cubes)
     assert np.array_equal(np.unique(cubes, axis=0), np.unique(voxels >> np.uint32(6 - found), axis=0))
 
@@ -126,13 +125,13 @@ def test_a_preview_can_be_stopped() -> None:
     progress = tyndall.Progress()
     progress.cancel()
     with pytest.raises(tyndall.Cancelled):
-        preview(scattered(4)[1], 3, 100, progress)
+        scattered(4)[1].coarse_cubes(3, 100, progress)
 
 
 def test_faces_between_cubes_are_left_out() -> None:
     """As many as neighbours are missing; each looks the way its array says, from its own cube."""
     _voxels, dag = scattered(5, count=20_000, resolution=32)
-    cubes, _level = preview(dag, 5, most_cubes=10**6)
+    cubes, _level = dag.coarse_cubes(5, most_cubes=10**6)
     there = set(map(tuple, cubes.tolist()))
     for direction, faces in enumerate(exposed_faces(cubes)):
         axis, sign = direction // 2, 2 * (direction % 2) - 1

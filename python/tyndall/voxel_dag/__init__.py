@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes as voxels, and these as a directed acyclic graph: equal subtrees, also turned ones, are stored once."""
 
+from .block_faces import exposed_faces
 from .config import Config
 from .dag import LevelCounts, VoxelDag, load
 from .estimate import Estimate, Extent, estimate, extent_of, largest_that_fits
@@ -9,7 +10,6 @@ from .forecast import Forecast, forecast
 from .grids import from_array, import_vdb
 from .meshes import from_coordinates, voxelize
 from .out_of_core import voxelize_to_file
-from .preview import exposed_faces, preview
 from .vox_files import import_vox
 
 __all__ = [
@@ -30,7 +30,6 @@ __all__ = [
     "import_vox",
     "largest_that_fits",
     "load",
-    "preview",
     "voxelize",
     "voxelize_to_file",
 ]

@@ -53,14 +53,24 @@ class VoxelDag(Exports):
         return self._native.geometry_bytes
 
     @property
+    def bytes_by_part(self) -> dict[str, int]:
+        """What ``geometry_bytes`` and ``attribute_bytes`` are the sum of.
+
+        Of attributes: counts, materials, indices, mean_materials and mean_indices.
+        """
+        return self._native.bytes_by_part
+
+    def levels(self, progress: Progress | None = None) -> list[LevelCounts]:
+        """From cubes of 2 voxels a side to the whole one; none of an empty DAG. Reads every node. Raises Cancelled."""
+        return [
+            LevelCounts(side=1 << level, node_count=distinct, tree_node_count=in_tree)
+            for level, distinct, in_tree in self._native.levels(progress or Progress())
+        ]
+
+    @property
     def attribute_bytes(self) -> int:
         """Of colours, normals, channels and what finds them, as they lie in memory and in the file."""
         return self._native.attribute_bytes
-
-    @property
-    def bytes_by_part(self) -> dict[str, int]:
-        """What ``geometry_bytes`` is the sum of, and of attributes counts, materials, indices and those of means."""
-        return {**self._native.bytes_by_part, **self._native.attribute_bytes_by_part}
 
     @property
     def attribute_errors(self) -> dict[str, float]:
@@ -84,13 +94,6 @@ class VoxelDag(Exports):
     def channels(self) -> list[str]:
         """Names of further values."""
         return self._native.channels
-
-    def levels(self, progress: Progress | None = None) -> list[LevelCounts]:
-        """From cubes of 2 voxels a side to the whole one; none of an empty DAG. Reads every node. Raises Cancelled."""
-        return [
-            LevelCounts(side=1 << level, node_count=distinct, tree_node_count=in_tree)
-            for level, distinct, in_tree in self._native.levels(progress or Progress())
-        ]
 
     @property
     def bounds_m(self) -> NDArray[np.float64]:
@@ -131,6 +134,16 @@ class VoxelDag(Exports):
 
     def _cubes(self, coordinates: ArrayLike, level: int) -> tuple[NDArray[np.uint32], int]:
         return indices(coordinates, "coordinates"), whole("level", level, MOST_LEVEL)
+
+    def coarse_cubes(
+        self, level: int, most_cubes: int, progress: Progress | None = None
+    ) -> tuple[NDArray[np.uint32], int]:
+        """Cubes of a grid of 2^level a side that hold a voxel, (k, 3), in Morton order; and their level.
+
+        That is lower than ``level`` where there would be more than ``most_cubes``, and never finer than the voxels.
+        Takes as long as there are cubes, however many voxels lie in them. Raises Cancelled.
+        """
+        return self._native.coarse_cubes(level, most_cubes, progress or Progress())
 
     def trace(
         self,

@@ -18,7 +18,7 @@ from .meshes import voxelize
 from .parts import budget_of, scratch_of
 
 #: What joining and packing take per node of the graph, and a part's file: measured, rounded up.
-_MEMORY_BYTES_PER_NODE, _SCRATCH_BYTES_PER_NODE = 96, 48
+_MEMORY_BYTES_PER_NODE, _SCRATCH_BYTES_PER_NODE = 96, 32
 #: The mesh is made at this resolution and the next, at least, and on up to so many voxels.
 _FIRST_SAMPLE, _MOST_SAMPLED_VOXELS = 512, 4_000_000
 _DOUBT = 1.5  #: How far beyond the room a forecast lies before anything is refused for it.
