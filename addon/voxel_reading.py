@@ -30,6 +30,7 @@ class Counts:
     resolution: int
     voxel_count: int
     node_count: int
+    geometry_bytes: int
     bytes_by_part: dict[str, int]
     levels: list[LevelCounts]
     bounds_m: list[list[float]]
@@ -106,6 +107,7 @@ def _counts(dag: VoxelDag, progress: Progress) -> Counts:
         resolution=dag.resolution,
         voxel_count=dag.voxel_count,
         node_count=dag.node_count,
+        geometry_bytes=dag.geometry_bytes,
         bytes_by_part=dag.bytes_by_part,
         levels=dag.levels(progress),
         bounds_m=dag.bounds_m.tolist(),

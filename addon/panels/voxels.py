@@ -74,13 +74,22 @@ class TYNDALL_PT_voxel_bytes(_BoxPanel, Panel):
         column = self.layout.column(align=True)
         if (counts := _counts(context, column)) is None:
             return
-        total = sum(counts.bytes_by_part.values())
         for name, part in counts.bytes_by_part.items():
-            draw_value(column, context, name, bytes_text(part))
-        draw_value(column, context, "All", bytes_text(total))
+            draw_value(column, context, name.replace("_", " "), bytes_text(part))
+        draw_value(column, context, "All", bytes_text(sum(counts.bytes_by_part.values())))
         octree = OCTREE_BYTES_PER_NODE * counts.octree_node_count
-        draw_value(column, context, f"An octree, {OCTREE_BYTES_PER_NODE} bytes per node", f"{octree / total:.3g} x")
-        draw_value(column, context, "Raw, a bit per voxel of the cube", f"{counts.resolution**3 / 8 / total:.3g} x")
+        draw_value(
+            column,
+            context,
+            f"An octree, {OCTREE_BYTES_PER_NODE} bytes per node",
+            f"{octree / counts.geometry_bytes:.3g} x",
+        )
+        draw_value(
+            column,
+            context,
+            "Raw, a bit per voxel of the cube",
+            f"{counts.resolution**3 / 8 / counts.geometry_bytes:.3g} x",
+        )
 
 
 class TYNDALL_PT_voxel_levels(_BoxPanel, Panel):

@@ -18,10 +18,19 @@ static std::vector<Row> levels(const PlacedDag& self, const Progress& progress) 
     });
 }
 
+/// Of geometry, then of attributes, as they lie in memory and in the file.
 static py::dict bytes_of_parts(const PlacedDag& self) {
     py::dict bytes;
     for (const PartBytes& part : bytes_by_part(self.dag))
         bytes[part.name] = part.byte_count;
+    if (self.attributes) {
+        const AttributeParts& parts = self.attributes->parts();
+        bytes["counts"] = parts.order.byte_count();
+        bytes["materials"] = parts.voxels.materials.size();
+        bytes["indices"] = parts.voxels.indices.size();
+        bytes["mean_materials"] = parts.means.materials.size();
+        bytes["mean_indices"] = parts.means.indices.size();
+    }
     return bytes;
 }
 
