@@ -81,6 +81,7 @@ void bind_voxel_dag(py::module_& native) {
     bind_voxel_export(type);
     bind_voxel_attributes(type);
     bind_voxelize(native);
+    bind_voxel_files(native, type);
     bind_out_of_core(native);
     native.def(
         "load_voxel_dag",

@@ -24,13 +24,17 @@ static py::array_t<Scalar> to_rows(std::vector<Row> rows) {
 
 static py::tuple box_mesh(const PlacedDag& self, std::uint32_t level, std::uint64_t memory_budget_bytes,
                           const Progress& progress) {
-    BoxMesh mesh = without_gil([&] {
-        return box_mesh_of(coarse_voxels(self.dag, level, memory_budget_bytes, progress), memory_budget_bytes,
-                           progress);
+    auto [mesh, colors] = without_gil([&] {
+        const LeafMasks cubes = coarse_voxels(self.dag, level, memory_budget_bytes, progress);
+        std::pair<BoxMesh, std::vector<ByteColor>> made{box_mesh_of(cubes, memory_budget_bytes, progress), {}};
+        if (self.attributes && self.attributes->layout().has_colors)
+            made.second = colors_at(self.dag, *self.attributes, voxels_of(cubes, level), level, progress);
+        return made;
     });
     const auto square_count = static_cast<py::ssize_t>(mesh.voxel_numbers.size());
     return py::make_tuple(to_rows<double>(std::move(mesh.positions)), to_rows<std::uint32_t>(std::move(mesh.triangles)),
-                          to_numpy(std::move(mesh.voxel_numbers), {square_count}));
+                          to_numpy(std::move(mesh.voxel_numbers), {square_count}),
+                          to_rows<std::uint8_t>(std::move(colors)));
 }
 
 static py::tuple leaf_blocks(const PlacedDag& self, std::uint32_t level, std::uint64_t memory_budget_bytes,
@@ -44,7 +48,8 @@ static py::tuple leaf_blocks(const PlacedDag& self, std::uint32_t level, std::ui
 void bind_voxel_export(VoxelDagClass& type) {
     type.def("box_mesh", &box_mesh, "level"_a, "memory_budget_bytes"_a, "progress"_a,
              R"(Of cubes of 2 ** level voxels: positions in cubes, float64 (p, 3); triangles, uint32 (2 m, 3); and each
-square's cube, counted in Morton order, uint32 (m,). Releases the GIL. InvalidInput: the budget; Cancelled.)")
+square's cube, counted in Morton order, uint32 (m,); and colours of cubes, uint8 (c, 3), none where the DAG has none.
+Releases the GIL. InvalidInput: the budget; Cancelled.)")
         .def(
             "leaf_blocks", &leaf_blocks, "level"_a, "memory_budget_bytes"_a, "progress"_a,
             R"(Blocks of 8 x 8 x 8 cubes of 2 ** level voxels: origins in cubes, uint32 (n, 3), and bits, uint64 (n, 8), bit

@@ -2,7 +2,6 @@
 // What voxel DAGs are made of.
 #include "bindings/arrays.hpp"
 #include "bindings/voxel_dag.hpp"
-#include "voxel_dag/encode_attributes.hpp"
 #include "voxel_dag/listed_voxels.hpp"
 #include "voxel_dag/pack_dag.hpp"
 #include "voxel_dag/snapped_mesh.hpp"
@@ -12,16 +11,8 @@ namespace tyndall::bindings {
 using namespace py::literals;
 using namespace voxel_dag;
 
-/// How voxels are stored.
-struct Storage {
-    Symmetry symmetry;
-    AttributeConfig attributes;
-    std::uint64_t memory_budget_bytes;
-};
-
-/// attributes: of the voxels of leaves, or none.
-static std::shared_ptr<PlacedDag> packed(const LeafMasks& leaves, const VoxelAttributes& attributes,
-                                         const Cube& bounds_m, const Storage& storage, const Progress& progress) {
+std::shared_ptr<PlacedDag> packed(const LeafMasks& leaves, const VoxelAttributes& attributes, const Cube& bounds_m,
+                                  const Storage& storage, const Progress& progress) {
     Dag dag = build_dag(leaves, {.memory_budget_bytes = storage.memory_budget_bytes}, progress);
     if (storage.symmetry != Symmetry::None)
         dag = merge_symmetric(dag, {.symmetry = storage.symmetry, .memory_budget_bytes = storage.memory_budget_bytes},

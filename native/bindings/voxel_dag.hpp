@@ -4,6 +4,7 @@
 #include "bindings/bind.hpp"
 #include "voxel_dag/build_dag.hpp"
 #include "voxel_dag/dag_file.hpp"
+#include "voxel_dag/encode_attributes.hpp"
 #include "voxel_dag/merge_symmetric.hpp"
 #include <array>
 #include <optional>
@@ -18,8 +19,21 @@ inline voxel_dag::Cube cube_of(const Bounds& bounds) {
     return {.lower_m = dvec3(lower_m[0], lower_m[1], lower_m[2]), .side_m = side_m};
 }
 
+/// How voxels are stored.
+struct Storage {
+    voxel_dag::Symmetry symmetry;
+    voxel_dag::AttributeConfig attributes;
+    std::uint64_t memory_budget_bytes;
+};
+/// attributes: of the voxels of leaves, or none.
+std::shared_ptr<voxel_dag::PlacedDag> packed(const voxel_dag::LeafMasks& leaves,
+                                             const voxel_dag::VoxelAttributes& attributes,
+                                             const voxel_dag::Cube& bounds_m, const Storage& storage,
+                                             const Progress& progress);
+
 /// Each in a file of its name. Those of a class add to it.
 void bind_voxelize(py::module_& native);
+void bind_voxel_files(py::module_& native, VoxelDagClass& type);
 void bind_out_of_core(py::module_& native);
 void bind_voxel_counts(py::module_& native, VoxelDagClass& type);
 void bind_voxel_preview(VoxelDagClass& type);

@@ -58,4 +58,15 @@ LeafMasks coarse_voxels(const PackedDag& dag, std::uint32_t level, std::uint64_t
         progress);
     return coarse;
 }
+
+std::vector<Voxel> voxels_of(const LeafMasks& leaves, std::uint32_t level) {
+    std::vector<Voxel> voxels;
+    voxels.reserve(leaves.voxel_count());
+    for (std::size_t brick = 0; brick < leaves.codes.size(); ++brick)
+        for (std::uint64_t left = leaves.masks[brick]; left != 0; left &= left - 1) {
+            const auto bit = static_cast<std::uint64_t>(std::countr_zero(left));
+            voxels.push_back(voxel_at((leaves.codes[brick] << 3 * leaf_level | bit) << 3 * level));
+        }
+    return voxels;
+}
 } // namespace tyndall::voxel_dag

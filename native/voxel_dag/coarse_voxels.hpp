@@ -11,4 +11,7 @@ namespace tyndall::voxel_dag {
 /// Throws InvalidInput, too, as soon as the bricks take more than the budget; and Cancelled.
 [[nodiscard]] LeafMasks coarse_voxels(const PackedDag& dag, std::uint32_t level, std::uint64_t memory_budget_bytes,
                                       const Progress& progress);
+
+/// One by one, in Morton order. Where they stand for cubes of 2^level voxels a side: the lowest voxel of each.
+[[nodiscard]] std::vector<Voxel> voxels_of(const LeafMasks& leaves, std::uint32_t level = 0);
 } // namespace tyndall::voxel_dag

@@ -13,27 +13,25 @@ constexpr std::size_t most_colors = 255;
 constexpr std::uint32_t model_level = 8; // 2^8 voxels a side
 static_assert(most_side == 1u << model_level);
 
-/// Red and blue change places: PackedColor has red in its upper byte.
-std::uint32_t with_red_and_blue_exchanged(std::uint32_t color) {
-    return (color & 0xff00u) | (color & 0xffu) << 16 | color >> 16;
+PackedColor packed_color(const ByteColor& color) {
+    return static_cast<PackedColor>(color[0]) << 16 | static_cast<PackedColor>(color[1]) << 8 | color[2];
 }
+/// Palettes have red in the lowest byte.
+std::uint32_t palette_color(PackedColor color) { return color >> 16 | (color & 0xff00u) | (color & 0xffu) << 16; }
 
 /// Sets the palette; returns an index per voxel.
-std::vector<std::uint32_t> indices_of(std::span<const std::uint32_t> colors, TooManyColors too_many, File& file,
+std::vector<std::uint32_t> indices_of(std::span<const ByteColor> colors, TooManyColors too_many, File& file,
                                       const Progress& progress) {
-    for (std::size_t voxel = 0; voxel < colors.size(); ++voxel)
-        require(colors[voxel] < 1u << 24, "voxel ", voxel, " has the colour ", colors[voxel], ", beyond 24 bits");
-    MaterialIndices found = material_indices_of(colors, progress);
+    std::vector<PackedColor> entries(colors.size());
+    std::ranges::transform(colors, entries.begin(), packed_color);
+    MaterialIndices found = material_indices_of(entries, progress);
     require(found.materials.size() <= most_colors || too_many == TooManyColors::Quantize, "there are ",
-            found.materials.size(), " colours; a .vox file has ", most_colors, ": ask for them to be quantized");
+            found.materials.size(), " colours; a .vox file has ", most_colors, ": ask for a palette of so many (quantize)");
     if (found.materials.size() > most_colors) {
-        std::vector<std::uint32_t> packed(colors.size());
-        std::ranges::transform(colors, packed.begin(), with_red_and_blue_exchanged);
-        color_palette::Result palette = color_palette::of_size(packed, most_colors, progress);
-        std::ranges::transform(palette.colors, palette.colors.begin(), with_red_and_blue_exchanged);
+        color_palette::Result palette = color_palette::of_size(entries, most_colors, progress);
         found = {.materials = std::move(palette.colors), .indices = std::move(palette.indices)};
     }
-    std::ranges::copy(found.materials, file.palette.begin() + 1);
+    std::ranges::transform(found.materials, file.palette.begin() + 1, palette_color);
     return std::move(found.indices);
 }
 
@@ -91,7 +89,7 @@ Model next_model(const LeafMasks& leaves, std::span<const std::uint32_t> indices
 }
 } // namespace
 
-File file_of(const LeafMasks& leaves, std::span<const std::uint32_t> colors, const std::array<std::int64_t, 3>& lower,
+File file_of(const LeafMasks& leaves, std::span<const ByteColor> colors, const std::array<std::int64_t, 3>& lower,
              TooManyColors too_many, const Progress& progress) {
     require_usable(leaves);
     require(!leaves.codes.empty(), "there are no voxels, and a .vox file needs one");

@@ -24,7 +24,7 @@ PlacedVoxels read_placed(const std::filesystem::path& path, double voxel_size_m,
     return {.leaves = std::move(scene.leaves), .attributes = std::move(scene.attributes), .bounds_m = bounds_m};
 }
 
-void write_placed(const LeafMasks& leaves, std::span<const std::uint32_t> colors, const Cube& bounds_m,
+void write_placed(const LeafMasks& leaves, std::span<const ByteColor> colors, const Cube& bounds_m,
                   TooManyColors too_many, const std::filesystem::path& path, const Progress& progress) {
     const double voxel_m = bounds_m.side_m / static_cast<double>(leaves.resolution());
     std::array<std::int64_t, 3> lower{};

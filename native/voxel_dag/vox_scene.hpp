@@ -29,9 +29,9 @@ enum class TooManyColors : std::uint8_t {
     Refuse,   ///< More than 255 are an InvalidInput.
     Quantize, ///< See color_palette.hpp.
 };
-/// Models of most_side a side, and a graph that puts them together. `colors`: one per voxel, as VoxelAttributes has them,
-/// or none. Throws InvalidInput (colours; more than 2^31 bytes, and what would fit; `lower` beyond 2^30) and Cancelled.
-[[nodiscard]] File file_of(const LeafMasks& leaves, std::span<const std::uint32_t> colors,
+/// Models of most_side a side, and a graph that puts them together. `colors`: one per voxel in Morton order, or none.
+/// Throws InvalidInput (colours; more than 2^31 bytes, and what would fit; `lower` beyond 2^30) and Cancelled.
+[[nodiscard]] File file_of(const LeafMasks& leaves, std::span<const ByteColor> colors,
                            const std::array<std::int64_t, 3>& lower, TooManyColors too_many, const Progress& progress);
 
 /// In metres, and from and to a path, which messages begin with.
@@ -46,6 +46,6 @@ struct PlacedVoxels {
                                        const Progress& progress);
 /// Voxels lie on whole numbers of their size: the cube's lowest corner is rounded to one. Throws InvalidInput as
 /// file_of() does, IoError and Cancelled.
-void write_placed(const LeafMasks& leaves, std::span<const std::uint32_t> colors, const Cube& bounds_m,
+void write_placed(const LeafMasks& leaves, std::span<const ByteColor> colors, const Cube& bounds_m,
                   TooManyColors too_many, const std::filesystem::path& path, const Progress& progress);
 } // namespace tyndall::voxel_dag::vox

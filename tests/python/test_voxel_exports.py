@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ import pytest
 import tyndall
 from support.full_disk import largest_file
 from tyndall.volumes import grid_infos, read_vdb, to_dense
-from tyndall.voxel_dag import Config, VoxelDag, from_coordinates
+from tyndall.voxel_dag import Config, VoxelDag, from_coordinates, import_vdb
 
 BOUNDS_M = np.array([[-4.0, 8.0, 0.5], [4.0, 16.0, 8.5]])
 
@@ -52,7 +53,7 @@ def is_balanced(triangles: np.ndarray) -> bool:
 @pytest.mark.parametrize("dag", [ball(32, 13.3), scattered(16, 900, 1), scattered(256, 500, 2)])
 def test_boxes_are_closed_and_hold_exactly_the_voxels(dag: VoxelDag) -> None:
     voxel_m = 8.0 / dag.resolution  # a power of two: positions are exact
-    positions_m, triangles = dag.to_mesh()
+    positions_m, triangles, _ = dag.to_mesh()
     assert volume_of(positions_m, triangles) == dag.voxel_count * voxel_m**3
     assert is_balanced(triangles)
     assert len(np.unique(positions_m, axis=0)) == len(positions_m)
@@ -67,14 +68,38 @@ def test_boxes_are_closed_and_hold_exactly_the_voxels(dag: VoxelDag) -> None:
 @pytest.mark.parametrize("level", [1, 2, 3])
 def test_boxes_of_a_level_are_the_cubes_that_have_any_voxel(level: int) -> None:
     dag = ball(64, 29.5, shell_only=True)
-    positions_m, triangles = dag.to_mesh(level=level)
+    positions_m, triangles, _ = dag.to_mesh(level=level)
     cubes = np.unique(all_of(dag) >> level, axis=0)
     assert volume_of(positions_m, triangles) == len(cubes) * (8.0 / 64 * 2**level) ** 3
 
 
+@pytest.mark.parametrize("level", [0, 1, 4])
+def test_boxes_have_the_colours_of_their_voxels_on_each_face(level: int) -> None:
+    random = np.random.default_rng(6)
+    voxels = np.unique(random.integers(0, 64, (3000, 3)), axis=0)
+    colors = random.integers(0, 256, voxels.shape).astype(np.uint8)
+    dag = from_coordinates(voxels, Config(resolution=64, colors=colors))
+    positions_m, triangles, found = dag.to_mesh(level=level)
+    assert found is not None
+    pairs = triangles.reshape(-1, 6)
+    corners = positions_m[pairs]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    lower, upper = corners.min(axis=1), corners.max(axis=1)
+    within = np.floor((lower + upper) / 2 - normals * 2**level / 2).astype(np.int64)  # the cube's middle
+    assert np.array_equal(found[::2], found[1::2])
+    set_within = within // 2**level * 2**level
+    wanted = dag.colors_at(set_within, level)
+    assert np.array_equal(found[::2], wanted)
+    if level == 0:
+        by_place = {tuple(voxel): tuple(color) for voxel, color in zip(voxels.tolist(), colors.tolist(), strict=True)}
+        assert [by_place[tuple(voxel)] for voxel in within.tolist()] == [tuple(color) for color in found[::2].tolist()]
+    assert from_coordinates(voxels, Config(resolution=64)).to_mesh().colors is None
+
+
 def test_a_smooth_mesh_is_closed_looks_outward_and_keeps_to_the_surface() -> None:
     dag = ball(64, 25.0)
-    positions_m, triangles = dag.to_mesh("smooth")
+    positions_m, triangles, _ = dag.to_mesh("smooth")
     voxel_m = 8.0 / 64
     assert is_balanced(triangles)
     assert volume_of(positions_m, triangles) == pytest.approx(dag.voxel_count * voxel_m**3, rel=0.01)
@@ -85,6 +110,33 @@ def test_a_smooth_mesh_is_closed_looks_outward_and_keeps_to_the_surface() -> Non
     outward = np.einsum("ij,ij->i", normals, a - BOUNDS_M.mean(axis=0)) / np.linalg.norm(normals, axis=1) / 25 / voxel_m
     assert np.median(outward) > 0.95
     assert (outward > 0).mean() > 0.999
+
+
+@pytest.mark.parametrize("kind", ["fog", "level set"])
+@pytest.mark.parametrize(
+    "dag", [ball(32, 13.3), scattered(16, 900, 3), ball(64, 25, shell_only=True), scattered(256, 99, 4)]
+)
+def test_a_grid_of_either_kind_gives_the_voxels_back_where_they_are(
+    kind: Literal["fog", "level set"], dag: VoxelDag, tmp_path: Path
+) -> None:
+    dag.to_vdb(tmp_path / "a.vdb", kind)
+    (info,) = grid_infos(tmp_path / "a.vdb")
+    assert (info.name, info.grid_class) == (("density", "fog volume") if kind == "fog" else ("surface", "level set"))
+    read = import_vdb(tmp_path / "a.vdb")
+    voxel_m = 8.0 / dag.resolution
+    assert (np.ptp(read.bounds_m, axis=0) / read.resolution == voxel_m).all()
+    moved = (read.bounds_m[0] - BOUNDS_M[0]) / voxel_m
+    assert np.array_equal(all_of(read).astype(np.int64) + moved.astype(np.int64), all_of(dag)[order_of(dag, moved)])
+
+
+def order_of(dag: VoxelDag, moved: np.ndarray) -> np.ndarray:
+    """The Morton order of voxels that are counted from another corner."""
+    voxels = all_of(dag).astype(np.int64) - moved.astype(np.int64)
+    codes = np.zeros(len(voxels), np.uint64)
+    for bit in range(9):
+        for axis in range(3):
+            codes |= (voxels[:, axis].astype(np.uint64) >> np.uint64(bit) & np.uint64(1)) << np.uint64(3 * bit + axis)
+    return np.argsort(codes)
 
 
 def test_fog_is_1_where_a_voxel_is_set_and_a_level_set_is_negative_there_alone(tmp_path: Path) -> None:
@@ -106,7 +158,7 @@ def test_fog_is_1_where_a_voxel_is_set_and_a_level_set_is_negative_there_alone(t
 def test_nothing_becomes_an_empty_mesh_and_an_empty_grid(tmp_path: Path) -> None:
     nothing = from_coordinates(np.zeros((0, 3), np.int64), Config(resolution=16, bounds_m=BOUNDS_M))
     for kind in ("boxes", "smooth"):
-        positions_m, triangles = nothing.to_mesh(kind)
+        positions_m, triangles, _ = nothing.to_mesh(kind)
         assert positions_m.shape == triangles.shape == (0, 3)
     for kind in ("fog", "level set"):
         nothing.to_vdb(tmp_path / "a.vdb", kind)

@@ -5,9 +5,12 @@ from .block_faces import exposed_faces
 from .config import Config
 from .dag import LevelCounts, VoxelDag, load
 from .estimate import Estimate, Extent, estimate, extent_of, largest_that_fits
+from .exports import VoxelMesh
 from .forecast import Forecast, forecast
+from .grids import from_array, import_vdb
 from .meshes import from_coordinates, voxelize
 from .out_of_core import voxelize_to_file
+from .vox_files import import_vox
 
 __all__ = [
     "Config",
@@ -16,11 +19,15 @@ __all__ = [
     "Forecast",
     "LevelCounts",
     "VoxelDag",
+    "VoxelMesh",
     "estimate",
     "exposed_faces",
     "extent_of",
     "forecast",
+    "from_array",
     "from_coordinates",
+    "import_vdb",
+    "import_vox",
     "largest_that_fits",
     "load",
     "voxelize",

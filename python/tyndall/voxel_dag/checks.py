@@ -15,6 +15,7 @@ from .config import Config
 
 MOST_BYTES = 2**64 - 1
 MOST_INDEX = 2**32 - 1
+MOST_LEVEL = 17  #: Of the largest cube, 131072 voxels a side.
 MOST_BYTE = 255
 
 
@@ -138,6 +139,12 @@ def attribute_config(config: Config) -> _native.VoxelAttributeConfig:
         most_color_difference=float(config.most_color_difference or 0.0),
         normal_bits=whole("normal_bits", config.normal_bits, MOST_INDEX),
     )
+
+
+def check_no_rows(config: Config) -> None:
+    """Refuse attributes that are listed voxel by voxel."""
+    if config.colors is not None or config.normals is not None or config.channels:
+        raise refuse("config has colors, normals or channels, rows of a list of voxels: use from_coordinates")
 
 
 def cube(bounds_m: ArrayLike | None) -> tuple[list[float], float] | None:

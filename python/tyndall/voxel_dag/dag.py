@@ -13,10 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from tyndall import _native
 from tyndall._native import Progress
 
-from .checks import indices, per_row, points, refuse, whole
+from .checks import MOST_LEVEL, indices, per_row, points, refuse, whole
 from .exports import Exports
-
-MOST_LEVEL = 17  #: Of the largest cube, 131072 voxels a side.
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,9 +14,8 @@ from tyndall import _native
 from tyndall._native import Progress
 from tyndall.volumes import MEMORY_LIMIT_BYTES
 
-from .checks import MOST_BYTES, named, refuse, whole
+from .checks import MOST_BYTES, MOST_LEVEL, named, refuse, whole
 
-MOST_LEVEL = 17  #: 2^17 voxels a side are the most.
 #: Of a block of 8 x 8 x 8 voxels while OpenVDB has it: its own leaf, and those around it that a level set needs.
 GRID_BYTES_PER_BLOCK = 8192
 
@@ -26,6 +25,7 @@ class VoxelMesh(NamedTuple):
 
     positions_m: NDArray[np.float64]  #: (p, 3)
     triangles: NDArray[np.uint32]  #: (m, 3), indices of positions.
+    colors: NDArray[np.uint8] | None  #: (m, 3), as sRGB encodes them, of boxes whose voxels have colours.
 
 
 class Exports:
@@ -54,15 +54,15 @@ class Exports:
         cube_m = self._cube_m(level)
         if kind == "boxes":
             budget = whole("memory_budget_bytes", memory_budget_bytes, MOST_BYTES)
-            positions, triangles, _ = self._native.box_mesh(level, budget, progress)
+            positions, triangles, cubes, colors = self._native.box_mesh(level, budget, progress)
             positions *= cube_m
             positions += lower_m
-            return VoxelMesh(positions, triangles)
+            return VoxelMesh(positions, triangles, colors[np.repeat(cubes, 2)] if self._native.has_colors else None)
         from tyndall import _volume_io  # noqa: PLC0415 - OpenVDB is loaded by what needs it
 
         origins, words = self._blocks(level, memory_budget_bytes, progress)
         centres, triangles = _volume_io.smooth_mesh(origins, words, progress)
-        return VoxelMesh((centres.astype(np.float64) + 0.5) * cube_m + lower_m, triangles)
+        return VoxelMesh((centres.astype(np.float64) + 0.5) * cube_m + lower_m, triangles, None)
 
     def to_vdb(
         self,
@@ -99,6 +99,23 @@ class Exports:
             {"creator": f"Tyndall {__version__}"},
             progress,
         )
+
+    def to_vox(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        quantize: bool = False,
+        memory_budget_bytes: int = MEMORY_LIMIT_BYTES,
+        progress: Progress | None = None,
+    ) -> None:
+        """Write a MagicaVoxel file, whole or not at all: models of 256 voxels a side, put together by its scene graph.
+
+        Colours go with the voxels, normals and channels do not. More than 255 colours are refused, or, with
+        ``quantize``, become those of a palette. Raises InvalidInput, which says what would fit, for what such a file
+        has no room for; IoError, which names the path; and Cancelled.
+        """
+        budget = whole("memory_budget_bytes", memory_budget_bytes, MOST_BYTES)
+        self._native.save_vox(path, quantize, budget, progress or Progress())
 
     def _cube_m(self, level: int) -> float:
         """Side of a cube of 2 ** level voxels."""

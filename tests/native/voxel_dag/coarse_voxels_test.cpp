@@ -1,38 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/errors.hpp"
+#include "support/packed_voxels.hpp"
 #include "support/voxel_sets.hpp"
-#include "voxel_dag/build_dag.hpp"
 #include "voxel_dag/coarse_voxels.hpp"
-#include "voxel_dag/merge_symmetric.hpp"
-#include "voxel_dag/pack_dag.hpp"
 #include <doctest/doctest.h>
 
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
 
-namespace {
-const Progress progress;
-
-PackedDag packed(const LeafMasks& voxels) {
-    return pack_dag(merge_symmetric(build_dag(voxels, {}, progress), {.symmetry = Symmetry::Cube}, progress), progress);
-}
-} // namespace
+static const Progress progress;
 
 TEST_CASE("coarse voxels are the cubes that have any, of voxels and of their DAG alike") {
     for (const LeafMasks& leaves : {random_voxels(6, 0.01, 5), sphere_voxels(8, {128, 120, 128}, 100), full_voxels(5),
                                     random_voxels(2, 0.1, 6), LeafMasks{.level = 7, .codes = {}, .masks = {}}}) {
-        const PackedDag dag = packed(leaves);
+        const PackedDag dag = packed(leaves, Symmetry::Cube);
+        CHECK(voxels_of(leaves) == listed(leaves));
         for (std::uint32_t level = 0; level + 2 <= leaves.level; ++level) {
             std::vector<Voxel> wanted;
-            for (std::size_t brick = 0; brick < leaves.codes.size(); ++brick)
-                for (std::uint64_t bit = 0; bit < 64; ++bit)
-                    if ((leaves.masks[brick] >> bit & 1) != 0) {
-                        const Voxel voxel = voxel_at(leaves.codes[brick] << 6 | bit);
-                        wanted.push_back({voxel[0] >> level, voxel[1] >> level, voxel[2] >> level});
-                    }
+            for (const Voxel& voxel : listed(leaves))
+                wanted.push_back({voxel[0] >> level, voxel[1] >> level, voxel[2] >> level});
             const LeafMasks coarse = leaf_masks_of(wanted, leaves.level - level);
             CHECK(coarse_voxels(leaves, level) == coarse);
+            for (const Voxel& lowest : voxels_of(coarse, level))
+                REQUIRE(std::ranges::all_of(lowest, [&](std::uint32_t at) { return at >> level << level == at; }));
+            CHECK(voxels_of(coarse, level).size() == coarse.voxel_count());
             CHECK(coarse_voxels(dag, level, ~std::uint64_t{0}, progress) == coarse);
         }
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/errors.hpp"
+#include "support/mutated_bytes.hpp"
 #include "support/packed_voxels.hpp"
 #include "support/random_attributes.hpp"
 #include "support/voxel_sets.hpp"
@@ -176,4 +177,32 @@ TEST_CASE("a file that cannot be written leaves the one that was there, and a ca
     CHECK_THROWS_AS(write_dag(other, place, file.path(), cancelled), Cancelled);
     CHECK(read_dag(file.path(), progress).dag == dag);
     CHECK_THROWS_AS(static_cast<void>(read_dag(file.path(), cancelled)), Cancelled);
+}
+
+/// Checksums guard every byte that counts: what is read after all is what was written.
+static void mutate_and_read(int times, std::uint32_t seed) {
+    const TestFile file;
+    PlacedDag placed{.dag = packed(sphere_voxels(6, {30, 30, 30}, 25), Symmetry::Cube), .bounds_m = place};
+    placed.attributes = encode_attributes(placed.dag, random_attributes(placed.dag.voxel_count, 5), {}, progress);
+    write_dag(placed, file.path(), progress);
+    const std::string whole = file.bytes();
+    std::mt19937 random(seed);
+    int refused_count = 0;
+    for (int time = 0; time < times; ++time) {
+        file.replace(mutated(whole, random));
+        try {
+            const PlacedDag read = read_dag(file.path(), progress);
+            REQUIRE(read.dag == placed.dag);
+            REQUIRE(read.attributes->parts() == placed.attributes->parts());
+        } catch (const IoError& error) {
+            REQUIRE(std::string(error.what()).starts_with(file.path().string() + ": "));
+            ++refused_count;
+        }
+    }
+    CHECK(refused_count > times * 9 / 10);
+}
+TEST_CASE("a .tdag file that was changed anywhere is refused, or read as it was written") { mutate_and_read(300, 6); }
+TEST_CASE("10,000 .tdag files that were changed anywhere are refused, or read as they were" *
+          doctest::test_suite("long")) {
+    mutate_and_read(10000, 7);
 }

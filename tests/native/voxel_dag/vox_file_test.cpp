@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/errors.hpp"
+#include "support/mutated_bytes.hpp"
 #include "support/vox_bytes.hpp"
 #include "voxel_dag/vox_scene.hpp"
 #include <doctest/doctest.h>
@@ -184,23 +185,7 @@ static void mutate_and_read(const std::string& whole, int times, std::uint32_t s
     std::mt19937 random(seed);
     int read_count = 0, refused_count = 0;
     for (int time = 0; time < times; ++time) {
-        std::string changed = whole;
-        for (std::size_t change = 0; change <= random() % 4; ++change) {
-            const std::size_t at = random() % changed.size();
-            switch (random() % 4) {
-            case 0:
-                changed[at] = static_cast<char>(random());
-                break;
-            case 1:
-                changed[at] = static_cast<char>(changed[at] ^ static_cast<char>(1u << random() % 8));
-                break;
-            case 2:
-                changed.erase(at, 1 + random() % 5);
-                break;
-            default:
-                changed.insert(at, number(static_cast<std::int32_t>(random())).substr(random() % 4));
-            }
-        }
+        const std::string changed = support::mutated(whole, random);
         try {
             const vox::File file = vox::parse(bytes_of(changed), progress);
             const vox::SceneVoxels scene = vox::voxels_of(file, {.memory_budget_bytes = 1 << 24}, progress);
