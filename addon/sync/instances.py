@@ -194,7 +194,7 @@ class _Grouping:
         return Placement(
             object_name=owner.name,
             data=thing.data if has_shape else None,
-            materials=_materials(thing) if has_shape else (),
+            materials=materials_of(thing) if has_shape else (),
             source=source,
             is_camera_visible=is_camera_visible,
             casts_shadow=casts_shadow,
@@ -223,7 +223,7 @@ def _may_hold_other_meshes(source: Object) -> bool:
     )
 
 
-def _materials(thing: Object) -> tuple[Material | None, ...]:
+def materials_of(thing: Object) -> tuple[Material | None, ...]:
     """One per slot, linked to the object or to its mesh; a mesh without a slot has one empty one."""
     slots = tuple(slot.material for slot in thing.material_slots)
     return slots or (None,)

@@ -15,8 +15,12 @@ import numpy as np
 
 from tyndall import InvalidInput
 
+from .images import ImageReader
+from .instances import materials_of
+from .materials import MaterialReader
 from .meshes import read_mesh
 from .reports import Reports
+from .voxel_colours import Colouring, colouring_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -29,19 +33,25 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class VoxelMesh:
-    """In the world, in metres."""
+    """In the world, in metres. Seen from outside, corners go round against the clock."""
 
     positions_m: NDArray[np.float64]  #: (n, 3)
     triangles: NDArray[np.uint32]  #: (m, 3)
-    reports: Reports  #: What was left out.
+    colourings: list[Colouring]
+    colouring_of_triangle: NDArray[np.uint32]  #: (m,), into colourings.
+    corner_uvs: NDArray[np.float32]  #: (m, 3, 2), where pictures are read; 0 where there is none.
+    corner_normals: NDArray[np.float32]  #: (m, 3, 3), unit; 0: flat.
+    reports: Reports  #: What was left out or replaced.
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Placed:
-    """A mesh, and where it stands."""
+    """A mesh with its materials, and where it stands."""
 
     name: str  #: Of the object that has it.
     mesh: Mesh
+    colouring_of_triangle: NDArray[np.uint32]
+    corner_uvs: NDArray[np.float32]
     matrices: list[NDArray[np.float64]] = field(default_factory=list)
 
 
@@ -52,46 +62,118 @@ def gather(depsgraph: Depsgraph, objects: Iterable[Object], poll: Callable[[], N
     not finite, or those of which none has a face.
     """
     chosen = {thing.original for thing in objects}
-    reports = Reports()
-    placed = _placed_meshes(depsgraph, chosen, reports, poll)
+    reader = _Reader(depsgraph, chosen, poll)
+    placed = reader.placed_meshes()
     if not placed:
         names = ", ".join(f'"{name}"' for name in sorted(thing.name for thing in chosen)[:3])
         raise InvalidInput(f"there is nothing to voxelize: {names or 'no object'} has no face that is shown")
-    positions_m = [positions for thing in placed for positions in _positions_m(thing)]
-    counts = [len(positions) for positions in positions_m]
-    firsts = iter(np.cumsum([0, *counts[:-1]]).tolist())
-    triangles = [thing.mesh.triangles + np.uint32(next(firsts)) for thing in placed for _ in thing.matrices]
-    return VoxelMesh(positions_m=np.concatenate(positions_m), triangles=np.concatenate(triangles), reports=reports)
+    parts = [part for thing in placed for part in _parts(thing)]
+    firsts = np.cumsum([0, *(len(part.positions_m) for part in parts[:-1])]).astype(np.uint32)
+    return VoxelMesh(
+        positions_m=np.concatenate([part.positions_m for part in parts]),
+        triangles=np.concatenate([part.triangles + first for part, first in zip(parts, firsts, strict=True)]),
+        colourings=reader.colourings,
+        colouring_of_triangle=np.concatenate([part.colouring_of_triangle for part in parts]),
+        corner_uvs=np.concatenate([part.corner_uvs for part in parts]),
+        corner_normals=np.concatenate([part.corner_normals for part in parts]),
+        reports=reader.reports,
+    )
 
 
-def _placed_meshes(
-    depsgraph: Depsgraph, chosen: set[Object | None], reports: Reports, poll: Callable[[], None]
-) -> list[_Placed]:
-    """By mesh: one that is instanced is read once."""
-    by_address: dict[int, _Placed | None] = {}
-    kept: dict[str, Mesh] = {}
-    for instance in depsgraph.object_instances:
-        shown_by = (instance.parent if instance.is_instance else instance.object).original
-        if not instance.show_self or shown_by not in chosen:
-            continue
-        data = instance.object.data
-        if not isinstance(data, bpy.types.Mesh):
-            continue
-        address = data.as_pointer()
-        if address not in by_address:
-            mesh = read_mesh(data, reports, kept, poll)
-            by_address[address] = None if mesh is None else _Placed(name=instance.object.name, mesh=mesh)
-        if (thing := by_address[address]) is not None:
-            thing.matrices.append(np.array(instance.matrix_world, np.float64))
-    return [thing for thing in by_address.values() if thing is not None]
+class _Reader:
+    def __init__(self, depsgraph: Depsgraph, chosen: set[Object | None], poll: Callable[[], None]) -> None:
+        self.reports = Reports()
+        self.colourings: list[Colouring] = []
+        self._depsgraph = depsgraph
+        self._chosen = chosen
+        self._poll = poll
+        self._kept: dict[str, Mesh] = {}
+        self._materials = MaterialReader(self.reports, ImageReader())
+
+    def placed_meshes(self) -> list[_Placed]:
+        """By mesh and materials: what is instanced is read once."""
+        found: dict[tuple[object, ...], _Placed | None] = {}
+        for instance in self._depsgraph.object_instances:
+            shown_by = (instance.parent if instance.is_instance else instance.object).original
+            if not instance.show_self or shown_by not in self._chosen:
+                continue
+            data = instance.object.data
+            if not isinstance(data, bpy.types.Mesh):
+                continue
+            indices = tuple(self._materials.index(material) for material in materials_of(instance.object))
+            key = (data.as_pointer(), indices)
+            if key not in found:
+                found[key] = self._read(instance.object.name, data, indices)
+            if (thing := found[key]) is not None:
+                thing.matrices.append(np.array(instance.matrix_world, np.float64))
+        return [thing for thing in found.values() if thing is not None]
+
+    def _read(self, name: str, data: bpy.types.Mesh, materials: tuple[int, ...]) -> _Placed | None:
+        mesh = read_mesh(data, self.reports, self._kept, self._poll)
+        if mesh is None:
+            return None
+        for material in self._materials.materials[len(self.colourings) :]:
+            self.colourings.append(colouring_of(material, self.reports))
+        slots = np.zeros(len(mesh.triangles), np.intp) if mesh.material_slots is None else mesh.material_slots
+        of_triangle = np.array(materials, np.uint32)[np.minimum(slots, len(materials) - 1)]
+        return _Placed(
+            name=name, mesh=mesh, colouring_of_triangle=of_triangle, corner_uvs=self._uvs(name, mesh, of_triangle)
+        )
+
+    def _uvs(self, name: str, mesh: Mesh, of_triangle: NDArray[np.uint32]) -> NDArray[np.float32]:
+        placed = np.zeros((len(mesh.triangles), 3, 2), np.float32)
+        maps = dict(mesh.uv_maps)
+        for index in np.unique(of_triangle):
+            colouring = self.colourings[index]
+            if not colouring.is_picture:
+                continue
+            wanted = colouring.uv_map or next(iter(maps), "")
+            if wanted not in maps:
+                self.reports.add(f'Object "{name}"', f'has no UV map "{wanted}": its picture is read at one point')
+                continue
+            covered = of_triangle == index
+            placed[covered] = colouring.placed(maps[wanted][covered])
+        return placed
 
 
-def _positions_m(thing: _Placed) -> Iterator[NDArray[np.float64]]:
+def _parts(thing: _Placed) -> Iterator[_Part]:
     """Of each of its instances."""
-    local = thing.mesh.positions.astype(np.float64)
+    mesh = thing.mesh
+    local = mesh.positions.astype(np.float64)
+    normals = np.zeros((len(mesh.triangles), 3, 3), np.float32) if mesh.corner_normals is None else mesh.corner_normals
     for matrix in thing.matrices:
         positions_m = local @ matrix[:3, :3].T + matrix[:3, 3]
         if not np.isfinite(positions_m).all():
             vertex = int(np.argmin(np.isfinite(positions_m).all(axis=1)))
             raise InvalidInput(f'object "{thing.name}": vertex {vertex} is at {positions_m[vertex].tolist()}')
-        yield positions_m
+        order = slice(None, None, -1) if np.linalg.det(matrix[:3, :3]) < 0.0 else slice(None)  # mirrored
+        yield _Part(
+            positions_m=positions_m,
+            triangles=mesh.triangles[:, order],
+            colouring_of_triangle=thing.colouring_of_triangle,
+            corner_uvs=thing.corner_uvs[:, order],
+            corner_normals=_turned(normals, matrix)[:, order],
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Part:
+    """An instance, in the world."""
+
+    positions_m: NDArray[np.float64]
+    triangles: NDArray[np.uint32]
+    colouring_of_triangle: NDArray[np.uint32]
+    corner_uvs: NDArray[np.float32]
+    corner_normals: NDArray[np.float32]
+
+
+def _turned(normals: NDArray[np.float32], world_from_object: NDArray[np.float64]) -> NDArray[np.float32]:
+    """By the cofactors, which a flat object has, too; 0 stays 0."""
+    x, y, z = world_from_object[:3, :3].T
+    cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=1)
+    turned = normals.astype(np.float64) @ cofactors.T
+    if np.linalg.det(world_from_object[:3, :3]) < 0.0:
+        turned = -turned
+    lengths = np.linalg.norm(turned, axis=-1, keepdims=True)
+    unit: NDArray[np.float32] = (turned / np.where(lengths > 0.0, lengths, 1.0)).astype(np.float32)
+    return unit
