@@ -4,5 +4,6 @@
 from .config import Config
 from .dag import VoxelDag, load
 from .meshes import from_coordinates, voxelize
+from .textures import Material, Textures
 
-__all__ = ["Config", "VoxelDag", "from_coordinates", "load", "voxelize"]
+__all__ = ["Config", "Material", "Textures", "VoxelDag", "from_coordinates", "load", "voxelize"]
