@@ -26,24 +26,10 @@ static auto rows_to_numpy(const std::vector<Row>& rows) {
     return array;
 }
 
-static std::map<std::string, std::uint64_t> bytes_by_part(const PlacedDag& self) {
-    std::map<std::string, std::uint64_t> bytes{{"geometry", self.dag.byte_count()}};
-    if (self.attributes) {
-        const AttributeParts& parts = self.attributes->parts();
-        bytes["counts"] = parts.order.byte_count();
-        bytes["materials"] = parts.voxels.materials.size();
-        bytes["indices"] = parts.voxels.indices.size();
-        bytes["mean_materials"] = parts.means.materials.size();
-        bytes["mean_indices"] = parts.means.indices.size();
-    }
-    return bytes;
-}
-
 void bind_voxel_attributes(VoxelDagClass& type) {
     type.def_property_readonly(
             "attribute_bytes",
             [](const PlacedDag& self) { return self.attributes ? self.attributes->parts().byte_count() : 0; })
-        .def_property_readonly("bytes_by_part", &bytes_by_part)
         .def_property_readonly("attribute_errors",
                                [](const PlacedDag& self) {
                                    const AttributeErrors& errors = attributes_of(self).parts().errors;

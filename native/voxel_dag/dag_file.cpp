@@ -1,17 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/dag_file.hpp"
-#include "core/errors.hpp"
-#include "core/partial_file.hpp"
+#include "voxel_dag/checked_file.hpp"
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <memory>
 #include <span>
-#include <system_error>
-#include <zlib.h>
 
 namespace tyndall::voxel_dag {
 namespace {
@@ -20,7 +13,6 @@ static_assert(std::endian::native == std::endian::little, "files are little-endi
 constexpr std::array<char, 8> magic{'T', 'D', 'A', 'G', '\r', '\n', '\x1a', '\n'}; // shows what text mode does to it
 constexpr std::uint32_t version = 1;
 constexpr std::uint64_t alignment = 64;
-constexpr std::size_t bytes_at_once = std::size_t{4} << 20;
 
 struct Header {
     std::array<char, 8> magic;
@@ -93,111 +85,11 @@ std::string name_of(const Section& section) {
 
 std::uint64_t aligned(std::uint64_t offset) { return (offset + alignment - 1) / alignment * alignment; }
 
-std::uint32_t checksum_of(std::span<const std::byte> bytes) {
-    return static_cast<std::uint32_t>(
-        crc32_z(crc32_z(0, nullptr, 0), reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
-template <class Value>
-std::span<const std::byte> bytes_of(const Value& value) {
-    return std::as_bytes(std::span(&value, 1));
-}
-std::uint32_t checksum_of(const Header& header) {
+std::uint32_t header_checksum(const Header& header) {
     return checksum_of(bytes_of(header).first(offsetof(Header, checksum)));
 }
 
-struct Closer {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, Closer>;
-
-/// Calls work(first, count) for stretches, between which the call can be cancelled.
-template <class Work>
-void in_stretches(std::size_t size, const Progress& progress, const Work& work) {
-    for (std::size_t first = 0; first < size; first += bytes_at_once) {
-        progress.poll();
-        work(first, std::min(bytes_at_once, size - first));
-    }
-}
-
-class Writer {
-public:
-    Writer(const std::filesystem::path& path, const Progress& progress)
-        : path_(path), part_(path), file_(std::fopen(part_.name().c_str(), "wb")), progress_(progress) {
-        if (!file_)
-            fail();
-    }
-    void write(std::span<const std::byte> bytes) {
-        in_stretches(bytes.size(), progress_, [&](std::size_t first, std::size_t count) {
-            if (std::fwrite(bytes.data() + first, 1, count, file_.get()) != count)
-                fail();
-        });
-        at_ += bytes.size();
-    }
-    void pad_to(std::uint64_t offset) {
-        const std::array<std::byte, alignment> zeros{};
-        write(std::span(zeros).first(offset - at_));
-    }
-    void complete() {
-        if (std::fclose(file_.release()) != 0)
-            fail();
-        part_.complete();
-    }
-
-private:
-    [[noreturn]] void fail() const {
-        refuse_file(path_,
-                    std::generic_category().message(errno) + ": see that the folder can be written to and has room");
-    }
-
-    const std::filesystem::path& path_;
-    PartialFile part_;
-    File file_;
-    const Progress& progress_;
-    std::uint64_t at_ = 0;
-};
-
-class Reader {
-public:
-    Reader(const std::filesystem::path& path, const Progress& progress)
-        : path_(path), file_(std::fopen(path.c_str(), "rb")), progress_(progress) {
-        std::error_code error;
-        if (!file_ || (size_ = std::filesystem::file_size(path, error), error))
-            refuse_file(path, error ? error.message() : std::generic_category().message(errno));
-    }
-    [[nodiscard]] std::uint64_t size() const { return size_; }
-    [[noreturn]] void refuse(const std::string& reason) const { refuse_file(path_, reason); }
-    void read(std::uint64_t offset, std::span<std::byte> bytes, const std::string& what) const {
-        if (offset > size_ || bytes.size() > size_ - offset)
-            refuse("it ends within " + what + ": copy or save it again");
-        if (std::fseek(file_.get(), static_cast<long>(offset), SEEK_SET) != 0)
-            refuse(std::generic_category().message(errno));
-        in_stretches(bytes.size(), progress_, [&](std::size_t first, std::size_t count) {
-            if (std::fread(bytes.data() + first, 1, count, file_.get()) != count)
-                refuse("reading " + what + " failed");
-        });
-    }
-    /// `count` of them, after their checksum was seen to fit.
-    template <class Value>
-    [[nodiscard]] std::vector<Value> values(const Section& section) const {
-        if (section.offset > size_ || section.bytes > size_ - section.offset)
-            refuse("it ends within " + name_of(section) + ": copy or save it again");
-        if (section.bytes % sizeof(Value) != 0)
-            refuse(name_of(section) + " have a size of " + std::to_string(section.bytes) + " bytes");
-        std::vector<Value> values(section.bytes / sizeof(Value));
-        read(section.offset, std::as_writable_bytes(std::span(values)), name_of(section));
-        if (checksum_of(std::as_bytes(std::span(values))) != section.checksum)
-            refuse(name_of(section) + " are damaged: copy or save the file again");
-        return values;
-    }
-
-private:
-    const std::filesystem::path& path_;
-    File file_;
-    const Progress& progress_;
-    std::uint64_t size_ = 0;
-};
-
-Header read_header(const Reader& reader) {
+Header read_header(const FileReader& reader) {
     Header header{};
     reader.read(0, std::as_writable_bytes(std::span(&header, 1)), "its header");
     if (header.magic != magic)
@@ -205,7 +97,7 @@ Header read_header(const Reader& reader) {
     if (header.version > version)
         reader.refuse("it is of version " + std::to_string(header.version) + ", this Tyndall reads up to " +
                       std::to_string(version) + ": install a newer one");
-    if (header.checksum != checksum_of(header))
+    if (header.checksum != header_checksum(header))
         reader.refuse("its header is damaged: copy or save the file again");
     if (header.file_bytes != reader.size())
         reader.refuse("it has " + std::to_string(reader.size()) + " bytes instead of " +
@@ -213,7 +105,7 @@ Header read_header(const Reader& reader) {
     return header;
 }
 
-std::vector<Section> read_table(const Reader& reader, const Header& header) {
+std::vector<Section> read_table(const FileReader& reader, const Header& header) {
     constexpr std::size_t most_sections = 4096; // more than any version has
     if (header.section_count > most_sections)
         reader.refuse("it has " + std::to_string(header.section_count) + " sections");
@@ -277,8 +169,8 @@ static void write(const PackedDag& dag, const Cube& bounds_m, const AttributePar
                   .table_checksum = checksum_of(std::as_bytes(std::span(table))),
                   .reserved = 0,
                   .checksum = 0};
-    header.checksum = checksum_of(header);
-    Writer writer(path, progress);
+    header.checksum = header_checksum(header);
+    FileWriter writer(path, progress);
     writer.write(bytes_of(header));
     writer.write(std::as_bytes(std::span(table)));
     for (std::size_t section = 0; section < table.size(); ++section) {
@@ -297,7 +189,7 @@ void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem
 }
 
 PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) {
-    const Reader reader(path, progress);
+    const FileReader reader(path, progress);
     const Header header = read_header(reader);
     PackedDag dag{.level = header.level,
                   .tag_bits = header.tag_bits,

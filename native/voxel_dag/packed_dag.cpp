@@ -45,8 +45,7 @@ PackedHeader packed_header(const PackedDag& dag, std::uint32_t level, const Pack
             .classes = fields >> mask_bits & ((1u << class_bits) - 1)};
 }
 
-/// Behind a record of 8^3.
-static std::uint64_t end_of_smallest(const PackedDag& dag, std::uint64_t bit) {
+std::uint64_t end_of_smallest(const PackedDag& dag, std::uint64_t bit) {
     const PackedHeader header = packed_header(dag, leaf_level + 1, {.bit = bit});
     return header.body_bit + fields_size(dag.levels[0].field_bits, header.classes, count_of(header.child_mask));
 }

@@ -69,6 +69,8 @@ struct PackedHeader {
 /// Rank of that child among the shared records of the level below; none where its record lies inside.
 [[nodiscard]] std::optional<std::uint32_t> packed_rank(const PackedDag& dag, std::uint32_t level,
                                                        const PackedHeader& header, std::uint32_t octant);
+/// Behind a record of 8^3.
+[[nodiscard]] std::uint64_t end_of_smallest(const PackedDag& dag, std::uint64_t bit);
 /// Rank of the pair that a record of 8^3 names.
 [[nodiscard]] std::uint32_t packed_pair(const PackedDag& dag, const PackedHeader& header, std::uint32_t octant);
 /// The leaf of a pair, and its tag.

@@ -102,10 +102,9 @@ void require_room(std::uint64_t brick_count, const VoxelizeConfig& config) {
            bytes <= config.memory_budget_bytes ? "fit" : "not fit either");
 }
 
-template <typename Position>
-VoxelizeResult run(std::span<const Position> positions_m, std::span<const uvec3> triangles,
-                   const VoxelizeConfig& config, const Progress& progress) {
-    const SnappedMesh mesh = snap(positions_m, triangles, config, progress);
+} // namespace
+
+VoxelizeResult voxelize(const SnappedMesh& mesh, const VoxelizeConfig& config, const Progress& progress) {
     const TileBins bins = bin_triangles(mesh, progress);
     require_room(bins.expected_brick_count, config);
     VoxelizeResult result{.leaves = {.level = mesh.level, .codes = {}, .masks = {}}, .statistics = {}};
@@ -130,14 +129,12 @@ VoxelizeResult run(std::span<const Position> positions_m, std::span<const uvec3>
         });
     return result;
 }
-} // namespace
-
 VoxelizeResult voxelize(std::span<const vec3> positions_m, std::span<const uvec3> triangles,
                         const VoxelizeConfig& config, const Progress& progress) {
-    return run(positions_m, triangles, config, progress);
+    return voxelize(snap(positions_m, triangles, config, progress), config, progress);
 }
 VoxelizeResult voxelize(std::span<const dvec3> positions_m, std::span<const uvec3> triangles,
                         const VoxelizeConfig& config, const Progress& progress) {
-    return run(positions_m, triangles, config, progress);
+    return voxelize(snap(positions_m, triangles, config, progress), config, progress);
 }
 } // namespace tyndall::voxel_dag

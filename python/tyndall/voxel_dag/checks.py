@@ -66,6 +66,14 @@ def points(values: ArrayLike, name: str) -> NDArray[np.float32] | NDArray[np.flo
     return np.ascontiguousarray(array, array.dtype if array.dtype in (np.float32, np.float64) else np.float64)
 
 
+def per_row(values: ArrayLike, count: int, name: str) -> NDArray[np.float64]:
+    """A number for each of ``count`` rows, (count,), of as many or of one for all."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiu" or array.shape not in ((), (count,)):
+        raise refuse(f"{name}: {array.dtype} of the shape {array.shape}, not one number or ({count},)")
+    return np.ascontiguousarray(np.broadcast_to(array, (count,)), np.float64)
+
+
 def indices(values: ArrayLike, name: str) -> NDArray[np.uint32]:
     """Whole numbers (n, 3) that 32 bits hold."""
     array = rows_of_three(values, name)
