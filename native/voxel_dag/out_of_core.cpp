@@ -106,14 +106,12 @@ PartKey OutOfCore::key_of(std::size_t part) const {
     return {.job = job_, .level = parts_.level, .code = parts_.codes[part]};
 }
 
-std::optional<PartFile> OutOfCore::finished(std::size_t part, const Progress& progress) {
-    const std::filesystem::path path = part_path(part);
-    if (!std::filesystem::exists(path))
+std::optional<PartFile> OutOfCore::finished(std::size_t part, const Progress& progress) const {
+    if (!std::filesystem::exists(part_path(part)))
         return std::nullopt;
     try {
         return this->part(part, progress);
-    } catch (const IoError&) {
-        statistics_.damaged_parts.push_back(path.filename().string());
+    } catch (const IoError&) { // damaged, or of another job
         return std::nullopt;
     }
 }
@@ -129,7 +127,7 @@ void OutOfCore::draw_part(std::size_t part, const Progress& progress) const {
     write_part(dag, key_of(part), voxels.statistics.voxel_count, part_path(part), progress);
 }
 
-void OutOfCore::make_part(std::size_t part, const Progress& progress) {
+void OutOfCore::make_part(std::size_t part, const Progress& progress) const {
     make_folder(folder_);
     if (!finished(part, progress))
         draw_part(part, progress);
@@ -142,6 +140,8 @@ void OutOfCore::make_parts(std::vector<PartFile>& parts, Progress& progress) {
         if (file)
             ++statistics_.kept_part_count;
         else {
+            if (std::filesystem::exists(part_path(part)))
+                statistics_.damaged_parts.push_back(part_path(part).filename().string());
             draw_part(part, progress);
             file = this->part(part, progress);
         }

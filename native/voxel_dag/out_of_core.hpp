@@ -41,7 +41,7 @@ public:
     [[nodiscard]] std::uint32_t part_level() const { return parts_.level; }
     /// Makes a part's file, unless it is there and whole. Parts are independent of each other. Throws IoError, InvalidInput
     /// where the budget does not suffice after all, and Cancelled.
-    void make_part(std::size_t part, const Progress& progress);
+    void make_part(std::size_t part, const Progress& progress) const;
     /// One that was made. Throws IoError.
     [[nodiscard]] PartFile part(std::size_t part, const Progress& progress) const {
         return {part_path(part), key_of(part), progress};
@@ -53,7 +53,7 @@ public:
 
 private:
     [[nodiscard]] PartKey key_of(std::size_t part) const;
-    [[nodiscard]] std::optional<PartFile> finished(std::size_t part, const Progress& progress);
+    [[nodiscard]] std::optional<PartFile> finished(std::size_t part, const Progress& progress) const;
     void draw_part(std::size_t part, const Progress& progress) const;
     void make_parts(std::vector<PartFile>& parts, Progress& progress);
     void join(const std::vector<PartFile>& parts, const std::filesystem::path& path, Progress& progress);
