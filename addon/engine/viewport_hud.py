@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ..panels.statistics import duration_text
+from ..amounts import duration_text
 
 if TYPE_CHECKING:
     from bpy.types import Context

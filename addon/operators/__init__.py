@@ -20,6 +20,8 @@ from . import (
     transfer_functions,
     transfer_states,
     volume_files,
+    voxel_files,
+    voxelize,
     world_sun,
 )
 
@@ -39,6 +41,8 @@ CLASSES = (
     *painted_air.CLASSES,
     *volume_files.CLASSES,
     *world_sun.CLASSES,
+    *voxelize.CLASSES,
+    *voxel_files.CLASSES,
     *reports.CLASSES,
     *presets.CLASSES,
 )

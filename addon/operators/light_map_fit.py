@@ -3,22 +3,22 @@
 
 from __future__ import annotations
 
-import threading
 from typing import TYPE_CHECKING
 
-from bpy.types import Context, Event, Light, Operator
+from bpy.types import Context, Light, Operator
 
 from ..availability import why_no_render
 from ..edited_light import edited_light, object_of, why_not_editable
 from ..fitted_maps import continued_fit, keep, kept_fit, new_fit, write_back
 from ..item_lists import ItemList
 from ..stroke_views import begin_painting, view_of
+from .in_thread import InThread
 from .item_lists import ListOperator, RemoveItem
 
 if TYPE_CHECKING:
-    from ..fitted_maps import PreparedFit
+    from tyndall import Progress
 
-_TICK_S = 0.1
+    from ..fitted_maps import PreparedFit
 
 
 def why_no_fit(light: Light | None) -> str | None:
@@ -44,16 +44,17 @@ class _FitOperator:
         return False
 
 
-class _Solve(_FitOperator):
+class _Solve(_FitOperator, InThread):
     """In a thread, with progress, where there is a window; Esc stops it, and leaves the light as it is."""
 
     bl_options = {"REGISTER", "UNDO"}
+    thread_name = "tyndall fit"
 
     def prepare(self, context: Context, light: Light) -> PreparedFit:
         raise NotImplementedError
 
-    def _begin(self, context: Context) -> bool:
-        from tyndall import InvalidInput, Progress
+    def begin(self, context: Context) -> bool:
+        from tyndall import InvalidInput
 
         self._light = edited_light(context)
         try:
@@ -61,30 +62,25 @@ class _Solve(_FitOperator):
         except (ValueError, InvalidInput) as error:
             self.report({"ERROR"}, str(error))
             return False
-        self._progress = Progress()
-        self._error: BaseException | None = None
         return True
 
-    def _run(self) -> None:
-        try:
-            self._prepared.run(self._progress)
-        except BaseException as error:  # noqa: BLE001  handed to the thread that watches
-            self._error = error
+    def work(self, progress: Progress) -> None:
+        self._prepared.run(progress)
 
-    def _end(self) -> set[str]:
+    def end(self, context: Context, error: BaseException | None) -> set[str]:
         from tyndall import Cancelled, InvalidInput
 
-        if isinstance(self._error, Cancelled):
+        if isinstance(error, Cancelled):
             goes_on = self._prepared.fit is not None
             if goes_on:
                 keep(self._light, self._prepared.fit)
             self.report({"INFO"}, f"The fit was stopped: the light is as it was{', and Continue goes on' * goes_on}")
             return {"CANCELLED"}
-        if isinstance(self._error, InvalidInput):
-            self.report({"ERROR"}, str(self._error))
+        if isinstance(error, InvalidInput):
+            self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        if self._error is not None:
-            raise self._error
+        if error is not None:
+            raise error
         for line in self._prepared.reports:
             self.report({"WARNING"}, line)
         fit = self._prepared.fit
@@ -96,39 +92,6 @@ class _Solve(_FitOperator):
             f"error from {first:.1%} to {last:.1%}",
         )
         return {"FINISHED"}
-
-    def execute(self, context: Context) -> set[str]:
-        if not self._begin(context):
-            return {"CANCELLED"}
-        self._run()
-        return self._end()
-
-    def invoke(self, context: Context, _event: Event) -> set[str]:
-        if not self._begin(context):
-            return {"CANCELLED"}
-        self._thread = threading.Thread(target=self._run, name="tyndall fit")
-        self._thread.start()
-        self._timer = context.window_manager.event_timer_add(_TICK_S, window=context.window)
-        context.window_manager.progress_begin(0.0, 1.0)
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context: Context, event: Event) -> set[str]:
-        if event.type == "ESC":
-            self._progress.cancel()
-        elif event.type == "TIMER":
-            context.window_manager.progress_update(self._progress.fraction)
-            context.workspace.status_text_set(f"{self._progress.message}    Esc: stop")
-            if not self._thread.is_alive():
-                self._put_away(context)
-                return self._end()
-        return {"RUNNING_MODAL"}
-
-    def _put_away(self, context: Context) -> None:
-        self._thread.join()
-        context.window_manager.event_timer_remove(self._timer)
-        context.window_manager.progress_end()
-        context.workspace.status_text_set(None)
 
 
 class TYNDALL_OT_fit_light_map(_Solve, Operator):

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from itertools import chain, count
 from math import log
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,11 +15,12 @@ from ..availability import why_no_render
 from ..baked_air import baked_volume, new_baked_volume
 from ..painted_air import VOLUMES, edited_box, local_from_unit, why_no_space, write_volume
 from ..properties.painted_air import MOST_VOXELS
+from .files import FileOperator, beside_blend, kept_path, unused
 from .fog_box import fog_material
 from .paint_air import PaintOperator
 
 if TYPE_CHECKING:
-    from bpy.types import Event, Object, UILayout
+    from bpy.types import Object, UILayout
 
     from tyndall.volumes import SparseGrid
 
@@ -30,40 +30,14 @@ _KEEPS_WHAT_IT_READ = bpy.app.version >= (4, 0, 0)
 _shown: set[Path] = set()
 
 
-class _FileOperator:
-    """Asks for a .vdb in Blender's file browser; a script gives ``filepath``."""
-
-    bl_options = {"REGISTER", "UNDO"}
-
-    filepath: StringProperty(name="File", description="An OpenVDB file", subtype="FILE_PATH", options={"SKIP_SAVE"})
+class _VolumeFileOperator(FileOperator):
     filter_glob: StringProperty(default="*.vdb", options={"HIDDEN"})
 
-    def invoke(self, context: Context, _event: Event) -> set[str]:
-        self.filepath = str(self._path())
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
-
-    def _path(self) -> Path:
-        return Path(bpy.path.abspath(self.filepath)) if self.filepath else _default_path()
-
-    def _refuse(self, reason: object) -> set[str]:
-        self.report({"ERROR"}, str(reason))
-        return {"CANCELLED"}
+    def default_path(self, _context: Context) -> Path:
+        return beside_blend(f"{Path(bpy.data.filepath).stem}_air.vdb" if bpy.data.filepath else "air.vdb")
 
 
-def _default_path() -> Path:
-    """Beside the .blend, and named after it; of an unsaved one, in the folder that Blender runs in."""
-    blend = Path(bpy.data.filepath)
-    return blend.with_name(f"{blend.stem}_air.vdb") if bpy.data.filepath else Path("air.vdb").absolute()
-
-
-def _unused(path: Path) -> Path:
-    """With a number if need be."""
-    numbered = (path.with_stem(f"{path.stem}_{number:03d}") for number in count(2))
-    return next(name for name in chain((path,), numbered) if not name.exists())
-
-
-class TYNDALL_OT_bake_air(_FileOperator, Operator):
+class TYNDALL_OT_bake_air(_VolumeFileOperator, Operator):
     """Write the texture of the air inside the painted box, and what is painted, to an OpenVDB file for any program."""
 
     bl_idname = "tyndall.bake_air"
@@ -97,7 +71,7 @@ class TYNDALL_OT_bake_air(_FileOperator, Operator):
     def execute(self, context: Context) -> set[str]:
         from tyndall.volumes import write_vdb
 
-        box, path = edited_box(context), self._path()
+        box, path = edited_box(context), self._path(context)
         if path.suffix.lower() != ".vdb":
             path = path.with_name(f"{path.name}.vdb")
         try:
@@ -112,8 +86,8 @@ class TYNDALL_OT_bake_air(_FileOperator, Operator):
             _show(box, path)
         return {"FINISHED"}
 
-    def _path(self) -> Path:
-        return super()._path() if self.filepath else _unused(_default_path())
+    def default_path(self, context: Context) -> Path:
+        return unused(super().default_path(context))
 
 
 def _why_no_bake(context: Context) -> str | None:
@@ -162,12 +136,12 @@ def _show(box: Object, path: Path) -> None:
     volume.filepath = ""
     volume.grids.load()  # nothing: Blender 3.4 forgets what it has read of a file that no volume shows
     bpy.context.view_layer.update()
-    volume.filepath = bpy.path.relpath(str(path)) if bpy.data.filepath else str(path)
+    volume.filepath = kept_path(path)
     volume.grids.load()
     _shown.add(path)
 
 
-class TYNDALL_OT_load_painted_air(PaintOperator, _FileOperator, Operator):
+class TYNDALL_OT_load_painted_air(PaintOperator, _VolumeFileOperator, Operator):
     """Read grids named amount, level and intensity of an OpenVDB file into the painted box, wherever they lie.
 
     What the file does not have stays as it is painted
@@ -186,7 +160,7 @@ class TYNDALL_OT_load_painted_air(PaintOperator, _FileOperator, Operator):
         from tyndall.air_files import painted_values, resolution_of
         from tyndall.volumes import grid_infos, read_vdb
 
-        box, path = edited_box(context), self._path()
+        box, path = edited_box(context), self._path(context)
         matrix = [list(row) for row in local_from_unit(box)]
         settings = box.tyndall.painted_air
         try:

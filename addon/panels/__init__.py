@@ -26,6 +26,7 @@ from . import (
     statistics,
     transfer_functions,
     unavailable,
+    voxels,
     world,
 )
 
@@ -56,6 +57,8 @@ CLASSES = (
     *animate.SIDEBAR_CLASSES,
     *output.SIDEBAR_CLASSES,
     *over_engine.CLASSES,
+    # The tab of voxels.
+    *voxels.SIDEBAR_CLASSES,
 )
 
 
@@ -63,9 +66,11 @@ def register() -> None:
     standard.register()
     for cls in CLASSES:
         register_class(cls)
+    voxels.register()
 
 
 def unregister() -> None:
+    voxels.unregister()
     for cls in reversed(CLASSES):
         unregister_class(cls)
     standard.unregister()

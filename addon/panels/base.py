@@ -80,9 +80,14 @@ def _width_px(context: Context) -> float:
 
 def draw_text(layout: UILayout, context: Context, text: str, icon: str = "NONE") -> None:
     """Wrap a sentence to the region's width."""
+    draw_lines(layout, text, _width_px(context), icon)
+
+
+def draw_lines(layout: UILayout, text: str, width_px: float, icon: str = "NONE") -> None:
+    """Wrap a sentence to a width, at the interface's scale of 1."""
     column = layout.column(align=True)
     column.scale_y = 0.8
-    for index, line in enumerate(_wrapped(text, _width_px(context) - 60)):
+    for index, line in enumerate(_wrapped(text, width_px - 60)):
         column.label(text=line, icon=icon if index == 0 else ("NONE" if icon == "NONE" else "BLANK1"))
 
 

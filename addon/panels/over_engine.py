@@ -6,10 +6,11 @@ from __future__ import annotations
 from bpy.types import Context, Panel, UILayout
 
 from .. import over_engine
+from ..amounts import duration_text
 from ..last_render import statistics_of
 from ..over_engine.compositor import compose_node
 from .base import ENGINE, PropertiesPanel, SidebarPanel, draw_text, draw_value, is_wide_region
-from .statistics import duration_text, grouped_reports
+from .statistics import grouped_reports
 
 _REPORTS_SHOWN = 4
 #: Inputs of the node in the compositor that are settings.

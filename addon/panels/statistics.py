@@ -9,19 +9,12 @@ from typing import Any
 
 from bpy.types import Context, Panel
 
+from ..amounts import duration_text
 from ..last_render import statistics_of
 from .base import PropertiesPanel, SidebarPanel, draw_text, draw_value
 
 #: Longer lists are cut here and copied whole: a scene of thousands of materials must not make the panel slow.
 REPORTS_SHOWN = 12
-
-
-def duration_text(seconds: float) -> str:
-    """Three digits of a duration, in the unit that suits it."""
-    if seconds < 1.0:
-        return f"{seconds * 1e3:.3g} ms"
-    minutes, rest = divmod(seconds, 60)
-    return f"{int(minutes)} min {rest:.0f} s" if minutes else f"{seconds:.3g} s"
 
 
 def summed_stages(stages: Iterable[Mapping[str, Any]]) -> list[tuple[str, float]]:

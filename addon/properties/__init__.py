@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings that are saved in the .blend: ``tyndall`` of scenes, view layers, worlds, objects, lights and node trees."""
+"""Settings that are saved in the .blend: ``tyndall`` of scenes, view layers, worlds, objects, lights and node trees.
+
+And ``tyndall_voxels`` of objects: what makes one stand for the voxels of a file.
+"""
 
 from bpy.props import PointerProperty
 from bpy.types import Light, NodeTree, Object, Scene, ViewLayer, World
 from bpy.utils import register_class, unregister_class
 
-from . import air_brush, light_map_fit, occluder_edits, painted_air, transfer_functions, transfer_layers
+from . import air_brush, light_map_fit, occluder_edits, painted_air, transfer_functions, transfer_layers, voxels
 from .heterogeneity import TyndallHeterogeneity
 from .light import TyndallLightSettings
 from .light_shafts import TyndallLightShaftSettings
@@ -15,6 +18,7 @@ from .scene import TyndallSceneSettings
 from .tagging import OVERRIDABLE, tag
 from .transfer_functions import TyndallTransferFunction
 from .view_layer import TyndallViewLayerSettings
+from .voxels import TyndallVoxels
 from .world import TyndallWorldSettings
 
 #: In the order of registration: a group before the group that points to it.
@@ -25,6 +29,7 @@ CLASSES = (
     *transfer_functions.CLASSES,
     *painted_air.CLASSES,
     *air_brush.CLASSES,
+    *voxels.CLASSES,
     TyndallLightShaftSettings,
     TyndallHeterogeneity,
     TyndallOverEngine,
@@ -48,9 +53,11 @@ def register() -> None:
         register_class(cls)
     for owner, settings in OWNERS:
         owner.tyndall = PointerProperty(name="Tyndall", type=settings, update=tag, override=OVERRIDABLE)
+    Object.tyndall_voxels = PointerProperty(name="Voxels", type=TyndallVoxels, update=tag, override=OVERRIDABLE)
 
 
 def unregister() -> None:
+    del Object.tyndall_voxels
     for owner, _settings in OWNERS:
         del owner.tyndall
     for cls in reversed(CLASSES):

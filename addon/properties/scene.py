@@ -10,6 +10,7 @@ from .heterogeneity import TyndallHeterogeneity
 from .light_shafts import TyndallLightShaftSettings
 from .over_engine import TyndallOverEngine
 from .tagging import OVERRIDABLE, tag
+from .voxels import TyndallVoxelizeSettings
 
 PIXEL_FILTERS = (
     ("BOX", "Box", "Every sample within the width counts the same. Width 1 px: the average of the pixel", 0),
@@ -127,6 +128,13 @@ class TyndallSceneSettings(PropertyGroup):
         name="Over Any Engine",
         description="Light shafts over the picture of another engine",
         type=TyndallOverEngine,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    voxelize: PointerProperty(
+        name="Voxelize",
+        description="How objects become voxels",
+        type=TyndallVoxelizeSettings,
         update=tag,
         override=OVERRIDABLE,
     )

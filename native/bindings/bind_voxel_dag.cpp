@@ -72,11 +72,16 @@ void bind_voxel_dag(py::module_& native) {
             "save",
             [](const PlacedDag& self, const py::object& path, const Progress& progress) {
                 const std::string name = path_of(path);
-                without_gil([&] { write_dag(self.dag, self.bounds_m, name, progress); });
+                without_gil([&] { write_dag(self, name, progress); });
             },
             "path"_a, "progress"_a, "Releases the GIL. IoError: the path and why; Cancelled.");
+    bind_voxel_counts(native, type);
+    bind_voxel_preview(type);
     bind_voxel_trace(type);
+    bind_voxel_export(type);
+    bind_voxel_attributes(type);
     bind_voxelize(native);
+    bind_out_of_core(native);
     native.def(
         "load_voxel_dag",
         [](const py::object& path, const Progress& progress) {

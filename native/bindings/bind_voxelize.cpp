@@ -2,6 +2,8 @@
 // What voxel DAGs are made of.
 #include "bindings/arrays.hpp"
 #include "bindings/voxel_dag.hpp"
+#include "voxel_dag/encode_attributes.hpp"
+#include "voxel_dag/listed_voxels.hpp"
 #include "voxel_dag/pack_dag.hpp"
 #include "voxel_dag/snapped_mesh.hpp"
 #include <pybind11/stl.h>
@@ -10,12 +12,24 @@ namespace tyndall::bindings {
 using namespace py::literals;
 using namespace voxel_dag;
 
-static std::shared_ptr<PlacedDag> packed(const LeafMasks& leaves, const Cube& bounds_m, Symmetry symmetry,
-                                         std::uint64_t memory_budget_bytes, const Progress& progress) {
-    Dag dag = build_dag(leaves, {.memory_budget_bytes = memory_budget_bytes}, progress);
-    if (symmetry != Symmetry::None)
-        dag = merge_symmetric(dag, {.symmetry = symmetry, .memory_budget_bytes = memory_budget_bytes}, progress);
-    return std::make_shared<PlacedDag>(pack_dag(dag, progress), bounds_m);
+/// How voxels are stored.
+struct Storage {
+    Symmetry symmetry;
+    AttributeConfig attributes;
+    std::uint64_t memory_budget_bytes;
+};
+
+/// attributes: of the voxels of leaves, or none.
+static std::shared_ptr<PlacedDag> packed(const LeafMasks& leaves, const VoxelAttributes& attributes,
+                                         const Cube& bounds_m, const Storage& storage, const Progress& progress) {
+    Dag dag = build_dag(leaves, {.memory_budget_bytes = storage.memory_budget_bytes}, progress);
+    if (storage.symmetry != Symmetry::None)
+        dag = merge_symmetric(dag, {.symmetry = storage.symmetry, .memory_budget_bytes = storage.memory_budget_bytes},
+                              progress);
+    auto placed = std::make_shared<PlacedDag>(pack_dag(dag, progress), bounds_m);
+    if (!attributes.is_empty())
+        placed->attributes = encode_attributes(placed->dag, attributes, storage.attributes, progress);
+    return placed;
 }
 
 /// The voxels of a mesh, and the cube that they are of.
@@ -43,16 +57,41 @@ static std::shared_ptr<PlacedDag> voxelize_mesh(const py::array& positions, cons
     const bool is_double = py::isinstance<py::array_t<double>>(positions);
     const auto [leaves, cube] = is_double ? voxels_of<dvec3>(positions, corners, config, progress)
                                           : voxels_of<vec3>(positions, corners, config, progress);
-    return without_gil([&] { return packed(leaves, cube, symmetry, memory_budget_bytes, progress); });
+    return without_gil([&] {
+        return packed(leaves, {}, cube,
+                      {.symmetry = symmetry, .attributes = {}, .memory_budget_bytes = memory_budget_bytes}, progress);
+    });
 }
 
+using NamedChannels = std::vector<std::pair<std::string, py::array>>;
+
 static std::shared_ptr<PlacedDag> dag_of_voxels(const py::array& coordinates, std::uint32_t level, const Bounds& bounds,
-                                                Symmetry symmetry, std::uint64_t memory_budget_bytes,
-                                                const Progress& progress) {
-    auto voxels = to_vector<Voxel, std::uint32_t>(coordinates, {-1, 3}, "coordinates");
+                                                Symmetry symmetry, const std::optional<py::array>& colors,
+                                                const std::optional<py::array>& normals, const NamedChannels& channels,
+                                                const AttributeConfig& attribute_config,
+                                                std::uint64_t memory_budget_bytes, const Progress& progress) {
+    check_array<std::uint32_t>(coordinates, {-1, 3}, "coordinates");
+    const auto count = static_cast<std::size_t>(coordinates.shape(0));
+    const std::span voxels(static_cast<const Voxel*>(coordinates.data()), count);
+    ListedAttributes attributes;
+    if (colors) {
+        check_array<std::uint8_t>(*colors, {coordinates.shape(0), 3}, "colors");
+        attributes.colors = {static_cast<const ByteColor*>(colors->data()), count};
+    }
+    if (normals) {
+        check_array<float>(*normals, {coordinates.shape(0), 3}, "normals");
+        attributes.normals = {static_cast<const vec3*>(normals->data()), count};
+    }
+    for (const auto& [name, values] : channels) {
+        check_array<std::uint8_t>(values, {coordinates.shape(0)}, name);
+        attributes.channels.push_back({name, {static_cast<const std::uint8_t*>(values.data()), count}});
+    }
     return without_gil([&] {
-        return packed(leaf_masks_of(std::move(voxels), level), cube_of(bounds), symmetry, memory_budget_bytes,
-                      progress);
+        const ListedVoxels listed = voxels_of_list(voxels, attributes, level, progress);
+        return packed(
+            listed.leaves, listed.attributes, cube_of(bounds),
+            {.symmetry = symmetry, .attributes = attribute_config, .memory_budget_bytes = memory_budget_bytes},
+            progress);
     });
 }
 
@@ -64,15 +103,19 @@ void bind_voxelize(py::module_& native) {
         .value("NONE", Symmetry::None)
         .value("REFLECTIONS", Symmetry::Reflections)
         .value("CUBE", Symmetry::Cube);
+    py::class_<AttributeConfig>(native, "VoxelAttributeConfig", "How attributes are stored.")
+        .def(py::init<std::uint32_t, double, std::uint32_t>(), "color_count"_a, "most_color_difference"_a,
+             "normal_bits"_a, "color_count and most_color_difference: 0 keeps all colors.");
     native.def(
         "voxelize", &voxelize_mesh, "positions"_a, "triangles"_a, "resolution"_a, "rule"_a, "bounds"_a, "symmetry"_a,
         "memory_budget_bytes"_a, "progress"_a,
         R"(positions: float32 or float64 (n, 3); triangles: uint32 (m, 3); bounds: lower corner and side of a cube, or None.
 Releases the GIL. TypeError: dtype or shape; InvalidInput: a value; Cancelled.)");
     native.def(
-        "voxel_dag_of", &dag_of_voxels, "coordinates"_a, "level"_a, "bounds"_a, "symmetry"_a, "memory_budget_bytes"_a,
-        "progress"_a,
-        R"(coordinates: uint32 (n, 3), below 2 ** level; bounds: lower corner and side of a cube. Releases the GIL.
-TypeError: dtype or shape; InvalidInput: a value; Cancelled.)");
+        "voxel_dag_of", &dag_of_voxels, "coordinates"_a, "level"_a, "bounds"_a, "symmetry"_a, "colors"_a, "normals"_a,
+        "channels"_a, "attribute_config"_a, "memory_budget_bytes"_a, "progress"_a,
+        R"(coordinates: uint32 (n, 3), below 2 ** level; bounds: lower corner and side of a cube; colors: uint8 (n, 3) or
+None; normals: float32 (n, 3) or None; channels: names, and uint8 (n,) of each. Releases the GIL. TypeError: dtype or
+shape; InvalidInput: a value; Cancelled.)");
 }
 } // namespace tyndall::bindings

@@ -20,5 +20,10 @@ inline voxel_dag::Cube cube_of(const Bounds& bounds) {
 
 /// Each in a file of its name. Those of a class add to it.
 void bind_voxelize(py::module_& native);
+void bind_out_of_core(py::module_& native);
+void bind_voxel_counts(py::module_& native, VoxelDagClass& type);
+void bind_voxel_preview(VoxelDagClass& type);
 void bind_voxel_trace(VoxelDagClass& type);
+void bind_voxel_export(VoxelDagClass& type);
+void bind_voxel_attributes(VoxelDagClass& type);
 } // namespace tyndall::bindings

@@ -1,38 +1,47 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Parallel loops whose results do not depend on the number of threads: work is cut into blocks by size, never by
 // thread, and a block's result belongs to the block.
-// Differs from tbb::parallel_for: polls Progress before each block, and reductions add block by block in order.
+// Differs from tbb::parallel_for: polls Progress before each block, and reductions add block by block in order. TBB's
+// headers stay in parallel.cpp, behind one call through a pointer per block: they cost a second per file that has them.
 #pragma once
 #include "core/progress.hpp"
 #include <algorithm>
 #include <cstddef>
-#include <tbb/blocked_range.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
+#include <optional>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace tyndall {
+namespace parallel {
+void run(int thread_count, void* work, void (*call)(void* work));
+void run_blocks(std::size_t count, std::size_t block_size, const Progress& progress, const void* work,
+                void (*call)(const void* work, std::size_t begin, std::size_t end));
+} // namespace parallel
+
 /// Runs work inside an arena of at most `thread_count` threads; 0 means all cores. Never tbb::global_control: where TBB is shared
 /// with Blender, that throttles Blender, too.
 template <typename Work>
 auto with_threads(int thread_count, Work&& work) {
-    // TBB prints a warning when it is asked for more threads than there are cores.
-    const int core_count = tbb::info::default_concurrency();
-    tbb::task_arena arena(thread_count > 0 ? std::min(thread_count, core_count) : tbb::task_arena::automatic);
-    return arena.execute(std::forward<Work>(work));
+    using Result = std::invoke_result_t<Work&>;
+    if constexpr (std::is_void_v<Result>) {
+        parallel::run(thread_count, &work,
+                      [](void* called) { (*static_cast<std::remove_reference_t<Work>*>(called))(); });
+    } else {
+        std::optional<Result> result;
+        auto keep = [&] { result.emplace(work()); };
+        parallel::run(thread_count, &keep, [](void* called) { (*static_cast<decltype(keep)*>(called))(); });
+        return std::move(*result);
+    }
 }
 
 /// work(begin, end) for consecutive blocks of at most block_size; throws Cancelled soon after progress.cancel().
 template <typename Work>
 void parallel_blocks(std::size_t count, std::size_t block_size, const Progress& progress, const Work& work) {
-    const std::size_t block_count = (count + block_size - 1) / block_size;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, block_count, 1), [&](const auto& blocks) {
-        for (std::size_t block = blocks.begin(); block != blocks.end(); ++block) {
-            progress.poll();
-            work(block * block_size, std::min(count, (block + 1) * block_size));
-        }
-    });
+    parallel::run_blocks(count, block_size, progress, &work,
+                         [](const void* called, std::size_t begin, std::size_t end) {
+                             (*static_cast<const Work*>(called))(begin, end);
+                         });
 }
 
 /// work(index) for each index below count.

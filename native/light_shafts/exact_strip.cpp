@@ -4,6 +4,7 @@
 #include "core/parallel.hpp"
 #include "light_shafts/partial_shadow.hpp"
 #include "scene/triangle_bvh.hpp"
+#include <tbb/task_arena.h>
 
 namespace tyndall::light_shafts {
 StripScene make_strip_scene(const Scene& scene, const Progress& progress) {

@@ -6,6 +6,7 @@
 #include "core/random.hpp"
 #include <algorithm>
 #include <bit>
+#include <tbb/task_arena.h>
 
 namespace tyndall {
 namespace {

@@ -18,4 +18,29 @@ struct Canonical {
 /// the children. The smallest child number lies in octant 0 then.
 [[nodiscard]] Canonical<TurnedChildren>
 canonical_node(const TurnedChildren& node, const std::array<std::uint8_t, 8>& stabilizers, Symmetry symmetry);
+
+/// What a node of some DAG has become in the one that is made of it.
+struct MergedNode {
+    std::uint32_t number;    ///< Of the node that stands for it.
+    std::uint8_t tag;        ///< What turns that one into it: the smallest of its coset.
+    std::uint8_t stabilizer; ///< Of that one.
+};
+/// Of a node of `nodes`, whose references name what merged_of(reference) says; as it is, without a symmetry.
+template <class MergedOf>
+[[nodiscard]] Canonical<TurnedChildren> canonical_node(const DagLevel& nodes, std::size_t node, Symmetry symmetry,
+                                                       const MergedOf& merged_of) {
+    TurnedChildren turned{};
+    std::array<std::uint8_t, 8> stabilizers{};
+    std::size_t at = nodes.first_children[node];
+    for (std::uint32_t octant = 0; octant < 8; ++octant) {
+        if ((nodes.child_masks[node] >> octant & 1) == 0)
+            continue;
+        const MergedNode child = merged_of(at++);
+        turned.children[octant] = child.number + 1;
+        turned.tags[octant] = child.tag;
+        stabilizers[octant] = child.stabilizer;
+    }
+    return symmetry == Symmetry::None ? Canonical<TurnedChildren>{.node = turned, .tag = 0, .stabilizer = 0}
+                                      : canonical_node(turned, stabilizers, symmetry);
+}
 } // namespace tyndall::voxel_dag

@@ -1,17 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/dag_file.hpp"
-#include "core/errors.hpp"
-#include "core/partial_file.hpp"
+#include "voxel_dag/checked_file.hpp"
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <memory>
 #include <span>
-#include <system_error>
-#include <zlib.h>
 
 namespace tyndall::voxel_dag {
 namespace {
@@ -20,7 +13,6 @@ static_assert(std::endian::native == std::endian::little, "files are little-endi
 constexpr std::array<char, 8> magic{'T', 'D', 'A', 'G', '\r', '\n', '\x1a', '\n'}; // shows what text mode does to it
 constexpr std::uint32_t version = 1;
 constexpr std::uint64_t alignment = 64;
-constexpr std::size_t bytes_at_once = std::size_t{4} << 20;
 
 struct Header {
     std::array<char, 8> magic;
@@ -32,7 +24,20 @@ struct Header {
 };
 static_assert(sizeof(Header) == 104);
 
-enum class Kind : std::uint32_t { Formats = 1, Directory = 2, Records = 3, Pairs = 4, Leaves = 5 };
+enum class Kind : std::uint32_t {
+    Formats = 1,
+    Directory = 2,
+    Records = 3,
+    Pairs = 4,
+    Leaves = 5,
+    Attributes = 6, ///< What there is of those below.
+    CountDirectory = 7,
+    Counts = 8,
+    Materials = 9,
+    Indices = 10,
+    MeanMaterials = 11,
+    MeanIndices = 12,
+};
 struct Section {
     Kind kind;
     std::uint32_t level; ///< Of a directory: its nodes have 2^level voxels a side. Else 0.
@@ -60,117 +65,31 @@ std::string name_of(const Section& section) {
         return "the pairs of leaves and tags";
     case Kind::Leaves:
         return "the leaves";
+    case Kind::Attributes:
+        return "the names of the attributes";
+    case Kind::CountDirectory:
+        return "the directory of counts of level " + std::to_string(section.level);
+    case Kind::Counts:
+        return "the counts of voxels";
+    case Kind::Materials:
+        return "the materials";
+    case Kind::Indices:
+        return "the voxels' materials";
+    case Kind::MeanMaterials:
+        return "the materials of means";
+    case Kind::MeanIndices:
+        return "the nodes' means";
     }
     return "a section of an unknown kind";
 }
 
 std::uint64_t aligned(std::uint64_t offset) { return (offset + alignment - 1) / alignment * alignment; }
 
-std::uint32_t checksum_of(std::span<const std::byte> bytes) {
-    return static_cast<std::uint32_t>(
-        crc32_z(crc32_z(0, nullptr, 0), reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
-template <class Value>
-std::span<const std::byte> bytes_of(const Value& value) {
-    return std::as_bytes(std::span(&value, 1));
-}
-std::uint32_t checksum_of(const Header& header) {
+std::uint32_t header_checksum(const Header& header) {
     return checksum_of(bytes_of(header).first(offsetof(Header, checksum)));
 }
 
-struct Closer {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, Closer>;
-
-/// Calls work(first, count) for stretches, between which the call can be cancelled.
-template <class Work>
-void in_stretches(std::size_t size, const Progress& progress, const Work& work) {
-    for (std::size_t first = 0; first < size; first += bytes_at_once) {
-        progress.poll();
-        work(first, std::min(bytes_at_once, size - first));
-    }
-}
-
-class Writer {
-public:
-    Writer(const std::filesystem::path& path, const Progress& progress)
-        : path_(path), part_(path), file_(std::fopen(part_.name().c_str(), "wb")), progress_(progress) {
-        if (!file_)
-            fail();
-    }
-    void write(std::span<const std::byte> bytes) {
-        in_stretches(bytes.size(), progress_, [&](std::size_t first, std::size_t count) {
-            if (std::fwrite(bytes.data() + first, 1, count, file_.get()) != count)
-                fail();
-        });
-        at_ += bytes.size();
-    }
-    void pad_to(std::uint64_t offset) {
-        const std::array<std::byte, alignment> zeros{};
-        write(std::span(zeros).first(offset - at_));
-    }
-    void complete() {
-        if (std::fclose(file_.release()) != 0)
-            fail();
-        part_.complete();
-    }
-
-private:
-    [[noreturn]] void fail() const {
-        refuse_file(path_,
-                    std::generic_category().message(errno) + ": see that the folder can be written to and has room");
-    }
-
-    const std::filesystem::path& path_;
-    PartialFile part_;
-    File file_;
-    const Progress& progress_;
-    std::uint64_t at_ = 0;
-};
-
-class Reader {
-public:
-    Reader(const std::filesystem::path& path, const Progress& progress)
-        : path_(path), file_(std::fopen(path.c_str(), "rb")), progress_(progress) {
-        std::error_code error;
-        if (!file_ || (size_ = std::filesystem::file_size(path, error), error))
-            refuse_file(path, error ? error.message() : std::generic_category().message(errno));
-    }
-    [[nodiscard]] std::uint64_t size() const { return size_; }
-    [[noreturn]] void refuse(const std::string& reason) const { refuse_file(path_, reason); }
-    void read(std::uint64_t offset, std::span<std::byte> bytes, const std::string& what) const {
-        if (offset > size_ || bytes.size() > size_ - offset)
-            refuse("it ends within " + what + ": copy or save it again");
-        if (std::fseek(file_.get(), static_cast<long>(offset), SEEK_SET) != 0)
-            refuse(std::generic_category().message(errno));
-        in_stretches(bytes.size(), progress_, [&](std::size_t first, std::size_t count) {
-            if (std::fread(bytes.data() + first, 1, count, file_.get()) != count)
-                refuse("reading " + what + " failed");
-        });
-    }
-    /// `count` of them, after their checksum was seen to fit.
-    template <class Value>
-    [[nodiscard]] std::vector<Value> values(const Section& section) const {
-        if (section.offset > size_ || section.bytes > size_ - section.offset)
-            refuse("it ends within " + name_of(section) + ": copy or save it again");
-        if (section.bytes % sizeof(Value) != 0)
-            refuse(name_of(section) + " have a size of " + std::to_string(section.bytes) + " bytes");
-        std::vector<Value> values(section.bytes / sizeof(Value));
-        read(section.offset, std::as_writable_bytes(std::span(values)), name_of(section));
-        if (checksum_of(std::as_bytes(std::span(values))) != section.checksum)
-            refuse(name_of(section) + " are damaged: copy or save the file again");
-        return values;
-    }
-
-private:
-    const std::filesystem::path& path_;
-    File file_;
-    const Progress& progress_;
-    std::uint64_t size_ = 0;
-};
-
-Header read_header(const Reader& reader) {
+Header read_header(const FileReader& reader) {
     Header header{};
     reader.read(0, std::as_writable_bytes(std::span(&header, 1)), "its header");
     if (header.magic != magic)
@@ -178,7 +97,7 @@ Header read_header(const Reader& reader) {
     if (header.version > version)
         reader.refuse("it is of version " + std::to_string(header.version) + ", this Tyndall reads up to " +
                       std::to_string(version) + ": install a newer one");
-    if (header.checksum != checksum_of(header))
+    if (header.checksum != header_checksum(header))
         reader.refuse("its header is damaged: copy or save the file again");
     if (header.file_bytes != reader.size())
         reader.refuse("it has " + std::to_string(reader.size()) + " bytes instead of " +
@@ -186,7 +105,7 @@ Header read_header(const Reader& reader) {
     return header;
 }
 
-std::vector<Section> read_table(const Reader& reader, const Header& header) {
+std::vector<Section> read_table(const FileReader& reader, const Header& header) {
     constexpr std::size_t most_sections = 4096; // more than any version has
     if (header.section_count > most_sections)
         reader.refuse("it has " + std::to_string(header.section_count) + " sections");
@@ -198,8 +117,8 @@ std::vector<Section> read_table(const Reader& reader, const Header& header) {
 }
 } // namespace
 
-void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem::path& path,
-               const Progress& progress) {
+static void write(const PackedDag& dag, const Cube& bounds_m, const AttributeParts* attributes,
+                  const std::filesystem::path& path, const Progress& progress) {
     std::vector<Format> formats;
     for (const PackedLevel& level : dag.levels)
         formats.push_back({level.classes.widths, level.classes.begins, level.field_bits, level.mask_classes.widths,
@@ -217,6 +136,19 @@ void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem
     append(Kind::Leaves, 0, dag.leaves);
     append(Kind::Pairs, 0, dag.pairs);
     append(Kind::Records, 0, dag.records);
+    std::vector<std::uint8_t> names;
+    if (attributes != nullptr) {
+        names = encode_names(*attributes);
+        append(Kind::Attributes, 0, names);
+        for (std::size_t i = attributes->order.directories.size(); i-- > 0;)
+            append(Kind::CountDirectory, static_cast<std::uint32_t>(i) + counted_level,
+                   attributes->order.directories[i]);
+        append(Kind::Counts, 0, attributes->order.counts);
+        append(Kind::Materials, 0, attributes->voxels.materials);
+        append(Kind::Indices, 0, attributes->voxels.indices);
+        append(Kind::MeanMaterials, 0, attributes->means.materials);
+        append(Kind::MeanIndices, 0, attributes->means.indices);
+    }
     std::uint64_t end = sizeof(Header) + table.size() * sizeof(Section);
     for (Section& section : table) {
         section.offset = aligned(end);
@@ -237,8 +169,8 @@ void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem
                   .table_checksum = checksum_of(std::as_bytes(std::span(table))),
                   .reserved = 0,
                   .checksum = 0};
-    header.checksum = checksum_of(header);
-    Writer writer(path, progress);
+    header.checksum = header_checksum(header);
+    FileWriter writer(path, progress);
     writer.write(bytes_of(header));
     writer.write(std::as_bytes(std::span(table)));
     for (std::size_t section = 0; section < table.size(); ++section) {
@@ -248,8 +180,16 @@ void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem
     writer.complete();
 }
 
+void write_dag(const PlacedDag& placed, const std::filesystem::path& path, const Progress& progress) {
+    write(placed.dag, placed.bounds_m, placed.attributes ? &placed.attributes->parts() : nullptr, path, progress);
+}
+void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem::path& path,
+               const Progress& progress) {
+    write(dag, bounds_m, nullptr, path, progress);
+}
+
 PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) {
-    const Reader reader(path, progress);
+    const FileReader reader(path, progress);
     const Header header = read_header(reader);
     PackedDag dag{.level = header.level,
                   .tag_bits = header.tag_bits,
@@ -261,6 +201,9 @@ PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) 
                   .root_bit = header.root_bit,
                   .voxel_count = header.voxel_count,
                   .node_count = header.node_count};
+    std::optional<AttributeParts> parts;
+    const auto attributes = [&]() -> AttributeParts& { return parts ? *parts : parts.emplace(); };
+    std::vector<std::uint8_t> names;
     for (const Section& section : read_table(reader, header))
         switch (section.kind) {
         case Kind::Formats:
@@ -287,16 +230,49 @@ PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) 
         case Kind::Records:
             dag.records = reader.values<std::uint64_t>(section);
             break;
+        case Kind::Attributes:
+            attributes();
+            names = reader.values<std::uint8_t>(section);
+            break;
+        case Kind::CountDirectory: {
+            if (section.level < counted_level || section.level > most_level)
+                reader.refuse(name_of(section) + " belongs to no level");
+            auto& directories = attributes().order.directories;
+            directories.resize(std::max(directories.size(), std::size_t{section.level - counted_level + 1}));
+            directories[section.level - counted_level] = reader.values<std::uint32_t>(section);
+            break;
+        }
+        case Kind::Counts:
+            attributes().order.counts = reader.values<std::uint64_t>(section);
+            break;
+        case Kind::Materials:
+            attributes().voxels.materials = reader.values<std::uint8_t>(section);
+            break;
+        case Kind::Indices:
+            attributes().voxels.indices = reader.values<std::uint8_t>(section);
+            break;
+        case Kind::MeanMaterials:
+            attributes().means.materials = reader.values<std::uint8_t>(section);
+            break;
+        case Kind::MeanIndices:
+            attributes().means.indices = reader.values<std::uint8_t>(section);
+            break;
         default: // of a kind that came later, and that this version can do without
             break;
         }
+    std::shared_ptr<const DagAttributes> kept;
     try {
         require_usable(dag);
+        if (parts) {
+            decode_names(names, *parts);
+            kept = std::make_shared<const DagAttributes>(std::move(*parts), dag);
+        }
     } catch (const InvalidInput& error) {
         reader.refuse(error.what());
     }
     return {.dag = std::move(dag),
             .bounds_m = {.lower_m = dvec3(header.lower_m[0], header.lower_m[1], header.lower_m[2]),
-                         .side_m = header.side_m}};
+                         .side_m = header.side_m},
+            .attributes = std::move(kept)};
 }
 } // namespace tyndall::voxel_dag

@@ -4,7 +4,7 @@
 // Bound:    the DAG's bytes, written once; read and checked once, at zlib's 1 to 3 GB/s.
 #pragma once
 #include "core/progress.hpp"
-#include "voxel_dag/packed_dag.hpp"
+#include "voxel_dag/dag_attributes.hpp"
 #include "voxel_dag/voxelize.hpp"
 #include <filesystem>
 
@@ -13,9 +13,12 @@ namespace tyndall::voxel_dag {
 struct PlacedDag {
     PackedDag dag;
     Cube bounds_m;
+    std::shared_ptr<const DagAttributes> attributes = nullptr; ///< Of dag; null: its voxels carry nothing.
 };
 
 /// The file appears whole or not at all. Throws IoError, which names the path and why, and Cancelled.
+void write_dag(const PlacedDag& placed, const std::filesystem::path& path, const Progress& progress);
+/// Without attributes.
 void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem::path& path, const Progress& progress);
 /// Throws IoError, which names the path, and the section that is damaged or missing; and
 /// Cancelled.

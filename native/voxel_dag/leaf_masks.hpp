@@ -21,6 +21,13 @@ struct LeafMasks {
     [[nodiscard]] bool contains(const Voxel& voxel) const;
 };
 
+/// The octants of a brick that have any voxel. Bit i: byte i is not 0.
+[[nodiscard]] constexpr std::uint32_t occupied_bytes(std::uint64_t brick) {
+    constexpr std::uint64_t low = 0x7f7f7f7f7f7f7f7full;
+    const std::uint64_t high = (((brick & low) + low) | brick) & ~low;
+    return static_cast<std::uint32_t>((high >> 7) * 0x0102040810204080ull >> 56);
+}
+
 /// Throws InvalidInput, which names the first brick that is wrong.
 void require_usable(const LeafMasks& leaves);
 /// Of voxels in any order, that may repeat. Throws InvalidInput, which names one beyond the resolution.

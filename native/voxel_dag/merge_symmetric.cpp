@@ -8,16 +8,9 @@
 
 namespace tyndall::voxel_dag {
 namespace {
-/// What a plain node became: read together, so kept together.
-struct Merged {
-    std::uint32_t number;    ///< Of the node that stands for it.
-    std::uint8_t tag;        ///< What turns that one into it.
-    std::uint8_t stabilizer; ///< Of that one.
-};
-
 /// Merges `count` nodes, canonical_of(plain node). Returns the merged ones in order of their numbers.
 template <class Node, class CanonicalOf>
-std::vector<Node> merge_level(std::size_t count, const CanonicalOf& canonical_of, std::vector<Merged>& merged,
+std::vector<Node> merge_level(std::size_t count, const CanonicalOf& canonical_of, std::vector<MergedNode>& merged,
                               const Progress& progress) {
     using Table = UniqueTable<Node>;
     Table table(count);
@@ -74,25 +67,15 @@ Dag merge_symmetric(const Dag& plain, const MergeConfig& config, const Progress&
     Dag dag{.level = plain.level, .symmetry = config.symmetry, .leaves = {}, .levels = {}};
     if (plain.is_empty())
         return dag;
-    std::vector<Merged> below;
+    std::vector<MergedNode> below;
     dag.leaves = merge_level<std::uint64_t>(
         plain.leaves.size(), [&](std::size_t leaf) { return canonical_leaf(plain.leaves[leaf], config.symmetry); },
         below, progress);
     for (const DagLevel& nodes : plain.levels) {
-        std::vector<Merged> merged;
+        std::vector<MergedNode> merged;
         const auto canonical_of = [&](std::size_t node) {
-            TurnedChildren turned{};
-            std::array<std::uint8_t, 8> stabilizers{};
-            std::size_t at = nodes.first_children[node];
-            for (std::uint32_t octant = 0; octant < 8; ++octant) {
-                if ((nodes.child_masks[node] >> octant & 1) == 0)
-                    continue;
-                const Merged& child = below[nodes.children[at++]];
-                turned.children[octant] = child.number + 1;
-                turned.tags[octant] = child.tag;
-                stabilizers[octant] = child.stabilizer;
-            }
-            return canonical_node(turned, stabilizers, config.symmetry);
+            return canonical_node(nodes, node, config.symmetry,
+                                  [&](std::size_t reference) { return below[nodes.children[reference]]; });
         };
         const auto records = merge_level<TurnedChildren>(nodes.node_count(), canonical_of, merged, progress);
         const auto record_of = [&](std::size_t node) -> const TurnedChildren& { return records[node]; };

@@ -32,12 +32,24 @@ static dvec3 direction_at(const dvec2& at) {
     return glm::normalize(dvec3(xy, z));
 }
 
+/// Where the ray of `scaled`, whose sum is finite and not 0, leaves the octahedron, unfolded.
+static dvec2 unfolded(const dvec3& scaled) {
+    const dvec3 n = scaled / (std::abs(scaled.x) + std::abs(scaled.y) + std::abs(scaled.z));
+    return n.z < 0.0 ? folded({n.x, n.y}) : dvec2(n.x, n.y);
+}
+
+std::uint32_t encode_rounded(const dvec3& direction) {
+    constexpr double steps = (1 << 16) - 2; // both coordinates', see lattice_of()
+    const dvec2 at = unfolded(direction);
+    const auto rounded = [](double value) { return static_cast<std::uint32_t>((0.5 * value + 0.5) * steps + 0.5); };
+    return rounded(at.x) << 16 | rounded(at.y);
+}
+
 std::uint32_t encode(const dvec3& direction, std::uint32_t bits) {
     const Lattice lattice = lattice_of(bits);
     // By the largest coordinate first: the sum of three may overflow, and that of three tiny ones may be 0.
     const dvec3 scaled = direction / std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
-    const dvec3 n = scaled / (std::abs(scaled.x) + std::abs(scaled.y) + std::abs(scaled.z));
-    const dvec2 at = n.z < 0.0 ? folded({n.x, n.y}) : dvec2(n.x, n.y);
+    const dvec2 at = unfolded(scaled);
     const double u = std::floor((0.5 * at.x + 0.5) * lattice.u_steps);
     const double v = std::floor((0.5 * at.y + 0.5) * lattice.v_steps);
     double most = -2.0;

@@ -45,8 +45,7 @@ PackedHeader packed_header(const PackedDag& dag, std::uint32_t level, const Pack
             .classes = fields >> mask_bits & ((1u << class_bits) - 1)};
 }
 
-/// Behind a record of 8^3.
-static std::uint64_t end_of_smallest(const PackedDag& dag, std::uint64_t bit) {
+std::uint64_t end_of_smallest(const PackedDag& dag, std::uint64_t bit) {
     const PackedHeader header = packed_header(dag, leaf_level + 1, {.bit = bit});
     return header.body_bit + fields_size(dag.levels[0].field_bits, header.classes, count_of(header.child_mask));
 }
@@ -59,19 +58,37 @@ static std::uint64_t shared_record(const PackedDag& dag, std::uint32_t level, st
     return bit;
 }
 
+/// What the record names child number `index` by, which is shared.
+struct SharedName {
+    std::uint32_t rank;
+    std::uint64_t tag;
+};
+static SharedName shared_name(const PackedDag& dag, const PackedLevel& format, const PackedHeader& header,
+                              std::uint32_t index) {
+    const std::uint32_t at_class = class_of(header, index), width = format.classes.widths[at_class];
+    const std::uint64_t bit = header.body_bit + fields_size(format.field_bits, first_classes(header, index), index);
+    const std::uint64_t field = read_bits(dag.records, bit, format.field_bits[at_class]);
+    const auto rank = static_cast<std::uint32_t>(field & ((std::uint64_t{1} << width) - 1));
+    return {.rank = format.classes.begins[at_class] + rank, .tag = field >> width};
+}
+
+std::optional<std::uint32_t> packed_rank(const PackedDag& dag, std::uint32_t level, const PackedHeader& header,
+                                         std::uint32_t octant) {
+    const std::uint32_t index = index_of(header, octant);
+    if (class_of(header, index) == 0)
+        return std::nullopt;
+    return shared_name(dag, dag.levels[level - leaf_level - 1], header, index).rank;
+}
+
 PackedNode packed_child(const PackedDag& dag, std::uint32_t level, const PackedNode& node, const PackedHeader& header,
                         std::uint32_t octant) {
     const PackedLevel& format = dag.levels[level - leaf_level - 1];
-    const std::uint32_t index = index_of(header, octant), at_class = class_of(header, index);
-    const std::uint32_t before = first_classes(header, index);
-    if (at_class != 0) {
-        const std::uint64_t field = read_bits(
-            dag.records, header.body_bit + fields_size(format.field_bits, before, index), format.field_bits[at_class]);
-        const std::uint32_t width = format.classes.widths[at_class];
-        const auto rank = static_cast<std::uint32_t>(field & ((std::uint64_t{1} << width) - 1));
-        return {.bit = shared_record(dag, level - 1, format.classes.begins[at_class] + rank),
-                .turn = cube_group.product[node.turn][field >> width]};
+    const std::uint32_t index = index_of(header, octant);
+    if (class_of(header, index) != 0) {
+        const SharedName name = shared_name(dag, format, header, index);
+        return {.bit = shared_record(dag, level - 1, name.rank), .turn = cube_group.product[node.turn][name.tag]};
     }
+    const std::uint32_t before = first_classes(header, index);
     const std::uint32_t child_count = count_of(header.child_mask);
     std::uint64_t bit = header.body_bit + fields_size(format.field_bits, header.classes, child_count);
     std::uint32_t skipped = inside_count(before, index);

@@ -16,6 +16,7 @@
 #include "voxel_dag/dag.hpp"
 #include "voxel_dag/rank_classes.hpp"
 #include <array>
+#include <optional>
 
 namespace tyndall::voxel_dag {
 /// How the records of one level name what is below them, and where its own shared records are.
@@ -65,6 +66,11 @@ struct PackedHeader {
 /// A child that is there, by octant of the record; of a node of 16^3 or more.
 [[nodiscard]] PackedNode packed_child(const PackedDag& dag, std::uint32_t level, const PackedNode& node,
                                       const PackedHeader& header, std::uint32_t octant);
+/// Rank of that child among the shared records of the level below; none where its record lies inside.
+[[nodiscard]] std::optional<std::uint32_t> packed_rank(const PackedDag& dag, std::uint32_t level,
+                                                       const PackedHeader& header, std::uint32_t octant);
+/// Behind a record of 8^3.
+[[nodiscard]] std::uint64_t end_of_smallest(const PackedDag& dag, std::uint64_t bit);
 /// Rank of the pair that a record of 8^3 names.
 [[nodiscard]] std::uint32_t packed_pair(const PackedDag& dag, const PackedHeader& header, std::uint32_t octant);
 /// The leaf of a pair, and its tag.

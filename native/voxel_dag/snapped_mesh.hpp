@@ -33,4 +33,8 @@ template <typename Position>
 extern template SnappedMesh snap(std::span<const vec3>, std::span<const uvec3>, const VoxelizeConfig&, const Progress&);
 extern template SnappedMesh snap(std::span<const dvec3>, std::span<const uvec3>, const VoxelizeConfig&,
                                  const Progress&);
+
+/// The voxels of a mesh that is snapped already; of the configuration, the rule and the budget count. Throws as voxelize()
+/// does.
+[[nodiscard]] VoxelizeResult voxelize(const SnappedMesh& mesh, const VoxelizeConfig& config, const Progress& progress);
 } // namespace tyndall::voxel_dag

@@ -22,6 +22,10 @@ struct WordPlace {
     [[nodiscard]] constexpr std::uint32_t of(std::uint32_t at) const {
         return (at & 3) << low_shift | (at >> 2) << high_shift;
     }
+    /// What of() gave, of a whole place.
+    [[nodiscard]] constexpr std::uint32_t at(std::uint64_t place) const {
+        return static_cast<std::uint32_t>((place >> low_shift & 3) | (place >> high_shift & 15) << 2);
+    }
 };
 inline constexpr WordPlace lower_place{8, 0}, upper_place{10, 4};
 [[nodiscard]] constexpr WordPlace row_place(const ScanAxes& axes) {

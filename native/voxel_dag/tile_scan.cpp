@@ -52,6 +52,27 @@ static HWY_INLINE W place_of(W index, const WordPlace& place) {
                   hn::ShiftLeftSame(hn::ShiftRight<2>(index), place.high_shift));
 }
 
+/// Appends what is active in vectors; returns how many there are then. Stores whole vectors.
+static HWY_INLINE std::size_t append(W mask, W place, hn::Mask<Words> is_active, std::uint64_t* masks,
+                                     std::uint64_t* places, std::size_t count) {
+#if HWY_TARGET <= HWY_AVX3
+    hn::CompressStore(place, is_active, words, places + count);
+    return count + hn::CompressStore(mask, is_active, words, masks + count);
+#else // Highway's own is slower there than to append each lane and to count those that stay
+    alignas(64) std::uint64_t place_of_lane[lanes], mask_of_lane[lanes];
+    std::uint8_t active[8] = {};
+    hn::Store(place, words, place_of_lane);
+    hn::Store(mask, words, mask_of_lane);
+    hn::StoreMaskBits(words, is_active, active);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+        places[count] = place_of_lane[lane];
+        masks[count] = mask_of_lane[lane];
+        count += active[0] >> lane & 1u;
+    }
+    return count;
+#endif
+}
+
 struct WaitingRuns {
     static constexpr std::size_t room = 256;
     alignas(64) std::uint64_t places[room + 2 * lanes], masks[room + 2 * lanes];
@@ -66,21 +87,7 @@ class Runs {
 public:
     HWY_INLINE Runs(WaitingRuns& waiting, TileBits& bits) : waiting_(waiting), bits_(bits) {}
     HWY_INLINE void push(W mask, W place, hn::Mask<Words> is_active) {
-#if HWY_TARGET <= HWY_AVX3
-        hn::CompressStore(place, is_active, words, waiting_.places + count_);
-        count_ += hn::CompressStore(mask, is_active, words, waiting_.masks + count_);
-#else // Highway's own is slower there than to append each lane and to count those that stay
-        alignas(64) std::uint64_t places[lanes], masks[lanes];
-        std::uint8_t active[8] = {};
-        hn::Store(place, words, places);
-        hn::Store(mask, words, masks);
-        hn::StoreMaskBits(words, is_active, active);
-        for (std::size_t lane = 0; lane < lanes; ++lane) {
-            waiting_.places[count_] = places[lane];
-            waiting_.masks[count_] = masks[lane];
-            count_ += active[0] >> lane & 1u;
-        }
-#endif
+        count_ = append(mask, place, is_active, waiting_.masks, waiting_.places, count_);
         if (count_ > WaitingRuns::room)
             write_all();
     }
@@ -95,6 +102,21 @@ private:
     std::size_t count_ = 0; // apart from what is stored through vectors, so that it stays in a register
 };
 
+/// Runs that are handed over.
+class ListedRuns {
+public:
+    HWY_INLINE explicit ListedRuns(TriangleRuns& runs) : runs_(runs) {}
+    HWY_INLINE void push(W mask, W place, hn::Mask<Words> is_active) {
+        count_ = append(mask, place, is_active, runs_.masks.data(), runs_.places.data(), count_);
+    }
+    [[nodiscard]] HWY_INLINE std::size_t count() const { return count_; }
+
+private:
+    TriangleRuns& runs_;
+    std::size_t count_ = 0;
+};
+
+template <typename Runs>
 static HWY_INLINE void scan_one(const Triangle& triangle, const WordPlace& of_row, const WordPlace& of_depth,
                                 Runs& runs) {
     const TileLines& lines = triangle.lines;
@@ -142,6 +164,11 @@ static void scan_all(std::span<const TileLines> blocks, std::size_t count, const
         scan_one(Triangle(blocks[index / block_lanes], index % block_lanes), row_place(axes), depth_place(axes), runs);
     runs.write_all();
 }
+static void list_one(const TileLines& block, std::size_t lane, const ScanAxes& axes, TriangleRuns& to) {
+    ListedRuns runs(to);
+    scan_one(Triangle(block, lane), row_place(axes), depth_place(axes), runs);
+    to.count = runs.count();
+}
 } // namespace tyndall::voxel_dag::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -154,10 +181,9 @@ HWY_EXPORT(scan_all);
 void scan(std::span<const TileLines> blocks, std::size_t count, const ScanAxes& axes, TileBits& bits) {
     HWY_DYNAMIC_DISPATCH(scan_all)(blocks, count, axes, bits);
 }
-
-static Int128 floor_of_quotient(Int128 numerator, Int128 denominator) { // denominator > 0
-    const Int128 quotient = numerator / denominator;
-    return quotient - Int128{numerator % denominator < 0};
+HWY_EXPORT(list_one);
+void list_runs(const TileLines& block, std::size_t lane, const ScanAxes& axes, TriangleRuns& runs) {
+    HWY_DYNAMIC_DISPATCH(list_one)(block, lane, axes, runs);
 }
 
 namespace {
@@ -188,7 +214,9 @@ struct Interval {
 };
 } // namespace
 
-void scan(const TileLines& lines, const WidePlane& plane, const ScanAxes& axes, TileBits& bits) {
+/// use(place, mask) for each run.
+template <typename Use>
+static void scan_wide(const TileLines& lines, const WidePlane& plane, const ScanAxes& axes, const Use& use) {
     const auto whole = [](const Lanes& first, const Lanes& last) {
         return Interval{static_cast<std::int64_t>(first[0]), static_cast<std::int64_t>(last[0])};
     };
@@ -203,11 +231,22 @@ void scan(const TileLines& lines, const WidePlane& plane, const ScanAxes& axes, 
             run.keep(plane.lower, row, depth);
             run.keep(plane.upper, row, depth);
             if (run.from <= run.to)
-                bits.words[row_place(axes).of(static_cast<std::uint32_t>(row)) |
-                           depth_place(axes).of(static_cast<std::uint32_t>(depth))] |=
-                    ~std::uint64_t{0} << run.from & ~std::uint64_t{0} >> (tile_side - 1 - run.to);
+                use(row_place(axes).of(static_cast<std::uint32_t>(row)) |
+                        depth_place(axes).of(static_cast<std::uint32_t>(depth)),
+                    ~std::uint64_t{0} << run.from & ~std::uint64_t{0} >> (tile_side - 1 - run.to));
         }
     }
+}
+
+void scan(const TileLines& lines, const WidePlane& plane, const ScanAxes& axes, TileBits& bits) {
+    scan_wide(lines, plane, axes, [&](std::size_t place, std::uint64_t mask) { bits.words[place] |= mask; });
+}
+void list_runs(const TileLines& lines, const WidePlane& plane, const ScanAxes& axes, TriangleRuns& runs) {
+    runs.count = 0;
+    scan_wide(lines, plane, axes, [&](std::size_t place, std::uint64_t mask) {
+        runs.places[runs.count] = place;
+        runs.masks[runs.count++] = mask;
+    });
 }
 } // namespace tyndall::voxel_dag
 #endif

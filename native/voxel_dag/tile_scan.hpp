@@ -14,4 +14,14 @@ namespace tyndall::voxel_dag {
 void scan(std::span<const TileLines> blocks, std::size_t count, const ScanAxes& axes, TileBits& bits);
 /// A triangle, in lane 0, that lay_lines() calls LinesAndWidePlane.
 void scan(const TileLines& lines, const WidePlane& plane, const ScanAxes& axes, TileBits& bits);
+
+/// The runs of one triangle: bits of the word at each place. No place comes twice.
+struct TriangleRuns {
+    static constexpr std::size_t most = tile_side * tile_side;
+    std::size_t count = 0;
+    alignas(64) std::array<std::uint64_t, most + 16> places, masks; ///< Whole vectors are stored behind the last.
+};
+/// What scan() would set for one lane's triangle, in runs.
+void list_runs(const TileLines& block, std::size_t lane, const ScanAxes& axes, TriangleRuns& runs);
+void list_runs(const TileLines& lines, const WidePlane& plane, const ScanAxes& axes, TriangleRuns& runs);
 } // namespace tyndall::voxel_dag

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/trace.hpp"
 #include "core/parallel.hpp"
+#include "voxel_dag/tracer.hpp"
 #include "voxel_dag/tree_nodes.hpp"
 #include <algorithm>
 #include <cmath>
@@ -39,13 +40,6 @@ private:
     std::array<bool, 3> is_parallel_;
     std::uint32_t against_ = 0;
 };
-
-/// Bit i: byte i is not 0.
-std::uint32_t occupied_bytes(std::uint64_t leaf) {
-    constexpr std::uint64_t low = 0x7f7f7f7f7f7f7f7full;
-    const std::uint64_t high = (((leaf & low) + low) | leaf) & ~low;
-    return static_cast<std::uint32_t>((high >> 7) * 0x0102040810204080ull >> 56);
-}
 
 /// A cube on the way. Its halves are counted along the ray: bit a of `half` is set behind the middle plane of axis a.
 template <class Place, class Open>
@@ -117,11 +111,13 @@ VoxelHit trace_through(const Tree& dag, const VoxelRay& ray) {
             std::array<std::uint32_t, 3> lowest = step.lowest;
             for (std::uint32_t axis = 0; axis < 3; ++axis)
                 lowest[axis] += ((step.half ^ planes.against()) >> axis & 1) << (level - 1);
-            if (level == 1) {
-                VoxelHit hit{.distance = from, .voxel = lowest};
+            if (const double width = static_cast<double>(1u << (level - 1));
+                width <= std::max({1.0, ray.width, ray.spread * from})) {
+                VoxelHit hit{.distance = from, .voxel = lowest, .axis = 3, .level = level - 1};
                 double entry = 0.0;
                 for (int axis = 0; axis < 3; ++axis)
-                    if (const double at = planes.entry(axis, lowest[static_cast<std::size_t>(axis)], 1.0); at > entry) {
+                    if (const double at = planes.entry(axis, lowest[static_cast<std::size_t>(axis)], width);
+                        at > entry) {
                         entry = at;
                         hit.axis = static_cast<std::uint32_t>(axis);
                     }
@@ -149,8 +145,22 @@ VoxelHit trace_through(const Tree& dag, const VoxelRay& ray) {
 
 VoxelHit trace(const Dag& dag, const VoxelRay& ray) { return trace_through(dag, ray); }
 VoxelHit trace(const PackedDag& dag, const VoxelRay& ray) { return trace_through(dag, ray); }
+/// A tracer takes as long to make as one ray per 16 shared records of 8^3 takes to follow without.
+static bool are_worth_tracer(const PackedDag& dag, std::size_t ray_count) {
+    return dag.levels.empty() || ray_count >= directory_step(leaf_level + 1) * dag.levels[0].directory.size() / 16;
+}
 void trace(const PackedDag& dag, std::span<const VoxelRay> rays, std::span<VoxelHit> hits, const Progress& progress) {
+    if (are_worth_tracer(dag, rays.size()))
+        return Tracer(dag).trace(rays, hits, progress);
     require(rays.size() == hits.size(), "voxel DAG: ", rays.size(), " rays, but ", hits.size(), " hits");
     parallel_for(rays.size(), progress, [&](std::size_t i) { hits[i] = trace(dag, rays[i]); });
+}
+void find_occluded(const PackedDag& dag, std::span<const VoxelRay> rays, std::span<bool> are_occluded,
+                   const Progress& progress) {
+    if (are_worth_tracer(dag, rays.size()))
+        return Tracer(dag).find_occluded(rays, are_occluded, progress);
+    require(rays.size() == are_occluded.size(), "voxel DAG: ", rays.size(), " rays, but ", are_occluded.size(),
+            " answers");
+    parallel_for(rays.size(), progress, [&](std::size_t i) { are_occluded[i] = trace(dag, rays[i]).is_hit(); });
 }
 } // namespace tyndall::voxel_dag

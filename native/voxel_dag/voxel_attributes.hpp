@@ -2,11 +2,13 @@
 // What voxels carry beside being there: what voxelizers make of a mesh's surface, and what DAGs keep.
 // Bound:    4 bytes per voxel and colour or normal, 1 per channel.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 namespace tyndall::voxel_dag {
+using ByteColor = std::array<std::uint8_t, 3>; ///< Of sRGB's curve.
 /// A further value of 8 bits: roughness, metallic, emission, reflectance, or whatever else a script names.
 struct VoxelChannel {
     std::string name;

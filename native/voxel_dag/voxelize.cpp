@@ -2,10 +2,9 @@
 #include "voxel_dag/voxelize.hpp"
 #include "core/huge_pages.hpp"
 #include "core/parallel_in_order.hpp"
-#include "voxel_dag/tile_bins.hpp"
 #include "voxel_dag/tile_bricks.hpp"
-#include "voxel_dag/tile_lines_kernel.hpp"
 #include "voxel_dag/tile_scan.hpp"
+#include "voxel_dag/tile_triangles.hpp"
 #include <bit>
 #include <memory>
 #include <tbb/enumerable_thread_specific.h>
@@ -17,9 +16,8 @@ namespace {
 struct Workplace {
     TileBits bits;
     Bricks bricks;
-    std::vector<NearTriangles> near;
-    std::vector<SnappedTriangle> far;
-    std::vector<TileLines> lines;
+    TileTriangles triangles;
+    TileLines far_lines;
 };
 /// Bricks of one part of the cube; its vectors stay as long as the largest part has needed.
 struct Part {
@@ -35,83 +33,20 @@ public:
     /// Draws the tiles that `entries` name, which is all of one part of the cube.
     void draw(std::span<const std::uint64_t> entries, Workplace& place, Part& part) const {
         part.brick_count = part.voxel_count = part.tile_count = 0;
-        while (!entries.empty()) {
-            const std::uint64_t tile = TileBins::tile(entries.front());
-            std::size_t count = 1;
-            while (count < entries.size() && TileBins::tile(entries[count]) == tile)
-                ++count;
-            draw_tile(tile, entries.first(count), place, part);
-            entries = entries.subspan(count);
-        }
+        for_each_tile(entries, [&](std::uint64_t tile, std::span<const std::uint64_t> its_entries) {
+            place.triangles.lay(mesh_, rule_, tile, its_entries);
+            const TileFrame& frame = place.triangles.frame();
+            scan(place.triangles.near_lines(), place.triangles.near_count(), frame.axes, place.bits);
+            for (const TileTriangles::Far& far : place.triangles.far())
+                draw_far(far.corners, frame, place);
+            take_bricks(place.bits, frame.axes, place.bricks);
+            append(tile, place.bricks, part);
+        });
     }
 
 private:
-    void draw_tile(std::uint64_t tile, std::span<const std::uint64_t> entries, Workplace& place, Part& part) const {
-        const Voxel at = voxel_at(tile);
-        TileFrame frame{.first_cell = {at[0], at[1], at[2]},
-                        .cell_bits = step_bits,
-                        .last = std::min<std::int64_t>((std::int64_t{1} << mesh_.level) - 1, tile_side - 1),
-                        .rule = rule_,
-                        .axes = {}};
-        for (std::int64_t& cell : frame.first_cell)
-            cell <<= tile_level;
-        const std::size_t near_count = gather(entries, frame, place);
-        const std::span near(place.near.data(), (near_count + block_lanes - 1) / block_lanes);
-        std::array<double, 3> seen = seen_along_axes(near);
-        for (const SnappedTriangle& triangle : place.far) {
-            const std::array<double, 3> areas = seen_along_axes(triangle);
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                seen[axis] += areas[axis];
-        }
-        frame.axes = scan_axes(seen);
-
-        place.lines.resize(std::max(place.lines.size(), near.size() + 1));
-        lay_near_lines(near, frame, place.lines);
-        scan(place.lines, near_count, frame.axes, place.bits);
-        for (const SnappedTriangle& triangle : place.far)
-            draw_far(triangle, frame, place);
-        take_bricks(place.bits, frame.axes, place.bricks);
-        append(tile, place.bricks, part);
-    }
-
-    /// Tells near triangles from far ones; returns how many are near.
-    std::size_t gather(std::span<const std::uint64_t> entries, const TileFrame& frame, Workplace& place) const {
-        place.near.resize(std::max(place.near.size(), entries.size() / block_lanes + 1));
-        place.far.clear();
-        std::size_t count = 0;
-        Steps corner_of_tile;
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            corner_of_tile[axis] = frame.first_cell[axis] << frame.cell_bits;
-        for (std::size_t index = 0; index < entries.size(); ++index) {
-            // Triangles lie anywhere in the mesh: each comes from memory while those before it are gathered. Here, as
-            // GCC 12 takes a function that does nothing else for one without effect.
-            constexpr std::size_t ahead = 8;
-            if (index + 2 * ahead < entries.size())
-                __builtin_prefetch(&mesh_.triangles[TileBins::triangle(entries[index + 2 * ahead])]);
-            if (index + ahead < entries.size()) {
-                const uvec3& corners = mesh_.triangles[TileBins::triangle(entries[index + ahead])];
-                for (int corner = 0; corner < 3; ++corner)
-                    __builtin_prefetch(&mesh_.positions[corners[corner]]);
-            }
-            const SnappedTriangle triangle = mesh_.triangle(TileBins::triangle(entries[index]));
-            NearTriangles& block = place.near[count / block_lanes];
-            std::int64_t any = 0; // bits that a coordinate or, below 0, its complement has
-            for (std::size_t corner = 0; corner < 3; ++corner)
-                for (std::size_t axis = 0; axis < 3; ++axis) {
-                    const std::int64_t at = triangle[corner][axis] - corner_of_tile[axis];
-                    any |= at ^ at >> 63;
-                    block.corner[corner][axis][count % block_lanes] = static_cast<double>(at);
-                }
-            if (any < most_near)
-                ++count;
-            else
-                place.far.push_back(triangle);
-        }
-        return count;
-    }
-
     static void draw_far(const SnappedTriangle& triangle, const TileFrame& frame, Workplace& place) {
-        TileLines& lines = place.lines.front();
+        TileLines& lines = place.far_lines;
         WidePlane plane;
         switch (lay_lines(triangle, frame, lines, 0, plane)) {
         case Meets::No:
@@ -167,10 +102,9 @@ void require_room(std::uint64_t brick_count, const VoxelizeConfig& config) {
            bytes <= config.memory_budget_bytes ? "fit" : "not fit either");
 }
 
-template <typename Position>
-VoxelizeResult run(std::span<const Position> positions_m, std::span<const uvec3> triangles,
-                   const VoxelizeConfig& config, const Progress& progress) {
-    const SnappedMesh mesh = snap(positions_m, triangles, config, progress);
+} // namespace
+
+VoxelizeResult voxelize(const SnappedMesh& mesh, const VoxelizeConfig& config, const Progress& progress) {
     const TileBins bins = bin_triangles(mesh, progress);
     require_room(bins.expected_brick_count, config);
     VoxelizeResult result{.leaves = {.level = mesh.level, .codes = {}, .masks = {}}, .statistics = {}};
@@ -195,14 +129,12 @@ VoxelizeResult run(std::span<const Position> positions_m, std::span<const uvec3>
         });
     return result;
 }
-} // namespace
-
 VoxelizeResult voxelize(std::span<const vec3> positions_m, std::span<const uvec3> triangles,
                         const VoxelizeConfig& config, const Progress& progress) {
-    return run(positions_m, triangles, config, progress);
+    return voxelize(snap(positions_m, triangles, config, progress), config, progress);
 }
 VoxelizeResult voxelize(std::span<const dvec3> positions_m, std::span<const uvec3> triangles,
                         const VoxelizeConfig& config, const Progress& progress) {
-    return run(positions_m, triangles, config, progress);
+    return voxelize(snap(positions_m, triangles, config, progress), config, progress);
 }
 } // namespace tyndall::voxel_dag

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 import pytest
 
@@ -12,6 +14,7 @@ from addon.panels.presets import ShippedPresetPanel
 from addon.panels.standard import standard_panels
 from addon.shader_nodes import use_nodes
 from support.recording_layout import drawn
+from tyndall.voxel_dag import Config, from_coordinates
 
 STATISTICS = {
     "stages": [{"name": "embree", "seconds": 0.0123}, {"name": "light shafts", "seconds": 75.0}],
@@ -29,11 +32,14 @@ def new_material(name: str = "Material") -> bpy.types.Material:
     return material
 
 
-def test_every_panel_draws_in_the_factory_scene(scene: bpy.types.Scene) -> None:
+def test_every_panel_draws_in_the_factory_scene(scene: bpy.types.Scene, tmp_path: Path) -> None:
     """No panel names a property, an operator or an icon that this version of Blender lacks."""
     last_render.record(scene.name, STATISTICS)
     bpy.ops.tyndall.transfer_function_preset(preset="SUNRISE")
     bpy.ops.tyndall.add_painted_box()
+    path = tmp_path / "voxels.tdag"
+    from_coordinates([[1, 2, 3]], Config(resolution=4)).save(path)
+    bpy.ops.tyndall.import_tdag(filepath=str(path))
     for cls in PANELS:
         if cls.__name__ in {"TYNDALL_PT_unavailable", "TYNDALL_PT_beam_shape"} or issubclass(cls, ShippedPresetPanel):
             continue  # each has a test of its own below
@@ -168,7 +174,11 @@ def test_values_set_by_python_reach_the_dependency_graph(scene: bpy.types.Scene)
     def note(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         seen.append(depsgraph.id_type_updated("SCENE"))
 
-    groups = (scene.tyndall, scene.tyndall.shafts, bpy.data.lights[0].tyndall, bpy.context.view_layer.tyndall)
+    settings = scene.tyndall
+    groups = (
+        *(settings, settings.shafts, settings.voxelize),
+        *(bpy.data.lights[0].tyndall, bpy.context.view_layer.tyndall, bpy.data.objects["Cube"].tyndall_voxels),
+    )
     bpy.app.handlers.depsgraph_update_post.append(note)
     try:
         for group in groups:

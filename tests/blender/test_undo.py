@@ -15,6 +15,7 @@ from addon.operators import CLASSES
 from addon.panels.presets import TYNDALL_PT_air_presets, shipped_presets
 from support.file_state import file_state
 from support.small_scenes import cube, empty_scene, light, material, node, plane
+from tyndall.voxel_dag import Config, from_coordinates
 
 OPERATORS = [cls for cls in CLASSES if issubclass(cls, bpy.types.Operator)]
 #: They are no step of undo, because:
@@ -114,6 +115,25 @@ def out_of_file(_sun: bpy.types.Object, folder: Path) -> dict[str, Any]:
     return {"filepath": path}
 
 
+def selected(_sun: bpy.types.Object, folder: Path) -> None:
+    bpy.data.objects["Fog"].select_set(True)
+    settings = bpy.context.scene.tyndall.voxelize
+    settings.resolution, settings.path = "4", str(folder / "fog.tdag")
+
+
+def tdag_file(_sun: bpy.types.Object, folder: Path) -> dict[str, Any]:
+    path = folder / "corner.tdag"
+    from_coordinates([[0, 0, 0]], Config(resolution=4)).save(path)
+    return {"filepath": str(path)}
+
+
+def another_file(sun: bpy.types.Object, folder: Path) -> None:
+    """Where one was imported: its cube is larger."""
+    settings = tdag_file(sun, folder)
+    bpy.ops.tyndall.import_tdag(**settings)
+    from_coordinates([[0, 0, 0]], Config(resolution=8)).save(settings["filepath"])
+
+
 def without_strokes(sun: bpy.types.Object, _folder: Path) -> None:
     sun.data.tyndall.light_map_fit.views[0].strokes = None
 
@@ -143,6 +163,9 @@ SETTINGS: dict[str, Callable[[bpy.types.Object, Path], dict[str, Any] | None]] =
     "tyndall.painted_air_resample": lambda *_: {"resolution": (4, 4, 2)},
     "tyndall.bake_air": into_file,
     "tyndall.load_painted_air": out_of_file,
+    "tyndall.voxelize": selected,
+    "tyndall.import_tdag": tdag_file,
+    "tyndall.reload_voxels": another_file,
     "tyndall.preset_apply": lambda *_: {"filepath": str(shipped_presets(TYNDALL_PT_air_presets)[0])},
 }
 

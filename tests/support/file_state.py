@@ -22,6 +22,8 @@ def file_state() -> dict[str, Any]:
     owners = [*bpy.data.scenes, *bpy.data.lights, *bpy.data.objects, *bpy.data.node_groups, *scene.view_layers]
     return {
         **{repr(owner): _of_group(owner.tyndall) for owner in owners if hasattr(owner, "tyndall")},
+        **{f"voxels of {thing!r}": _of_group(thing.tyndall_voxels) for thing in bpy.data.objects},
+        "corners": [(data.name, [tuple(vertex.co) for vertex in data.vertices]) for data in bpy.data.meshes],
         **{f"keys of {owner!r}": _keys(owner) for owner in (*bpy.data.scenes, *bpy.data.lights, *bpy.data.node_groups)},
         **{f"nodes of {tree!r}": _nodes(tree) for tree in _trees()},
         "objects": [(thing.name, thing.select_get(), tuple(map(tuple, thing.matrix_world))) for thing in scene.objects],

@@ -39,6 +39,18 @@ def click(window: Any, place: tuple[int, int]) -> Iterator[float]:
     yield from click_at(window, x, window.bpy_window.height - (sidebar.y + sidebar.height) + from_top)
 
 
+def through_browser(window: Any, button: tuple[int, int], name: str) -> Iterator[float]:
+    """Open Blender's file browser by a button, and agree to what it proposes by its own: at the lower right."""
+    yield from click(window, button)
+    yield 0.5
+    yield from window.calm()
+    window.screenshot(name)
+    area = window.area("FILE_BROWSER")
+    yield from click_at(window, area.x + area.width - 73, window.bpy_window.height - area.y - 18)
+    yield 0.5
+    yield from window.calm()
+
+
 def press(window: Any, keys: tuple[str, ...]) -> Iterator[float]:
     for key in keys:
         xdotool("key", key)

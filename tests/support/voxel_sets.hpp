@@ -8,6 +8,7 @@
 #include <functional>
 #include <random>
 #include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 namespace tyndall::support {
 using voxel_dag::LeafMasks;

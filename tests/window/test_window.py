@@ -264,3 +264,11 @@ def test_a_sun_is_made_of_the_world_s_image_by_its_button(play: Callable[..., An
     assert facts["made"] == facts["redone"] == facts["updated"] == ["Sun of World"]
     assert facts["undone"] == []
     assert facts["takes_sun"]
+
+
+def test_a_mesh_becomes_voxels_in_the_window(play: Callable[..., Any]) -> None:
+    """By the mouse: Esc stops it; it is undone and redone; its file is imported once more."""
+    facts = play("voxels", screen_px=(1000, 900)).facts
+    assert facts["stopped"] == facts["undone"] == []
+    assert facts["made"] == facts["redone"] == ["Cube Voxels"]
+    assert facts["imported"] == ["Cube Voxels", "Cube_Voxels"]

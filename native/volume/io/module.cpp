@@ -2,7 +2,7 @@
 // The module tyndall._volume_io: numpy arrays to OpenVDB files and back. Converts and nothing else.
 #include "bindings/arrays.hpp"
 #include "bindings/paths.hpp"
-#include "volume/io/vdb_file.hpp"
+#include "volume/io/voxel_grids.hpp"
 #include <pybind11/stl.h>
 
 namespace tyndall::volume_io {
@@ -69,6 +69,36 @@ static void write_grids(const py::object& path, const std::vector<NamedLeaves>& 
         [&] { write(file, views, is_half ? Precision::Half : Precision::Float, metadata, progress); });
 }
 
+static VoxelBits to_voxels(const py::array& leaf_origins, const py::array& leaf_words) {
+    bindings::check_array<std::int32_t>(leaf_origins, {-1, 3}, "leaf_origins");
+    bindings::check_array<std::uint64_t>(leaf_words, {leaf_origins.shape(0), 8}, "leaf_words");
+    return {.leaf_origins = {static_cast<const VoxelIndex*>(leaf_origins.data()),
+                             static_cast<std::size_t>(leaf_origins.shape(0))},
+            .leaf_words = {static_cast<const std::uint64_t*>(leaf_words.data()),
+                           static_cast<std::size_t>(leaf_words.size())}};
+}
+
+static void write_voxel_grid(const py::object& path, const std::string& name, const py::array& leaf_origins,
+                             const py::array& leaf_words, const py::array& local_from_index, VoxelGridKind kind,
+                             const Metadata& metadata, const Progress& progress) {
+    VoxelBits voxels = to_voxels(leaf_origins, leaf_words);
+    bindings::check_array<double>(local_from_index, {4, 4}, "local_from_index");
+    std::copy_n(static_cast<const double*>(local_from_index.data()), voxels.local_from_index.size(),
+                voxels.local_from_index.begin());
+    const std::string file = path_of(path);
+    bindings::without_gil([&] { write_voxels(file, name, voxels, kind, metadata, progress); });
+}
+
+static py::tuple smooth_mesh(const py::array& leaf_origins, const py::array& leaf_words, const Progress& progress) {
+    const VoxelBits voxels = to_voxels(leaf_origins, leaf_words);
+    const SmoothMesh mesh = bindings::without_gil([&] { return smooth_mesh_of(voxels, progress); });
+    py::array_t<float> positions({static_cast<py::ssize_t>(mesh.positions.size()), py::ssize_t{3}});
+    std::copy_n(mesh.positions.data()->data(), mesh.positions.size() * 3, positions.mutable_data());
+    py::array_t<std::uint32_t> triangles({static_cast<py::ssize_t>(mesh.triangles.size()), py::ssize_t{3}});
+    std::copy_n(mesh.triangles.data()->data(), mesh.triangles.size() * 3, triangles.mutable_data());
+    return py::make_tuple(positions, triangles);
+}
+
 PYBIND11_MODULE(_volume_io, module) {
     module.doc() = "OpenVDB files in and out, as leaves of 8 x 8 x 8 floats.";
     py::module_::import("tyndall._native"); // Progress, InvalidInput, IoError and Cancelled are its classes
@@ -88,5 +118,19 @@ Leaves ascend by origin. IoError and InvalidInput name path and grid; Cancelled.
                R"(Write grids, given as read_grids returns them, whole or not at all. Releases the GIL.
 
 TypeError: dtype or shape; IoError and InvalidInput name path and grid; Cancelled.)");
+    py::enum_<VoxelGridKind>(module, "VoxelGridKind")
+        .value("FOG", VoxelGridKind::Fog)
+        .value("LEVEL_SET", VoxelGridKind::LevelSet);
+    module.def("write_voxel_grid", &write_voxel_grid, "path"_a, "name"_a, "leaf_origins"_a, "leaf_words"_a,
+               "local_from_index"_a, "kind"_a, "metadata"_a, "progress"_a,
+               R"(Write voxels that are set as one grid, whole or not at all. Releases the GIL.
+
+leaf_origins: int32 (n, 3); leaf_words: uint64 (n, 8), bit 8 y + z of word x; local_from_index: float64 (4, 4).
+TypeError: dtype or shape; IoError and InvalidInput name path and grid; Cancelled.)");
+    module.def(
+        "smooth_mesh", &smooth_mesh, "leaf_origins"_a, "leaf_words"_a, "progress"_a,
+        R"(Positions, float32 (p, 3), in indices of voxels' centres, and triangles, uint32 (m, 3). Releases the GIL.
+
+leaf_origins and leaf_words as write_voxel_grid takes them. TypeError: dtype or shape; InvalidInput; Cancelled.)");
 }
 } // namespace tyndall::volume_io

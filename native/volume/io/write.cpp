@@ -1,43 +1,43 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/parallel.hpp"
-#include "volume/io/archive.hpp"
-#include "volume/io/vdb_file.hpp"
+#include "volume/io/grid_writing.hpp"
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <set>
 
 namespace tyndall::volume_io {
-namespace vdb = openvdb;
 using Leaf = vdb::FloatTree::LeafNodeType;
 
-constexpr Advice writing{.stream_failure = "the disk is full or failed",
-                         .remedy = "see that the folder can be written to and has room"};
 constexpr float largest_half = 65504.0f;
 
 static std::string index_text(const VoxelIndex& index) {
     return "(" + std::to_string(index[0]) + ", " + std::to_string(index[1]) + ", " + std::to_string(index[2]) + ")";
 }
 
+void require_leaves(std::span<const VoxelIndex> origins, const std::string& named) {
+    for (const VoxelIndex& origin : origins)
+        require(((origin[0] | origin[1] | origin[2]) & 7) == 0, named, "a leaf begins at ", index_text(origin),
+                ", which is no multiple of 8");
+    std::vector<VoxelIndex> ascending(origins.begin(), origins.end());
+    std::sort(ascending.begin(), ascending.end());
+    const auto twice = std::adjacent_find(ascending.begin(), ascending.end());
+    require(twice == ascending.end(), named, "two leaves begin at ",
+            index_text(twice == ascending.end() ? VoxelIndex{} : *twice));
+}
+
 static void validate(const GridView& grid, Precision precision, const std::string& named) {
     require(!grid.name.empty(), named, "it has no name");
     require(grid.leaf_values.size() == grid.leaf_origins.size() * voxels_per_leaf, named, grid.leaf_values.size(),
             " values for ", grid.leaf_origins.size(), " leaves");
-    for (const VoxelIndex& origin : grid.leaf_origins)
-        require(((origin[0] | origin[1] | origin[2]) & 7) == 0, named, "a leaf begins at ", index_text(origin),
-                ", which is no multiple of 8");
-    std::vector<VoxelIndex> origins(grid.leaf_origins.begin(), grid.leaf_origins.end());
-    std::sort(origins.begin(), origins.end());
-    const auto twice = std::adjacent_find(origins.begin(), origins.end());
-    require(twice == origins.end(), named, "two leaves begin at ",
-            index_text(twice == origins.end() ? VoxelIndex{} : *twice));
+    require_leaves(grid.leaf_origins, named);
     if (precision == Precision::Half)
         for (const float value : grid.leaf_values)
             require(!std::isfinite(value) || std::abs(value) <= largest_half, named, "a half float cannot hold ", value,
                     ": save full floats");
 }
 
-static vdb::math::Transform::Ptr to_transform(const Matrix& local_from_index, const std::string& named) {
+vdb::math::Transform::Ptr to_transform(const Matrix& local_from_index, const std::string& named) {
     vdb::Mat4d index_to_local; // OpenVDB multiplies rows from the left
     for (int row = 0; row < 4; ++row)
         for (int column = 0; column < 4; ++column) {
@@ -50,17 +50,14 @@ static vdb::math::Transform::Ptr to_transform(const Matrix& local_from_index, co
     return vdb::math::Transform::createLinearTransform(index_to_local);
 }
 
-static vdb::FloatGrid::Ptr to_grid(const GridView& view, Precision precision, const Metadata& metadata,
-                                   const std::string& named, const Progress& progress) {
+static vdb::FloatGrid::Ptr to_grid(const GridView& view, Precision precision, const std::string& named,
+                                   const Progress& progress) {
     validate(view, precision, named);
     const vdb::FloatGrid::Ptr grid = vdb::FloatGrid::create(view.background);
     grid->setName(view.name);
     grid->setGridClass(vdb::GRID_FOG_VOLUME);
     grid->setSaveFloatAsHalf(precision == Precision::Half);
     grid->setTransform(to_transform(view.local_from_index, named));
-    if (const auto creator = metadata.find("creator"); creator != metadata.end())
-        grid->setCreator(creator->second);
-
     std::vector<std::unique_ptr<Leaf>> leaves(view.leaf_origins.size());
     parallel_for(
         leaves.size(), progress,
@@ -81,24 +78,32 @@ static vdb::FloatGrid::Ptr to_grid(const GridView& view, Precision precision, co
     return grid;
 }
 
+void write_grids(const std::filesystem::path& path, const std::vector<vdb::GridBase::Ptr>& grids,
+                 const Metadata& metadata, const Progress& progress) {
+    vdb::MetaMap of_file;
+    for (const auto& [key, value] : metadata)
+        of_file.insertMeta(key, vdb::StringMetadata(value));
+    if (const auto creator = metadata.find("creator"); creator != metadata.end())
+        for (const vdb::GridBase::Ptr& grid : grids)
+            grid->setCreator(creator->second);
+    PartialFile file(path);
+    OutputArchive().write(file.name(), {grids.begin(), grids.end()}, of_file, progress);
+    file.complete();
+}
+
 void write(const std::filesystem::path& path, std::span<const GridView> grids, Precision precision,
            const Metadata& metadata, Progress& progress) {
     vdb::initialize();
     with_named_errors(path, "", writing, [&] {
         std::set<std::string> names;
-        vdb::GridCPtrVec written;
+        std::vector<vdb::GridBase::Ptr> written;
         for (const GridView& grid : grids) {
             const std::string named = path.string() + ": grid \"" + grid.name + "\": ";
             require(names.insert(grid.name).second, named, "there are two of this name");
-            written.push_back(to_grid(grid, precision, metadata, named, progress));
+            written.push_back(to_grid(grid, precision, named, progress));
         }
-        vdb::MetaMap of_file;
-        for (const auto& [key, value] : metadata)
-            of_file.insertMeta(key, vdb::StringMetadata(value));
         progress.set_message("Writing " + path.filename().string());
-        PartialFile file(path);
-        OutputArchive().write(file.name(), written, of_file, progress);
-        file.complete();
+        write_grids(path, written, metadata, progress);
     });
 }
 } // namespace tyndall::volume_io

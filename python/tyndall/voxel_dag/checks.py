@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from .config import Config
 
 MOST_BYTES = 2**64 - 1
 MOST_INDEX = 2**32 - 1
+MOST_BYTE = 255
 
 
 def budget(config: Config) -> int:
@@ -64,6 +66,14 @@ def points(values: ArrayLike, name: str) -> NDArray[np.float32] | NDArray[np.flo
     return np.ascontiguousarray(array, array.dtype if array.dtype in (np.float32, np.float64) else np.float64)
 
 
+def per_row(values: ArrayLike, count: int, name: str) -> NDArray[np.float64]:
+    """A number for each of ``count`` rows, (count,), of as many or of one for all."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiu" or array.shape not in ((), (count,)):
+        raise refuse(f"{name}: {array.dtype} of the shape {array.shape}, not one number or ({count},)")
+    return np.ascontiguousarray(np.broadcast_to(array, (count,)), np.float64)
+
+
 def indices(values: ArrayLike, name: str) -> NDArray[np.uint32]:
     """Whole numbers (n, 3) that 32 bits hold."""
     array = rows_of_three(values, name)
@@ -73,6 +83,61 @@ def indices(values: ArrayLike, name: str) -> NDArray[np.uint32]:
         wrong = int(np.argmax(((array < 0) | (array > MOST_INDEX)).any(axis=1)))
         raise refuse(f"{name}: row {wrong} is {array[wrong].tolist()}, outside [0, {MOST_INDEX}]")
     return np.ascontiguousarray(array, np.uint32)
+
+
+def listed(values: ArrayLike, rows: int, name: str) -> NDArray[Any]:
+    """An array of as many rows."""
+    array = np.asarray(values)
+    if len(array) != rows if array.ndim else True:
+        raise refuse(f"{name} have the shape {array.shape}, not {rows} rows")
+    return array
+
+
+def colors(values: ArrayLike | None, rows: int) -> NDArray[np.uint8] | None:
+    """Bytes (rows, 3), of such or of numbers from 0 to 1."""
+    if values is None:
+        return None
+    array = listed(rows_of_three(values, "colors"), rows, "colors")
+    if array.dtype == np.uint8 or not rows:
+        return np.ascontiguousarray(array, np.uint8)
+    if array.dtype.kind != "f":
+        raise refuse(f"colors are {array.dtype}, neither uint8 nor numbers from 0 to 1")
+    is_wrong = ~((array >= 0) & (array <= 1)).all(axis=1)
+    if is_wrong.any():
+        wrong = int(np.argmax(is_wrong))
+        raise refuse(f"colors: row {wrong} is {array[wrong].tolist()}, outside [0, 1]")
+    return np.ascontiguousarray(np.rint(255 * array), np.uint8)
+
+
+def normals(values: ArrayLike | None, rows: int) -> NDArray[np.float32] | None:
+    """Directions (rows, 3)."""
+    if values is None:
+        return None
+    return np.ascontiguousarray(listed(points(values, "normals"), rows, "normals"), np.float32)
+
+
+def channels(values: Mapping[str, ArrayLike] | None, rows: int) -> list[tuple[str, NDArray[np.uint8]]]:
+    """Names, and bytes (rows,) of each."""
+    named_values = []
+    for name, given in (values or {}).items():
+        array = listed(given, rows, f"the values of channel {name!r}")
+        if array.ndim != 1 or array.dtype.kind not in "iu":
+            raise refuse(f"the values of channel {name!r} are {array.dtype} {array.shape}, not whole numbers (n,)")
+        if array.size and not 0 <= array.min() <= array.max() <= MOST_BYTE:
+            raise refuse(f"the values of channel {name!r} reach from {array.min()} to {array.max()}, beyond [0, 255]")
+        named_values.append((name, np.ascontiguousarray(array, np.uint8)))
+    return named_values
+
+
+def attribute_config(config: Config) -> _native.VoxelAttributeConfig:
+    """How attributes are stored."""
+    if config.color_count == 0 or config.most_color_difference == 0:
+        raise refuse("color_count or most_color_difference is 0: leave it out to keep all colors")
+    return _native.VoxelAttributeConfig(
+        color_count=whole("color_count", config.color_count or 0, MOST_INDEX),
+        most_color_difference=float(config.most_color_difference or 0.0),
+        normal_bits=whole("normal_bits", config.normal_bits, MOST_INDEX),
+    )
 
 
 def cube(bounds_m: ArrayLike | None) -> tuple[list[float], float] | None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -22,3 +23,12 @@ class Config:
     bounds_m: ArrayLike | None = None
     symmetry: Literal["none", "reflections", "cube"] = "cube"  #: What may turn a subtree that is stored once.
     memory_budget_bytes: int | None = None  #: Of the voxels, and of the graph's tables; None: no limit.
+    #: (n, 3), uint8 or 0 to 1, as sRGB encodes them: of each vertex of a mesh, or of each voxel of a list.
+    colors: ArrayLike | None = None
+    normals: ArrayLike | None = None  #: (n, 3), of any length but 0, alike.
+    channels: Mapping[str, ArrayLike] | None = None  #: Up to 4 further values of 8 bits, (n,) each, by name.
+    #: Colours are stored as they are, unless a palette of at most so many is asked for, or one in which no voxel's
+    #: colour is further away than that, by CIE94 (1 is hardly seen side by side): one of both.
+    color_count: int | None = None
+    most_color_difference: float | None = None
+    normal_bits: int = 32  #: [8, 32]: 0.64 degrees at most at 16, 0.0025 at 32.

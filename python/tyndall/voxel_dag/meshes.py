@@ -8,7 +8,20 @@ from numpy.typing import ArrayLike
 from tyndall import _native
 from tyndall._native import Progress
 
-from .checks import MOST_INDEX, budget, cube, indices, named, points, refuse, whole
+from .checks import (
+    MOST_INDEX,
+    attribute_config,
+    budget,
+    channels,
+    colors,
+    cube,
+    indices,
+    named,
+    normals,
+    points,
+    refuse,
+    whole,
+)
 from .config import Config
 from .dag import VoxelDag
 
@@ -22,6 +35,8 @@ def voxelize(
     Raises InvalidInput, which names the vertex, the triangle or the setting, and Cancelled.
     """
     config = config or Config()
+    if config.colors is not None or config.normals is not None or config.channels:
+        raise refuse("colors, normals and channels are kept of voxels alone: use from_coordinates")
     return VoxelDag(
         _native.voxelize(
             positions=points(positions_m, "positions_m"),
@@ -41,19 +56,25 @@ def from_coordinates(
 ) -> VoxelDag:
     """Of voxels x, y and z, (n, 3) whole numbers below ``config.resolution``, in any order; they may repeat.
 
-    Without ``bounds_m`` a voxel is a cube of 1 m, and the first begins at 0. The rule has nothing to say. Raises
-    InvalidInput, which names the voxel or the setting, and Cancelled.
+    Without ``bounds_m`` a voxel is a cube of 1 m, and the first begins at 0. The rule has nothing to say. Colours,
+    normals and channels have a row per voxel; where one repeats, its last row counts. Raises InvalidInput, which names
+    the voxel or the setting, and Cancelled.
     """
     config = config or Config()
     resolution = whole("resolution", config.resolution, MOST_INDEX)
     if resolution.bit_count() != 1:
         raise refuse(f"resolution is {resolution}, no power of two")
+    voxels = indices(coordinates, "coordinates")
     return VoxelDag(
         _native.voxel_dag_of(
-            coordinates=indices(coordinates, "coordinates"),
+            coordinates=voxels,
             level=resolution.bit_length() - 1,
             bounds=cube(config.bounds_m) or ([0.0, 0.0, 0.0], float(resolution)),
             symmetry=named(_native.VoxelSymmetry, "symmetry", config.symmetry),
+            colors=colors(config.colors, len(voxels)),
+            normals=normals(config.normals, len(voxels)),
+            channels=channels(config.channels, len(voxels)),
+            attribute_config=attribute_config(config),
             memory_budget_bytes=budget(config),
             progress=progress or Progress(),
         )

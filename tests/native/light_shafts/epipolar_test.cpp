@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The whole methods through their interface, on scenes, with EXACT as the truth.
 #include "light_shafts/visibility.hpp"
+#include "support/relative_error.hpp"
 #include "support/scenes.hpp"
 #include "support/shaft_settings.hpp"
 #include <algorithm>
@@ -49,14 +50,6 @@ std::vector<double> lengths_by(MakeVisibility make, const Case& made, std::uint3
     const Config config{.resolution = resolution};
     const auto visibility = make(*made.scene, made.setting.view, made.setting.light, made.rays, config, progress);
     return lit_lengths_m(*visibility, asked.empty() ? std::span<const ViewRay>(made.rays) : asked);
-}
-double relative_rmse(const std::vector<double>& values, const std::vector<double>& truth) {
-    double square_sum = 0.0, sum = 0.0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        square_sum += (values[i] - truth[i]) * (values[i] - truth[i]);
-        sum += truth[i];
-    }
-    return std::sqrt(square_sum * static_cast<double>(values.size())) / sum;
 }
 } // namespace
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/row_query.hpp"
 #include "light_shafts/shadow_map.hpp"
+#include "support/relative_error.hpp"
 #include "support/shaft_settings.hpp"
 #include <algorithm>
 #include <doctest/doctest.h>
@@ -42,14 +43,6 @@ Lengths row_lengths(const slope_rows::Rows& rows, std::span<const ViewRay> rays)
         for (std::uint32_t i = lit.first[r]; i < lit.first[r + 1]; ++i)
             lengths.lit_m[r] += double{lit.intervals[i].far_m} - double{lit.intervals[i].near_m};
     return lengths;
-}
-double relative_rmse(const std::vector<double>& values, const std::vector<double>& truth) {
-    double square_sum = 0.0, sum = 0.0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        square_sum += (values[i] - truth[i]) * (values[i] - truth[i]);
-        sum += truth[i];
-    }
-    return std::sqrt(square_sum * static_cast<double>(values.size())) / sum;
 }
 } // namespace
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/errors.hpp"
+#include "support/packed_voxels.hpp"
+#include "support/random_attributes.hpp"
 #include "support/voxel_sets.hpp"
-#include "voxel_dag/build_dag.hpp"
 #include "voxel_dag/dag_file.hpp"
-#include "voxel_dag/merge_symmetric.hpp"
-#include "voxel_dag/pack_dag.hpp"
+#include "voxel_dag/encode_attributes.hpp"
 #include <doctest/doctest.h>
 #include <fstream>
 #include <iterator>
@@ -19,13 +19,6 @@ namespace {
 const Progress progress;
 constexpr double side_m = 0.1; // no number of bits holds it
 const Cube place{.lower_m = dvec3(-1.5, 2e5, 1e-3), .side_m = side_m};
-
-PackedDag packed(const LeafMasks& voxels, Symmetry symmetry) {
-    Dag dag = build_dag(voxels, {}, progress);
-    if (symmetry != Symmetry::None)
-        dag = merge_symmetric(dag, {.symmetry = symmetry}, progress);
-    return pack_dag(dag, progress);
-}
 
 /// A file that goes with the test.
 class TestFile {
@@ -59,7 +52,7 @@ private:
 
 TEST_CASE("a file gives back the DAG that was written, bit by bit, and its place in metres") {
     const TestFile file;
-    for (const Symmetry symmetry : {Symmetry::None, Symmetry::Reflections, Symmetry::Cube})
+    for (const Symmetry symmetry : all_symmetries)
         for (const LeafMasks& voxels :
              {sphere_voxels(7, {64, 64, 64}, 50), random_voxels(5, 0.01, 3), sierpinski_voxels(6), full_voxels(2),
               full_voxels(6), LeafMasks{.level = 9, .codes = {}, .masks = {}}}) {
@@ -70,6 +63,55 @@ TEST_CASE("a file gives back the DAG that was written, bit by bit, and its place
             REQUIRE(read.bounds_m.lower_m == place.lower_m);
             REQUIRE(read.bounds_m.side_m == side_m);
         }
+}
+
+TEST_CASE("a file gives back the attributes that were written, byte by byte, and none where there were none") {
+    const TestFile file;
+    for (const Symmetry symmetry : all_symmetries)
+        for (const LeafMasks& voxels : {sphere_voxels(7, {64, 64, 64}, 20), random_voxels(2, 0.3, 3), full_voxels(4)})
+            for (const bool has_means : {false, true}) {
+                PlacedDag placed{.dag = packed(voxels, symmetry), .bounds_m = place};
+                VoxelAttributes attributes = random_attributes(placed.dag.voxel_count, 3);
+                attributes.colors.resize(has_means ? attributes.colors.size() : 0);
+                placed.attributes = encode_attributes(
+                    placed.dag, attributes, {.normal_bits = has_means ? 32u : 11u, .has_means = has_means}, progress);
+                write_dag(placed, file.path(), progress);
+                const PlacedDag read = read_dag(file.path(), progress);
+                REQUIRE(read.dag == placed.dag);
+                REQUIRE(read.attributes);
+                REQUIRE(read.attributes->parts() == placed.attributes->parts());
+                write_dag(placed.dag, place, file.path(), progress);
+                REQUIRE_FALSE(read_dag(file.path(), progress).attributes);
+            }
+}
+
+TEST_CASE("a damaged byte of attributes is found, and the section is named") {
+    const TestFile file;
+    PlacedDag placed{.dag = packed(sphere_voxels(7, {64, 64, 64}, 12), Symmetry::Cube), .bounds_m = place};
+    placed.attributes = encode_attributes(placed.dag, random_attributes(placed.dag.voxel_count, 3), {}, progress);
+    write_dag(placed, file.path(), progress);
+    const std::string whole = file.bytes();
+    const auto [order, voxels, means] = [&] {
+        const AttributeParts& parts = placed.attributes->parts();
+        return std::tuple(parts.order, parts.voxels, parts.means);
+    }();
+    const auto check = [&](const auto& section, const std::string& name) {
+        const std::size_t bytes = section.size() * sizeof(section[0]);
+        const std::size_t at = whole.find(std::string(reinterpret_cast<const char*>(section.data()), bytes));
+        REQUIRE(at != std::string::npos);
+        for (const std::size_t inside : {std::size_t{0}, bytes / 2, bytes - 1}) {
+            std::string changed = whole;
+            changed[at + inside] ^= 4;
+            file.replace(changed);
+            CHECK(file.complaint() == file.path().string() + ": " + name + " are damaged: copy or save the file again");
+        }
+    };
+    check(order.counts, "the counts of voxels");
+    check(voxels.materials, "the materials");
+    check(voxels.indices, "the voxels' materials");
+    check(means.materials, "the materials of means");
+    check(means.indices, "the nodes' means");
+    check(std::string("noise"), "the names of the attributes");
 }
 
 TEST_CASE("a file that ends early is refused, wherever it ends, and says so") {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "support/packed_voxels.hpp"
 #include "support/voxel_sets.hpp"
 #include "voxel_dag/build_dag.hpp"
 #include "voxel_dag/dag_counts.hpp"
@@ -13,15 +14,6 @@ using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
 
-static constexpr std::array all_symmetries{Symmetry::None, Symmetry::Reflections, Symmetry::Cube};
-
-static PackedDag packed(const LeafMasks& voxels, Symmetry symmetry) {
-    const Progress progress;
-    Dag dag = build_dag(voxels, {}, progress);
-    if (symmetry != Symmetry::None)
-        dag = merge_symmetric(dag, {.symmetry = symmetry}, progress);
-    return pack_dag(dag, progress);
-}
 static LeafMasks decoded(const PackedDag& dag) {
     const Progress progress;
     LeafMasks all{.level = dag.level, .codes = {}, .masks = {}};

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "support/voxel_rays.hpp"
 #include "support/voxel_sets.hpp"
 #include "voxel_dag/build_dag.hpp"
 #include "voxel_dag/merge_symmetric.hpp"
 #include "voxel_dag/pack_dag.hpp"
 #include "voxel_dag/trace.hpp"
-#include <cmath>
 #include <doctest/doctest.h>
 
 using namespace tyndall;
@@ -12,82 +12,6 @@ using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
 
 static constexpr double infinite = std::numeric_limits<double>::infinity();
-
-static std::vector<Voxel> listed(const LeafMasks& voxels) {
-    std::vector<Voxel> list;
-    for (std::size_t brick = 0; brick < voxels.codes.size(); ++brick)
-        for (std::uint64_t i = 0; i < 64; ++i)
-            if ((voxels.masks[brick] >> i & 1) != 0)
-                list.push_back(voxel_at(voxels.codes[brick] << 6 | i));
-    return list;
-}
-
-/// Where a ray enters one voxel; infinite where it does not pass through its inside.
-static double entry_of(const VoxelRay& ray, const Voxel& voxel) {
-    double from = 0.0, end = ray.end;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double lower = voxel[static_cast<std::size_t>(axis)], upper = lower + 1.0, origin = ray.origin[axis];
-        if (ray.direction[axis] == 0.0) {
-            if (origin < lower || origin >= upper)
-                return infinite;
-            continue;
-        }
-        const double inverse = 1.0 / ray.direction[axis], a = (lower - origin) * inverse,
-                     b = (upper - origin) * inverse;
-        from = std::max(from, std::min(a, b));
-        end = std::min(end, std::max(a, b));
-    }
-    return from < end ? from : infinite;
-}
-
-/// Random, axis-parallel, through corners and along faces, from inside and from far away; by turns.
-static std::vector<VoxelRay> assorted_rays(const std::vector<Voxel>& voxels, double width, int count) {
-    std::mt19937_64 random(1);
-    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-    std::vector<VoxelRay> rays;
-    const auto whole = [&](double from, double to) {
-        return std::floor(from + (to - from) * std::abs(uniform(random)));
-    };
-    for (int i = 0; i < count; ++i) {
-        VoxelRay ray{.origin = dvec3(uniform(random), uniform(random), uniform(random)) * width + 0.5 * width,
-                     .direction = {uniform(random), uniform(random), uniform(random)}};
-        const Voxel& target = voxels[random() % voxels.size()];
-        const dvec3 corner(target[0] + (random() & 1), target[1] + (random() & 1), target[2] + (random() & 1));
-        switch (i % 8) {
-        case 0: // at a corner
-            ray.direction = corner - ray.origin;
-            break;
-        case 1: // along the cube's diagonals, corner by corner
-            ray.direction = {random() % 2 ? 1 : -1, random() % 2 ? 1 : -1, random() % 2 ? 1 : -1};
-            ray.origin = corner - 7.0 * ray.direction;
-            break;
-        case 2: // parallel to an axis, along edges
-            ray.direction = dvec3(0.0);
-            ray.direction[static_cast<int>(random() % 3)] = random() % 2 ? 1.0 : -2.5;
-            ray.origin = corner - 9.0 * ray.direction;
-            break;
-        case 3: // parallel to a plane of faces, within it
-            ray.direction[static_cast<int>(random() % 3)] = 0.0;
-            ray.origin = corner;
-            break;
-        case 4: // from inside a voxel
-            ray.origin = dvec3(target[0], target[1], target[2]) + 0.5;
-            break;
-        case 5: // grazing: nearly along a face
-            ray.origin = corner;
-            ray.direction = {whole(-3, 3), 1e-13 * uniform(random), whole(-3, 3)};
-            break;
-        case 6: // between whole points
-            ray.origin = {whole(0, width), whole(-3, width), whole(0, width)};
-            ray.direction = {whole(-4, 4), whole(-4, 4), whole(-4, 4)};
-            break;
-        default: // with an end
-            ray.end = 2.0 * std::abs(uniform(random));
-        }
-        rays.push_back(ray);
-    }
-    return rays;
-}
 
 // Seen to fail, in turn, with octants turned the wrong way, with one axis advanced where two planes are crossed at once, and with a
 // plane that is reached counted as not yet crossed.
@@ -144,16 +68,39 @@ TEST_CASE("a ray from inside a voxel hits it at 0, one towards a face hits that 
     CHECK_FALSE(trace(PackedDag{}, {.origin = {0, 0, 0}, .direction = {1, 1, 1}}).is_hit());
 }
 
-TEST_CASE("many rays give what each gives alone, and stop when cancelled") {
-    Progress progress;
-    const LeafMasks voxels = sphere_voxels(7, {64, 64, 64}, 50);
-    const PackedDag dag = pack_dag(merge_symmetric(build_dag(voxels, {}, progress), {}, progress), progress);
-    const std::vector<VoxelRay> rays = assorted_rays(listed(voxels), 128.0, 2000);
-    std::vector<VoxelHit> hits(rays.size());
-    trace(dag, rays, hits, progress);
-    for (std::size_t i = 0; i < rays.size(); ++i)
-        REQUIRE(hits[i] == trace(dag, rays[i]));
-    CHECK_THROWS_AS(trace(dag, rays, std::span(hits).first(3), progress), InvalidInput);
-    progress.cancel();
-    CHECK_THROWS_AS(trace(dag, rays, hits, progress), Cancelled);
+/// The first cube around a voxel, from the whole down, that a ray does not look into, where the ray enters it.
+static double entry_of_detail(const VoxelRay& ray, const Voxel& voxel, std::uint32_t level) {
+    for (std::uint32_t at = level - 1;; --at) {
+        const Voxel lowest{voxel[0] >> at << at, voxel[1] >> at << at, voxel[2] >> at << at};
+        const double width = 1u << at, entry = entry_of(ray, lowest, width);
+        if (at == 0 || entry == infinite || width <= ray.width || width <= ray.spread * entry)
+            return entry;
+    }
+}
+
+TEST_CASE("a level of detail, or a cone, hits the first cube that is no wider and has any voxel") {
+    const Progress progress;
+    for (const LeafMasks& voxels : {random_voxels(5, 0.002, 1), sphere_voxels(5, {16, 16, 16}, 14),
+                                    sierpinski_voxels(5), random_voxels(2, 0.1, 3)}) {
+        const std::vector<Voxel> list = listed(voxels);
+        const Dag dag = build_dag(voxels, {}, progress);
+        const PackedDag packed = pack_dag(merge_symmetric(dag, {}, progress), progress);
+        std::array<int, 5> count_of{};
+        for (const VoxelRay& ray : rays_of_detail(list, voxels.level, 3000)) {
+            double nearest = infinite;
+            for (const Voxel& voxel : list)
+                nearest = std::min(nearest, entry_of_detail(ray, voxel, voxels.level));
+            const VoxelHit hit = trace(dag, ray);
+            REQUIRE(hit.distance == nearest);
+            if (hit.is_hit()) {
+                ++count_of[hit.level];
+                REQUIRE(entry_of(ray, hit.voxel, 1u << hit.level) == nearest);
+                REQUIRE((hit.level == 0 || 1u << hit.level <= std::max(ray.width, ray.spread * nearest)));
+            }
+            REQUIRE(trace(packed, ray) == hit);
+        }
+        CHECK(count_of[0] > 100);
+        CHECK(count_of[1] > 100);
+        CHECK((voxels.level == 2 || count_of[4] > 100));
+    }
 }

@@ -12,7 +12,7 @@ from typing import Any
 
 import bpy
 
-from support.mouse import TAB, click, click_at, press, show_only, xdotool
+from support.mouse import TAB, click, press, show_only, through_browser, xdotool
 
 CLICKS = (
     "tyndall.preset_apply",
@@ -128,15 +128,3 @@ def go_through_files(window: Any) -> Iterator[float]:
     loaded = read_volume(box(), "intensity")
     window.facts["steps"]["from file"] = loaded is not None and bool((loaded == before).all())
     window.screenshot("air_loaded")
-
-
-def through_browser(window: Any, button: tuple[int, int], name: str) -> Iterator[float]:
-    """Open it by a button, and agree to what it proposes by its own: at the lower right."""
-    yield from click(window, button)
-    yield 0.5
-    yield from window.calm()
-    window.screenshot(name)
-    area = window.area("FILE_BROWSER")
-    yield from click_at(window, area.x + area.width - 73, window.bpy_window.height - area.y - 18)
-    yield 0.5
-    yield from window.calm()

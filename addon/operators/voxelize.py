@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Objects become voxels: a .tdag file, and an object that stands for it where they stood."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.types import Context, Event, Object, Operator
+from mathutils import Vector
+
+from ..amounts import bytes_text, count_text, duration_text
+from ..availability import why_no_render
+from ..voxel_boxes import add_voxel_box
+from .files import beside_blend, kept_path, unused
+from .fog_box import select_only
+from .in_thread import InThread
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from tyndall import Progress
+    from tyndall.voxel_dag import Config, Estimate, Extent
+
+    from ..properties.voxels import TyndallVoxelizeSettings
+
+_DIALOG_WIDTH_PX = 360
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Prepared:
+    """All that the work needs of Blender."""
+
+    name: str
+    sources: list[str]  #: Names of the objects that become voxels.
+    origin: Vector  #: Of the new object, in the world.
+    positions_m: NDArray[np.float64]  #: From the origin.
+    triangles: NDArray[np.uint32]
+    extent: Extent
+    reports: tuple[str, ...]
+
+
+class TYNDALL_OT_voxelize(InThread, Operator):
+    """Make voxels of what is selected, or of a collection, write them to a file, and add an object that shows them.
+
+    Modifiers and instances are applied. Says first what it would take
+    """
+
+    bl_idname = "tyndall.voxelize"
+    bl_label = "Voxelize to DAG"
+    bl_options = {"REGISTER", "UNDO"}
+    thread_name = "tyndall voxelize"
+    _prepared: _Prepared | None = None
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if (reason := why_no_render()) is not None:
+            cls.poll_message_set(reason)
+        elif context.mode != "OBJECT":
+            cls.poll_message_set("Works in Object Mode")
+        else:
+            return True
+        return False
+
+    def invoke(self, context: Context, _event: Event) -> set[str]:
+        if not self._read(context):
+            return {"CANCELLED"}
+        return context.window_manager.invoke_props_dialog(self, width=_DIALOG_WIDTH_PX)
+
+    def check(self, _context: Context) -> bool:
+        """Say anew what it would take, whatever is changed."""
+        return True
+
+    def draw(self, context: Context) -> None:
+        from ..panels.base import draw_lines
+        from ..panels.voxels import draw_settings
+
+        settings = context.scene.tyndall.voxelize
+        draw_settings(self.layout, settings)
+        why_not, wanted = _why_no_room(self._prepared.extent, settings)
+        draw_lines(self.layout, why_not or _takes_text(wanted), _DIALOG_WIDTH_PX, "ERROR" if why_not else "INFO")
+
+    def execute(self, context: Context) -> set[str]:
+        if self._prepared is None:  # a script
+            return super().execute(context)
+        return self.start(context) if self._settle(context) else {"CANCELLED"}
+
+    def begin(self, context: Context) -> bool:
+        return self._read(context) and self._settle(context)
+
+    def _read(self, context: Context) -> bool:
+        try:
+            self._prepared = _prepared(context)
+        except ValueError as error:
+            self.report({"ERROR"}, str(error))
+            return False
+        return True
+
+    def _settle(self, context: Context) -> bool:
+        """Decide how, and where the file goes. False, after a report: it cannot be done."""
+        from tyndall.frame_files import require_writable
+
+        settings = context.scene.tyndall.voxelize
+        why_not, _wanted = _why_no_room(self._prepared.extent, settings)
+        try:
+            if why_not is not None:
+                raise ValueError(why_not)  # noqa: TRY301  all are said in one way
+            self._path = _path_for(settings, self._prepared.name)
+            require_writable(self._path.parent)
+        except ValueError as error:
+            self.report({"ERROR"}, str(error))
+            return False
+        except OSError as error:
+            self.report({"ERROR"}, f"{self._path.parent}: no folder to write to ({error.strerror})")
+            return False
+        self._config, self._hides_sources = _config(settings), settings.hides_sources
+        return True
+
+    def work(self, progress: Progress) -> None:
+        from tyndall.voxel_dag import voxelize
+
+        self._dag = voxelize(self._prepared.positions_m, self._prepared.triangles, self._config, progress)
+        self._dag.save(self._path, progress)
+
+    def end(self, context: Context, error: BaseException | None) -> set[str]:
+        from tyndall import Cancelled
+
+        if isinstance(error, Cancelled):
+            self.report({"INFO"}, "Stopped: nothing was written")
+            return {"CANCELLED"}
+        if isinstance(error, (ValueError, OSError, MemoryError)):
+            self.report({"ERROR"}, str(error) or "There is not enough memory: choose a lower resolution")
+            return {"CANCELLED"}
+        if error is not None:
+            raise error
+        prepared, dag = self._prepared, self._dag
+        box = add_voxel_box(context, prepared.name, kept_path(self._path), dag.bounds_m, prepared.origin)
+        if self._hides_sources:
+            _hide(context, prepared.sources)
+        select_only(context, box)
+        for line in prepared.reports:
+            self.report({"WARNING"}, line)
+        taken = f"{count_text(dag.voxel_count)} voxels in {bytes_text(dag.geometry_bytes)}"
+        self.report({"INFO"}, f"{self._path.name}: {taken}")
+        return {"FINISHED"}
+
+
+def _config(settings: TyndallVoxelizeSettings) -> Config:
+    from tyndall.voxel_dag import Config
+
+    return Config(
+        resolution=int(settings.resolution),
+        rule=settings.rule.lower(),
+        symmetry=settings.symmetry.lower(),
+        memory_budget_bytes=settings.memory_budget_mib * 2**20 or None,
+    )
+
+
+def _prepared(context: Context) -> _Prepared:
+    """Raises ValueError, which says what to choose or what is wrong with it."""
+    from tyndall.voxel_dag import extent_of
+
+    from ..sync.voxel_meshes import gather
+
+    things, name = _chosen(context)
+    if not things:
+        raise ValueError("Select what becomes voxels, or choose a collection")
+    mesh = gather(context.evaluated_depsgraph_get(), things)
+    active = context.view_layer.objects.active
+    lowest, highest = Vector(mesh.positions_m.min(axis=0)), Vector(mesh.positions_m.max(axis=0))
+    origin = active.matrix_world.translation.copy() if active in things else (lowest + highest) / 2.0
+    positions_m = mesh.positions_m - tuple(origin)
+    return _Prepared(
+        name=f"{name} Voxels",
+        sources=[thing.name for thing in things],
+        origin=origin,
+        positions_m=positions_m,
+        triangles=mesh.triangles,
+        extent=extent_of(positions_m, mesh.triangles),
+        reports=mesh.reports.lines(),
+    )
+
+
+def _chosen(context: Context) -> tuple[list[Object], str]:
+    """What becomes voxels, and the name of it."""
+    collection = context.scene.tyndall.voxelize.collection
+    if collection is not None:
+        return list(collection.all_objects), collection.name
+    things = list(context.selected_objects)
+    active = context.view_layer.objects.active
+    named = active if active in things else things[0] if things else None
+    return things, named.name if named is not None else ""
+
+
+def _why_no_room(extent: Extent, settings: TyndallVoxelizeSettings) -> tuple[str | None, Estimate]:
+    """What says that the budget is too small, and what would fit; what it takes."""
+    from tyndall.voxel_dag import estimate, largest_that_fits
+
+    config = _config(settings)
+    wanted, fitting = estimate(extent, config), largest_that_fits(extent, config)
+    if fitting is not None and fitting.resolution == config.resolution:
+        return None, wanted
+    fits = "nothing would fit" if fitting is None else f"this would fit: {_takes_text(fitting)}"
+    return f"{_takes_text(wanted)}; the budget is {settings.memory_budget_mib:,} MiB; {fits}", wanted
+
+
+def _takes_text(found: Estimate) -> str:
+    return (
+        f"Resolution {found.resolution:,}: about {count_text(found.voxel_count)} voxels, "
+        f"{bytes_text(found.memory_bytes)} of memory, {duration_text(found.seconds)}, "
+        f"a file of up to {bytes_text(found.file_bytes)}"
+    )
+
+
+def _path_for(settings: TyndallVoxelizeSettings, name: str) -> Path:
+    """Raises ValueError where nobody has said where."""
+    if settings.path:
+        path = Path(bpy.path.abspath(settings.path))
+        return path if path.suffix.lower() == ".tdag" else path.with_name(f"{path.name}.tdag")
+    if not bpy.data.filepath:
+        raise ValueError("Save the .blend first, or choose a file for the voxels")
+    return unused(beside_blend(f"{bpy.path.clean_name(name)}.tdag"))
+
+
+def _hide(context: Context, names: list[str]) -> None:
+    for name in names:
+        if (thing := context.view_layer.objects.get(name)) is not None:
+            thing.hide_set(True)
+            thing.hide_render = True
+
+
+CLASSES = (TYNDALL_OT_voxelize,)

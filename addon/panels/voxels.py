@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Voxels, in the 3D view's sidebar: make them, what shows of them, and what they take."""
+
+from __future__ import annotations
+
+from bpy.types import Context, Menu, Panel, TOPBAR_MT_file_import, UILayout
+
+from ..amounts import bytes_text, count_text
+from ..properties.voxels import TyndallVoxelizeSettings
+from ..voxel_boxes import file_of, is_voxel_box
+from ..voxel_reading import Counts, counts_of
+from .base import SidebarPanel, draw_text, draw_value, is_wide_region
+
+#: Of an octree without sharing, in the smallest of the usual layouts: a child mask and an offset.
+OCTREE_BYTES_PER_NODE = 4
+_LONGEST_BAR = 24
+
+
+class VoxelPanel(SidebarPanel):
+    bl_category = "Voxels"
+
+
+class TYNDALL_PT_voxelize(VoxelPanel, Panel):
+    bl_label = "Voxelize"
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = is_wide_region(context)
+        draw_settings(layout, context.scene.tyndall.voxelize)
+        layout.operator("tyndall.voxelize", icon="MESH_GRID")
+        layout.operator("tyndall.import_tdag", icon="IMPORT")
+
+
+def draw_settings(layout: UILayout, settings: TyndallVoxelizeSettings) -> None:
+    column = layout.column()
+    for name in ("collection", "resolution", "rule", "symmetry", "memory_budget_mib", "path", "hides_sources"):
+        column.prop(settings, name)
+
+
+class _BoxPanel(VoxelPanel):
+    """Of the active object's file."""
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return super().poll(context) and is_voxel_box(context.object)
+
+
+class TYNDALL_PT_voxel_box(_BoxPanel, Panel):
+    bl_label = "Voxel Object"
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        settings = context.object.tyndall_voxels
+        row = layout.row(align=True)
+        row.prop(settings, "path", text="")
+        row.operator("tyndall.reload_voxels", text="", icon="FILE_REFRESH")
+        column = layout.column(align=True)
+        column.row(align=True).prop(settings, "preview", expand=True)
+        row = column.row()
+        row.active = settings.preview != "NONE"
+        row.prop(settings, "preview_level")
+        if (counts := _counts(context, layout)) is not None:
+            column = layout.column(align=True)
+            draw_value(column, context, "Resolution", f"{counts.resolution:,}")
+            draw_value(column, context, "Voxels", count_text(counts.voxel_count))
+            draw_value(column, context, "Distinct nodes", count_text(counts.node_count))
+
+
+class TYNDALL_PT_voxel_bytes(_BoxPanel, Panel):
+    bl_label = "Size"
+    bl_parent_id = "TYNDALL_PT_voxel_box"
+
+    def draw(self, context: Context) -> None:
+        column = self.layout.column(align=True)
+        if (counts := _counts(context, column)) is None:
+            return
+        for name, part in counts.bytes_by_part.items():
+            draw_value(column, context, name.replace("_", " "), bytes_text(part))
+        draw_value(column, context, "All", bytes_text(sum(counts.bytes_by_part.values())))
+        octree = OCTREE_BYTES_PER_NODE * counts.octree_node_count
+        draw_value(
+            column,
+            context,
+            f"An octree, {OCTREE_BYTES_PER_NODE} bytes per node",
+            f"{octree / counts.geometry_bytes:.3g} x",
+        )
+        draw_value(
+            column,
+            context,
+            "Raw, a bit per voxel of the cube",
+            f"{counts.resolution**3 / 8 / counts.geometry_bytes:.3g} x",
+        )
+
+
+class TYNDALL_PT_voxel_levels(_BoxPanel, Panel):
+    bl_label = "Levels"
+    bl_parent_id = "TYNDALL_PT_voxel_box"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        column = self.layout.column(align=True)
+        if (counts := _counts(context, column)) is None:
+            return
+        column.label(text="Side: distinct nodes, of those of an octree")
+        longest = max((level.node_count for level in counts.levels), default=1)
+        for level in reversed(counts.levels[1:]):
+            row = column.split(factor=0.15)
+            row.label(text=f"{level.side:,}")
+            row = row.split(factor=0.35)
+            row.label(text="|" * max(1, round(_LONGEST_BAR * level.node_count / longest)))
+            row.label(text=f"{count_text(level.node_count)} of {count_text(level.tree_node_count)}")
+
+
+def _counts(context: Context, layout: UILayout) -> Counts | None:
+    """None, after a line that says why."""
+    counts = counts_of(file_of(context.object))
+    if isinstance(counts, Counts):
+        return counts
+    draw_text(
+        layout, context, "Reading the file" if counts is None else str(counts), icon="ERROR" if counts else "TIME"
+    )
+    return None
+
+
+def draw_import(menu: Menu, _context: Context) -> None:
+    """In File > Import."""
+    menu.layout.operator("tyndall.import_tdag", text="Voxel DAG (.tdag)")
+
+
+def register() -> None:
+    TOPBAR_MT_file_import.append(draw_import)
+
+
+def unregister() -> None:
+    TOPBAR_MT_file_import.remove(draw_import)
+
+
+SIDEBAR_CLASSES = (
+    TYNDALL_PT_voxelize,
+    TYNDALL_PT_voxel_box,
+    TYNDALL_PT_voxel_bytes,
+    TYNDALL_PT_voxel_levels,
+)

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxel_dag/out_of_core.hpp"
+#include "core/partial_file.hpp"
+#include "voxel_dag/build_dag.hpp"
+#include "voxel_dag/fingerprint.hpp"
+#include "voxel_dag/join_parts.hpp"
+#include "voxel_dag/merge_symmetric.hpp"
+#include "voxel_dag/pack_dag.hpp"
+#include <cerrno>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <system_error>
+#include <unistd.h>
+
+namespace tyndall::voxel_dag {
+namespace {
+/// Of a part's voxels, tables and DAG, per brick of 4^3: measured on scans and architecture, rounded up.
+constexpr std::uint64_t part_bytes_per_brick = 96;
+/// How the work is shared, roughly.
+constexpr float parts_end = 0.75f, join_end = 0.88f;
+
+/// What two processes must not do at once in one folder. Goes with the process, however that ends.
+class FolderLock {
+public:
+    explicit FolderLock(const std::filesystem::path& folder)
+        : file_(open((folder / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644)) {
+        if (file_ < 0)
+            refuse_file(folder, std::generic_category().message(errno) + ": see that the folder can be written to");
+        if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
+            close(file_);
+            refuse_file(folder, "another process is at work on the same voxel DAG: wait for it, or choose another "
+                                "scratch folder");
+        }
+    }
+    FolderLock(const FolderLock&) = delete;
+    FolderLock& operator=(const FolderLock&) = delete;
+    ~FolderLock() { close(file_); }
+
+private:
+    int file_;
+};
+
+/// What decides the content of the parts.
+Fingerprint fingerprint_of(const SnappedMesh& mesh, const OutOfCoreConfig& config) {
+    Fingerprint fingerprint;
+    fingerprint.add(std::as_bytes(std::span(mesh.positions)));
+    fingerprint.add(std::as_bytes(mesh.triangles));
+    fingerprint.add_word(mesh.level);
+    fingerprint.add_word(static_cast<std::uint64_t>(config.voxels.rule));
+    fingerprint.add_word(static_cast<std::uint64_t>(config.symmetry));
+    return fingerprint;
+}
+
+/// Bricks of a part that the budget has room for, beside the mesh.
+std::uint64_t most_bricks(const SnappedMesh& mesh, const OutOfCoreConfig& config) {
+    require(config.worker_count > 0, "0 processes make no parts");
+    const std::uint64_t budget_bytes = config.voxels.memory_budget_bytes / config.worker_count;
+    const std::uint64_t mesh_bytes = sizeof(Steps) * mesh.positions.size() + 8 * mesh.triangles.size();
+    require(mesh_bytes < budget_bytes, "the mesh alone takes ", mesh_bytes >> 20, " MiB, and the budget is ",
+            budget_bytes >> 20, " MiB for each process");
+    return (budget_bytes - mesh_bytes) / part_bytes_per_brick;
+}
+
+void make_folder(const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error)
+        refuse_file(folder, error.message());
+}
+} // namespace
+
+template <typename Position>
+OutOfCore::OutOfCore(std::span<const Position> positions_m, std::span<const uvec3> triangles,
+                     const OutOfCoreConfig& config, const Progress& progress)
+    : config_(config), mesh_(snap(positions_m, triangles, config.voxels, progress)),
+      parts_(split(mesh_, config.voxels.rule, most_bricks(mesh_, config), progress)) {
+    cube_m_ = config.voxels.bounds_m ? *config.voxels.bounds_m : cube_around(positions_m, triangles);
+    const Fingerprint fingerprint = fingerprint_of(mesh_, config);
+    job_ = fingerprint.value();
+    folder_ = config.scratch_folder / ("tyndall-" + fingerprint.text());
+    statistics_.part_count = parts_.count();
+}
+template OutOfCore::OutOfCore(std::span<const vec3>, std::span<const uvec3>, const OutOfCoreConfig&, const Progress&);
+template OutOfCore::OutOfCore(std::span<const dvec3>, std::span<const uvec3>, const OutOfCoreConfig&, const Progress&);
+
+std::filesystem::path OutOfCore::part_path(std::size_t part) const {
+    require(part < parts_.count(), "there is no part ", part, " of ", parts_.count());
+    return folder_ / (std::to_string(parts_.level) + "-" + std::to_string(parts_.codes[part]) + ".part");
+}
+
+PartKey OutOfCore::key_of(std::size_t part) const {
+    return {.job = job_, .level = parts_.level, .code = parts_.codes[part]};
+}
+
+std::optional<PartFile> OutOfCore::finished(std::size_t part, const Progress& progress) {
+    const std::filesystem::path path = part_path(part);
+    if (!std::filesystem::exists(path))
+        return std::nullopt;
+    try {
+        return this->part(part, progress);
+    } catch (const IoError&) {
+        statistics_.damaged_parts.push_back(path.filename().string());
+        return std::nullopt;
+    }
+}
+
+void OutOfCore::draw_part(std::size_t part, const Progress& progress) const {
+    const SubMesh sub = sub_mesh(mesh_, parts_, part);
+    VoxelizeResult voxels = voxelize(sub.mesh, config_.voxels, progress);
+    Dag dag = build_dag(voxels.leaves, {.memory_budget_bytes = config_.voxels.memory_budget_bytes}, progress);
+    voxels.leaves = {};
+    if (config_.symmetry != Symmetry::None)
+        dag = merge_symmetric(
+            dag, {.symmetry = config_.symmetry, .memory_budget_bytes = config_.voxels.memory_budget_bytes}, progress);
+    write_part(dag, key_of(part), voxels.statistics.voxel_count, part_path(part), progress);
+}
+
+void OutOfCore::make_part(std::size_t part, const Progress& progress) {
+    make_folder(folder_);
+    if (!finished(part, progress))
+        draw_part(part, progress);
+}
+
+void OutOfCore::make_parts(std::vector<PartFile>& parts, Progress& progress) {
+    for (std::size_t part = 0; part < parts_.count(); ++part) {
+        progress.set_message("Voxels: part " + std::to_string(part + 1) + " of " + std::to_string(parts_.count()));
+        std::optional<PartFile> file = finished(part, progress);
+        if (file)
+            ++statistics_.kept_part_count;
+        else {
+            draw_part(part, progress);
+            file = this->part(part, progress);
+        }
+        statistics_.part_bytes += file->byte_count();
+        statistics_.voxel_count += file->voxel_count();
+        parts.push_back(std::move(*file));
+        progress.advance_to(parts_end * static_cast<float>(part + 1) / static_cast<float>(parts_.count()));
+    }
+}
+
+void OutOfCore::join(const std::vector<PartFile>& parts, const std::filesystem::path& path, Progress& progress) {
+    progress.set_message("Joining " + std::to_string(parts.size()) + " parts");
+    JoinResult joined =
+        join_parts(parts,
+                   {.level = mesh_.level,
+                    .part_level = parts_.level,
+                    .symmetry = config_.symmetry,
+                    .memory_budget_bytes = config_.voxels.memory_budget_bytes},
+                   progress, [&](double share) {
+                       progress.advance_to(parts_end + (join_end - parts_end) * static_cast<float>(share));
+                   });
+    statistics_.join_pass_count = joined.statistics.most_passes;
+    progress.set_message("Packing " + std::to_string(joined.dag.node_count()) + " nodes");
+    const PackedDag packed = pack_dag(joined.dag, progress);
+    joined.dag = {};
+    statistics_.node_count = packed.node_count;
+    statistics_.geometry_bytes = packed.byte_count();
+    progress.set_message("Writing " + path.filename().string());
+    write_dag(packed, cube_m_, path, progress);
+}
+
+OutOfCoreStatistics OutOfCore::finish(const std::filesystem::path& path, Progress& progress) {
+    make_folder(folder_);
+    const FolderLock lock(folder_);
+    std::vector<PartFile> parts;
+    try {
+        make_parts(parts, progress);
+        join(parts, path, progress);
+    } catch (const IoError& error) {
+        throw IoError(std::string(error.what()) + " (" + std::to_string(parts.size()) + " of " +
+                      std::to_string(parts_.count()) + " parts are kept in " + folder_.string() +
+                      ": the same call goes on from there)");
+    }
+    std::error_code ignored; // the file is there: what cannot be removed does it no harm
+    std::filesystem::remove_all(folder_, ignored);
+    progress.advance_to(1.0f);
+    return statistics_;
+}
+} // namespace tyndall::voxel_dag

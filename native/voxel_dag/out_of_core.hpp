@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A mesh to a .tdag file within a memory budget, whatever the resolution, in parts that survive the end of the process.
+// Based on: Jaspe, dissertation 2018, 5.3: sub-volumes are voxelized and reduced one by one, and merged bottom-up.
+// Differs:  the file is, byte for byte, the one that the mesh makes at once in enough memory, however it was split. Parts
+//           are files under a name that their mesh and settings make: whoever has the same job, in this process, in
+//           another one, or on another machine that sees the folder, makes some of them, and what is finished is used.
+// Bound:    the mesh as 24 bytes per vertex; one sub-cube's voxels and DAG at a time; then the whole DAG, as
+//           join_parts.hpp and pack_dag.hpp say.
+#pragma once
+#include "voxel_dag/dag_file.hpp"
+#include "voxel_dag/part_file.hpp"
+#include "voxel_dag/sub_volumes.hpp"
+
+namespace tyndall::voxel_dag {
+struct OutOfCoreConfig {
+    VoxelizeConfig voxels; ///< Its budget is that of all memory beyond the mesh as it was handed in.
+    Symmetry symmetry = Symmetry::Cube;
+    std::uint32_t worker_count = 1; ///< Processes that make parts side by side, and share the budget.
+    /// Parts lie in a folder of their own in it, which goes when the file is there.
+    std::filesystem::path scratch_folder;
+};
+struct OutOfCoreStatistics {
+    std::uint64_t voxel_count = 0, node_count = 0;
+    std::uint64_t geometry_bytes = 0;       ///< Of the packed DAG.
+    std::size_t part_count = 0;             ///< Sub-cubes that triangles may meet.
+    std::size_t kept_part_count = 0;        ///< Of these, finished before.
+    std::uint64_t part_bytes = 0;           ///< Of all parts' files.
+    std::uint32_t join_pass_count = 0;      ///< As join_parts() states it.
+    std::vector<std::string> damaged_parts; ///< Names of files that were there, of no use, and made again.
+};
+
+class OutOfCore {
+public:
+    /// Snaps the mesh and splits the cube. The triangles must outlive this. Throws as voxelize() and split() do.
+    template <typename Position>
+    OutOfCore(std::span<const Position> positions_m, std::span<const uvec3> triangles, const OutOfCoreConfig& config,
+              const Progress& progress);
+
+    [[nodiscard]] std::size_t part_count() const { return parts_.count(); }
+    [[nodiscard]] std::filesystem::path part_path(std::size_t part) const;
+    [[nodiscard]] std::uint32_t part_level() const { return parts_.level; }
+    /// Makes a part's file, unless it is there and whole. Parts are independent of each other. Throws IoError, InvalidInput
+    /// where the budget does not suffice after all, and Cancelled.
+    void make_part(std::size_t part, const Progress& progress);
+    /// One that was made. Throws IoError.
+    [[nodiscard]] PartFile part(std::size_t part, const Progress& progress) const {
+        return {part_path(part), key_of(part), progress};
+    }
+    /// Makes the parts that are missing, joins them, writes the file, and removes the parts. After any error the finished
+    /// ones stay, and the same call goes on from there. Throws IoError, also where another process finishes the same job;
+    /// InvalidInput where the budget does not suffice; and Cancelled.
+    OutOfCoreStatistics finish(const std::filesystem::path& path, Progress& progress);
+
+private:
+    [[nodiscard]] PartKey key_of(std::size_t part) const;
+    [[nodiscard]] std::optional<PartFile> finished(std::size_t part, const Progress& progress);
+    void draw_part(std::size_t part, const Progress& progress) const;
+    void make_parts(std::vector<PartFile>& parts, Progress& progress);
+    void join(const std::vector<PartFile>& parts, const std::filesystem::path& path, Progress& progress);
+
+    OutOfCoreConfig config_;
+    Cube cube_m_;
+    SnappedMesh mesh_;
+    SubVolumes parts_;
+    std::array<std::uint64_t, 2> job_;
+    std::filesystem::path folder_;
+    OutOfCoreStatistics statistics_;
+};
+extern template OutOfCore::OutOfCore(std::span<const vec3>, std::span<const uvec3>, const OutOfCoreConfig&,
+                                     const Progress&);
+extern template OutOfCore::OutOfCore(std::span<const dvec3>, std::span<const uvec3>, const OutOfCoreConfig&,
+                                     const Progress&);
+} // namespace tyndall::voxel_dag

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxel_dag/part_file.hpp"
+#include "voxel_dag/checked_file.hpp"
+#include <bit>
+#include <cstring>
+#include <type_traits>
+
+namespace tyndall::voxel_dag {
+namespace {
+constexpr std::array<char, 8> magic{'T', 'D', 'A', 'G', 'P', 'A', 'R', 'T'};
+constexpr std::uint32_t version = 1;
+constexpr std::size_t most_levels = most_level - leaf_level;
+
+struct Header {
+    std::array<char, 8> magic;
+    std::uint32_t version, level, symmetry, root_tag;
+    std::array<std::uint64_t, 2> job;
+    std::uint64_t code, voxel_count, leaf_count;
+    std::array<std::uint64_t, most_levels> node_counts, reference_counts;
+    std::uint32_t leaf_checksum;
+    std::array<std::uint32_t, most_levels> checksums;
+    std::uint32_t reserved, checksum; ///< The last of all that is before it.
+};
+static_assert(sizeof(Header) == 376 && std::has_unique_object_representations_v<Header>);
+
+std::uint32_t header_checksum(const Header& header) {
+    return checksum_of(bytes_of(header).first(offsetof(Header, checksum)));
+}
+
+/// A level as bytes: masks, tags and children.
+std::vector<std::byte> bytes_of_level(const DagLevel& nodes) {
+    std::vector<std::byte> bytes;
+    bytes.reserve(nodes.child_masks.size() + nodes.tags.size() + 4 * nodes.children.size());
+    const auto append = [&](const auto& values) {
+        const auto more = std::as_bytes(std::span(values));
+        bytes.insert(bytes.end(), more.begin(), more.end());
+    };
+    append(nodes.child_masks);
+    append(nodes.tags);
+    append(nodes.children);
+    return bytes;
+}
+} // namespace
+
+void write_part(const Dag& dag, const PartKey& key, std::uint64_t voxel_count, const std::filesystem::path& path,
+                const Progress& progress) {
+    Header header{};
+    header.magic = magic;
+    header.version = version;
+    header.level = dag.level;
+    header.symmetry = static_cast<std::uint32_t>(dag.symmetry);
+    header.root_tag = dag.root_tag;
+    header.job = key.job;
+    header.code = key.code;
+    header.voxel_count = voxel_count;
+    header.leaf_count = dag.leaves.size();
+    header.leaf_checksum = checksum_of(std::as_bytes(std::span(dag.leaves)));
+    std::vector<std::vector<std::byte>> levels;
+    for (std::size_t i = 0; i < dag.levels.size(); ++i) {
+        header.node_counts[i] = dag.levels[i].node_count();
+        header.reference_counts[i] = dag.levels[i].children.size();
+        levels.push_back(bytes_of_level(dag.levels[i]));
+        header.checksums[i] = checksum_of(levels[i]);
+    }
+    header.checksum = header_checksum(header);
+    FileWriter writer(path, progress);
+    writer.write(bytes_of(header));
+    writer.write(std::as_bytes(std::span(dag.leaves)));
+    for (const std::vector<std::byte>& level : levels)
+        writer.write(level);
+    writer.complete();
+}
+
+std::string name_of(const PartFile::Section& section) {
+    return section.level == leaf_level ? "the leaves" : "the nodes of level " + std::to_string(section.level);
+}
+
+PartFile::PartFile(const std::filesystem::path& path, const PartKey& key, const Progress& progress)
+    : path_(path), key_(key) {
+    const FileReader reader(path, progress);
+    Header header{};
+    reader.read(0, std::as_writable_bytes(std::span(&header, 1)), "its header");
+    if (header.magic != magic || header.version != version || header.checksum != header_checksum(header))
+        reader.refuse("it is no part of a voxel DAG of this version, or its header is damaged");
+    if (header.job != key.job || header.level != key.level || header.code != key.code)
+        reader.refuse("it is a part of another job");
+    voxel_count_ = header.voxel_count;
+    root_tag_ = static_cast<std::uint8_t>(header.root_tag);
+    has_tags_ = header.symmetry != 0;
+    sections_.push_back({.level = leaf_level,
+                         .node_count = header.leaf_count,
+                         .reference_count = 0,
+                         .offset = sizeof(Header),
+                         .bytes = header.leaf_count * sizeof(std::uint64_t),
+                         .checksum = header.leaf_checksum});
+    for (std::uint32_t level = leaf_level + 1; level <= key.level; ++level) {
+        const std::size_t i = level - leaf_level - 1;
+        sections_.push_back({.level = level,
+                             .node_count = header.node_counts[i],
+                             .reference_count = header.reference_counts[i],
+                             .offset = byte_count(),
+                             .bytes = header.node_counts[i] + header.reference_counts[i] * (has_tags_ ? 5 : 4),
+                             .checksum = header.checksums[i]});
+    }
+    for (const Section& section : sections_)
+        static_cast<void>(reader.values<std::byte>(section));
+}
+
+std::vector<std::uint64_t> PartFile::read_leaves(const Progress& progress) const {
+    return FileReader(path_, progress).values<std::uint64_t>(sections_.front());
+}
+
+DagLevel PartFile::read_level(std::uint32_t level, const Progress& progress) const {
+    const std::vector<std::byte> bytes = FileReader(path_, progress).values<std::byte>(section(level));
+    const std::size_t node_count = section(level).node_count, reference_count = section(level).reference_count;
+    DagLevel nodes{.child_masks = std::vector<std::uint8_t>(node_count),
+                   .first_children = {0},
+                   .children = std::vector<std::uint32_t>(reference_count),
+                   .tags = std::vector<std::uint8_t>(has_tags_ ? reference_count : 0)};
+    std::memcpy(nodes.child_masks.data(), bytes.data(), node_count);
+    std::memcpy(nodes.tags.data(), bytes.data() + node_count, nodes.tags.size());
+    std::memcpy(nodes.children.data(), bytes.data() + node_count + nodes.tags.size(), 4 * reference_count);
+    nodes.first_children.reserve(node_count + 1);
+    for (const std::uint8_t mask : nodes.child_masks)
+        nodes.first_children.push_back(nodes.first_children.back() + static_cast<std::uint32_t>(std::popcount(mask)));
+    return nodes;
+}
+} // namespace tyndall::voxel_dag

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Voxel DAGs as meshes and as the files of other programs."""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tyndall import _native
+from tyndall._native import Progress
+from tyndall.volumes import MEMORY_LIMIT_BYTES
+
+from .checks import MOST_BYTES, named, refuse, whole
+
+MOST_LEVEL = 17  #: 2^17 voxels a side are the most.
+#: Of a block of 8 x 8 x 8 voxels while OpenVDB has it: its own leaf, and those around it that a level set needs.
+GRID_BYTES_PER_BLOCK = 8192
+
+
+class VoxelMesh(NamedTuple):
+    """Triangles of voxels. Seen from outside, corners go round against the clock."""
+
+    positions_m: NDArray[np.float64]  #: (p, 3)
+    triangles: NDArray[np.uint32]  #: (m, 3), indices of positions.
+
+
+class Exports:
+    """What a voxel DAG becomes elsewhere: a part of ``VoxelDag``."""
+
+    _native: _native.VoxelDag
+
+    def to_mesh(
+        self,
+        kind: Literal["boxes", "smooth"] = "boxes",
+        *,
+        level: int = 0,
+        memory_budget_bytes: int = MEMORY_LIMIT_BYTES,
+        progress: Progress | None = None,
+    ) -> VoxelMesh:
+        """A closed mesh of the voxels, or of the cubes of 2 ** ``level`` voxels a side that have any.
+
+        "boxes": two triangles for each face between a voxel that is set and one that is not, exactly; "smooth": the
+        surface of their level set, by OpenVDB. Raises InvalidInput, which says what it would take, where the memory
+        budget does not suffice; and Cancelled.
+        """
+        if kind not in ("boxes", "smooth"):
+            raise refuse(f"kind is {kind!r}, not one of boxes, smooth")
+        progress = progress or Progress()
+        lower_m, _ = self._native.bounds_m
+        cube_m = self._cube_m(level)
+        if kind == "boxes":
+            budget = whole("memory_budget_bytes", memory_budget_bytes, MOST_BYTES)
+            positions, triangles, _ = self._native.box_mesh(level, budget, progress)
+            positions *= cube_m
+            positions += lower_m
+            return VoxelMesh(positions, triangles)
+        from tyndall import _volume_io  # noqa: PLC0415 - OpenVDB is loaded by what needs it
+
+        origins, words = self._blocks(level, memory_budget_bytes, progress)
+        centres, triangles = _volume_io.smooth_mesh(origins, words, progress)
+        return VoxelMesh((centres.astype(np.float64) + 0.5) * cube_m + lower_m, triangles)
+
+    def to_vdb(
+        self,
+        path: str | os.PathLike[str],
+        kind: Literal["fog", "level set"] = "fog",
+        *,
+        name: str | None = None,
+        level: int = 0,
+        memory_budget_bytes: int = MEMORY_LIMIT_BYTES,
+        progress: Progress | None = None,
+    ) -> None:
+        """Write an OpenVDB file with one grid of voxels, or of cubes of 2 ** ``level`` of them, whole or not at all.
+
+        "fog": 1 where a voxel is set, named "density"; "level set": distances to the voxels' surface, negative where
+        one is set, named "surface". Raises InvalidInput, which says what it would take, where the memory budget does
+        not suffice; IoError, which names the path; and Cancelled.
+        """
+        from tyndall import __version__, _volume_io  # noqa: PLC0415 - OpenVDB is loaded by what needs it
+
+        grid_kind = named(_volume_io.VoxelGridKind, "kind", kind.replace(" ", "_"))
+        progress = progress or Progress()
+        lower_m, _ = self._native.bounds_m
+        cube_m = self._cube_m(level)
+        local_from_index = np.diag([cube_m, cube_m, cube_m, 1.0])
+        local_from_index[:3, 3] = np.add(lower_m, 0.5 * cube_m)
+        origins, words = self._blocks(level, memory_budget_bytes, progress)
+        _volume_io.write_voxel_grid(
+            path,
+            name or ("density" if kind == "fog" else "surface"),
+            origins,
+            words,
+            local_from_index,
+            grid_kind,
+            {"creator": f"Tyndall {__version__}"},
+            progress,
+        )
+
+    def _cube_m(self, level: int) -> float:
+        """Side of a cube of 2 ** level voxels."""
+        _, side_m = self._native.bounds_m
+        return math.ldexp(side_m, whole("level", level, MOST_LEVEL)) / self._native.resolution
+
+    def _blocks(
+        self, level: int, memory_budget_bytes: int, progress: Progress
+    ) -> tuple[NDArray[np.int32], NDArray[np.uint64]]:
+        """Blocks of 8 x 8 x 8, as OpenVDB's leaves."""
+        budget = whole("memory_budget_bytes", memory_budget_bytes, MOST_BYTES)
+        origins, words = self._native.leaf_blocks(level, budget, progress)
+        if len(origins) * GRID_BYTES_PER_BLOCK > budget:
+            raise refuse(
+                f"a grid of these voxels takes some {len(origins) * GRID_BYTES_PER_BLOCK / 1e9:.1f} GB, beyond the"
+                f" memory budget of {budget / 1e9:.1f} GB: choose a coarser level, or raise the budget"
+            )
+        return origins.astype(np.int32), words

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Whatever the parts, the threads and the interruptions: the file is the one that is made at once, byte for byte.
+#include "native/voxel_dag/step_meshes.hpp"
+#include "support/voxel_sets.hpp"
+#include "voxel_dag/build_dag.hpp"
+#include "voxel_dag/join_parts.hpp"
+#include "voxel_dag/merge_symmetric.hpp"
+#include "voxel_dag/out_of_core.hpp"
+#include "voxel_dag/pack_dag.hpp"
+#include <doctest/doctest.h>
+#include <fstream>
+#include <iterator>
+#include <unistd.h>
+
+using namespace tyndall;
+using namespace tyndall::voxel_dag;
+using namespace tyndall::support;
+
+namespace {
+constexpr std::uint64_t no_limit = ~std::uint64_t{0};
+
+/// A folder that goes with the test.
+class TestFolder {
+public:
+    TestFolder() : path_(std::filesystem::temp_directory_path() / ("tyndall_out_of_core_" + std::to_string(getpid()))) {
+        std::filesystem::create_directories(path_);
+    }
+    TestFolder(const TestFolder&) = delete;
+    TestFolder& operator=(const TestFolder&) = delete;
+    ~TestFolder() { std::filesystem::remove_all(path_); }
+    [[nodiscard]] std::filesystem::path operator/(const char* name) const { return path_ / name; }
+    [[nodiscard]] std::size_t entry_count() const {
+        return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
+    }
+
+private:
+    std::filesystem::path path_;
+};
+
+std::string bytes_of_file(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+struct Job {
+    oracle::Mesh mesh;
+    std::uint32_t level;
+    VoxelizeRule rule = VoxelizeRule::Thin;
+    Symmetry symmetry = Symmetry::Cube;
+
+    [[nodiscard]] OutOfCoreConfig config(const TestFolder& folder, std::uint64_t budget_bytes) const {
+        VoxelizeConfig voxels = oracle::config_of(level, rule);
+        voxels.memory_budget_bytes = budget_bytes;
+        return {.voxels = voxels, .symmetry = symmetry, .scratch_folder = folder / "scratch"};
+    }
+    [[nodiscard]] OutOfCore out_of_core(const TestFolder& folder, std::uint64_t budget_bytes) const {
+        return {std::span<const dvec3>(mesh.positions), mesh.triangles, config(folder, budget_bytes), Progress()};
+    }
+    [[nodiscard]] LeafMasks voxels() const {
+        return voxelize(std::span<const dvec3>(mesh.positions), mesh.triangles, oracle::config_of(level, rule),
+                        Progress())
+            .leaves;
+    }
+    /// A budget that some parts of the whole fit.
+    [[nodiscard]] std::uint64_t share_bytes(std::uint64_t share) const {
+        return std::max<std::uint64_t>(96 * voxels().codes.size() / share, 1 << 20);
+    }
+    [[nodiscard]] std::string at_once(const TestFolder& folder) const {
+        const VoxelizeConfig config = oracle::config_of(level, rule);
+        Dag dag = build_dag(voxels(), {}, Progress());
+        if (symmetry != Symmetry::None)
+            dag = merge_symmetric(dag, {.symmetry = symmetry}, Progress());
+        write_dag(pack_dag(dag, Progress()), *config.bounds_m, folder / "at_once.tdag", Progress());
+        return bytes_of_file(folder / "at_once.tdag");
+    }
+    [[nodiscard]] std::string in_parts(const TestFolder& folder, std::uint64_t budget_bytes,
+                                       OutOfCoreStatistics* statistics = nullptr) const {
+        Progress progress;
+        const OutOfCoreStatistics made = out_of_core(folder, budget_bytes).finish(folder / "in_parts.tdag", progress);
+        if (statistics != nullptr)
+            *statistics = made;
+        return bytes_of_file(folder / "in_parts.tdag");
+    }
+};
+
+/// Triangles of all sizes in and around the cube, some on its faces and on those between sub-cubes.
+Job soup(std::uint32_t level, int count, std::uint32_t seed) {
+    std::mt19937 random(seed);
+    const std::int64_t side = std::int64_t{1} << level;
+    std::vector<oracle::Triangle> triangles;
+    for (int i = 0; i < count; ++i)
+        triangles.push_back(oracle::random_triangle(random, level, 1 + oracle::random_below(random, side / 4), side / 8,
+                                                    i % 3 == 0 ? oracle::steps_per_voxel : 1));
+    return {.mesh = oracle::mesh_of(triangles), .level = level};
+}
+} // namespace
+
+TEST_CASE("in parts or at once, the file has the same bytes") {
+    const TestFolder folder;
+    int split_count = 0;
+    for (std::uint32_t seed = 0; seed < 18; ++seed) {
+        CAPTURE(seed);
+        Job job = soup(seed % 4 == 0 ? 6 : 7 + seed % 3, 100 + 20 * static_cast<int>(seed), seed);
+        job.rule = seed % 2 == 0 ? VoxelizeRule::Thin : VoxelizeRule::Conservative;
+        job.symmetry = static_cast<Symmetry>(seed % 3);
+        const std::string wanted = job.at_once(folder);
+        OutOfCoreStatistics statistics;
+        CHECK((job.in_parts(folder, no_limit, &statistics) == wanted));
+        CHECK(statistics.part_count == 1);
+        for (const std::uint64_t share : {2u, 5u}) {
+            CHECK((job.in_parts(folder, job.share_bytes(share), &statistics) == wanted));
+            CHECK(std::filesystem::is_empty(folder / "scratch"));
+        }
+        split_count += statistics.part_count > 1;
+    }
+    CHECK(split_count >= 4);
+}
+
+TEST_CASE("the file depends on neither the number of threads nor on the order in which parts were made") {
+    const TestFolder folder;
+    const Job job = soup(9, 400, 77);
+    const std::uint64_t budget_bytes = job.share_bytes(5);
+    const std::string wanted = job.at_once(folder);
+    for (const int thread_count : {1, 2, 7})
+        with_exactly(thread_count, [&] {
+            OutOfCore parts = job.out_of_core(folder, budget_bytes);
+            REQUIRE(parts.part_count() > 8);
+            for (std::size_t part = parts.part_count(); part-- > 0;)
+                parts.make_part(part, Progress());
+            OutOfCoreStatistics statistics;
+            CHECK((job.in_parts(folder, budget_bytes, &statistics) == wanted));
+            CHECK(statistics.kept_part_count == parts.part_count());
+        });
+}
+
+TEST_CASE("a cube of one brick, an empty one and one with most of its parts empty") {
+    const TestFolder folder;
+    Job job = soup(2, 3, 1);
+    CHECK((job.in_parts(folder, no_limit) == job.at_once(folder)));
+    for (const std::int64_t corner : {0, 511, -40})
+        for (const Symmetry symmetry : {Symmetry::None, Symmetry::Cube}) {
+            job = {.mesh = oracle::mesh_of(oracle::box({corner * 256, corner * 256, corner * 256},
+                                                       {corner * 256 + 700, corner * 256 + 800, corner * 256 + 900})),
+                   .level = 9,
+                   .symmetry = symmetry};
+            CHECK((job.in_parts(folder, 1 << 20) == job.at_once(folder)));
+        }
+}
+
+TEST_CASE("what was finished before an interruption is kept, and a damaged part is made again and named") {
+    const TestFolder folder;
+    const Job job = soup(9, 400, 5);
+    const std::string wanted = job.at_once(folder);
+    for (const std::uintmax_t damaged_byte : {0u, 60u, 380u, 900u}) {
+        OutOfCore interrupted = job.out_of_core(folder, 2 << 20);
+        for (std::size_t part = 0; part < 5; ++part)
+            interrupted.make_part(part, Progress());
+        {
+            std::fstream file(interrupted.part_path(3), std::ios::binary | std::ios::in | std::ios::out);
+            file.seekg(static_cast<std::streamoff>(damaged_byte));
+            const int byte = file.get();
+            file.seekp(static_cast<std::streamoff>(damaged_byte));
+            file.put(static_cast<char>(byte ^ 16));
+        }
+        std::filesystem::resize_file(interrupted.part_path(4),
+                                     std::filesystem::file_size(interrupted.part_path(4)) - 1);
+        OutOfCoreStatistics statistics;
+        CHECK((job.in_parts(folder, 2 << 20, &statistics) == wanted));
+        CHECK(statistics.kept_part_count == 3);
+        CHECK(statistics.damaged_parts ==
+              std::vector{interrupted.part_path(3).filename().string(), interrupted.part_path(4).filename().string()});
+        CHECK(std::filesystem::is_empty(folder / "scratch"));
+    }
+}
+
+TEST_CASE("jobs of other meshes and settings share a scratch folder, not their parts") {
+    const TestFolder folder;
+    Job first = soup(9, 400, 8), second = first;
+    second.mesh.positions[7].x += 1.0 / 256;
+    Job third = first;
+    third.rule = VoxelizeRule::Conservative;
+    for (const Job* job : {&first, &second, &third})
+        for (std::size_t part = 0; part < 3; ++part)
+            job->out_of_core(folder, 2 << 20).make_part(part, Progress());
+    for (const Job* job : {&second, &third, &first}) {
+        OutOfCoreStatistics statistics;
+        CHECK((job->in_parts(folder, 2 << 20, &statistics) == job->at_once(folder)));
+        CHECK(statistics.kept_part_count == 3);
+        CHECK(statistics.damaged_parts.empty());
+    }
+}
+
+TEST_CASE("a part under the name of another one is not taken for it") {
+    const TestFolder folder;
+    const Job job = soup(9, 400, 9);
+    OutOfCore parts = job.out_of_core(folder, 2 << 20);
+    parts.make_part(0, Progress());
+    std::filesystem::copy_file(parts.part_path(0), parts.part_path(1));
+    OutOfCoreStatistics statistics;
+    CHECK((job.in_parts(folder, 2 << 20, &statistics) == job.at_once(folder)));
+    CHECK(statistics.damaged_parts == std::vector{parts.part_path(1).filename().string()});
+}
+
+TEST_CASE("a table that does not fit the budget is filled in several passes, to the same DAG") {
+    const TestFolder folder;
+    for (const Symmetry symmetry : {Symmetry::None, Symmetry::Reflections, Symmetry::Cube}) {
+        Job job = soup(9, 400, 11);
+        job.symmetry = symmetry;
+        std::vector<PartFile> files;
+        OutOfCore parts = job.out_of_core(folder, 4 << 20);
+        for (std::size_t part = 0; part < parts.part_count(); ++part) {
+            parts.make_part(part, Progress());
+            files.push_back(parts.part(part, Progress()));
+        }
+        const auto joined = [&](std::uint64_t budget_bytes) {
+            return join_parts(files,
+                              {.level = 9,
+                               .part_level = parts.part_level(),
+                               .symmetry = symmetry,
+                               .memory_budget_bytes = budget_bytes},
+                              Progress(), [](double) {});
+        };
+        const JoinResult at_once = joined(no_limit);
+        CHECK(at_once.statistics.most_passes == 1);
+        std::uint64_t budget_bytes = 64 << 20;
+        JoinResult in_passes = joined(budget_bytes);
+        while (in_passes.statistics.most_passes < 5)
+            in_passes = joined(budget_bytes = budget_bytes * 3 / 4);
+        CHECK((in_passes.dag == at_once.dag));
+        CHECK_THROWS_AS(joined(1 << 16), InvalidInput);
+    }
+}
+
+TEST_CASE("a cancelled call stops, and what it has finished is there for the next") {
+    const TestFolder folder;
+    const Job job = soup(9, 400, 12);
+    job.out_of_core(folder, 2 << 20).make_part(0, Progress());
+    Progress progress;
+    progress.cancel();
+    CHECK_THROWS_AS(job.out_of_core(folder, 2 << 20).finish(folder / "a.tdag", progress), Cancelled);
+    OutOfCoreStatistics statistics;
+    CHECK((job.in_parts(folder, 2 << 20, &statistics) == job.at_once(folder)));
+    CHECK(statistics.kept_part_count == 1);
+}
+
+TEST_CASE("sub-cubes' voxels are those of the whole") {
+    const Job job = soup(8, 200, 13);
+    const VoxelizeConfig config = oracle::config_of(job.level, VoxelizeRule::Conservative);
+    const SnappedMesh mesh = snap(std::span<const dvec3>(job.mesh.positions), job.mesh.triangles, config, Progress());
+    const LeafMasks whole = voxelize(mesh, config, Progress()).leaves;
+    for (const std::uint64_t most_bricks : {100'000u, 10'000u, 4'096u}) {
+        const SubVolumes parts = split(mesh, config.rule, most_bricks, Progress());
+        LeafMasks all{.level = job.level, .codes = {}, .masks = {}};
+        for (std::size_t part = 0; part < parts.count(); ++part) {
+            const SubMesh sub = sub_mesh(mesh, parts, part);
+            const LeafMasks leaves = voxelize(sub.mesh, config, Progress()).leaves;
+            for (std::size_t brick = 0; brick < leaves.codes.size(); ++brick) {
+                all.codes.push_back(parts.codes[part] << 3 * (parts.level - leaf_level) | leaves.codes[brick]);
+                all.masks.push_back(leaves.masks[brick]);
+            }
+        }
+        CHECK((all == whole));
+    }
+    CHECK_THROWS_AS(static_cast<void>(split(mesh, config.rule, 10, Progress())), InvalidInput);
+}

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A mesh becomes voxels by the buttons of the sidebar, Esc stops it, the view shows blocks, and a file is imported.
+
+Places are those of Blender 3.4's sidebar at its default width, in pixels from its right and its top, in a high window.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import bpy
+
+from support.mouse import click, press, through_browser, xdotool
+
+CLICKS = ("tyndall.voxelize", "tyndall.import_tdag", "tyndall.reload_voxels")
+TAB = (8, 245)
+VOXELIZE, IMPORT = (121, 206), (121, 232)
+RELOAD = (44, 297)
+
+
+def boxes() -> list[str]:
+    return sorted(thing.name for thing in bpy.data.objects if thing.tyndall_voxels.path)
+
+
+def is_at_work() -> bool:
+    return any(thread.name == "tyndall voxelize" for thread in threading.enumerate())
+
+
+def stop_by_escape(window: Any) -> Iterator[float]:
+    """What would never end."""
+    from addon.operators.voxelize import TYNDALL_OT_voxelize
+
+    def endless(_operator: Any, progress: Any) -> None:
+        progress.message = "voxels without end"
+        while True:
+            progress.poll()
+            time.sleep(0.01)
+
+    whole, TYNDALL_OT_voxelize.work = TYNDALL_OT_voxelize.work, endless
+    yield from click(window, VOXELIZE)
+    window.screenshot("voxels_dialog")
+    xdotool("key", "Return")
+    yield from window.until(is_at_work)
+    yield 0.5
+    window.screenshot("voxels_running")
+    xdotool("key", "Escape")
+    yield from window.until(lambda: not is_at_work())
+    yield from window.calm()
+    TYNDALL_OT_voxelize.work = whole
+
+
+def session(window: Any) -> Iterator[float]:
+    yield from window.calm()
+    bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
+    bpy.context.scene.render.engine = "TYNDALL"
+    bpy.context.scene.tyndall.voxelize.resolution = "64"
+    bpy.ops.object.modifier_add(type="SUBSURF")
+    bpy.context.object.modifiers[0].levels = 4
+    bpy.ops.wm.save_as_mainfile(filepath=str(window.folder / "scene.blend"))
+    bpy.ops.ed.undo_push(message="begin")
+    window.area("VIEW_3D").spaces[0].show_region_ui = True
+    yield from window.calm()
+    yield from click(window, TAB)
+    window.screenshot("voxels_tab")
+    yield from stop_by_escape(window)
+    window.facts["stopped"] = boxes()
+    yield from click(window, VOXELIZE)
+    xdotool("key", "Return")
+    yield from window.until(lambda: bool(boxes()))
+    yield from window.calm()
+    yield 0.5
+    window.facts["made"] = boxes()
+    window.screenshot("voxels_made")
+    for name, key in (("undone", "ctrl+z"), ("redone", "ctrl+shift+z")):
+        xdotool("mousemove", 500, 700)
+        yield 0.3
+        yield from press(window, (key,))
+        window.facts[name] = boxes()
+    yield from click(window, RELOAD)
+    yield from through_browser(window, IMPORT, "voxels_browser")
+    window.facts["imported"] = boxes()
