@@ -2,9 +2,12 @@
 // What voxel DAGs are made of.
 #include "bindings/arrays.hpp"
 #include "bindings/voxel_dag.hpp"
+#include "bindings/voxel_surface.hpp"
+#include "voxel_dag/encode_attributes.hpp"
 #include "voxel_dag/listed_voxels.hpp"
 #include "voxel_dag/pack_dag.hpp"
 #include "voxel_dag/snapped_mesh.hpp"
+#include "voxel_dag/solid_fill.hpp"
 #include <pybind11/stl.h>
 
 namespace tyndall::bindings {
@@ -23,22 +26,33 @@ std::shared_ptr<PlacedDag> packed(const LeafMasks& leaves, const VoxelAttributes
     return placed;
 }
 
-/// The voxels of a mesh, and the cube that they are of.
+/// The voxels of a mesh, what they carry, and the cube that they are of.
+struct MeshVoxels {
+    LeafMasks leaves;
+    VoxelAttributes attributes;
+    Cube cube;
+};
 template <class Vector>
-static std::pair<LeafMasks, Cube> voxels_of(const py::array& positions, std::span<const uvec3> triangles,
-                                            const VoxelizeConfig& config, const Progress& progress) {
+static MeshVoxels voxels_of(const py::array& positions, std::span<const uvec3> triangles, const VoxelizeConfig& config,
+                            const Surface& surface, bool is_solid, const Progress& progress) {
     check_array<typename Vector::value_type>(positions, {-1, 3}, "positions");
     const std::span points(static_cast<const Vector*>(positions.data()), static_cast<std::size_t>(positions.shape(0)));
     return without_gil([&] {
-        LeafMasks leaves = voxel_dag::voxelize(points, triangles, config, progress).leaves;
-        return std::pair(std::move(leaves), config.bounds_m ? *config.bounds_m : cube_around(points, triangles));
+        MeshVoxels voxels{.leaves = voxel_dag::voxelize(points, triangles, config, progress).leaves,
+                          .attributes = {},
+                          .cube = config.bounds_m ? *config.bounds_m : cube_around(points, triangles)};
+        if (is_solid)
+            voxels.leaves = solid_fill(points, triangles, config, voxels.leaves, progress);
+        if (!surface.is_empty())
+            voxels.attributes = surface_attributes(points, triangles, config, voxels.leaves, surface, progress);
+        return voxels;
     });
 }
 
-static std::shared_ptr<PlacedDag> voxelize_mesh(const py::array& positions, const py::array& triangles,
-                                                std::uint32_t resolution, VoxelizeRule rule,
-                                                const std::optional<Bounds>& bounds, Symmetry symmetry,
-                                                std::uint64_t memory_budget_bytes, const Progress& progress) {
+static std::shared_ptr<PlacedDag>
+voxelize_mesh(const py::array& positions, const py::array& triangles, std::uint32_t resolution, VoxelizeRule rule,
+              const std::optional<Bounds>& bounds, const VoxelSurface& surface, bool is_solid, Symmetry symmetry,
+              const AttributeConfig& attribute_config, std::uint64_t memory_budget_bytes, const Progress& progress) {
     check_array<std::uint32_t>(triangles, {-1, 3}, "triangles");
     const std::span corners(static_cast<const uvec3*>(triangles.data()), static_cast<std::size_t>(triangles.shape(0)));
     VoxelizeConfig config{
@@ -46,11 +60,14 @@ static std::shared_ptr<PlacedDag> voxelize_mesh(const py::array& positions, cons
     if (bounds)
         config.bounds_m = cube_of(*bounds);
     const bool is_double = py::isinstance<py::array_t<double>>(positions);
-    const auto [leaves, cube] = is_double ? voxels_of<dvec3>(positions, corners, config, progress)
-                                          : voxels_of<vec3>(positions, corners, config, progress);
+    const MeshVoxels voxels = is_double
+                                  ? voxels_of<dvec3>(positions, corners, config, surface.surface, is_solid, progress)
+                                  : voxels_of<vec3>(positions, corners, config, surface.surface, is_solid, progress);
     return without_gil([&] {
-        return packed(leaves, {}, cube,
-                      {.symmetry = symmetry, .attributes = {}, .memory_budget_bytes = memory_budget_bytes}, progress);
+        return packed(
+            voxels.leaves, voxels.attributes, voxels.cube,
+            {.symmetry = symmetry, .attributes = attribute_config, .memory_budget_bytes = memory_budget_bytes},
+            progress);
     });
 }
 
@@ -87,6 +104,7 @@ static std::shared_ptr<PlacedDag> dag_of_voxels(const py::array& coordinates, st
 }
 
 void bind_voxelize(py::module_& native) {
+    bind_voxel_surface(native);
     py::enum_<VoxelizeRule>(native, "VoxelizeRule")
         .value("THIN", VoxelizeRule::Thin)
         .value("CONSERVATIVE", VoxelizeRule::Conservative);
@@ -98,8 +116,8 @@ void bind_voxelize(py::module_& native) {
         .def(py::init<std::uint32_t, double, std::uint32_t>(), "color_count"_a, "most_color_difference"_a,
              "normal_bits"_a, "color_count and most_color_difference: 0 keeps all colors.");
     native.def(
-        "voxelize", &voxelize_mesh, "positions"_a, "triangles"_a, "resolution"_a, "rule"_a, "bounds"_a, "symmetry"_a,
-        "memory_budget_bytes"_a, "progress"_a,
+        "voxelize", &voxelize_mesh, "positions"_a, "triangles"_a, "resolution"_a, "rule"_a, "bounds"_a, "surface"_a,
+        "is_solid"_a, "symmetry"_a, "attribute_config"_a, "memory_budget_bytes"_a, "progress"_a,
         R"(positions: float32 or float64 (n, 3); triangles: uint32 (m, 3); bounds: lower corner and side of a cube, or None.
 Releases the GIL. TypeError: dtype or shape; InvalidInput: a value; Cancelled.)");
     native.def(

@@ -39,6 +39,10 @@ struct Surface {
     SurfaceNormals normals = SurfaceNormals::None;
     std::span<const vec3> vertex_normals = {}; ///< Of any length. Where one is 0, the triangle's stands for it.
     std::vector<SurfaceChannel> channels = {}; ///< At most VoxelAttributes::most_channels.
+
+    [[nodiscard]] bool is_empty() const {
+        return colors.empty() && materials.empty() && normals == SurfaceNormals::None && channels.empty();
+    }
 };
 
 /// Of `leaves`, what voxelize() made of this very mesh with this configuration; its budget holds for voxels and attributes

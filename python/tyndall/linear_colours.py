@@ -12,9 +12,13 @@ if TYPE_CHECKING:
 
     from .scene_description import Image
 
-_BYTE = np.arange(256) / 255.0
-#: IEC 61966-2-1: linear below 0.04045.
-_SRGB_TO_LINEAR = np.where(_BYTE <= 0.04045, _BYTE / 12.92, ((_BYTE + 0.055) / 1.055) ** 2.4)  # noqa: PLR2004
+
+def linear_from_srgb(encoded: NDArray[Any]) -> NDArray[Any]:
+    """IEC 61966-2-1: linear below 0.04045."""
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0) + 0.055) / 1.055) ** 2.4)  # noqa: PLR2004
+
+
+_SRGB_TO_LINEAR = linear_from_srgb(np.arange(256) / 255.0)
 
 
 def linear_colours(image: Image) -> NDArray[np.float32]:

@@ -10,6 +10,7 @@ from .forecast import Forecast, forecast
 from .grids import from_array, import_vdb
 from .meshes import from_coordinates, voxelize
 from .out_of_core import voxelize_to_file
+from .textures import Material, Textures
 from .vox_files import import_vox
 
 __all__ = [
@@ -18,6 +19,8 @@ __all__ = [
     "Extent",
     "Forecast",
     "LevelCounts",
+    "Material",
+    "Textures",
     "VoxelDag",
     "VoxelMesh",
     "estimate",

@@ -5,9 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from .textures import Textures
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,8 +28,12 @@ class Config:
     memory_budget_bytes: int | None = None  #: Of the voxels, and of the graph's tables; None: no limit.
     #: (n, 3), uint8 or 0 to 1, as sRGB encodes them: of each vertex of a mesh, or of each voxel of a list.
     colors: ArrayLike | None = None
-    normals: ArrayLike | None = None  #: (n, 3), of any length but 0, alike.
+    #: (n, 3), of any length but 0, alike; "faces": those of a mesh's triangles, by the order of their corners.
+    normals: ArrayLike | Literal["faces"] | None = None
     channels: Mapping[str, ArrayLike] | None = None  #: Up to 4 further values of 8 bits, (n,) each, by name.
+    textures: Textures | None = None  #: Colours and pictures of a mesh's triangles, in place of ``colors``.
+    #: Fill a mesh that closes. Voxels inside have no surface: not together with colours, normals or channels.
+    solid: bool = False
     #: Colours are stored as they are, unless a palette of at most so many is asked for, or one in which no voxel's
     #: colour is further away than that, by CIE94 (1 is hardly seen side by side): one of both.
     color_count: int | None = None

@@ -24,27 +24,33 @@ from .checks import (
 )
 from .config import Config
 from .dag import VoxelDag
+from .surfaces import surface
 
 
 def voxelize(
     positions_m: ArrayLike, triangles: ArrayLike, config: Config | None = None, progress: Progress | None = None
 ) -> VoxelDag:
-    """The surface of a mesh. The result depends on neither the order of triangles nor the number of threads.
+    """The surface of a mesh, or all that it closes around, and what the configuration says that its voxels carry.
+
+    The result depends on neither the order of triangles nor the number of threads.
 
     ``positions_m``: (n, 3), float32 or float64, in metres; ``triangles``: (m, 3), three indices of positions each.
-    Raises InvalidInput, which names the vertex, the triangle or the setting, and Cancelled.
+    Raises InvalidInput, which names the vertex, the triangle or the setting; IoError, which names a picture's file; and
+    Cancelled.
     """
     config = config or Config()
-    if config.colors is not None or config.normals is not None or config.channels:
-        raise refuse("colors, normals and channels are kept of voxels alone: use from_coordinates")
+    positions = points(positions_m, "positions_m")
     return VoxelDag(
         _native.voxelize(
-            positions=points(positions_m, "positions_m"),
+            positions=positions,
             triangles=indices(triangles, "triangles"),
             resolution=whole("resolution", config.resolution, MOST_INDEX),
             rule=named(_native.VoxelizeRule, "rule", config.rule),
             bounds=cube(config.bounds_m),
+            surface=surface(config, len(positions)),
+            is_solid=config.solid,
             symmetry=named(_native.VoxelSymmetry, "symmetry", config.symmetry),
+            attribute_config=attribute_config(config),
             memory_budget_bytes=budget(config),
             progress=progress or Progress(),
         )
@@ -64,6 +70,8 @@ def from_coordinates(
     resolution = whole("resolution", config.resolution, MOST_INDEX)
     if resolution.bit_count() != 1:
         raise refuse(f"resolution is {resolution}, no power of two")
+    if config.textures is not None or config.solid or isinstance(config.normals, str):
+        raise refuse("textures, solid and the normals of faces are for meshes")
     voxels = indices(coordinates, "coordinates")
     return VoxelDag(
         _native.voxel_dag_of(
