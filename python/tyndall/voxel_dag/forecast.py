@@ -19,8 +19,9 @@ from .parts import budget_of, require_no_attributes, scratch_of
 
 #: What joining and packing take per node of the graph, and a part's file: measured, rounded up.
 _MEMORY_BYTES_PER_NODE, _SCRATCH_BYTES_PER_NODE = 96, 32
-#: The mesh is made at this resolution and the next, at least, and on up to so many voxels.
-_FIRST_SAMPLE, _MOST_SAMPLED_VOXELS = 512, 4_000_000
+#: The mesh is made at this resolution and the next, at least, and then while the last one had fewer voxels.
+_FIRST_SAMPLE, _FEW_VOXELS = 512, 16_000_000
+_BYTES_PER_SAMPLED_VOXEL = 24  #: Of the last one that may be made more of: the next has four times as many.
 _DOUBT = 1.5  #: How far beyond the room a forecast lies before anything is refused for it.
 LEAST_RESOLUTION, MOST_RESOLUTION = 4, 131_072
 
@@ -63,8 +64,9 @@ def _forecasts(positions_m: ArrayLike, triangles: ArrayLike, config: Config, pro
             f"resolution is {resolution}; powers of two from {LEAST_RESOLUTION} to {MOST_RESOLUTION} are possible"
         )
     samples: list[Forecast] = []
+    few_voxels = min(_FEW_VOXELS, budget_of(config) // _BYTES_PER_SAMPLED_VOXEL)
     at = min(_FIRST_SAMPLE, resolution)
-    while at <= resolution and (len(samples) < 2 or samples[-1].voxel_count < _MOST_SAMPLED_VOXELS):  # noqa: PLR2004
+    while at <= resolution and (len(samples) < 2 or samples[-1].voxel_count < few_voxels):  # noqa: PLR2004
         started = perf_counter()
         dag = voxelize(positions_m, triangles, replace(config, resolution=at, memory_budget_bytes=None), progress)
         samples.append(
