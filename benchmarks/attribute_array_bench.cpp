@@ -3,14 +3,13 @@
 // dragon at 4096^3, 1 Sponza-LowPoly at 2048^3, thin; values: 0 normals, 1 baked colours, 12 bits, as
 // support/voxel_attributes.hpp defines them. partition and the reads are one thread's; encoders use all.
 #include "core/random.hpp"
-#include "support/voxel_attributes.hpp"
+#include "support/attributed_meshes.hpp"
 #include "voxel_dag/color_palette.hpp"
 #include "voxel_dag/joint_materials.hpp"
 #include "voxel_dag/material_indices.hpp"
 #include "voxel_dag/palette_array.hpp"
 #include "voxel_dag/palette_blocks.hpp"
 #include "voxel_dag/run_array.hpp"
-#include "voxel_dag/voxelize.hpp"
 #include <benchmark/benchmark.h>
 
 namespace tyndall::bench {
@@ -18,21 +17,7 @@ using namespace voxel_dag;
 namespace {
 using Values = std::vector<std::uint32_t>;
 
-const VoxelAttributes& attributes_of(std::int64_t mesh) {
-    const auto made = [](const std::optional<BareMesh>& bare, std::uint32_t resolution) {
-        if (!bare)
-            return VoxelAttributes{};
-        const VoxelizeConfig config{.resolution = resolution};
-        return voxel_attributes(*bare,
-                                voxelize(std::span<const vec3>(bare->positions), bare->triangles, config, {}).leaves);
-    };
-    if (mesh == 0) {
-        static const VoxelAttributes dragon = made(load_dragon(), 4096);
-        return dragon;
-    }
-    static const VoxelAttributes sponza = made(load_bare_sponza(), 2048);
-    return sponza;
-}
+const VoxelAttributes& attributes_of(std::int64_t mesh) { return attributed_mesh(mesh).attributes; }
 /// Empty, and the benchmark skipped, where the mesh is not there.
 const Values& values_of(benchmark::State& state) {
     const VoxelAttributes& attributes = attributes_of(state.range(0));

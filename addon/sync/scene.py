@@ -23,6 +23,7 @@ from .relit_scene import ReadScene, is_light, light_names
 from .reports import Reports
 from .volume_sources import is_volume
 from .volumes import VolumeReader
+from .voxel_objects import VoxelReader, without_and_with_voxels
 from .world_suns import WorldSuns
 from .worlds import read_world
 
@@ -39,6 +40,7 @@ class SceneReader:
         self._images = ImageReader()
         self._masks = MaskReader()
         self._volumes = VolumeReader()
+        self._voxels = VoxelReader()
         self._suns = WorldSuns()
         self._meshes: dict[str, Mesh] = {}
         self._live: dict[int, tuple[Mesh | None, set[int]]] = {}  # by address of the evaluated mesh, while it lives
@@ -87,7 +89,10 @@ class SceneReader:
                 placements.append(placement)
         materials = MaterialReader(reports, self._images, layer.material_override, is_lit=is_lit)
         is_viewport = depsgraph.mode == "VIEWPORT"
-        instances = self._instances(placements, materials, reports, poll, is_viewport=is_viewport)
+        drawn_things = [placement for placement in placements if placement.data is not None]
+        meshes, voxels = without_and_with_voxels(drawn_things)
+        voxel_objects = self._voxels.read(voxels, materials, reports, poll)
+        instances = self._instances(meshes, materials, reports, poll, is_viewport=is_viewport)
         shown_world = _world_of(depsgraph)
         world, medium = read_world(shown_world, reports, self._images)
         if shown_world is not None:
@@ -96,7 +101,7 @@ class SceneReader:
         if depsgraph.mode == "RENDER" and depsgraph.scene_eval.render.use_motion_blur:
             reports.add(f'Scene "{depsgraph.scene_eval.name}"', "motion blur is not drawn")
         poll()
-        drawn = frozenset(placement.object_name for placement in placements if placement.data is not None)
+        drawn = frozenset(placement.object_name for placement in drawn_things)
         world = replace(world, medium=materials.add_medium(medium))
         read_volumes = self._volumes.read(volumes, materials, self._images, reports, poll)
         of_all_but_lights = Reports()
@@ -104,6 +109,7 @@ class SceneReader:
         edits = OccluderEditReader(depsgraph, drawn, self._images, self._masks, reports, poll)
         description = SceneDescription(
             instances=instances,
+            voxel_objects=voxel_objects,
             lights=_lights(placements, edits, self._images, reports),
             world=world,
             materials=tuple(materials.materials),
@@ -164,8 +170,6 @@ class SceneReader:
         try:
             for placement in placements:
                 poll()
-                if placement.data is None:
-                    continue
                 address = placement.data.as_pointer()
                 if address not in seen:
                     seen[address] = self._live.get(address) or (

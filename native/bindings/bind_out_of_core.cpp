@@ -66,7 +66,7 @@ TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
             "The file of a part below part_count.")
         .def(
             "make_part",
-            [](HeldOutOfCore& self, std::size_t part, const Progress& progress) {
+            [](const HeldOutOfCore& self, std::size_t part, const Progress& progress) {
                 without_gil([&] { self.parts.make_part(part, progress); });
             },
             "part"_a, "progress"_a,

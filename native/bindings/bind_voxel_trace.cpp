@@ -2,7 +2,9 @@
 // Rays through voxel DAGs.
 #include "bindings/arrays.hpp"
 #include "bindings/voxel_dag.hpp"
+#include "voxel_dag/smooth_normals.hpp"
 #include "voxel_dag/trace.hpp"
+#include <algorithm>
 
 namespace tyndall::bindings {
 using namespace py::literals;
@@ -80,6 +82,18 @@ static py::array_t<bool> occluded_rays(const PlacedDag& self, const py::array& o
     return found;
 }
 
+static py::array_t<float> normals_of(const PlacedDag& self, const py::array& coordinates, const py::array& directions,
+                                     std::uint32_t radius, const Progress& progress) {
+    const auto voxels = to_vector<Voxel, std::uint32_t>(coordinates, {-1, 3}, "coordinates");
+    const auto along = to_vector<dvec3, double>(directions, {-1, 3}, "directions");
+    py::array_t<float> rows({coordinates.shape(0), py::ssize_t{3}});
+    auto* const normals = reinterpret_cast<vec3*>(rows.mutable_data());
+    without_gil([&] {
+        std::ranges::copy(smooth_normals::find(self.dag, voxels, along, {.radius = radius}, progress), normals);
+    });
+    return rows;
+}
+
 void bind_voxel_trace(VoxelDagClass& type) {
     type.def(
             "trace", &trace_rays, "origins"_a, "directions"_a, "level"_a, "spreads"_a, "progress"_a,
@@ -88,6 +102,9 @@ wider than spread times their distance, are hit whole. Returns distances in metr
 voxels, uint32 (k, 3), the lowest of each cube; and normals, float32 (k, 3), 0 where a ray began in a voxel. Releases the
 GIL. InvalidInput: a level that is not there; Cancelled.)")
         .def("occluded", &occluded_rays, "origins"_a, "directions"_a, "ends"_a, "progress"_a,
-             "ends: float64 (k,), in metres. Whether a voxel begins before, (k,). Releases the GIL. Cancelled.");
+             "ends: float64 (k,), in metres. Whether a voxel begins before, (k,). Releases the GIL. Cancelled.")
+        .def("smooth_normals", &normals_of, "coordinates"_a, "directions"_a, "radius"_a, "progress"_a,
+             "coordinates: uint32 (k, 3); directions: float64, as many or none. float32 (k, 3). Releases the GIL. "
+             "InvalidInput, Cancelled.");
 }
 } // namespace tyndall::bindings

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/depth_map_face.hpp"
+#include "light_shafts/shape_faces.hpp"
 
 namespace tyndall::light_shafts {
 using namespace slope_rows;
@@ -69,9 +70,16 @@ void raster_depth(DepthMap& map, const MapWindow& window, const Occluders& occlu
         return;
     }
     const DepthMapFace face(map, window);
-    raster(*map.texels, occluders, progress,
-           [&](const OccluderInstance& instance, const OccluderBlock& block, std::size_t start, std::int32_t first,
-               std::int32_t end,
-               PlacedTriangles& placed) { return place_in_face(face, instance, block, start, first, end, placed); });
+    const MapDrawing drawing{
+        .placer =
+            [&](const OccluderInstance& instance, const OccluderBlock& block, std::size_t start, std::int32_t first,
+                std::int32_t end,
+                PlacedTriangles& placed) { return place_in_face(face, instance, block, start, first, end, placed); },
+        .tracer =
+            [&](std::int32_t first, std::int32_t end) {
+                trace_shapes(*map.texels, first, end, *occluders.traced,
+                             [&](std::int32_t slice, std::int32_t line) { return light_line(map, slice, line); });
+            }};
+    raster(*map.texels, occluders, progress, &drawing);
 }
 } // namespace tyndall::light_shafts

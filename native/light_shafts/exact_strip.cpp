@@ -34,12 +34,18 @@ StripScene make_strip_scene(const Scene& scene, const Progress& progress) {
                                 .occlusion_of_slot = std::move(slots),
                                 .slot_of_triangle = &mesh.arrays().material_slots,
                                 .instance = index});
-        Bounds3& box = boxes.emplace_back();
-        for (std::size_t corner = 0; corner < 8; ++corner)
-            box.grow(vec3(instance.world_from_object * vec4(mesh.bounds().corner(corner), 1.0f)));
+        boxes.push_back(transformed(mesh.bounds(), instance.world_from_object));
+    }
+    for (const PlacedShape& placed : description.placed_shapes)
+        if (placed.casts_shadow && stops_light(description, placed)) {
+            strip.shapes.push_back({.shape = &description.shapes[placed.shape_index]->shape(),
+                                    .world_from_object = placed.world_from_object});
+            boxes.push_back(bounds_of(description, placed));
+        }
+    for (Bounds3& box : boxes) {
         const vec3 reach = glm::max(glm::abs(box.min), glm::abs(box.max));
         strip.top_reach = glm::max(strip.top_reach, reach);
-        box.min -= 4e-7f * reach, box.max += 4e-7f * reach; // what the product above may have rounded away
+        box.min -= 4e-7f * reach, box.max += 4e-7f * reach; // what the transform may have rounded away
     }
     if (boxes.size() > 2)
         strip.top = WideBvh(rtcGetSceneDevice(scene.embree_scene()), boxes, 1, progress);
@@ -80,7 +86,7 @@ class ExactStrip final : public Visibility {
 public:
     ExactStrip(const Scene& scene, const LightSample& light, std::shared_ptr<const StripScene> strip)
         : scene_(scene), light_(light), strip_(std::move(strip)) {
-        if (strip_->meshes.empty())
+        if (strip_->object_count() == 0)
             statistics_.skip("exact strip", "nothing casts a shadow");
     }
 
@@ -88,7 +94,7 @@ public:
         thread_local StripShadows shadows;
         thread_local std::vector<PartialShadow> partial;
         for (const ViewRay& ray : rays) {
-            if (!light_.casts_shadow || strip_->meshes.empty()) {
+            if (!light_.casts_shadow || strip_->object_count() == 0) {
                 if (ray.near_m < ray.far_m)
                     rows.intervals.push_back({.near_m = ray.near_m, .far_m = ray.far_m});
                 rows.end_ray();

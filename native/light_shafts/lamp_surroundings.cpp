@@ -41,10 +41,49 @@ struct Search {
 };
 } // namespace
 
-static bool look_at_triangle(RTCPointQueryFunctionArguments* found) {
+namespace {
+/// Looks for a cell that reaches into the sphere.
+class CellSearch final : public CellVisitor {
+public:
+    CellSearch(Search& search, const mat4& scene_from_object)
+        : search_(search), scene_from_object_(scene_from_object) {}
+    bool enters(const Bounds3& box) override {
+        const Bounds3 around = transformed(box, scene_from_object_);
+        const vec3 way = glm::clamp(search_.centre, around.min, around.max) - search_.centre;
+        return !search_.is_found && glm::dot(way, way) < search_.radius_m * search_.radius_m;
+    }
+    void meet(const Bounds3& cell) override {
+        if (!enters(cell))
+            return;
+        // Its faces' triangles: both halves of each, by the corners that share a bit, counted around.
+        static constexpr std::size_t faces[6][4] = {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                                    {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}};
+        for (const auto& face : faces)
+            for (const std::size_t second : {std::size_t{1}, std::size_t{2}}) {
+                const auto corner = [&](std::size_t i) {
+                    return vec3(scene_from_object_ * vec4(cell.corner(face[i]), 1.0f)) - search_.centre;
+                };
+                const vec3 nearest = nearest_of_triangle(vec3(0.0f), corner(0), corner(second), corner(second + 1));
+                search_.is_found |= glm::dot(nearest, nearest) < search_.radius_m * search_.radius_m;
+            }
+    }
+
+private:
+    Search& search_;
+    const mat4& scene_from_object_;
+};
+} // namespace
+
+static bool look_at_primitive(RTCPointQueryFunctionArguments* found) {
     Search& search = *static_cast<Search*>(found->userPtr);
     const SceneDescription& description = search.scene.description();
     const std::uint32_t instance_index = found->context->instID[found->context->instStackSize - 1];
+    if (const PlacedShape* placed = search.scene.placed_shape(instance_index)) {
+        CellSearch cells(search, placed->world_from_object);
+        if (!search.is_found && placed->casts_shadow)
+            description.shapes[placed->shape_index]->shape().visit(cells);
+        return false;
+    }
     const Instance& instance = description.instances[instance_index];
     if (search.is_found || !instance.casts_shadow)
         return false;
@@ -68,7 +107,7 @@ bool has_occluder_within(const Scene& scene, const vec3& centre, float radius_m)
     RTCPointQuery query{.x = centre.x, .y = centre.y, .z = centre.z, .time = 0.0f, .radius = radius_m};
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
-    rtcPointQuery(scene.embree_scene(), &query, &context, look_at_triangle, &search);
+    rtcPointQuery(scene.embree_scene(), &query, &context, look_at_primitive, &search);
     return search.is_found;
 }
 } // namespace tyndall::light_shafts

@@ -110,8 +110,19 @@ public:
         : scene_(scene), digest_(digest), parts_(parts), occlusions_(scene.materials.size()),
           has_mesh_(scene.meshes.size()) {}
 
+    void feed_shape(std::uint32_t placed_index) {
+        const PlacedShape& placed = scene_.placed_shapes[placed_index];
+        digest_.feed(std::bit_cast<std::uintptr_t>(scene_.shapes[placed.shape_index].get()));
+        parts_.add(scene_.shapes[placed.shape_index]);
+        for (int column = 0; column < 4; ++column)
+            digest_.feed(vec3(placed.world_from_object[column]));
+    }
     /// A coloured or cut-out surface draws by the number of its instance, too.
     void feed(std::uint32_t index, bool is_partial) {
+        if (index >= scene_.instances.size()) {
+            feed_shape(index - static_cast<std::uint32_t>(scene_.instances.size()));
+            return;
+        }
         const Instance& instance = scene_.instances[index];
         const std::shared_ptr<const TriangleMesh>& mesh = scene_.meshes[instance.mesh_index];
         digest_.feed(std::bit_cast<std::uintptr_t>(mesh.get()));
@@ -212,6 +223,9 @@ KeptCasts::KeptCasts(MapCache& cache, const SceneDescription& scene, const Occlu
         feed.feed(instance.index, false);
     for (const PartialOccluderInstance& instance : occluders.partial_instances)
         feed.feed(instance.index, true);
+    if (occluders.traced)
+        for (const std::uint32_t placed : occluders.traced->placed())
+            feed.feed_shape(placed);
     parts_ = parts;
 }
 

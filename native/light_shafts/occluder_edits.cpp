@@ -26,9 +26,10 @@ OccluderEdits::OccluderEdits(const SceneDescription& scene, const Light& light, 
             edits_.emplace_back(edit, light, scene);
     std::map<std::vector<bool>, Group> groups;
     const auto group_of = [&](std::uint32_t index) -> Group& {
+        const std::uint32_t name_index = scene.name_index_of(index);
         std::vector<bool> is_meant;
         for (const PlacedEdit& edit : edits_)
-            is_meant.push_back(edit_means(*edit.what, scene.instances[index]));
+            is_meant.push_back(edit_means(*edit.what, name_index));
         const auto [group, is_new] = groups.try_emplace(is_meant);
         for (std::size_t edit = 0; is_new && edit < edits_.size(); ++edit)
             if (is_meant[edit])
@@ -39,6 +40,11 @@ OccluderEdits::OccluderEdits(const SceneDescription& scene, const Light& light, 
         group_of(instance.index).occluders.add(instance.mesh, instance.scene_from_object, instance.index);
     for (const PartialOccluderInstance& instance : occluders.partial_instances)
         group_of(instance.index).occluders.partial_instances.push_back(instance);
+    std::map<Group*, std::vector<std::uint32_t>> traced_of_group;
+    for (const std::uint32_t placed : occluders.traced ? occluders.traced->placed() : std::span<const std::uint32_t>())
+        traced_of_group[&group_of(static_cast<std::uint32_t>(scene.instances.size()) + placed)].push_back(placed);
+    for (auto& [group, placed] : traced_of_group)
+        group->occluders.traced = std::make_shared<const ShapeTracer>(scene, std::move(placed), Progress());
     for (auto& [is_meant, group] : groups) {
         if (occluders.kept)
             group.occluders.kept = occluders.kept->of(scene, group.occluders);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/occluders.hpp"
 #include "core/parallel.hpp"
+#include "light_shafts/shape_faces.hpp"
 #include <algorithm>
 #include <map>
 #include <numeric>
@@ -185,6 +186,32 @@ struct DistinctUses {
     }
 };
 
+/// Shapes join the instances by their faces, or are traced.
+static void gather_shapes(const SceneDescription& scene, Occluders& occluders, const Progress& progress) {
+    std::vector<std::vector<std::uint32_t>> placed_of(scene.shapes.size());
+    for (std::uint32_t i = 0; i < scene.placed_shapes.size(); ++i)
+        if (const PlacedShape& placed = scene.placed_shapes[i]; placed.casts_shadow && stops_light(scene, placed))
+            placed_of[placed.shape_index].push_back(i);
+    std::vector<std::uint32_t> traced;
+    for (std::size_t index = 0; index < placed_of.size(); ++index) {
+        progress.poll();
+        const std::vector<std::uint32_t>& placed = placed_of[index];
+        if (placed.empty())
+            continue;
+        const CellShape& shape = scene.shapes[index]->shape();
+        if (shape.cell_count() > most_cells_with_faces / placed.size()) {
+            traced.insert(traced.end(), placed.begin(), placed.end());
+            continue;
+        }
+        const OccluderMesh* faces = occluders.meshes.emplace_back(make_face_mesh(shape)).get();
+        for (const std::uint32_t i : placed)
+            occluders.add(faces, &scene.placed_shapes[i].world_from_object,
+                          static_cast<std::uint32_t>(scene.instances.size()) + i);
+    }
+    if (!traced.empty())
+        occluders.traced = std::make_shared<const ShapeTracer>(scene, std::move(traced), progress);
+}
+
 Occluders gather_occluders(const SceneDescription& scene, const Progress& progress) {
     Occluders occluders;
     DistinctUses<MeshUse> opaque;
@@ -226,6 +253,7 @@ Occluders gather_occluders(const SceneDescription& scene, const Progress& progre
     for (const auto& [use, instance] : partial.instances)
         if (const auto& mesh = occluders.partial_meshes[use]; !mesh->triangles.empty())
             occluders.partial_instances.push_back({mesh.get(), &scene.instances[instance].world_from_object, instance});
+    gather_shapes(scene, occluders, progress);
     return occluders;
 }
 } // namespace tyndall::light_shafts

@@ -32,7 +32,7 @@ struct OccluderMesh {
 struct OccluderInstance {
     const OccluderMesh* mesh = nullptr;
     const mat4* scene_from_object = nullptr;
-    std::uint32_t index = 0; ///< Into SceneDescription::instances.
+    std::uint32_t index = 0; ///< Into SceneDescription::instances, or from their number on, into its placed_shapes.
 };
 
 /// The triangles of a mesh that let a part of the light pass.
@@ -60,12 +60,14 @@ struct Occluders {
     std::vector<std::unique_ptr<const OccluderMesh>> meshes;
     std::vector<OccluderInstance> instances;
     std::size_t triangle_count = 0; ///< Of all opaque instances.
+    /// Shapes of cells that are too large to be instances of their faces; nothing: there are none.
+    std::shared_ptr<const ShapeTracer> traced;
     std::vector<std::unique_ptr<const TransparencyLookup>> lookups;
     std::vector<std::unique_ptr<const PartialOccluderMesh>> partial_meshes;
     std::vector<PartialOccluderInstance> partial_instances;
     std::shared_ptr<const KeptCasts> kept; ///< What they cast in other frames; nothing: nothing is kept.
 
-    [[nodiscard]] bool is_empty() const { return triangle_count == 0 && partial_instances.empty(); }
+    [[nodiscard]] bool is_empty() const { return triangle_count == 0 && partial_instances.empty() && !traced; }
     /// `scene_from_object` must outlive this.
     void add(const OccluderMesh* mesh, const mat4* scene_from_object, std::uint32_t index = 0);
 };

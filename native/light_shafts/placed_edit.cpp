@@ -9,19 +9,20 @@ bool edit_does_something(const OccluderEdit& edit) {
     return edit.kind == EditKind::Holes ? edit.noise.probability > 0.0f : edit.size_m > 0.0f;
 }
 
-bool edit_means(const OccluderEdit& edit, const Instance& instance) {
-    return edit.affects_all || std::ranges::binary_search(edit.objects, instance.name_index);
+bool edit_means(const OccluderEdit& edit, std::uint32_t name_index) {
+    return edit.affects_all || std::ranges::binary_search(edit.objects, name_index);
 }
 
 Bounds3 bounds_of_occluders(const SceneDescription& scene, const OccluderEdit* edit) {
     Bounds3 bounds;
     for (const Instance& instance : scene.instances) {
-        if (!instance.casts_shadow || (edit != nullptr && !edit_means(*edit, instance)))
+        if (!instance.casts_shadow || (edit != nullptr && !edit_means(*edit, instance.name_index)))
             continue;
-        const Bounds3& box = scene.meshes[instance.mesh_index]->bounds();
-        for (std::size_t corner = 0; corner < 8 && !box.is_empty(); ++corner)
-            bounds.grow(vec3(instance.world_from_object * vec4(box.corner(corner), 1.0f)));
+        bounds.grow(transformed(scene.meshes[instance.mesh_index]->bounds(), instance.world_from_object));
     }
+    for (const PlacedShape& placed : scene.placed_shapes)
+        if (placed.casts_shadow && (edit == nullptr || edit_means(*edit, placed.name_index)))
+            bounds.grow(bounds_of(scene, placed));
     return bounds;
 }
 

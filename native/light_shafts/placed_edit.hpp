@@ -8,7 +8,7 @@
 namespace tyndall::light_shafts {
 /// False: it leaves everything as it is.
 [[nodiscard]] bool edit_does_something(const OccluderEdit& edit);
-[[nodiscard]] bool edit_means(const OccluderEdit& edit, const Instance& instance);
+[[nodiscard]] bool edit_means(const OccluderEdit& edit, std::uint32_t name_index); ///< Of an object.
 /// Around those that cast shadows; nothing: all of them, else those that the edit means.
 [[nodiscard]] Bounds3 bounds_of_occluders(const SceneDescription& scene, const OccluderEdit* edit = nullptr);
 

@@ -17,6 +17,13 @@ namespace tyndall::light_shafts::slope_rows {
 using Placer =
     std::function<std::size_t(const OccluderInstance& instance, const OccluderBlock& block, std::size_t start,
                               std::int32_t first, std::int32_t end, PlacedTriangles& placed)>;
-/// Fills all rows. Throws Cancelled. Without a placer: as the layout's frame places triangles.
-void raster(Rows& rows, const Occluders& occluders, const Progress& progress, const Placer& placer = {});
+/// Raises the samples of the slices [first, end) to the shapes that are traced.
+using Tracer = std::function<void(std::int32_t first, std::int32_t end)>;
+/// How a map draws what the layout's frame does not place.
+struct MapDrawing {
+    Placer placer;
+    Tracer tracer;
+};
+/// Fills all rows. Throws Cancelled. Nothing: as the layout's frame places triangles and runs lines.
+void raster(Rows& rows, const Occluders& occluders, const Progress& progress, const MapDrawing* map = nullptr);
 } // namespace tyndall::light_shafts::slope_rows

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/strip_kernel.hpp"
+#include "light_shafts/strip_shapes.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "light_shafts/strip_kernel.cpp"
@@ -265,14 +266,22 @@ HWY_ATTR void find(const StripScene& scene, const StripRay& ray, StripShadows& s
                      });
                  });
     };
-    if (scene.meshes.size() <= 2) { // their own roots say as much as a hierarchy over them
-        for (std::uint32_t mesh = 0; mesh < scene.meshes.size() && !opaque.is_complete(); ++mesh)
-            cut_mesh(mesh);
+    const auto cut_object = [&](std::uint32_t index) HWY_ATTR {
+        if (index < scene.meshes.size()) {
+            cut_mesh(index);
+            return;
+        }
+        const StripShape& placed = scene.shapes[index - scene.meshes.size()];
+        add_shape_shadows(*placed.shape, placed.world_from_object, ray, opaque);
+    };
+    if (scene.object_count() <= 2) { // their own roots say as much as a hierarchy over them
+        for (std::uint32_t object = 0; object < scene.object_count() && !opaque.is_complete(); ++object)
+            cut_object(object);
         return;
     }
     MeshStrip<is_local> strip(ray.coordinates, ray, scene.top_reach, opaque);
     traverse(scene.top.nodes(), scene.top.depth(), strip, opaque, shadows.counters.nodes,
-             [&](std::uint32_t leaf) HWY_ATTR { cut_mesh(scene.top.leaves()[leaf].primitives[0]); });
+             [&](std::uint32_t leaf) HWY_ATTR { cut_object(scene.top.leaves()[leaf].primitives[0]); });
 }
 
 static void FindShadows(const StripScene& scene, const StripRay& ray, StripShadows& shadows) {

@@ -12,6 +12,7 @@
 #pragma once
 #include "light_shafts/shadow_union.hpp"
 #include "light_shafts/transparency_lookup.hpp"
+#include "scene/cell_shape.hpp"
 #include "scene/plane_cut.hpp"
 #include "scene/triangle_bvh.hpp"
 #include <cstdint>
@@ -35,6 +36,10 @@ struct StripMesh {
     const std::vector<std::uint16_t>* slot_of_triangle = nullptr;
     std::uint32_t instance = 0; ///< Into SceneDescription::instances.
 };
+struct StripShape {
+    const CellShape* shape = nullptr;
+    mat4 world_from_object{1.0f};
+};
 /// A cut triangle that may let light pass: it shadows [near_m, far_m] partly.
 struct PartialCut {
     std::uint32_t mesh; ///< Into StripScene::meshes.
@@ -43,9 +48,11 @@ struct PartialCut {
 };
 struct StripScene {
     std::vector<StripMesh> meshes;
+    std::vector<StripShape> shapes;
     std::vector<std::unique_ptr<const TransparencyLookup>> lookups; ///< Per material of the scene; null: none needed.
-    WideBvh top;          ///< Over the meshes' boxes in the scene's space; a leaf holds one mesh.
+    WideBvh top;          ///< Over boxes in the scene's space, the meshes' and then the shapes'; a leaf holds one.
     vec3 top_reach{0.0f}; ///< Largest absolute coordinate of those boxes, per axis.
+    [[nodiscard]] std::size_t object_count() const { return meshes.size() + shapes.size(); }
 };
 struct StripCounters {
     std::uint64_t nodes = 0, blocks = 0;

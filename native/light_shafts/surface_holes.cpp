@@ -12,10 +12,11 @@ std::unique_ptr<const SurfaceHoles> SurfaceHoles::make(const Scene& scene, const
         return nullptr;
     require(holes->edits_.size() <= 64, "light \"", light.name, "\" has ", holes->edits_.size(),
             " edits with holes for surfaces: 64 are the most");
-    for (const Instance& instance : scene.description().instances) {
+    for (std::uint32_t instance = 0; instance < scene.instance_count(); ++instance) {
+        const std::uint32_t name_index = scene.description().name_index_of(instance);
         std::uint64_t bits = 0;
         for (std::size_t edit = 0; edit < holes->edits_.size(); ++edit)
-            bits |= edit_means(*holes->edits_[edit].what, instance) ? std::uint64_t{1} << edit : 0;
+            bits |= edit_means(*holes->edits_[edit].what, name_index) ? std::uint64_t{1} << edit : 0;
         holes->bits_of_instance_.push_back(bits);
     }
     return holes;

@@ -34,6 +34,8 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
     for (const Instance& instance : scene.description().instances)
         for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot)
             is_used[scene.description().slot_materials[instance.first_slot_material + slot]] = true;
+    for (const PlacedShape& placed : scene.description().placed_shapes)
+        is_used[placed.material_index] = true;
     for (std::size_t index = 0; index < is_used.size(); ++index)
         if (const Material& material = scene.description().materials[index]; is_used[index] && !glows_nowhere(material))
             statistics.report("Material \"" + material.name + "\" glows, but lights no other surface and no fog");

@@ -47,11 +47,11 @@ struct SmoothTriangle {
 } // namespace
 
 vec3 terminator_lift(const Scene& scene, const Hit& hit, const ShadingPoint& point, const vec3& towards_light) {
+    if (!scene.is_smooth(hit.instance))
+        return vec3(0.0f);
     const SceneDescription& description = scene.description();
     const Instance& instance = description.instances[hit.instance];
     const MeshArrays& arrays = description.meshes[instance.mesh_index]->arrays();
-    if (arrays.corner_normals.empty())
-        return vec3(0.0f);
     const vec3 viewed_normal = point.is_backface ? -hit.geometric_normal : hit.geometric_normal;
     const float share =
         lift_share(glm::dot(point.shading_normal, towards_light), glm::dot(viewed_normal, towards_light));

@@ -17,7 +17,7 @@ struct SurfacePoint {
     return {.hit = hit,
             .shading = shading,
             .spawn = scene.spawn_point(hit),
-            .is_smooth = !scene.description().meshes[shading.mesh_index]->arrays().corner_normals.empty(),
+            .is_smooth = scene.is_smooth(hit.instance),
             .pixel_seed = pixel_seed};
 }
 } // namespace tyndall::render

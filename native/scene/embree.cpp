@@ -39,4 +39,29 @@ void commit(RTCScene scene, std::string_view what, const Progress& progress) {
     rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
     check_embree(what);
 }
+
+void attach_instance(RTCScene scene, RTCScene instanced, const mat4& scene_from_object, unsigned int id,
+                     unsigned int mask) {
+    const RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry, instanced);
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &scene_from_object[0][0]);
+    rtcSetGeometryMask(geometry, mask);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene, geometry, id);
+    rtcReleaseGeometry(geometry);
+}
+
+RTCRay embree_ray(const Ray& ray, unsigned int mask) {
+    RTCRay result{};
+    result.org_x = ray.origin.x;
+    result.org_y = ray.origin.y;
+    result.org_z = ray.origin.z;
+    result.tnear = ray.near_m;
+    result.dir_x = ray.direction.x;
+    result.dir_y = ray.direction.y;
+    result.dir_z = ray.direction.z;
+    result.tfar = ray.far_m;
+    result.mask = mask;
+    return result;
+}
 } // namespace tyndall

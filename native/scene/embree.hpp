@@ -2,6 +2,7 @@
 // The process's one Embree device, its errors as exceptions, and commits that can be cancelled.
 #pragma once
 #include "core/progress.hpp"
+#include "scene/camera.hpp"
 #include <embree3/rtcore.h>
 #include <string_view>
 
@@ -19,4 +20,8 @@ constexpr RTCSceneFlags traced_scene_flags =
 void check_embree(std::string_view what);
 /// Builds the BVH of `scene`; `what` names it in errors. Throws Cancelled within a few milliseconds of a cancel.
 void commit(RTCScene scene, std::string_view what, const Progress& progress);
+/// A scene within another, as its geometry `id`.
+void attach_instance(RTCScene scene, RTCScene instanced, const mat4& scene_from_object, unsigned int id,
+                     unsigned int mask);
+[[nodiscard]] RTCRay embree_ray(const Ray& ray, unsigned int mask);
 } // namespace tyndall

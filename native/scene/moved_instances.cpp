@@ -63,9 +63,10 @@ static bool are_alike(const Instance& a, const Instance& b) {
 /// But for where instances stand.
 static bool are_alike(const SceneDescription& a, const SceneDescription& b) {
     const auto all = [](const SceneDescription& scene) {
-        const auto& [origin_in_world, meshes, instances, object_names, slot_materials, materials, media, volumes,
-                     lights, world, world_medium_index] = scene;
-        return std::tie(origin_in_world, meshes, object_names, slot_materials, world_medium_index);
+        const auto& [origin_in_world, meshes, instances, shapes, placed_shapes, object_names, slot_materials, materials,
+                     media, volumes, lights, world, world_medium_index] = scene;
+        return std::tie(origin_in_world, meshes, shapes, placed_shapes, object_names, slot_materials,
+                        world_medium_index);
     };
     constexpr auto same = [](const auto& part, const auto& other) { return are_same(part, other); };
     constexpr auto alike = [](const Instance& instance, const Instance& other) { return are_alike(instance, other); };

@@ -4,6 +4,7 @@
 // Differs:  its coherent flag never goes with rtcOccluded16: in Embree 3.13.5 that does not return for some packets that
 //           meet instances.
 // Bound:    16 rays cost what 4 to 6 single ones cost; a CPU without AVX-512 takes them as narrower packets.
+#include "scene/embree.hpp"
 #include "scene/instance_masks.hpp"
 #include "scene/scene.hpp"
 #include <algorithm>
@@ -13,20 +14,6 @@ namespace tyndall {
 static constexpr std::size_t packet_size = 16;
 /// Fewer rays than this are traced one by one.
 static constexpr std::size_t smallest_packet = 4;
-
-static RTCRay embree_ray(const Ray& ray, unsigned int mask) {
-    RTCRay result{};
-    result.org_x = ray.origin.x;
-    result.org_y = ray.origin.y;
-    result.org_z = ray.origin.z;
-    result.tnear = ray.near_m;
-    result.dir_x = ray.direction.x;
-    result.dir_y = ray.direction.y;
-    result.dir_z = ray.direction.z;
-    result.tfar = ray.far_m;
-    result.mask = mask;
-    return result;
-}
 
 /// Fills the lanes of a packet; returns which hold a ray: those are -1, as Embree wants it.
 static std::array<int, packet_size> fill(RTCRay16& packet, std::span<const Ray> rays, unsigned int mask) {
@@ -70,6 +57,7 @@ static Hit hit_of(const RTCRay& ray, const RTCHit& hit) {
     return {.distance_m = ray.tfar,
             .instance = hit.instID[0],
             .triangle = hit.primID,
+            .cell = cell_of(hit.primID, hit.geomID),
             .barycentrics = vec2(hit.u, hit.v),
             .geometric_normal = vec3(hit.Ng_x, hit.Ng_y, hit.Ng_z)};
 }
@@ -146,6 +134,7 @@ void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits) const {
                                      : in_scene({.distance_m = query.ray.tfar[lane],
                                                  .instance = query.hit.instID[0][lane],
                                                  .triangle = query.hit.primID[lane],
+                                                 .cell = cell_of(query.hit.primID[lane], query.hit.geomID[lane]),
                                                  .barycentrics = vec2(query.hit.u[lane], query.hit.v[lane]),
                                                  .geometric_normal = vec3(query.hit.Ng_x[lane], query.hit.Ng_y[lane],
                                                                           query.hit.Ng_z[lane])});

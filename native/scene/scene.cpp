@@ -51,6 +51,15 @@ void Scene::Geometry::validate() const {
                 "object '", name, "' asks for slot material ", instance.first_slot_material + instance.slot_count - 1u,
                 " of ", scene.slot_materials.size());
     }
+    for (const PlacedShape& placed : scene.placed_shapes) {
+        require(placed.name_index < scene.object_names.size(), "a voxel object asks for object name ",
+                placed.name_index, " of ", scene.object_names.size());
+        const std::string& name = scene.object_names[placed.name_index];
+        require(placed.shape_index < scene.shapes.size() && scene.shapes[placed.shape_index] != nullptr, "object '",
+                name, "' asks for voxels ", placed.shape_index, " of ", scene.shapes.size());
+        require(placed.material_index < scene.materials.size(), "object '", name, "' asks for material ",
+                placed.material_index, " of ", scene.materials.size());
+    }
     for (const std::uint32_t material : scene.slot_materials)
         require(material < scene.materials.size(), "a slot asks for material ", material, " of ",
                 scene.materials.size());
@@ -106,9 +115,7 @@ static bool is_finite(const mat4& scene_from_object) {
 }
 
 /// Why an instance cannot be drawn; nullptr if it can.
-static const char* reason_to_drop(const TriangleMesh& mesh, const mat4& scene_from_object) {
-    if (mesh.triangle_count() == 0)
-        return "its mesh has no usable triangle";
+static const char* reason_to_drop(const mat4& scene_from_object) {
     if (!is_finite(scene_from_object))
         return "its transform is not finite";
     if (!is_regular(scene_from_object))
@@ -117,14 +124,21 @@ static const char* reason_to_drop(const TriangleMesh& mesh, const mat4& scene_fr
 }
 
 void Scene::Geometry::drop_unusable_instances() {
-    for (Instance& instance : description.instances)
-        instance.world_from_object = thickened(instance.world_from_object);
     std::map<std::pair<std::uint32_t, std::string>, std::size_t> dropped_counts; // an object's particles share a line
-    std::erase_if(description.instances, [&](const Instance& instance) {
-        const char* reason = reason_to_drop(*description.meshes[instance.mesh_index], instance.world_from_object);
+    const auto is_dropped = [&](auto& instance, bool is_empty, const char* why_empty) {
+        instance.world_from_object = thickened(instance.world_from_object);
+        const char* reason = is_empty ? why_empty : reason_to_drop(instance.world_from_object);
         if (reason != nullptr)
             ++dropped_counts[{instance.name_index, reason}];
         return reason != nullptr;
+    };
+    std::erase_if(description.instances, [&](Instance& instance) {
+        const bool is_empty = description.meshes[instance.mesh_index]->triangle_count() == 0;
+        return is_dropped(instance, is_empty, "its mesh has no usable triangle");
+    });
+    std::erase_if(description.placed_shapes, [&](PlacedShape& placed) {
+        const bool is_empty = description.shapes[placed.shape_index]->shape().bounds().is_empty();
+        return is_dropped(placed, is_empty, "it has no voxel");
     });
     for (const auto& [object_and_reason, count] : dropped_counts) {
         const auto& [name_index, reason] = object_and_reason;
@@ -190,7 +204,7 @@ const Material& Scene::Geometry::slot_material(const Instance& instance, std::si
     return description.materials[description.slot_materials[instance.first_slot_material + present]];
 }
 
-static Bounds3 transformed(const Bounds3& bounds, const mat4& to_from) {
+Bounds3 transformed(const Bounds3& bounds, const mat4& to_from) {
     Bounds3 result;
     for (std::size_t corner = 0; corner < 8 && !bounds.is_empty(); ++corner)
         result.grow(vec3(to_from * vec4(bounds.corner(corner), 1.0f)));
@@ -206,18 +220,26 @@ static mat3 normal_matrix(const mat4& scene_from_object) {
     return mat3(matrix / largest);
 }
 
+Scene::Placement Scene::placement_of(const mat4& scene_from_object) {
+    return {.scene_from_object_normals = normal_matrix(scene_from_object),
+            .object_from_scene = mat4(glm::inverse(glm::dmat4(scene_from_object)))};
+}
+
+/// Of an instance or a placed shape.
+static unsigned int mask_of(const auto& placed) {
+    return (placed.is_camera_visible ? camera_mask : 0u) | (placed.casts_shadow ? shadow_mask : 0u);
+}
+
 void Scene::Geometry::attach_instances(const Progress& progress) {
-    const RTCDevice device = embree_device();
-    embree_scene = rtcNewScene(device);
+    embree_scene = rtcNewScene(embree_device());
     rtcSetSceneFlags(embree_scene, traced_scene_flags);
-    placements.resize(description.instances.size());
+    placements.resize(description.instances.size() + description.placed_shapes.size());
     for (std::uint32_t index = 0; index < description.instances.size(); ++index) {
         const Instance& instance = description.instances[index];
         const TriangleMesh& mesh = *description.meshes[instance.mesh_index];
         const Bounds3 box = transformed(mesh.bounds(), instance.world_from_object);
         bounds.grow(box);
-        placements[index].scene_from_object_normals = normal_matrix(instance.world_from_object);
-        placements[index].object_from_scene = mat4(glm::inverse(glm::dmat4(instance.world_from_object)));
+        placements[index] = placement_of(instance.world_from_object);
 
         std::size_t surface_slots = 0, opaque_slots = 0;
         for (std::size_t slot = 0; slot < instance.slot_count; ++slot) {
@@ -231,14 +253,22 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
         has_holes |= instance.is_camera_visible && surface_slots < instance.slot_count;
         lets_light_pass |= instance.casts_shadow && opaque_slots < instance.slot_count;
 
-        const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-        rtcSetGeometryInstancedScene(geometry, mesh.embree_scene());
-        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &instance.world_from_object[0][0]);
-        rtcSetGeometryMask(geometry, (instance.is_camera_visible ? camera_mask : 0u) |
-                                         (instance.casts_shadow ? shadow_mask : 0u));
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometryByID(embree_scene, geometry, index);
-        rtcReleaseGeometry(geometry);
+        attach_instance(embree_scene, mesh.embree_scene(), instance.world_from_object, index, mask_of(instance));
+    }
+    for (std::size_t i = 0; i < description.placed_shapes.size(); ++i) {
+        const PlacedShape& placed = description.placed_shapes[i];
+        const std::size_t index = description.instances.size() + i;
+        const Bounds3 box = bounds_of(description, placed);
+        bounds.grow(box);
+        placements[index] = placement_of(placed.world_from_object);
+        if (!stops_light(description, placed))
+            continue;
+        if (!is_opaque_everywhere(description.materials[placed.material_index]))
+            statistics.report("object '" + description.object_names[placed.name_index] +
+                              "': its material lets a part of the light pass, but voxels are opaque");
+        surface_bounds.grow(box);
+        attach_instance(embree_scene, description.shapes[placed.shape_index]->embree_scene(), placed.world_from_object,
+                        static_cast<std::uint32_t>(index), mask_of(placed));
     }
     try {
         commit(embree_scene, "the scene", progress);

@@ -6,6 +6,7 @@
 #include "core/statistics.hpp"
 #include "scene/camera.hpp"
 #include "scene/light.hpp"
+#include "scene/placed_shapes.hpp"
 #include "scene/spawn_offset.hpp"
 #include "scene/triangle_mesh.hpp"
 #include "scene/volume_instance.hpp"
@@ -33,6 +34,8 @@ struct SceneDescription {
     dvec3 origin_in_world{0.0}; ///< What was subtracted from every position; the scene itself never reads it.
     std::vector<std::shared_ptr<const TriangleMesh>> meshes;
     std::vector<Instance> instances;
+    std::vector<std::shared_ptr<const CellGeometry>> shapes;
+    std::vector<PlacedShape> placed_shapes;
     std::vector<std::string> object_names;
     std::vector<std::uint32_t> slot_materials; ///< Into materials.
     std::vector<Material> materials;
@@ -41,13 +44,25 @@ struct SceneDescription {
     std::vector<Light> lights;
     World world;
     std::int32_t world_medium_index = -1; ///< Into media: fills all space; -1: none.
+
+    /// Of what a Hit's instance is.
+    [[nodiscard]] std::uint32_t name_index_of(std::uint32_t instance) const {
+        return instance < instances.size() ? instances[instance].name_index
+                                           : placed_shapes[instance - instances.size()].name_index;
+    }
 };
+
+/// Around the corners of a box, elsewhere.
+[[nodiscard]] Bounds3 transformed(const Bounds3& bounds, const mat4& to_from);
 
 struct Hit {
     float distance_m = 0.0f;
-    std::uint32_t instance = ~0u, triangle = ~0u; ///< Of the instance's mesh.
-    vec2 barycentrics{0.0f};
-    vec3 geometric_normal{0, 0, 1}; ///< Unit, scene space, as the triangle is wound (mirroring undone).
+    /// Into SceneDescription::instances; from their number on, into its placed_shapes.
+    std::uint32_t instance = ~0u;
+    std::uint32_t triangle = ~0u;   ///< Of the instance's mesh.
+    std::uint64_t cell = 0;         ///< Of the placed shape: see CellHit.
+    vec2 barycentrics{0.0f};        ///< Of a cell: along the two edges of its face.
+    vec3 geometric_normal{0, 0, 1}; ///< Unit, scene space, as the triangle is wound (mirroring undone), out of a cell.
     [[nodiscard]] bool is_hit() const { return instance != ~0u; }
 };
 
@@ -75,11 +90,25 @@ public:
     [[nodiscard]] const Statistics& statistics() const { return statistics_; }
     [[nodiscard]] RTCScene embree_scene() const {
         return geometry_->embree_scene;
-    } ///< Instance i is geometry i, if it has a surface.
+    } ///< Instance i, as a Hit counts them, is geometry i, if it has a surface.
     /// Everything but lights and world. Scenes that share it have the same; while it is held, no other takes its place.
     [[nodiscard]] std::shared_ptr<const void> geometry() const { return geometry_; }
 
-    /// Material of a hit triangle.
+    /// What a Hit's instance is, unless it is one of a mesh.
+    [[nodiscard]] const PlacedShape* placed_shape(std::uint32_t instance) const {
+        const std::size_t mesh_count = description().instances.size();
+        return instance < mesh_count ? nullptr : &description().placed_shapes[instance - mesh_count];
+    }
+    /// As many as Hit::instance tells apart.
+    [[nodiscard]] std::size_t instance_count() const {
+        return description().instances.size() + description().placed_shapes.size();
+    }
+    /// Whether surfaces of the instance have normals of their own, so that shadow rays may have to be lifted.
+    [[nodiscard]] bool is_smooth(std::uint32_t instance) const {
+        return placed_shape(instance) == nullptr &&
+               !description().meshes[description().instances[instance].mesh_index]->arrays().corner_normals.empty();
+    }
+    /// Material of a hit triangle, or of a shape.
     [[nodiscard]] const Material& material(std::uint32_t instance, std::uint32_t triangle) const;
     /// Everything a surface program reads at a hit.
     [[nodiscard]] ShadingPoint shading_point(const Ray& ray, const Hit& hit) const;
@@ -116,12 +145,14 @@ private:
         mat3 scene_from_object_normals{1.0f}; ///< Inverse transpose: a normal stays outside under mirroring.
         mat4 object_from_scene{1.0f};
     };
+    [[nodiscard]] static Placement placement_of(const mat4& scene_from_object);
+    [[nodiscard]] ShadingPoint shading_point(const PlacedShape& placed, const Ray& ray, const Hit& hit) const;
     struct Geometry {
         SceneDescription description; ///< Its lights and world are moved out.
         Bounds3 bounds, surface_bounds;
         Statistics statistics;
         RTCScene embree_scene = nullptr;
-        std::vector<Placement> placements; ///< Per instance.
+        std::vector<Placement> placements; ///< Per instance, then per placed shape.
         bool lets_light_pass = false;      ///< Some shadow-casting instance is transparent, or has holes.
         bool has_holes = false;            ///< Some camera-visible instance has slots without a surface.
 

@@ -7,6 +7,8 @@
 
 namespace tyndall {
 const Material& Scene::material(std::uint32_t instance_index, std::uint32_t triangle) const {
+    if (const PlacedShape* placed = placed_shape(instance_index))
+        return description().materials[placed->material_index];
     const Instance& instance = description().instances[instance_index];
     return geometry_->slot_material(instance, description().meshes[instance.mesh_index]->arrays().slot_of(triangle));
 }
@@ -16,10 +18,15 @@ static Value interpolate(const Value& a, const Value& b, const Value& c, vec2 ba
     return a + barycentrics.x * (b - a) + barycentrics.y * (c - a);
 }
 
-/// The values of the material's UV maps at a hit; a map that the mesh lacks is (0, 0), as in Cycles.
-static void look_up_uvs(const Material& material, const MeshArrays& mesh, const Hit& hit, std::vector<vec2>& uvs) {
+/// The values of the material's UV maps at a hit; a map that the mesh lacks is (0, 0), as in Cycles. Voxels have none.
+static void look_up_uvs(const Scene& scene, const Material& material, const Hit& hit, std::vector<vec2>& uvs) {
+    const SceneDescription& description = scene.description();
+    const MeshArrays* mesh = scene.placed_shape(hit.instance) != nullptr
+                                 ? nullptr
+                                 : &description.meshes[description.instances[hit.instance].mesh_index]->arrays();
+    uvs.clear();
     for (const std::string& name : material.uv_map_names) {
-        const MeshArrays::UvMap* map = mesh.uv_map(name);
+        const MeshArrays::UvMap* map = mesh == nullptr ? nullptr : mesh->uv_map(name);
         if (map == nullptr) {
             uvs.emplace_back(0.0f);
             continue;
@@ -29,7 +36,23 @@ static void look_up_uvs(const Material& material, const MeshArrays& mesh, const 
     }
 }
 
+ShadingPoint Scene::shading_point(const PlacedShape& placed, const Ray& ray, const Hit& hit) const {
+    const CellFace face = description().shapes[placed.shape_index]->shape().face(hit.cell);
+    const vec3 in_object = face.corner + hit.barycentrics.x * face.first_edge + hit.barycentrics.y * face.second_edge;
+    ShadingPoint point{.position = vec3(placed.world_from_object * vec4(in_object, 1.0f)),
+                       .geometric_normal = hit.geometric_normal,
+                       .shading_normal = hit.geometric_normal,
+                       .triangle = hit.triangle,
+                       .barycentrics = hit.barycentrics,
+                       .is_backface = glm::dot(hit.geometric_normal, ray.direction) > 0.0f};
+    if (point.is_backface)
+        point.shading_normal = -point.shading_normal;
+    return point;
+}
+
 ShadingPoint Scene::shading_point(const Ray& ray, const Hit& hit) const {
+    if (const PlacedShape* placed = placed_shape(hit.instance))
+        return shading_point(*placed, ray, hit);
     const Instance& instance = description().instances[hit.instance];
     const MeshArrays& mesh = description().meshes[instance.mesh_index]->arrays();
     const uvec3& corners = mesh.triangles[hit.triangle];
@@ -66,17 +89,22 @@ SurfaceClosures Scene::closures(const ShadingPoint& point, const Hit& hit) const
     const Material& surface = material(hit.instance, hit.triangle);
     if (!surface.has_surface)
         return {.diffuse_albedo = Rgb(0.0f), .transparent = Rgb(1.0f), .emission = Rgb(0.0f)};
-    if (surface.is_constant())
-        return surface.constant;
-    thread_local std::vector<vec2> uvs;
-    uvs.clear();
-    look_up_uvs(surface, description().meshes[point.mesh_index]->arrays(), hit, uvs);
-    return evaluate(surface, point, uvs);
+    SurfaceClosures closures = surface.constant;
+    if (!surface.is_constant()) {
+        thread_local std::vector<vec2> uvs;
+        look_up_uvs(*this, surface, hit, uvs);
+        closures = evaluate(surface, point, uvs);
+    }
+    if (placed_shape(hit.instance) != nullptr)
+        closures.transparent = Rgb(0.0f);
+    return closures;
 }
 
 SurfaceClosures Scene::closures(const Ray& ray, const Hit& hit) const { return closures(shading_point(ray, hit), hit); }
 
 Rgb Scene::transparency(const Ray& ray, const Hit& hit) const {
+    if (placed_shape(hit.instance) != nullptr)
+        return Rgb(0.0f);
     const Material& surface = material(hit.instance, hit.triangle);
     if (!surface.has_surface)
         return Rgb(1.0f);
@@ -85,9 +113,7 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit) const {
     if (is_opaque_everywhere(surface))
         return Rgb(0.0f);
     thread_local std::vector<vec2> uvs;
-    uvs.clear();
-    const MeshArrays& mesh = description().meshes[description().instances[hit.instance].mesh_index]->arrays();
-    look_up_uvs(surface, mesh, hit, uvs);
+    look_up_uvs(*this, surface, hit, uvs);
     Hit with_normal = hit;
     with_normal.geometric_normal =
         glm::normalize(geometry_->placements[hit.instance].scene_from_object_normals * hit.geometric_normal);
@@ -95,12 +121,18 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit) const {
 }
 
 SpawnPoint Scene::spawn_point(const Hit& hit) const {
+    const mat4& object_from_scene = geometry_->placements[hit.instance].object_from_scene;
+    if (const PlacedShape* placed = placed_shape(hit.instance)) {
+        const auto [corner, first_edge, second_edge] =
+            description().shapes[placed->shape_index]->shape().face(hit.cell);
+        return tyndall::spawn_point({corner, corner + first_edge, corner + second_edge}, hit.barycentrics,
+                                    placed->world_from_object, object_from_scene);
+    }
     const Instance& instance = description().instances[hit.instance];
     const MeshArrays& mesh = description().meshes[instance.mesh_index]->arrays();
     const uvec3& corners = mesh.triangles[hit.triangle];
     return tyndall::spawn_point({mesh.positions[corners.x], mesh.positions[corners.y], mesh.positions[corners.z]},
-                                hit.barycentrics, instance.world_from_object,
-                                geometry_->placements[hit.instance].object_from_scene);
+                                hit.barycentrics, instance.world_from_object, object_from_scene);
 }
 
 Ray Scene::leaving_ray(const Hit& hit, const vec3& direction, float far_m) const {

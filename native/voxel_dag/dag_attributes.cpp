@@ -104,8 +104,12 @@ std::optional<VoxelSample> DagAttributes::sample_at(const PackedDag& dag, const 
     const std::span entries = std::span(materials).first(static_cast<std::size_t>(cube->entry_count));
     voxels_->indices.decode(cube->first_entry, entries);
     SampleSum sum;
-    for (const std::uint32_t material : entries)
-        sum.add(sample(*voxels_, material));
+    VoxelSample one;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        if (i == 0 || entries[i] != entries[i - 1])
+            one = sample(*voxels_, entries[i]);
+        sum.add(one);
+    }
     return sum.mean();
 }
 

@@ -28,6 +28,16 @@ std::vector<LevelCounts> level_counts(const Dag& dag) {
     return counts;
 }
 
+std::uint64_t word_bytes(const Dag& dag) {
+    std::uint64_t words = 0;
+    for (std::uint64_t leaf : dag.leaves)
+        for (++words; leaf != 0; leaf >>= 8)
+            words += (leaf & 255) != 0;
+    for (const DagLevel& nodes : dag.levels)
+        words += nodes.node_count() + nodes.children.size();
+    return sizeof(std::uint32_t) * words;
+}
+
 std::uint64_t half_word_bytes(const Dag& dag) {
     const std::uint64_t near_end = std::uint64_t{1} << (dag.symmetry == Symmetry::Cube ? 10 : 13);
     // Words of 16 bits per node, of the leaf's own word of 64 bits at first: an offset counts those of its level.

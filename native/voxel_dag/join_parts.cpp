@@ -265,7 +265,7 @@ private:
             used += 5 * (nodes.node_count() + nodes.children.size());
         require(used < config_.memory_budget_bytes, "voxel DAG: the graph of ", parts_.size(),
                 " parts needs more than ", used >> 20, " MiB, and the budget is ", config_.memory_budget_bytes >> 20,
-                " MiB: allow more, and the finished parts are used");
+                " MiB: allow more");
         std::size_t passes = 1;
         while (passes < most_passes && UniqueTable<Node>::memory_bytes(expected_names<Node>(count / passes)) >
                                            (config_.memory_budget_bytes - used) / 2)

@@ -60,9 +60,10 @@ std::vector<std::uint8_t> encode_columns(const JointMaterials& materials) {
     for (const std::vector<std::uint32_t>& column : materials.columns)
         writer.number(width_of(column));
     for (const std::vector<std::uint32_t>& column : materials.columns) {
+        const std::uint32_t width = width_of(column);
         BitPacker bits;
         for (const std::uint32_t value : column)
-            bits.append(value, width_of(column));
+            bits.append(value, width);
         writer.packed(bits);
     }
     return writer.finish();

@@ -7,6 +7,7 @@
 #include "voxel_dag/merge_symmetric.hpp"
 #include "voxel_dag/pack_dag.hpp"
 #include <cerrno>
+#include <charconv>
 #include <fcntl.h>
 #include <sys/file.h>
 #include <system_error>
@@ -61,6 +62,19 @@ std::uint64_t most_bricks(const SnappedMesh& mesh, const OutOfCoreConfig& config
     return (budget_bytes - mesh_bytes) / part_bytes_per_brick;
 }
 
+/// Of the parts in a folder: with another budget the same job goes on with them. most_level where there are none.
+std::uint32_t level_of_parts(const std::filesystem::path& folder) {
+    std::uint32_t level = most_level;
+    std::error_code ignored; // no folder, no parts
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+        const std::string name = entry.path().filename().string();
+        std::uint32_t found = 0;
+        if (std::from_chars(name.data(), name.data() + name.size(), found).ec == std::errc())
+            level = std::min(level, found);
+    }
+    return level;
+}
+
 void make_folder(const std::filesystem::path& folder) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
@@ -72,12 +86,12 @@ void make_folder(const std::filesystem::path& folder) {
 template <typename Position>
 OutOfCore::OutOfCore(std::span<const Position> positions_m, std::span<const uvec3> triangles,
                      const OutOfCoreConfig& config, const Progress& progress)
-    : config_(config), mesh_(snap(positions_m, triangles, config.voxels, progress)),
-      parts_(split(mesh_, config.voxels.rule, most_bricks(mesh_, config), progress)) {
+    : config_(config), mesh_(snap(positions_m, triangles, config.voxels, progress)) {
     cube_m_ = config.voxels.bounds_m ? *config.voxels.bounds_m : cube_around(positions_m, triangles);
     const Fingerprint fingerprint = fingerprint_of(mesh_, config);
     job_ = fingerprint.value();
     folder_ = config.scratch_folder / ("tyndall-" + fingerprint.text());
+    parts_ = split(mesh_, config.voxels.rule, most_bricks(mesh_, config), level_of_parts(folder_), progress);
     statistics_.part_count = parts_.count();
 }
 template OutOfCore::OutOfCore(std::span<const vec3>, std::span<const uvec3>, const OutOfCoreConfig&, const Progress&);
@@ -92,14 +106,12 @@ PartKey OutOfCore::key_of(std::size_t part) const {
     return {.job = job_, .level = parts_.level, .code = parts_.codes[part]};
 }
 
-std::optional<PartFile> OutOfCore::finished(std::size_t part, const Progress& progress) {
-    const std::filesystem::path path = part_path(part);
-    if (!std::filesystem::exists(path))
+std::optional<PartFile> OutOfCore::finished(std::size_t part, const Progress& progress) const {
+    if (!std::filesystem::exists(part_path(part)))
         return std::nullopt;
     try {
         return this->part(part, progress);
-    } catch (const IoError&) {
-        statistics_.damaged_parts.push_back(path.filename().string());
+    } catch (const IoError&) { // damaged, or of another job
         return std::nullopt;
     }
 }
@@ -115,7 +127,7 @@ void OutOfCore::draw_part(std::size_t part, const Progress& progress) const {
     write_part(dag, key_of(part), voxels.statistics.voxel_count, part_path(part), progress);
 }
 
-void OutOfCore::make_part(std::size_t part, const Progress& progress) {
+void OutOfCore::make_part(std::size_t part, const Progress& progress) const {
     make_folder(folder_);
     if (!finished(part, progress))
         draw_part(part, progress);
@@ -128,6 +140,8 @@ void OutOfCore::make_parts(std::vector<PartFile>& parts, Progress& progress) {
         if (file)
             ++statistics_.kept_part_count;
         else {
+            if (std::filesystem::exists(part_path(part)))
+                statistics_.damaged_parts.push_back(part_path(part).filename().string());
             draw_part(part, progress);
             file = this->part(part, progress);
         }
@@ -150,6 +164,11 @@ void OutOfCore::join(const std::vector<PartFile>& parts, const std::filesystem::
                        progress.advance_to(parts_end + (join_end - parts_end) * static_cast<float>(share));
                    });
     statistics_.join_pass_count = joined.statistics.most_passes;
+    const std::uint64_t pack_bytes = estimated_pack_bytes(joined.dag),
+                        budget_bytes = config_.voxels.memory_budget_bytes;
+    require(pack_bytes <= budget_bytes, "voxel DAG: packing ", joined.dag.node_count(), " nodes takes about ",
+            pack_bytes >> 20, " MiB, and the budget is ", budget_bytes >> 20, " MiB: allow more, or a resolution of ",
+            config_.voxels.resolution / 2, ", which takes a quarter to a half");
     progress.set_message("Packing " + std::to_string(joined.dag.node_count()) + " nodes");
     const PackedDag packed = pack_dag(joined.dag, progress);
     joined.dag = {};
@@ -157,6 +176,11 @@ void OutOfCore::join(const std::vector<PartFile>& parts, const std::filesystem::
     statistics_.geometry_bytes = packed.byte_count();
     progress.set_message("Writing " + path.filename().string());
     write_dag(packed, cube_m_, path, progress);
+}
+
+std::string OutOfCore::what_is_kept(std::size_t finished_count) const {
+    return " (" + std::to_string(finished_count) + " of " + std::to_string(parts_.count()) + " parts are kept in " +
+           folder_.string() + ": the same call goes on from there)";
 }
 
 OutOfCoreStatistics OutOfCore::finish(const std::filesystem::path& path, Progress& progress) {
@@ -167,9 +191,9 @@ OutOfCoreStatistics OutOfCore::finish(const std::filesystem::path& path, Progres
         make_parts(parts, progress);
         join(parts, path, progress);
     } catch (const IoError& error) {
-        throw IoError(std::string(error.what()) + " (" + std::to_string(parts.size()) + " of " +
-                      std::to_string(parts_.count()) + " parts are kept in " + folder_.string() +
-                      ": the same call goes on from there)");
+        throw IoError(error.what() + what_is_kept(parts.size()));
+    } catch (const InvalidInput& error) {
+        throw InvalidInput(error.what() + what_is_kept(parts.size()));
     }
     std::error_code ignored; // the file is there: what cannot be removed does it no harm
     std::filesystem::remove_all(folder_, ignored);

@@ -31,7 +31,7 @@ struct OutOfCoreStatistics {
 
 class OutOfCore {
 public:
-    /// Snaps the mesh and splits the cube. The triangles must outlive this. Throws as voxelize() and split() do.
+    /// Snaps the mesh and splits the cube: as parts that are there already did, if those fit the budget. The triangles must outlive this. Throws as voxelize() and split() do.
     template <typename Position>
     OutOfCore(std::span<const Position> positions_m, std::span<const uvec3> triangles, const OutOfCoreConfig& config,
               const Progress& progress);
@@ -41,7 +41,7 @@ public:
     [[nodiscard]] std::uint32_t part_level() const { return parts_.level; }
     /// Makes a part's file, unless it is there and whole. Parts are independent of each other. Throws IoError, InvalidInput
     /// where the budget does not suffice after all, and Cancelled.
-    void make_part(std::size_t part, const Progress& progress);
+    void make_part(std::size_t part, const Progress& progress) const;
     /// One that was made. Throws IoError.
     [[nodiscard]] PartFile part(std::size_t part, const Progress& progress) const {
         return {part_path(part), key_of(part), progress};
@@ -53,10 +53,12 @@ public:
 
 private:
     [[nodiscard]] PartKey key_of(std::size_t part) const;
-    [[nodiscard]] std::optional<PartFile> finished(std::size_t part, const Progress& progress);
+    [[nodiscard]] std::optional<PartFile> finished(std::size_t part, const Progress& progress) const;
     void draw_part(std::size_t part, const Progress& progress) const;
     void make_parts(std::vector<PartFile>& parts, Progress& progress);
     void join(const std::vector<PartFile>& parts, const std::filesystem::path& path, Progress& progress);
+
+    [[nodiscard]] std::string what_is_kept(std::size_t finished_count) const;
 
     OutOfCoreConfig config_;
     Cube cube_m_;

@@ -283,6 +283,11 @@ private:
 };
 } // namespace
 
+std::uint64_t estimated_pack_bytes(const Dag& dag) {
+    constexpr std::uint64_t bytes_per_node = 92; // of which the DAG's arrays are 26
+    return bytes_per_node * dag.node_count();
+}
+
 PackedDag pack_dag(const Dag& dag, const Progress& progress) {
     progress.poll();
     if (dag.is_empty())

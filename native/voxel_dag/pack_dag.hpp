@@ -8,6 +8,9 @@
 #include "voxel_dag/packed_dag.hpp"
 
 namespace tyndall::voxel_dag {
+/// What packing takes at most, the DAG and what comes out among it: measured on scans and architecture.
+[[nodiscard]] std::uint64_t estimated_pack_bytes(const Dag& dag);
+
 /// Any symmetry; the same bits for any number of threads. Throws InvalidInput where a level's shared records reach 512 MiB,
 /// and Cancelled.
 [[nodiscard]] PackedDag pack_dag(const Dag& dag, const Progress& progress);

@@ -123,26 +123,39 @@ PackedLeaf packed_leaf(const PackedDag& dag, std::uint32_t pair) {
             .tag = static_cast<std::uint32_t>(field >> dag.leaf_bits)};
 }
 
-bool PackedDag::contains(const Voxel& voxel) const {
-    if (is_empty() || std::ranges::any_of(voxel, [&](std::uint32_t at) { return at >> level != 0; }))
-        return false;
-    const std::uint64_t code = morton_code(voxel);
-    PackedNode node{.bit = root_bit};
+/// The brick that a voxel lies in, as it is stored, and what turns it into what is there; without voxels, 0.
+struct StoredBrick {
+    std::uint64_t mask;
+    std::uint32_t turn;
+};
+static StoredBrick stored_brick(const PackedDag& dag, const Voxel& voxel, std::uint64_t code) {
+    if (dag.is_empty() || std::ranges::any_of(voxel, [&](std::uint32_t at) { return at >> dag.level != 0; }))
+        return {};
+    PackedNode node{.bit = dag.root_bit};
     std::uint32_t pair = 0;
-    for (std::uint32_t at = level; at > leaf_level; --at) {
+    for (std::uint32_t at = dag.level; at > leaf_level; --at) {
         const auto there = static_cast<std::uint32_t>(code >> 3 * (at - 1) & 7);
         const std::uint32_t octant = cube_group.octant[cube_group.inverse[node.turn]][there];
-        const PackedHeader header = packed_header(*this, at, node);
+        const PackedHeader header = packed_header(dag, at, node);
         if ((header.child_mask >> octant & 1) == 0)
-            return false;
+            return {};
         if (at == leaf_level + 1)
-            pair = packed_pair(*this, header, octant);
+            pair = packed_pair(dag, header, octant);
         else
-            node = packed_child(*this, at, node, header, octant);
+            node = packed_child(dag, at, node, header, octant);
     }
-    const PackedLeaf leaf = packed_leaf(*this, pair);
-    const std::uint32_t turn = cube_group.product[node.turn][leaf.tag];
-    return (leaf.mask >> turned_voxel(cube_group.inverse[turn], static_cast<std::uint32_t>(code & 63)) & 1) != 0;
+    const PackedLeaf leaf = packed_leaf(dag, pair);
+    return {.mask = leaf.mask, .turn = cube_group.product[node.turn][leaf.tag]};
+}
+
+bool PackedDag::contains(const Voxel& voxel) const {
+    const std::uint64_t code = morton_code(voxel);
+    const auto [mask, turn] = stored_brick(*this, voxel, code);
+    return (mask >> turned_voxel(cube_group.inverse[turn], static_cast<std::uint32_t>(code & 63)) & 1) != 0;
+}
+std::uint64_t PackedDag::brick(const Voxel& voxel) const {
+    const auto [mask, turn] = stored_brick(*this, voxel, morton_code(voxel));
+    return turned_leaf(turn, mask);
 }
 
 std::uint64_t PackedDag::byte_count() const {

@@ -47,6 +47,8 @@ struct PackedDag {
     bool operator==(const PackedDag&) const = default;
     [[nodiscard]] bool is_empty() const { return leaves.empty(); }
     [[nodiscard]] bool contains(const Voxel& voxel) const;
+    /// All voxels of the brick of 4 x 4 x 4 that one lies in; bit i: that of Morton code i. Outside there are none.
+    [[nodiscard]] std::uint64_t brick(const Voxel& voxel) const;
     /// Of all arrays, as a file would hold them.
     [[nodiscard]] std::uint64_t byte_count() const;
 };

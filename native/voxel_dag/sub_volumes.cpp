@@ -4,7 +4,7 @@
 #include "voxel_dag/tile_bins.hpp"
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 namespace tyndall::voxel_dag {
 namespace {
@@ -107,12 +107,13 @@ std::vector<double> expected_bricks(const SnappedMesh& mesh, const Grid& grid, c
 }
 } // namespace
 
-SubVolumes split(const SnappedMesh& mesh, VoxelizeRule rule, std::uint64_t most_bricks, const Progress& progress) {
+SubVolumes split(const SnappedMesh& mesh, VoxelizeRule rule, std::uint64_t most_bricks, std::uint32_t most_part_level,
+                 const Progress& progress) {
     require(mesh.triangles.size() < std::size_t{1} << TileBins::triangle_bits, "the mesh has ", mesh.triangles.size(),
             " triangles; fewer than 2^", TileBins::triangle_bits, " are possible");
     const std::uint32_t most = std::min(most_halvings, mesh.level - std::min(mesh.level, tile_level));
-    std::uint32_t halvings = 0;
-    std::vector<double> bricks = expected_bricks(mesh, Grid(mesh, rule, 0), progress);
+    std::uint32_t halvings = std::min(most, mesh.level - std::min(mesh.level, most_part_level));
+    std::vector<double> bricks = expected_bricks(mesh, Grid(mesh, rule, halvings), progress);
     while (std::ranges::max(bricks) > static_cast<double>(most_bricks)) {
         require(halvings < most, "a sub-cube of 2^", mesh.level - halvings, " voxels a side has about ",
                 static_cast<std::uint64_t>(std::ranges::max(bricks)), " bricks of 4 x 4 x 4, of which ", most_bricks,
@@ -141,8 +142,6 @@ SubVolumes split(const SnappedMesh& mesh, VoxelizeRule rule, std::uint64_t most_
             parts.triangles[next[code]++] = static_cast<std::uint32_t>(triangle);
         });
     }
-    const double all = std::accumulate(bricks.begin(), bricks.end(), 0.0);
-    parts.expected_brick_count = static_cast<std::uint64_t>(all);
     return parts;
 }
 

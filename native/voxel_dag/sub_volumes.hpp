@@ -9,18 +9,17 @@
 
 namespace tyndall::voxel_dag {
 struct SubVolumes {
-    std::uint32_t level;                    ///< 2^level voxels a side.
-    std::vector<std::uint64_t> codes;       ///< Morton codes of those that triangles may meet, ascending.
-    std::vector<std::size_t> first;         ///< Of each, and one past: where its triangles begin.
-    std::vector<std::uint32_t> triangles;   ///< Indices in the mesh.
-    std::uint64_t expected_brick_count = 0; ///< In all, about: a surface seldom has more.
+    std::uint32_t level;                  ///< 2^level voxels a side.
+    std::vector<std::uint64_t> codes;     ///< Morton codes of those that triangles may meet, ascending.
+    std::vector<std::size_t> first;       ///< Of each, and one past: where its triangles begin.
+    std::vector<std::uint32_t> triangles; ///< Indices in the mesh.
 
     [[nodiscard]] std::size_t count() const { return codes.size(); }
 };
-/// The largest sub-cubes that have at most so many bricks of 4^3, as far as the triangles' areas tell; one, where all
-/// have. Throws InvalidInput for 2^31 triangles or more or where no size is small enough, and Cancelled.
+/// The largest sub-cubes of at most 2^most_part_level voxels a side that have at most so many bricks of 4^3, as far as the
+/// triangles' areas tell. Throws InvalidInput for 2^31 triangles or more or where no size is small enough, and Cancelled.
 [[nodiscard]] SubVolumes split(const SnappedMesh& mesh, VoxelizeRule rule, std::uint64_t most_bricks,
-                               const Progress& progress);
+                               std::uint32_t most_part_level, const Progress& progress);
 
 /// The triangles of one sub-cube, from its lower corner on, with three positions each.
 struct SubMesh {

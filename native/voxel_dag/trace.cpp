@@ -61,7 +61,7 @@ VoxelHit trace_through(const Tree& dag, const VoxelRay& ray) {
     if (dag.is_empty())
         return {};
     const Planes planes(ray);
-    double from = 0.0, end = ray.end;
+    double from = ray.start, end = ray.end;
     for (int axis = 0; axis < 3; ++axis) {
         from = std::max(from, planes.entry(axis, 0.0, static_cast<double>(1u << dag.level)));
         end = std::min(end, planes.exit(axis, 0.0, static_cast<double>(1u << dag.level)));
@@ -114,7 +114,7 @@ VoxelHit trace_through(const Tree& dag, const VoxelRay& ray) {
             if (const double width = static_cast<double>(1u << (level - 1));
                 width <= std::max({1.0, ray.width, ray.spread * from})) {
                 VoxelHit hit{.distance = from, .voxel = lowest, .axis = 3, .level = level - 1};
-                double entry = 0.0;
+                double entry = ray.start;
                 for (int axis = 0; axis < 3; ++axis)
                     if (const double at = planes.entry(axis, lowest[static_cast<std::size_t>(axis)], width);
                         at > entry) {

@@ -21,6 +21,7 @@ struct VoxelRay {
     /// Level of detail: a cube that is no wider than `width`, or than `spread` times the distance to it, is hit where it has
     /// any voxel, and not looked into. In voxels, and in voxels per length of direction. The whole is always looked into.
     double width = 0.0, spread = 0.0;
+    double start = 0.0; ///< At least 0, in lengths of direction: it begins there.
 };
 struct VoxelHit {
     double distance = std::numeric_limits<double>::infinity(); ///< In lengths of direction; a miss has an infinite one.
@@ -33,7 +34,7 @@ struct VoxelHit {
     [[nodiscard]] bool is_hit() const { return distance < std::numeric_limits<double>::infinity(); }
 };
 
-/// A ray that passes through a voxel's inside hits it, at 0 where it begins there; one that only touches a corner, an edge
+/// A ray that passes through a voxel's inside hits it, at its start where it begins there; one that only touches a corner, an edge
 /// or a face does not. Along a face of two voxels, parallel to it, it is in the upper one. Rays that are not finite miss.
 [[nodiscard]] VoxelHit trace(const Dag& dag, const VoxelRay& ray);
 [[nodiscard]] VoxelHit trace(const PackedDag& dag, const VoxelRay& ray);

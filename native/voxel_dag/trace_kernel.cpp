@@ -13,7 +13,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::voxel_dag::HWY_NAMESPACE {
-static constexpr std::size_t rays_at_once = 8; ///< Rays that take turns: one's loads wait while the others go on.
+static constexpr std::size_t rays_at_once = 16; ///< Rays that take turns: one's loads wait while the others go on.
 
 /// At the root; false: the ray misses the whole.
 HWY_INLINE bool start_at_root(Walk& walk, const TraceTables& tables, const VoxelRay& ray) {

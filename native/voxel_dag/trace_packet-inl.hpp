@@ -16,7 +16,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::voxel_dag::HWY_NAMESPACE {
 static constexpr std::size_t packet_size = 8;
-static constexpr std::uint32_t packet_level = 4; ///< In cubes of 2^4 and less each ray goes alone.
+static constexpr std::uint32_t packet_level = 5; ///< In cubes of 2^5 and less each ray goes alone.
 static constexpr int few_rays = 1;               ///< So many do anywhere.
 
 /// A cube on the way, and the rays' planes there, a lane each.

@@ -40,12 +40,12 @@ struct RayPlanes {
     double origin[3], inverse[3];
     std::uint32_t against = 0; ///< Bit per axis along which it goes down.
     double from, until;        ///< Where it enters the whole, and leaves it.
-    double width, spread;
+    double width, spread, start;
 
     /// False: it misses the whole, or is not finite.
     HWY_INLINE bool set(const VoxelRay& ray, double side) {
         against = 0;
-        from = 0.0, until = ray.end;
+        from = start = ray.start, until = ray.end;
         for (int axis = 0; axis < 3; ++axis) {
             origin[axis] = ray.origin[axis];
             inverse[axis] = 1.0 / ray.direction[axis];
@@ -85,7 +85,8 @@ public:
     /// In a cube, before the first advance().
     HWY_INLINE void start(const Cursor& cursor, const double* centre, double from, double until) {
         cursor_ = cursor;
-        level_ = root_ = cursor.level();
+        level_ = cursor.level();
+        left_levels_ = 0;
         WalkStep& step = steps_[level_];
         for (int axis = 0; axis < 3; ++axis)
             step.centre[axis] = centre[axis];
@@ -97,13 +98,14 @@ public:
     HWY_INLINE State advance() {
         WalkStep* step = &steps_[level_];
         step->left &= cursor_.open(step->node);
-        while (step->left == 0) {
-            if (level_ == root_)
-                return State::Misses;
-            ++level_, ++step;
-        }
+        left_levels_ |= std::uint32_t{step->left != 0} << level_;
+        if (left_levels_ == 0)
+            return State::Misses;
+        level_ = static_cast<std::uint32_t>(std::countr_zero(left_levels_));
+        step = &steps_[level_];
         const auto along = static_cast<std::uint32_t>(std::countr_zero(step->left));
         step->left &= step->left - 1;
+        left_levels_ ^= std::uint32_t{step->left == 0} << level_;
         from_ = step->from[along];
         world_ = along ^ ray.against;
         half_ = static_cast<double>(1u << (level_ - 1));
@@ -121,7 +123,7 @@ public:
     /// After State::Hits.
     HWY_INLINE VoxelHit hit() const {
         VoxelHit found{.distance = from_ + 0.0, .voxel = {}, .axis = 3, .level = level_ - 1}; // -0 becomes 0
-        double entry = 0.0;
+        double entry = ray.start;
         for (std::uint32_t axis = 0; axis < 3; ++axis) {
             const double lowest = steps_[level_].centre[axis] - ((world_ >> axis & 1) != 0 ? 0.0 : half_);
             found.voxel[axis] = static_cast<std::uint32_t>(lowest);
@@ -158,10 +160,11 @@ private:
         }
     }
 
-    Cursor cursor_;              ///< At the cube that is opened next.
-    double from_, half_;         ///< Of the octant that was reached: the ray's way to it, and its width.
-    std::uint32_t world_;        ///< That octant, in the world.
-    std::uint32_t level_, root_; ///< root_: the level that it does not leave.
+    Cursor cursor_;       ///< At the cube that is opened next.
+    double from_, half_;  ///< Of the octant that was reached: the ray's way to it, and its width.
+    std::uint32_t world_; ///< That octant, in the world.
+    std::uint32_t level_;
+    std::uint32_t left_levels_; ///< Bit per level whose cube has octants left.
     WalkStep steps_[most_level + 1];
 };
 } // namespace tyndall::voxel_dag::HWY_NAMESPACE

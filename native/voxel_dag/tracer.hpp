@@ -11,6 +11,7 @@ namespace tyndall::voxel_dag {
 /// Immutable; for any number of threads.
 class Tracer {
 public:
+    static constexpr std::size_t block_px = 8;
     struct Config {
         /// Of the topmost levels' nodes, which are kept decoded, the root at least. The rest of byte_count() follows from
         /// the DAG: at 8K^3 of a scan 0.4 MB.
@@ -28,6 +29,11 @@ public:
     /// Throws InvalidInput and Cancelled.
     void trace(std::span<const VoxelRay> rays, std::span<VoxelHit> hits, const Progress& progress) const;
     void find_occluded(std::span<const VoxelRay> rays, std::span<bool> are_occluded, const Progress& progress) const;
+
+    /// For blocks of 8 x 8 pixels of a picture, row by row, where their rays may begin: see beam_start.hpp. Of rays that are
+    /// given row by row, too; their number is a multiple of the width. Throws InvalidInput and Cancelled.
+    [[nodiscard]] std::vector<double> block_starts(std::span<const VoxelRay> rays, std::size_t width_px,
+                                                   const Progress& progress) const;
 
     /// Of what it keeps beside the DAG.
     [[nodiscard]] std::uint64_t byte_count() const;

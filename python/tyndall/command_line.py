@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""``python -m tyndall render FILE.blend --output OUT.exr``: frames without a window, for farms and scripts."""
+"""``python -m tyndall render FILE.blend --output OUT.exr``: frames without a window, for farms and scripts.
+
+``python -m tyndall voxelize FILE --resolution 65536 --out OUT.tdag`` is in ``voxelize_command``.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
+from . import voxelize_command
 from .frame_files import completed, frame_file, parse_frames, require_writable
 
 SUCCESS, RENDER_FAILED, BAD_USAGE, BAD_OUTPUT, INTERRUPTED = 0, 1, 2, 3, 130
@@ -62,7 +66,9 @@ def main(arguments: Sequence[str] | None = None, open_blend: Callable[..., Blend
     """The exit code. ``open_blend(path, settings)`` replaces Blender in tests."""
     options = _parser().parse_args(arguments)
     try:
-        return _render(options, open_blend or _blender())
+        if options.command == "voxelize":
+            return _voxelize(options)
+        return _render(options, open_blend or _blender("OpenBlendFile"))
     except KeyboardInterrupt:
         return _failed("interrupted", INTERRUPTED)
     except _UsageError as error:
@@ -75,9 +81,22 @@ class _UsageError(Exception):
     """Said in one line, with exit code 2."""
 
 
-def _blender() -> Callable[..., BlendFile]:
+def _voxelize(options: argparse.Namespace) -> int:
+    def read_blend(path: Path, scene: str | None) -> Any:  # noqa: ANN401  positions and triangles
+        return _blender("read_triangles")(path, scene)
+
     try:
-        from .blender.blend_file import OpenBlendFile  # noqa: PLC0415  needs bpy, which a message can ask for
+        return voxelize_command.run(options, read_blend)
+    except OSError:
+        raise
+    except (RuntimeError, ValueError) as error:
+        raise _UsageError(str(error)) from error
+
+
+def _blender(name: str) -> Callable[..., Any]:
+    """A part of ``tyndall.blender.blend_file``."""
+    try:
+        from .blender import blend_file  # noqa: PLC0415  needs bpy, which a message can ask for
     except ModuleNotFoundError as error:
         if error.name != "bpy":
             raise
@@ -85,7 +104,8 @@ def _blender() -> Callable[..., BlendFile]:
             "Blender's module bpy is not installed for this Python: pip install bpy==4.5.*, "
             "or use Blender itself: blender -b FILE -E TYNDALL -o //out -f 1"
         ) from error
-    return OpenBlendFile
+    part: Callable[..., Any] = getattr(blend_file, name)
+    return part
 
 
 def _render(options: argparse.Namespace, open_blend: Callable[..., BlendFile]) -> int:
@@ -163,8 +183,14 @@ def _at_least(lowest: int) -> Callable[[str], int]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m tyndall", description="Renders .blend files with Tyndall.")
-    render = parser.add_subparsers(required=True).add_parser("render", epilog=_EPILOG, help="render frames of a file")
+    parser = argparse.ArgumentParser(
+        prog="python -m tyndall", description="Renders .blend files, and makes voxel DAGs."
+    )
+    commands = parser.add_subparsers(required=True, dest="command")
+    voxelize_command.add_arguments(
+        commands.add_parser("voxelize", epilog=voxelize_command.EPILOG, help="make a voxel DAG of a scene or mesh")
+    )
+    render = commands.add_parser("render", epilog=_EPILOG, help="render frames of a file")
     add = render.add_argument
     add("file", type=Path, help="the .blend file")
     add("--output", type=Path, required=True, help="OUT.exr; #### becomes the frame's number")

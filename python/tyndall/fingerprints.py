@@ -11,6 +11,7 @@ import numpy as np
 
 from .heterogeneity import PaintedAir
 from .scene_description import DensityGrid, Image, Mesh
+from .voxel_dag import VoxelDag
 
 
 class _Digest(Protocol):
@@ -18,7 +19,7 @@ class _Digest(Protocol):
 
 
 def fingerprint(value: object) -> bytes:
-    """Equal for descriptions that give the same native scene. Meshes, images, grids, painted arrays: by their keys."""
+    """Equal for descriptions that give the same native scene. Meshes, images, grids, voxels, painted air: by keys."""
     digest = blake2b(digest_size=16)
     _feed(digest, value)
     return digest.digest()
@@ -27,6 +28,8 @@ def fingerprint(value: object) -> bytes:
 def _feed(digest: _Digest, value: object) -> None:
     if isinstance(value, Mesh | Image | DensityGrid):
         digest.update(f"<{value.key}>".encode())
+    elif isinstance(value, VoxelDag):
+        digest.update(f"<voxels {value.key}>".encode())
     elif isinstance(value, PaintedAir):
         _feed(digest, (value.key, value.world_from_unit))
     elif isinstance(value, np.ndarray):

@@ -32,12 +32,14 @@ class Job:
     output: Path
 
 
-def run(jobs: Sequence[Job], workers: int | str | None = None, progress: Progress | None = None) -> None:
+def run(
+    jobs: Sequence[Job], workers: int | str | None = None, progress: Progress | None = None, share: float = 1.0
+) -> None:
     """Run what is not done yet. ``workers``: None, here; a number of processes; the address of a Dask scheduler.
 
     What a job raises ends all; what is done stays. Raises IoError, which names a job whose process died again and again
-    or that wrote no file; InvalidInput where Dask is not there; and Cancelled. The share of the jobs that is done is
-    ``progress.fraction``'s way to 0.75: what is made of their files comes after them.
+    or that wrote no file; InvalidInput where Dask is not there; and Cancelled. ``progress`` goes up to ``share``:
+    of all that the caller does, the jobs are that much.
     """
     progress = progress or Progress()
     left = [job for job in jobs if not job.output.exists()]
@@ -46,7 +48,7 @@ def run(jobs: Sequence[Job], workers: int | str | None = None, progress: Progres
         progress.poll()
         before = len(left)
         with _executor(workers) as (executor, lost):
-            left = _not_done(executor, left, lost, len(jobs), progress)
+            left = _not_done(executor, left, lost, _Report(progress, len(jobs), share))
         deaths = deaths + 1 if len(left) == before else 0
         if deaths == _MOST_DEATHS:
             raise IoError(
@@ -55,26 +57,36 @@ def run(jobs: Sequence[Job], workers: int | str | None = None, progress: Progres
             )
 
 
+@dataclass(frozen=True)
+class _Report:
+    """Says how far the jobs are."""
+
+    progress: Progress
+    count: int  #: Of all jobs, those that were done before among them.
+    share: float
+
+    def left(self, left_count: int) -> None:
+        done = self.count - left_count
+        self.progress.message = f"{done} of {self.count} parts"
+        self.progress.advance_to(self.share * done / self.count)
+
+
 def _not_done(
-    executor: Executor | None,
-    jobs: list[Job],
-    lost: tuple[type[BaseException], ...],
-    all_count: int,
-    progress: Progress,
+    executor: Executor | None, jobs: list[Job], lost: tuple[type[BaseException], ...], report: _Report
 ) -> list[Job]:
     """Run jobs; returns those whose process died."""
     if executor is None:
         for index, job in enumerate(jobs):
-            progress.poll()
+            report.progress.poll()
             job.function(*job.arguments)
             _require_output(job)
-            _tell(progress, all_count - len(jobs) + index + 1, all_count)
+            report.left(len(jobs) - index - 1)
         return []
     futures: dict[Future[object], Job] = {executor.submit(job.function, *job.arguments): job for job in jobs}
     running = set(futures)
     try:
         while running:
-            progress.poll()
+            report.progress.poll()
             ended, running = wait(running, timeout=_POLL_S, return_when=FIRST_COMPLETED)
             for future in ended:
                 error = None if future.cancelled() else future.exception()
@@ -82,7 +94,7 @@ def _not_done(
                     raise error
                 if error is None and not future.cancelled():
                     _require_output(futures[future])
-            _tell(progress, all_count - sum(not job.output.exists() for job in jobs), all_count)
+            report.left(sum(not job.output.exists() for job in jobs))
     finally:
         for future in running:
             future.cancel()
@@ -92,11 +104,6 @@ def _not_done(
 def _require_output(job: Job) -> None:
     if not job.output.exists():
         raise IoError(f"{job.output}: its job ended and wrote no file: see that all machines see its folder")
-
-
-def _tell(progress: Progress, done: int, count: int) -> None:
-    progress.message = f"{done} of {count} parts"
-    progress.advance_to(0.75 * done / count)
 
 
 @contextmanager

@@ -19,6 +19,7 @@ from .linear_colours import linear_colours
 from .native_lights import build_light
 from .native_textures import build_texture
 from .native_volumes import build_volumes
+from .native_voxels import build_voxels, relative_matrices
 from .scene_description import (
     Image,
     Instances,
@@ -51,8 +52,15 @@ class KeptGeometry:
 
 def geometry_fingerprint(description: SceneDescription) -> bytes:
     """Equal where nothing but lights and the world's light differ."""
-    places = () if description.instances else tuple(light.world_from_light for light in description.lights)
-    parts = description.instances, description.materials, description.media, description.volumes
+    has_places = description.instances or description.voxel_objects
+    places = () if has_places else tuple(light.world_from_light for light in description.lights)
+    parts = (
+        description.instances,
+        description.voxel_objects,
+        description.materials,
+        description.media,
+        description.volumes,
+    )
     return fingerprint((parts, description.world.medium, places))
 
 
@@ -63,6 +71,7 @@ class NativeParts:
     meshes: dict[str, _native.TriangleMesh] = field(default_factory=dict)
     open_edges: dict[str, int] = field(default_factory=dict)  #: Of meshes that bound a medium.
     grids: dict[str, _native.DensityGrid] = field(default_factory=dict)
+    voxels: dict[int, _native.VoxelShape] = field(default_factory=dict)
     textures: dict[tuple[str, int, int], _native.Texture] = field(default_factory=dict)
     light_textures: dict[tuple[str, int, int], _native.FilteredTexture] = field(default_factory=dict)
     world: tuple[bytes, _native.World] | None = None
@@ -78,6 +87,8 @@ class NativeParts:
             "images reused": 0,
             "grids sent": 0,
             "grids reused": 0,
+            "voxels sent": 0,
+            "voxels reused": 0,
             "scene rebuilt": 0,
             "scene relit": 0,
         }
@@ -87,6 +98,7 @@ class NativeParts:
         self.counts["meshes reused"] = len(self.meshes)
         self.counts["images reused"] = len(self.textures)
         self.counts["grids reused"] = len(self.grids)
+        self.counts["voxels reused"] = len(self.voxels)
 
     def count_all_as_reused(self) -> None:
         """Nothing has changed: everything is in place."""
@@ -151,7 +163,8 @@ def _build_geometry(
     materials.append(_build_material(_DEFAULT_MATERIAL, []))
     slots = [group.materials or (default_material,) for group in groups]
     first_slots = np.cumsum([0, *map(len, slots)])[:-1]
-    object_names = [name for group in groups for name in group.object_names]
+    voxels = build_voxels(description.voxel_objects, parts, origin, default_material)
+    object_names = [name for group in groups for name in group.object_names] + voxels.object_names
     # A medium is pointed to by index: one that cannot be used becomes an empty one.
     media = [
         part if part is not None else _build_medium(Medium(name=medium.name))
@@ -167,13 +180,14 @@ def _build_geometry(
         origin_in_world=tuple(origin),
         meshes=[parts.meshes[key] for key in mesh_keys],
         mesh_indices=_repeated([mesh_index[group.mesh.key] for group in groups], counts, np.uint32),
-        world_from_object=_relative_matrices(groups, origin),
+        world_from_object=relative_matrices([group.world_from_object for group in groups], origin),
         object_names=object_names,
         first_slot_materials=_repeated(first_slots, counts, np.uint32),
         slot_counts=_repeated([len(slot) for slot in slots], counts, np.uint16),
         is_camera_visible=_repeated([group.is_camera_visible for group in groups], counts, np.uint8),
         casts_shadow=_repeated([group.casts_shadow for group in groups], counts, np.uint8),
         slot_materials=np.array([index for slot in slots for index in slot], dtype=np.uint32),
+        **voxels.arguments,
         materials=materials,
         media=media,
         volumes=volumes,
@@ -189,22 +203,13 @@ def _repeated(values: Iterable[int], counts: list[int], dtype: type[np.integer[A
     return np.repeat(np.array(list(values), dtype=dtype), counts)
 
 
-def _relative_matrices(groups: list[Instances], origin: NDArray[np.float64]) -> NDArray[np.float32]:
-    """(n, 4, 4): the subtraction happens in double precision, so that a scene 60 km out keeps its millimetres."""
-    if not groups:
-        return np.zeros((0, 4, 4), dtype=np.float32)
-    matrices = np.concatenate([group.world_from_object for group in groups]).astype(np.float64)
-    matrices[:, :3, 3] -= origin
-    with np.errstate(over="ignore"):  # what does not fit becomes infinite: the scene drops it with a report
-        return matrices.astype(np.float32, order="C")
-
-
 def _origin_in_world(groups: list[Instances], description: SceneDescription) -> NDArray[np.float64]:
     """The median of the placed objects, rounded: outliers do not move it, and motions seldom do.
 
     In whole metres, and in steps as large as the scene: where it moves, so do all coordinates, and nothing is kept.
     """
     places = [group.world_from_object[:, :3, 3] for group in groups]
+    places += [group.world_from_object[:, :3, 3] for group in description.voxel_objects]
     places += [volume.world_from_object[None, :3, 3] for volume in description.volumes]
     if not places:
         places = [light.world_from_light[None, :3, 3] for light in description.lights]

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from .volumes import SparseGrid
+    from .voxel_dag import VoxelDag
 
 Rgb = tuple[float, float, float]
 FloatArray = NDArray[np.float32]
@@ -44,6 +45,18 @@ class Instances:
     world_from_object: NDArray[np.float64]  #: (count, 4, 4), affine, may mirror.
     object_names: tuple[str, ...]  #: count names, for reports.
     materials: tuple[int, ...]  #: Per material slot, into SceneDescription.materials.
+    is_camera_visible: bool = True
+    casts_shadow: bool = True
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class VoxelObjects:
+    """Every placement of the same voxels that shares a material and flags. Voxels are opaque."""
+
+    dag: VoxelDag  #: Told by itself, not by its content: keep it from frame to frame. Its bounds are in object space.
+    world_from_object: NDArray[np.float64]  #: (count, 4, 4), affine, may mirror.
+    object_names: tuple[str, ...]  #: count names, for reports.
+    material: int | None = None  #: Into SceneDescription.materials; None: grey.
     is_camera_visible: bool = True
     casts_shadow: bool = True
 
@@ -338,6 +351,7 @@ class SceneDescription:
     """Everything but the camera. Equal keys of meshes and images mean equal content."""
 
     instances: tuple[Instances, ...] = ()
+    voxel_objects: tuple[VoxelObjects, ...] = ()
     materials: tuple[Material, ...] = ()
     media: tuple[Medium, ...] = ()
     volumes: tuple[Volume, ...] = ()

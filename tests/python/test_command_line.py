@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from tyndall.command_line import BAD_OUTPUT, BAD_USAGE, INTERRUPTED, RENDER_FAILED, SUCCESS, Settings, main
+from tyndall.voxel_dag import load
 
 
 class StandIn:
@@ -132,3 +133,67 @@ def test_without_bpy_the_message_says_what_to_install(blend: Path) -> None:
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == BAD_USAGE
     assert "pip install bpy" in done.stderr
+
+
+CUBE = "".join(f"v {x} {y} {z}\n" for x in (0, 1) for y in (0, 1) for z in (0, 1))
+CUBE += "f 1 2 4 3\nf 5 6 8 7\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n"
+
+
+@pytest.fixture
+def cube(tmp_path: Path) -> Path:
+    path = tmp_path / "cube.obj"
+    path.write_text(CUBE)
+    return path
+
+
+def voxelize(cube: Path, *arguments: str) -> int:
+    return main(["voxelize", str(cube), "--out", str(cube.with_suffix(".tdag")), *arguments])
+
+
+def test_a_mesh_becomes_a_voxel_dag(cube: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A shell of one voxel, whoever makes its parts."""
+    sizes = set()
+    for more in ([], ["--processes", "2"]):
+        assert voxelize(cube, "--resolution", "64", "--rule", "conservative", "--budget", "1GiB", *more) == SUCCESS
+        dag = load(cube.with_suffix(".tdag"))
+        assert dag.voxel_count == 64**3 - 62**3
+        sizes.add(cube.with_suffix(".tdag").stat().st_size)
+    assert len(sizes) == 1
+    told = capsys.readouterr().out
+    assert "12 triangles" in told
+    assert f"{64**3 - 62**3:,} voxels" in told
+    assert sorted(path.name for path in cube.parent.iterdir()) == ["cube.obj", "cube.tdag"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "culprit"),
+    [
+        (["--resolution", "100"], "100"),
+        (["--resolution", "64", "--out", "a.vdb"], "a.vdb"),
+        (["--resolution", "64", "--processes", "0"], "0 processes"),
+        (["--resolution", "131072", "--budget", "64KiB"], "would fit"),
+    ],
+)
+def test_what_cannot_become_voxels_is_named(
+    cube: Path, arguments: list[str], culprit: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert voxelize(cube, *arguments) == BAD_USAGE
+    assert culprit in capsys.readouterr().err
+
+
+def test_an_amount_of_memory_is_a_number_and_its_unit(cube: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        voxelize(cube, "--resolution", "64", "--budget", "much")
+    assert "much" in capsys.readouterr().err
+
+
+def test_files_that_are_no_meshes_are_told_in_one_line(cube: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    cube.write_text("v 0 0 zero\n")
+    assert voxelize(cube, "--resolution", "64") == BAD_OUTPUT
+    assert main(["voxelize", "missing.ply", "--resolution", "64", "--out", "a.tdag"]) == BAD_USAGE
+    wrong = cube.with_suffix(".stl")
+    wrong.touch()
+    assert voxelize(wrong, "--resolution", "64") == BAD_USAGE
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 3
+    assert all(name in line for name, line in zip(("cube.obj", "missing.ply", "cube.stl"), told, strict=True))

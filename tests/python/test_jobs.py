@@ -39,7 +39,7 @@ def scheduler() -> Iterator[str]:
 def test_what_is_done_is_not_done_again(tmp_path: Path) -> None:
     (tmp_path / "1.txt").write_text("was there")
     progress = tyndall.Progress()
-    jobs.run(writing(tmp_path, 3), None, progress)
+    jobs.run(writing(tmp_path, 3), None, progress, share=0.75)
     assert texts(tmp_path) == ["0", "2", "was there"]
     assert progress.fraction == pytest.approx(0.75)
 

@@ -71,6 +71,8 @@ def test_the_same_description_sends_nothing_and_builds_nothing() -> None:
         "images reused": 0,
         "grids sent": 0,
         "grids reused": 0,
+        "voxels sent": 0,
+        "voxels reused": 0,
         "scene rebuilt": 1,
         "scene relit": 0,
     }

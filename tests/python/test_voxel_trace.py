@@ -88,3 +88,26 @@ def test_what_begins_before_the_end_occludes() -> None:
         with pytest.raises(tyndall.InvalidInput, match="end_m"):
             dag.occluded(origins, directions, wrong)
     assert dag.occluded(np.zeros((0, 3)), np.zeros((0, 3))).shape == (0,)
+
+
+def test_normals_of_a_sphere_that_rays_hit_look_back_along_them() -> None:
+    at = np.stack(np.meshgrid(*[np.arange(64)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    voxels = at[np.abs(np.linalg.norm(at + 0.5 - 32, axis=1) - 24) < 0.7]
+    dag = from_coordinates(voxels, Config(resolution=64))
+    origins = np.random.default_rng(5).normal(size=(500, 3))
+    origins = 32 + 60 * origins / np.linalg.norm(origins, axis=1)[:, None]
+    _, voxel, _ = dag.trace(origins, 32 - origins)
+    outward = voxel + 0.5 - 32
+    outward /= np.linalg.norm(outward, axis=1)[:, None]
+    normals = dag.smooth_normals(voxel, 4, 32 - origins)
+    assert normals.dtype == np.float32
+    degrees = np.degrees(np.arccos(np.clip((normals * outward).sum(axis=1), -1, 1)))
+    assert degrees.max() < 11
+    assert degrees.mean() < 4
+    assert np.array_equal(np.abs(dag.smooth_normals(voxel, 4)), np.abs(normals))
+    assert not dag.smooth_normals([[0, 0, 0]]).any()
+    for radius in (0, 17):
+        with pytest.raises(tyndall.InvalidInput, match=f"radius is {radius}"):
+            dag.smooth_normals(voxel, radius)
+    with pytest.raises(tyndall.InvalidInput, match="500 coordinates, but 2 directions"):
+        dag.smooth_normals(voxel, 4, [[1, 0, 0], [0, 1, 0]])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A .blend file, opened in this process by bpy, whose frames render with Tyndall."""
+"""A .blend file, opened in this process by bpy: its frames render with Tyndall, its objects become triangles."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from . import ENGINE, enable, last_statistics, was_interrupted
+from .voxel_meshes import gather
 
 if TYPE_CHECKING:
     from tyndall.command_line import Settings
@@ -63,6 +64,22 @@ class OpenBlendFile:
         if "FINISHED" not in outcome:
             raise KeyboardInterrupt
         return last_statistics(self._scene.name) or {}
+
+
+def read_triangles(path: Path, scene_name: str | None) -> Any:  # noqa: ANN401  of the add-on
+    """Positions in metres, (n, 3) float64, and triangles, (m, 3) uint32, of all that the scene shows in renders.
+
+    Modifiers and instances are applied. Raises RuntimeError if the file cannot be opened, ValueError for a scene that
+    is not there or has no face.
+    """
+    enable()
+    _open(path)
+    scene = _chosen_scene(scene_name)
+    with bpy.context.temp_override(scene=scene, view_layer=scene.view_layers[0]):
+        mesh = gather(
+            bpy.context.evaluated_depsgraph_get(), [thing for thing in scene.objects if not thing.hide_render]
+        )
+    return mesh.positions_m, mesh.triangles
 
 
 def _chosen_scene(name: str | None) -> Any:  # noqa: ANN401  a scene with the add-on's properties

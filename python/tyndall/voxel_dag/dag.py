@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,8 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from tyndall import _native
 from tyndall._native import Progress
 
-from .checks import MOST_LEVEL, indices, per_row, points, refuse, whole
+from .checks import MOST_INDEX, MOST_LEVEL, indices, per_row, points, refuse, whole
 from .exports import Exports
+
+_keys = count()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +34,17 @@ class VoxelDag(Exports):
 
     def __init__(self, native: _native.VoxelDag) -> None:
         self._native = native
+        self._key = next(_keys)
+
+    @property
+    def key(self) -> int:
+        """No other object of this process has the same."""
+        return self._key
+
+    @property
+    def native(self) -> _native.VoxelDag:
+        """What the native side calls it by."""
+        return self._native
 
     @property
     def resolution(self) -> int:
@@ -186,6 +200,25 @@ class VoxelDag(Exports):
         """
         origins, ways = _rays(origins_m, directions)
         return self._native.occluded(origins, ways, per_row(end_m, len(origins), "end_m"), progress or Progress())
+
+    def smooth_normals(
+        self,
+        coordinates: ArrayLike,
+        radius: int = 3,
+        directions: ArrayLike | None = None,
+        progress: Progress | None = None,
+    ) -> NDArray[np.float32]:
+        """Normals of the surface that the voxels up to ``radius`` voxels around each one are, (k, 3).
+
+        ``coordinates``: voxels x, y and z, (k, 3). Normals look against ``directions``, those of rays, (k, 3); without
+        them to where fewer voxels are, out of a solid. They are 0 where the voxels around are no surface. Raises
+        InvalidInput and Cancelled.
+        """
+        voxels = indices(coordinates, "coordinates")
+        ways = np.ascontiguousarray(points([] if directions is None else directions, "directions"), np.float64)
+        if directions is not None and ways.shape != voxels.shape:
+            raise refuse(f"{len(voxels)} coordinates, but {len(ways)} directions")
+        return self._native.smooth_normals(voxels, ways, whole("radius", radius, MOST_INDEX), progress or Progress())
 
     def save(self, path: str | os.PathLike[str], progress: Progress | None = None) -> None:
         """Write a ``.tdag`` file, whole or not at all. Raises IoError, which names the path, and Cancelled."""

@@ -10,10 +10,12 @@ from numpy.typing import ArrayLike
 from tyndall import jobs
 from tyndall._native import Progress
 
+from .checks import refuse
 from .config import Config
 from .dag import VoxelDag, load
 from .forecast import require_room
 from .parts import part_jobs, parts_of, scratch_of
+from .surfaces import has_attributes
 
 
 def voxelize_to_file(
@@ -35,12 +37,13 @@ def voxelize_to_file(
     names the path; and Cancelled.
     """
     config, progress = config or Config(), progress or Progress()
+    if config.solid or has_attributes(config):
+        raise refuse("colors, textures, normals, channels and solid are not made out of core: use voxelize")
     require_room(positions_m, triangles, path, config, scratch=scratch, progress=progress)
     folder, count = scratch_of(path, scratch), workers if isinstance(workers, int) else 1
     if workers is not None:
-        jobs.run(
-            part_jobs(positions_m, triangles, config, folder, worker_count=count, progress=progress), workers, progress
-        )
+        parts = part_jobs(positions_m, triangles, config, folder, worker_count=count, progress=progress)
+        jobs.run(parts, workers, progress, share=0.75)
     native = parts_of(positions_m, triangles, config, folder, progress, worker_count=count)
     native.finish(path, progress)
     return load(path, progress)

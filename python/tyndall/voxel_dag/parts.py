@@ -16,7 +16,7 @@ from tyndall._native import Progress
 from tyndall.frame_files import completed
 from tyndall.jobs import Job
 
-from .checks import MOST_INDEX, budget, cube, indices, named, points, whole
+from .checks import MOST_INDEX, budget, cube, indices, named, points, refuse, whole
 from .config import Config
 
 _DEFAULT_BUDGET_BYTES = 2 << 30
@@ -32,6 +32,12 @@ def scratch_of(path: str | os.PathLike[str], scratch: str | os.PathLike[str] | N
     return Path(path).absolute().parent if scratch is None else Path(scratch).absolute()
 
 
+def require_no_attributes(config: Config) -> None:
+    """Refuse what parts' files do not hold. Raises InvalidInput."""
+    if config.colors is not None or config.normals is not None or config.channels:
+        raise refuse("colors, normals and channels are not kept out of core: leave them out, or keep all in memory")
+
+
 def parts_of(
     positions_m: ArrayLike,
     triangles: ArrayLike,
@@ -42,6 +48,7 @@ def parts_of(
     worker_count: int = 1,
 ) -> _native.OutOfCoreVoxels:
     """The parts of a mesh; ``worker_count`` processes share the budget. Raises InvalidInput and Cancelled."""
+    require_no_attributes(config)
     return _native.OutOfCoreVoxels(
         positions=points(positions_m, "positions_m"),
         triangles=indices(triangles, "triangles"),

@@ -11,13 +11,17 @@ from .checks import channels, colors, normals, refuse
 from .config import Config
 
 
+def has_attributes(config: Config) -> bool:
+    """Whether voxels are to carry anything."""
+    return any(given is not None for given in (config.textures, config.colors, config.normals)) or bool(config.channels)
+
+
 def surface(config: Config, vertex_count: int) -> _native.VoxelSurface:
     """Raises InvalidInput, which names what is wrong, and IoError, which names a picture's file."""
     textures = config.textures
     if textures is not None and config.colors is not None:
         raise refuse("colors and textures are both given")
-    has_any = textures is not None or config.colors is not None or config.normals is not None or config.channels
-    if config.solid and has_any:
+    if config.solid and has_attributes(config):
         raise refuse("voxels inside of a solid have no surface: leave out colors, textures, normals and channels")
     kind, vertex_normals = _native.SurfaceNormals.NONE, None
     if isinstance(config.normals, str):

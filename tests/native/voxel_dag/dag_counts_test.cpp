@@ -20,6 +20,7 @@ TEST_CASE("counts of Sierpinski's tetrahedron: 4 references per node, nothing us
         CHECK(counts[i].once_count == (i + 1 == counts.size() ? 1 : 0));
     }
     CHECK(half_word_bytes(dag) == 8 + 4 * (2 + 4 * 2)); // all near
+    CHECK(word_bytes(dag) == 5 * 4 * (1 + 4));          // that of 4^3 has four children, too
     CHECK(level_counts(build_dag({.level = 9, .codes = {}, .masks = {}}, {}, progress)).empty());
 }
 

@@ -18,6 +18,8 @@ using namespace tyndall::support;
 
 namespace {
 constexpr std::uint64_t no_limit = ~std::uint64_t{0};
+/// Shared by so many processes it leaves each little: what splits a small cube into many parts.
+constexpr std::uint64_t budget_bytes = 128 << 20;
 
 /// A folder that goes with the test.
 class TestFolder {
@@ -48,22 +50,19 @@ struct Job {
     VoxelizeRule rule = VoxelizeRule::Thin;
     Symmetry symmetry = Symmetry::Cube;
 
-    [[nodiscard]] OutOfCoreConfig config(const TestFolder& folder, std::uint64_t budget_bytes) const {
+    [[nodiscard]] OutOfCoreConfig config(const TestFolder& folder, std::uint32_t worker_count) const {
         VoxelizeConfig voxels = oracle::config_of(level, rule);
         voxels.memory_budget_bytes = budget_bytes;
-        return {.voxels = voxels, .symmetry = symmetry, .scratch_folder = folder / "scratch"};
+        return {
+            .voxels = voxels, .symmetry = symmetry, .worker_count = worker_count, .scratch_folder = folder / "scratch"};
     }
-    [[nodiscard]] OutOfCore out_of_core(const TestFolder& folder, std::uint64_t budget_bytes) const {
-        return {std::span<const dvec3>(mesh.positions), mesh.triangles, config(folder, budget_bytes), Progress()};
+    [[nodiscard]] OutOfCore out_of_core(const TestFolder& folder, std::uint32_t worker_count) const {
+        return {std::span<const dvec3>(mesh.positions), mesh.triangles, config(folder, worker_count), Progress()};
     }
     [[nodiscard]] LeafMasks voxels() const {
         return voxelize(std::span<const dvec3>(mesh.positions), mesh.triangles, oracle::config_of(level, rule),
                         Progress())
             .leaves;
-    }
-    /// A budget that some parts of the whole fit.
-    [[nodiscard]] std::uint64_t share_bytes(std::uint64_t share) const {
-        return std::max<std::uint64_t>(96 * voxels().codes.size() / share, 1 << 20);
     }
     [[nodiscard]] std::string at_once(const TestFolder& folder) const {
         const VoxelizeConfig config = oracle::config_of(level, rule);
@@ -73,10 +72,10 @@ struct Job {
         write_dag(pack_dag(dag, Progress()), *config.bounds_m, folder / "at_once.tdag", Progress());
         return bytes_of_file(folder / "at_once.tdag");
     }
-    [[nodiscard]] std::string in_parts(const TestFolder& folder, std::uint64_t budget_bytes,
+    [[nodiscard]] std::string in_parts(const TestFolder& folder, std::uint32_t worker_count,
                                        OutOfCoreStatistics* statistics = nullptr) const {
         Progress progress;
-        const OutOfCoreStatistics made = out_of_core(folder, budget_bytes).finish(folder / "in_parts.tdag", progress);
+        const OutOfCoreStatistics made = out_of_core(folder, worker_count).finish(folder / "in_parts.tdag", progress);
         if (statistics != nullptr)
             *statistics = made;
         return bytes_of_file(folder / "in_parts.tdag");
@@ -105,10 +104,10 @@ TEST_CASE("in parts or at once, the file has the same bytes") {
         job.symmetry = static_cast<Symmetry>(seed % 3);
         const std::string wanted = job.at_once(folder);
         OutOfCoreStatistics statistics;
-        CHECK((job.in_parts(folder, no_limit, &statistics) == wanted));
+        CHECK((job.in_parts(folder, 1, &statistics) == wanted));
         CHECK(statistics.part_count == 1);
-        for (const std::uint64_t share : {2u, 5u}) {
-            CHECK((job.in_parts(folder, job.share_bytes(share), &statistics) == wanted));
+        for (const std::uint32_t worker_count : {64u, 256u}) {
+            CHECK((job.in_parts(folder, worker_count, &statistics) == wanted));
             CHECK(std::filesystem::is_empty(folder / "scratch"));
         }
         split_count += statistics.part_count > 1;
@@ -119,16 +118,15 @@ TEST_CASE("in parts or at once, the file has the same bytes") {
 TEST_CASE("the file depends on neither the number of threads nor on the order in which parts were made") {
     const TestFolder folder;
     const Job job = soup(9, 400, 77);
-    const std::uint64_t budget_bytes = job.share_bytes(5);
     const std::string wanted = job.at_once(folder);
     for (const int thread_count : {1, 2, 7})
         with_exactly(thread_count, [&] {
-            OutOfCore parts = job.out_of_core(folder, budget_bytes);
+            OutOfCore parts = job.out_of_core(folder, 256);
             REQUIRE(parts.part_count() > 8);
             for (std::size_t part = parts.part_count(); part-- > 0;)
                 parts.make_part(part, Progress());
             OutOfCoreStatistics statistics;
-            CHECK((job.in_parts(folder, budget_bytes, &statistics) == wanted));
+            CHECK((job.in_parts(folder, 256, &statistics) == wanted));
             CHECK(statistics.kept_part_count == parts.part_count());
         });
 }
@@ -136,14 +134,14 @@ TEST_CASE("the file depends on neither the number of threads nor on the order in
 TEST_CASE("a cube of one brick, an empty one and one with most of its parts empty") {
     const TestFolder folder;
     Job job = soup(2, 3, 1);
-    CHECK((job.in_parts(folder, no_limit) == job.at_once(folder)));
+    CHECK((job.in_parts(folder, 1) == job.at_once(folder)));
     for (const std::int64_t corner : {0, 511, -40})
         for (const Symmetry symmetry : {Symmetry::None, Symmetry::Cube}) {
             job = {.mesh = oracle::mesh_of(oracle::box({corner * 256, corner * 256, corner * 256},
                                                        {corner * 256 + 700, corner * 256 + 800, corner * 256 + 900})),
                    .level = 9,
                    .symmetry = symmetry};
-            CHECK((job.in_parts(folder, 1 << 20) == job.at_once(folder)));
+            CHECK((job.in_parts(folder, 128) == job.at_once(folder)));
         }
 }
 
@@ -152,7 +150,7 @@ TEST_CASE("what was finished before an interruption is kept, and a damaged part 
     const Job job = soup(9, 400, 5);
     const std::string wanted = job.at_once(folder);
     for (const std::uintmax_t damaged_byte : {0u, 60u, 380u, 900u}) {
-        OutOfCore interrupted = job.out_of_core(folder, 2 << 20);
+        OutOfCore interrupted = job.out_of_core(folder, 64);
         for (std::size_t part = 0; part < 5; ++part)
             interrupted.make_part(part, Progress());
         {
@@ -165,12 +163,25 @@ TEST_CASE("what was finished before an interruption is kept, and a damaged part 
         std::filesystem::resize_file(interrupted.part_path(4),
                                      std::filesystem::file_size(interrupted.part_path(4)) - 1);
         OutOfCoreStatistics statistics;
-        CHECK((job.in_parts(folder, 2 << 20, &statistics) == wanted));
+        CHECK((job.in_parts(folder, 64, &statistics) == wanted));
         CHECK(statistics.kept_part_count == 3);
         CHECK(statistics.damaged_parts ==
               std::vector{interrupted.part_path(3).filename().string(), interrupted.part_path(4).filename().string()});
         CHECK(std::filesystem::is_empty(folder / "scratch"));
     }
+}
+
+TEST_CASE("with a larger budget a job goes on with the parts that it has") {
+    const TestFolder folder;
+    const Job job = soup(9, 400, 6);
+    OutOfCore interrupted = job.out_of_core(folder, 256);
+    for (std::size_t part = 0; part < 7; ++part)
+        interrupted.make_part(part, Progress());
+    REQUIRE(job.out_of_core(folder, 1).part_count() == interrupted.part_count());
+    OutOfCoreStatistics statistics;
+    CHECK((job.in_parts(folder, 1, &statistics) == job.at_once(folder)));
+    CHECK(statistics.kept_part_count == 7);
+    CHECK(job.out_of_core(folder, 1).part_count() == 1);
 }
 
 TEST_CASE("jobs of other meshes and settings share a scratch folder, not their parts") {
@@ -181,10 +192,10 @@ TEST_CASE("jobs of other meshes and settings share a scratch folder, not their p
     third.rule = VoxelizeRule::Conservative;
     for (const Job* job : {&first, &second, &third})
         for (std::size_t part = 0; part < 3; ++part)
-            job->out_of_core(folder, 2 << 20).make_part(part, Progress());
+            job->out_of_core(folder, 64).make_part(part, Progress());
     for (const Job* job : {&second, &third, &first}) {
         OutOfCoreStatistics statistics;
-        CHECK((job->in_parts(folder, 2 << 20, &statistics) == job->at_once(folder)));
+        CHECK((job->in_parts(folder, 64, &statistics) == job->at_once(folder)));
         CHECK(statistics.kept_part_count == 3);
         CHECK(statistics.damaged_parts.empty());
     }
@@ -193,11 +204,11 @@ TEST_CASE("jobs of other meshes and settings share a scratch folder, not their p
 TEST_CASE("a part under the name of another one is not taken for it") {
     const TestFolder folder;
     const Job job = soup(9, 400, 9);
-    OutOfCore parts = job.out_of_core(folder, 2 << 20);
+    OutOfCore parts = job.out_of_core(folder, 64);
     parts.make_part(0, Progress());
     std::filesystem::copy_file(parts.part_path(0), parts.part_path(1));
     OutOfCoreStatistics statistics;
-    CHECK((job.in_parts(folder, 2 << 20, &statistics) == job.at_once(folder)));
+    CHECK((job.in_parts(folder, 64, &statistics) == job.at_once(folder)));
     CHECK(statistics.damaged_parts == std::vector{parts.part_path(1).filename().string()});
 }
 
@@ -207,39 +218,53 @@ TEST_CASE("a table that does not fit the budget is filled in several passes, to 
         Job job = soup(9, 400, 11);
         job.symmetry = symmetry;
         std::vector<PartFile> files;
-        OutOfCore parts = job.out_of_core(folder, 4 << 20);
+        OutOfCore parts = job.out_of_core(folder, 32);
         for (std::size_t part = 0; part < parts.part_count(); ++part) {
             parts.make_part(part, Progress());
             files.push_back(parts.part(part, Progress()));
         }
-        const auto joined = [&](std::uint64_t budget_bytes) {
+        const auto joined = [&](std::uint64_t limit_bytes) {
             return join_parts(files,
                               {.level = 9,
                                .part_level = parts.part_level(),
                                .symmetry = symmetry,
-                               .memory_budget_bytes = budget_bytes},
+                               .memory_budget_bytes = limit_bytes},
                               Progress(), [](double) {});
         };
         const JoinResult at_once = joined(no_limit);
         CHECK(at_once.statistics.most_passes == 1);
-        std::uint64_t budget_bytes = 64 << 20;
-        JoinResult in_passes = joined(budget_bytes);
+        std::uint64_t limit_bytes = 64 << 20;
+        JoinResult in_passes = joined(limit_bytes);
         while (in_passes.statistics.most_passes < 5)
-            in_passes = joined(budget_bytes = budget_bytes * 3 / 4);
+            in_passes = joined(limit_bytes = limit_bytes * 3 / 4);
         CHECK((in_passes.dag == at_once.dag));
         CHECK_THROWS_AS(joined(1 << 16), InvalidInput);
     }
 }
 
+TEST_CASE("a graph that the budget has no room for is refused before it is packed, and its parts are kept") {
+    const TestFolder folder;
+    Job job = soup(9, 400, 14);
+    OutOfCoreConfig config = job.config(folder, 8);
+    const Dag plain = build_dag(job.voxels(), {}, Progress());
+    config.voxels.memory_budget_bytes = estimated_pack_bytes(merge_symmetric(plain, {}, Progress())) - 1;
+    OutOfCore parts(std::span<const dvec3>(job.mesh.positions), job.mesh.triangles, config, Progress());
+    Progress progress;
+    CHECK_THROWS_WITH_AS(parts.finish(folder / "a.tdag", progress), doctest::Contains("parts are kept"), InvalidInput);
+    CHECK_FALSE(std::filesystem::exists(folder / "a.tdag"));
+    for (std::size_t part = 0; part < parts.part_count(); ++part)
+        CHECK(std::filesystem::exists(parts.part_path(part)));
+}
+
 TEST_CASE("a cancelled call stops, and what it has finished is there for the next") {
     const TestFolder folder;
     const Job job = soup(9, 400, 12);
-    job.out_of_core(folder, 2 << 20).make_part(0, Progress());
+    job.out_of_core(folder, 64).make_part(0, Progress());
     Progress progress;
     progress.cancel();
-    CHECK_THROWS_AS(job.out_of_core(folder, 2 << 20).finish(folder / "a.tdag", progress), Cancelled);
+    CHECK_THROWS_AS(job.out_of_core(folder, 64).finish(folder / "a.tdag", progress), Cancelled);
     OutOfCoreStatistics statistics;
-    CHECK((job.in_parts(folder, 2 << 20, &statistics) == job.at_once(folder)));
+    CHECK((job.in_parts(folder, 64, &statistics) == job.at_once(folder)));
     CHECK(statistics.kept_part_count == 1);
 }
 
@@ -249,7 +274,7 @@ TEST_CASE("sub-cubes' voxels are those of the whole") {
     const SnappedMesh mesh = snap(std::span<const dvec3>(job.mesh.positions), job.mesh.triangles, config, Progress());
     const LeafMasks whole = voxelize(mesh, config, Progress()).leaves;
     for (const std::uint64_t most_bricks : {100'000u, 10'000u, 4'096u}) {
-        const SubVolumes parts = split(mesh, config.rule, most_bricks, Progress());
+        const SubVolumes parts = split(mesh, config.rule, most_bricks, most_level, Progress());
         LeafMasks all{.level = job.level, .codes = {}, .masks = {}};
         for (std::size_t part = 0; part < parts.count(); ++part) {
             const SubMesh sub = sub_mesh(mesh, parts, part);
@@ -261,5 +286,5 @@ TEST_CASE("sub-cubes' voxels are those of the whole") {
         }
         CHECK((all == whole));
     }
-    CHECK_THROWS_AS(static_cast<void>(split(mesh, config.rule, 10, Progress())), InvalidInput);
+    CHECK_THROWS_AS(static_cast<void>(split(mesh, config.rule, 10, most_level, Progress())), InvalidInput);
 }

@@ -13,6 +13,8 @@ using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
 
+static constexpr double infinite = std::numeric_limits<double>::infinity();
+
 static PackedDag packed_of(const LeafMasks& voxels) {
     const Progress progress;
     return pack_dag(merge_symmetric(build_dag(voxels, {}, progress), {}, progress), progress);
@@ -24,16 +26,15 @@ static void require_all_equal(const Tracer& tracer, const std::vector<VoxelRay>&
     tracer.trace(rays, hits, Progress());
     const auto are_occluded = std::make_unique<bool[]>(rays.size());
     tracer.find_occluded(rays, {are_occluded.get(), rays.size()}, Progress());
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        CAPTURE(i);
-        REQUIRE(hits[i] == wanted[i]);
-        REQUIRE(std::signbit(hits[i].distance) == std::signbit(wanted[i].distance));
-        REQUIRE(tracer.trace(rays[i]) == wanted[i]);
-        REQUIRE(are_occluded[i] == wanted[i].is_hit());
-        REQUIRE(tracer.is_occluded(rays[i]) == wanted[i].is_hit());
-    }
+    for (std::size_t i = 0; i < rays.size(); ++i)
+        if (const bool is_hit = wanted[i].is_hit();
+            hits[i] != wanted[i] || std::signbit(hits[i].distance) != std::signbit(wanted[i].distance) ||
+            tracer.trace(rays[i]) != wanted[i] || are_occluded[i] != is_hit || tracer.is_occluded(rays[i]) != is_hit)
+            FAIL("ray ", i, ": ", hits[i].distance, " instead of ", wanted[i].distance);
 }
 
+// Seen to fail with a shared record of 8^3 taken for the next one, with one record inside another not skipped, and with
+// rays along a face put on its lower side.
 TEST_CASE("many rays, in any order, hit what each hits alone, by every SIMD target, however much is kept") {
     for (const LeafMasks& voxels :
          {random_voxels(2, 0.1, 3), random_voxels(3, 0.05, 3), random_voxels(6, 0.003, 1), kaleidoscope_voxels(7, 4),
@@ -80,6 +81,7 @@ static std::vector<VoxelRay> picture_rays(double side, int width_px) {
     return rays;
 }
 
+// Seen to fail with rays that hit going on to what is behind.
 TEST_CASE("rays of a picture, side by side, hit what each hits alone, by every SIMD target") {
     for (const LeafMasks& voxels :
          {random_voxels(5, 0.002, 3), kaleidoscope_voxels(8, 4), sphere_voxels(8, {100, 130, 90}, 80)}) {
@@ -101,6 +103,62 @@ TEST_CASE("rays of a picture, side by side, hit what each hits alone, by every S
             }
         }
     }
+}
+
+// Seen to fail with the least inverse direction left out of the least parameter.
+TEST_CASE("rays that begin where their block's beam says hit what they hit without, at any detail") {
+    constexpr std::size_t width_px = 83; // no multiple of a block's
+    for (const LeafMasks& voxels :
+         {random_voxels(5, 0.002, 3), random_voxels(7, 0.0001, 5), sphere_voxels(8, {100, 130, 90}, 80)}) {
+        const double side = static_cast<double>(voxels.resolution());
+        const PackedDag dag = packed_of(voxels);
+        const Tracer tracer(dag, {.most_bytes = 2000});
+        for (const double detail : {0.0, 0.02})
+            for (const dvec3 eye : {dvec3(1.9, 1.4, 2.2), dvec3(-0.7, 0.5, 0.5), dvec3(0.5, 0.5, 0.5)}) {
+                std::vector<VoxelRay> rays;
+                for (std::size_t i = 0; i < width_px * 50; ++i) {
+                    const dvec3 at(0.45, static_cast<double>(i % width_px) / width_px,
+                                   static_cast<double>(i / width_px) / 50.0);
+                    rays.push_back({.origin = eye * side, .direction = (at - eye) * 3.0, .spread = detail * side});
+                }
+                const std::vector<double> starts = tracer.block_starts(rays, width_px, Progress());
+                REQUIRE(starts.size() == 11 * 7);
+                std::size_t late_count = 0;
+                for (std::size_t i = 0; i < rays.size(); ++i) {
+                    VoxelRay late = rays[i];
+                    late.start = starts[i / width_px / 8 * 11 + i % width_px / 8];
+                    const VoxelHit hit = trace(dag, rays[i]);
+                    REQUIRE(trace(dag, late) == hit);
+                    REQUIRE(tracer.trace(late) == hit);
+                    late_count += hit.is_hit() ? late.start > 0.8 * hit.distance : late.start == infinite;
+                }
+                if (voxels.level == 8 && eye.x > 1.0)
+                    CHECK(late_count > rays.size() / 20);
+            }
+    }
+    const PackedDag empty;
+    CHECK_THROWS_AS(static_cast<void>(Tracer(empty).block_starts(std::vector<VoxelRay>(7), 3, Progress())),
+                    InvalidInput);
+}
+
+TEST_CASE("a ray that begins later hits what is there from there on") {
+    const LeafMasks voxels = sphere_voxels(6, {32, 32, 32}, 25);
+    const PackedDag dag = packed_of(voxels);
+    const Tracer tracer(dag);
+    int later_count = 0;
+    for (VoxelRay ray : assorted_rays(listed(voxels), 64.0, 2000)) {
+        ray.end = infinite;
+        const VoxelHit first = trace(dag, ray);
+        if (!first.is_hit())
+            continue;
+        ray.start = first.distance + 0.01;
+        const VoxelHit next = trace(dag, ray);
+        REQUIRE(next.distance >= ray.start);
+        REQUIRE((next.axis == 3) == (next.distance == ray.start || !next.is_hit()));
+        REQUIRE(tracer.trace(ray) == next);
+        later_count += next.is_hit();
+    }
+    CHECK(later_count > 500);
 }
 
 TEST_CASE("what a tracer keeps stays within its bytes, and an empty DAG is never hit") {

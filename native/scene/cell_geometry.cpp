@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/cell_geometry.hpp"
+#include "scene/embree.hpp"
+#include <algorithm>
+
+namespace tyndall {
+static void bound(const RTCBoundsFunctionArguments* arguments) {
+    const Bounds3& bounds = static_cast<const CellShape*>(arguments->geometryUserPtr)->bounds();
+    *arguments->bounds_o = {bounds.min.x, bounds.min.y, bounds.min.z, 0.0f,
+                            bounds.max.x, bounds.max.y, bounds.max.z, 0.0f};
+}
+
+/// Embree has brought it into the shape's space; its direction is no longer of unit length.
+static Ray ray_of(RTCRayN* rays, unsigned int count, unsigned int lane) {
+    return {.origin = vec3(RTCRayN_org_x(rays, count, lane), RTCRayN_org_y(rays, count, lane),
+                           RTCRayN_org_z(rays, count, lane)),
+            .direction = vec3(RTCRayN_dir_x(rays, count, lane), RTCRayN_dir_y(rays, count, lane),
+                              RTCRayN_dir_z(rays, count, lane)),
+            .near_m = RTCRayN_tnear(rays, count, lane),
+            .far_m = RTCRayN_tfar(rays, count, lane)};
+}
+
+static RTCHit embree_hit(const CellHit& hit, const RTCIntersectContext& context) {
+    RTCHit result{};
+    result.Ng_x = hit.normal.x;
+    result.Ng_y = hit.normal.y;
+    result.Ng_z = hit.normal.z;
+    result.u = hit.on_face.x;
+    result.v = hit.on_face.y;
+    result.primID = static_cast<unsigned int>(hit.cell);
+    result.geomID = static_cast<unsigned int>(hit.cell >> 32);
+    result.instID[0] = context.instID[0];
+    return result;
+}
+
+/// Filters of nearest hits are about triangles without a surface; a shape has one everywhere, so none is called.
+static void intersect(const RTCIntersectFunctionNArguments* arguments) {
+    const auto& shape = *static_cast<const CellShape*>(arguments->geometryUserPtr);
+    const unsigned int count = arguments->N;
+    RTCRayN* rays = RTCRayHitN_RayN(arguments->rayhit, count);
+    RTCHitN* hits = RTCRayHitN_HitN(arguments->rayhit, count);
+    for (unsigned int lane = 0; lane < count; ++lane) {
+        if (arguments->valid[lane] == 0)
+            continue;
+        const CellHit found = shape.closest_hit(ray_of(rays, count, lane));
+        if (!found.is_hit())
+            continue;
+        const RTCHit hit = embree_hit(found, *arguments->context);
+        rtcCopyHitToHitN(hits, &hit, count, lane);
+        RTCRayN_tfar(rays, count, lane) = found.distance_m;
+    }
+}
+
+static void occlude(const RTCOccludedFunctionNArguments* arguments) {
+    const auto& shape = *static_cast<const CellShape*>(arguments->geometryUserPtr);
+    const unsigned int count = arguments->N;
+    for (unsigned int lane = 0; lane < count; ++lane) {
+        if (arguments->valid[lane] == 0)
+            continue;
+        const CellHit found = shape.closest_hit(ray_of(arguments->ray, count, lane));
+        if (!found.is_hit())
+            continue;
+        int is_accepted = -1;
+        if (arguments->context->filter != nullptr) {
+            RTCRay ray = rtcGetRayFromRayN(arguments->ray, count, lane);
+            ray.tfar = found.distance_m;
+            RTCHit hit = embree_hit(found, *arguments->context);
+            const RTCFilterFunctionNArguments filtered{.valid = &is_accepted,
+                                                       .geometryUserPtr = arguments->geometryUserPtr,
+                                                       .context = arguments->context,
+                                                       .ray = reinterpret_cast<RTCRayN*>(&ray),
+                                                       .hit = reinterpret_cast<RTCHitN*>(&hit),
+                                                       .N = 1};
+            arguments->context->filter(&filtered);
+        }
+        if (is_accepted != 0)
+            RTCRayN_tfar(arguments->ray, count, lane) = -std::numeric_limits<float>::infinity();
+    }
+}
+
+CellGeometry::CellGeometry(std::shared_ptr<const CellShape> shape) : shape_(std::move(shape)) {
+    const RTCDevice device = embree_device();
+    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, shape_->bounds().is_empty() ? 0 : 1);
+    rtcSetGeometryUserData(geometry, const_cast<CellShape*>(shape_.get())); // the callbacks only read it
+    rtcSetGeometryBoundsFunction(geometry, bound, nullptr);
+    rtcSetGeometryIntersectFunction(geometry, intersect);
+    rtcSetGeometryOccludedFunction(geometry, occlude);
+    rtcCommitGeometry(geometry);
+    embree_scene_ = rtcNewScene(device);
+    rtcSetSceneFlags(embree_scene_, traced_scene_flags);
+    rtcAttachGeometryByID(embree_scene_, geometry, 0);
+    rtcReleaseGeometry(geometry);
+    try {
+        commit(embree_scene_, "voxel object '" + shape_->name() + "'", Progress());
+    } catch (...) {
+        rtcReleaseScene(embree_scene_);
+        throw;
+    }
+}
+
+CellGeometry::~CellGeometry() { rtcReleaseScene(embree_scene_); }
+} // namespace tyndall

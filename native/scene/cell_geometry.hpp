@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A shape of cells in Embree: a scene of its own with one user geometry, instanced as a mesh's is.
+// Based on: Embree 3's user geometries.
+// Differs:  a cell has more bits than a primitive's number: its lower half is primID, its upper half geomID.
+// Bound:    what the shape takes for a ray; the lanes of a packet are asked one by one.
+#pragma once
+#include "scene/cell_shape.hpp"
+#include <embree3/rtcore.h>
+#include <memory>
+
+namespace tyndall {
+class CellGeometry {
+public:
+    /// Throws Error where Embree refuses.
+    explicit CellGeometry(std::shared_ptr<const CellShape> shape);
+    CellGeometry(const CellGeometry&) = delete;
+    CellGeometry& operator=(const CellGeometry&) = delete;
+    ~CellGeometry();
+
+    [[nodiscard]] const CellShape& shape() const { return *shape_; }
+    [[nodiscard]] RTCScene embree_scene() const { return embree_scene_; }
+
+private:
+    std::shared_ptr<const CellShape> shape_;
+    RTCScene embree_scene_ = nullptr;
+};
+
+/// What Embree's hits keep of a cell. A triangle's is its number.
+[[nodiscard]] inline std::uint64_t cell_of(unsigned int primitive, unsigned int geometry) {
+    return std::uint64_t{geometry} << 32 | primitive;
+}
+} // namespace tyndall

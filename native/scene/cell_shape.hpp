@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A shape made of opaque cells, boxes along the axes of its own space: what a scene asks of voxels, whoever keeps them.
+#pragma once
+#include "scene/camera.hpp"
+#include <cstdint>
+#include <limits>
+#include <string>
+
+namespace tyndall {
+/// Where a ray meets the first cell on its way.
+struct CellHit {
+    float distance_m = std::numeric_limits<float>::infinity(); ///< In lengths of the ray's direction.
+    std::uint64_t cell = 0; ///< The shape's own number of the cell and of the face that the ray enters; below 2^63.
+    vec2 on_face{0.0f};     ///< Along the face's two edges, [0, 1].
+    vec3 normal{0, 0, 1};   ///< Unit, out of that face.
+    [[nodiscard]] bool is_hit() const { return distance_m < std::numeric_limits<float>::infinity(); }
+};
+
+/// A face of a cell: `corner + u * first_edge + v * second_edge`.
+struct CellFace {
+    vec3 corner, first_edge, second_edge;
+};
+
+/// Follows a shape's boxes from the whole down to its cells.
+class CellVisitor {
+public:
+    virtual ~CellVisitor() = default;
+    /// Whether to go on into a box, which has cells.
+    virtual bool enters(const Bounds3& box) = 0;
+    virtual void meet(const Bounds3& cell) = 0;
+};
+
+/// Immutable; safe from any thread. Neighbouring cells have the same floats where they touch: nothing leaks between them.
+class CellShape {
+public:
+    CellShape() = default;
+    CellShape(const CellShape&) = delete;
+    CellShape& operator=(const CellShape&) = delete;
+    virtual ~CellShape() = default;
+
+    [[nodiscard]] virtual const std::string& name() const = 0; ///< For reports.
+    [[nodiscard]] virtual std::uint64_t cell_count() const = 0;
+    /// Around all cells; empty: there are none.
+    [[nodiscard]] virtual const Bounds3& bounds() const = 0;
+    /// In the shape's own space, within [near_m, far_m); the direction may have any length. A ray that begins in a cell
+    /// meets it there, on the face that looks against it most.
+    [[nodiscard]] virtual CellHit closest_hit(const Ray& ray) const = 0;
+    /// Of a number that closest_hit() gave.
+    [[nodiscard]] virtual CellFace face(std::uint64_t cell) const = 0;
+    virtual void visit(CellVisitor& visitor) const = 0;
+};
+} // namespace tyndall

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/placed_shapes.hpp"
+#include "scene/embree.hpp"
+#include "scene/scene.hpp"
+#include "shading/surface_program.hpp"
+
+namespace tyndall {
+Bounds3 bounds_of(const SceneDescription& scene, const PlacedShape& placed) {
+    return transformed(scene.shapes[placed.shape_index]->shape().bounds(), placed.world_from_object);
+}
+
+bool stops_light(const SceneDescription& scene, const PlacedShape& placed) {
+    const Material& material = scene.materials[placed.material_index];
+    return material.has_surface && !is_transparent_everywhere(material);
+}
+
+ShapeTracer::ShapeTracer(const SceneDescription& scene, std::vector<std::uint32_t> placed, const Progress& progress)
+    : placed_(std::move(placed)), embree_scene_(rtcNewScene(embree_device())) {
+    rtcSetSceneFlags(embree_scene_, traced_scene_flags);
+    for (std::uint32_t i = 0; i < placed_.size(); ++i) {
+        const PlacedShape& shape = scene.placed_shapes[placed_[i]];
+        bounds_.grow(bounds_of(scene, shape));
+        attach_instance(embree_scene_, scene.shapes[shape.shape_index]->embree_scene(), shape.world_from_object, i,
+                        ~0u);
+    }
+    try {
+        commit(embree_scene_, "voxel objects that cast shadows", progress);
+    } catch (...) {
+        rtcReleaseScene(embree_scene_);
+        throw;
+    }
+}
+
+ShapeTracer::~ShapeTracer() { rtcReleaseScene(embree_scene_); }
+
+float ShapeTracer::distance_to_nearest(const Ray& ray) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit query;
+    query.ray = embree_ray(ray, ~0u);
+    query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(embree_scene_, &context, &query);
+    return query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? std::numeric_limits<float>::infinity() : query.ray.tfar;
+}
+} // namespace tyndall

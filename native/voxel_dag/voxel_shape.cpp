@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxel_dag/voxel_shape.hpp"
+#include "voxel_dag/trace.hpp"
+#include "voxel_dag/tree_nodes.hpp"
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace tyndall::voxel_dag {
+namespace {
+/// A voxel and one of its faces: Morton code, axis, and whether the face looks along it.
+struct FaceCode {
+    Voxel voxel;
+    std::uint32_t axis;
+    bool is_upper;
+
+    explicit FaceCode(std::uint64_t cell)
+        : voxel(voxel_at(cell >> 3)), axis(static_cast<std::uint32_t>(cell >> 1 & 3)), is_upper((cell & 1) != 0) {}
+    FaceCode(const Voxel& of, std::uint32_t across, bool looks_up) : voxel(of), axis(across), is_upper(looks_up) {}
+    [[nodiscard]] std::uint64_t number() const {
+        return morton_code(voxel) << 3 | std::uint64_t{axis} << 1 | std::uint64_t{is_upper};
+    }
+};
+
+/// Finds a box around all voxels: exact up to 256^3, else within 1/256 of the cube.
+class BoundsFinder final : public CellVisitor {
+public:
+    explicit BoundsFinder(float smallest_m) : smallest_m_(smallest_m) {}
+    bool enters(const Bounds3& box) override {
+        Bounds3 both = bounds;
+        both.grow(box);
+        if (both.min == bounds.min && both.max == bounds.max)
+            return false;
+        if (box.max.x - box.min.x > smallest_m_)
+            return true;
+        bounds = both;
+        return false;
+    }
+    void meet(const Bounds3& cell) override { bounds.grow(cell); }
+    Bounds3 bounds;
+
+private:
+    float smallest_m_;
+};
+
+class VoxelShape final : public CellShape {
+public:
+    VoxelShape(std::shared_ptr<const PlacedDag> placed, std::string name)
+        : placed_(std::move(placed)), name_(std::move(name)),
+          per_m_(static_cast<double>(resolution()) / placed_->bounds_m.side_m) {
+        BoundsFinder finder(static_cast<float>(placed_->bounds_m.side_m * (1.5 / 256)));
+        visit(finder);
+        bounds_ = finder.bounds;
+    }
+    [[nodiscard]] const std::string& name() const override { return name_; }
+    [[nodiscard]] std::uint64_t cell_count() const override { return placed_->dag.voxel_count; }
+    [[nodiscard]] const Bounds3& bounds() const override { return bounds_; }
+
+    [[nodiscard]] CellHit closest_hit(const Ray& ray) const override {
+        const dvec3 direction(ray.direction);
+        const dvec3 start = dvec3(ray.origin) + double{ray.near_m} * direction; // tracing begins at 0
+        const VoxelRay in_voxels{.origin = (start - placed_->bounds_m.lower_m) * per_m_,
+                                 .direction = direction * per_m_,
+                                 .end = double{ray.far_m} - double{ray.near_m}};
+        const VoxelHit hit = trace(placed_->dag, in_voxels);
+        if (!hit.is_hit())
+            return {};
+        const std::uint32_t axis = hit.axis < 3 ? hit.axis : largest_axis(direction);
+        const auto a = static_cast<int>(axis);
+        const FaceCode face(hit.voxel, axis, direction[a] < 0.0);
+        CellHit result{.distance_m = std::min(static_cast<float>(double{ray.near_m} + hit.distance), ray.far_m),
+                       .cell = face.number(),
+                       .normal = vec3(0.0f)};
+        result.normal[a] = face.is_upper ? 1.0f : -1.0f;
+        const dvec3 place = in_voxels.origin + hit.distance * in_voxels.direction;
+        for (int edge = 0; edge < 2; ++edge) {
+            const int along = (a + 1 + edge) % 3;
+            const double within = place[along] - static_cast<double>(hit.voxel[static_cast<std::size_t>(along)]);
+            result.on_face[edge] = static_cast<float>(std::clamp(within, 0.0, 1.0));
+        }
+        return result;
+    }
+
+    [[nodiscard]] CellFace face(std::uint64_t cell) const override {
+        const FaceCode face(cell);
+        const Bounds3 box = box_of(face.voxel, 1);
+        const auto a = static_cast<int>(face.axis);
+        CellFace result{.corner = box.min, .first_edge = vec3(0.0f), .second_edge = vec3(0.0f)};
+        if (face.is_upper)
+            result.corner[a] = box.max[a];
+        const int first = (a + 1) % 3, second = (a + 2) % 3;
+        result.first_edge[first] = box.max[first] - box.min[first];
+        result.second_edge[second] = box.max[second] - box.min[second];
+        return result;
+    }
+
+    void visit(CellVisitor& visitor) const override {
+        if (!placed_->dag.is_empty())
+            visit(visitor, placed_->dag.level, root_of(placed_->dag), {0, 0, 0});
+    }
+
+private:
+    [[nodiscard]] std::uint64_t resolution() const { return std::uint64_t{1} << placed_->dag.level; }
+    static std::uint32_t largest_axis(const dvec3& direction) {
+        const dvec3 size = glm::abs(direction);
+        if (size.x >= size.y && size.x >= size.z)
+            return 0;
+        return size.y >= size.z ? 1 : 2;
+    }
+    /// The same expression for the same plane, whoever has it for a face.
+    [[nodiscard]] float plane(int axis, std::uint32_t index) const {
+        return static_cast<float>(placed_->bounds_m.lower_m[axis] +
+                                  placed_->bounds_m.side_m *
+                                      (static_cast<double>(index) / static_cast<double>(resolution())));
+    }
+    [[nodiscard]] Bounds3 box_of(const Voxel& lowest, std::uint32_t width) const {
+        Bounds3 box;
+        for (int axis = 0; axis < 3; ++axis) {
+            const std::uint32_t first = lowest[static_cast<std::size_t>(axis)];
+            box.min[axis] = plane(axis, first);
+            box.max[axis] = plane(axis, first + width);
+        }
+        return box;
+    }
+    static Voxel octant_of(const Voxel& lowest, std::uint32_t octant, std::uint32_t width) {
+        return {lowest[0] + (octant & 1) * width, lowest[1] + (octant >> 1 & 1) * width,
+                lowest[2] + (octant >> 2) * width};
+    }
+
+    void visit(CellVisitor& visitor, std::uint32_t level, const PackedNode& node, const Voxel& lowest) const {
+        if (!visitor.enters(box_of(lowest, 1u << level)))
+            return;
+        if (level == leaf_level) {
+            visit_leaf(visitor, node, lowest);
+            return;
+        }
+        const PackedHeader header = opened(placed_->dag, level, node);
+        const auto& stored = cube_group.octant[cube_group.inverse[node.turn]];
+        for (std::uint32_t octant = 0; octant < 8; ++octant)
+            if ((header.child_mask >> stored[octant] & 1) != 0)
+                visit(visitor, level - 1, child_of(placed_->dag, level, node, header, stored[octant]),
+                      octant_of(lowest, octant, 1u << (level - 1)));
+    }
+    void visit_leaf(CellVisitor& visitor, const PackedNode& node, const Voxel& lowest) const {
+        const TurnedLeaf leaf = leaf_of(placed_->dag, node);
+        const auto& stored = cube_group.octant[cube_group.inverse[leaf.turn]];
+        for (std::uint32_t octant = 0; octant < 8; ++octant) {
+            const std::uint64_t eighth = leaf.mask >> 8 * stored[octant] & 0xff;
+            const Voxel corner = octant_of(lowest, octant, 2);
+            if (eighth == 0 || !visitor.enters(box_of(corner, 2)))
+                continue;
+            for (std::uint32_t voxel = 0; voxel < 8; ++voxel)
+                if ((eighth >> stored[voxel] & 1) != 0)
+                    visitor.meet(box_of(octant_of(corner, voxel, 1), 1));
+        }
+    }
+
+    std::shared_ptr<const PlacedDag> placed_;
+    std::string name_;
+    double per_m_;
+    Bounds3 bounds_;
+};
+} // namespace
+
+std::unique_ptr<const CellShape> make_voxel_shape(std::shared_ptr<const PlacedDag> placed, std::string name) {
+    return std::make_unique<const VoxelShape>(std::move(placed), std::move(name));
+}
+} // namespace tyndall::voxel_dag

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A DAG in a scene: the same voxels, met where tracing alone meets them.
+#include "scene/scene.hpp"
+#include "support/voxel_sets.hpp"
+#include "voxel_dag/build_dag.hpp"
+#include "voxel_dag/merge_symmetric.hpp"
+#include "voxel_dag/pack_dag.hpp"
+#include "voxel_dag/trace.hpp"
+#include "voxel_dag/voxel_shape.hpp"
+#include <doctest/doctest.h>
+#include <set>
+
+using namespace tyndall;
+using namespace tyndall::voxel_dag;
+using namespace tyndall::support;
+
+namespace {
+std::shared_ptr<const PlacedDag> placed_dag(const LeafMasks& voxels, const Cube& bounds_m) {
+    const Progress progress;
+    const Dag dag = merge_symmetric(build_dag(voxels, {}, progress), {.symmetry = Symmetry::Cube}, progress);
+    return std::make_shared<const PlacedDag>(PlacedDag{pack_dag(dag, progress), bounds_m});
+}
+const Cube cube_m{.lower_m = {-1.0, 0.5, 2.0}, .side_m = 3.0};
+
+class Gatherer final : public CellVisitor {
+public:
+    bool enters(const Bounds3& box) override {
+        boxes.push_back(box);
+        return true;
+    }
+    void meet(const Bounds3& cell) override {
+        cells.insert({cell.min.x, cell.min.y, cell.min.z, cell.max.x, cell.max.y, cell.max.z});
+        CHECK((glm::all(glm::greaterThanEqual(cell.min, boxes.back().min)) &&
+               glm::all(glm::lessThanEqual(cell.max, boxes.back().max))));
+    }
+    std::vector<Bounds3> boxes;
+    std::set<std::array<float, 6>> cells;
+};
+} // namespace
+
+TEST_CASE("a visitor that enters every box meets every voxel, and nothing else") {
+    for (const std::uint32_t level : {2u, 3u, 5u}) {
+        const LeafMasks voxels = random_voxels(level, 0.2, level);
+        const auto shape = make_voxel_shape(placed_dag(voxels, cube_m), "voxels");
+        Gatherer gatherer;
+        shape->visit(gatherer);
+        std::set<std::array<float, 6>> truth;
+        Bounds3 around;
+        for (std::size_t brick = 0; brick < voxels.codes.size(); ++brick)
+            for (std::uint64_t i = 0; i < 64; ++i) {
+                if ((voxels.masks[brick] >> i & 1) == 0)
+                    continue;
+                const Voxel voxel = voxel_at(voxels.codes[brick] << 6 | i);
+                std::array<float, 6> box;
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    for (std::size_t end = 0; end < 2; ++end)
+                        box[3 * end + axis] =
+                            static_cast<float>(cube_m.lower_m[static_cast<int>(axis)] +
+                                               3.0 * (static_cast<double>(voxel[axis] + end) / (1u << level)));
+                truth.insert(box);
+                around.grow(vec3(box[0], box[1], box[2]));
+                around.grow(vec3(box[3], box[4], box[5]));
+            }
+        CHECK(gatherer.cells == truth);
+        CHECK(shape->cell_count() == truth.size());
+        CHECK(shape->bounds().min == around.min);
+        CHECK(shape->bounds().max == around.max);
+    }
+}
+
+TEST_CASE("in a scene, rays meet the voxels that tracing alone meets") {
+    const std::uint32_t level = 6;
+    const auto placed = placed_dag(random_voxels(level, 0.02, 9), cube_m);
+    SceneDescription description;
+    description.object_names = {"voxels"};
+    description.materials = {Material{.name = "white"}};
+    description.shapes = {std::make_shared<const CellGeometry>(make_voxel_shape(placed, "voxels"))};
+    description.placed_shapes = {PlacedShape{}};
+    const Scene scene(std::move(description), Progress());
+    std::mt19937 random(4);
+    std::uniform_real_distribution<float> within(-1.0f, 1.0f);
+    const double per_m = (1u << level) / cube_m.side_m;
+    int hits = 0;
+    for (int i = 0; i < 3000; ++i) {
+        const vec3 from = vec3(0.5f, 2.0f, 3.5f) + 4.0f * vec3(within(random), within(random), within(random));
+        const vec3 to = vec3(0.5f, 2.0f, 3.5f) + 1.4f * vec3(within(random), within(random), within(random));
+        const Ray ray{.origin = from, .direction = glm::normalize(to - from), .near_m = 0.125f, .far_m = 5.0f};
+        const dvec3 start = dvec3(ray.origin) + 0.125 * dvec3(ray.direction);
+        const VoxelHit truth = trace(placed->dag, {.origin = (start - cube_m.lower_m) * per_m,
+                                                   .direction = dvec3(ray.direction) * per_m,
+                                                   .end = 5.0 - 0.125});
+        const Hit hit = scene.closest_hit(ray);
+        REQUIRE(hit.is_hit() == truth.is_hit());
+        CHECK(scene.shadow_transmittance(ray) == Rgb(truth.is_hit() ? 0.0f : 1.0f));
+        if (!hit.is_hit())
+            continue;
+        ++hits;
+        CHECK((hit.cell >> 3) == morton_code(truth.voxel));
+        CHECK(hit.distance_m == static_cast<float>(0.125 + truth.distance));
+        if (truth.axis == 3)
+            continue;
+        CHECK((hit.cell >> 1 & 3) == truth.axis);
+        const ShadingPoint point = scene.shading_point(ray, hit);
+        CHECK(glm::length(point.position - (ray.origin + hit.distance_m * ray.direction)) < 4e-6f);
+    }
+    CHECK(hits > 1000);
+}
