@@ -20,6 +20,7 @@ from . import (
     transfer_functions,
     transfer_states,
     volume_files,
+    voxel_exports,
     voxel_files,
     voxelize,
     world_sun,
@@ -43,6 +44,7 @@ CLASSES = (
     *world_sun.CLASSES,
     *voxelize.CLASSES,
     *voxel_files.CLASSES,
+    *voxel_exports.CLASSES,
     *reports.CLASSES,
     *presets.CLASSES,
 )

@@ -5,14 +5,22 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from bpy.props import StringProperty
+import bpy
+from bpy.props import FloatProperty, StringProperty
 from bpy.types import Context, Operator
 
+from ..amounts import count_text
 from ..availability import why_no_render
 from ..voxel_boxes import add_voxel_box, file_of, fit_box, is_voxel_box
 from ..voxel_reading import forget
-from .files import FileOperator, beside_blend, kept_path
+from .files import FileOperator, beside_blend, kept_path, unused
 from .fog_box import select_only
+
+
+def newest(pattern: str) -> Path:
+    """Of the files beside the .blend; a name like theirs, where there is none."""
+    other = beside_blend(pattern.replace("*", "voxels"))
+    return max(other.parent.glob(pattern), key=lambda path: path.stat().st_mtime_ns, default=other)
 
 
 class _VoxelOperator:
@@ -30,6 +38,18 @@ class _VoxelOperator:
         """What the button says that cannot be pressed; None: it may."""
         return None if context.mode == "OBJECT" else "Works in Object Mode"
 
+    def _refuse(self, reason: object) -> set[str]:
+        self.report({"ERROR"}, str(reason))
+        return {"CANCELLED"}
+
+
+class BoxOperator(_VoxelOperator):
+    """Of the active object's voxels."""
+
+    @classmethod
+    def why_not(cls, context: Context) -> str | None:
+        return super().why_not(context) if is_voxel_box(context.object) else "The active object has no file of voxels"
+
 
 class TYNDALL_OT_import_tdag(_VoxelOperator, FileOperator, Operator):
     """Add an object that stands for the voxels of a .tdag file, which stays where it is."""
@@ -40,9 +60,7 @@ class TYNDALL_OT_import_tdag(_VoxelOperator, FileOperator, Operator):
     filter_glob: StringProperty(default="*.tdag", options={"HIDDEN"})
 
     def default_path(self, context: Context) -> Path:
-        """The newest beside the .blend."""
-        other = beside_blend("voxels.tdag")
-        return max(other.parent.glob("*.tdag"), key=lambda path: path.stat().st_mtime_ns, default=other)
+        return newest("*.tdag")
 
     def execute(self, context: Context) -> set[str]:
         from tyndall.voxel_dag import load
@@ -57,7 +75,37 @@ class TYNDALL_OT_import_tdag(_VoxelOperator, FileOperator, Operator):
         return {"FINISHED"}
 
 
-class TYNDALL_OT_reload_voxels(_VoxelOperator, Operator):
+class TYNDALL_OT_import_vox(_VoxelOperator, FileOperator, Operator):
+    """Make a .tdag file of all models of a MagicaVoxel file, with their colours, and add an object that shows it."""
+
+    bl_idname = "tyndall.import_vox"
+    bl_label = "Import MagicaVoxel (.vox)"
+
+    filter_glob: StringProperty(default="*.vox", options={"HIDDEN"})
+    voxel_size_m: FloatProperty(
+        name="Voxel Size", description="Side of a voxel", subtype="DISTANCE", min=1e-6, max=1e3, default=0.1
+    )
+
+    def default_path(self, context: Context) -> Path:
+        return newest("*.vox")
+
+    def execute(self, context: Context) -> set[str]:
+        from tyndall.voxel_dag import import_vox
+
+        source = self._path(context)
+        beside = Path(bpy.data.filepath) if bpy.data.filepath else source
+        path = unused(beside.with_name(f"{source.stem}.tdag"))
+        try:
+            dag = import_vox(source, voxel_size_m=self.voxel_size_m)
+            dag.save(path)
+        except (ValueError, OSError) as error:
+            return self._refuse(error)
+        select_only(context, add_voxel_box(context, source.stem, kept_path(path), dag.bounds_m, (0.0, 0.0, 0.0)))
+        self.report({"INFO"}, f"{path.name}: {count_text(dag.voxel_count)} voxels")
+        return {"FINISHED"}
+
+
+class TYNDALL_OT_reload_voxels(BoxOperator, Operator):
     """Read the active object's file again, and make its box the file's."""
 
     bl_idname = "tyndall.reload_voxels"
@@ -65,11 +113,11 @@ class TYNDALL_OT_reload_voxels(_VoxelOperator, Operator):
 
     @classmethod
     def why_not(cls, context: Context) -> str | None:
-        if not is_voxel_box(context.object):
-            return "The active object has no file of voxels"
+        if (reason := super().why_not(context)) is not None:
+            return reason
         if context.object.type != "MESH" or context.object.data.library is not None:
-            return "The box is linked: make a library override of it first"
-        return super().why_not(context)
+            return "Its box is no mesh of this file"
+        return None
 
     def execute(self, context: Context) -> set[str]:
         from tyndall.voxel_dag import load
@@ -80,11 +128,10 @@ class TYNDALL_OT_reload_voxels(_VoxelOperator, Operator):
         try:
             bounds_m = load(path).bounds_m
         except OSError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return self._refuse(error)
         fit_box(box.data, bounds_m)
         box.tyndall_voxels.path = box.tyndall_voxels.path  # who draws it learns of it
         return {"FINISHED"}
 
 
-CLASSES = (TYNDALL_OT_import_tdag, TYNDALL_OT_reload_voxels)
+CLASSES = (TYNDALL_OT_import_tdag, TYNDALL_OT_import_vox, TYNDALL_OT_reload_voxels)

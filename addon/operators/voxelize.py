@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,13 +19,11 @@ from .fog_box import select_only
 from .in_thread import InThread
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from tyndall import Progress
     from tyndall.voxel_dag import Config, Estimate, Extent
 
     from ..properties.voxels import TyndallVoxelizeSettings
+    from ..sync.voxel_meshes import VoxelMesh
 
 _DIALOG_WIDTH_PX = 360
 
@@ -37,10 +35,8 @@ class _Prepared:
     name: str
     sources: list[str]  #: Names of the objects that become voxels.
     origin: Vector  #: Of the new object, in the world.
-    positions_m: NDArray[np.float64]  #: From the origin.
-    triangles: NDArray[np.uint32]
+    mesh: VoxelMesh
     extent: Extent
-    reports: tuple[str, ...]
 
 
 class TYNDALL_OT_voxelize(InThread, Operator):
@@ -117,13 +113,25 @@ class TYNDALL_OT_voxelize(InThread, Operator):
             self.report({"ERROR"}, f"{self._path.parent}: no folder to write to ({error.strerror})")
             return False
         self._config, self._hides_sources = _config(settings), settings.hides_sources
+        self._has_colors = settings.has_colors and not settings.is_solid
+        self._has_normals = settings.has_normals and not settings.is_solid
         return True
 
     def work(self, progress: Progress) -> None:
         from tyndall.voxel_dag import voxelize
 
-        self._dag = voxelize(self._prepared.positions_m, self._prepared.triangles, self._config, progress)
-        self._dag.save(self._path, progress)
+        from ..sync.voxel_meshes import split_corners, textures_of
+
+        mesh, config = self._prepared.mesh, self._config
+        positions_m, triangles = mesh.positions_m, mesh.triangles
+        if self._has_colors:
+            config = replace(config, textures=textures_of(mesh))
+        if self._has_normals:
+            positions_m, triangles, normals = split_corners(mesh)
+            config = replace(config, normals=normals)
+        dag = voxelize(positions_m - tuple(self._prepared.origin), triangles, config, progress)
+        dag.save(self._path, progress)
+        self._dag = dag
 
     def end(self, context: Context, error: BaseException | None) -> set[str]:
         from tyndall import Cancelled
@@ -141,9 +149,9 @@ class TYNDALL_OT_voxelize(InThread, Operator):
         if self._hides_sources:
             _hide(context, prepared.sources)
         select_only(context, box)
-        for line in prepared.reports:
+        for line in prepared.mesh.reports.lines():
             self.report({"WARNING"}, line)
-        taken = f"{count_text(dag.voxel_count)} voxels in {bytes_text(dag.geometry_bytes)}"
+        taken = f"{count_text(dag.voxel_count)} voxels in {bytes_text(dag.geometry_bytes + dag.attribute_bytes)}"
         self.report({"INFO"}, f"{self._path.name}: {taken}")
         return {"FINISHED"}
 
@@ -155,6 +163,9 @@ def _config(settings: TyndallVoxelizeSettings) -> Config:
         resolution=int(settings.resolution),
         rule=settings.rule.lower(),
         symmetry=settings.symmetry.lower(),
+        solid=settings.is_solid,
+        most_color_difference=settings.color_difference or None,
+        normal_bits=settings.normal_bits,
         memory_budget_bytes=settings.memory_budget_mib * 2**20 or None,
     )
 
@@ -172,15 +183,12 @@ def _prepared(context: Context) -> _Prepared:
     active = context.view_layer.objects.active
     lowest, highest = Vector(mesh.positions_m.min(axis=0)), Vector(mesh.positions_m.max(axis=0))
     origin = active.matrix_world.translation.copy() if active in things else (lowest + highest) / 2.0
-    positions_m = mesh.positions_m - tuple(origin)
     return _Prepared(
         name=f"{name} Voxels",
         sources=[thing.name for thing in things],
         origin=origin,
-        positions_m=positions_m,
-        triangles=mesh.triangles,
-        extent=extent_of(positions_m, mesh.triangles),
-        reports=mesh.reports.lines(),
+        mesh=mesh,
+        extent=extent_of(mesh.positions_m, mesh.triangles),
     )
 
 
@@ -199,12 +207,19 @@ def _why_no_room(extent: Extent, settings: TyndallVoxelizeSettings) -> tuple[str
     """What says that the budget is too small, and what would fit; what it takes."""
     from tyndall.voxel_dag import estimate, largest_that_fits
 
-    config = _config(settings)
-    wanted, fitting = estimate(extent, config), largest_that_fits(extent, config)
+    config, attribute_bytes = _config(settings), _attribute_bytes(settings)
+    wanted, fitting = estimate(extent, config, attribute_bytes), largest_that_fits(extent, config, attribute_bytes)
     if fitting is not None and fitting.resolution == config.resolution:
         return None, wanted
     fits = "nothing would fit" if fitting is None else f"this would fit: {_takes_text(fitting)}"
     return f"{_takes_text(wanted)}; the budget is {settings.memory_budget_mib:,} MiB; {fits}", wanted
+
+
+def _attribute_bytes(settings: TyndallVoxelizeSettings) -> float:
+    """Of a voxel, where no two are alike."""
+    if settings.is_solid:
+        return 0.0
+    return (3.0 if settings.has_colors else 0.0) + (float(settings.normal_bits) / 8.0 if settings.has_normals else 0.0)
 
 
 def _takes_text(found: Estimate) -> str:

@@ -28,12 +28,23 @@ class TYNDALL_PT_voxelize(VoxelPanel, Panel):
         layout.use_property_split = is_wide_region(context)
         draw_settings(layout, context.scene.tyndall.voxelize)
         layout.operator("tyndall.voxelize", icon="MESH_GRID")
-        layout.operator("tyndall.import_tdag", icon="IMPORT")
+        row = layout.row(align=True)
+        row.operator("tyndall.import_tdag", text=".tdag", icon="IMPORT")
+        row.operator("tyndall.import_vox", text=".vox", icon="IMPORT")
 
 
 def draw_settings(layout: UILayout, settings: TyndallVoxelizeSettings) -> None:
     column = layout.column()
-    for name in ("collection", "resolution", "rule", "symmetry", "memory_budget_mib", "path", "hides_sources"):
+    for name in ("collection", "resolution", "rule", "is_solid"):
+        column.prop(settings, name)
+    for kept, how in (("has_colors", "color_difference"), ("has_normals", "normal_bits")):
+        row = column.row()
+        row.active = not settings.is_solid
+        row.prop(settings, kept)
+        part = row.row()
+        part.active = getattr(settings, kept)
+        part.prop(settings, how)
+    for name in ("symmetry", "memory_budget_mib", "path", "hides_sources"):
         column.prop(settings, name)
 
 
@@ -64,6 +75,17 @@ class TYNDALL_PT_voxel_box(_BoxPanel, Panel):
             draw_value(column, context, "Resolution", f"{counts.resolution:,}")
             draw_value(column, context, "Voxels", count_text(counts.voxel_count))
             draw_value(column, context, "Distinct nodes", count_text(counts.node_count))
+
+
+class TYNDALL_PT_voxel_exports(_BoxPanel, Panel):
+    bl_label = "Export"
+    bl_parent_id = "TYNDALL_PT_voxel_box"
+
+    def draw(self, context: Context) -> None:
+        row = self.layout.row(align=True)
+        row.operator("tyndall.voxels_to_mesh", text="Mesh", icon="MESH_DATA")
+        row.operator("tyndall.export_voxels_vdb", text=".vdb", icon="EXPORT")
+        row.operator("tyndall.export_voxels_vox", text=".vox", icon="EXPORT")
 
 
 class TYNDALL_PT_voxel_bytes(_BoxPanel, Panel):
@@ -125,6 +147,7 @@ def _counts(context: Context, layout: UILayout) -> Counts | None:
 def draw_import(menu: Menu, _context: Context) -> None:
     """In File > Import."""
     menu.layout.operator("tyndall.import_tdag", text="Voxel DAG (.tdag)")
+    menu.layout.operator("tyndall.import_vox", text="MagicaVoxel (.vox)")
 
 
 def register() -> None:
@@ -138,6 +161,7 @@ def unregister() -> None:
 SIDEBAR_CLASSES = (
     TYNDALL_PT_voxelize,
     TYNDALL_PT_voxel_box,
+    TYNDALL_PT_voxel_exports,
     TYNDALL_PT_voxel_bytes,
     TYNDALL_PT_voxel_levels,
 )

@@ -2,7 +2,7 @@
 """``object.tyndall_voxels``: the file that an object stands for; ``scene.tyndall.voxelize``: how one is made."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 from bpy.types import Collection, PropertyGroup
 
 from .tagging import OVERRIDABLE, tag
@@ -85,6 +85,49 @@ class TyndallVoxelizeSettings(PropertyGroup):
         description="Which voxels belong to a surface",
         items=RULES,
         default="THIN",
+        options=set(),
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    is_solid: BoolProperty(
+        name="Solid",
+        description="Fill meshes that close. Voxels inside have no surface, and no voxel has colours or normals then",
+        options=set(),
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    has_colors: BoolProperty(
+        name="Colours",
+        description="Keep the diffuse colours of materials, and their pictures filtered to the size of a voxel",
+        default=True,
+        options=set(),
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    color_difference: FloatProperty(
+        name="Difference",
+        description="How far a kept colour may be from its own, by CIE94: 1 is hardly seen side by side, and takes "
+        "fewer bytes. 0 keeps all of them",
+        min=0.0,
+        max=100.0,
+        soft_max=10.0,
+        options=set(),
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    has_normals: BoolProperty(
+        name="Normals",
+        description="Keep the smooth normals of the mesh; without them, surfaces look as the voxels lie",
+        options=set(),
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    normal_bits: IntProperty(
+        name="Bits",
+        description="Of each kept normal: 16 are 0.64 degrees off at most, 32 are 0.0025",
+        min=8,
+        max=32,
+        default=16,
         options=set(),
         update=tag,
         override=OVERRIDABLE,

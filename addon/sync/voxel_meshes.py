@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 
 from tyndall import InvalidInput
+from tyndall.voxel_dag import Material, Textures
 
 from .images import ImageReader
 from .instances import materials_of
@@ -78,6 +79,26 @@ def gather(depsgraph: Depsgraph, objects: Iterable[Object], poll: Callable[[], N
         corner_normals=np.concatenate([part.corner_normals for part in parts]),
         reports=reader.reports,
     )
+
+
+def textures_of(mesh: VoxelMesh) -> Textures:
+    """As ``tyndall.voxel_dag.Config`` takes them."""
+    materials = [
+        Material(picture=colouring.texels, outside=colouring.extension.name.lower()) for colouring in mesh.colourings
+    ]
+    return Textures(materials=materials, corner_uvs=mesh.corner_uvs, material_of_triangle=mesh.colouring_of_triangle)
+
+
+def split_corners(mesh: VoxelMesh) -> tuple[NDArray[np.float64], NDArray[np.uint32], NDArray[np.float32]]:
+    """Positions, triangles and normals, with a vertex for each corner; flat corners have their triangle's normal."""
+    positions_m = mesh.positions_m[mesh.triangles]
+    across = np.cross(positions_m[:, 1] - positions_m[:, 0], positions_m[:, 2] - positions_m[:, 0])
+    lengths = np.linalg.norm(across, axis=1, keepdims=True)
+    of_faces = np.where(lengths > 0.0, across / np.where(lengths > 0.0, lengths, 1.0), (0.0, 0.0, 1.0))
+    is_flat = ~mesh.corner_normals.any(axis=2, keepdims=True)
+    normals = np.where(is_flat, of_faces[:, None], mesh.corner_normals).astype(np.float32)
+    corners = np.arange(3 * len(mesh.triangles), dtype=np.uint32).reshape(-1, 3)
+    return positions_m.reshape(-1, 3), corners, normals.reshape(-1, 3)
 
 
 class _Reader:

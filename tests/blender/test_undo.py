@@ -23,6 +23,8 @@ NOT_UNDONE = {
     "tyndall.copy_reports": "the clipboard is not the file",
     "tyndall.show_light_depth": "its images show the light's state, and are made anew by the next click",
     "tyndall.paint_air": "each of its strokes is a step, as those of Blender's brushes are",
+    "tyndall.export_voxels_vdb": "it writes a file, and changes nothing here",
+    "tyndall.export_voxels_vox": "it writes a file, and changes nothing here",
     "tyndall.render_preset_add": "a preset is a file of the user",
     "tyndall.air_preset_add": "a preset is a file of the user",
 }
@@ -127,6 +129,16 @@ def tdag_file(_sun: bpy.types.Object, folder: Path) -> dict[str, Any]:
     return {"filepath": str(path)}
 
 
+def vox_file(_sun: bpy.types.Object, folder: Path) -> dict[str, Any]:
+    path = folder / "corner.vox"
+    from_coordinates([[0, 0, 0]], Config(resolution=4)).to_vox(path)
+    return {"filepath": str(path)}
+
+
+def voxel_box(sun: bpy.types.Object, folder: Path) -> None:
+    bpy.ops.tyndall.import_tdag(**tdag_file(sun, folder))
+
+
 def another_file(sun: bpy.types.Object, folder: Path) -> None:
     """Where one was imported: its cube is larger."""
     settings = tdag_file(sun, folder)
@@ -165,7 +177,9 @@ SETTINGS: dict[str, Callable[[bpy.types.Object, Path], dict[str, Any] | None]] =
     "tyndall.load_painted_air": out_of_file,
     "tyndall.voxelize": selected,
     "tyndall.import_tdag": tdag_file,
+    "tyndall.import_vox": vox_file,
     "tyndall.reload_voxels": another_file,
+    "tyndall.voxels_to_mesh": voxel_box,
     "tyndall.preset_apply": lambda *_: {"filepath": str(shipped_presets(TYNDALL_PT_air_presets)[0])},
 }
 

@@ -22,6 +22,7 @@ from addon.voxel_reading import counts_of
 from support.recording_layout import drawn
 from support.small_scenes import CUBE_CORNERS, CUBE_FACES, add, cube, material, mesh, node, plane
 from tyndall.blender.voxel_meshes import gather
+from tyndall.volumes import grid_infos
 from tyndall.voxel_dag import Config, from_coordinates, load, voxelize
 
 
@@ -248,6 +249,39 @@ def cube_at_origin() -> tuple[np.ndarray, np.ndarray]:
     return np.array(CUBE_CORNERS, float), np.array(triangles)
 
 
+def test_voxels_keep_the_colours_and_normals_of_the_surface(saved: bpy.types.Scene) -> None:
+    """Of each face its own; without them, the file has none."""
+    block = bpy.data.objects["Block"]
+    for colour in ((1, 0, 0, 1), (0, 0, 1, 1)):
+        made = material("Paint", lambda new, _, c=colour: node(new, "ShaderNodeBsdfDiffuse", Color=c).outputs[0])
+        block.data.materials.append(made)
+    block.data.polygons[5].material_index = 1  # the top
+    saved.tyndall.voxelize.has_normals = True
+    bpy.ops.tyndall.voxelize()
+    dag = load(file_of(bpy.context.object))
+    middles = [[8, 8, 15], [8, 8, 0], [0, 8, 8], [15, 8, 8]]
+    assert dag.colors_at(middles).tolist() == [[0, 0, 255], [255, 0, 0], [255, 0, 0], [255, 0, 0]]
+    assert np.allclose(dag.normals_at(middles), [[0, 0, 1], [0, 0, -1], [-1, 0, 0], [1, 0, 0]], atol=0.02)
+    saved.tyndall.voxelize.has_colors = saved.tyndall.voxelize.has_normals = False
+    block.hide_set(False)
+    select(block)
+    bpy.ops.tyndall.voxelize()
+    dag = load(file_of(bpy.context.object))
+    assert not dag.has_colors
+    assert not dag.has_normals
+
+
+def test_a_solid_is_filled(saved: bpy.types.Scene) -> None:
+    """All of the cube; an open mesh is refused."""
+    saved.tyndall.voxelize.is_solid = True
+    bpy.ops.tyndall.voxelize()
+    assert load(file_of(bpy.context.object)).voxel_count == 16**3
+    flat = plane()
+    select(flat)
+    with pytest.raises(RuntimeError, match="edge"):
+        bpy.ops.tyndall.voxelize()
+
+
 def test_a_collection_becomes_voxels_together(saved: bpy.types.Scene) -> None:
     """Whatever is selected; around the middle of all of it."""
     both = bpy.data.collections.new("Both")
@@ -353,6 +387,75 @@ def test_a_file_is_imported_and_read_anew(saved: bpy.types.Scene, tmp_path: Path
         bpy.ops.tyndall.reload_voxels()
 
 
+@pytest.fixture
+def two_voxels(saved: bpy.types.Scene, tmp_path: Path) -> bpy.types.Object:
+    """Of 0.25 m, in opposite corners of a cube of 2 m; red and blue; turned and moved, with a material."""
+    colors = np.array([[255, 0, 0], [0, 0, 255]], np.uint8)
+    config = Config(resolution=8, bounds_m=[[0, 0, 0], [2, 2, 2]], colors=colors)
+    from_coordinates([[0, 0, 0], [7, 7, 7]], config).save(tmp_path / "two.tdag")
+    bpy.ops.tyndall.import_tdag(filepath=str(tmp_path / "two.tdag"))
+    box = bpy.context.object
+    box.location, box.rotation_euler = (1.0, 2.0, 3.0), (0.1, 0.2, 0.3)
+    box.data.materials.append(bpy.data.materials.new("Clay"))
+    bpy.context.view_layer.update()
+    return box
+
+
+@pytest.mark.parametrize(("level", "side_m"), [(3, 0.25), (2, 0.5), (17, 0.25)])
+def test_voxels_become_a_mesh_where_they_are(two_voxels: bpy.types.Object, level: int, side_m: float) -> None:
+    """Closed boxes with the box's material and their own colours; coarser ones fill their cubes."""
+    assert bpy.ops.tyndall.voxels_to_mesh(level=level) == {"FINISHED"}
+    thing = bpy.context.object
+    corners = sorted(tuple(vertex.co) for vertex in thing.data.vertices)
+    first, second = np.array(list(itertools.product((0.0, side_m), repeat=3))), 2.0 - side_m
+    assert np.allclose(corners, sorted(map(tuple, [*first, *(first + second)])))
+    assert np.allclose(thing.matrix_world, two_voxels.matrix_world)
+    assert [material.name for material in thing.data.materials] == ["Clay"]
+    assert len(thing.data.polygons) == 24
+    assert not thing.data.validate()
+    for polygon in thing.data.polygons:
+        middle = np.mean(first, axis=0) + (second if polygon.center.x > 1.0 else 0.0)
+        assert polygon.normal.dot(polygon.center - Vector(middle)) > 0.0
+        colour = thing.data.color_attributes[0].data[polygon.loop_start].color
+        assert tuple(colour) == ((0, 0, 1, 1) if polygon.center.x > 1.0 else (1, 0, 0, 1))
+
+
+def test_a_smooth_mesh_is_one_of_openvdb(two_voxels: bpy.types.Object) -> None:
+    """Rounded, around the same voxels."""
+    assert bpy.ops.tyndall.voxels_to_mesh(kind="SMOOTH") == {"FINISHED"}
+    corners = np.array([vertex.co for vertex in bpy.context.object.data.vertices])
+    assert len(corners) > 8
+    assert (corners.min(axis=0) > -0.1).all()
+    assert (corners.max(axis=0) < 2.1).all()
+    assert not np.isin(corners, (0.0, 0.25, 1.75, 2.0)).all()
+
+
+@pytest.mark.parametrize(("kind", "name"), [("FOG", "density"), ("LEVEL SET", "surface")])
+def test_voxels_become_a_grid_of_openvdb(two_voxels: bpy.types.Object, tmp_path: Path, kind: str, name: str) -> None:
+    """Beside their own file, unless another is named."""
+    assert bpy.ops.tyndall.export_voxels_vdb(kind=kind) == {"FINISHED"}
+    (info,) = grid_infos(tmp_path / "two.vdb")
+    assert info.name == name
+    bpy.ops.tyndall.export_voxels_vdb(kind=kind, filepath=str(tmp_path / "other"))
+    assert (tmp_path / "other.vdb").is_file()
+
+
+def test_a_magicavoxel_file_goes_out_and_comes_in(two_voxels: bpy.types.Object, tmp_path: Path) -> None:
+    """With its colours; a damaged one is named, and no file is made of it."""
+    assert bpy.ops.tyndall.export_voxels_vox() == {"FINISHED"}
+    assert bpy.ops.tyndall.import_vox(filepath=str(tmp_path / "two.vox"), voxel_size_m=0.25) == {"FINISHED"}
+    box = bpy.context.object
+    assert box.tyndall_voxels.path == "//two_002.tdag"
+    dag = load(file_of(box))
+    voxels = np.concatenate(list(dag.coordinates()))
+    assert dag.colors_at(voxels).tolist() == [[255, 0, 0], [0, 0, 255]]
+    assert np.ptp(voxels_in_world(box), axis=0) == pytest.approx([2.0, 2.0, 2.0])
+    (tmp_path / "two.vox").write_bytes((tmp_path / "two.vox").read_bytes()[:50])
+    with pytest.raises(RuntimeError, match=r"two\.vox"):
+        bpy.ops.tyndall.import_vox(filepath=str(tmp_path / "two.vox"))
+    assert len(list(tmp_path.glob("*.tdag"))) == 2
+
+
 # Panels and previews
 
 
@@ -367,7 +470,7 @@ def test_the_panel_says_what_a_file_holds(saved: bpy.types.Scene) -> None:
     octree = 4 * sum(level.tree_node_count for level in dag.levels())
     for name, ratio in (("An octree, 4 bytes per node", octree), ("Raw, a bit per voxel of the cube", 16**3 / 8)):
         assert f"{name} {ratio / dag.geometry_bytes:.3g} x" in shown.replace("  ", " ")
-    assert f"All {dag.geometry_bytes} B" in shown
+    assert f"All {dag.geometry_bytes + dag.attribute_bytes} B" in shown
     shown = drawn(panels.voxels.TYNDALL_PT_voxel_levels)
     assert [shown[row] for row in (1, 4, 7)] == ["16", "8", "4"]
 

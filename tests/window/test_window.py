@@ -267,8 +267,10 @@ def test_a_sun_is_made_of_the_world_s_image_by_its_button(play: Callable[..., An
 
 
 def test_a_mesh_becomes_voxels_in_the_window(play: Callable[..., Any]) -> None:
-    """By the mouse: Esc stops it; it is undone and redone; its file is imported once more."""
+    """By the mouse: Esc stops it; it is undone and redone; files come in and go out, and a mesh is made."""
     facts = play("voxels", screen_px=(1000, 900)).facts
     assert facts["stopped"] == facts["undone"] == []
     assert facts["made"] == facts["redone"] == ["Cube Voxels"]
-    assert facts["imported"] == ["Cube Voxels", "Cube_Voxels"]
+    assert facts["imported"] == ["Cube Voxels", "Cube_Voxels", "Cube_Voxels.001"]
+    assert facts["written"] == ["Cube_Voxels.vox", "Cube_Voxels_002.vdb"]
+    assert facts["mesh"] > 10_000

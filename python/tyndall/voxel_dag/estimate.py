@@ -27,6 +27,7 @@ _FILE_BYTES_PER_VOXEL = 0.25
 #: Per core, from a mesh to a packed graph with 48 symmetries: the dragon at 8,192.
 _VOXELS_PER_S = 38e6
 _START_S = 0.05  #: Of whatever mesh.
+_COPIES = 3  #: Of attributes, while they are ordered and packed.
 _LEAST_RESOLUTION = 4
 
 
@@ -46,7 +47,7 @@ class Estimate:
     resolution: int
     voxel_count: int
     memory_bytes: int  #: Of the voxels or of the graph's tables, the larger: what a budget bounds.
-    file_bytes: int  #: Of geometry; less where parts are alike.
+    file_bytes: int  #: At most: less where parts are alike.
     seconds: float  #: On all cores of this machine, with nothing beside.
 
 
@@ -70,8 +71,8 @@ def _seen_areas_m2(positions: NDArray[np.float64], corners: NDArray[np.uint32]) 
     return 0.5 * np.abs(cross)
 
 
-def estimate(extent: Extent, config: Config) -> Estimate:
-    """Of the mesh at ``config.resolution``."""
+def estimate(extent: Extent, config: Config, attribute_bytes: float = 0.0) -> Estimate:
+    """Of the mesh at ``config.resolution``, with so many bytes of colours and the like for each voxel."""
     columns_per_m2 = (config.resolution / extent.side_m) ** 2 if extent.side_m > 0.0 else 0.0
     voxels = max(1, round(columns_per_m2 * (extent.main_m2 if config.rule == "thin" else extent.all_m2)))
     bricks = max(1, round(columns_per_m2 / _BRICK**2 * extent.all_m2))
@@ -79,16 +80,16 @@ def estimate(extent: Extent, config: Config) -> Estimate:
     return Estimate(
         resolution=config.resolution,
         voxel_count=voxels,
-        memory_bytes=max(_BYTES_PER_BRICK * bricks, tables_bytes),
-        file_bytes=round(_FILE_BYTES_PER_VOXEL * voxels),
+        memory_bytes=max(_BYTES_PER_BRICK * bricks, tables_bytes) + round(_COPIES * attribute_bytes * voxels),
+        file_bytes=round((_FILE_BYTES_PER_VOXEL + attribute_bytes) * voxels),
         seconds=_START_S + voxels / (_VOXELS_PER_S * (os.cpu_count() or 1)),
     )
 
 
-def largest_that_fits(extent: Extent, config: Config) -> Estimate | None:
+def largest_that_fits(extent: Extent, config: Config, attribute_bytes: float = 0.0) -> Estimate | None:
     """At ``config.resolution``, or at the highest below it that the budget allows; None: not even the lowest fits."""
     while True:
-        found = estimate(extent, config)
+        found = estimate(extent, config, attribute_bytes)
         if found.memory_bytes <= budget(config):
             return found
         if config.resolution <= _LEAST_RESOLUTION:

@@ -15,10 +15,19 @@ import bpy
 
 from support.mouse import click, press, through_browser, xdotool
 
-CLICKS = ("tyndall.voxelize", "tyndall.import_tdag", "tyndall.reload_voxels")
+CLICKS = (
+    "tyndall.voxelize",
+    "tyndall.import_tdag",
+    "tyndall.import_vox",
+    "tyndall.reload_voxels",
+    "tyndall.voxels_to_mesh",
+    "tyndall.export_voxels_vdb",
+    "tyndall.export_voxels_vox",
+)
 TAB = (8, 245)
-VOXELIZE, IMPORT = (121, 206), (121, 232)
-RELOAD = (44, 297)
+VOXELIZE, IMPORT_TDAG, IMPORT_VOX = (121, 275), (164, 301), (77, 301)
+RELOAD = (44, 366)
+TO_MESH, TO_VDB, TO_VOX = (178, 545), (121, 545), (63, 545)
 
 
 def boxes() -> list[str]:
@@ -80,5 +89,13 @@ def session(window: Any) -> Iterator[float]:
         yield from press(window, (key,))
         window.facts[name] = boxes()
     yield from click(window, RELOAD)
-    yield from through_browser(window, IMPORT, "voxels_browser")
+    yield from through_browser(window, IMPORT_TDAG, "voxels_browser")
+    yield from through_browser(window, TO_VOX, "voxels_to_vox")
+    yield from through_browser(window, IMPORT_VOX, "voxels_from_vox")
     window.facts["imported"] = boxes()
+    window.screenshot("voxels_imported")
+    yield from through_browser(window, TO_VDB, "voxels_to_vdb")
+    window.facts["written"] = sorted(path.name for path in window.folder.glob("*.v[do][bx]"))
+    yield from click(window, TO_MESH)
+    window.facts["mesh"] = len(bpy.context.object.data.polygons)
+    window.screenshot("voxels_mesh")

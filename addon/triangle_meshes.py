@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arrays of triangles as Blender's meshes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+
+if TYPE_CHECKING:
+    from bpy.types import Mesh
+    from numpy.typing import NDArray
+
+
+def triangle_mesh(
+    name: str, positions_m: NDArray[np.floating[Any]], triangles: NDArray[np.uint32], colors: NDArray[np.uint8] | None
+) -> Mesh:
+    """``colors``, (m, 3), of triangles, as sRGB encodes them: the mesh's colour attribute."""
+    mesh = bpy.data.meshes.new(name)
+    count = len(triangles)
+    mesh.vertices.add(len(positions_m))
+    mesh.vertices.foreach_set("co", positions_m.astype(np.float32).ravel())
+    mesh.loops.add(3 * count)
+    mesh.loops.foreach_set("vertex_index", triangles.astype(np.int32).ravel())
+    mesh.polygons.add(count)
+    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
+    if bpy.app.version < (4, 0, 0):  # later ones know it by where the next begins
+        mesh.polygons.foreach_set("loop_total", np.full(count, 3, np.int32))
+    if colors is not None:
+        rgba = np.full((count, 4), 255, np.uint8)
+        rgba[:, :3] = colors
+        attribute = mesh.color_attributes.new("Color", "BYTE_COLOR", "CORNER")
+        attribute.data.foreach_set("color_srgb", (np.repeat(rgba, 3, axis=0) / np.float32(255.0)).ravel())
+    mesh.update(calc_edges=True)
+    return mesh
