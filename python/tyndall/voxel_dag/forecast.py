@@ -15,7 +15,7 @@ from tyndall._native import Progress
 from .checks import MOST_INDEX, refuse, whole
 from .config import Config
 from .meshes import voxelize
-from .parts import budget_of, require_no_attributes, scratch_of
+from .parts import budget_of, require_bare_surface, scratch_of
 
 #: What joining and packing take per node of the graph, and a part's file: measured, rounded up.
 _MEMORY_BYTES_PER_NODE, _SCRATCH_BYTES_PER_NODE = 96, 32
@@ -57,7 +57,7 @@ def forecast(
 
 def _forecasts(positions_m: ArrayLike, triangles: ArrayLike, config: Config, progress: Progress) -> list[Forecast]:
     """By resolution, up to that of the configuration."""
-    require_no_attributes(config)
+    require_bare_surface(config)
     resolution = whole("resolution", config.resolution, MOST_INDEX)
     if resolution.bit_count() != 1 or not LEAST_RESOLUTION <= resolution <= MOST_RESOLUTION:
         raise refuse(
