@@ -46,9 +46,29 @@ struct SmoothTriangle {
 };
 } // namespace
 
+/// Out of its own cell, along the ray: a cell does not shadow itself where its normal is lit, and its neighbours do.
+static vec3 lift_out_of_cell(const Scene& scene, const PlacedShape& placed, const Hit& hit, const ShadingPoint& point,
+                             const vec3& towards_light) {
+    if (glm::dot(hit.geometric_normal, towards_light) >= 0.0f || glm::dot(point.shading_normal, towards_light) <= 0.0f)
+        return vec3(0.0f);
+    const Bounds3 box = scene.description().shapes[placed.shape_index]->shape().box(hit.cell);
+    const glm::dmat4 object_from_scene = glm::inverse(glm::dmat4(placed.world_from_object));
+    const dvec3 at(object_from_scene * glm::dvec4(dvec3(point.position), 1.0));
+    const dvec3 way = glm::dmat3(object_from_scene) * dvec3(towards_light);
+    double leaves_m = std::numeric_limits<double>::infinity();
+    for (int axis = 0; axis < 3; ++axis)
+        if (way[axis] != 0.0)
+            leaves_m = std::min(
+                leaves_m, ((way[axis] > 0.0 ? double{box.max[axis]} : double{box.min[axis]}) - at[axis]) / way[axis]);
+    // A millionth of the cell beyond its far side: as much as the point's own floats may be off.
+    return static_cast<float>(std::max(leaves_m, 0.0) * (1.0 + 1e-6)) * towards_light;
+}
+
 vec3 terminator_lift(const Scene& scene, const Hit& hit, const ShadingPoint& point, const vec3& towards_light) {
     if (!scene.is_smooth(hit.instance))
         return vec3(0.0f);
+    if (const PlacedShape* placed = scene.placed_shape(hit.instance))
+        return lift_out_of_cell(scene, *placed, hit, point, towards_light);
     const SceneDescription& description = scene.description();
     const Instance& instance = description.instances[hit.instance];
     const MeshArrays& arrays = description.meshes[instance.mesh_index]->arrays();

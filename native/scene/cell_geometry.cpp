@@ -51,29 +51,34 @@ static void intersect(const RTCIntersectFunctionNArguments* arguments) {
     }
 }
 
+/// Whether the query's filter takes the first cell for an occluder: it knows instances, not cells.
+static bool is_accepted(const RTCOccludedFunctionNArguments& arguments, const CellShape& shape, const Ray& ray,
+                        unsigned int lane) {
+    const CellHit found = shape.closest_hit(ray);
+    if (!found.is_hit())
+        return false;
+    RTCRay as_hit = rtcGetRayFromRayN(arguments.ray, arguments.N, lane);
+    as_hit.tfar = found.distance_m;
+    RTCHit hit = embree_hit(found, *arguments.context);
+    int valid = -1;
+    const RTCFilterFunctionNArguments filtered{.valid = &valid,
+                                               .geometryUserPtr = arguments.geometryUserPtr,
+                                               .context = arguments.context,
+                                               .ray = reinterpret_cast<RTCRayN*>(&as_hit),
+                                               .hit = reinterpret_cast<RTCHitN*>(&hit),
+                                               .N = 1};
+    arguments.context->filter(&filtered);
+    return valid != 0;
+}
+
 static void occlude(const RTCOccludedFunctionNArguments* arguments) {
     const auto& shape = *static_cast<const CellShape*>(arguments->geometryUserPtr);
     const unsigned int count = arguments->N;
     for (unsigned int lane = 0; lane < count; ++lane) {
         if (arguments->valid[lane] == 0)
             continue;
-        const CellHit found = shape.closest_hit(ray_of(arguments->ray, count, lane));
-        if (!found.is_hit())
-            continue;
-        int is_accepted = -1;
-        if (arguments->context->filter != nullptr) {
-            RTCRay ray = rtcGetRayFromRayN(arguments->ray, count, lane);
-            ray.tfar = found.distance_m;
-            RTCHit hit = embree_hit(found, *arguments->context);
-            const RTCFilterFunctionNArguments filtered{.valid = &is_accepted,
-                                                       .geometryUserPtr = arguments->geometryUserPtr,
-                                                       .context = arguments->context,
-                                                       .ray = reinterpret_cast<RTCRayN*>(&ray),
-                                                       .hit = reinterpret_cast<RTCHitN*>(&hit),
-                                                       .N = 1};
-            arguments->context->filter(&filtered);
-        }
-        if (is_accepted != 0)
+        const Ray ray = ray_of(arguments->ray, count, lane);
+        if (arguments->context->filter == nullptr ? shape.is_occluded(ray) : is_accepted(*arguments, shape, ray, lane))
             RTCRayN_tfar(arguments->ray, count, lane) = -std::numeric_limits<float>::infinity();
     }
 }

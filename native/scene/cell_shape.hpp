@@ -16,6 +16,12 @@ struct CellHit {
     [[nodiscard]] bool is_hit() const { return distance_m < std::numeric_limits<float>::infinity(); }
 };
 
+/// What a cell looks like.
+struct CellLook {
+    Rgb color{1.0f};   ///< Linear: the material's diffuse colour is multiplied by it.
+    vec3 normal{0.0f}; ///< For shading, of length 1, in the shape's space; 0: that of the face.
+};
+
 /// A face of a cell: `corner + u * first_edge + v * second_edge`.
 struct CellFace {
     vec3 corner, first_edge, second_edge;
@@ -48,5 +54,12 @@ public:
     /// Of a number that closest_hit() gave.
     [[nodiscard]] virtual CellFace face(std::uint64_t cell) const = 0;
     virtual void visit(CellVisitor& visitor) const = 0;
+    /// The cell of a number that closest_hit() gave.
+    [[nodiscard]] virtual Bounds3 box(std::uint64_t cell) const = 0;
+    [[nodiscard]] virtual CellLook look(std::uint64_t cell) const = 0;
+    /// Some cell has a normal of its own.
+    [[nodiscard]] virtual bool has_normals() const = 0;
+    /// Whether closest_hit() finds anything.
+    [[nodiscard]] virtual bool is_occluded(const Ray& ray) const = 0;
 };
 } // namespace tyndall

@@ -104,10 +104,7 @@ public:
         return description().instances.size() + description().placed_shapes.size();
     }
     /// Whether surfaces of the instance have normals of their own, so that shadow rays may have to be lifted.
-    [[nodiscard]] bool is_smooth(std::uint32_t instance) const {
-        return placed_shape(instance) == nullptr &&
-               !description().meshes[description().instances[instance].mesh_index]->arrays().corner_normals.empty();
-    }
+    [[nodiscard]] bool is_smooth(std::uint32_t instance) const;
     /// Material of a hit triangle, or of a shape.
     [[nodiscard]] const Material& material(std::uint32_t instance, std::uint32_t triangle) const;
     /// Everything a surface program reads at a hit.

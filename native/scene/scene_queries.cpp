@@ -13,6 +13,12 @@ const Material& Scene::material(std::uint32_t instance_index, std::uint32_t tria
     return geometry_->slot_material(instance, description().meshes[instance.mesh_index]->arrays().slot_of(triangle));
 }
 
+bool Scene::is_smooth(std::uint32_t instance) const {
+    if (const PlacedShape* placed = placed_shape(instance))
+        return description().shapes[placed->shape_index]->shape().has_normals();
+    return !description().meshes[description().instances[instance].mesh_index]->arrays().corner_normals.empty();
+}
+
 template <typename Value>
 static Value interpolate(const Value& a, const Value& b, const Value& c, vec2 barycentrics) {
     return a + barycentrics.x * (b - a) + barycentrics.y * (c - a);
@@ -37,7 +43,8 @@ static void look_up_uvs(const Scene& scene, const Material& material, const Hit&
 }
 
 ShadingPoint Scene::shading_point(const PlacedShape& placed, const Ray& ray, const Hit& hit) const {
-    const CellFace face = description().shapes[placed.shape_index]->shape().face(hit.cell);
+    const CellShape& shape = description().shapes[placed.shape_index]->shape();
+    const CellFace face = shape.face(hit.cell);
     const vec3 in_object = face.corner + hit.barycentrics.x * face.first_edge + hit.barycentrics.y * face.second_edge;
     ShadingPoint point{.position = vec3(placed.world_from_object * vec4(in_object, 1.0f)),
                        .geometric_normal = hit.geometric_normal,
@@ -45,7 +52,10 @@ ShadingPoint Scene::shading_point(const PlacedShape& placed, const Ray& ray, con
                        .triangle = hit.triangle,
                        .barycentrics = hit.barycentrics,
                        .is_backface = glm::dot(hit.geometric_normal, ray.direction) > 0.0f};
-    if (point.is_backface)
+    const vec3 normal = geometry_->placements[hit.instance].scene_from_object_normals * shape.look(hit.cell).normal;
+    if (const float length = glm::length(normal); length > 0.0f)
+        point.shading_normal = normal / length;
+    if (glm::dot(point.shading_normal, ray.direction) > 0.0f) // walls of one voxel have two sides
         point.shading_normal = -point.shading_normal;
     return point;
 }
@@ -95,8 +105,10 @@ SurfaceClosures Scene::closures(const ShadingPoint& point, const Hit& hit) const
         look_up_uvs(*this, surface, hit, uvs);
         closures = evaluate(surface, point, uvs);
     }
-    if (placed_shape(hit.instance) != nullptr)
+    if (const PlacedShape* placed = placed_shape(hit.instance)) {
+        closures.diffuse_albedo *= description().shapes[placed->shape_index]->shape().look(hit.cell).color;
         closures.transparent = Rgb(0.0f);
+    }
     return closures;
 }
 

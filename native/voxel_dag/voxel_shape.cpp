@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/voxel_shape.hpp"
-#include "voxel_dag/trace.hpp"
+#include "image/srgb.hpp"
+#include "voxel_dag/tracer.hpp"
 #include "voxel_dag/tree_nodes.hpp"
 #include <algorithm>
 #include <bit>
@@ -46,7 +47,7 @@ private:
 class VoxelShape final : public CellShape {
 public:
     VoxelShape(std::shared_ptr<const PlacedDag> placed, std::string name)
-        : placed_(std::move(placed)), name_(std::move(name)),
+        : placed_(std::move(placed)), name_(std::move(name)), tracer_(placed_->dag),
           per_m_(static_cast<double>(resolution()) / placed_->bounds_m.side_m) {
         BoundsFinder finder(static_cast<float>(placed_->bounds_m.side_m * (1.5 / 256)));
         visit(finder);
@@ -57,17 +58,13 @@ public:
     [[nodiscard]] const Bounds3& bounds() const override { return bounds_; }
 
     [[nodiscard]] CellHit closest_hit(const Ray& ray) const override {
-        const dvec3 direction(ray.direction);
-        const dvec3 start = dvec3(ray.origin) + double{ray.near_m} * direction; // tracing begins at 0
-        const VoxelRay in_voxels{.origin = (start - placed_->bounds_m.lower_m) * per_m_,
-                                 .direction = direction * per_m_,
-                                 .end = double{ray.far_m} - double{ray.near_m}};
-        const VoxelHit hit = trace(placed_->dag, in_voxels);
+        const VoxelRay in_voxels = voxel_ray(ray);
+        const VoxelHit hit = tracer_.trace(in_voxels);
         if (!hit.is_hit())
             return {};
-        const std::uint32_t axis = hit.axis < 3 ? hit.axis : largest_axis(direction);
+        const std::uint32_t axis = hit.axis < 3 ? hit.axis : largest_axis(in_voxels.direction);
         const auto a = static_cast<int>(axis);
-        const FaceCode face(hit.voxel, axis, direction[a] < 0.0);
+        const FaceCode face(hit.voxel, axis, in_voxels.direction[a] < 0.0);
         CellHit result{.distance_m = std::min(static_cast<float>(double{ray.near_m} + hit.distance), ray.far_m),
                        .cell = face.number(),
                        .normal = vec3(0.0f)};
@@ -99,7 +96,34 @@ public:
             visit(visitor, placed_->dag.level, root_of(placed_->dag), {0, 0, 0});
     }
 
+    [[nodiscard]] Bounds3 box(std::uint64_t cell) const override { return box_of(FaceCode(cell).voxel, 1); }
+    [[nodiscard]] CellLook look(std::uint64_t cell) const override {
+        CellLook look;
+        if (placed_->attributes == nullptr)
+            return look;
+        const auto sample = placed_->attributes->sample_at(placed_->dag, FaceCode(cell).voxel, 0);
+        if (!sample)
+            return look;
+        if (placed_->attributes->layout().has_colors)
+            for (int channel = 0; channel < 3; ++channel)
+                look.color[channel] =
+                    linear_from_srgb(static_cast<float>(sample->color >> 8 * channel & 0xff) / 255.0f);
+        look.normal = sample->normal;
+        return look;
+    }
+    [[nodiscard]] bool has_normals() const override {
+        return placed_->attributes != nullptr && placed_->attributes->layout().normal_bits > 0;
+    }
+    [[nodiscard]] bool is_occluded(const Ray& ray) const override { return tracer_.is_occluded(voxel_ray(ray)); }
+
 private:
+    [[nodiscard]] VoxelRay voxel_ray(const Ray& ray) const {
+        const dvec3 direction(ray.direction);
+        const dvec3 start = dvec3(ray.origin) + double{ray.near_m} * direction; // tracing begins at 0
+        return {.origin = (start - placed_->bounds_m.lower_m) * per_m_,
+                .direction = direction * per_m_,
+                .end = double{ray.far_m} - double{ray.near_m}};
+    }
     [[nodiscard]] std::uint64_t resolution() const { return std::uint64_t{1} << placed_->dag.level; }
     static std::uint32_t largest_axis(const dvec3& direction) {
         const dvec3 size = glm::abs(direction);
@@ -157,6 +181,7 @@ private:
 
     std::shared_ptr<const PlacedDag> placed_;
     std::string name_;
+    Tracer tracer_;
     double per_m_;
     Bounds3 bounds_;
 };

@@ -11,9 +11,9 @@ namespace tyndall::support {
 /// Cubes of a lattice, by their lowest corners in widths of a cube.
 class BoxShape final : public CellShape {
 public:
-    /// `counted`: what it says of its number of cells, 0: the truth.
-    BoxShape(std::vector<glm::ivec3> cells, float width_m, std::uint64_t counted = 0)
-        : cells_(std::move(cells)), width_m_(width_m), counted_(counted) {
+    /// `counted`: what it says of its number of cells, 0: the truth. `normal`: of all cells, 0: none of their own.
+    BoxShape(std::vector<glm::ivec3> cells, float width_m, std::uint64_t counted = 0, vec3 normal = vec3(0.0f))
+        : cells_(std::move(cells)), width_m_(width_m), counted_(counted), normal_(normal) {
         for (const glm::ivec3& cell : cells_)
             bounds_.grow(box(cell));
     }
@@ -43,6 +43,10 @@ public:
         for (const glm::ivec3& cell : cells_)
             visitor.meet(box(cell));
     }
+    [[nodiscard]] Bounds3 box(std::uint64_t cell) const override { return box(cells_[cell / 8]); }
+    [[nodiscard]] CellLook look(std::uint64_t) const override { return {.normal = normal_}; }
+    [[nodiscard]] bool has_normals() const override { return normal_ != vec3(0.0f); }
+    [[nodiscard]] bool is_occluded(const Ray& ray) const override { return closest_hit(ray).is_hit(); }
     [[nodiscard]] Bounds3 box(const glm::ivec3& cell) const {
         Bounds3 result;
         result.grow(width_m_ * vec3(cell));
@@ -96,6 +100,7 @@ private:
     std::vector<glm::ivec3> cells_;
     float width_m_;
     std::uint64_t counted_;
+    vec3 normal_;
     std::string name_ = "boxes";
     Bounds3 bounds_;
 };

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A DAG in a scene: the same voxels, met where tracing alone meets them.
+#include "image/srgb.hpp"
 #include "scene/scene.hpp"
 #include "support/voxel_sets.hpp"
 #include "voxel_dag/build_dag.hpp"
+#include "voxel_dag/encode_attributes.hpp"
 #include "voxel_dag/merge_symmetric.hpp"
+#include "voxel_dag/octahedral_normals.hpp"
 #include "voxel_dag/pack_dag.hpp"
 #include "voxel_dag/trace.hpp"
 #include "voxel_dag/voxel_shape.hpp"
@@ -104,4 +107,36 @@ TEST_CASE("in a scene, rays meet the voxels that tracing alone meets") {
         CHECK(glm::length(point.position - (ray.origin + hit.distance_m * ray.direction)) < 4e-6f);
     }
     CHECK(hits > 1000);
+}
+
+TEST_CASE("a voxel's colour multiplies its material's, and its normal shades it on the side that is seen") {
+    const LeafMasks voxels = leaf_masks_of({{0, 0, 0}, {3, 3, 3}}, 2);
+    const Progress progress;
+    auto placed = std::make_shared<PlacedDag>(PlacedDag{pack_dag(build_dag(voxels, {}, progress), progress), cube_m});
+    VoxelAttributes attributes;
+    attributes.colors = {0x4020ffu, 0x00ff80u};
+    const vec3 normal = glm::normalize(vec3(-0.6f, 0.3f, 0.9f));
+    attributes.normals.assign(2, octahedral::encode(dvec3(normal), 32));
+    placed->attributes = encode_attributes(placed->dag, attributes, {}, progress);
+    SceneDescription description;
+    description.object_names = {"voxels"};
+    description.materials = {Material{.name = "half"}};
+    description.materials[0].constant.diffuse_albedo = Rgb(0.5f);
+    description.shapes = {std::make_shared<const CellGeometry>(make_voxel_shape(placed, "voxels"))};
+    description.placed_shapes = {{.world_from_object = glm::scale(mat4(1.0f), vec3(-1.0f, 1.0f, 2.0f))}};
+    const Scene scene(std::move(description), progress);
+    // Of the first voxel, from both sides along x, which the placement mirrors.
+    for (const float side : {1.0f, -1.0f}) {
+        const Ray ray{.origin = {side * 9.0f + 0.6f, 0.8f, 4.6f}, .direction = {-side, 0, 0}};
+        const Hit hit = scene.closest_hit(ray);
+        REQUIRE(hit.is_hit());
+        const Rgb albedo = scene.closures(ray, hit).diffuse_albedo;
+        CHECK(std::abs(albedo.x - 0.5f) < 1e-6f);
+        CHECK(std::abs(albedo.y - 0.5f * linear_from_srgb(0x20 / 255.0f)) < 1e-6f);
+        CHECK(std::abs(albedo.z - 0.5f * linear_from_srgb(0x40 / 255.0f)) < 1e-6f);
+        const vec3 expected = glm::normalize(normal * vec3(-1.0f, 1.0f, 0.5f));
+        CHECK(glm::length(scene.shading_point(ray, hit).shading_normal - side * expected) < 1e-4f); // 32 bits
+        CHECK(hit.geometric_normal == vec3(side, 0, 0));
+    }
+    CHECK(scene.is_smooth(0));
 }
