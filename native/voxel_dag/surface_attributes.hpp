@@ -5,8 +5,9 @@
 //           number of threads nor the CPU changes a bit. Colours are added up as light, not as bytes of sRGB's curve.
 //           Where normals cancel to less than a quarter (two sides of a thin wall; a wedge below 29 degrees), only those
 //           of one side count, the one with more area.
-// Bound:    25 to 40 ns per voxel without textures, one core; beside what comes out, 16 bytes per vertex and 8 per triangle
-//           and tile, and 32 to 96 bytes per voxel of the tile at work.
+// Bound:    54 ns of a core's time per voxel with colours, 63 with normals, 94 with both and four channels, 370 with a
+//           picture (dragon at 4096, on a machine that did much else at the time). Beside what comes out, 16 to 48 bytes
+//           per vertex, 16 per triangle and tile, and 32 to 96 per voxel of the tile at work.
 #pragma once
 #include "image/filtered_texture.hpp"
 #include "voxel_dag/voxel_attributes.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The triangles of one tile, as lines that bound its voxels: what sets voxels and what asks for their attributes share.
 // Differs:  triangles near the tile are laid in blocks, by vectors; the few far ones stay as they are, for lay_lines().
-// Bound:    about 0.1 us per triangle; 400 bytes of room per triangle of the tile that has most.
+// Bound:    tile_lines_kernel.hpp's; 400 bytes of room per triangle of the tile that has most.
 #pragma once
 #include "voxel_dag/tile_bins.hpp"
 #include "voxel_dag/tile_lines_kernel.hpp"

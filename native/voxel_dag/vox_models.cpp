@@ -26,7 +26,8 @@ std::vector<std::uint32_t> indices_of(std::span<const ByteColor> colors, TooMany
     std::ranges::transform(colors, entries.begin(), packed_color);
     MaterialIndices found = material_indices_of(entries, progress);
     require(found.materials.size() <= most_colors || too_many == TooManyColors::Quantize, "there are ",
-            found.materials.size(), " colours; a .vox file has ", most_colors, ": ask for a palette of so many (quantize)");
+            found.materials.size(), " colours; a .vox file has ", most_colors,
+            ": ask for a palette of so many (quantize)");
     if (found.materials.size() > most_colors) {
         color_palette::Result palette = color_palette::of_size(entries, most_colors, progress);
         found = {.materials = std::move(palette.colors), .indices = std::move(palette.indices)};

@@ -2,8 +2,9 @@
 // MagicaVoxel's models and the graph that places them become voxels with colours, and voxels become models.
 // Based on: MagicaVoxel-file-format-vox-extension.txt: a model is turned about the corner floor(side / 2) of its voxels,
 //           which then lies where the transforms above it have moved 0.
-// Bound:    reading, about 25 ns per voxel, and 130 bytes per brick of 4^3 that has any; models one after the other, where
-//           they overlap the later one in the graph counts. Writing, 4 bytes per voxel.
+// Bound:    reading, 192 bytes per brick of 4^3 that has any; models one after the other, where they overlap the later one in
+//           the graph counts. 33.6 M voxels of two models take 2.2 s of one core's time, the file, the graph and the colours
+//           that are packed of them included. Writing, 4 bytes per voxel in the file and 12 beside it.
 #pragma once
 #include "voxel_dag/leaf_masks.hpp"
 #include "voxel_dag/vox_file.hpp"

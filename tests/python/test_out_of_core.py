@@ -147,7 +147,7 @@ def test_what_has_no_room_is_refused_with_what_would_fit(tmp_path: Path) -> None
         tyndall.InvalidInput, match=r"131072: there are 256 MiB of memory.*resolution of (\d+) would fit"
     ):
         voxelize_to_file(*large_triangles(60), tmp_path / "a.tdag", wanted)
-    with pytest.raises(tyndall.InvalidInput, match="colors, normals and channels are not kept"):
+    with pytest.raises(tyndall.InvalidInput, match="channels and solid are not made out of core"):
         voxelize_to_file(*large_triangles(), tmp_path / "a.tdag", Config(channels={"roughness": [0.5]}))
     with pytest.raises(tyndall.InvalidInput, match="262144"):
         voxelize_to_file(*large_triangles(), tmp_path / "a.tdag", Config(resolution=262144))

@@ -15,12 +15,13 @@ from tyndall._native import Progress
 from .checks import MOST_INDEX, refuse, whole
 from .config import Config
 from .meshes import voxelize
-from .parts import budget_of, require_no_attributes, scratch_of
+from .parts import budget_of, require_bare_surface, scratch_of
 
 #: What joining and packing take per node of the graph, and a part's file: measured, rounded up.
 _MEMORY_BYTES_PER_NODE, _SCRATCH_BYTES_PER_NODE = 96, 32
-#: The mesh is made at this resolution and the next, at least, and on up to so many voxels.
-_FIRST_SAMPLE, _MOST_SAMPLED_VOXELS = 512, 4_000_000
+#: The mesh is made at this resolution and the next, at least, and then while the last one had fewer voxels.
+_FIRST_SAMPLE, _FEW_VOXELS = 512, 16_000_000
+_BYTES_PER_SAMPLED_VOXEL = 24  #: Of the last one that may be made more of: the next has four times as many.
 _DOUBT = 1.5  #: How far beyond the room a forecast lies before anything is refused for it.
 LEAST_RESOLUTION, MOST_RESOLUTION = 4, 131_072
 
@@ -56,15 +57,16 @@ def forecast(
 
 def _forecasts(positions_m: ArrayLike, triangles: ArrayLike, config: Config, progress: Progress) -> list[Forecast]:
     """By resolution, up to that of the configuration."""
-    require_no_attributes(config)
+    require_bare_surface(config)
     resolution = whole("resolution", config.resolution, MOST_INDEX)
     if resolution.bit_count() != 1 or not LEAST_RESOLUTION <= resolution <= MOST_RESOLUTION:
         raise refuse(
             f"resolution is {resolution}; powers of two from {LEAST_RESOLUTION} to {MOST_RESOLUTION} are possible"
         )
     samples: list[Forecast] = []
+    few_voxels = min(_FEW_VOXELS, budget_of(config) // _BYTES_PER_SAMPLED_VOXEL)
     at = min(_FIRST_SAMPLE, resolution)
-    while at <= resolution and (len(samples) < 2 or samples[-1].voxel_count < _MOST_SAMPLED_VOXELS):  # noqa: PLR2004
+    while at <= resolution and (len(samples) < 2 or samples[-1].voxel_count < few_voxels):  # noqa: PLR2004
         started = perf_counter()
         dag = voxelize(positions_m, triangles, replace(config, resolution=at, memory_budget_bytes=None), progress)
         samples.append(

@@ -63,7 +63,7 @@ def import_vdb(
         result: NDArray[np.bool_] = numbers >= limit if rule == "dense" else numbers <= limit
         return result
 
-    if is_set(np.float32(values.background)):
+    if is_set(np.array(values.background, np.float32)):
         raise refuse(f"{culprit}by the rule {rule!r} with {limit:g} all of space is set: its background is too")
     voxel_m, index_0_m = _placed(values.local_from_index, culprit)
     words = _words(np.packbits(is_set(values.leaf_values), axis=-1, bitorder="little"))
@@ -165,8 +165,8 @@ def _placed(local_from_index: NDArray[np.float64], culprit: str) -> tuple[float,
 
 
 def _words(bits: NDArray[np.uint8]) -> NDArray[np.uint64]:
-    """Bit z of byte 8 x + y, (n, 8, 8), as bit 8 y + z of word x, (n, 8)."""
-    return bits.view("<u8").reshape(-1, LEAF_VOXELS)
+    """Bit z of byte 8 x + y of each block, any shape, as bit 8 y + z of word x, (n, 8)."""
+    return bits.reshape(-1, LEAF_VOXELS**2).view("<u8")
 
 
 def _dag(

@@ -10,12 +10,10 @@ from numpy.typing import ArrayLike
 from tyndall import jobs
 from tyndall._native import Progress
 
-from .checks import refuse
 from .config import Config
 from .dag import VoxelDag, load
 from .forecast import require_room
 from .parts import part_jobs, parts_of, scratch_of
-from .surfaces import has_attributes
 
 
 def voxelize_to_file(
@@ -37,8 +35,6 @@ def voxelize_to_file(
     names the path; and Cancelled.
     """
     config, progress = config or Config(), progress or Progress()
-    if config.solid or has_attributes(config):
-        raise refuse("colors, textures, normals, channels and solid are not made out of core: use voxelize")
     require_room(positions_m, triangles, path, config, scratch=scratch, progress=progress)
     folder, count = scratch_of(path, scratch), workers if isinstance(workers, int) else 1
     if workers is not None:

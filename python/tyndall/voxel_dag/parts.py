@@ -18,6 +18,7 @@ from tyndall.jobs import Job
 
 from .checks import MOST_INDEX, budget, cube, indices, named, points, refuse, whole
 from .config import Config
+from .surfaces import has_attributes
 
 _DEFAULT_BUDGET_BYTES = 2 << 30
 
@@ -32,10 +33,10 @@ def scratch_of(path: str | os.PathLike[str], scratch: str | os.PathLike[str] | N
     return Path(path).absolute().parent if scratch is None else Path(scratch).absolute()
 
 
-def require_no_attributes(config: Config) -> None:
+def require_bare_surface(config: Config) -> None:
     """Refuse what parts' files do not hold. Raises InvalidInput."""
-    if config.colors is not None or config.normals is not None or config.channels:
-        raise refuse("colors, normals and channels are not kept out of core: leave them out, or keep all in memory")
+    if config.solid or has_attributes(config):
+        raise refuse("colors, textures, normals, channels and solid are not made out of core: use voxelize")
 
 
 def parts_of(
@@ -48,7 +49,7 @@ def parts_of(
     worker_count: int = 1,
 ) -> _native.OutOfCoreVoxels:
     """The parts of a mesh; ``worker_count`` processes share the budget. Raises InvalidInput and Cancelled."""
-    require_no_attributes(config)
+    require_bare_surface(config)
     return _native.OutOfCoreVoxels(
         positions=points(positions_m, "positions_m"),
         triangles=indices(triangles, "triangles"),

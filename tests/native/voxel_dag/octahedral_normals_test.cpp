@@ -80,3 +80,22 @@ TEST_CASE("the length of a normal does not matter, tiny or huge, and one without
     CHECK_THROWS_WITH_AS(octahedral::encode_all({}, 7, {}), "normals of 7 bits; from 8 to 32 are possible",
                          InvalidInput);
 }
+
+TEST_CASE("rounded coordinates are up to 1.5 times as far off as the best, and the axes are exact") {
+    test::Random random(5);
+    const auto one = [&] { return static_cast<double>(random()) - 2147483647.5; };
+    double most = 0;
+    for (int i = 0; i < 200000; ++i) {
+        const dvec3 direction(one(), one(), one());
+        const dvec3 decoded = octahedral::decode(octahedral::encode_rounded(direction), octahedral::most_bits);
+        most = std::max(most, degrees_between(decoded, glm::normalize(direction)));
+    }
+    CHECK(most < 1.5 * octahedral::most_error_degrees(octahedral::most_bits));
+    CHECK(most > 0.75 * octahedral::most_error_degrees(octahedral::most_bits));
+    for (int axis = 0; axis < 3; ++axis)
+        for (const double way : {-1.0, 1.0}) {
+            dvec3 direction(0);
+            direction[axis] = way;
+            CHECK(octahedral::decode(octahedral::encode_rounded(direction), octahedral::most_bits) == direction);
+        }
+}
