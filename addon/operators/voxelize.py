@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
-from bpy.types import Context, Event, Object, Operator
+from bpy.types import Context, Event, Material, Object, Operator
 from mathutils import Vector
 
 from ..amounts import bytes_text, count_text, duration_text
@@ -146,6 +146,8 @@ class TYNDALL_OT_voxelize(InThread, Operator):
             raise error
         prepared, dag = self._prepared, self._dag
         box = add_voxel_box(context, prepared.name, kept_path(self._path), dag.bounds_m, prepared.origin)
+        if (material := _first_material(context, prepared.sources)) is not None:
+            box.data.materials.append(material)
         if self._hides_sources:
             _hide(context, prepared.sources)
         select_only(context, box)
@@ -238,6 +240,13 @@ def _path_for(settings: TyndallVoxelizeSettings, name: str) -> Path:
     if not bpy.data.filepath:
         raise ValueError("Save the .blend first, or choose a file for the voxels")
     return unused(beside_blend(f"{bpy.path.clean_name(name)}.tdag"))
+
+
+def _first_material(context: Context, names: list[str]) -> Material | None:
+    """What renders draw voxels with: a box has one for all of them."""
+    things = (context.view_layer.objects.get(name) for name in names)
+    slots = (slot.material for thing in things if thing is not None for slot in thing.material_slots)
+    return next((material for material in slots if material is not None), None)
 
 
 def _hide(context: Context, names: list[str]) -> None:

@@ -258,6 +258,7 @@ def test_voxels_keep_the_colours_and_normals_of_the_surface(saved: bpy.types.Sce
     block.data.polygons[5].material_index = 1  # the top
     saved.tyndall.voxelize.has_normals = True
     bpy.ops.tyndall.voxelize()
+    assert [made.name for made in bpy.context.object.data.materials] == ["Paint"]
     dag = load(file_of(bpy.context.object))
     middles = [[8, 8, 15], [8, 8, 0], [0, 8, 8], [15, 8, 8]]
     assert dag.colors_at(middles).tolist() == [[0, 0, 255], [255, 0, 0], [255, 0, 0], [255, 0, 0]]
