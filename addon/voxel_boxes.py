@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from .shader_nodes import use_nodes
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -48,6 +50,19 @@ def add_voxel_box(context: Context, name: str, path: str, bounds_m: Bounds, loca
     context.collection.objects.link(box)
     context.view_layer.update()  # a script may render at once: the box is where it is
     return box
+
+
+def add_white_material(box: Object) -> None:
+    """Leave voxels the colours that they carry, by which renders multiply the material's."""
+    material = bpy.data.materials.new(f"{box.name} Colours")
+    tree = use_nodes(material)
+    tree.nodes.clear()
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.location = (-300, 0)
+    diffuse.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+    box.data.materials.append(material)
 
 
 def fit_box(mesh: Mesh, bounds_m: Bounds) -> None:

@@ -44,10 +44,8 @@ class _Leveled:
         self.level = max(LEAST_LEVEL, context.object.tyndall_voxels.preview_level)
         return super().invoke(context, event)
 
-    def _coarser(self, resolution: int) -> int:
-        """As often as cubes are twice as long as voxels."""
-        finest = resolution.bit_length() - 1
-        return finest - min(finest, int(self.level))
+    def _level(self, resolution: int) -> int:
+        return min(resolution.bit_length() - 1, int(self.level))
 
 
 class _AtOnce:
@@ -69,7 +67,7 @@ class TYNDALL_OT_voxels_to_mesh(BoxOperator, _Leveled, _AtOnce, Operator):
         box = context.object
         try:
             dag = load(file_of(box))
-            made = dag.to_mesh(self.kind.lower(), level=self._coarser(dag.resolution))
+            made = dag.to_mesh(self.kind.lower(), level=self._level(dag.resolution))
         except (ValueError, OSError) as error:
             return self._refuse(error)
         if len(made.triangles) == 0:
@@ -115,7 +113,7 @@ class TYNDALL_OT_export_voxels_vdb(_Leveled, _ExportOperator, Operator):
         path = self._target(context)
         try:
             dag = load(file_of(context.object))
-            dag.to_vdb(path, self.kind.lower(), level=self._coarser(dag.resolution))
+            dag.to_vdb(path, self.kind.lower(), level=self._level(dag.resolution))
         except (ValueError, OSError) as error:
             return self._refuse(error)
         self.report({"INFO"}, f"{path.name} is written")

@@ -11,7 +11,7 @@ from bpy.types import Context, Operator
 
 from ..amounts import count_text
 from ..availability import why_no_render
-from ..voxel_boxes import add_voxel_box, file_of, fit_box, is_voxel_box
+from ..voxel_boxes import add_voxel_box, add_white_material, file_of, fit_box, is_voxel_box
 from ..voxel_reading import forget
 from .files import FileOperator, beside_blend, kept_path, unused
 from .fog_box import select_only
@@ -67,11 +67,14 @@ class TYNDALL_OT_import_tdag(_VoxelOperator, FileOperator, Operator):
 
         path = self._path(context)
         try:
-            bounds_m = load(path).bounds_m
+            dag = load(path)
         except OSError as error:
             return self._refuse(error)
         forget(path)
-        select_only(context, add_voxel_box(context, path.stem, kept_path(path), bounds_m, (0.0, 0.0, 0.0)))
+        box = add_voxel_box(context, path.stem, kept_path(path), dag.bounds_m, (0.0, 0.0, 0.0))
+        if dag.has_colors:
+            add_white_material(box)
+        select_only(context, box)
         return {"FINISHED"}
 
 
@@ -100,7 +103,9 @@ class TYNDALL_OT_import_vox(_VoxelOperator, FileOperator, Operator):
             dag.save(path)
         except (ValueError, OSError) as error:
             return self._refuse(error)
-        select_only(context, add_voxel_box(context, source.stem, kept_path(path), dag.bounds_m, (0.0, 0.0, 0.0)))
+        box = add_voxel_box(context, source.stem, kept_path(path), dag.bounds_m, (0.0, 0.0, 0.0))
+        add_white_material(box)
+        select_only(context, box)
         self.report({"INFO"}, f"{path.name}: {count_text(dag.voxel_count)} voxels")
         return {"FINISHED"}
 
@@ -126,10 +131,10 @@ class TYNDALL_OT_reload_voxels(BoxOperator, Operator):
         path = file_of(box)
         forget(path)
         try:
-            bounds_m = load(path).bounds_m
+            dag = load(path)
         except OSError as error:
             return self._refuse(error)
-        fit_box(box.data, bounds_m)
+        fit_box(box.data, dag.bounds_m)
         box.tyndall_voxels.path = box.tyndall_voxels.path  # who draws it learns of it
         return {"FINISHED"}
 

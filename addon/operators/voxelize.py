@@ -13,7 +13,7 @@ from mathutils import Vector
 
 from ..amounts import bytes_text, count_text, duration_text
 from ..availability import why_no_render
-from ..voxel_boxes import add_voxel_box
+from ..voxel_boxes import add_voxel_box, add_white_material
 from .files import beside_blend, kept_path, unused
 from .fog_box import select_only
 from .in_thread import InThread
@@ -146,7 +146,9 @@ class TYNDALL_OT_voxelize(InThread, Operator):
             raise error
         prepared, dag = self._prepared, self._dag
         box = add_voxel_box(context, prepared.name, kept_path(self._path), dag.bounds_m, prepared.origin)
-        if (material := _first_material(context, prepared.sources)) is not None:
+        if dag.has_colors:
+            add_white_material(box)
+        elif (material := _first_material(context, prepared.sources)) is not None:
             box.data.materials.append(material)
         if self._hides_sources:
             _hide(context, prepared.sources)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Objects that stand for the voxels of a ``.tdag`` file, which are drawn in place of their own mesh.
 
-The file is named by the object's property group, ``Object.tyndall_voxels.path``, or by its custom property
-``tyndall_voxel_dag``; ``//`` is the folder of the object's own .blend file. A file is read once for all objects that
-name it, and again when its time or size has changed. The voxels lie in the object's space as their bounds say.
+``Object.tyndall_voxels.path`` names the file; ``//`` is the folder of the object's own .blend file. A file is read once
+for all objects that name it, and again when its time or size has changed. The voxels lie in the object's space as their
+bounds say.
 """
 
 from __future__ import annotations
@@ -27,15 +27,11 @@ if TYPE_CHECKING:
     from .materials import MaterialReader
     from .reports import Reports
 
-#: The custom property of an object without the property group.
-PATH_PROPERTY = "tyndall_voxel_dag"
-
 
 def voxel_path(thing: Object) -> str:
     """The file whose voxels stand for the object, absolute; "": it is drawn by its mesh."""
-    settings = getattr(thing, "tyndall_voxels", None)
-    path = (settings.path if settings is not None else "") or thing.get(PATH_PROPERTY, "")
-    return bpy.path.abspath(path, library=thing.original.library) if isinstance(path, str) and path else ""
+    path = thing.tyndall_voxels.path
+    return bpy.path.abspath(path, library=thing.original.library) if path else ""
 
 
 def without_and_with_voxels(placements: list[Placement]) -> tuple[list[Placement], list[Placement]]:

@@ -26,7 +26,7 @@ def standing_for(path: object, location: tuple[float, float, float] = (0, 0, 0))
     small_scenes.empty_scene()
     thing = small_scenes.cube("Ruin")
     thing.location = location
-    thing["tyndall_voxel_dag"] = str(path)
+    thing.tyndall_voxels.path = str(path)
     return thing
 
 

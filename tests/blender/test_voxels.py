@@ -19,8 +19,9 @@ from addon.sync.voxel_meshes import VoxelMesh
 from addon.voxel_boxes import file_of
 from addon.voxel_preview import preview_of
 from addon.voxel_reading import counts_of
+from support.engine_pictures import tyndall_pixels
 from support.recording_layout import drawn
-from support.small_scenes import CUBE_CORNERS, CUBE_FACES, add, cube, material, mesh, node, plane
+from support.small_scenes import CUBE_CORNERS, CUBE_FACES, add, cube, empty_scene, material, mesh, node, plane
 from tyndall.blender.voxel_meshes import gather
 from tyndall.volumes import grid_infos
 from tyndall.voxel_dag import Config, from_coordinates, load, voxelize
@@ -258,7 +259,6 @@ def test_voxels_keep_the_colours_and_normals_of_the_surface(saved: bpy.types.Sce
     block.data.polygons[5].material_index = 1  # the top
     saved.tyndall.voxelize.has_normals = True
     bpy.ops.tyndall.voxelize()
-    assert [made.name for made in bpy.context.object.data.materials] == ["Paint"]
     dag = load(file_of(bpy.context.object))
     middles = [[8, 8, 15], [8, 8, 0], [0, 8, 8], [15, 8, 8]]
     assert dag.colors_at(middles).tolist() == [[0, 0, 255], [255, 0, 0], [255, 0, 0], [255, 0, 0]]
@@ -270,6 +270,22 @@ def test_voxels_keep_the_colours_and_normals_of_the_surface(saved: bpy.types.Sce
     dag = load(file_of(bpy.context.object))
     assert not dag.has_colors
     assert not dag.has_normals
+    assert [made.name for made in bpy.context.object.data.materials] == ["Paint"]
+
+
+def test_coloured_voxels_look_as_what_they_stand_for(tmp_path: Path) -> None:
+    """Their colours are those of the surface, and not multiplied by its material once more."""
+    scene = empty_scene()
+    paint = material("Paint", lambda new, _: node(new, "ShaderNodeBsdfDiffuse", Color=(0.2, 0.4, 0.6, 1)).outputs[0])
+    flat = plane(material=paint)
+    sun = bpy.data.lights.new("Sun", "SUN")
+    add("Sun", sun, location=(0, 0, 5))
+    before = tyndall_pixels(scene)[..., :3]
+    select(flat)
+    scene.tyndall.voxelize.resolution, scene.tyndall.voxelize.path = "64", str(tmp_path / "flat.tdag")
+    bpy.ops.tyndall.voxelize()
+    assert before.min() > 0.05
+    assert np.allclose(tyndall_pixels(scene)[..., :3], before, rtol=0.02)
 
 
 def test_a_solid_is_filled(saved: bpy.types.Scene) -> None:
@@ -397,7 +413,7 @@ def two_voxels(saved: bpy.types.Scene, tmp_path: Path) -> bpy.types.Object:
     bpy.ops.tyndall.import_tdag(filepath=str(tmp_path / "two.tdag"))
     box = bpy.context.object
     box.location, box.rotation_euler = (1.0, 2.0, 3.0), (0.1, 0.2, 0.3)
-    box.data.materials.append(bpy.data.materials.new("Clay"))
+    box.data.materials[0] = bpy.data.materials.new("Clay")
     bpy.context.view_layer.update()
     return box
 

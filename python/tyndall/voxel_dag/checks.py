@@ -38,6 +38,12 @@ def whole(name: str, value: object, most: int) -> int:
     return int(value)
 
 
+def doublings(level: int | None, resolution: int) -> int:
+    """How often voxels are doubled to cubes of which 2 ** level lie along a side; None: not at all."""
+    finest = resolution.bit_length() - 1
+    return 0 if level is None else finest - whole("level", level, finest)
+
+
 def named(kind: Any, name: str, value: str) -> Any:  # noqa: ANN401 - an enumeration of the native module
     """The member of an enumeration, by its name in lower case."""
     members = {key.lower(): member for key, member in kind.__members__.items()}

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from tyndall import _native
 from tyndall._native import Progress
 
-from .checks import MOST_INDEX, MOST_LEVEL, indices, per_row, points, refuse, whole
+from .checks import MOST_INDEX, doublings, indices, per_row, points, refuse, whole
 from .exports import Exports
 
 _keys = count()
@@ -126,28 +126,30 @@ class VoxelDag(Exports):
         """All voxels in Morton order (x changes fastest), some at a time: (k, 3)."""
         return iter(self._native.coordinates())
 
-    def colors_at(self, coordinates: ArrayLike, level: int = 0, progress: Progress | None = None) -> NDArray[np.uint8]:
+    def colors_at(
+        self, coordinates: ArrayLike, level: int | None = None, progress: Progress | None = None
+    ) -> NDArray[np.uint8]:
         """Colours of voxels, (k, 3), as sRGB encodes them.
 
-        At ``level`` l the mean, in linear light, of what is set of the cube of 2**l voxels a side around each. Raises
-        InvalidInput, which names the first voxel that is not set, and Cancelled.
+        At a ``level`` the mean, in linear light, of what is set of the cube around each, of which 2 ** level lie along
+        a side. Raises InvalidInput, which names the first voxel that is not set, and Cancelled.
         """
         return self._native.colors_at(*self._cubes(coordinates, level), progress or Progress())
 
     def normals_at(
-        self, coordinates: ArrayLike, level: int = 0, progress: Progress | None = None
+        self, coordinates: ArrayLike, level: int | None = None, progress: Progress | None = None
     ) -> NDArray[np.float32]:
         """Normals of voxels, (k, 3), of length 1; at a level, the direction of their sum, as colors_at() has it."""
         return self._native.normals_at(*self._cubes(coordinates, level), progress or Progress())
 
     def channel_at(
-        self, name: str, coordinates: ArrayLike, level: int = 0, progress: Progress | None = None
+        self, name: str, coordinates: ArrayLike, level: int | None = None, progress: Progress | None = None
     ) -> NDArray[np.uint8]:
         """Values of a channel, (k,); at a level, their rounded mean, as colors_at() has it."""
         return self._native.channel_at(name, *self._cubes(coordinates, level), progress or Progress())
 
-    def _cubes(self, coordinates: ArrayLike, level: int) -> tuple[NDArray[np.uint32], int]:
-        return indices(coordinates, "coordinates"), whole("level", level, MOST_LEVEL)
+    def _cubes(self, coordinates: ArrayLike, level: int | None) -> tuple[NDArray[np.uint32], int]:
+        return indices(coordinates, "coordinates"), doublings(level, self.resolution)
 
     def coarse_cubes(
         self, level: int, most_cubes: int, progress: Progress | None = None
@@ -173,7 +175,7 @@ class VoxelDag(Exports):
         ``origins_m`` and ``directions``: (k, 3); directions may have any length. A miss has an infinite distance. A ray
         that begins in a voxel hits it at 0, without a normal.
 
-        ``level``: 1 traces the octants of the whole, each number more their octants, and None voxels. ``spread``, one
+        ``level``: cubes, 2 ** level along a side, are hit whole, [1, log2 of the resolution]. ``spread``, one
         number or (k,): how much wider a ray's cone becomes per metre; a cube that is no wider than the cone where it
         begins is hit whole. The voxel is then the lowest of that cube. Raises InvalidInput and Cancelled.
         """

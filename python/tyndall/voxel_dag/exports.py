@@ -14,7 +14,7 @@ from tyndall import _native
 from tyndall._native import Progress
 from tyndall.volumes import MEMORY_LIMIT_BYTES
 
-from .checks import MOST_BYTES, MOST_LEVEL, named, refuse, whole
+from .checks import MOST_BYTES, doublings, named, refuse, whole
 
 #: Of a block of 8 x 8 x 8 voxels while OpenVDB has it: its own leaf, and those around it that a level set needs.
 GRID_BYTES_PER_BLOCK = 8192
@@ -37,11 +37,11 @@ class Exports:
         self,
         kind: Literal["boxes", "smooth"] = "boxes",
         *,
-        level: int = 0,
+        level: int | None = None,
         memory_budget_bytes: int = MEMORY_LIMIT_BYTES,
         progress: Progress | None = None,
     ) -> VoxelMesh:
-        """A closed mesh of the voxels, or of the cubes of 2 ** ``level`` voxels a side that have any.
+        """A closed mesh of the voxels, or of the cubes that have any, of which 2 ** ``level`` lie along a side.
 
         "boxes": two triangles for each face between a voxel that is set and one that is not, exactly; "smooth": the
         surface of their level set, by OpenVDB. Raises InvalidInput, which says what it would take, where the memory
@@ -50,17 +50,18 @@ class Exports:
         if kind not in ("boxes", "smooth"):
             raise refuse(f"kind is {kind!r}, not one of boxes, smooth")
         progress = progress or Progress()
-        lower_m, _ = self._native.bounds_m
-        cube_m = self._cube_m(level)
+        lower_m, side_m = self._native.bounds_m
+        coarser = doublings(level, self._native.resolution)
+        cube_m = math.ldexp(side_m, coarser) / self._native.resolution
         if kind == "boxes":
             budget = whole("memory_budget_bytes", memory_budget_bytes, MOST_BYTES)
-            positions, triangles, cubes, colors = self._native.box_mesh(level, budget, progress)
+            positions, triangles, cubes, colors = self._native.box_mesh(coarser, budget, progress)
             positions *= cube_m
             positions += lower_m
             return VoxelMesh(positions, triangles, colors[np.repeat(cubes, 2)] if self._native.has_colors else None)
         from tyndall import _volume_io  # noqa: PLC0415 - OpenVDB is loaded by what needs it
 
-        origins, words = self._blocks(level, memory_budget_bytes, progress)
+        origins, words = self._blocks(coarser, memory_budget_bytes, progress)
         centres, triangles = _volume_io.smooth_mesh(origins, words, progress)
         return VoxelMesh((centres.astype(np.float64) + 0.5) * cube_m + lower_m, triangles, None)
 
@@ -70,11 +71,11 @@ class Exports:
         kind: Literal["fog", "level set"] = "fog",
         *,
         name: str | None = None,
-        level: int = 0,
+        level: int | None = None,
         memory_budget_bytes: int = MEMORY_LIMIT_BYTES,
         progress: Progress | None = None,
     ) -> None:
-        """Write an OpenVDB file with one grid of voxels, or of cubes of 2 ** ``level`` of them, whole or not at all.
+        """Write an OpenVDB file with one grid of voxels, or of cubes, 2 ** ``level`` along a side, whole or not at all.
 
         "fog": 1 where a voxel is set, named "density"; "level set": distances to the voxels' surface, negative where
         one is set, named "surface". Raises InvalidInput, which says what it would take, where the memory budget does
@@ -84,11 +85,12 @@ class Exports:
 
         grid_kind = named(_volume_io.VoxelGridKind, "kind", kind.replace(" ", "_"))
         progress = progress or Progress()
-        lower_m, _ = self._native.bounds_m
-        cube_m = self._cube_m(level)
+        lower_m, side_m = self._native.bounds_m
+        coarser = doublings(level, self._native.resolution)
+        cube_m = math.ldexp(side_m, coarser) / self._native.resolution
         local_from_index = np.diag([cube_m, cube_m, cube_m, 1.0])
         local_from_index[:3, 3] = np.add(lower_m, 0.5 * cube_m)
-        origins, words = self._blocks(level, memory_budget_bytes, progress)
+        origins, words = self._blocks(coarser, memory_budget_bytes, progress)
         _volume_io.write_voxel_grid(
             path,
             name or ("density" if kind == "fog" else "surface"),
@@ -117,17 +119,12 @@ class Exports:
         budget = whole("memory_budget_bytes", memory_budget_bytes, MOST_BYTES)
         self._native.save_vox(path, quantize, budget, progress or Progress())
 
-    def _cube_m(self, level: int) -> float:
-        """Side of a cube of 2 ** level voxels."""
-        _, side_m = self._native.bounds_m
-        return math.ldexp(side_m, whole("level", level, MOST_LEVEL)) / self._native.resolution
-
     def _blocks(
-        self, level: int, memory_budget_bytes: int, progress: Progress
+        self, coarser: int, memory_budget_bytes: int, progress: Progress
     ) -> tuple[NDArray[np.int32], NDArray[np.uint64]]:
         """Blocks of 8 x 8 x 8, as OpenVDB's leaves."""
         budget = whole("memory_budget_bytes", memory_budget_bytes, MOST_BYTES)
-        origins, words = self._native.leaf_blocks(level, budget, progress)
+        origins, words = self._native.leaf_blocks(coarser, budget, progress)
         if len(origins) * GRID_BYTES_PER_BLOCK > budget:
             raise refuse(
                 f"a grid of these voxels takes some {len(origins) * GRID_BYTES_PER_BLOCK / 1e9:.1f} GB, beyond the"

@@ -68,7 +68,6 @@ TEST_CASE("EXACT: a shape's boxes shadow the stretches that a mesh of them shado
     }
 }
 
-// Seen to fail with the lines of light half a line aside.
 TEST_CASE("slope rows and depth maps of a shape hold what those of a mesh hold, by faces and by tracing") {
     Progress progress;
     for (const std::uint64_t counted : {std::uint64_t{0}, std::uint64_t{1} << 40}) {

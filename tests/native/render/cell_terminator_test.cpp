@@ -21,7 +21,6 @@ static Rgb passing(std::vector<glm::ivec3> cells, const vec3& normal, const vec3
     return scene->shadow_transmittance(ray);
 }
 
-// Seen to fail without the lift.
 TEST_CASE("a cell whose normal is lit does not shadow itself, and its neighbours shadow it") {
     const vec3 normal = glm::normalize(vec3(0.3f, 0.0f, 1.0f)), light = glm::normalize(vec3(-0.6f, 0.1f, 0.8f));
     CHECK(passing({{0, 0, 0}}, normal, light) == Rgb(1.0f));

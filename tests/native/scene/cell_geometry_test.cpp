@@ -65,7 +65,6 @@ TEST_CASE("packets of rays meet the cells, with the same bits, that the rays mee
     }
 }
 
-// Seen to fail where spawn_point() takes an offset of 0.
 TEST_CASE("a ray that leaves a lone cell meets nothing, and one between two cells meets the other") {
     const mat4 place =
         glm::rotate(glm::scale(translation({5e3f, -2e3f, 70.0f}), vec3(0.3f)), 0.4f, vec3(0, 0.6f, 0.8f));

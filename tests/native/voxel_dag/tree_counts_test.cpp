@@ -28,7 +28,6 @@ static std::uint64_t occupied(const LeafMasks& voxels, std::uint32_t level) {
     return cubes.size();
 }
 
-// Seen to fail with uses that are not multiplied on the way down.
 TEST_CASE("the tree has as many nodes as there are cubes that are not empty; distinct nodes are the DAG's") {
     const Progress progress;
     for (const LeafMasks& voxels :
