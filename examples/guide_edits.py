@@ -220,6 +220,15 @@ def paint_stage(volume: str, value: float) -> None:
     paint_air([(0.0, 2.0, 0.5), (0.0, 3.5, 6.0)], volume, value, 2.2)
 
 
+def become_voxels(resolution: int) -> None:
+    """All that has a surface, with its colours."""
+    for thing in bpy.context.scene.objects:
+        thing.select_set(thing.visible_get())
+    settings = bpy.context.scene.tyndall.voxelize
+    settings.resolution, settings.path = str(resolution), str(Path(bpy.app.tempdir) / "voxels.tdag")
+    bpy.ops.tyndall.voxelize()
+
+
 def show_pass(name: str) -> None:
     """Write one of the render's passes instead of the picture; shares of 1 as they are, without a film's curve."""
     scene = bpy.context.scene

@@ -21,6 +21,7 @@ from guide_edits import (
     SIZE_PX,
     add_edit,
     alarm_at_dawn,
+    become_voxels,
     colour,
     draft,
     let_light_bounce,
@@ -128,6 +129,7 @@ PICTURES = (
     Picture("air_hall_smoke", "window_hall", lambda: texture("Drifting_Smoke", scale_m=4.0)),
     Picture("air_hall_mist", "window_hall", lambda: texture("Mist_Banks")),
     Picture("air_stage_smoke", "stage_spots", lambda: texture("Drifting_Smoke")),
+    Picture("voxel_village", "village_dawn", partial(become_voxels, 1024)),
     Picture("colour_terrain_alarm", "terrain_sunrise", alarm_at_dawn),
     *CONTROLS,
     *(

@@ -33,7 +33,6 @@ class _Prepared:
     """All that the work needs of Blender."""
 
     name: str
-    sources: list[str]  #: Names of the objects that become voxels.
     origin: Vector  #: Of the new object, in the world.
     mesh: VoxelMesh
     extent: Extent
@@ -148,10 +147,10 @@ class TYNDALL_OT_voxelize(InThread, Operator):
         box = add_voxel_box(context, prepared.name, kept_path(self._path), dag.bounds_m, prepared.origin)
         if dag.has_colors:
             add_white_material(box)
-        elif (material := _first_material(context, prepared.sources)) is not None:
+        elif (material := _first_material(context, prepared.mesh.sources)) is not None:
             box.data.materials.append(material)
         if self._hides_sources:
-            _hide(context, prepared.sources)
+            _hide(context, prepared.mesh.sources)
         select_only(context, box)
         for line in prepared.mesh.reports.lines():
             self.report({"WARNING"}, line)
@@ -189,7 +188,6 @@ def _prepared(context: Context) -> _Prepared:
     origin = active.matrix_world.translation.copy() if active in things else (lowest + highest) / 2.0
     return _Prepared(
         name=f"{name} Voxels",
-        sources=[thing.name for thing in things],
         origin=origin,
         mesh=mesh,
         extent=extent_of(mesh.positions_m, mesh.triangles),

@@ -7,7 +7,7 @@ hides in the viewport, was chosen by name here and is taken if the depsgraph has
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import bpy
@@ -42,6 +42,7 @@ class VoxelMesh:
     colouring_of_triangle: NDArray[np.uint32]  #: (m,), into colourings.
     corner_uvs: NDArray[np.float32]  #: (m, 3, 2), where pictures are read; 0 where there is none.
     corner_normals: NDArray[np.float32]  #: (m, 3, 3), unit; 0: flat.
+    sources: list[str]  #: Names of the chosen objects that have faces here.
     reports: Reports  #: What was left out or replaced.
 
 
@@ -77,6 +78,7 @@ def gather(depsgraph: Depsgraph, objects: Iterable[Object], poll: Callable[[], N
         colouring_of_triangle=np.concatenate([part.colouring_of_triangle for part in parts]),
         corner_uvs=np.concatenate([part.corner_uvs for part in parts]),
         corner_normals=np.concatenate([part.corner_normals for part in parts]),
+        sources=sorted(reader.sources),
         reports=reader.reports,
     )
 
@@ -104,6 +106,7 @@ def split_corners(mesh: VoxelMesh) -> tuple[NDArray[np.float64], NDArray[np.uint
 class _Reader:
     def __init__(self, depsgraph: Depsgraph, chosen: set[Object | None], poll: Callable[[], None]) -> None:
         self.reports = Reports()
+        self.sources: set[str] = set()
         self.colourings: list[Colouring] = []
         self._depsgraph = depsgraph
         self._chosen = chosen
@@ -126,6 +129,7 @@ class _Reader:
             if key not in found:
                 found[key] = self._read(instance.object.name, data, indices)
             if (thing := found[key]) is not None:
+                self.sources.add(shown_by.name)
                 thing.matrices.append(np.array(instance.matrix_world, np.float64))
         return [thing for thing in found.values() if thing is not None]
 
@@ -137,6 +141,12 @@ class _Reader:
             self.colourings.append(colouring_of(material, self.reports))
         slots = np.zeros(len(mesh.triangles), np.intp) if mesh.material_slots is None else mesh.material_slots
         of_triangle = np.array(materials, np.uint32)[np.minimum(slots, len(materials) - 1)]
+        has_surface = np.array([material.has_surface for material in self._materials.materials])[of_triangle]
+        if not has_surface.all():
+            self.reports.add(f'Object "{name}"', "faces that bound a medium and have no surface are left out")
+            if not has_surface.any():
+                return None
+            mesh, of_triangle = _part_of(mesh, has_surface), of_triangle[has_surface]
         return _Placed(
             name=name, mesh=mesh, colouring_of_triangle=of_triangle, corner_uvs=self._uvs(name, mesh, of_triangle)
         )
@@ -155,6 +165,17 @@ class _Reader:
             covered = of_triangle == index
             placed[covered] = colouring.placed(maps[wanted][covered])
         return placed
+
+
+def _part_of(mesh: Mesh, is_kept: NDArray[np.bool_]) -> Mesh:
+    """The triangles that are kept; their slots have been read."""
+    return replace(
+        mesh,
+        triangles=mesh.triangles[is_kept],
+        material_slots=None,
+        corner_normals=None if mesh.corner_normals is None else mesh.corner_normals[is_kept],
+        uv_maps=tuple((name, uvs[is_kept]) for name, uvs in mesh.uv_maps),
+    )
 
 
 def _parts(thing: _Placed) -> Iterator[_Part]:

@@ -58,6 +58,21 @@ def test_a_mesh_is_taken_where_it_stands(bare: bpy.types.Scene) -> None:
     assert corners_of(found) == {(1.0 - y, 2.0 + 2.0 * x, 3.0 + 0.5 * z) for x, y, z in CUBE_CORNERS}
 
 
+def test_what_has_no_surface_stays_out(bare: bpy.types.Scene) -> None:
+    """A box of fog, and the faces of one slot; what gave nothing is none of the sources."""
+    fog = material("Fog", volume=lambda new, _: node(new, "ShaderNodeVolumeScatter").outputs[0])
+    paint = material("Paint", lambda new, _: node(new, "ShaderNodeBsdfDiffuse").outputs[0])
+    solid, both, hazy = cube("Solid", paint), cube("Both", paint), cube("Hazy", fog)
+    both.data.materials.append(fog)
+    both.data.polygons[5].material_index = 1
+    found = gathered(solid, both, hazy)
+    assert len(found.triangles) == 12 + 10
+    assert found.sources == ["Both", "Solid"]
+    assert len(found.reports.lines()) == 2
+    with pytest.raises(tyndall.InvalidInput, match='"Hazy" has no face'):
+        gathered(hazy)
+
+
 def test_modifiers_are_applied(bare: bpy.types.Scene) -> None:
     """What is seen, and not what is edited."""
     box = cube()
