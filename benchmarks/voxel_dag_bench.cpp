@@ -26,9 +26,7 @@ using namespace voxel_dag;
 namespace {
 const BareMesh* mesh(std::int64_t which) {
     static const bool has_machine = (add_machine_to_context(), true);
-    static const std::optional<BareMesh> dragon = load_dragon(), sponza = load_bare_sponza();
-    const std::optional<BareMesh>& wanted = which == 0 ? dragon : sponza;
-    return has_machine && wanted ? &*wanted : nullptr;
+    return has_machine ? bare_mesh(which) : nullptr;
 }
 
 /// The set of the run at work: one of 600 M voxels takes half a GiB, so only the last one is kept. Nothing without mesh.

@@ -10,14 +10,8 @@
 namespace tyndall::bench {
 using namespace voxel_dag;
 
-static const BareMesh* mesh(std::int64_t which) {
-    static const std::optional<BareMesh> dragon = load_dragon(), sponza = load_bare_sponza();
-    const std::optional<BareMesh>& wanted = which == 0 ? dragon : sponza;
-    return wanted ? &*wanted : nullptr;
-}
-
 static void voxelize_mesh(benchmark::State& state) {
-    const BareMesh* const bare = mesh(state.range(0));
+    const BareMesh* const bare = bare_mesh(state.range(0));
     if (bare == nullptr) {
         state.SkipWithError("the mesh is not there: set TYNDALL_SHARED_DATA");
         return;

@@ -85,4 +85,11 @@ inline std::optional<BareMesh> load_bare_sponza() {
     }
     return mesh;
 }
+
+/// 0: the dragon, 1: Sponza, read once. Nothing where it is absent.
+inline const BareMesh* bare_mesh(std::int64_t which) {
+    static const std::optional<BareMesh> dragon = load_dragon(), sponza = load_bare_sponza();
+    const std::optional<BareMesh>& wanted = which == 0 ? dragon : sponza;
+    return wanted ? &*wanted : nullptr;
+}
 } // namespace tyndall::bench
