@@ -9,11 +9,9 @@ that all of them see under the same path.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -112,6 +110,10 @@ def _executor(workers: int | str | None) -> Iterator[tuple[Executor | None, tupl
     if workers is None:
         yield None, ()
     elif isinstance(workers, int):
+        # multiprocessing keeps the module __main__, which Blender frees when a script has run: it would crash at exit.
+        from concurrent.futures.process import BrokenProcessPool, ProcessPoolExecutor  # noqa: PLC0415
+        from multiprocessing import get_context  # noqa: PLC0415
+
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
             yield pool, (BrokenProcessPool,)
     else:

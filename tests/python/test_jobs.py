@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -94,3 +96,9 @@ def test_a_cluster_that_loses_a_worker_loses_nothing(tmp_path: Path, scheduler: 
     voxelize_to_file(positions, triangles, tmp_path / "in_parts.tdag", config, workers=scheduler)
     assert (tmp_path / "in_parts.tdag").read_bytes() == (tmp_path / "at_once.tdag").read_bytes()
     assert {path.name for path in tmp_path.iterdir()} == {"at_once.tdag", "in_parts.tdag", "marker", "x.txt"}
+
+
+def test_who_imports_jobs_can_be_a_script_of_blender() -> None:
+    """Multiprocessing keeps ``__main__``, which Blender frees when a script has run: 3.4 crashed when it was left."""
+    code = "import sys, tyndall.voxel_dag; sys.exit('__mp_main__' in sys.modules)"
+    subprocess.run([sys.executable, "-c", code], env={"PYTHONPATH": os.pathsep.join(sys.path)}, check=True)
