@@ -27,7 +27,7 @@ std::array<Voxel, 4> corners_of(const Voxel& voxel, std::size_t face) {
     std::array<Voxel, 4> corners;
     for (std::uint32_t corner = 0; corner < 4; ++corner) {
         corners[corner] = voxel;
-        corners[corner][axis] += face % 2;
+        corners[corner][axis] += face % 2 == 1;
         const std::uint32_t turn = face % 2 == 1 ? corner : 3 - corner; // seen from below, the other way round
         corners[corner][right] += turn == 1 || turn == 2;
         corners[corner][up] += turn >= 2;
