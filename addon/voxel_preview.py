@@ -7,7 +7,6 @@ from collections import OrderedDict
 from typing import TYPE_CHECKING, Any
 
 import bpy
-import numpy as np
 from bpy.app.handlers import persistent
 from bpy.types import SpaceView3D
 
@@ -16,6 +15,7 @@ from .voxel_boxes import file_of, is_voxel_box
 from .voxel_reading import read
 
 if TYPE_CHECKING:
+    import numpy as np
     from bpy.types import Context, Object
     from numpy.typing import NDArray
 
@@ -50,7 +50,7 @@ class Preview:
         self.kind = style
         shown = exposed_faces(cubes) if style == "BLOCKS" else [cubes + 0.5]
         #: Corners of quads by the way they look, (m, 4, 3) each; or points, (m, 3), at once.
-        self.parts_m: list[NDArray[np.float32]] = [(lower_m + part * size_m).astype(np.float32) for part in shown]
+        self.parts_m: list[NDArray[np.float32]] = [(lower_m + part * size_m).astype("float32") for part in shown]
 
 
 def preview_of(thing: Object) -> Preview | Exception | None:
@@ -97,7 +97,6 @@ def _draw_preview(thing: Object, found: Preview) -> None:
     _batches.move_to_end(id(found))
     while len(_batches) > _MOST_ON_GPU:
         _batches.popitem(last=False)
-    colour = np.array(thing.color)
     gpu.state.depth_test_set("LESS_EQUAL")
     gpu.state.depth_mask_set(True)
     gpu.state.point_size_set(_POINT_PX * bpy.context.preferences.system.ui_scale)
@@ -106,7 +105,7 @@ def _draw_preview(thing: Object, found: Preview) -> None:
         shades = _SHADES if found.kind == "BLOCKS" else (_POINT_SHADE,)
         for batch, shade in zip(_batches[id(found)][1], shades, strict=True):
             shader.bind()
-            shader.uniform_float("color", (*(shade * colour[:3]), 1.0))
+            shader.uniform_float("color", (*(shade * part for part in thing.color[:3]), 1.0))
             batch.draw(shader)
     gpu.state.point_size_set(1.0)
     gpu.state.depth_mask_set(False)
@@ -128,6 +127,8 @@ def _new_batches(shader: Any, found: Preview) -> list[Any]:  # noqa: ANN401  gpu
 
 def _triangles(quad_count: int) -> NDArray[np.int32]:
     """Two for each quad."""
+    import numpy as np
+
     first = 4 * np.arange(quad_count, dtype=np.int32)[:, None, None]
     return (first + np.array([[0, 1, 2], [0, 2, 3]], np.int32)).reshape(-1, 3)
 

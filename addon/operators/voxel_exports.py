@@ -12,7 +12,6 @@ from bpy.types import Context, Event, Operator
 
 from ..amounts import count_text
 from ..properties.voxels import LEAST_LEVEL, MOST_LEVEL
-from ..triangle_meshes import triangle_mesh
 from ..voxel_boxes import file_of
 from .files import FileOperator, unused
 from .fog_box import select_only
@@ -63,6 +62,8 @@ class TYNDALL_OT_voxels_to_mesh(BoxOperator, _Leveled, _AtOnce, Operator):
 
     def execute(self, context: Context) -> set[str]:
         from tyndall.voxel_dag import load
+
+        from ..triangle_meshes import triangle_mesh
 
         box = context.object
         try:
