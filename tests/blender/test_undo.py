@@ -118,7 +118,9 @@ def out_of_file(_sun: bpy.types.Object, folder: Path) -> dict[str, Any]:
 
 
 def selected(_sun: bpy.types.Object, folder: Path) -> None:
-    bpy.data.objects["Fog"].select_set(True)
+    box = bpy.data.objects["Fog"]
+    box.data.materials.clear()  # fog has no surface that could become voxels
+    box.select_set(True)
     settings = bpy.context.scene.tyndall.voxelize
     settings.resolution, settings.path = "4", str(folder / "fog.tdag")
 
