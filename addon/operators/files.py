@@ -11,7 +11,15 @@ from bpy.props import StringProperty
 from bpy.types import Context, Event
 
 
-class FileOperator:
+class Refusing:
+    """Says why it does nothing."""
+
+    def _refuse(self, reason: object) -> set[str]:
+        self.report({"ERROR"}, str(reason))
+        return {"CANCELLED"}
+
+
+class FileOperator(Refusing):
     """Asks in Blender's file browser; a script gives ``filepath``. A class of it adds its ``filter_glob``."""
 
     bl_options = {"REGISTER", "UNDO"}
@@ -29,10 +37,6 @@ class FileOperator:
 
     def _path(self, context: Context) -> Path:
         return Path(bpy.path.abspath(self.filepath)) if self.filepath else self.default_path(context)
-
-    def _refuse(self, reason: object) -> set[str]:
-        self.report({"ERROR"}, str(reason))
-        return {"CANCELLED"}
 
 
 def beside_blend(name: str) -> Path:

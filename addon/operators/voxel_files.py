@@ -13,7 +13,7 @@ from ..amounts import count_text
 from ..availability import why_no_render
 from ..voxel_boxes import add_voxel_box, add_white_material, file_of, fit_box, is_voxel_box
 from ..voxel_reading import forget
-from .files import FileOperator, beside_blend, kept_path, unused
+from .files import FileOperator, Refusing, beside_blend, kept_path, unused
 from .fog_box import select_only
 
 
@@ -23,7 +23,7 @@ def newest(pattern: str) -> Path:
     return max(other.parent.glob(pattern), key=lambda path: path.stat().st_mtime_ns, default=other)
 
 
-class _VoxelOperator:
+class _VoxelOperator(Refusing):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
@@ -37,10 +37,6 @@ class _VoxelOperator:
     def why_not(cls, context: Context) -> str | None:
         """What the button says that cannot be pressed; None: it may."""
         return None if context.mode == "OBJECT" else "Works in Object Mode"
-
-    def _refuse(self, reason: object) -> set[str]:
-        self.report({"ERROR"}, str(reason))
-        return {"CANCELLED"}
 
 
 class BoxOperator(_VoxelOperator):

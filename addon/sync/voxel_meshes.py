@@ -140,8 +140,9 @@ class _Reader:
         for material in self._materials.materials[len(self.colourings) :]:
             self.colourings.append(colouring_of(material, self.reports))
         slots = np.zeros(len(mesh.triangles), np.intp) if mesh.material_slots is None else mesh.material_slots
-        of_triangle = np.array(materials, np.uint32)[np.minimum(slots, len(materials) - 1)]
-        has_surface = np.array([material.has_surface for material in self._materials.materials])[of_triangle]
+        slots = np.minimum(slots, len(materials) - 1)
+        of_triangle = np.array(materials, np.uint32)[slots]
+        has_surface = np.array([self._materials.materials[index].has_surface for index in materials])[slots]
         if not has_surface.all():
             self.reports.add(f'Object "{name}"', "faces that bound a medium and have no surface are left out")
             if not has_surface.any():

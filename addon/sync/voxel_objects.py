@@ -11,10 +11,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import bpy
-
-from tyndall import IoError, voxel_dag
+from tyndall import IoError
 from tyndall.scene_description import VoxelObjects
+
+from ..voxel_boxes import file_of, is_voxel_box
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,8 +30,7 @@ if TYPE_CHECKING:
 
 def voxel_path(thing: Object) -> str:
     """The file whose voxels stand for the object, absolute; "": it is drawn by its mesh."""
-    path = thing.tyndall_voxels.path
-    return bpy.path.abspath(path, library=thing.original.library) if path else ""
+    return str(file_of(thing.original)) if is_voxel_box(thing) else ""
 
 
 def without_and_with_voxels(placements: list[Placement]) -> tuple[list[Placement], list[Placement]]:
@@ -68,10 +67,12 @@ class VoxelReader:
         return tuple(groups)
 
     def _load(self, path: str) -> tuple[tuple[int, int], VoxelDag]:
+        from tyndall.voxel_dag import load
+
         status = Path(path).stat()
         version = status.st_mtime_ns, status.st_size
         before = self._dags.get(path)
-        return before if before is not None and before[0] == version else (version, voxel_dag.load(path))
+        return before if before is not None and before[0] == version else (version, load(path))
 
 
 def _group(placement: Placement, dag: VoxelDag, materials: MaterialReader, reports: Reports) -> VoxelObjects:
