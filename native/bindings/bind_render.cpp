@@ -47,12 +47,21 @@ static light_shafts::Config make_shafts(int method, float error_target, std::uin
             .kept_maps = kept_maps.value_or(nullptr)};
 }
 
+static render::IndirectConfig make_indirect(bool ambient_occlusion, float ambient_distance_m,
+                                            std::uint32_t ambient_samples, bool bounce, std::uint32_t bounce_samples) {
+    return {.has_ambient_occlusion = ambient_occlusion,
+            .ambient_distance_m = ambient_distance_m,
+            .ambient_samples = ambient_samples,
+            .has_bounce = bounce,
+            .bounce_samples = bounce_samples};
+}
+
 static render::FrameConfig
 make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px, float noise_threshold,
             const std::optional<std::array<std::uint32_t, 4>>& region_px, bool film_transparent,
             const std::vector<std::string>& passes, const light_shafts::Config& shafts,
             std::vector<transfer_functions::WeightedFunction> functions, std::optional<std::uint32_t> reference_light,
-            std::optional<Heterogeneity> heterogeneity,
+            std::optional<Heterogeneity> heterogeneity, const render::IndirectConfig& indirect,
             const std::optional<std::shared_ptr<render::KeptSurfaces>>& kept_surfaces, bool adapts_shadow_rays,
             bool keeps_unstyled, std::uint32_t seed, int thread_count) {
     render::FrameConfig config{.pixel_samples = pixel_samples,
@@ -66,6 +75,7 @@ make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px
                                .transfer_functions = std::move(functions),
                                .reference_light = reference_light,
                                .heterogeneity = std::move(heterogeneity),
+                               .indirect = indirect,
                                .kept_surfaces = kept_surfaces.value_or(nullptr),
                                .adapts_shadow_rays = adapts_shadow_rays,
                                .keeps_unstyled = keeps_unstyled,
@@ -149,10 +159,13 @@ void bind_render(py::module_& native) {
         .def(py::init(&make_shafts), "method"_a, "error_target"_a, "resolution"_a, "light_samples"_a, "world_samples"_a,
              "attenuates_light"_a, "adapts_strata"_a, "shares_strata"_a, "grid_method"_a, "grid_error_target"_a,
              "seed"_a, "kept_maps"_a = py::none());
+    py::class_<render::IndirectConfig>(native, "IndirectConfig")
+        .def(py::init(&make_indirect), "ambient_occlusion"_a, "ambient_distance_m"_a, "ambient_samples"_a, "bounce"_a,
+             "bounce_samples"_a);
     py::class_<render::FrameConfig>(native, "FrameConfig")
         .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "noise_threshold"_a,
              "region_px"_a, "film_transparent"_a, "passes"_a, "shafts"_a, "transfer_functions"_a, "reference_light"_a,
-             "heterogeneity"_a, "kept_surfaces"_a, "adapts_shadow_rays"_a, "keeps_unstyled"_a, "seed"_a,
+             "heterogeneity"_a, "indirect"_a, "kept_surfaces"_a, "adapts_shadow_rays"_a, "keeps_unstyled"_a, "seed"_a,
              "thread_count"_a);
     py::class_<render::UnstyledFilm, std::shared_ptr<render::UnstyledFilm>>(native, "UnstyledFilm");
     native.def(

@@ -17,8 +17,9 @@ namespace tyndall::render {
 using light_shafts::SurfaceShadows;
 static constexpr float pi = std::numbers::pi_v<float>;
 
-DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& statistics)
-    : scene_(scene), media_(media), has_media_(!media.is_empty()), has_world_light_(!scene.world().is_black()) {
+DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& statistics, const IndirectConfig& indirect)
+    : scene_(scene), media_(media), has_media_(!media.is_empty()), has_world_light_(!scene.world().is_black()),
+      world_reach_m_(indirect.reach_m()) {
     for (std::uint32_t index = 0; index < scene.lights().size(); ++index) {
         const Light& light = scene.lights()[index];
         if (!light.lights_surfaces || light.strength == Rgb(0.0f))
@@ -38,7 +39,9 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
         is_used[placed.material_index] = true;
     for (std::size_t index = 0; index < is_used.size(); ++index)
         if (const Material& material = scene.description().materials[index]; is_used[index] && !glows_nowhere(material))
-            statistics.report("Material \"" + material.name + "\" glows, but lights no other surface and no fog");
+            statistics.report("Material \"" + material.name + "\" glows, but lights no " +
+                              (indirect.has_bounce ? "fog, and other surfaces by rays that meet it by chance"
+                                                   : "other surface and no fog"));
     if (has_world_light_ && media.fills_world())
         statistics.report("World \"" + scene.world().name() +
                           "\" shines through its own endless medium, which lets nothing through: bound the fog with a "
@@ -74,7 +77,7 @@ Ray DirectLight::shadow_ray(const SurfacePoint& point, const vec3& direction) co
     return ray;
 }
 
-static LitPoints lanes_of(std::span<const SurfacePoint> points) {
+LitPoints lanes_of(std::span<const SurfacePoint> points) {
     LitPoints lanes;
     for (std::size_t lane = 0; lane < points.size(); ++lane) {
         const SurfacePoint& point = points[lane];
@@ -93,23 +96,29 @@ void DirectLight::at(std::span<const SurfacePoint> points, const PairIndex& firs
             continue;
         const std::span<Irradiance> of_light = irradiance.subspan(light * points.size(), points.size());
         std::ranges::fill(of_light, Irradiance{});
-        add(light, points, lanes, first_pair, of_light);
+        add(light, ray_counts_[light], points, lanes, first_pair, of_light);
     }
 }
 
 void DirectLight::add_one(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,
                           std::span<Irradiance> irradiance) const {
-    add(light, points, lanes_of(points), first_pair, irradiance);
+    add(light, ray_counts_[light], points, lanes_of(points), first_pair, irradiance);
 }
 
-void DirectLight::add(std::size_t light, std::span<const SurfacePoint> points, const LitPoints& lanes,
-                      const PairIndex& first_pair, std::span<Irradiance> irradiance) const {
+void DirectLight::add_all_once(std::span<const SurfacePoint> points, const PairIndex& first_pair,
+                               std::span<Irradiance> irradiance) const {
+    const LitPoints lanes = lanes_of(points);
+    for (std::size_t light = 0; light < light_count(); ++light)
+        add(light, 1, points, lanes, first_pair, irradiance);
+}
+
+void DirectLight::add(std::size_t light, std::uint32_t ray_count, std::span<const SurfacePoint> points,
+                      const LitPoints& lanes, const PairIndex& first_pair, std::span<Irradiance> irradiance) const {
     if (!is_world(light) && lights_[light].aim.may_light(lanes) == 0)
         return;
-    const std::uint32_t count = ray_counts_[light];
-    const float share = 1.0f / static_cast<float>(count);
-    for (std::uint32_t ray = 0; ray < count; ++ray) {
-        const PairIndex pair = pair_of(light, ray, first_pair);
+    const float share = 1.0f / static_cast<float>(ray_count);
+    for (std::uint32_t ray = 0; ray < ray_count; ++ray) {
+        const PairIndex pair = pair_of(light, ray, ray_count, first_pair);
         if (is_world(light))
             add_world(points, lanes, pair, share, irradiance);
         else
@@ -118,9 +127,9 @@ void DirectLight::add(std::size_t light, std::span<const SurfacePoint> points, c
 }
 
 /// A light has the same pair wherever it shines: what one point skips does not shift another light's numbers.
-PairIndex DirectLight::pair_of(std::size_t light, std::uint32_t ray, const PairIndex& first_pair) const {
-    return {first_pair.sample_index * ray_counts_[light] + ray,
-            first_pair.pair_index + static_cast<std::uint32_t>(light)};
+PairIndex DirectLight::pair_of(std::size_t light, std::uint32_t ray, std::uint32_t ray_count,
+                               const PairIndex& first_pair) {
+    return {first_pair.sample_index * ray_count + ray, first_pair.pair_index + static_cast<std::uint32_t>(light)};
 }
 
 void DirectLight::finish(const Light& light, const SurfacePoint& point, Ray& ray, Rgb& arriving) const {
@@ -266,7 +275,7 @@ LaneSet DirectLight::may_meet(std::size_t light, std::span<const SurfacePoint> p
         shadow.count = 0;
     };
     for (std::uint32_t ray = 0; ray < ray_counts_[light]; ++ray) {
-        const PairIndex pair = pair_of(light, ray, first_pair);
+        const PairIndex pair = pair_of(light, ray, ray_counts_[light], first_pair);
         if (!is_world(light)) {
             aim(lights_[light], points, lanes, pair, 1.0f, shadow);
             test();
@@ -289,8 +298,11 @@ bool DirectLight::is_told_by_rays(std::size_t light) const {
 
 /// One ray at a time: in packets, rays into all directions are slower.
 void DirectLight::add_from_world(ShadowRays& shadow, std::span<Irradiance> irradiance) const {
-    for (std::size_t index = 0; index < shadow.count; ++index)
-        shadow.passing[index] = scene_.shadow_transmittance(shadow.rays[index]);
+    for (std::size_t index = 0; index < shadow.count; ++index) {
+        Ray within_reach = shadow.rays[index]; // media dim the light all the way
+        within_reach.far_m = std::min(within_reach.far_m, world_reach_m_);
+        shadow.passing[index] = scene_.shadow_transmittance(within_reach);
+    }
     if (has_media_)
         media_.attenuate(shadow.all(), shadow.passing);
     for (std::size_t index = 0; index < shadow.count; ++index)

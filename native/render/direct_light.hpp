@@ -9,6 +9,7 @@
 #pragma once
 #include "light_shafts/surface_holes.hpp"
 #include "light_shafts/surface_shadows.hpp"
+#include "render/indirect_config.hpp"
 #include "render/light_aim.hpp"
 #include "render/pixel_samples.hpp"
 #include "render/surface_point.hpp"
@@ -18,13 +19,17 @@
 #include <span>
 
 namespace tyndall::render {
+/// What a light asks of up to lane_count points.
+[[nodiscard]] LitPoints lanes_of(std::span<const SurfacePoint> points);
+
 class DirectLight {
 public:
     /// Points that are lit at once.
     static constexpr std::size_t most_points = lane_count;
 
-    /// Reports to `statistics` what cannot light anything. Both references must outlive this.
-    DirectLight(const Scene& scene, const Media& media, Statistics& statistics);
+    /// Reports to `statistics` what cannot light anything. Both references must outlive this. The world's
+    /// light is stopped within the reach of `indirect`.
+    DirectLight(const Scene& scene, const Media& media, Statistics& statistics, const IndirectConfig& indirect = {});
 
     /// For those lights that `is_asked`: what the edits of their occluders put before surfaces. Once per light; without
     /// it, at() and add_one() know nothing of such edits. Throws Cancelled.
@@ -52,6 +57,9 @@ public:
     /// Shadow rays per point, to as many strata of a light; 1 before. Powers of two keep them well spread.
     void set_ray_counts(std::vector<std::uint32_t> per_light) { ray_counts_ = std::move(per_light); }
     [[nodiscard]] bool is_world(std::size_t light) const { return light >= lights_.size(); }
+    /// Of all lights, with one shadow ray each: what a point that few will see is worth.
+    void add_all_once(std::span<const SurfacePoint> points, const PairIndex& first_pair,
+                      std::span<Irradiance> irradiance) const;
     /// The world is the last light.
     [[nodiscard]] bool has_world() const { return has_world_light_; }
     /// There is a world of one radiance.
@@ -73,7 +81,7 @@ private:
         std::unique_ptr<const light_shafts::SurfaceShadows> shadows; ///< Of edits; nothing before prepare_edits.
     };
     struct ShadowRays;
-    void add(std::size_t light, std::span<const SurfacePoint> points, const LitPoints& lanes,
+    void add(std::size_t light, std::uint32_t ray_count, std::span<const SurfacePoint> points, const LitPoints& lanes,
              const PairIndex& first_pair, std::span<Irradiance> irradiance) const;
     /// One stratum, which stands for `share` of the light.
     void add_light(const AimedLight& aimed, std::span<const SurfacePoint> points, const LitPoints& lanes,
@@ -88,7 +96,8 @@ private:
     /// By its brightness.
     void aim_at_world_image(std::span<const SurfacePoint> points, const PairIndex& pair, float share,
                             ShadowRays& shadow) const;
-    [[nodiscard]] PairIndex pair_of(std::size_t light, std::uint32_t ray, const PairIndex& first_pair) const;
+    [[nodiscard]] static PairIndex pair_of(std::size_t light, std::uint32_t ray, std::uint32_t ray_count,
+                                           const PairIndex& first_pair);
     void add_from_world(ShadowRays& shadow, std::span<Irradiance> irradiance) const;
     /// Towards the light, lifted off a smooth surface's terminator.
     [[nodiscard]] Ray shadow_ray(const SurfacePoint& point, const vec3& direction) const;
@@ -98,5 +107,6 @@ private:
     std::vector<AimedLight> lights_;        ///< Those that light surfaces.
     std::vector<std::uint32_t> ray_counts_; ///< Per light_count.
     bool has_media_, has_world_light_;
+    float world_reach_m_;
 };
 } // namespace tyndall::render

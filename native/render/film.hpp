@@ -26,8 +26,9 @@ enum class Pass : std::uint8_t {
     Shafts = 7,
     ShaftsVisibility = 8,
     Transmittance = 9,
+    AmbientOcclusion = 10,
 };
-inline constexpr std::size_t pass_count = 10;
+inline constexpr std::size_t pass_count = 11;
 struct PassLayout {
     std::string_view name; ///< As Blender names the pass.
     std::uint32_t channel_count;
@@ -41,7 +42,8 @@ inline constexpr std::array<PassLayout, pass_count> pass_layouts{{{"Combined", 4
                                                                   {"Shadow", 3},
                                                                   {"Shafts", 3},
                                                                   {"Shafts Visibility", 1},
-                                                                  {"Transmittance", 3}}};
+                                                                  {"Transmittance", 3},
+                                                                  {"AO", 3}}};
 [[nodiscard]] constexpr const PassLayout& layout(Pass pass) { return pass_layouts[static_cast<std::size_t>(pass)]; }
 /// The pass of this name; throws InvalidInput that lists the names there are.
 [[nodiscard]] Pass pass_named(std::string_view name);
@@ -81,6 +83,7 @@ struct PathSample {
     Rgb diffuse_colour{0.0f}, emission{0.0f}; ///< Through what lies in front.
     Rgb lit{0.0f}, unshadowed{0.0f};          ///< Irradiance from lights with and without occluders.
     Rgb transmittance{1.0f};                  ///< Through the media before that surface.
+    Rgb ambient{0.0f};                        ///< Share of the world that surfaces see, through what lies in front.
     WorldLit world_lit;                       ///< Its light is in `radiance`, too.
 };
 

@@ -5,6 +5,7 @@
 #pragma once
 #include "light_shafts/light_shafts.hpp"
 #include "render/film.hpp"
+#include "render/indirect_config.hpp"
 #include "render/pixel_filter.hpp"
 #include "render/surface_pass.hpp"
 #include "scene/scene.hpp"
@@ -34,6 +35,7 @@ struct FrameConfig {
     /// scatters; without one, the mean over all lights, and the angle to the strongest lamp.
     std::optional<std::uint32_t> reference_light = {};
     std::optional<Heterogeneity> heterogeneity = {}; ///< The air's texture; none: media scatter evenly.
+    IndirectConfig indirect = {};
     /// What camera rays met in other frames; nothing: none of it is kept.
     std::shared_ptr<KeptSurfaces> kept_surfaces = {};
     /// A pilot finds how many shadow rays each light is worth at a surface point; false: one.

@@ -8,7 +8,13 @@ namespace tyndall::render {
 FrameSurfaces::FrameSurfaces(const Scene& scene, const Media& media, const Camera& camera, const Region& region,
                              const FrameConfig& config, Statistics& statistics, Progress& progress)
     : scene_(scene), media_(media), camera_(camera), region_(region), config_(config), statistics_(statistics),
-      progress_(progress), filter_(config.pixel_filter, config.filter_width_px), light_(scene, media, statistics) {
+      progress_(progress), filter_(config.pixel_filter, config.filter_width_px),
+      light_(scene, media, statistics, config.indirect),
+      indirect_(scene, media, light_, config.indirect, config.passes.has(Pass::AmbientOcclusion)) {
+    if (config.indirect.has_ambient_occlusion && !light_.has_world())
+        statistics.skip("ambient occlusion", "the world is black");
+    if (config.indirect.has_bounce && !indirect_.has_bounce())
+        statistics.skip("colour bleeding", "nothing shines");
     if (config.kept_surfaces)
         config.kept_surfaces->begin_picture(scene);
     set_shadow_rays();
@@ -21,7 +27,9 @@ ViewPath FrameSurfaces::view_path(bool collects_parts) const {
             camera_,
             {.is_film_transparent = config_.is_film_transparent,
              .collects_parts = collects_parts,
-             .lights_black_surfaces = config_.passes.has(Pass::Shadow)}};
+             .lights_black_surfaces = config_.passes.has(Pass::Shadow),
+             .finds_ambient = config_.passes.has(Pass::AmbientOcclusion),
+             .indirect = config_.indirect}};
 }
 
 SurfaceKey FrameSurfaces::key(std::uint32_t sample_index, bool collects_parts) const {
@@ -35,6 +43,7 @@ SurfaceKey FrameSurfaces::key(std::uint32_t sample_index, bool collects_parts) c
             .seed = config_.seed,
             .sample_index = sample_index,
             .path = view_path(collects_parts).config(),
+            .bounce_rays = indirect_.bounce_rays(),
             .parts = PackedSamples::parts_for(config_.passes, world_reach_px_ > 0)};
 }
 
@@ -42,6 +51,7 @@ SurfaceKey FrameSurfaces::key(std::uint32_t sample_index, bool collects_parts) c
 void FrameSurfaces::set_shadow_rays() {
     const bool may_share = shares_strata(config_.shafts) && shared_reach_px(config_.pixel_samples) > 0;
     ShadowRayCounts counts{.of_light = std::vector<std::uint32_t>(light_.light_count(), 1)};
+    const IndirectLight* bounce = indirect_.has_bounce() && config_.indirect.bounce_samples == 0 ? &indirect_ : nullptr;
     if (config_.adapts_shadow_rays) {
         CountsKey key{.surfaces = this->key(0, false),
                       .lights = {scene_.lights().begin(), scene_.lights().end()},
@@ -57,8 +67,8 @@ void FrameSurfaces::set_shadow_rays() {
             light_.prepare_edits(std::vector<std::uint8_t>(light_.light_count(), 1), camera_, config_.shafts,
                                  statistics_, progress_);
         counts = kept != nullptr ? *kept
-                                 : count_shadow_rays(scene_, media_, light_, camera_, filter_, config_.seed, may_share,
-                                                     config_.shafts, progress_);
+                                 : count_shadow_rays(scene_, media_, light_, bounce, camera_, filter_, config_.seed,
+                                                     may_share, config_.shafts, progress_);
         if (config_.kept_surfaces && kept == nullptr)
             config_.kept_surfaces->keep_counts(std::move(key), counts);
     }
@@ -67,6 +77,9 @@ void FrameSurfaces::set_shadow_rays() {
     if (counts.is_world_shared)
         world_reach_px_ = shared_reach_px(std::uint64_t{counts.of_light.back()} * config_.pixel_samples);
     light_.set_ray_counts(std::move(counts.of_light));
+    indirect_.set_bounce_rays(bounce != nullptr ? counts.of_bounce : std::max(config_.indirect.bounce_samples, 1u));
+    if (indirect_.has_bounce())
+        statistics_.count("colour bleeding: rays per surface point", indirect_.bounce_rays());
 }
 
 std::optional<light_shafts::SurfaceShadows::Config> FrameSurfaces::edited_shadows(std::span<const Light> lights) const {
@@ -96,6 +109,11 @@ std::optional<MovedView> FrameSurfaces::moved_since(const KeptPass& kept) const 
     return MovedView(std::move(boxes), camera_, config_.pixel_samples > 1 ? filter_.radius_px() : 0.0f);
 }
 
+SurfaceForm FrameSurfaces::form_for_pass() const {
+    const SurfaceForm form = config_.kept_surfaces->form_for(pixel_count(), light_.light_count());
+    return indirect_.is_wanted() && form == SurfaceForm::Points ? SurfaceForm::Samples : form;
+}
+
 void FrameSurfaces::begin_pass(std::uint32_t sample_index, bool collects_parts, bool may_keep) {
     choose_what_is_kept(sample_index, collects_parts, may_keep);
     light_.prepare_edits(is_asked_, camera_, config_.shafts, statistics_, progress_);
@@ -112,9 +130,7 @@ void FrameSurfaces::choose_what_is_kept(std::uint32_t sample_index, bool collect
     pass_.reset();
     moved_.reset();
     is_new_ = true;
-    const SurfaceForm form = config_.kept_surfaces && may_keep
-                                 ? config_.kept_surfaces->form_for(pixel_count(), light_count)
-                                 : SurfaceForm::Nothing;
+    const SurfaceForm form = config_.kept_surfaces && may_keep ? form_for_pass() : SurfaceForm::Nothing;
     if (form == SurfaceForm::Nothing)
         return;
     SurfaceKey key = this->key(sample_index, collects_parts);
@@ -154,6 +170,7 @@ void FrameSurfaces::trace(std::uint32_t first_row, std::uint32_t end_row, std::s
     const SurfacePass pass(path, camera_, region_, filter_, pass_config());
     SurfacePass::Kept kept{.form = SurfaceForm::Nothing, .parts = {}, .is_asked = is_asked_};
     kept.moved = moved_ ? &*moved_ : nullptr;
+    kept.indirect = indirect_.is_wanted() ? &indirect_ : nullptr;
     std::vector<SurfaceBlock> of_this_pass;
     std::vector<SurfaceBlock>* blocks = &of_this_pass;
     if (pass_) {

@@ -31,6 +31,8 @@ public:
     void count(Statistics& statistics) const;
 
 private:
+    /// What of a pass is kept: points only where nothing but the lights decides how they are lit.
+    [[nodiscard]] SurfaceForm form_for_pass() const;
     [[nodiscard]] SurfaceKey key(std::uint32_t sample_index, bool collects_parts) const;
     [[nodiscard]] std::vector<KeptLight> lights_now() const;
     void set_shadow_rays();
@@ -55,6 +57,7 @@ private:
     Progress& progress_;
     FilterSampler filter_;
     DirectLight light_;
+    IndirectLight indirect_;
     std::uint32_t world_reach_px_ = 0;
 
     std::uint32_t sample_index_ = 0; ///< Of the pass at work, as is all that follows.

@@ -13,7 +13,7 @@ bool SurfaceKey::operator==(const SurfaceKey& other) const {
     return geometry == other.geometry && world.shines_as(other.world) && camera == other.camera &&
            region == other.region && filter == other.filter && filter_width_px == other.filter_width_px &&
            is_filtered == other.is_filtered && seed == other.seed && sample_index == other.sample_index &&
-           path == other.path && parts == other.parts;
+           path == other.path && bounce_rays == other.bounce_rays && parts == other.parts;
 }
 
 bool CountsKey::operator==(const CountsKey& other) const {

@@ -33,6 +33,7 @@ struct SurfaceKey {
     bool is_filtered = false; ///< Samples lie beside the pixel's centre.
     std::uint32_t seed = 0, sample_index = 0;
     ViewPathConfig path;
+    std::uint32_t bounce_rays = 0; ///< Per surface point.
     PackedSamples::Parts parts;
     [[nodiscard]] bool operator==(const SurfaceKey& other) const;
 };

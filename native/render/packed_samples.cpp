@@ -12,7 +12,8 @@ static void visit_all(Sample& sample, const PackedSamples::Parts& parts, const V
     visit(sample.alpha);
     visit(sample.depth_m);
     if (parts.has_passes)
-        for (auto* colour : {&sample.normal, &sample.diffuse_colour, &sample.emission, &sample.lit, &sample.unshadowed})
+        for (auto* colour : {&sample.normal, &sample.diffuse_colour, &sample.emission, &sample.lit, &sample.unshadowed,
+                             &sample.ambient})
             visit(*colour);
     if (parts.has_world_lit)
         for (auto* value : {&sample.world_lit.position, &sample.world_lit.normal, &sample.world_lit.albedo,
@@ -43,7 +44,7 @@ struct Unpack {
 
 PackedSamples::Parts PackedSamples::parts_for(const PassSet& passes, bool shares_world) {
     return {.has_passes = passes.has(Pass::Normal) || passes.has(Pass::DiffuseColour) || passes.has(Pass::Emission) ||
-                          passes.has(Pass::Shadow),
+                          passes.has(Pass::Shadow) || passes.has(Pass::AmbientOcclusion),
             .has_world_lit = shares_world};
 }
 

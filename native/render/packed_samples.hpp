@@ -9,7 +9,7 @@ class PackedSamples {
 public:
     /// What there is beside radiance, alpha, depth, position and transmittance.
     struct Parts {
-        bool has_passes = false;    ///< Normal, colours, and light with and without occluders.
+        bool has_passes = false;    ///< Normal, colours, light with and without occluders, ambient occlusion.
         bool has_world_lit = false; ///< Of PathSample.
         bool operator==(const Parts&) const = default;
     };

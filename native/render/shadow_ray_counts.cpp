@@ -88,9 +88,9 @@ struct OfPixel {
 
 class Pilot {
 public:
-    Pilot(const Scene& scene, const Media& media, const DirectLight& light, const Camera& camera,
-          const FilterSampler& filter, std::uint32_t seed)
-        : scene_(scene), media_(media), light_(light), camera_(camera), filter_(filter), seed_(seed),
+    Pilot(const Scene& scene, const Media& media, const DirectLight& light, const IndirectLight* bounce,
+          const Camera& camera, const FilterSampler& filter, std::uint32_t seed)
+        : scene_(scene), media_(media), light_(light), bounce_(bounce), camera_(camera), filter_(filter), seed_(seed),
           width_px_(std::min(square_px, camera.width_px)), height_px_(std::min(square_px, camera.height_px)),
           columns_(squares_along(camera.width_px)), rows_(squares_along(camera.height_px)) {}
 
@@ -109,7 +109,7 @@ public:
 
     [[nodiscard]] std::vector<OfPixel> of_square(std::uint32_t index) const {
         const std::uint32_t x0 = first_x(index), y0 = first_y(index);
-        std::vector<Lit> lights(light_.light_count());
+        std::vector<Lit> lights(light_.light_count() + (bounce_ != nullptr ? 1 : 0));
         Seen seen;
         std::array<WorldLit, pixels_per_square> surfaces;
         for (std::uint32_t ray = 0; ray < camera_rays; ++ray)
@@ -188,17 +188,27 @@ private:
                                Rgb(0.0f)};
             pixels[count++] = pixel;
         }
-        std::array<DirectLight::Irradiance, pixels_per_square> irradiance;
+        std::array<Rgb, pixels_per_square> irradiance;
         for (std::size_t light = 0; light < lights.size(); ++light)
             for (std::uint32_t ray = 0; ray < shadow_rays; ++ray) {
-                irradiance.fill({});
                 for (std::size_t point = 0; point < count; ++point)
                     points[point].pixel_seed = hash(seeds[pixels[point]], 1 + camera_ray * shadow_rays + ray);
-                light_.add_one(light, std::span(points).first(count), {0, 1}, irradiance);
+                irradiance.fill(Rgb(0.0f));
+                ask(light, std::span(points).first(count), irradiance);
                 for (std::size_t point = 0; point < count; ++point)
                     lights[light].of_pixel[pixels[point]][camera_ray][ray] =
-                        average(reflected[point] * irradiance[point].sum());
+                        average(reflected[point] * irradiance[point]);
             }
+    }
+
+    /// One shadow ray of each point to a light; past the last, one that gathers.
+    void ask(std::size_t light, std::span<const SurfacePoint> points, std::span<Rgb> irradiance) const {
+        if (light == light_.light_count())
+            return bounce_->gather(points, 0, 0, 1, irradiance);
+        std::array<DirectLight::Irradiance, pixels_per_square> of_light{};
+        light_.add_one(light, points, {0, 1}, of_light);
+        for (std::size_t point = 0; point < points.size(); ++point)
+            irradiance[point] = of_light[point].sum();
     }
 
     static OfPixel of_pixel(std::size_t pixel, std::span<const Lit> lights, const Seen& seen) {
@@ -220,6 +230,7 @@ private:
     const Scene& scene_;
     const Media& media_;
     const DirectLight& light_;
+    const IndirectLight* bounce_;
     const Camera& camera_;
     const FilterSampler& filter_;
     std::uint32_t seed_, width_px_, height_px_; ///< Of a square.
@@ -255,27 +266,30 @@ std::vector<double> fog_brightness(const Scene& scene, const Media& media, const
     return brightness;
 }
 
-RayCosts costs_where(double plane_share, const DirectLight& light) {
+RayCosts costs_where(double plane_share, const DirectLight& light, bool has_bounce) {
     const double weight = plane_share * plane_share;
     const double of_lamp = std::lerp(lamp_ray_cost_in_leaves, lamp_ray_cost_in_plane, weight);
     RayCosts costs{.of_camera = std::lerp(camera_ray_cost_in_leaves, camera_ray_cost_in_plane, weight),
                    .of_light = std::vector<double>(light.light_count(), of_lamp)};
     if (light.has_world())
         costs.of_light.back() = 1.0;
+    if (has_bounce) // its own ray finds the nearest surface; what is met has its shadow rays
+        costs.of_light.push_back(1.5 + std::accumulate(costs.of_light.begin(), costs.of_light.end(), 0.0));
     return costs;
 }
 } // namespace
 
 ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const DirectLight& light,
-                                  const Camera& camera, const FilterSampler& filter, std::uint32_t seed,
-                                  bool may_share_world, const light_shafts::Config& shafts, Progress& progress) {
+                                  const IndirectLight* bounce, const Camera& camera, const FilterSampler& filter,
+                                  std::uint32_t seed, bool may_share_world, const light_shafts::Config& shafts,
+                                  Progress& progress) {
     const std::size_t light_count = light.light_count();
-    bool has_choice = false;
+    bool has_choice = bounce != nullptr;
     for (std::size_t index = 0; index < light_count; ++index)
         has_choice = has_choice || light.has_strata(index);
     if (!has_choice)
         return {.of_light = std::vector<std::uint32_t>(light_count, 1)};
-    const Pilot pilot(scene, media, light, camera, filter, seed);
+    const Pilot pilot(scene, media, light, bounce, camera, filter, seed);
     std::vector<std::vector<OfPixel>> squares(pilot.square_count());
     parallel_for(
         squares.size(), progress,
@@ -293,7 +307,7 @@ ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const 
         frame_mean += pixel.mean() / static_cast<double>(pixels.size());
         plane_share += pixel.neighbour_count / static_cast<double>(pixels_per_square * pixels.size());
     }
-    const RayCosts costs = costs_where(plane_share, light);
+    const RayCosts costs = costs_where(plane_share, light, bounce != nullptr);
     const auto scale_of = [&](const OfPixel& pixel) { return pixel.mean() + darkest_share * frame_mean; };
     std::erase_if(pixels, [&](const OfPixel& pixel) { return !(scale_of(pixel) > 0.0); });
     std::vector<PixelVariances> variances;
@@ -304,11 +318,16 @@ ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const 
         variances.push_back({pixel.camera_variance() / (scale * scale), std::move(pixel.light_variances)});
     }
     ShadowRayCounts counts{.of_light = best_ray_counts(variances, costs)};
-    counts.is_world_shared = may_share_world && light.has_even_world() && counts.of_light.back() > 1;
+    const std::size_t world = light_count - 1; // where there is one
+    counts.is_world_shared = may_share_world && light.has_even_world() && counts.of_light[world] > 1;
     if (counts.is_world_shared) {
         for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel)
-            variances[pixel].of_light.back() /= pixels[pixel].neighbour_count;
+            variances[pixel].of_light[world] /= pixels[pixel].neighbour_count;
         counts.of_light = best_ray_counts(variances, costs);
+    }
+    if (bounce != nullptr) {
+        counts.of_bounce = counts.of_light.back();
+        counts.of_light.pop_back();
     }
     return counts;
 }

@@ -12,7 +12,7 @@
 //           the fog.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
-#include "render/direct_light.hpp"
+#include "render/indirect_light.hpp"
 #include "render/pixel_filter.hpp"
 #include "render/shared_irradiance.hpp"
 
@@ -21,12 +21,14 @@ struct ShadowRayCounts {
     std::vector<std::uint32_t> of_light; ///< Per light of DirectLight::light_count: a power of two up to 16.
     /// Alone, a pixel would need several rays of the world; with what its neighbours find, it needs as many as are here.
     bool is_world_shared = false;
+    std::uint32_t of_bounce = 1; ///< Rays that gather the light of other surfaces.
 };
+/// `bounce`: nothing, or what gathers the light of other surfaces, which counts as one more light.
 /// `may_share_world`: neighbours in one plane may share its light, see shared_irradiance.hpp. Throws Cancelled.
 [[nodiscard]] ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const DirectLight& light,
-                                                const Camera& camera, const FilterSampler& filter, std::uint32_t seed,
-                                                bool may_share_world, const light_shafts::Config& shafts,
-                                                Progress& progress);
+                                                const IndirectLight* bounce, const Camera& camera,
+                                                const FilterSampler& filter, std::uint32_t seed, bool may_share_world,
+                                                const light_shafts::Config& shafts, Progress& progress);
 
 /// Of the samples of one pixel, relative to the square of its brightness.
 struct PixelVariances {

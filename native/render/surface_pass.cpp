@@ -155,6 +155,8 @@ void SurfacePass::trace_block(const Call& call, SurfaceBlock& block) const {
         call.progress.poll();
         ask_lights(call, block, walk, light);
         path_.add_light(walk, light, caught.samples);
+        if (call.kept.indirect != nullptr)
+            call.kept.indirect->add(walk, call.sample_index, caught.samples, call.progress);
     }
     if (!was_walked && keeps_samples)
         pack();

@@ -4,6 +4,7 @@
 // Differs:  the squares lie on a grid of the full frame, and are traced whole where a region cuts them: a pixel's rays
 //           have the same neighbours in every region, so that a region is a crop of the full frame, bit for bit.
 #pragma once
+#include "render/indirect_light.hpp"
 #include "render/packed_samples.hpp"
 #include "render/pixel_filter.hpp"
 #include "render/view_path.hpp"
@@ -71,8 +72,9 @@ public:
         PackedSamples::Parts parts;
         /// Lights that have changed. Of what is not walked, all are asked.
         std::span<const std::uint8_t> is_asked;
-        bool is_lit = true;               ///< False: light is not wanted.
-        const MovedView* moved = nullptr; ///< What moved since the rows were walked; nothing: nothing did.
+        bool is_lit = true;                      ///< False: light is not wanted.
+        const IndirectLight* indirect = nullptr; ///< Nothing: surfaces see nothing of one another.
+        const MovedView* moved = nullptr;        ///< What moved since the rows were walked; nothing: nothing did.
     };
     /// Takes what a pixel's ray found; the pixel is counted in the region, row by row. Called from any thread.
     using Deliver = std::function<void(std::size_t pixel, const PathSample& sample)>;

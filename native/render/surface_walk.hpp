@@ -12,6 +12,7 @@ struct SurfaceWalk {
     struct Shade {
         Rgb throughput;           ///< Share of the point's light that reaches the camera.
         Rgb radiance;             ///< Of that, per irradiance, 1/sr.
+        Rgb cover{0.0f};          ///< Share of what lies behind the point that it hides from the camera.
         std::uint32_t sample = 0; ///< The ray's, among those that were walked.
     };
     /// Points of neighbouring rays in one layer, which are lit together.

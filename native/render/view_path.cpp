@@ -83,10 +83,12 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
             sample.emission += throughput * closures.emission;
             sample.diffuse_colour += throughput * closures.diffuse_albedo;
             if (walked != nullptr && targets[follower.index] != nowhere &&
-                (closures.diffuse_albedo != Rgb(0.0f) || config_.lights_black_surfaces)) {
+                (closures.diffuse_albedo != Rgb(0.0f) || config_.lights_black_surfaces ||
+                 (config_.finds_ambient && closures.transparent != Rgb(1.0f)))) {
                 const Rgb albedo = closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
                 walked->points.push_back(point);
-                walked->shades.push_back({throughput, throughput * albedo, targets[follower.index]});
+                walked->shades.push_back({throughput, throughput * albedo, throughput * (1.0f - closures.transparent),
+                                          targets[follower.index]});
             }
             follower.through_surfaces *= closures.transparent;
             if (follower.through_surfaces == Rgb(0.0f))
@@ -169,7 +171,7 @@ std::size_t ViewPath::ask_again(const SurfaceWalk& walked, std::uint32_t sample_
 void ViewPath::add_light(const SurfaceWalk& walked, const SurfaceLight& light, std::span<PathSample> samples) const {
     const std::size_t lamp_count = light_.light_count() - (light_.has_world() ? 1 : 0);
     for (std::size_t point = 0; point < walked.points.size(); ++point) {
-        const auto& [throughput, radiance, target] = walked.shades[point];
+        const auto& [throughput, radiance, cover, target] = walked.shades[point];
         PathSample& sample = samples[target];
         Rgb from_lights(0.0f), unshadowed(0.0f), from_world(0.0f);
         for (std::size_t lamp = 0; lamp < lamp_count; ++lamp) {

@@ -6,6 +6,7 @@
 #include "light_shafts/light_shafts.hpp"
 #include "render/direct_light.hpp"
 #include "render/film.hpp"
+#include "render/indirect_config.hpp"
 #include "render/surface_walk.hpp"
 #include <span>
 #include <vector>
@@ -24,6 +25,8 @@ struct ViewPathConfig {
     bool is_film_transparent = false;   ///< The world is not seen: alpha is what covers it.
     bool collects_parts = false;        ///< Fill `parts` where there is a medium.
     bool lights_black_surfaces = false; ///< The Shadow pass needs light on surfaces that show none.
+    bool finds_ambient = false;         ///< The ambient occlusion pass needs a point on all that covers anything.
+    IndirectConfig indirect = {};
     bool operator==(const ViewPathConfig&) const = default;
 };
 

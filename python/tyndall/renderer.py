@@ -36,6 +36,7 @@ PASSES = (
     "Shafts",
     "Shafts Visibility",
     "Transmittance",
+    "AO",
 )
 
 
@@ -58,6 +59,19 @@ class ShaftConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class IndirectConfig:
+    """What surfaces see of one another, all off; the native side checks the ranges."""
+
+    #: The world's light on surfaces is stopped by what stands within ambient_distance_m, and not by what is farther.
+    ambient_occlusion: bool = False
+    ambient_distance_m: float = 0.0  #: Of the AO pass, too, which needs no ambient_occlusion; [0, 1e9], 0: any distance.
+    ambient_samples: int = 4  #: Rays of the AO pass per camera ray, [1, 1024].
+    #: One diffuse bounce: surfaces catch the light of lamps and world on other surfaces, and what these emit.
+    bounce: bool = False
+    bounce_samples: int = 0  #: Its rays per camera ray, [0, 1024]; 0: a pilot decides.
+
+
+@dataclass(frozen=True, kw_only=True)
 class RenderConfig:
     """One frame's settings; the native side checks the ranges and raises ``InvalidInput``."""
 
@@ -76,6 +90,7 @@ class RenderConfig:
     #: scatters; without one, the mean over all lights, and the angle to the strongest lamp.
     reference_light: str = ""
     heterogeneity: Heterogeneity | None = None  #: The air's texture; None: media scatter evenly.
+    indirect: IndirectConfig = field(default_factory=IndirectConfig)
     #: A pilot finds how many shadow rays each light is worth at a surface point; False: one, for the coarsest picture.
     adapts_shadow_rays: bool = True
     seed: int = 0
@@ -244,6 +259,7 @@ class Session:
             transfer_functions=functions,
             reference_light=reference_light,
             heterogeneity=self._kept_air.build(config.heterogeneity, self._origin_in_world, reports),
+            indirect=_native.IndirectConfig(**asdict(config.indirect)),
             kept_surfaces=self._kept_surfaces,
             adapts_shadow_rays=config.adapts_shadow_rays,
             keeps_unstyled=keeps_unstyled,

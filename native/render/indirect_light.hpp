@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What surfaces that the camera sees catch of others: how much of the world they see (the ambient occlusion pass), and
+// the light of one diffuse bounce, which bleeds colours.
+// Based on: Kol, dissertation, TU Delft 2018, 2.5.6: rays over the hemisphere, and from what they hit rays to the lights;
+//           Ward, Rubinstein, Clear, A Ray Tracing Solution for Diffuse Interreflection, SIGGRAPH 1988: by the cosine.
+// Differs:  Owen-scrambled Sobol points instead of jittered strata, over all samples of a pixel, each pixel with its own;
+//           what is hit gets one shadow ray of every light; transparent layers on the way are followed, not picked.
+// Bound:    per surface point and ray: one ray through the scene, which goes alone, and what it meets one shadow ray per
+//           light; of the pass one ray.
+#pragma once
+#include "core/progress.hpp"
+#include "render/direct_light.hpp"
+#include "render/film.hpp"
+#include "render/indirect_config.hpp"
+#include "render/surface_walk.hpp"
+#include <span>
+
+namespace tyndall::render {
+class IndirectLight {
+public:
+    /// The references must outlive this.
+    IndirectLight(const Scene& scene, const Media& media, const DirectLight& light, const IndirectConfig& config,
+                  bool finds_ambient);
+
+    /// False: add() adds nothing.
+    [[nodiscard]] bool is_wanted() const { return finds_ambient_ || has_bounce_; }
+    /// There is light that a bounce could bring.
+    [[nodiscard]] bool has_bounce() const { return has_bounce_; }
+    [[nodiscard]] std::uint32_t bounce_rays() const { return has_bounce_ ? bounce_rays_ : 0; }
+    /// Per surface point.
+    void set_bounce_rays(std::uint32_t count) { bounce_rays_ = count; }
+
+    /// To the samples of the walk's points. Throws Cancelled.
+    void add(const SurfaceWalk& walked, std::uint32_t sample_index, std::span<PathSample> samples,
+             const Progress& progress) const;
+    /// Adds the irradiance of one bounce on up to DirectLight::most_points points, W/m^2. Takes the random numbers of a
+    /// layer of surfaces along the pixels' rays.
+    void gather(std::span<const SurfacePoint> points, std::uint32_t sample_index, std::uint32_t layer,
+                std::uint32_t ray_count, std::span<Rgb> irradiance) const;
+
+private:
+    struct Gatherer;
+    /// Up to the next surface: its light comes to the points; what passes goes on.
+    void catch_light(std::span<const SurfacePoint> points, std::vector<Gatherer>& gatherers,
+                     const PairIndex& first_pair, std::span<Rgb> irradiance) const;
+    /// Shares of the world that the points see, within reach.
+    void find_ambient(std::span<const SurfacePoint> points, std::uint32_t sample_index, std::uint32_t layer,
+                      std::span<Rgb> seen) const;
+
+    const Scene& scene_;
+    const Media& media_;
+    const DirectLight& light_;
+    IndirectConfig config_;
+    bool finds_ambient_, has_bounce_;
+    std::uint32_t bounce_rays_ = 1;
+};
+} // namespace tyndall::render
