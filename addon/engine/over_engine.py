@@ -27,7 +27,9 @@ def master_of(depsgraph: Depsgraph) -> Scene | None:
 
 def air_config(config: RenderConfig) -> RenderConfig:
     """The world lights the air; what the camera sees of it is the other engine's."""
-    return replace(config, film_transparent=True)
+    from tyndall.renderer import IndirectConfig
+
+    return replace(config, film_transparent=True, indirect=IndirectConfig())
 
 
 def marked_as_rendered(film: Film) -> Film:

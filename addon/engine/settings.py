@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tyndall.renderer import RenderConfig, ShaftConfig
+from tyndall.renderer import IndirectConfig, RenderConfig, ShaftConfig
 
 from .passes import wanted_planes
 
@@ -66,6 +66,18 @@ def shaft_config(scene: Scene) -> ShaftConfig:
     )
 
 
+def indirect_config(scene: Scene) -> IndirectConfig:
+    """What surfaces see of one another."""
+    indirect = scene.tyndall.indirect
+    return IndirectConfig(
+        ambient_occlusion=indirect.has_ambient_occlusion,
+        ambient_distance_m=indirect.ambient_distance_m,
+        ambient_samples=indirect.ambient_samples,
+        bounce=indirect.has_bounce,
+        bounce_samples=indirect.bounce_samples,
+    )
+
+
 def render_config(
     scene: Scene,
     view_layer: ViewLayer,
@@ -88,6 +100,7 @@ def render_config(
         transfer_functions=functions,
         reference_light=light.name if light is not None else "",
         heterogeneity=heterogeneity,
+        indirect=indirect_config(scene),
         seed=tyndall.seed,
         thread_count=tyndall.thread_count,
     )

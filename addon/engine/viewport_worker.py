@@ -99,6 +99,7 @@ def coarser(view: View, scale: int) -> View:
             pixel_samples=1,
             shafts=shafts,
             heterogeneity=air,
+            indirect=replace(config.indirect, ambient_samples=1, bounce_samples=min(config.indirect.bounce_samples, 1)),
             adapts_shadow_rays=scale < SCALES[0],  # the pilot would take as long as the coarsest picture
         ),
     )

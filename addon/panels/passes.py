@@ -38,6 +38,7 @@ class TYNDALL_PT_passes(PropertiesPanel, Panel):
         column.prop(view_layer, "use_pass_diffuse_color", text="Diffuse Color")
         column.prop(view_layer, "use_pass_emit", text="Emission")
         column.prop(view_layer, "use_pass_shadow")
+        column.prop(view_layer, "use_pass_ambient_occlusion", text="Ambient Occlusion")
         draw_media_passes(layout.column(heading="Media", align=True), view_layer)
 
 

@@ -10,6 +10,7 @@ from bpy.utils import register_class, unregister_class
 
 from . import air_brush, light_map_fit, occluder_edits, painted_air, transfer_functions, transfer_layers, voxels
 from .heterogeneity import TyndallHeterogeneity
+from .indirect import TyndallIndirectSettings
 from .light import TyndallLightSettings
 from .light_shafts import TyndallLightShaftSettings
 from .over_engine import TyndallOverEngine
@@ -32,6 +33,7 @@ CLASSES = (
     *voxels.CLASSES,
     TyndallLightShaftSettings,
     TyndallHeterogeneity,
+    TyndallIndirectSettings,
     TyndallOverEngine,
     TyndallSceneSettings,
     TyndallLightSettings,

@@ -7,6 +7,7 @@ from bpy.types import Object, PropertyGroup
 from ..edited_light import is_light_of_scene
 from .air_brush import TyndallAirBrush
 from .heterogeneity import TyndallHeterogeneity
+from .indirect import TyndallIndirectSettings
 from .light_shafts import TyndallLightShaftSettings
 from .over_engine import TyndallOverEngine
 from .tagging import OVERRIDABLE, tag
@@ -115,6 +116,13 @@ class TyndallSceneSettings(PropertyGroup):
         name="Texture of the Air",
         description="Mist, smoke and dust in the light shafts",
         type=TyndallHeterogeneity,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    indirect: PointerProperty(
+        name="Indirect Light",
+        description="What surfaces see of the world and of one another",
+        type=TyndallIndirectSettings,
         update=tag,
         override=OVERRIDABLE,
     )

@@ -176,7 +176,7 @@ def test_values_set_by_python_reach_the_dependency_graph(scene: bpy.types.Scene)
 
     settings = scene.tyndall
     groups = (
-        *(settings, settings.shafts, settings.voxelize),
+        *(settings, settings.shafts, settings.indirect, settings.voxelize),
         *(bpy.data.lights[0].tyndall, bpy.context.view_layer.tyndall, bpy.data.objects["Cube"].tyndall_voxels),
     )
     bpy.app.handlers.depsgraph_update_post.append(note)

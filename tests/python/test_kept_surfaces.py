@@ -97,6 +97,9 @@ class State:
     def with_config(self, **changes: object) -> State:
         return replace(self, config=replace(self.config, **changes))  # type: ignore[arg-type]
 
+    def with_indirect(self, **changes: object) -> State:
+        return self.with_config(indirect=replace(self.config.indirect, **changes))  # type: ignore[arg-type]
+
     def with_shafts(self, **changes: object) -> State:
         return self.with_config(shafts=replace(self.config.shafts, **changes))  # type: ignore[arg-type]
 
@@ -151,6 +154,8 @@ OF_THE_SCENE: dict[str, Change] = {
     "one shadow ray each": lambda state: state.with_config(adapts_shadow_rays=False),
     "world shared by neighbours": lambda state: state.with_config(pixel_samples=4),
     "seed": lambda state: state.with_config(seed=7),
+    "ambient occlusion": lambda state: state.with_indirect(ambient_occlusion=True, ambient_distance_m=0.5),
+    "bounce": lambda state: state.with_indirect(bounce=True),
 }
 
 
@@ -181,6 +186,18 @@ def test_no_picture_can_tell_what_was_rendered_before(change: str, capacity_byte
     alone = before.picture(Session()), after.picture(Session())
     for state, expected in ((before, alone[0]), (after, alone[1]), (before, alone[0]), (after, alone[1])):
         assert_same(state.picture(session), expected)
+
+
+@pytest.mark.parametrize("change", ["edit", "sun turned", "lamp gone", "world", "object moved", "way to the light"])
+def test_no_picture_with_a_bounce_can_tell_either(change: str) -> None:
+    """A point's light depends on all lights and on all objects: nothing of it is kept where one of them changed."""
+    before = State().with_indirect(bounce=True).with_config(passes=frozenset({"AO"}))
+    after = (OF_THE_AIR | OF_LIGHTS | OF_THE_SCENE)[change](before)
+    session = Session(kept_surfaces_bytes=ROOM_BYTES, kept_maps_bytes=ROOM_BYTES)
+    alone = before.picture(Session()), after.picture(Session())
+    for state, expected in ((before, alone[0]), (after, alone[1]), (before, alone[0])):
+        assert_same(state.picture(session), expected)
+    assert counts(before.picture(session))["passes walked"] == 0  # but where nothing did, all of it is
 
 
 @pytest.mark.parametrize("capacity_bytes", [ROOM_BYTES, NO_ROOM_FOR_POINTS_BYTES], ids=["points", "samples"])

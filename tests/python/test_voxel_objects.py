@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from support.plain_scenes import placed, square, translation
 from tyndall import Progress, voxel_dag
 from tyndall.fingerprints import fingerprint
-from tyndall.renderer import Film, RenderConfig, Session, ShaftConfig
+from tyndall.renderer import Film, IndirectConfig, RenderConfig, Session, ShaftConfig
 from tyndall.scene_description import (
     Camera,
     CameraKind,
@@ -149,6 +149,28 @@ def test_exact_pictures_of_voxels_and_of_a_mesh_of_their_boxes_are_equal(light: 
     for name in of_mesh.planes:
         # On the edge of a box rounding decides which face a ray meets, or whether it is in its shadow.
         assert share_of_other_pixels(of_voxels, of_mesh, name) < 2e-3, name
+
+
+@pytest.mark.parametrize("distance_m", [0.0, 0.5])
+def test_voxels_hide_the_world_and_bleed_as_a_mesh_of_their_boxes_does(distance_m: float) -> None:
+    """Their pixels take the same random numbers: what differs is rounding."""
+    indirect = IndirectConfig(
+        ambient_occlusion=distance_m > 0.0, ambient_distance_m=distance_m, bounce=True, bounce_samples=2
+    )
+    passes = frozenset({"AO", "Emit", "Depth"})
+    config = RenderConfig(pixel_samples=4, passes=passes, adapts_shadow_rays=False, indirect=indirect)
+    films = []
+    for thing in scattered():
+        session = Session()
+        session.update(replace(scene(thing, "sun"), media=(Medium(name="clear"),)), Progress())
+        films.append(session.render(CAMERA, config, Progress()))
+    of_voxels, of_mesh = films
+    seen = of_mesh.planes["Emit"][..., 0] > 0
+    assert seen.mean() > 0.04
+    assert 0.05 < of_mesh.planes["AO"][seen].mean() < 0.95
+    for name in ("Combined", "AO"):
+        assert share_of_other_pixels(of_voxels, of_mesh, name, 1e-4) < 0.02, name
+        assert of_voxels.planes[name].mean() == pytest.approx(of_mesh.planes[name].mean(), rel=1e-3)
 
 
 @pytest.mark.parametrize("method", ["EPIPOLAR", "SHADOW_MAP"])

@@ -52,14 +52,14 @@ def rendered_pixels(scene: bpy.types.Scene) -> FloatArray:
     return pixels.reshape(height, width, channels)[..., :3].astype(np.float64)
 
 
-def prepare_cycles(scene: bpy.types.Scene, samples: int, seed: int) -> None:
-    """Ask Cycles for direct light and single scattering, at the pixels' centres."""
+def prepare_cycles(scene: bpy.types.Scene, samples: int, seed: int, bounces: int = 0) -> None:
+    """Ask Cycles for direct light and single scattering, and for so many bounces, at the pixels' centres."""
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
     cycles.device = "CPU"
     cycles.samples, cycles.seed = samples, seed
     cycles.use_denoising = cycles.use_adaptive_sampling = cycles.use_auto_tile = False
-    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = 0
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = bounces
     cycles.transmission_bounces = cycles.volume_bounces = 0
     cycles.transparent_max_bounces = 1024
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
@@ -73,9 +73,9 @@ def prepare_cycles(scene: bpy.types.Scene, samples: int, seed: int) -> None:
         cycles.use_light_tree = False
 
 
-def cycles_pixels(scene: bpy.types.Scene, samples: int = CYCLES_SAMPLES, seed: int = 1) -> FloatArray:
+def cycles_pixels(scene: bpy.types.Scene, samples: int = CYCLES_SAMPLES, seed: int = 1, bounces: int = 0) -> FloatArray:
     """Render Combined in Cycles."""
-    prepare_cycles(scene, samples, seed)
+    prepare_cycles(scene, samples, seed, bounces)
     return rendered_pixels(scene)
 
 

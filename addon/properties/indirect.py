@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``scene.tyndall.indirect``: what surfaces see of the world and of one another."""
+
+from bpy.props import BoolProperty, FloatProperty, IntProperty
+from bpy.types import PropertyGroup
+
+from .tagging import OVERRIDABLE, tag
+
+
+class TyndallIndirectSettings(PropertyGroup):
+    has_ambient_occlusion: BoolProperty(
+        name="Ambient Occlusion",
+        description="The world lights surfaces as if nothing stood farther away than the distance: rooms get its "
+        "light, and corners and creases stay dark. Off: walls keep all of the world's light out, as they do in nature. "
+        "Costs nothing",
+        default=False,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    ambient_distance_m: FloatProperty(
+        name="Distance",
+        description="What stands farther away than this hides nothing of the world; of the pass Ambient Occlusion, "
+        "too. 0: any distance",
+        min=0.0,
+        max=1e9,
+        soft_max=100.0,
+        default=2.0,
+        subtype="DISTANCE",
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    ambient_samples: IntProperty(
+        name="Pass Samples",
+        description="Rays of the pass Ambient Occlusion per render sample. The picture itself has as many as its noise "
+        "asks for",
+        min=1,
+        max=1024,
+        soft_max=64,
+        default=4,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    has_bounce: BoolProperty(
+        name="Color Bleeding",
+        description="Surfaces catch the light that lamps and world throw on other surfaces, and what these emit: one "
+        "diffuse bounce, as Cycles with one. With Ambient Occlusion, of what stands within its distance. "
+        "Two to ten times the time of a picture without air",
+        default=False,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    bounce_samples: IntProperty(
+        name="Rays",
+        description="Rays that gather light per render sample. 0: as many as the noise that they would leave is worth; "
+        "the noise threshold does the rest",
+        min=0,
+        max=1024,
+        soft_max=64,
+        default=0,
+        update=tag,
+        override=OVERRIDABLE,
+    )

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Indirect light is that of Cycles, within its own noise: its AO pass, and one bounce.
+
+A corner of coloured walls with a white box in it, under a lamp, a sun or the world alone.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from support.cycles_reference import Pair, agreement, cycles_pixels, pixels_on_edges, prepare_cycles, tyndall_pixels
+from support.exr import read_planes
+from support.small_scenes import add, cube, empty_scene, light, material, mesh, node
+
+RED, GREEN, WHITE = (0.8, 0.1, 0.05, 1), (0.1, 0.6, 0.15, 1), (0.8, 0.8, 0.8, 1)
+SIZE_PX = 63
+IS_5 = bpy.app.version >= (5, 0, 0)
+FloatArray = NDArray[np.float64]
+
+
+def diffuse(name: str, colour: tuple[float, ...]) -> bpy.types.Material:
+    return material(name, lambda new, _: node(new, "ShaderNodeBsdfDiffuse", Color=colour).outputs[0])
+
+
+def glowing(name: str, strength: float) -> bpy.types.Material:
+    return material(
+        name, lambda new, _: node(new, "ShaderNodeEmission", Color=(1, 0.8, 0.5, 1), Strength=strength).outputs[0]
+    )
+
+
+def wall(name: str, corners: list[tuple[float, ...]], made_of: bpy.types.Material) -> bpy.types.Object:
+    return add(name, mesh(name, corners, [(0, 1, 2, 3)], made_of))
+
+
+def corner(world: float = 0.0) -> bpy.types.Scene:
+    """Floor, a red wall, a green wall, and a turned white box on the floor; seen from outside of the corner."""
+    scene = empty_scene(SIZE_PX)
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (world, world, 1.3 * world, 1)
+    wall("Floor", [(-2, -2, 0), (2, -2, 0), (2, 2, 0), (-2, 2, 0)], diffuse("White", WHITE))
+    wall("Left", [(-2, -2, 0), (-2, 2, 0), (-2, 2, 3), (-2, -2, 3)], diffuse("Red", RED))
+    wall("Back", [(-2, 2, 0), (2, 2, 0), (2, 2, 3), (-2, 2, 3)], diffuse("Green", GREEN))
+    box = cube("Box", bpy.data.materials["White"])
+    box.location, box.scale, box.rotation_euler = (-0.5, 0.5, 0.61), (0.6, 0.6, 0.6), (0, 0, 0.5)
+    camera = scene.camera
+    camera.data.type, camera.data.angle = "PERSP", 0.8
+    camera.location, camera.rotation_euler = (4.5, -4.5, 3.5), (1.1, 0, 0.78)
+    return scene
+
+
+def lit(kind: str) -> bpy.types.Scene:
+    scene = corner(world=0.4 if kind == "world" else 0.0)
+    if kind == "sun":
+        light("SUN", (0, 0, 5), energy=3.0, angle=0.05).rotation_euler = (0.5, 0.5, 0)
+    elif kind == "lamp":
+        light("POINT", (0.8, -0.8, 2.2), energy=150.0, shadow_soft_size=0.0)
+    elif kind == "panel":
+        wall("Panel", [(0, -1, 2.9), (0, 0.5, 2.9), (1.5, 0.5, 2.9), (1.5, -1, 2.9)], glowing("Panel", 4.0))
+    return scene
+
+
+def assert_agree(ours: Pair, cycles: Pair, left_out: NDArray[np.bool_]) -> None:
+    found = agreement(ours, cycles, left_out)
+    assert found.holds, str(found)
+    assert found.noise < 0.03, "a comparison that sees nothing"
+
+
+@pytest.mark.parametrize("kind", ["sun", "lamp", "world"])
+def test_one_bounce_is_that_of_cycles(kind: str) -> None:
+    """What lamps and world throw on surfaces, and what these throw on one another."""
+    scene = lit(kind)
+    left_out = pixels_on_edges(scene)
+    without = tyndall_pixels(scene, ["EXACT"], surface_samples=64)[0]
+    scene.tyndall.indirect.has_bounce = True
+    ours = tuple(tyndall_pixels(scene, ["EXACT"], surface_samples=64, seed=seed)[0] for seed in (0, 1))
+    assert ours[0].mean() > 1.05 * without.mean()
+    cycles = tuple(cycles_pixels(scene, seed=seed, bounces=1) for seed in (1, 2))
+    assert_agree(ours, cycles, left_out)
+
+
+def test_a_glowing_panel_lights_surfaces_as_in_cycles() -> None:
+    """Straight, which Cycles asks no bounce for: gathering rays find it."""
+    scene = lit("panel")
+    left_out = pixels_on_edges(scene)
+    scene.tyndall.indirect.has_bounce, scene.tyndall.indirect.bounce_samples = True, 16
+    ours = tuple(tyndall_pixels(scene, ["EXACT"], surface_samples=64, seed=seed)[0] for seed in (0, 1))
+    assert_agree(ours, tuple(cycles_pixels(scene, seed=seed) for seed in (1, 2)), left_out)
+
+
+def ambient_pass(scene: bpy.types.Scene) -> FloatArray:
+    """The pass as it arrives in a file, from the engine that the scene has."""
+    scene.view_layers[0].use_pass_ambient_occlusion = True
+    settings = scene.render.image_settings
+    if IS_5:
+        settings.media_type = "MULTI_LAYER_IMAGE"
+    settings.file_format, settings.color_depth, settings.exr_codec = "OPEN_EXR_MULTILAYER", "32", "NONE"
+    with tempfile.TemporaryDirectory() as folder:
+        scene.render.filepath = str(Path(folder) / "frame.exr")
+        bpy.ops.render.render(write_still=True, scene=scene.name)
+        planes = {name.partition(".")[2]: plane for name, plane in read_planes(Path(scene.render.filepath)).items()}
+    if IS_5:
+        settings.media_type = "IMAGE"
+    return planes["Ambient Occlusion" if IS_5 else "AO"][..., :3].astype(np.float64)
+
+
+@pytest.mark.parametrize("distance_m", [0.0, 0.8])
+def test_the_ambient_occlusion_pass_is_that_of_cycles(distance_m: float) -> None:
+    """Its distance is a setting of the world there; 0 is none here."""
+    scene = lit("world")
+    left_out = pixels_on_edges(scene)
+    scene.world.light_settings.distance = distance_m or 1e4
+    scene.tyndall.indirect.ambient_distance_m, scene.tyndall.indirect.ambient_samples = distance_m, 16
+    ours, cycles = [], []
+    for seed in (1, 2):
+        scene.render.engine = "TYNDALL"
+        scene.tyndall.pixel_samples, scene.tyndall.seed, scene.tyndall.noise_threshold = 16, seed, 0.0
+        scene.tyndall.pixel_filter, scene.tyndall.filter_width_px = "BOX", 0.01
+        ours.append(ambient_pass(scene))
+        prepare_cycles(scene, 256, seed)
+        cycles.append(ambient_pass(scene))
+    assert ours[0][~left_out].min() < 0.6 < ours[0].max()
+    assert_agree(tuple(ours), tuple(cycles), left_out)
+
+
+def test_with_ambient_occlusion_the_world_lights_surfaces_as_the_pass_says() -> None:
+    """Combined is colour times radiance times pass, as Cycles' passes would be put together."""
+    scene = lit("world")
+    left_out = pixels_on_edges(scene)
+    indirect = scene.tyndall.indirect
+    indirect.has_ambient_occlusion, indirect.ambient_distance_m = True, 0.8
+    picture = tyndall_pixels(scene, ["EXACT"], surface_samples=256)[0]
+    scene.tyndall.pixel_samples = 64
+    share = ambient_pass(scene)
+    radiance = np.array([0.4, 0.4, 0.52])
+    expected = np.stack([share * np.array(colour[:3]) * radiance for colour in (WHITE, RED, GREEN)])
+    error = np.abs(picture - expected).max(axis=-1).min(axis=0)[~left_out & (share[..., 0] > 0)]
+    assert np.median(error) < 0.005
+    assert np.quantile(error, 0.95) < 0.02
