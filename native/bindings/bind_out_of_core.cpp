@@ -3,6 +3,7 @@
 #include "bindings/arrays.hpp"
 #include "bindings/paths.hpp"
 #include "bindings/voxel_dag.hpp"
+#include "bindings/voxel_surface.hpp"
 #include "voxel_dag/out_of_core.hpp"
 #include <pybind11/stl.h>
 
@@ -13,6 +14,7 @@ using namespace voxel_dag;
 /// With the arrays that it refers to.
 struct HeldOutOfCore {
     py::array triangles;
+    std::shared_ptr<VoxelSurface> surface;
     OutOfCore parts;
 };
 
@@ -26,7 +28,8 @@ static OutOfCore out_of_core_of(const py::array& positions, std::span<const uvec
 
 static std::unique_ptr<HeldOutOfCore> made(const py::array& positions, const py::array& triangles,
                                            std::uint32_t resolution, VoxelizeRule rule,
-                                           const std::optional<Bounds>& bounds, Symmetry symmetry,
+                                           const std::optional<Bounds>& bounds, std::shared_ptr<VoxelSurface> surface,
+                                           Symmetry symmetry, const AttributeConfig& attribute_config,
                                            std::uint64_t memory_budget_bytes, std::uint32_t worker_count,
                                            const py::object& scratch_folder, const Progress& progress) {
     check_array<std::uint32_t>(triangles, {-1, 3}, "triangles");
@@ -34,14 +37,16 @@ static std::unique_ptr<HeldOutOfCore> made(const py::array& positions, const py:
     OutOfCoreConfig config{
         .voxels = {.resolution = resolution, .rule = rule, .memory_budget_bytes = memory_budget_bytes},
         .symmetry = symmetry,
+        .surface = surface->surface,
+        .attributes = attribute_config,
         .worker_count = worker_count,
         .scratch_folder = path_of(scratch_folder)};
     if (bounds)
         config.voxels.bounds_m = cube_of(*bounds);
     const bool is_double = py::isinstance<py::array_t<double>>(positions);
-    return std::make_unique<HeldOutOfCore>(triangles, is_double
-                                                          ? out_of_core_of<dvec3>(positions, corners, config, progress)
-                                                          : out_of_core_of<vec3>(positions, corners, config, progress));
+    return std::make_unique<HeldOutOfCore>(triangles, std::move(surface),
+                                           is_double ? out_of_core_of<dvec3>(positions, corners, config, progress)
+                                                     : out_of_core_of<vec3>(positions, corners, config, progress));
 }
 
 void bind_out_of_core(py::module_& native) {
@@ -49,14 +54,16 @@ void bind_out_of_core(py::module_& native) {
         .def_readonly("voxel_count", &OutOfCoreStatistics::voxel_count)
         .def_readonly("node_count", &OutOfCoreStatistics::node_count)
         .def_readonly("geometry_bytes", &OutOfCoreStatistics::geometry_bytes)
+        .def_readonly("attribute_bytes", &OutOfCoreStatistics::attribute_bytes)
         .def_readonly("part_count", &OutOfCoreStatistics::part_count)
         .def_readonly("kept_part_count", &OutOfCoreStatistics::kept_part_count, "Parts that were finished before.")
         .def_readonly("part_bytes", &OutOfCoreStatistics::part_bytes)
         .def_readonly("join_pass_count", &OutOfCoreStatistics::join_pass_count)
         .def_readonly("damaged_parts", &OutOfCoreStatistics::damaged_parts, "Names of files that were made again.");
     py::class_<HeldOutOfCore>(native, "OutOfCoreVoxels", "A mesh that becomes a voxel DAG part by part.")
-        .def(py::init(&made), "positions"_a, "triangles"_a, "resolution"_a, "rule"_a, "bounds"_a, "symmetry"_a,
-             "memory_budget_bytes"_a, "worker_count"_a, "scratch_folder"_a, "progress"_a,
+        .def(py::init(&made), "positions"_a, "triangles"_a, "resolution"_a, "rule"_a, "bounds"_a, "surface"_a,
+             "symmetry"_a, "attribute_config"_a, "memory_budget_bytes"_a, "worker_count"_a, "scratch_folder"_a,
+             "progress"_a,
              R"(As voxelize() takes them; parts lie in a folder of their own in scratch_folder. Releases the GIL.
 TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
         .def_property_readonly("part_count", [](const HeldOutOfCore& self) { return self.parts.part_count(); })

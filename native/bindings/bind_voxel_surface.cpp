@@ -24,13 +24,13 @@ static SurfaceMaterial make_material(const Triple& color,
     return {.color = to_vec3(color), .texture = texture.value_or(nullptr)};
 }
 
-static std::unique_ptr<VoxelSurface> make_surface(const std::optional<py::array>& colors,
+static std::shared_ptr<VoxelSurface> make_surface(const std::optional<py::array>& colors,
                                                   std::vector<SurfaceMaterial> materials,
                                                   const std::optional<py::array>& material_of_triangle,
                                                   const std::optional<py::array>& corner_uvs, SurfaceNormals normals,
                                                   const std::optional<py::array>& vertex_normals,
                                                   const std::vector<std::pair<std::string, py::array>>& channels) {
-    auto result = std::make_unique<VoxelSurface>();
+    auto result = std::make_shared<VoxelSurface>();
     result->materials = std::move(materials);
     std::vector<py::array>& kept = result->arrays;
     Surface& surface = result->surface;
@@ -53,7 +53,7 @@ void bind_voxel_surface(py::module_& native) {
         .value("VERTICES", SurfaceNormals::Vertices);
     py::class_<SurfaceMaterial>(native, "SurfaceMaterial")
         .def(py::init(&make_material), "color"_a, "texture"_a, "color: linear. texture: in its place, or None.");
-    py::class_<VoxelSurface>(native, "VoxelSurface", "Refers to its arrays.")
+    py::class_<VoxelSurface, std::shared_ptr<VoxelSurface>>(native, "VoxelSurface", "Refers to its arrays.")
         .def(py::init(&make_surface), "colors"_a, "materials"_a, "material_of_triangle"_a, "corner_uvs"_a, "normals"_a,
              "vertex_normals"_a, "channels"_a,
              R"(Of n vertices and m triangles; None where there is none. colors: float32 (n, 3), sRGB-encoded;

@@ -21,8 +21,11 @@ std::shared_ptr<PlacedDag> packed(const LeafMasks& leaves, const VoxelAttributes
         dag = merge_symmetric(dag, {.symmetry = storage.symmetry, .memory_budget_bytes = storage.memory_budget_bytes},
                               progress);
     auto placed = std::make_shared<PlacedDag>(pack_dag(dag, progress), bounds_m);
-    if (!attributes.is_empty())
-        placed->attributes = encode_attributes(placed->dag, attributes, storage.attributes, progress);
+    if (!attributes.is_empty()) {
+        AttributeConfig config = storage.attributes;
+        config.memory_budget_bytes = storage.memory_budget_bytes;
+        placed->attributes = encode_attributes(placed->dag, attributes, config, progress);
+    }
     return placed;
 }
 
@@ -113,8 +116,13 @@ void bind_voxelize(py::module_& native) {
         .value("REFLECTIONS", Symmetry::Reflections)
         .value("CUBE", Symmetry::Cube);
     py::class_<AttributeConfig>(native, "VoxelAttributeConfig", "How attributes are stored.")
-        .def(py::init<std::uint32_t, double, std::uint32_t>(), "color_count"_a, "most_color_difference"_a,
-             "normal_bits"_a, "color_count and most_color_difference: 0 keeps all colors.");
+        .def(py::init([](std::uint32_t color_count, double most_color_difference, std::uint32_t normal_bits) {
+                 return AttributeConfig{.color_count = color_count,
+                                        .most_color_difference = most_color_difference,
+                                        .normal_bits = normal_bits};
+             }),
+             "color_count"_a, "most_color_difference"_a, "normal_bits"_a,
+             "color_count and most_color_difference: 0 keeps all colors.");
     native.def(
         "voxelize", &voxelize_mesh, "positions"_a, "triangles"_a, "resolution"_a, "rule"_a, "bounds"_a, "surface"_a,
         "is_solid"_a, "symmetry"_a, "attribute_config"_a, "memory_budget_bytes"_a, "progress"_a,

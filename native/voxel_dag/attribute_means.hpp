@@ -23,6 +23,7 @@ public:
     SampleSum& operator+=(const SampleSum& other);
     /// Of one voxel at least. Normals that cancel out have the mean (0, 0, 1).
     [[nodiscard]] VoxelSample mean() const;
+    bool operator==(const SampleSum&) const = default;
 
 private:
     std::uint64_t count_ = 0;

@@ -69,6 +69,8 @@ public:
             count -= width;
         }
     }
+    /// The whole words so far, which are forgotten: bit_count() is that of what is left.
+    [[nodiscard]] std::vector<std::uint8_t> take_words() { return std::exchange(bytes_, {}); }
     /// Up to the next byte with zeros; the bytes so far.
     [[nodiscard]] std::vector<std::uint8_t> take() {
         for (; held_bits_ > 0; held_bits_ -= held_bits_ < 8 ? held_bits_ : 8, held_ >>= 8)

@@ -17,9 +17,14 @@ static void in_stretches(std::size_t size, const Progress& progress, const Work&
     }
 }
 
-std::uint32_t checksum_of(std::span<const std::byte> bytes) {
+std::uint32_t checksum_of(std::span<const std::byte> bytes, std::uint32_t checksum_before) {
+    if (bytes.empty()) // without an address zlib would begin anew
+        return checksum_before;
     return static_cast<std::uint32_t>(
-        crc32_z(crc32_z(0, nullptr, 0), reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+        crc32_z(checksum_before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+std::uint32_t checksum_of(std::span<const std::byte> bytes) {
+    return checksum_of(bytes, static_cast<std::uint32_t>(crc32_z(0, nullptr, 0)));
 }
 
 FileWriter::FileWriter(const std::filesystem::path& path, const Progress& progress)
@@ -40,6 +45,13 @@ void FileWriter::pad_to(std::uint64_t offset) {
     const std::array<std::byte, 64> zeros{};
     while (at_ < offset)
         write(std::span(zeros).first(std::min<std::uint64_t>(zeros.size(), offset - at_)));
+}
+
+void FileWriter::rewrite(std::uint64_t offset, std::span<const std::byte> bytes) {
+    if (std::fseek(file_.get(), static_cast<long>(offset), SEEK_SET) != 0 ||
+        std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size() ||
+        std::fseek(file_.get(), 0, SEEK_END) != 0)
+        fail();
 }
 
 void FileWriter::complete() {

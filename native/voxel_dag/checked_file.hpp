@@ -12,6 +12,8 @@
 
 namespace tyndall::voxel_dag {
 [[nodiscard]] std::uint32_t checksum_of(std::span<const std::byte> bytes);
+/// That of bytes which follow others.
+[[nodiscard]] std::uint32_t checksum_of(std::span<const std::byte> bytes, std::uint32_t checksum_before);
 template <class Value>
 [[nodiscard]] std::span<const std::byte> bytes_of(const Value& value) {
     return std::as_bytes(std::span(&value, 1));
@@ -29,6 +31,8 @@ public:
     void write(std::span<const std::byte> bytes);
     /// Zeros up to there.
     void pad_to(std::uint64_t offset);
+    /// In place of what was written there.
+    void rewrite(std::uint64_t offset, std::span<const std::byte> bytes);
     /// The file appears.
     void complete();
 

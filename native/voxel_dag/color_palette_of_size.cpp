@@ -57,11 +57,11 @@ private:
 };
 } // namespace
 
-Result of_size(std::span<const PackedColor> entries, std::uint32_t color_count, const Progress& progress) {
+Result counted_of_size(CountedColors colors, std::uint32_t color_count, const Progress& progress) {
     require(1 <= color_count && color_count <= 65536, "color_count is ", color_count, ", outside [1, 65536]");
-    if (entries.empty())
+    if (colors.colors.empty())
         return {};
-    Originals originals = originals_of(entries, progress);
+    const Originals originals(std::move(colors));
     FarthestFirst search(originals);
     auto next = static_cast<std::size_t>(std::ranges::max_element(originals.counts) - originals.counts.begin());
     for (std::uint32_t number = 0; number < color_count; ++number) {
@@ -72,6 +72,10 @@ Result of_size(std::span<const PackedColor> entries, std::uint32_t color_count, 
     double worst = 0.0;
     for (std::size_t i = 0; i < originals.colors.size(); ++i)
         worst = std::max(worst, originals.from[i].squared(originals.from[search.center_of()[i]].lab));
-    return palette_of(std::move(originals), search.center_of(), std::sqrt(worst), progress);
+    return palette_of(originals, search.center_of(), std::sqrt(worst), progress);
+}
+Result of_size(std::span<const PackedColor> entries, std::uint32_t color_count, const Progress& progress) {
+    auto [colors, indices] = counted(entries, progress);
+    return of_entries(counted_of_size(std::move(colors), color_count, progress), std::move(indices));
 }
 } // namespace tyndall::voxel_dag::color_palette

@@ -59,10 +59,10 @@ private:
 };
 } // namespace
 
-Result within(std::span<const PackedColor> entries, double most_difference, const Progress& progress) {
+Result counted_within(CountedColors colors, double most_difference, const Progress& progress) {
     require(0.01 <= most_difference && most_difference <= 100.0, "most_difference is ", most_difference,
             ", outside [0.01, 100]"); // false for a NaN, too
-    Originals originals = originals_of(entries, progress);
+    const Originals originals(std::move(colors));
     std::vector<std::uint32_t> frequent_first(originals.colors.size());
     std::iota(frequent_first.begin(), frequent_first.end(), 0u);
     std::ranges::stable_sort(frequent_first, std::greater(),
@@ -79,6 +79,10 @@ Result within(std::span<const PackedColor> entries, double most_difference, cons
     parallel_for(center_of.size(), progress, [&](std::size_t i) { // the nearest may have been added later
         center_of[i] = *grid.nearest(originals.from[i]);
     });
-    return palette_of(std::move(originals), center_of, most_difference, progress);
+    return palette_of(originals, center_of, most_difference, progress);
+}
+Result within(std::span<const PackedColor> entries, double most_difference, const Progress& progress) {
+    auto [colors, indices] = counted(entries, progress);
+    return of_entries(counted_within(std::move(colors), most_difference, progress), std::move(indices));
 }
 } // namespace tyndall::voxel_dag::color_palette

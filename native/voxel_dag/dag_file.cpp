@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <functional>
 #include <span>
 
 namespace tyndall::voxel_dag {
@@ -117,75 +118,121 @@ std::vector<Section> read_table(const FileReader& reader, const Header& header) 
 }
 } // namespace
 
+namespace {
+/// What a section has, in one piece or in several.
+using Pieces = std::function<void(const std::function<void(std::span<const std::byte>)>&)>;
+
+/// Sections in their order, and the table of them.
+class Sections {
+public:
+    template <class Values>
+    void append(Kind kind, std::uint32_t level, const Values& values) {
+        const auto bytes = std::as_bytes(std::span(values));
+        append_pieces(kind, level, bytes.size(), [bytes](const auto& use) { use(bytes); });
+    }
+    void append(Kind kind, const run_array::Encoder& array) {
+        append_pieces(kind, 0, array.byte_count(), [&array](const auto& use) {
+            array.read([&](std::span<const std::uint8_t> bytes) { use(std::as_bytes(bytes)); });
+        });
+    }
+    /// Checksums are known when all is written: what comes first is written last.
+    void write(Header header, const std::filesystem::path& path, const Progress& progress) {
+        std::uint64_t end = sizeof(Header) + table_.size() * sizeof(Section);
+        for (Section& section : table_) {
+            section.offset = aligned(end);
+            end = section.offset + section.bytes;
+        }
+        header.file_bytes = end;
+        header.section_count = static_cast<std::uint32_t>(table_.size());
+        FileWriter writer(path, progress);
+        for (std::size_t i = 0; i < table_.size(); ++i) {
+            writer.pad_to(table_[i].offset);
+            table_[i].checksum = checksum_of({});
+            contents_[i]([&](std::span<const std::byte> bytes) {
+                table_[i].checksum = checksum_of(bytes, table_[i].checksum);
+                writer.write(bytes);
+            });
+        }
+        header.table_checksum = checksum_of(std::as_bytes(std::span(table_)));
+        header.checksum = header_checksum(header);
+        writer.rewrite(0, bytes_of(header));
+        writer.rewrite(sizeof(Header), std::as_bytes(std::span(table_)));
+        writer.complete();
+    }
+
+private:
+    void append_pieces(Kind kind, std::uint32_t level, std::uint64_t bytes, Pieces pieces) {
+        table_.push_back({kind, level, 0, bytes, 0, 0});
+        contents_.push_back(std::move(pieces));
+    }
+    std::vector<Section> table_;
+    std::vector<Pieces> contents_;
+};
+} // namespace
+
+/// `streamed` has the numbers that `attributes` lacks; either may be null.
 static void write(const PackedDag& dag, const Cube& bounds_m, const AttributeParts* attributes,
-                  const std::filesystem::path& path, const Progress& progress) {
+                  const StreamedAttributes* streamed, const std::filesystem::path& path, const Progress& progress) {
     std::vector<Format> formats;
     for (const PackedLevel& level : dag.levels)
         formats.push_back({level.classes.widths, level.classes.begins, level.field_bits, level.mask_classes.widths,
                            level.mask_classes.begins, level.child_masks});
-    std::vector<Section> table;
-    std::vector<std::span<const std::byte>> contents;
-    const auto append = [&](Kind kind, std::uint32_t level, const auto& values) {
-        const auto bytes = std::as_bytes(std::span(values));
-        table.push_back({kind, level, 0, bytes.size(), checksum_of(bytes), 0});
-        contents.push_back(bytes);
-    };
-    append(Kind::Formats, 0, formats);
+    Sections sections;
+    sections.append(Kind::Formats, 0, formats);
     for (std::size_t i = dag.levels.size(); i-- > 0;)
-        append(Kind::Directory, static_cast<std::uint32_t>(i) + leaf_level + 1, dag.levels[i].directory);
-    append(Kind::Leaves, 0, dag.leaves);
-    append(Kind::Pairs, 0, dag.pairs);
-    append(Kind::Records, 0, dag.records);
+        sections.append(Kind::Directory, static_cast<std::uint32_t>(i) + leaf_level + 1, dag.levels[i].directory);
+    sections.append(Kind::Leaves, 0, dag.leaves);
+    sections.append(Kind::Pairs, 0, dag.pairs);
+    sections.append(Kind::Records, 0, dag.records);
     std::vector<std::uint8_t> names;
     if (attributes != nullptr) {
+        const auto append_numbers = [&](Kind kind, const std::vector<std::uint8_t>& in_memory,
+                                        const run_array::Encoder* array) {
+            if (array != nullptr)
+                sections.append(kind, *array);
+            else
+                sections.append(kind, 0, in_memory);
+        };
         names = encode_names(*attributes);
-        append(Kind::Attributes, 0, names);
+        sections.append(Kind::Attributes, 0, names);
         for (std::size_t i = attributes->order.directories.size(); i-- > 0;)
-            append(Kind::CountDirectory, static_cast<std::uint32_t>(i) + counted_level,
-                   attributes->order.directories[i]);
-        append(Kind::Counts, 0, attributes->order.counts);
-        append(Kind::Materials, 0, attributes->voxels.materials);
-        append(Kind::Indices, 0, attributes->voxels.indices);
-        append(Kind::MeanMaterials, 0, attributes->means.materials);
-        append(Kind::MeanIndices, 0, attributes->means.indices);
+            sections.append(Kind::CountDirectory, static_cast<std::uint32_t>(i) + counted_level,
+                            attributes->order.directories[i]);
+        sections.append(Kind::Counts, 0, attributes->order.counts);
+        sections.append(Kind::Materials, 0, attributes->voxels.materials);
+        append_numbers(Kind::Indices, attributes->voxels.indices, streamed ? streamed->voxels.get() : nullptr);
+        sections.append(Kind::MeanMaterials, 0, attributes->means.materials);
+        append_numbers(Kind::MeanIndices, attributes->means.indices, streamed ? streamed->means.get() : nullptr);
     }
-    std::uint64_t end = sizeof(Header) + table.size() * sizeof(Section);
-    for (Section& section : table) {
-        section.offset = aligned(end);
-        end = section.offset + section.bytes;
-    }
-    Header header{.magic = magic,
-                  .version = version,
-                  .level = dag.level,
-                  .tag_bits = dag.tag_bits,
-                  .leaf_bits = dag.leaf_bits,
-                  .root_bit = dag.root_bit,
-                  .voxel_count = dag.voxel_count,
-                  .node_count = dag.node_count,
-                  .file_bytes = end,
-                  .lower_m = {bounds_m.lower_m.x, bounds_m.lower_m.y, bounds_m.lower_m.z},
-                  .side_m = bounds_m.side_m,
-                  .section_count = static_cast<std::uint32_t>(table.size()),
-                  .table_checksum = checksum_of(std::as_bytes(std::span(table))),
-                  .reserved = 0,
-                  .checksum = 0};
-    header.checksum = header_checksum(header);
-    FileWriter writer(path, progress);
-    writer.write(bytes_of(header));
-    writer.write(std::as_bytes(std::span(table)));
-    for (std::size_t section = 0; section < table.size(); ++section) {
-        writer.pad_to(table[section].offset);
-        writer.write(contents[section]);
-    }
-    writer.complete();
+    sections.write({.magic = magic,
+                    .version = version,
+                    .level = dag.level,
+                    .tag_bits = dag.tag_bits,
+                    .leaf_bits = dag.leaf_bits,
+                    .root_bit = dag.root_bit,
+                    .voxel_count = dag.voxel_count,
+                    .node_count = dag.node_count,
+                    .file_bytes = 0,
+                    .lower_m = {bounds_m.lower_m.x, bounds_m.lower_m.y, bounds_m.lower_m.z},
+                    .side_m = bounds_m.side_m,
+                    .section_count = 0,
+                    .table_checksum = 0,
+                    .reserved = 0,
+                    .checksum = 0},
+                   path, progress);
 }
 
 void write_dag(const PlacedDag& placed, const std::filesystem::path& path, const Progress& progress) {
-    write(placed.dag, placed.bounds_m, placed.attributes ? &placed.attributes->parts() : nullptr, path, progress);
+    write(placed.dag, placed.bounds_m, placed.attributes ? &placed.attributes->parts() : nullptr, nullptr, path,
+          progress);
+}
+void write_dag(const PackedDag& dag, const Cube& bounds_m, const StreamedAttributes& attributes,
+               const std::filesystem::path& path, const Progress& progress) {
+    write(dag, bounds_m, &attributes.parts, &attributes, path, progress);
 }
 void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem::path& path,
                const Progress& progress) {
-    write(dag, bounds_m, nullptr, path, progress);
+    write(dag, bounds_m, nullptr, nullptr, path, progress);
 }
 
 PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) {

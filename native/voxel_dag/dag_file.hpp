@@ -16,11 +16,23 @@ struct PlacedDag {
     std::shared_ptr<const DagAttributes> attributes = nullptr; ///< Of dag; null: its voxels carry nothing.
 };
 
+/// Attributes whose numbers of materials are not in memory.
+struct StreamedAttributes {
+    AttributeParts parts;                              ///< Without the numbers.
+    std::unique_ptr<run_array::Encoder> voxels, means; ///< No means where no node is that large.
+
+    [[nodiscard]] std::uint64_t byte_count() const {
+        return parts.byte_count() + voxels->byte_count() + (means ? means->byte_count() : 0);
+    }
+};
+
 /// The file appears whole or not at all. Throws IoError, which names the path and why, and Cancelled.
 void write_dag(const PlacedDag& placed, const std::filesystem::path& path, const Progress& progress);
+/// With attributes that are not in memory.
+void write_dag(const PackedDag& dag, const Cube& bounds_m, const StreamedAttributes& attributes,
+               const std::filesystem::path& path, const Progress& progress);
 /// Without attributes.
 void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem::path& path, const Progress& progress);
-/// Throws IoError, which names the path, and the section that is damaged or missing; and
-/// Cancelled.
+/// Throws IoError, which names the path, and the section that is damaged or missing; and Cancelled.
 [[nodiscard]] PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress);
 } // namespace tyndall::voxel_dag

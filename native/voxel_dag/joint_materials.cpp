@@ -48,18 +48,18 @@ JointMaterials join(std::span<const std::span<const std::uint32_t>> attributes, 
     return joint;
 }
 
-std::vector<std::uint8_t> encode_columns(const JointMaterials& materials) {
-    const std::size_t material_count = materials.columns.at(0).size();
+std::vector<std::uint8_t> encode_columns(const std::vector<std::vector<std::uint32_t>>& columns) {
+    const std::size_t material_count = columns.at(0).size();
     SectionWriter writer;
     writer.number(magic);
     writer.number(static_cast<std::uint32_t>(material_count));
-    writer.number(static_cast<std::uint32_t>(materials.columns.size()));
+    writer.number(static_cast<std::uint32_t>(columns.size()));
     const auto width_of = [](const std::vector<std::uint32_t>& column) {
         return column.empty() ? 0 : bits_for(std::uint64_t{std::ranges::max(column)} + 1);
     };
-    for (const std::vector<std::uint32_t>& column : materials.columns)
+    for (const std::vector<std::uint32_t>& column : columns)
         writer.number(width_of(column));
-    for (const std::vector<std::uint32_t>& column : materials.columns) {
+    for (const std::vector<std::uint32_t>& column : columns) {
         const std::uint32_t width = width_of(column);
         BitPacker bits;
         for (const std::uint32_t value : column)

@@ -20,8 +20,11 @@ struct JointMaterials {
 /// Cancelled.
 [[nodiscard]] JointMaterials join(std::span<const std::span<const std::uint32_t>> attributes, const Progress& progress);
 
-/// Bytes of the columns.
-[[nodiscard]] std::vector<std::uint8_t> encode_columns(const JointMaterials& materials);
+/// Bytes of columns, one at least.
+[[nodiscard]] std::vector<std::uint8_t> encode_columns(const std::vector<std::vector<std::uint32_t>>& columns);
+[[nodiscard]] inline std::vector<std::uint8_t> encode_columns(const JointMaterials& materials) {
+    return encode_columns(materials.columns);
+}
 
 /// Reads what encode_columns() wrote, in place: the bytes stay the caller's.
 class MaterialTable {

@@ -5,20 +5,27 @@
 #include <algorithm>
 
 namespace tyndall::voxel_dag::color_palette {
-Originals originals_of(std::span<const PackedColor> entries, const Progress& progress) {
+Originals::Originals(CountedColors counted) : colors(std::move(counted.colors)), counts(std::move(counted.counts)) {
+    from.reserve(colors.size());
+    for (const PackedColor color : colors)
+        from.emplace_back(lab_of(color));
+}
+
+CountedEntries counted(std::span<const PackedColor> entries, const Progress& progress) {
     const auto too_large = std::ranges::find_if(entries, [](PackedColor color) { return color > 0xffffff; });
     require(too_large == entries.end(), "entry ", too_large - entries.begin(), " is no colour of 24 bits");
     MaterialIndices found = material_indices_of(entries, progress);
-    Originals originals{.colors = std::move(found.materials),
-                        .indices = std::move(found.indices),
-                        .counts = std::vector<std::uint64_t>(),
-                        .from = {}};
-    originals.counts.resize(originals.colors.size());
-    for (const std::uint32_t index : originals.indices)
-        ++originals.counts[index];
-    for (const PackedColor color : originals.colors)
-        originals.from.emplace_back(lab_of(color));
-    return originals;
+    CountedColors colors{.colors = std::move(found.materials), .counts = {}};
+    colors.counts.resize(colors.colors.size());
+    for (const std::uint32_t index : found.indices)
+        ++colors.counts[index];
+    return {.colors = std::move(colors), .indices = std::move(found.indices)};
+}
+Result of_entries(Result of_colors, std::vector<std::uint32_t> indices) {
+    for (std::uint32_t& index : indices)
+        index = of_colors.indices[index];
+    of_colors.indices = std::move(indices);
+    return of_colors;
 }
 
 namespace {
@@ -32,7 +39,7 @@ struct Cluster {
 };
 } // namespace
 
-Result palette_of(Originals originals, const std::vector<std::uint32_t>& center_of, double most_difference,
+Result palette_of(const Originals& originals, const std::vector<std::uint32_t>& center_of, double most_difference,
                   const Progress& progress) {
     const std::size_t count = originals.colors.size();
     std::vector<Cluster> clusters(count); // of the originals that are centers
@@ -61,7 +68,7 @@ Result palette_of(Originals originals, const std::vector<std::uint32_t>& center_
         cluster.stays_within = cluster.stays_within && std::sqrt(then) <= most_difference;
     }
     progress.poll();
-    Result result{.colors = {}, .indices = std::move(originals.indices), .statistics = {}};
+    Result result{.colors = {}, .indices = {}, .statistics = {}};
     std::vector<PackedColor> color_of_original(count);
     double sum = 0.0, entry_count = 0.0;
     for (std::size_t i = 0; i < count; ++i) {
@@ -80,8 +87,7 @@ Result palette_of(Originals originals, const std::vector<std::uint32_t>& center_
     result.colors.erase(std::ranges::unique(result.colors).begin(), result.colors.end());
     for (PackedColor& color : color_of_original) // to its index
         color = static_cast<std::uint32_t>(std::ranges::lower_bound(result.colors, color) - result.colors.begin());
-    for (std::uint32_t& index : result.indices)
-        index = color_of_original[index];
+    result.indices = std::move(color_of_original);
     return result;
 }
 } // namespace tyndall::voxel_dag::color_palette

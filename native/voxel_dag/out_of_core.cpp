@@ -2,7 +2,9 @@
 #include "voxel_dag/out_of_core.hpp"
 #include "core/partial_file.hpp"
 #include "voxel_dag/build_dag.hpp"
+#include "voxel_dag/checked_file.hpp"
 #include "voxel_dag/fingerprint.hpp"
+#include "voxel_dag/join_attributes.hpp"
 #include "voxel_dag/join_parts.hpp"
 #include "voxel_dag/merge_symmetric.hpp"
 #include "voxel_dag/pack_dag.hpp"
@@ -16,9 +18,23 @@
 namespace tyndall::voxel_dag {
 namespace {
 /// Of a part's voxels, tables and DAG, per brick of 4^3: measured on scans and architecture, rounded up.
-constexpr std::uint64_t part_bytes_per_brick = 96;
+constexpr std::uint64_t dag_bytes_per_brick = 96;
 /// How the work is shared, roughly.
-constexpr float parts_end = 0.75f, join_end = 0.88f;
+constexpr float parts_end = 0.75f, join_end = 0.82f, pack_end = 0.88f;
+
+/// The same while attributes are made, before the DAG.
+std::uint64_t attribute_bytes_per_brick(const OutOfCoreConfig& config) {
+    const Surface& surface = config.surface;
+    if (surface.is_empty())
+        return 0;
+    const std::uint64_t has_colors = !surface.colors.empty() || !surface.materials.empty(),
+                        has_normals = surface.normals != SurfaceNormals::None, channels = surface.channels.size();
+    constexpr std::uint64_t numbers = 8, normal_table = 16;
+    const std::uint64_t per_voxel = 4 * has_colors + (8 + normal_table) * has_normals + 5 * channels + numbers;
+    const std::uint64_t voxels = config.voxels.rule == VoxelizeRule::Thin ? 16 : 24;
+    constexpr std::uint64_t brick = 16, sums_of_nodes = 16;
+    return brick + sums_of_nodes + voxels * per_voxel;
+}
 
 /// What two processes must not do at once in one folder. Goes with the process, however that ends.
 class FolderLock {
@@ -41,6 +57,33 @@ private:
     int file_;
 };
 
+void add_to(Fingerprint& fingerprint, const Texture& texture) {
+    fingerprint.add_word(texture.width);
+    fingerprint.add_word(texture.height);
+    fingerprint.add(std::as_bytes(std::span(texture.bytes)));
+    fingerprint.add(std::as_bytes(std::span(texture.floats)));
+    fingerprint.add_word(texture.is_srgb);
+    fingerprint.add_word(texture.has_alpha);
+    fingerprint.add_word(static_cast<std::uint64_t>(texture.extension));
+    fingerprint.add_word(static_cast<std::uint64_t>(texture.interpolation));
+}
+void add_to(Fingerprint& fingerprint, const Surface& surface) {
+    fingerprint.add(std::as_bytes(surface.colors));
+    for (const SurfaceMaterial& material : surface.materials) {
+        fingerprint.add(bytes_of(material.color));
+        if (material.texture != nullptr)
+            add_to(fingerprint, material.texture->texture());
+    }
+    fingerprint.add(std::as_bytes(surface.material_of_triangle));
+    fingerprint.add(std::as_bytes(surface.corner_uvs));
+    fingerprint.add_word(static_cast<std::uint64_t>(surface.normals));
+    fingerprint.add(std::as_bytes(surface.vertex_normals));
+    for (const SurfaceChannel& channel : surface.channels) {
+        fingerprint.add(std::as_bytes(std::span(channel.name)));
+        fingerprint.add(std::as_bytes(channel.values));
+    }
+}
+
 /// What decides the content of the parts.
 Fingerprint fingerprint_of(const SnappedMesh& mesh, const OutOfCoreConfig& config) {
     Fingerprint fingerprint;
@@ -49,6 +92,10 @@ Fingerprint fingerprint_of(const SnappedMesh& mesh, const OutOfCoreConfig& confi
     fingerprint.add_word(mesh.level);
     fingerprint.add_word(static_cast<std::uint64_t>(config.voxels.rule));
     fingerprint.add_word(static_cast<std::uint64_t>(config.symmetry));
+    if (!config.surface.is_empty()) {
+        add_to(fingerprint, config.surface);
+        fingerprint.add_word(config.attributes.normal_bits); // palettes are made when parts are joined
+    }
     return fingerprint;
 }
 
@@ -59,7 +106,7 @@ std::uint64_t most_bricks(const SnappedMesh& mesh, const OutOfCoreConfig& config
     const std::uint64_t mesh_bytes = sizeof(Steps) * mesh.positions.size() + 8 * mesh.triangles.size();
     require(mesh_bytes < budget_bytes, "the mesh alone takes ", mesh_bytes >> 20, " MiB, and the budget is ",
             budget_bytes >> 20, " MiB for each process");
-    return (budget_bytes - mesh_bytes) / part_bytes_per_brick;
+    return (budget_bytes - mesh_bytes) / std::max(dag_bytes_per_brick, attribute_bytes_per_brick(config));
 }
 
 /// Of the parts in a folder: with another budget the same job goes on with them. most_level where there are none.
@@ -87,6 +134,11 @@ template <typename Position>
 OutOfCore::OutOfCore(std::span<const Position> positions_m, std::span<const uvec3> triangles,
                      const OutOfCoreConfig& config, const Progress& progress)
     : config_(config), mesh_(snap(positions_m, triangles, config.voxels, progress)) {
+    if (!config.surface.is_empty()) {
+        require_usable(config.surface, positions_m.size(), triangles.size());
+        require_usable(config.attributes);
+    }
+    config_.attributes.memory_budget_bytes = config.voxels.memory_budget_bytes;
     cube_m_ = config.voxels.bounds_m ? *config.voxels.bounds_m : cube_around(positions_m, triangles);
     const Fingerprint fingerprint = fingerprint_of(mesh_, config);
     job_ = fingerprint.value();
@@ -119,12 +171,24 @@ std::optional<PartFile> OutOfCore::finished(std::size_t part, const Progress& pr
 void OutOfCore::draw_part(std::size_t part, const Progress& progress) const {
     const SubMesh sub = sub_mesh(mesh_, parts_, part);
     VoxelizeResult voxels = voxelize(sub.mesh, config_.voxels, progress);
+    const PartAttributes attributes = part_attributes(part, sub.mesh, voxels.leaves, progress);
     Dag dag = build_dag(voxels.leaves, {.memory_budget_bytes = config_.voxels.memory_budget_bytes}, progress);
     voxels.leaves = {};
     if (config_.symmetry != Symmetry::None)
         dag = merge_symmetric(
             dag, {.symmetry = config_.symmetry, .memory_budget_bytes = config_.voxels.memory_budget_bytes}, progress);
-    write_part(dag, key_of(part), voxels.statistics.voxel_count, part_path(part), progress);
+    write_part(dag, attributes, key_of(part), voxels.statistics.voxel_count, part_path(part), progress);
+}
+
+PartAttributes OutOfCore::part_attributes(std::size_t part, const SnappedMesh& mesh, const LeafMasks& leaves,
+                                          const Progress& progress) const {
+    if (config_.surface.is_empty() || leaves.codes.empty())
+        return {};
+    const auto triangles =
+        std::span(parts_.triangles).subspan(parts_.first[part], parts_.first[part + 1] - parts_.first[part]);
+    const SubSurface sub = sub_surface(config_.surface, mesh_.triangles, triangles);
+    const VoxelAttributes attributes = surface_attributes(mesh, config_.voxels, leaves, sub.surface, progress);
+    return voxel_dag::part_attributes(leaves, attributes, config_.attributes, progress);
 }
 
 void OutOfCore::make_part(std::size_t part, const Progress& progress) const {
@@ -152,7 +216,7 @@ void OutOfCore::make_parts(std::vector<PartFile>& parts, Progress& progress) {
     }
 }
 
-void OutOfCore::join(const std::vector<PartFile>& parts, const std::filesystem::path& path, Progress& progress) {
+PackedDag OutOfCore::joined(const std::vector<PartFile>& parts, Progress& progress) {
     progress.set_message("Joining " + std::to_string(parts.size()) + " parts");
     JoinResult joined =
         join_parts(parts,
@@ -170,12 +234,32 @@ void OutOfCore::join(const std::vector<PartFile>& parts, const std::filesystem::
             pack_bytes >> 20, " MiB, and the budget is ", budget_bytes >> 20, " MiB: allow more, or a resolution of ",
             config_.voxels.resolution / 2, ", which takes a quarter to a half");
     progress.set_message("Packing " + std::to_string(joined.dag.node_count()) + " nodes");
-    const PackedDag packed = pack_dag(joined.dag, progress);
-    joined.dag = {};
+    PackedDag packed = pack_dag(joined.dag, progress);
     statistics_.node_count = packed.node_count;
     statistics_.geometry_bytes = packed.byte_count();
-    progress.set_message("Writing " + path.filename().string());
-    write_dag(packed, cube_m_, path, progress);
+    return packed;
+}
+
+void OutOfCore::write(const std::vector<PartFile>& parts, const PackedDag& dag, const std::filesystem::path& path,
+                      Progress& progress) {
+    const auto say = [&] { progress.set_message("Writing " + path.filename().string()); };
+    if (config_.surface.is_empty() || dag.voxel_count == 0) {
+        say();
+        return write_dag(dag, cube_m_, path, progress);
+    }
+    progress.set_message("Attributes of " + std::to_string(dag.voxel_count) + " voxels");
+    const StreamedAttributes attributes =
+        join_attributes(parts, dag,
+                        {.layout = layout_of(config_.surface, config_.attributes),
+                         .attributes = config_.attributes,
+                         .part_level = parts_.level,
+                         .folder = folder_},
+                        progress, [&](double share) {
+                            progress.advance_to(pack_end + (1.0f - pack_end) * 0.9f * static_cast<float>(share));
+                        });
+    statistics_.attribute_bytes = attributes.byte_count();
+    say();
+    write_dag(dag, cube_m_, attributes, path, progress);
 }
 
 std::string OutOfCore::what_is_kept(std::size_t finished_count) const {
@@ -186,10 +270,13 @@ std::string OutOfCore::what_is_kept(std::size_t finished_count) const {
 OutOfCoreStatistics OutOfCore::finish(const std::filesystem::path& path, Progress& progress) {
     make_folder(folder_);
     const FolderLock lock(folder_);
+    statistics_ = {.part_count = parts_.count()}; // a call before may have failed
     std::vector<PartFile> parts;
     try {
         make_parts(parts, progress);
-        join(parts, path, progress);
+        const PackedDag dag = joined(parts, progress);
+        progress.advance_to(pack_end);
+        write(parts, dag, path, progress);
     } catch (const IoError& error) {
         throw IoError(error.what() + what_is_kept(parts.size()));
     } catch (const InvalidInput& error) {

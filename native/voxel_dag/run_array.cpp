@@ -2,70 +2,136 @@
 #include "voxel_dag/run_array.hpp"
 #include "core/parallel.hpp"
 #include "voxel_dag/byte_sections.hpp"
-#include <string>
-#include <unordered_map>
+#include "voxel_dag/fingerprint.hpp"
+#include <algorithm>
 
 namespace tyndall::voxel_dag {
 static constexpr std::uint32_t magic = 0x31415254; // "TRA1"
 static constexpr std::uint32_t least_log2_entries = 9, most_log2_entries = 12;
 static constexpr std::size_t blocks_at_once = 4096; // packed side by side, then sifted in their order
-
-namespace {
-struct Packed {
-    std::vector<std::uint8_t> bytes;
-    std::uint64_t bit_count;
-};
-} // namespace
+/// Beyond, blocks are stored whether or not they are known: the memory that knowing takes is bounded.
+static constexpr std::size_t most_known_blocks = std::size_t{1} << 20;
+static constexpr std::uint64_t header_bytes = 3 * sizeof(std::uint32_t) + 2 * sizeof(std::uint64_t);
 
 static std::uint64_t count_of_blocks(std::uint64_t entry_count, std::uint32_t log2_entries) {
     return (entry_count >> log2_entries) + ((entry_count & low_bits(log2_entries)) != 0);
 }
+static std::uint64_t whole_bytes(std::uint64_t bit_count) { return (bit_count + 7) / 8; }
 
-std::vector<std::uint8_t> run_array::encode(std::span<const std::uint32_t> values, const Config& config,
-                                            const Progress& progress) {
-    const std::uint32_t log2_entries = config.log2_block_entries;
-    require(least_log2_entries <= log2_entries && log2_entries <= most_log2_entries, "log2_block_entries is ",
-            log2_entries, ", outside [", least_log2_entries, ", ", most_log2_entries, "]");
-    const std::uint32_t largest = values.empty() ? 0 : std::ranges::max(values);
-    const run_block::Shape shape{log2_entries, bits_for(std::uint64_t{largest} + 1)};
-    const auto block_count = static_cast<std::size_t>(count_of_blocks(values.size(), log2_entries));
-    const std::size_t block_entries = std::size_t{1} << log2_entries;
-    BitPacker blocks;
-    std::vector<std::uint64_t> offsets;
-    std::unordered_map<std::string, std::uint64_t> offset_of; // of equal blocks; a block's bytes say where it ends
-    std::vector<Packed> packed(std::min(blocks_at_once, block_count));
+namespace run_array {
+Encoder::Encoder(const Config& config, std::uint32_t value_bits, SpilledBytes blocks, SpilledBytes offsets)
+    : shape_{config.log2_block_entries, value_bits}, blocks_(std::move(blocks)), offsets_(std::move(offsets)) {
+    require(least_log2_entries <= shape_.log2_entries && shape_.log2_entries <= most_log2_entries,
+            "log2_block_entries is ", shape_.log2_entries, ", outside [", least_log2_entries, ", ", most_log2_entries,
+            "]");
+}
+
+void Encoder::add(std::span<const std::uint32_t> values, const Progress& progress) {
+    const std::size_t block_entries = std::size_t{1} << shape_.log2_entries;
+    entry_count_ += values.size();
+    if (!rest_.empty()) {
+        const auto lacking = values.first(std::min(values.size(), block_entries - rest_.size()));
+        rest_.insert(rest_.end(), lacking.begin(), lacking.end());
+        values = values.subspan(lacking.size());
+        if (rest_.size() < block_entries)
+            return;
+        pack(rest_, progress);
+        rest_.clear();
+    }
+    const std::size_t whole = values.size() >> shape_.log2_entries << shape_.log2_entries;
+    pack(values.first(whole), progress);
+    rest_.assign(values.begin() + static_cast<std::ptrdiff_t>(whole), values.end());
+}
+
+void Encoder::finish(const Progress& progress) {
+    pack(rest_, progress);
+    rest_.clear();
+    block_bit_count_ += bits_.bit_count();
+    blocks_.append(bits_.take());
+}
+
+void Encoder::pack(std::span<const std::uint32_t> values, const Progress& progress) {
+    const std::size_t block_entries = std::size_t{1} << shape_.log2_entries;
+    const auto block_count = static_cast<std::size_t>(count_of_blocks(values.size(), shape_.log2_entries));
+    packed_.resize(std::max(packed_.size(), std::min(blocks_at_once, block_count)));
     for (std::size_t first = 0; first < block_count; first += blocks_at_once) {
         const std::size_t count = std::min(blocks_at_once, block_count - first);
-        const auto pack = [&](std::size_t i) {
+        const auto pack_one = [&](std::size_t i) {
             const std::size_t begin = (first + i) * block_entries;
             BitPacker bits;
-            run_block::append(values.subspan(begin, std::min(block_entries, values.size() - begin)), shape, bits);
-            packed[i].bit_count = bits.bit_count();
-            packed[i].bytes = bits.take();
+            run_block::append(values.subspan(begin, std::min(block_entries, values.size() - begin)), shape_, bits);
+            packed_[i].bit_count = bits.bit_count();
+            packed_[i].bytes = bits.take();
         };
-        parallel_for(count, progress, pack, 64);
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto [bytes, bit_count] = std::move(packed[i]);
-            const auto [known, is_new] =
-                offset_of.try_emplace(std::string(bytes.begin(), bytes.end()), blocks.bit_count());
-            offsets.push_back(known->second);
-            if (is_new)
-                blocks.append_bits(bytes, bit_count);
-        }
+        parallel_for(count, progress, pack_one, 64);
+        for (std::size_t i = 0; i < count; ++i)
+            append(packed_[i]);
     }
-    SectionWriter writer;
-    writer.number(magic);
-    writer.number(log2_entries);
-    writer.number(shape.value_bits);
-    writer.number(std::uint64_t{values.size()});
-    writer.number(blocks.bit_count());
-    BitPacker directory;
-    for (const std::uint64_t offset : offsets)
-        directory.append(offset, bits_for(blocks.bit_count()));
-    writer.packed(directory);
-    writer.packed(blocks);
-    return writer.finish();
 }
+
+void Encoder::append(const Packed& block) {
+    Fingerprint fingerprint;
+    fingerprint.add(std::as_bytes(std::span(block.bytes)));
+    std::uint64_t offset = block_bit_count_ + bits_.bit_count();
+    const auto known = offset_of_.find(fingerprint.value());
+    const bool is_known = known != offset_of_.end();
+    if (is_known)
+        offset = known->second;
+    std::array<std::uint8_t, sizeof(offset)> bytes;
+    std::memcpy(bytes.data(), &offset, sizeof(offset));
+    offsets_.append(bytes);
+    if (is_known)
+        return;
+    if (offset_of_.size() < most_known_blocks)
+        offset_of_.emplace(fingerprint.value(), offset);
+    bits_.append_bits(block.bytes, block.bit_count);
+    const std::vector<std::uint8_t> words = bits_.take_words();
+    block_bit_count_ += 8 * words.size();
+    blocks_.append(words);
+}
+
+std::uint64_t Encoder::byte_count() const {
+    const std::uint64_t block_count = offsets_.size() / sizeof(std::uint64_t);
+    return header_bytes + whole_bytes(block_count * bits_for(block_bit_count_)) + whole_bytes(block_bit_count_) +
+           bit_slack_bytes;
+}
+
+void Encoder::read(const std::function<void(std::span<const std::uint8_t>)>& use) const {
+    SectionWriter header;
+    header.number(magic);
+    header.number(shape_.log2_entries);
+    header.number(shape_.value_bits);
+    header.number(entry_count_);
+    header.number(block_bit_count_);
+    std::vector<std::uint8_t> bytes = header.finish();
+    bytes.resize(header_bytes); // the slack comes last
+    use(bytes);
+    BitPacker directory;
+    offsets_.read([&](std::span<const std::uint8_t> words) {
+        for (std::size_t at = 0; at < words.size(); at += sizeof(std::uint64_t)) {
+            std::uint64_t offset;
+            std::memcpy(&offset, &words[at], sizeof(offset));
+            directory.append(offset, bits_for(block_bit_count_));
+        }
+        use(directory.take_words());
+    });
+    use(directory.take());
+    blocks_.read(use);
+    use(std::array<std::uint8_t, bit_slack_bytes>{});
+}
+
+std::vector<std::uint8_t> encode(std::span<const std::uint32_t> values, const Config& config,
+                                 const Progress& progress) {
+    const std::uint32_t largest = values.empty() ? 0 : std::ranges::max(values);
+    Encoder encoder(config, bits_for(std::uint64_t{largest} + 1));
+    encoder.add(values, progress);
+    encoder.finish(progress);
+    std::vector<std::uint8_t> bytes;
+    bytes.reserve(encoder.byte_count());
+    encoder.read([&](std::span<const std::uint8_t> piece) { bytes.insert(bytes.end(), piece.begin(), piece.end()); });
+    return bytes;
+}
+} // namespace run_array
 
 RunArray::RunArray(std::span<const std::uint8_t> bytes) {
     SectionReader reader(bytes, "run array");

@@ -3,10 +3,14 @@
 // Differs:  from Kol 2018, section 2.4.2: the block of an entry is a shift, not a search; 73 to 93 % of neighbours are
 //           equal, so that flags of runs take the place of most indices; blocks of equal contents are stored once, which a
 //           palette shared between unequal blocks is not worth beside.
-// Bound:    a value costs two loads of the directory and the scan of one block's flags, run_block.hpp.
+// Bound:    a value costs two loads of the directory and the scan of one block's flags, run_block.hpp. While values come in,
+//           64 bytes for each of the first 2^20 different blocks, among which equal ones are looked for.
 #pragma once
 #include "core/progress.hpp"
 #include "voxel_dag/run_block.hpp"
+#include "voxel_dag/spilled_bytes.hpp"
+#include <array>
+#include <unordered_map>
 
 namespace tyndall::voxel_dag {
 namespace run_array {
@@ -18,6 +22,44 @@ struct Config {
 /// Cancelled.
 [[nodiscard]] std::vector<std::uint8_t> encode(std::span<const std::uint32_t> values, const Config& config,
                                                const Progress& progress);
+
+/// The same bytes, of values that come some at a time.
+class Encoder {
+public:
+    /// All values are below 2^value_bits, and fewer bits would not do. What becomes the bytes is gathered in the two stores,
+    /// which are empty. Throws InvalidInput.
+    Encoder(const Config& config, std::uint32_t value_bits, SpilledBytes blocks = {}, SpilledBytes offsets = {});
+    /// Throws IoError where a store does, and Cancelled.
+    void add(std::span<const std::uint32_t> values, const Progress& progress);
+    /// After the last value.
+    void finish(const Progress& progress);
+    /// Of the finished array.
+    [[nodiscard]] std::uint64_t byte_count() const;
+    /// use(bytes), in pieces, one behind the other. Throws IoError.
+    void read(const std::function<void(std::span<const std::uint8_t>)>& use) const;
+
+private:
+    struct Packed {
+        std::vector<std::uint8_t> bytes;
+        std::uint64_t bit_count;
+    };
+    using Digest = std::array<std::uint64_t, 2>;
+    struct DigestHash {
+        std::size_t operator()(const Digest& digest) const { return static_cast<std::size_t>(digest[0]); }
+    };
+    /// Whole blocks, or the last one.
+    void pack(std::span<const std::uint32_t> values, const Progress& progress);
+    void append(const Packed& block);
+
+    run_block::Shape shape_;
+    SpilledBytes blocks_, offsets_;
+    BitPacker bits_;                  ///< What blocks_ does not have yet.
+    std::vector<std::uint32_t> rest_; ///< Less than a block.
+    std::vector<Packed> packed_;
+    std::unordered_map<Digest, std::uint64_t, DigestHash>
+        offset_of_; ///< Of blocks, by their bytes, which say where they end.
+    std::uint64_t entry_count_ = 0, block_bit_count_ = 0;
+};
 } // namespace run_array
 
 /// Reads what run_array::encode() wrote, in place: the bytes stay the caller's.

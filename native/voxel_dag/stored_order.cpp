@@ -265,37 +265,67 @@ struct Reordering {
     struct Sum {};
     static constexpr std::uint32_t least_level = leaf_level;
 
-    void copy(const StoredPlace& place, std::uint64_t first_voxel, std::uint64_t voxel_count) const {
+    Sum at_end(const StoredPlace& place, const MortonPlace& morton, std::uint64_t voxel_count) const {
         const std::uint32_t turn = place.node.turn, back = cube_group.inverse[turn];
+        std::uint32_t* const to = &stored[place.first_entry - first_entry];
+        std::uint64_t voxel = morton.first_voxel;
         if (turn == 0) {
-            std::copy_n(&values[first_voxel], voxel_count, &stored[place.first_entry]);
-            return;
+            std::copy_n(&values[voxel], voxel_count, to);
+            return {};
         }
         const std::uint64_t mask = pair_mask(dag, static_cast<std::uint32_t>(place.node.bit));
         for (std::uint64_t left = turned_leaf(turn, mask); left != 0; left &= left - 1) {
             const std::uint32_t at = turned_voxel(back, static_cast<std::uint32_t>(std::countr_zero(left)));
-            stored[place.first_entry + count_of(mask & ((std::uint64_t{1} << at) - 1))] = values[first_voxel++];
+            to[count_of(mask & ((std::uint64_t{1} << at) - 1))] = values[voxel++];
         }
-    }
-    Sum at_end(const StoredPlace& place, std::uint64_t first_voxel, std::uint64_t voxel_count) const {
-        copy(place, first_voxel, voxel_count);
         return {};
     }
-    static Sum joined(const StoredPlace&, const std::array<Sum, 8>&) { return {}; }
+    static Sum joined(const StoredPlace&, const MortonPlace&, const std::array<Sum, 8>&) { return {}; }
 
     const PackedDag& dag;
+    std::uint64_t first_entry;
+    std::span<const std::uint32_t> values;
+    std::span<std::uint32_t> stored;
+};
+
+struct Renumbering {
+    struct Sum {};
+    static constexpr std::uint32_t least_level = least_mean_level;
+
+    Sum at_end(const StoredPlace& place, const MortonPlace& morton, std::uint64_t) const { return copy(place, morton); }
+    Sum joined(const StoredPlace& place, const MortonPlace& morton, const std::array<Sum, 8>&) const {
+        return copy(place, morton);
+    }
+    Sum copy(const StoredPlace& place, const MortonPlace& morton) const {
+        stored[place.number - first_number] = values[morton.number];
+        return {};
+    }
+
+    std::uint64_t first_number;
     std::span<const std::uint32_t> values;
     std::span<std::uint32_t> stored;
 };
 } // namespace
 
-void to_stored_order(const PackedDag& dag, const StoredOrder& order, std::span<const std::uint32_t> values,
-                     std::span<std::uint32_t> stored, const Progress& progress) {
-    require(values.size() == dag.voxel_count && stored.size() == dag.voxel_count, "voxel DAG: ", values.size(),
-            " values for ", dag.voxel_count, " voxels");
+void to_stored_order(const PackedDag& dag, const StoredOrder& order, const StoredSubtree& subtree,
+                     std::span<const std::uint32_t> values, std::span<std::uint32_t> stored, const Progress& progress) {
+    require(values.size() == subtree.voxel_count && stored.size() == subtree.voxel_count, "voxel DAG: ", values.size(),
+            " values for ", subtree.voxel_count, " voxels");
     if (dag.is_empty())
         return;
-    const Reordering reordering{.dag = dag, .values = values, .stored = stored};
-    StoredWalk(dag, order, reordering, progress).run();
+    const Reordering reordering{
+        .dag = dag, .first_entry = subtree.place.first_entry, .values = values, .stored = stored};
+    StoredWalk(dag, order, reordering, progress).run(subtree);
+}
+
+void nodes_to_stored_order(const PackedDag& dag, const StoredOrder& order, const StoredSubtree& subtree,
+                           std::span<const std::uint32_t> values, std::span<std::uint32_t> stored,
+                           const Progress& progress) {
+    require(values.size() == subtree.node_count && stored.size() == subtree.node_count, "voxel DAG: ", values.size(),
+            " values for ", subtree.node_count, " nodes");
+    if (subtree.node_count == 0)
+        return;
+    const Renumbering renumbering{.first_number = subtree.place.number, .values = values, .stored = stored};
+    StoredWalk(dag, order, renumbering, progress).run(subtree);
 }
 } // namespace tyndall::voxel_dag

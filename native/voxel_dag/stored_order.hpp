@@ -50,6 +50,20 @@ struct StoredPlace {
 [[nodiscard]] inline StoredPlace stored_root(const PackedDag& dag, const StoredOrder& order) {
     return {.node = {.bit = dag.root_bit}, .counts_bit = order.root_bit};
 }
+/// A node with what there is below.
+struct StoredSubtree {
+    std::uint32_t level = leaf_level; ///< 2^level voxels a side.
+    StoredPlace place;
+    std::uint64_t voxel_count = 0;
+    std::uint64_t node_count = 0; ///< Numbered ones, itself among them.
+};
+/// All of it.
+[[nodiscard]] inline StoredSubtree stored_tree(const PackedDag& dag, const StoredOrder& order) {
+    return {.level = dag.level,
+            .place = stored_root(dag, order),
+            .voxel_count = dag.voxel_count,
+            .node_count = order.node_count};
+}
 /// A child that is there, by octant of the record; of a node of 8^3 or more.
 [[nodiscard]] StoredPlace stored_child(const PackedDag& dag, const StoredOrder& order, std::uint32_t level,
                                        const StoredPlace& place, const PackedHeader& header, std::uint32_t octant);
@@ -64,8 +78,17 @@ struct StoredCube {
 [[nodiscard]] std::optional<StoredCube> find_stored(const PackedDag& dag, const StoredOrder& order, const Voxel& voxel,
                                                     std::uint32_t level);
 
-/// stored[e] becomes the value of the voxel of entry e; values are by Morton code. Both have one per voxel. Throws
-/// InvalidInput and Cancelled.
-void to_stored_order(const PackedDag& dag, const StoredOrder& order, std::span<const std::uint32_t> values,
-                     std::span<std::uint32_t> stored, const Progress& progress);
+/// stored[i] becomes the value of the voxel of entry i, counted from the subtree's first; values are by Morton code. Both
+/// have one per voxel. Throws InvalidInput and Cancelled.
+void to_stored_order(const PackedDag& dag, const StoredOrder& order, const StoredSubtree& subtree,
+                     std::span<const std::uint32_t> values, std::span<std::uint32_t> stored, const Progress& progress);
+/// Of the whole tree.
+inline void to_stored_order(const PackedDag& dag, const StoredOrder& order, std::span<const std::uint32_t> values,
+                            std::span<std::uint32_t> stored, const Progress& progress) {
+    to_stored_order(dag, order, stored_tree(dag, order), values, stored, progress);
+}
+/// The same of numbered nodes; values are by their numbers as the nodes lie in the world, each before its children.
+void nodes_to_stored_order(const PackedDag& dag, const StoredOrder& order, const StoredSubtree& subtree,
+                           std::span<const std::uint32_t> values, std::span<std::uint32_t> stored,
+                           const Progress& progress);
 } // namespace tyndall::voxel_dag

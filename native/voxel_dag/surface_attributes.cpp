@@ -304,14 +304,13 @@ std::vector<BrickRange> bricks_of_parts(const LeafMasks& leaves, std::size_t par
     return ranges;
 }
 
-template <typename Position>
-VoxelAttributes run(std::span<const Position> positions_m, std::span<const uvec3> triangles,
-                    const VoxelizeConfig& config, const LeafMasks& leaves, const Surface& surface,
-                    const Progress& progress) {
-    const SurfaceValues values(surface, positions_m.size(), triangles, progress);
+} // namespace
+
+VoxelAttributes surface_attributes(const SnappedMesh& mesh, const VoxelizeConfig& config, const LeafMasks& leaves,
+                                   const Surface& surface, const Progress& progress) {
+    const SurfaceValues values(surface, mesh.positions.size(), mesh.triangles, progress);
     const std::uint64_t voxel_count = leaves.voxel_count();
     require_room(voxel_count, leaves.codes.size(), surface, config);
-    const SnappedMesh mesh = snap(positions_m, triangles, config, progress);
     require(mesh.level == leaves.level, "the voxels have ", leaves.resolution(), " a side, the configuration ",
             config.resolution);
     const TileBins bins = bin_triangles(mesh, progress);
@@ -346,16 +345,14 @@ VoxelAttributes run(std::span<const Position> positions_m, std::span<const uvec3
         1);
     return attributes;
 }
-} // namespace
-
 VoxelAttributes surface_attributes(std::span<const vec3> positions_m, std::span<const uvec3> triangles,
                                    const VoxelizeConfig& config, const LeafMasks& leaves, const Surface& surface,
                                    const Progress& progress) {
-    return run(positions_m, triangles, config, leaves, surface, progress);
+    return surface_attributes(snap(positions_m, triangles, config, progress), config, leaves, surface, progress);
 }
 VoxelAttributes surface_attributes(std::span<const dvec3> positions_m, std::span<const uvec3> triangles,
                                    const VoxelizeConfig& config, const LeafMasks& leaves, const Surface& surface,
                                    const Progress& progress) {
-    return run(positions_m, triangles, config, leaves, surface, progress);
+    return surface_attributes(snap(positions_m, triangles, config, progress), config, leaves, surface, progress);
 }
 } // namespace tyndall::voxel_dag

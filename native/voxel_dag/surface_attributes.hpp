@@ -10,8 +10,8 @@
 //           per vertex, 16 per triangle and tile, and 32 to 96 per voxel of the tile at work.
 #pragma once
 #include "image/filtered_texture.hpp"
+#include "voxel_dag/snapped_mesh.hpp"
 #include "voxel_dag/voxel_attributes.hpp"
-#include "voxel_dag/voxelize.hpp"
 #include <memory>
 #include <string>
 
@@ -46,6 +46,19 @@ struct Surface {
     }
 };
 
+/// Throws InvalidInput, which names the array and its entry.
+void require_usable(const Surface& surface, std::size_t vertex_count, std::size_t triangle_count);
+/// Of some triangles, in their order, each with three vertices of its own: the arrays, and what refers to them.
+struct SubSurface {
+    std::vector<vec3> colors, vertex_normals;
+    std::vector<std::uint32_t> material_of_triangle;
+    std::vector<vec2> corner_uvs;
+    std::vector<std::vector<float>> channels;
+    Surface surface;
+};
+[[nodiscard]] SubSurface sub_surface(const Surface& surface, std::span<const uvec3> triangles,
+                                     std::span<const std::uint32_t> chosen);
+
 /// Of `leaves`, what voxelize() made of this very mesh with this configuration; its budget holds for voxels and attributes
 /// together. Throws InvalidInput, which names the array and its entry, the budget, or a voxel that no triangle sets; and
 /// Cancelled.
@@ -55,4 +68,8 @@ struct Surface {
 [[nodiscard]] VoxelAttributes surface_attributes(std::span<const dvec3> positions_m, std::span<const uvec3> triangles,
                                                  const VoxelizeConfig& config, const LeafMasks& leaves,
                                                  const Surface& surface, const Progress& progress);
+/// Of a mesh that is snapped already; of the configuration, the rule and the budget count.
+[[nodiscard]] VoxelAttributes surface_attributes(const SnappedMesh& mesh, const VoxelizeConfig& config,
+                                                 const LeafMasks& leaves, const Surface& surface,
+                                                 const Progress& progress);
 } // namespace tyndall::voxel_dag

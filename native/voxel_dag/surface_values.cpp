@@ -61,6 +61,15 @@ static void require_channels(std::span<const SurfaceChannel> channels, std::size
     }
 }
 
+void require_usable(const Surface& surface, std::size_t vertex_count, std::size_t triangle_count) {
+    if (!surface.colors.empty())
+        require_colors(surface.colors, vertex_count);
+    require_materials(surface, triangle_count);
+    if (surface.normals == SurfaceNormals::Vertices)
+        require_normals(surface.vertex_normals, vertex_count);
+    require_channels(surface.channels, vertex_count);
+}
+
 static Four four_of_color(const vec3& linear) {
     const vec3 whole = glm::clamp(linear, 0.0f, 1.0f) * whole_value;
     return {whole.x, whole.y, whole.z, 1.0f}; // the last adds up the weights
@@ -75,13 +84,7 @@ static Four four_of_normal(const vec3& normal) {
 SurfaceValues::SurfaceValues(const Surface& surface, std::size_t vertex_count, std::span<const uvec3> triangles,
                              const Progress& progress)
     : surface_(surface), triangles_(triangles) {
-    if (!surface.colors.empty())
-        require_colors(surface.colors, vertex_count);
-    require_materials(surface, triangles.size());
-    if (surface.normals == SurfaceNormals::Vertices)
-        require_normals(surface.vertex_normals, vertex_count);
-    require_channels(surface.channels, vertex_count);
-
+    require_usable(surface, vertex_count, triangles.size());
     if (!surface.colors.empty())
         colors_at_ = per_vertex_++;
     if (surface.normals != SurfaceNormals::None)

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Triangles of .ply, .obj and .npz files, also gzipped ones (.ply.gz): positions and corners, nothing else of them."""
+"""Triangles of .ply, .obj and .npz files, also gzipped ones (.ply.gz), and what vertices have: colours and normals."""
 
 from __future__ import annotations
 
 import gzip
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,17 @@ from tyndall._native import IoError
 
 #: Positions (n, 3) float64, as the file has them, and triangles (m, 3) uint32.
 TriangleMesh = tuple[NDArray[np.float64], NDArray[np.uint32]]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeshFile:
+    """What a file holds of a mesh."""
+
+    positions_m: NDArray[np.float64]  #: (n, 3), as the file has them.
+    triangles: NDArray[np.uint32]  #: (m, 3)
+    colors: NDArray[Any] | None = None  #: (n, 3), uint8 or 0 to 1, as sRGB encodes them; .obj files: none are read.
+    normals: NDArray[Any] | None = None  #: (n, 3); .obj files: none are read.
+
 
 _PLY_TYPES = {
     name: kind
@@ -39,6 +51,12 @@ def is_mesh_file(path: Path) -> bool:
 
 
 def read_mesh(path: Path) -> TriangleMesh:
+    """Positions and triangles of ``read_mesh_file``."""
+    mesh = read_mesh_file(path)
+    return mesh.positions_m, mesh.triangles
+
+
+def read_mesh_file(path: Path) -> MeshFile:
     """Faces of more corners become fans. Raises IoError, which names the path and what is wrong, and OSError."""
     if not is_mesh_file(path):
         raise IoError(f"{path}: a mesh may be {', '.join(SUFFIXES)}, or one of these and .gz")
@@ -55,11 +73,16 @@ def _suffix(path: Path) -> str:
     return (path.with_suffix("") if path.suffix == ".gz" else path).suffix.lower()
 
 
-def _npz(path: Path) -> TriangleMesh:
+def _npz(path: Path) -> MeshFile:
     with np.load(path) as arrays:
         if missing := {"positions_m", "triangles"} - set(arrays.files):
             raise ValueError(f"the arrays {', '.join(sorted(missing))} are not there")
-        return np.asarray(arrays["positions_m"], np.float64), np.asarray(arrays["triangles"], np.uint32)
+        return MeshFile(
+            positions_m=np.asarray(arrays["positions_m"], np.float64),
+            triangles=np.asarray(arrays["triangles"], np.uint32),
+            colors=arrays.get("colors"),
+            normals=arrays.get("normals"),
+        )
 
 
 def _fans(counts: NDArray[np.int64], corners: NDArray[np.int64]) -> NDArray[np.uint32]:
@@ -75,7 +98,7 @@ def _fans(counts: NDArray[np.int64], corners: NDArray[np.int64]) -> NDArray[np.u
     return triangles.astype(np.uint32)
 
 
-def _obj(content: bytes) -> TriangleMesh:
+def _obj(content: bytes) -> MeshFile:
     positions: list[list[bytes]] = []
     counts: list[int] = []
     corners: list[int] = []
@@ -90,12 +113,13 @@ def _obj(content: bytes) -> TriangleMesh:
             counts.append(len(face))
             # From 1 on; negative ones count back from the last vertex so far.
             corners += [corner - 1 if corner > 0 else len(positions) + corner for corner in face]
-    return np.array(positions, np.float64).reshape(-1, 3), _fans(
-        np.array(counts, np.int64), np.array(corners, np.int64)
+    return MeshFile(
+        positions_m=np.array(positions, np.float64).reshape(-1, 3),
+        triangles=_fans(np.array(counts, np.int64), np.array(corners, np.int64)),
     )
 
 
-def _ply(content: bytes) -> TriangleMesh:
+def _ply(content: bytes) -> MeshFile:
     end = content.index(b"end_header")
     header = [line.split() for line in content[:end].decode("ascii", "replace").splitlines()]
     body = content[content.index(b"\n", end) + 1 :]
@@ -110,14 +134,37 @@ def _ply(content: bytes) -> TriangleMesh:
             elements[-1][2].append(words[1:])
     numbers = _Numbers(body, order)
     positions, faces = np.zeros((0, 3)), np.zeros((0, 3), np.uint32)
+    colors: NDArray[Any] | None = None
+    normals: NDArray[Any] | None = None
     for name, count, properties in elements:
         columns = _element(numbers, count, properties)
         if name == "vertex":
             positions = np.stack([columns[axis][1] for axis in "xyz"], axis=-1).astype(np.float64)
+            colors = _ply_colors(columns, properties)
+            normals = _three(columns, ("nx", "ny", "nz"))
         elif name == "face":
             counts, corners = columns["vertex_indices" if "vertex_indices" in columns else "vertex_index"]
             faces = _fans(counts, corners.astype(np.int64))
-    return positions, faces
+    return MeshFile(positions_m=positions, triangles=faces, colors=colors, normals=normals)
+
+
+def _three(columns: dict[str, tuple[NDArray[Any], NDArray[Any]]], names: tuple[str, str, str]) -> NDArray[Any] | None:
+    if not all(name in columns for name in names):
+        return None
+    return np.stack([columns[name][1] for name in names], axis=-1)
+
+
+def _ply_colors(
+    columns: dict[str, tuple[NDArray[Any], NDArray[Any]]], properties: list[list[str]]
+) -> NDArray[Any] | None:
+    """Bytes, or numbers from 0 to 1, by the type that the header states: a text has numbers alone."""
+    colors = _three(columns, ("red", "green", "blue"))
+    if colors is None:
+        return None
+    kind = next(_PLY_TYPES[words[0]] for words in properties if words[-1] == "red")
+    if kind not in ("u1", "f4", "f8"):
+        raise ValueError(f"colours are {kind}, neither uchar nor float")
+    return colors.astype(np.uint8 if kind == "u1" else np.float64)
 
 
 class _Numbers:

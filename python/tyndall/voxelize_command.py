@@ -19,8 +19,9 @@ or written; 130 interrupted. Finished parts are kept: the same command goes on f
 _UNITS = {"": 1, "k": 2**10, "m": 2**20, "g": 2**30, "t": 2**40}
 _TOLD_EVERY_S = 2.0
 
-#: ``read(path, scene)`` gives positions in metres, (n, 3), and triangles, (m, 3).
-Read = Callable[[Path, str | None], tuple[Any, Any]]
+#: ``read(path, scene, with_colors, with_normals)`` gives positions in metres, (n, 3), triangles, (m, 3), and settings
+#: of ``Config`` that say what voxels carry.
+Read = Callable[[Path, str | None, bool, bool], tuple[Any, Any, dict[str, Any]]]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,6 +35,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--budget", type=_bytes, default=None, help="memory, such as 512MiB or 4GiB; 2GiB unless said")
     add("--scratch", type=Path, default=None, help="for finished parts; all workers see it; OUT's folder unless said")
     add("--scene", default=None, help="the scene's name in a .blend, if not its active one")
+    add("--colors", action="store_true", help="of a .blend's materials, or of the vertices of a .ply or .npz (colors)")
+    add("--normals", action="store_true", help="the smooth ones of a .blend, or those of the file's vertices (normals)")
+    add(
+        "--color-difference",
+        type=float,
+        default=None,
+        help="so much CIE94 colours may differ; all are kept unless said",
+    )
+    add("--normal-bits", type=int, default=None, help="of a normal, 8 to 32; 32 unless said")
     workers = parser.add_mutually_exclusive_group()
     workers.add_argument("--processes", type=int, default=None, help="this many on this machine share the budget")
     workers.add_argument("--scheduler", default=None, help="Dask's, tcp://10.0.0.1:8786; each worker has the budget")
@@ -52,12 +62,17 @@ def run(options: argparse.Namespace, read_blend: Read) -> int:
     require_writable(options.out.absolute().parent)
     if options.scratch is not None:
         require_writable(options.scratch.absolute())
-    positions_m, triangles = _mesh(options, read_blend)
+    positions_m, triangles, carried = _mesh(options, read_blend)
+    if options.color_difference is not None:
+        carried["most_color_difference"] = options.color_difference
+    if options.normal_bits is not None:
+        carried["normal_bits"] = options.normal_bits
     config = voxel_dag.Config(
         resolution=options.resolution,
         rule=options.rule,
         symmetry=options.symmetry,
         memory_budget_bytes=options.budget,
+        **carried,
     )
     _say(f"{len(triangles):,} triangles")
     _say(str(voxel_dag.forecast(positions_m, triangles, config)))
@@ -80,14 +95,21 @@ def run(options: argparse.Namespace, read_blend: Read) -> int:
     return 0
 
 
-def _mesh(options: argparse.Namespace, read_blend: Read) -> tuple[Any, Any]:
-    from .mesh_files import is_mesh_file, read_mesh  # noqa: PLC0415 - the native part's errors
+def _mesh(options: argparse.Namespace, read_blend: Read) -> tuple[Any, Any, dict[str, Any]]:
+    """Positions, triangles, and what voxels carry of those that were asked for."""
+    from .mesh_files import is_mesh_file, read_mesh_file  # noqa: PLC0415 - the native part's errors
 
     if is_mesh_file(options.file):
-        return read_mesh(options.file)
+        mesh, carried = read_mesh_file(options.file), {}
+        for name in ("colors", "normals"):
+            if getattr(options, name):
+                if (values := getattr(mesh, name)) is None:
+                    raise ValueError(f"{options.file.name}: its vertices have no {name}")
+                carried[name] = values
+        return mesh.positions_m, mesh.triangles, carried
     if options.file.suffix != ".blend":
         raise ValueError(f"{options.file.name}: it may be a .blend, .ply, .obj or .npz file")
-    return read_blend(options.file.absolute(), options.scene)
+    return read_blend(options.file.absolute(), options.scene, options.colors, options.normals)
 
 
 def _told(progress: Any, work: Callable[[], Any]) -> Any:  # noqa: ANN401 - of the native part; what work gives

@@ -44,6 +44,26 @@ def test_a_scene_becomes_voxels_with_its_modifiers_and_instances(blend: Path) ->
     assert np.array_equal(np.concatenate(list(made.coordinates())), np.concatenate(list(wanted.coordinates())))
 
 
+def test_the_colours_of_materials_and_smooth_normals_go_along(blend: Path) -> None:
+    red = bpy.data.materials.new("Red")
+    red.use_nodes = True
+    red.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (1, 0, 0, 1)
+    bpy.data.objects["Cube"].data.materials.append(red)
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True)
+    out = blend.with_suffix(".tdag")
+    arguments = ["voxelize", str(blend), "--resolution", "128", "--out", str(out)]
+    assert main([*arguments, "--colors", "--normals", "--normal-bits", "16", "--processes", "2"]) == SUCCESS
+    made = load(out)
+    voxels = np.concatenate(list(made.coordinates()))
+    (lower_m, upper_m), colors = np.array(made.bounds_m), made.colors_at(voxels)
+    is_instance = voxels[:, 1] > 128 * (4 - lower_m[1]) / (upper_m - lower_m)[1]
+    assert (colors[~is_instance] == [255, 0, 0]).all()
+    assert (colors[is_instance] != [255, 0, 0]).any(axis=1).all()
+    inner = ((voxels > 2) & (voxels < 30)).sum(axis=1) == 2  # of one side each, away from its edges
+    assert inner.any()
+    assert np.allclose(np.abs(made.normals_at(voxels[inner])).max(axis=1), 1, atol=1e-3)
+
+
 def test_a_scene_that_is_not_there_is_named(blend: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = blend.with_suffix(".tdag")
     assert main(["voxelize", str(blend), "--resolution", "64", "--scene", "Attic", "--out", str(out)]) == BAD_USAGE

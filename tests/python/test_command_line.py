@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tyndall.command_line import BAD_OUTPUT, BAD_USAGE, INTERRUPTED, RENDER_FAILED, SUCCESS, Settings, main
@@ -163,6 +164,25 @@ def test_a_mesh_becomes_a_voxel_dag(cube: Path, capsys: pytest.CaptureFixture[st
     assert "12 triangles" in told
     assert f"{64**3 - 62**3:,} voxels" in told
     assert sorted(path.name for path in cube.parent.iterdir()) == ["cube.obj", "cube.tdag"]
+
+
+def test_a_meshs_colours_and_normals_go_along_when_they_are_asked_for(tmp_path: Path) -> None:
+    positions_m, triangles = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float32), np.array([[0, 1, 2]])
+    colors, normals = np.array([[250, 10, 60]] * 3, np.uint8), np.array([[0, 0, 1.0]] * 3)
+    np.savez(tmp_path / "a.npz", positions_m=positions_m, triangles=triangles, colors=colors, normals=normals)
+    arguments = ["voxelize", str(tmp_path / "a.npz"), "--resolution", "64", "--out", str(tmp_path / "a.tdag")]
+    assert main([*arguments, "--colors", "--normals", "--normal-bits", "16"]) == SUCCESS
+    dag = load(tmp_path / "a.tdag")
+    voxels = np.concatenate(list(dag.coordinates()))
+    assert (dag.colors_at(voxels) == [250, 10, 60]).all()
+    assert np.allclose(dag.normals_at(voxels), [0, 0, 1], atol=0.02)
+    assert main(arguments) == SUCCESS
+    assert load(tmp_path / "a.tdag").attribute_bytes == 0
+
+
+def test_colours_that_a_file_does_not_have_are_told(cube: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert voxelize(cube, "--resolution", "64", "--colors") == BAD_USAGE
+    assert "cube.obj: its vertices have no colors" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

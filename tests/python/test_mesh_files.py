@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import tyndall
-from tyndall.mesh_files import read_mesh
+from tyndall.mesh_files import read_mesh, read_mesh_file
 
 POSITIONS = [[0.0, 0.5, 1.0], [2.0, 0.25, 0.0], [1.0, 1.0, 4.0], [-1.0, 8.0, 0.125], [3.0, 3.0, 3.0]]
 #: A triangle and a face of four corners, which becomes a fan.
@@ -71,6 +71,28 @@ def test_arrays_are_read_back(tmp_path: Path) -> None:
     np.savez(tmp_path / "a.npz", positions_m=np.array(POSITIONS, np.float32), triangles=np.array(TRIANGLES))
     positions_m, triangles = read_mesh(tmp_path / "a.npz")
     assert (positions_m.tolist(), triangles.tolist()) == (POSITIONS, TRIANGLES)
+
+
+@pytest.mark.parametrize("kind", ["ascii", "binary_little_endian"])
+def test_colours_and_normals_of_vertices_are_read(tmp_path: Path, kind: str) -> None:
+    names = ("x", "y", "z", "nx", "ny", "nz")
+    header = f"ply\nformat {kind} 1.0\nelement vertex 3\n" + "".join(f"property float {name}\n" for name in names)
+    header += "".join(f"property uchar {name}\n" for name in ("red", "green", "blue", "alpha"))
+    header += "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    rows = [(*position, 0.0, -1.0, 0.5, 7, 90 + i, 255, 1) for i, position in enumerate(POSITIONS[:3])]
+    if kind == "ascii":
+        content = header + "".join(" ".join(map(str, row)) + "\n" for row in rows) + "3 0 1 2\n"
+        (tmp_path / "a.ply").write_text(content)
+    else:
+        body = b"".join(struct.pack("<6f4B", *row) for row in rows) + struct.pack("<B3i", 3, 0, 1, 2)
+        (tmp_path / "a.ply").write_bytes(header.encode() + body)
+    mesh = read_mesh_file(tmp_path / "a.ply")
+    assert mesh.colors is not None
+    assert (mesh.colors.tolist(), mesh.colors.dtype) == ([[7, 90, 255], [7, 91, 255], [7, 92, 255]], np.uint8)
+    assert mesh.normals is not None
+    assert mesh.normals.tolist() == [[0.0, -1.0, 0.5]] * 3
+    (tmp_path / "b.ply").write_bytes(ply("ascii"))  # red alone is no colour
+    assert read_mesh_file(tmp_path / "b.ply").colors is None
 
 
 @pytest.mark.parametrize(

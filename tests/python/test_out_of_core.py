@@ -7,7 +7,9 @@ import subprocess
 import sys
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +17,8 @@ import pytest
 import tyndall
 from support.full_disk import largest_file
 from support.large_triangles import large_triangles
-from tyndall.voxel_dag import Config, forecast, voxelize, voxelize_to_file
+from tyndall import _image_io
+from tyndall.voxel_dag import Config, Material, Textures, forecast, from_coordinates, voxelize, voxelize_to_file
 from tyndall.voxel_dag.parts import parts_of
 
 CONFIG = Config(resolution=1024, memory_budget_bytes=8 << 20)
@@ -131,6 +134,70 @@ def test_a_job_at_work_in_another_process_is_left_alone(tmp_path: Path) -> None:
     parts.finish(tmp_path / "a.tdag", tyndall.Progress())
 
 
+def carrying(folder: Path, kind: str) -> dict[str, Any]:
+    """Settings of the large triangles' 36 vertices, by kind; the picture is a file."""
+    random = np.random.default_rng(3)
+    colors, normals = random.integers(0, 256, (36, 3)).astype(np.uint8), random.normal(size=(36, 3))
+    if kind == "pictures":
+        pixels = random.integers(0, 256, (32, 32, 3)).astype(np.uint8)
+        _image_io.write_png(folder / "checks.png", pixels)
+        uvs = random.uniform(0, 2, (12, 3, 2))
+        materials = [Material(picture=folder / "checks.png", outside="mirror"), Material(color=(0.9, 0.3, 0.2))]
+        return {
+            "textures": Textures(materials=materials, corner_uvs=uvs, material_of_triangle=np.arange(12) % 2),
+            "normals": "faces",
+        }
+    all_kinds = {"colors": colors, "normals": normals, "channels": {"wet": random.integers(0, 4, 36)}}
+    few = {"colors": colors, "most_color_difference": 4.0, "bounds_m": ((-0.2, -0.2, -0.2), (1.3, 1.3, 1.3))}
+    return {"all": all_kinds | {"normal_bits": 8}, "few": few}[kind]
+
+
+@pytest.mark.parametrize("kind", ["all", "few", "pictures"])
+@pytest.mark.parametrize("workers", [None, 2])
+def test_what_voxels_carry_is_that_of_a_mesh_made_at_once(tmp_path: Path, kind: str, workers: int | None) -> None:
+    """Interrupted once on the way; workers are given pictures as they were when the job began."""
+    config = Config(resolution=512, memory_budget_bytes=160 << 20, **carrying(tmp_path, kind))
+    voxelize(*large_triangles(), replace(config, memory_budget_bytes=None)).save(tmp_path / "at_once.tdag")
+    scratch = tmp_path / "scratch"
+    parts = parts_of(*large_triangles(), config, scratch, tyndall.Progress(), worker_count=64)  # small ones
+    assert parts.part_count > 8
+    progress = tyndall.Progress()
+    watcher = stop_at_part(progress, 3)
+    with pytest.raises(tyndall.Cancelled):
+        parts.finish(tmp_path / "a.tdag", progress)
+    watcher.join()
+    dag = voxelize_to_file(*large_triangles(), tmp_path / "a.tdag", config, scratch=scratch, workers=workers)
+    assert (tmp_path / "a.tdag").read_bytes() == (tmp_path / "at_once.tdag").read_bytes()
+    assert list((tmp_path / "scratch").iterdir()) == []
+    assert dag.attribute_bytes > 0
+
+
+def test_a_disk_that_is_full_while_attributes_are_joined_keeps_the_parts(tmp_path: Path) -> None:
+    config = Config(resolution=512, memory_budget_bytes=160 << 20, **carrying(tmp_path, "all"))
+    parts = parts_of(*large_triangles(), config, tmp_path / "scratch", tyndall.Progress(), worker_count=64)
+    for part in range(parts.part_count):
+        parts.make_part(part, tyndall.Progress())
+    largest = max(Path(parts.part_path(part)).stat().st_size for part in range(parts.part_count))
+    voxelize(*large_triangles(), replace(config, memory_budget_bytes=None)).save(tmp_path / "at_once.tdag")
+    wanted = (tmp_path / "at_once.tdag").read_bytes()
+    assert largest < len(wanted) // 2
+    with largest_file(largest), pytest.raises(tyndall.IoError, match=r"room.*parts are kept in .*scratch"):
+        parts.finish(tmp_path / "a.tdag", tyndall.Progress())
+    assert parts.finish(tmp_path / "a.tdag", tyndall.Progress()).kept_part_count == parts.part_count
+    assert (tmp_path / "a.tdag").read_bytes() == wanted
+
+
+def test_in_memory_a_budget_counts_what_voxels_carry() -> None:
+    """Of a full cube, whose graph is next to nothing."""
+    voxels = np.argwhere(np.ones((128, 128, 128), bool))
+    bare = Config(resolution=128, memory_budget_bytes=16 << 20)
+    from_coordinates(voxels, bare)
+    colored = replace(bare, colors=np.zeros_like(voxels, np.uint8))
+    with pytest.raises(tyndall.InvalidInput, match=r"2097152 voxels take about 24 MiB.*budget is 16 MiB"):
+        from_coordinates(voxels, colored)
+    from_coordinates(voxels, replace(colored, memory_budget_bytes=24 << 20))
+
+
 def test_a_forecast_is_the_truth_within_a_factor_of_two() -> None:
     mesh = large_triangles(8, 2)
     before, dag = forecast(*mesh, Config(resolution=4096)), voxelize(*mesh, Config(resolution=4096))
@@ -147,8 +214,8 @@ def test_what_has_no_room_is_refused_with_what_would_fit(tmp_path: Path) -> None
         tyndall.InvalidInput, match=r"131072: there are 256 MiB of memory.*resolution of (\d+) would fit"
     ):
         voxelize_to_file(*large_triangles(60), tmp_path / "a.tdag", wanted)
-    with pytest.raises(tyndall.InvalidInput, match="channels and solid are not made out of core"):
-        voxelize_to_file(*large_triangles(), tmp_path / "a.tdag", Config(channels={"roughness": [0.5]}))
+    with pytest.raises(tyndall.InvalidInput, match="solids are not made out of core"):
+        voxelize_to_file(*large_triangles(), tmp_path / "a.tdag", Config(solid=True))
     with pytest.raises(tyndall.InvalidInput, match="262144"):
         voxelize_to_file(*large_triangles(), tmp_path / "a.tdag", Config(resolution=262144))
     assert list(tmp_path.iterdir()) == []

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from . import ENGINE, enable, last_statistics, was_interrupted
-from .voxel_meshes import gather
+from .voxel_meshes import gather, split_corners, textures_of
 
 if TYPE_CHECKING:
     from tyndall.command_line import Settings
@@ -66,11 +66,12 @@ class OpenBlendFile:
         return last_statistics(self._scene.name) or {}
 
 
-def read_triangles(path: Path, scene_name: str | None) -> Any:  # noqa: ANN401  of the add-on
+def read_triangles(path: Path, scene_name: str | None, *, with_colors: bool, with_normals: bool) -> Any:  # noqa: ANN401
     """Positions in metres, (n, 3) float64, and triangles, (m, 3) uint32, of all that the scene shows in renders.
 
-    Modifiers and instances are applied. Raises RuntimeError if the file cannot be opened, ValueError for a scene that
-    is not there or has no face.
+    Third, settings of ``tyndall.voxel_dag.Config``: textures, the diffuse part of materials, and smooth normals, where
+    they are asked for. Modifiers and instances are applied. Raises RuntimeError if the file cannot be opened,
+    ValueError for a scene that is not there or has no face.
     """
     enable()
     _open(path)
@@ -79,7 +80,12 @@ def read_triangles(path: Path, scene_name: str | None) -> Any:  # noqa: ANN401  
         mesh = gather(
             bpy.context.evaluated_depsgraph_get(), [thing for thing in scene.objects if not thing.hide_render]
         )
-    return mesh.positions_m, mesh.triangles
+    positions_m, triangles, carried = mesh.positions_m, mesh.triangles, {}
+    if with_colors:
+        carried["textures"] = textures_of(mesh)
+    if with_normals:
+        positions_m, triangles, carried["normals"] = split_corners(mesh)
+    return positions_m, triangles, carried
 
 
 def _chosen_scene(name: str | None) -> Any:  # noqa: ANN401  a scene with the add-on's properties

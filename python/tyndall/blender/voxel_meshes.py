@@ -18,3 +18,13 @@ def gather(depsgraph: bpy.types.Depsgraph, objects: Iterable[bpy.types.Object]) 
     of which none has a face.
     """
     return _part(".sync.voxel_meshes").gather(depsgraph, objects)
+
+
+def textures_of(mesh: Any) -> Any:  # noqa: ANN401  the add-on's
+    """The diffuse part of the materials of what was gathered, as ``tyndall.voxel_dag.Config`` takes it."""
+    return _part(".sync.voxel_meshes").textures_of(mesh)
+
+
+def split_corners(mesh: Any) -> Any:  # noqa: ANN401  the add-on's
+    """Positions, triangles and smooth normals of what was gathered, with a vertex for each corner."""
+    return _part(".sync.voxel_meshes").split_corners(mesh)

@@ -15,7 +15,7 @@ from tyndall._native import Progress
 from .checks import MOST_INDEX, refuse, whole
 from .config import Config
 from .meshes import voxelize
-from .parts import budget_of, require_bare_surface, scratch_of
+from .parts import budget_of, require_surface, scratch_of
 
 #: What joining and packing take per node of the graph, and a part's file: measured, rounded up.
 _MEMORY_BYTES_PER_NODE, _SCRATCH_BYTES_PER_NODE = 96, 32
@@ -57,7 +57,7 @@ def forecast(
 
 def _forecasts(positions_m: ArrayLike, triangles: ArrayLike, config: Config, progress: Progress) -> list[Forecast]:
     """By resolution, up to that of the configuration."""
-    require_bare_surface(config)
+    require_surface(config)
     resolution = whole("resolution", config.resolution, MOST_INDEX)
     if resolution.bit_count() != 1 or not LEAST_RESOLUTION <= resolution <= MOST_RESOLUTION:
         raise refuse(
@@ -74,8 +74,9 @@ def _forecasts(positions_m: ArrayLike, triangles: ArrayLike, config: Config, pro
                 resolution=at,
                 voxel_count=dag.voxel_count,
                 memory_bytes=_MEMORY_BYTES_PER_NODE * dag.node_count,
-                scratch_bytes=_SCRATCH_BYTES_PER_NODE * dag.node_count,
-                file_bytes=dag.geometry_bytes,
+                # Numbers of materials lie in the parts, and once more before their size is known.
+                scratch_bytes=_SCRATCH_BYTES_PER_NODE * dag.node_count + 2 * dag.attribute_bytes,
+                file_bytes=dag.geometry_bytes + dag.attribute_bytes,
                 seconds=perf_counter() - started,
             )
         )

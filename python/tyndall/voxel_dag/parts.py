@@ -8,7 +8,6 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from tyndall import _native
@@ -16,9 +15,10 @@ from tyndall._native import Progress
 from tyndall.frame_files import completed
 from tyndall.jobs import Job
 
-from .checks import MOST_INDEX, budget, cube, indices, named, points, refuse, whole
+from .checks import MOST_INDEX, attribute_config, budget, cube, indices, named, points, refuse, whole
 from .config import Config
-from .surfaces import has_attributes
+from .kept_meshes import load_mesh, save_mesh
+from .surfaces import surface
 
 _DEFAULT_BUDGET_BYTES = 2 << 30
 
@@ -33,10 +33,10 @@ def scratch_of(path: str | os.PathLike[str], scratch: str | os.PathLike[str] | N
     return Path(path).absolute().parent if scratch is None else Path(scratch).absolute()
 
 
-def require_bare_surface(config: Config) -> None:
+def require_surface(config: Config) -> None:
     """Refuse what parts' files do not hold. Raises InvalidInput."""
-    if config.solid or has_attributes(config):
-        raise refuse("colors, textures, normals, channels and solid are not made out of core: use voxelize")
+    if config.solid:
+        raise refuse("solids are not made out of core: use voxelize")
 
 
 def parts_of(
@@ -49,14 +49,17 @@ def parts_of(
     worker_count: int = 1,
 ) -> _native.OutOfCoreVoxels:
     """The parts of a mesh; ``worker_count`` processes share the budget. Raises InvalidInput and Cancelled."""
-    require_bare_surface(config)
+    require_surface(config)
+    positions = points(positions_m, "positions_m")
     return _native.OutOfCoreVoxels(
-        positions=points(positions_m, "positions_m"),
+        positions=positions,
         triangles=indices(triangles, "triangles"),
         resolution=whole("resolution", config.resolution, MOST_INDEX),
         rule=named(_native.VoxelizeRule, "rule", config.rule),
         bounds=cube(config.bounds_m),
+        surface=surface(config, len(positions)),
         symmetry=named(_native.VoxelSymmetry, "symmetry", config.symmetry),
+        attribute_config=attribute_config(config),
         memory_budget_bytes=budget_of(config),
         worker_count=worker_count,
         scratch_folder=scratch,
@@ -73,29 +76,27 @@ def part_jobs(
     worker_count: int = 1,
     progress: Progress | None = None,
 ) -> list[Job]:
-    """One job per part; the mesh is written beside the parts. Raises InvalidInput, OSError and Cancelled."""
+    """One job per part; the mesh is written beside the parts. Raises InvalidInput, IoError, OSError and Cancelled."""
     positions_m, triangles = points(positions_m, "positions_m"), indices(triangles, "triangles")
-    if config.bounds_m is not None:  # as what can be hashed and sent
-        config = replace(config, bounds_m=tuple(map(tuple, np.asarray(config.bounds_m, np.float64).tolist())))
     native = parts_of(positions_m, triangles, config, scratch, progress or Progress(), worker_count=worker_count)
     mesh = Path(native.part_path(0)).with_name("mesh.npz")
     if not mesh.exists():
         mesh.parent.mkdir(parents=True, exist_ok=True)
         with completed(mesh) as temporary:
-            np.savez(temporary, positions_m=positions_m, triangles=triangles)
+            save_mesh(temporary, positions_m, triangles, config)
+    budget_bytes = budget_of(config)  # the only setting that two calls of one job may have different
     return [
-        Job(_make_part, (mesh, config, scratch, worker_count, part), Path(native.part_path(part)))
+        Job(_make_part, (mesh, scratch, budget_bytes, worker_count, part), Path(native.part_path(part)))
         for part in range(native.part_count)
     ]
 
 
-def _make_part(mesh: Path, config: Config, scratch: Path, worker_count: int, part: int) -> None:
-    _opened(mesh, config, scratch, worker_count).make_part(part, Progress())
+def _make_part(mesh: Path, scratch: Path, budget_bytes: int, worker_count: int, part: int) -> None:
+    _opened(mesh, scratch, budget_bytes, worker_count).make_part(part, Progress())
 
 
 @lru_cache(maxsize=1)  # a worker makes many parts of one mesh
-def _opened(mesh: Path, config: Config, scratch: Path, worker_count: int) -> _native.OutOfCoreVoxels:
-    with np.load(mesh) as arrays:
-        return parts_of(
-            arrays["positions_m"], arrays["triangles"], config, scratch, Progress(), worker_count=worker_count
-        )
+def _opened(mesh: Path, scratch: Path, budget_bytes: int, worker_count: int) -> _native.OutOfCoreVoxels:
+    positions_m, triangles, config = load_mesh(mesh)
+    config = replace(config, memory_budget_bytes=budget_bytes)
+    return parts_of(positions_m, triangles, config, scratch, Progress(), worker_count=worker_count)

@@ -80,7 +80,7 @@ def _native_material(material: Material, index: int) -> _native.SurfaceMaterial:
     if material.outside.upper() not in Extension.__members__:
         names = ", ".join(name.lower() for name in Extension.__members__)
         raise refuse(f"material {index}: outside is {material.outside!r}, not one of {names}")
-    pixels, is_srgb = _pixels(material, index)
+    pixels, is_srgb = pixels_of(material, index)
     texture = _native.Texture(
         name=f"material {index}",
         pixels=pixels,
@@ -92,7 +92,7 @@ def _native_material(material: Material, index: int) -> _native.SurfaceMaterial:
     return _native.SurfaceMaterial(color=(0.0, 0.0, 0.0), texture=_native.FilteredTexture(texture))
 
 
-def _pixels(material: Material, index: int) -> tuple[NDArray[np.uint8] | NDArray[np.float32], bool]:
+def pixels_of(material: Material, index: int) -> tuple[NDArray[np.uint8] | NDArray[np.float32], bool]:
     """(height, width, 4), and whether the bytes are encoded; floats are linear."""
     is_srgb = material.is_srgb
     if isinstance(material.picture, str | os.PathLike):
