@@ -38,6 +38,7 @@ from guide_edits import (
     turn_medium,
     use_function,
 )
+from guide_voxels import show_ambient_pass, show_courtyard
 
 import tyndall.blender
 
@@ -47,7 +48,7 @@ class Picture:
     """One of docs/pictures: an example, and what is done to it."""
 
     name: str
-    scene: str
+    scene: str  #: "": what is done to it makes the scene.
     edit: Callable[[], object] = lambda: None
     engine: str = "TYNDALL"
     size_px: tuple[int, int] = SIZE_PX
@@ -130,6 +131,9 @@ PICTURES = (
     Picture("air_hall_mist", "window_hall", lambda: texture("Mist_Banks")),
     Picture("air_stage_smoke", "stage_spots", lambda: texture("Drifting_Smoke")),
     Picture("voxel_village", "village_dawn", partial(become_voxels, 1024)),
+    Picture("voxel_courtyard_direct", "", partial(show_courtyard, is_lit_by_others=False)),
+    Picture("voxel_courtyard", "", partial(show_courtyard, is_lit_by_others=True)),
+    Picture("voxel_courtyard_ao", "", show_ambient_pass),
     Picture("colour_terrain_alarm", "terrain_sunrise", alarm_at_dawn),
     *CONTROLS,
     *(
@@ -143,10 +147,11 @@ EDGES = "over_forest_edges"
 
 def render(picture: Picture) -> None:
     """Write docs/pictures/NAME.jpg."""
-    bpy.ops.wm.open_mainfile(filepath=str(ROOT / "examples" / f"{picture.scene}.blend"))
-    scene = bpy.context.scene
-    scene.render.engine = picture.engine
+    if picture.scene:
+        bpy.ops.wm.open_mainfile(filepath=str(ROOT / "examples" / f"{picture.scene}.blend"))
+        bpy.context.scene.render.engine = picture.engine
     picture.edit()
+    scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = picture.size_px
     if picture in CONTROLS:
         draft()

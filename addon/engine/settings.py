@@ -75,6 +75,7 @@ def indirect_config(scene: Scene) -> IndirectConfig:
         ambient_samples=indirect.ambient_samples,
         bounce=indirect.has_bounce,
         bounce_samples=indirect.bounce_samples,
+        mirror_depth=indirect.mirror_depth if indirect.has_mirrors else 0,
     )
 
 

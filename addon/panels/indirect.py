@@ -31,6 +31,12 @@ class TYNDALL_PT_indirect(PropertiesPanel, Panel):
         row = column.row()
         row.active = settings.has_bounce
         row.prop(settings, "bounce_samples")
+        column = layout.column(align=True)
+        column.prop(settings, "has_mirrors")
+        mirrors = column.column(align=True)
+        mirrors.active = settings.has_mirrors
+        mirrors.prop(settings, "mirror_depth")
+        mirrors.prop(settings, "mirror_roughness")
 
 
 CLASSES = (TYNDALL_PT_indirect,)

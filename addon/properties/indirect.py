@@ -60,3 +60,31 @@ class TyndallIndirectSettings(PropertyGroup):
         update=tag,
         override=OVERRIDABLE,
     )
+    has_mirrors: BoolProperty(
+        name="Mirrors",
+        description="Polished surfaces (Glossy, Metallic and Principled shaders) mirror the scene and the world. Off: "
+        "they are drawn as diffuse in their colour, as are rougher ones. Mirrors show no light shafts, and throw no "
+        "light",
+        default=False,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    mirror_depth: IntProperty(
+        name="Depth",
+        description="Mirrors that are seen in mirrors. The next one shows the world and what glows alone",
+        min=1,
+        max=64,
+        soft_max=8,
+        default=2,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    mirror_roughness: FloatProperty(
+        name="Roughness Up To",
+        description="Shaders up to this roughness mirror, sharply; rougher ones are drawn as diffuse, and reported",
+        min=0.0,
+        max=1.0,
+        default=0.1,
+        update=tag,
+        override=OVERRIDABLE,
+    )

@@ -44,6 +44,9 @@ if TYPE_CHECKING:
 _POLL_EVERY = 2048  #: Instances between two polls, about 5 ms.
 _UNDRAWN = {"CURVES": "hair curves", "POINTCLOUD": "point clouds"}
 
+#: Ray visibility of an object, beside that to cameras.
+_OTHER_RAYS = ("visible_shadow", "visible_diffuse", "visible_glossy")
+
 #: Of a 3D viewport, by kind of object: all that may have a mesh or instances, lights and volumes.
 _SWITCHES = {
     "MESH": "show_object_viewport_mesh",
@@ -67,6 +70,8 @@ class Placement:
     source: Object  #: Evaluated object whose data it is; valid while the depsgraph is.
     is_camera_visible: bool
     casts_shadow: bool
+    is_bounce_visible: bool = True
+    is_mirror_visible: bool = True
     matrices: list[Matrix] = field(default_factory=list)  #: World from object, one per instance.
     #: Identities of original datablocks whose geometry updates make this mesh stale.
     depends_on: set[int] = field(default_factory=set)
@@ -129,7 +134,8 @@ class _Grouping:
 
     def _is_limited(self, thing: Object) -> bool:
         """Whether it is hidden from something, and what it instances with it."""
-        return not (self._is_camera_visible(thing) and thing.visible_shadow) or self._is_hidden(thing)
+        is_seen_by_all = self._is_camera_visible(thing) and all(getattr(thing, switch) for switch in _OTHER_RAYS)
+        return not is_seen_by_all or self._is_hidden(thing)
 
     def _is_camera_visible(self, thing: Object) -> bool:
         if self._has_indirect_only and thing.indirect_only_get(view_layer=self._depsgraph.view_layer_eval):
@@ -186,10 +192,12 @@ class _Grouping:
             return None
         source = owner.evaluated_get(self._depsgraph)
         is_camera_visible = source.visible_camera and self._is_camera_visible(parent or source)
-        casts_shadow = source.visible_shadow and (parent is None or parent.visible_shadow)
+        casts_shadow, is_bounce_visible, is_mirror_visible = (
+            getattr(source, switch) and (parent is None or getattr(parent, switch)) for switch in _OTHER_RAYS
+        )
         if has_shape:
             self._report_unsupported(source, parent or source)
-            if not (is_camera_visible or casts_shadow):
+            if not (is_camera_visible or casts_shadow or is_bounce_visible or is_mirror_visible):
                 return None
         return Placement(
             object_name=owner.name,
@@ -198,6 +206,8 @@ class _Grouping:
             source=source,
             is_camera_visible=is_camera_visible,
             casts_shadow=casts_shadow,
+            is_bounce_visible=is_bounce_visible,
+            is_mirror_visible=is_mirror_visible,
             depends_on={thing.original.as_pointer() for thing in (thing.data, owner, parent) if thing is not None},
             is_instanced=parent is not None,
         )

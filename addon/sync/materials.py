@@ -31,10 +31,12 @@ class MaterialReader:
         override: bpy.types.Material | None = None,
         *,
         is_lit: bool = True,
+        mirror_roughness: float | None = None,
     ) -> None:
         """``override`` is the view layer's: in place of all others, as in Cycles.
 
         Without ``is_lit`` surfaces give no light: they let as much through as they do, and cost no shadow ray.
+        What is no rougher than ``mirror_roughness`` mirrors; None: nothing does.
         """
         self.materials: list[Material] = []
         self.media: list[Medium] = []
@@ -42,6 +44,7 @@ class MaterialReader:
         self._images = images
         self._override = override
         self._is_lit = is_lit
+        self._mirror_roughness = mirror_roughness if is_lit else None
         self._index_of: dict[bpy.types.Material | None, int] = {}
 
     def index(self, material: bpy.types.Material | None) -> int:
@@ -78,12 +81,12 @@ class MaterialReader:
                 return Material(name=material.name, has_surface=False, medium=medium)
         values = self._values(material, Domain.SURFACE)
         # Without an output it is black, as in Cycles.
-        shares = Shares() if surface is None else read_surface(values, surface)
+        shares = Shares() if surface is None else read_surface(values, surface, self._mirror_roughness)
         _note_displacement(tree, values)
         if not self._is_lit:
             shares.diffuse = shares.emission = BLACK
         results = (shares.diffuse, shares.transparent, shares.emission)
-        return values.program.material(material.name, results, medium=medium)
+        return values.program.material(material.name, results, shares.gloss, medium=medium)
 
     def _values(self, material: bpy.types.Material, domain: Domain) -> ValueReader:
         is_seen = self._is_lit or domain is Domain.CONSTANT

@@ -8,9 +8,9 @@ with three equal channels.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
-from tyndall.scene_description import Code, Material, Rgb, SurfaceOp, TextureUse
+from tyndall.scene_description import Code, Gloss, Material, Rgb, SurfaceOp, TextureUse
 
 BLACK: Rgb = (0.0, 0.0, 0.0)
 WHITE: Rgb = (1.0, 1.0, 1.0)
@@ -37,6 +37,17 @@ class Term:
 
 
 Value = Rgb | Term
+
+
+@dataclass
+class GlossValues:
+    """What mirrors of a surface, see tyndall.scene_description.Gloss."""
+
+    facing: Value = BLACK
+    edge: Value = BLACK
+    coat: Value = BLACK
+    coated: Value = BLACK
+    indices: dict[str, float] = field(default_factory=dict)  #: mirror_ior and coat_ior, where they are known.
 
 
 def grey(number: float) -> Rgb:
@@ -135,12 +146,20 @@ class Program:
             result = self.add(result, self.multiply(channel, mask))
         return result
 
-    def material(self, name: str, results: tuple[Value, Value, Value], **fields: object) -> Material:
-        """``results`` are diffuse, transparent and emission; constants if all three are known now."""
+    def material(
+        self, name: str, results: tuple[Value, Value, Value], gloss: GlossValues | None = None, **fields: object
+    ) -> Material:
+        """``results`` are diffuse, transparent and emission; constants if all of them and of gloss are known now."""
         diffuse, transparent, emission = results
-        if not any(isinstance(result, Term) for result in results):
-            return Material(name=name, diffuse=diffuse, transparent=transparent, emission=emission, **fields)
-        terms = [result if isinstance(result, Term) else self._constant(result) for result in results]
+        layers = () if gloss is None else (gloss.facing, gloss.edge, gloss.coat, gloss.coated)
+        if not any(isinstance(result, Term) for result in (*results, *layers)):
+            constant = gloss and Gloss(
+                **dict(zip(("facing", "edge", "coat", "coated"), layers, strict=True)), **gloss.indices
+            )
+            return Material(
+                name=name, diffuse=diffuse, transparent=transparent, emission=emission, gloss=constant, **fields
+            )
+        terms = [result if isinstance(result, Term) else self._constant(result) for result in (*results, *layers)]
         ops, registers = _allocate_registers(self._ops, [term.place for term in terms])
         return Material(
             name=name,
@@ -150,6 +169,7 @@ class Program:
             emission_register=registers[2],
             textures=tuple(self._textures),
             uv_maps=tuple(self._uv_maps),
+            gloss=gloss and Gloss(registers=tuple(registers[3:]), **gloss.indices),
             **fields,
         )
 

@@ -87,7 +87,14 @@ class SceneReader:
                     volumes.append(placement)
             elif layer.use_solid or placement.data is None:
                 placements.append(placement)
-        materials = MaterialReader(reports, self._images, layer.material_override, is_lit=is_lit)
+        indirect = depsgraph.scene_eval.tyndall.indirect
+        materials = MaterialReader(
+            reports,
+            self._images,
+            layer.material_override,
+            is_lit=is_lit,
+            mirror_roughness=indirect.mirror_roughness if indirect.has_mirrors else None,
+        )
         is_viewport = depsgraph.mode == "VIEWPORT"
         drawn_things = [placement for placement in placements if placement.data is not None]
         meshes, voxels = without_and_with_voxels(drawn_things)
@@ -208,6 +215,8 @@ def _group(placement: Placement, mesh: Mesh, materials: MaterialReader) -> Insta
         materials=tuple(materials.index(material) for material in placement.materials),
         is_camera_visible=placement.is_camera_visible,
         casts_shadow=placement.casts_shadow,
+        is_bounce_visible=placement.is_bounce_visible,
+        is_mirror_visible=placement.is_mirror_visible,
     )
 
 

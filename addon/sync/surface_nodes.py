@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Surface shaders as diffuse, transparent and emitted shares: the closures that this version draws.
 
-A closure without a counterpart takes the nearest one and a note: reflections become diffuse, glass becomes transparent.
+A closure without a counterpart takes the nearest one and a note: reflections become diffuse unless they are as sharp as
+mirrors, and mirrors are asked for; glass becomes transparent.
 """
 
 from __future__ import annotations
@@ -9,7 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from .program import BLACK, WHITE, Value
+import bpy
+
+from .program import BLACK, WHITE, GlossValues, Term, Value
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -18,7 +21,7 @@ if TYPE_CHECKING:
     from .value_nodes import ValueReader
 
 _DIFFUSE_LIKE = {
-    "BSDF_GLOSSY", "BSDF_ANISOTROPIC", "BSDF_METALLIC", "BSDF_VELVET", "BSDF_SHEEN", "BSDF_TOON", "BSDF_TRANSLUCENT",
+    "BSDF_VELVET", "BSDF_SHEEN", "BSDF_TOON", "BSDF_TRANSLUCENT",
     "BSDF_HAIR", "BSDF_HAIR_PRINCIPLED", "SUBSURFACE_SCATTERING", "EEVEE_SPECULAR",
 }  # fmt: skip
 _TRANSPARENT_LIKE = {"BSDF_GLASS", "BSDF_REFRACTION", "BSDF_RAY_PORTAL"}
@@ -31,11 +34,13 @@ class Shares:
     diffuse: Value = BLACK
     transparent: Value = BLACK
     emission: Value = BLACK
+    gloss: GlossValues | None = None
+    mirror_roughness: float | None = None  #: What is no rougher mirrors; None: nothing does.
 
 
-def read_surface(reader: ValueReader, at: Socket) -> Shares:
+def read_surface(reader: ValueReader, at: Socket, mirror_roughness: float | None = None) -> Shares:
     """``at`` is the Surface input of an output node."""
-    shares = Shares()
+    shares = Shares(mirror_roughness=mirror_roughness)
     _add(reader, at, WHITE, shares)
     return shares
 
@@ -85,6 +90,63 @@ def _diffuse(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> 
     shares.diffuse = program.add(shares.diffuse, program.multiply(weight, _colour_of(reader, at)))
 
 
+def _mirrors(reader: ValueReader, at: Socket, shares: Shares) -> bool:
+    """Whether a shader's reflection is as sharp as a mirror's, and mirrors are asked for."""
+    if shares.mirror_roughness is None:
+        return False
+    if getattr(at.node, "distribution", "") == "SHARP":  # up to 3.x
+        return True
+    roughness = reader.number(at.input("Roughness"), 0.5)
+    return not isinstance(roughness, Term) and roughness[0] <= shares.mirror_roughness + 1e-6
+
+
+def _mirror(reader: ValueReader, shares: Shares, facing: Value, edge: Value, ior: float) -> None:
+    program = reader.program
+    gloss = shares.gloss = shares.gloss or GlossValues()
+    gloss.facing, gloss.edge = program.add(gloss.facing, facing), program.add(gloss.edge, edge)
+    if facing != edge and gloss.indices.setdefault("mirror_ior", ior) != ior:
+        reader.note("mirrors of several indices of refraction are drawn with that of the first")
+
+
+def _coat(reader: ValueReader, shares: Shares, weight: Value, coated: Value, ior: float) -> None:
+    program = reader.program
+    gloss = shares.gloss = shares.gloss or GlossValues()
+    gloss.coat, gloss.coated = program.add(gloss.coat, weight), program.add(gloss.coated, coated)
+    if gloss.indices.setdefault("coat_ior", ior) != ior:
+        reader.note("gloss of several indices of refraction is drawn with that of the first")
+
+
+def _glossy(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None:
+    if not _mirrors(reader, at, shares):
+        reader.unsupported(at, "is drawn as diffuse in its colour")
+        _diffuse(reader, at, weight, shares)
+        return
+    _note_bumps(reader, at)
+    colour = reader.program.multiply(weight, _colour_of(reader, at))
+    _mirror(reader, shares, colour, colour, 0.0)
+
+
+def _metallic(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None:
+    """From 4.3 on. Its edge tint bends the rise to white a little below the edge: left out."""
+    if getattr(at.node, "fresnel_type", "F82") != "F82" or not _mirrors(reader, at, shares):
+        reader.unsupported(at, "is drawn as diffuse in its colour")
+        _diffuse(reader, at, weight, shares)
+        return
+    _note_bumps(reader, at)
+    _mirror(reader, shares, reader.program.multiply(weight, _colour_of(reader, at)), weight, 0.0)
+
+
+def _principled_index(reader: ValueReader, at: Socket) -> float:
+    """Of the clear layer, whose share seen straight its specular setting scales: 1 is none."""
+    if (level := at.input("Specular")) is not None:  # up to 3.x
+        straight = 0.08 * reader.constant(level)
+    else:
+        ior = max(reader.constant(at.input("IOR"), 1.5), 1.0)
+        straight = ((ior - 1.0) / (ior + 1.0)) ** 2 * 2.0 * reader.constant(at.input("Specular IOR Level"), 0.5)
+    root = min(max(straight, 0.0), 0.99) ** 0.5
+    return (1.0 + root) / (1.0 - root)
+
+
 def _transparent(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None:
     program = reader.program
     shares.transparent = program.add(shares.transparent, program.multiply(weight, _colour_of(reader, at)))
@@ -97,7 +159,10 @@ def _emission(reader: ValueReader, at: Socket, weight: Value, shares: Shares) ->
 
 
 def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None:
-    """Alpha cuts everything, emission too, as in Cycles. Metal and gloss are diffuse, transmission is transparent."""
+    """Alpha cuts everything, emission too, as in Cycles. Metal and gloss are diffuse unless they mirror.
+
+    Transmission is transparent.
+    """
     program = reader.program
     alpha = program.clamp(reader.number(at.input("Alpha"), 1.0))
     shares.transparent = program.add(shares.transparent, program.multiply(weight, program.complement(alpha)))
@@ -110,7 +175,8 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
 
     base = reader.colour(at.input("Base Color"))
     metallic = program.clamp(reader.number(at.input("Metallic")))
-    if metallic != BLACK:
+    mirrors = _mirrors(reader, at, shares)
+    if metallic != BLACK and not mirrors:
         reader.note("metal is drawn as diffuse in its colour")
     transmission = program.clamp(reader.number(at.input("Transmission Weight") or at.input("Transmission")))
     transmission = program.multiply(transmission, program.complement(metallic))
@@ -118,7 +184,18 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
         reader.note("transmission is drawn as transparent in its colour")
     passing = program.multiply(weight, program.multiply(base, transmission))
     shares.transparent = program.add(shares.transparent, passing)
-    scattering = program.multiply(weight, program.multiply(base, program.complement(transmission)))
+    opaque = program.multiply(weight, program.complement(transmission))
+    if mirrors:
+        metal = program.multiply(opaque, metallic)
+        opaque = program.multiply(opaque, program.complement(metallic))
+    scattering = program.multiply(opaque, base)
+    if mirrors:
+        index, is_3 = _principled_index(reader, at), bpy.app.version < (4, 0, 0)
+        if metal != BLACK:  # up to 3.x it rises as the clear layer does, from 4.0 on as metals do
+            _mirror(reader, shares, program.multiply(metal, base), metal, index if is_3 else 0.0)
+        if opaque != BLACK and index > 1.0:
+            _coat(reader, shares, opaque, BLACK if is_3 else scattering, index)
+            scattering = scattering if is_3 else BLACK  # up to 3.x the layer keeps nothing from what lies below
     shares.diffuse = program.add(shares.diffuse, scattering)
 
 
@@ -138,6 +215,9 @@ def _add_shader(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
 _SHADERS: dict[str, Callable[[ValueReader, Socket, Value, Shares], None]] = {
     "BSDF_DIFFUSE": _diffuse,
     "BSDF_TRANSPARENT": _transparent,
+    "BSDF_GLOSSY": _glossy,
+    "BSDF_ANISOTROPIC": _glossy,
+    "BSDF_METALLIC": _metallic,
     "BSDF_PRINCIPLED": _principled,
     "EMISSION": _emission,
     "MIX_SHADER": _mix_shader,

@@ -86,4 +86,6 @@ def _group(placement: Placement, dag: VoxelDag, materials: MaterialReader, repor
         material=material,
         is_camera_visible=placement.is_camera_visible,
         casts_shadow=placement.casts_shadow,
+        is_bounce_visible=placement.is_bounce_visible,
+        is_mirror_visible=placement.is_mirror_visible,
     )

@@ -41,11 +41,25 @@ static SurfaceOp make_op(int code, std::uint16_t out, std::uint16_t a, std::uint
             .uv_matrix = to_matrix<mat3, 3>(uv_matrix.data())};
 }
 
+static GlossLayers make_gloss(const std::array<Triple, 4>& constant, const std::array<std::uint16_t, 4>& registers,
+                              float mirror_ior, float coat_ior) {
+    return {.constant = {.facing = to_vec3(constant[0]),
+                         .edge = to_vec3(constant[1]),
+                         .coat = to_vec3(constant[2]),
+                         .coated = to_vec3(constant[3])},
+            .facing_register = registers[0],
+            .edge_register = registers[1],
+            .coat_register = registers[2],
+            .coated_register = registers[3],
+            .mirror_ior = mirror_ior,
+            .coat_ior = coat_ior};
+}
+
 static Material make_material(std::string name, bool has_surface, const Triple& diffuse, const Triple& transparent,
                               const Triple& emission, std::vector<SurfaceOp> program, std::uint16_t diffuse_register,
                               std::uint16_t transparent_register, std::uint16_t emission_register,
                               const std::vector<std::shared_ptr<Texture>>& textures, std::vector<std::string> uv_maps,
-                              std::int32_t medium) {
+                              std::optional<GlossLayers> gloss, std::int32_t medium) {
     Material material;
     material.name = std::move(name);
     material.program = std::move(program);
@@ -56,6 +70,7 @@ static Material make_material(std::string name, bool has_surface, const Triple& 
         .diffuse_albedo = to_vec3(diffuse), .transparent = to_vec3(transparent), .emission = to_vec3(emission)};
     material.textures.assign(textures.begin(), textures.end());
     material.uv_map_names = std::move(uv_maps);
+    material.gloss = gloss;
     material.medium_index = medium;
     material.has_surface = has_surface;
     validate(material);
@@ -80,10 +95,14 @@ void bind_materials(py::module_& native) {
     py::class_<SurfaceOp>(native, "SurfaceOp")
         .def(py::init(&make_op), "code"_a, "out"_a, "a"_a, "b"_a, "c"_a, "texture"_a, "uv_map"_a, "value"_a,
              "uv_matrix"_a);
+    py::class_<GlossLayers>(native, "Gloss")
+        .def(py::init(&make_gloss), "constant"_a, "registers"_a, "mirror_ior"_a, "coat_ior"_a,
+             "Four colours, and four registers: facing, edge, coat, coated.");
     py::class_<Material>(native, "Material")
         .def(py::init(&make_material), "name"_a, "has_surface"_a, "diffuse"_a, "transparent"_a, "emission"_a,
              "program"_a, "diffuse_register"_a, "transparent_register"_a, "emission_register"_a, "textures"_a,
-             "uv_maps"_a, "medium"_a, "Raises InvalidInput, naming the material, for a program that cannot run.");
+             "uv_maps"_a, "gloss"_a, "medium"_a,
+             "Raises InvalidInput, naming the material, for a program that cannot run.");
     py::class_<Medium>(native, "Medium")
         .def(py::init(&make_medium), "name"_a, "lobes"_a, "sigma_a_per_m"_a, "emission_w_per_m3_sr"_a,
              "lobes: pairs of sigma_s_per_m and asymmetry_g.");

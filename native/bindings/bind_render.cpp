@@ -48,12 +48,14 @@ static light_shafts::Config make_shafts(int method, float error_target, std::uin
 }
 
 static render::IndirectConfig make_indirect(bool ambient_occlusion, float ambient_distance_m,
-                                            std::uint32_t ambient_samples, bool bounce, std::uint32_t bounce_samples) {
+                                            std::uint32_t ambient_samples, bool bounce, std::uint32_t bounce_samples,
+                                            std::uint32_t mirror_depth) {
     return {.has_ambient_occlusion = ambient_occlusion,
             .ambient_distance_m = ambient_distance_m,
             .ambient_samples = ambient_samples,
             .has_bounce = bounce,
-            .bounce_samples = bounce_samples};
+            .bounce_samples = bounce_samples,
+            .mirror_depth = mirror_depth};
 }
 
 static render::FrameConfig
@@ -161,7 +163,7 @@ void bind_render(py::module_& native) {
              "seed"_a, "kept_maps"_a = py::none());
     py::class_<render::IndirectConfig>(native, "IndirectConfig")
         .def(py::init(&make_indirect), "ambient_occlusion"_a, "ambient_distance_m"_a, "ambient_samples"_a, "bounce"_a,
-             "bounce_samples"_a);
+             "bounce_samples"_a, "mirror_depth"_a);
     py::class_<render::FrameConfig>(native, "FrameConfig")
         .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "noise_threshold"_a,
              "region_px"_a, "film_transparent"_a, "passes"_a, "shafts"_a, "transfer_functions"_a, "reference_light"_a,

@@ -80,7 +80,7 @@ namespace {
 struct InstanceArrays {
     std::vector<std::uint32_t> mesh_indices, first_slot_materials;
     std::vector<std::uint16_t> slot_counts;
-    std::vector<std::uint8_t> is_camera_visible, casts_shadow;
+    std::vector<std::uint8_t> shows_to;
     py::array world_from_object;
 };
 } // namespace
@@ -96,21 +96,21 @@ static std::vector<Instance> make_instances(const InstanceArrays& arrays) {
                         .name_index = static_cast<std::uint32_t>(i),
                         .first_slot_material = arrays.first_slot_materials[i],
                         .slot_count = arrays.slot_counts[i],
-                        .is_camera_visible = arrays.is_camera_visible[i] != 0,
-                        .casts_shadow = arrays.casts_shadow[i] != 0};
+                        .is_camera_visible = (arrays.shows_to[i] & camera_mask) != 0,
+                        .casts_shadow = (arrays.shows_to[i] & shadow_mask) != 0,
+                        .is_bounce_visible = (arrays.shows_to[i] & bounce_mask) != 0,
+                        .is_mirror_visible = (arrays.shows_to[i] & mirror_mask) != 0};
     return instances;
 }
 
 /// Voxel objects in parallel arrays, one entry per placement; their names follow those of the instances.
 static std::vector<PlacedShape> make_placed_shapes(const py::array& shape_indices, const py::array& materials,
-                                                   const py::array& is_camera_visible, const py::array& casts_shadow,
-                                                   const py::array& world_from_object, std::size_t first_name) {
+                                                   const py::array& shows_to, const py::array& world_from_object,
+                                                   std::size_t first_name) {
     const auto shapes = to_vector<std::uint32_t, std::uint32_t>(shape_indices, {-1}, "shape_indices");
     const auto count = static_cast<py::ssize_t>(shapes.size());
     const auto material = to_vector<std::uint32_t, std::uint32_t>(materials, {count}, "shape_materials");
-    const auto is_visible =
-        to_vector<std::uint8_t, std::uint8_t>(is_camera_visible, {count}, "is_shape_camera_visible");
-    const auto casts = to_vector<std::uint8_t, std::uint8_t>(casts_shadow, {count}, "shape_casts_shadow");
+    const auto mask = to_vector<std::uint8_t, std::uint8_t>(shows_to, {count}, "shape_shows_to");
     check_array<float>(world_from_object, {count, 4, 4}, "world_from_shape");
     const auto* matrices = static_cast<const float*>(world_from_object.data());
     std::vector<PlacedShape> placed(shapes.size());
@@ -119,36 +119,35 @@ static std::vector<PlacedShape> make_placed_shapes(const py::array& shape_indice
                      .world_from_object = to_matrix<mat4, 4>(matrices + 16 * i),
                      .name_index = static_cast<std::uint32_t>(first_name + i),
                      .material_index = material[i],
-                     .is_camera_visible = is_visible[i] != 0,
-                     .casts_shadow = casts[i] != 0};
+                     .is_camera_visible = (mask[i] & camera_mask) != 0,
+                     .casts_shadow = (mask[i] & shadow_mask) != 0,
+                     .is_bounce_visible = (mask[i] & bounce_mask) != 0,
+                     .is_mirror_visible = (mask[i] & mirror_mask) != 0};
     return placed;
 }
 
 static std::unique_ptr<SceneWithMedia>
 make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::shared_ptr<TriangleMesh>>& meshes,
            const py::array& mesh_indices, const py::array& world_from_object, std::vector<std::string> object_names,
-           const py::array& first_slot_materials, const py::array& slot_counts, const py::array& is_camera_visible,
-           const py::array& casts_shadow, const py::array& slot_materials,
-           const std::vector<std::shared_ptr<CellGeometry>>& shapes, const py::array& shape_indices,
-           const py::array& world_from_shape, const py::array& shape_materials,
-           const py::array& is_shape_camera_visible, const py::array& shape_casts_shadow,
-           std::vector<Material> materials, std::vector<Medium> media, std::vector<VolumeInstance> volumes,
-           std::int32_t world_medium, const Progress& progress) {
+           const py::array& first_slot_materials, const py::array& slot_counts, const py::array& shows_to,
+           const py::array& slot_materials, const std::vector<std::shared_ptr<CellGeometry>>& shapes,
+           const py::array& shape_indices, const py::array& world_from_shape, const py::array& shape_materials,
+           const py::array& shape_shows_to, std::vector<Material> materials, std::vector<Medium> media,
+           std::vector<VolumeInstance> volumes, std::int32_t world_medium, const Progress& progress) {
     const py::ssize_t count = mesh_indices.size();
     SceneDescription description;
     description.origin_in_world = {origin_in_world[0], origin_in_world[1], origin_in_world[2]};
     description.meshes.assign(meshes.begin(), meshes.end());
-    description.instances = make_instances(
-        {.mesh_indices = to_vector<std::uint32_t, std::uint32_t>(mesh_indices, {-1}, "mesh_indices"),
-         .first_slot_materials =
-             to_vector<std::uint32_t, std::uint32_t>(first_slot_materials, {count}, "first_slot_materials"),
-         .slot_counts = to_vector<std::uint16_t, std::uint16_t>(slot_counts, {count}, "slot_counts"),
-         .is_camera_visible = to_vector<std::uint8_t, std::uint8_t>(is_camera_visible, {count}, "is_camera_visible"),
-         .casts_shadow = to_vector<std::uint8_t, std::uint8_t>(casts_shadow, {count}, "casts_shadow"),
-         .world_from_object = world_from_object});
+    description.instances =
+        make_instances({.mesh_indices = to_vector<std::uint32_t, std::uint32_t>(mesh_indices, {-1}, "mesh_indices"),
+                        .first_slot_materials = to_vector<std::uint32_t, std::uint32_t>(first_slot_materials, {count},
+                                                                                        "first_slot_materials"),
+                        .slot_counts = to_vector<std::uint16_t, std::uint16_t>(slot_counts, {count}, "slot_counts"),
+                        .shows_to = to_vector<std::uint8_t, std::uint8_t>(shows_to, {count}, "shows_to"),
+                        .world_from_object = world_from_object});
     description.shapes.assign(shapes.begin(), shapes.end());
-    description.placed_shapes = make_placed_shapes(shape_indices, shape_materials, is_shape_camera_visible,
-                                                   shape_casts_shadow, world_from_shape, description.instances.size());
+    description.placed_shapes = make_placed_shapes(shape_indices, shape_materials, shape_shows_to, world_from_shape,
+                                                   description.instances.size());
     description.object_names = std::move(object_names);
     description.slot_materials = to_vector<std::uint32_t, std::uint32_t>(slot_materials, {-1}, "slot_materials");
     description.materials = std::move(materials);
@@ -192,13 +191,12 @@ TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
              "dag"_a, "name"_a, "name: for reports. Keeps the DAG, without a copy. Releases the GIL.");
     py::class_<SceneWithMedia>(native, "Scene", "With its media. Immutable; safe from any thread.")
         .def(py::init(&make_scene), "origin_in_world"_a, "meshes"_a, "mesh_indices"_a, "world_from_object"_a,
-             "object_names"_a, "first_slot_materials"_a, "slot_counts"_a, "is_camera_visible"_a, "casts_shadow"_a,
-             "slot_materials"_a, "shapes"_a, "shape_indices"_a, "world_from_shape"_a, "shape_materials"_a,
-             "is_shape_camera_visible"_a, "shape_casts_shadow"_a, "materials"_a, "media"_a, "volumes"_a,
-             "world_medium"_a, "progress"_a,
+             "object_names"_a, "first_slot_materials"_a, "slot_counts"_a, "shows_to"_a, "slot_materials"_a, "shapes"_a,
+             "shape_indices"_a, "world_from_shape"_a, "shape_materials"_a, "shape_shows_to"_a, "materials"_a, "media"_a,
+             "volumes"_a, "world_medium"_a, "progress"_a,
              R"(In the dark, see relit. Per instance: mesh_indices and first_slot_materials uint32, slot_counts uint16,
-is_camera_visible and
-casts_shadow uint8, world_from_object float32 (n, 4, 4) relative to origin_in_world. The same per placed shape, of which
+shows_to uint8, a bit each for cameras, lights' shadows, bounces and mirrors, world_from_object float32 (n, 4, 4)
+relative to origin_in_world. The same per placed shape, of which
 shape_materials, uint32, is the one material. object_names: of the instances, then of the shapes. Releases the GIL.)")
         .def(
             "relit",

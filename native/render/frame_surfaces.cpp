@@ -15,6 +15,7 @@ FrameSurfaces::FrameSurfaces(const Scene& scene, const Media& media, const Camer
         statistics.skip("ambient occlusion", "the world is black");
     if (config.indirect.has_bounce && !indirect_.has_bounce())
         statistics.skip("colour bleeding", "nothing shines");
+    follows_mirrors_ = find_mirrors();
     if (config.kept_surfaces)
         config.kept_surfaces->begin_picture(scene);
     set_shadow_rays();
@@ -109,9 +110,27 @@ std::optional<MovedView> FrameSurfaces::moved_since(const KeptPass& kept) const 
     return MovedView(std::move(boxes), camera_, config_.pixel_samples > 1 ? filter_.radius_px() : 0.0f);
 }
 
+bool FrameSurfaces::find_mirrors() const {
+    bool has_mirrors = false;
+    for (const Material& material : scene_.description().materials) {
+        has_mirrors |= material.gloss.has_value();
+        if (material.gloss && config_.indirect.mirror_depth == 0)
+            statistics_.report("Material \"" + material.name +
+                               "\" is a mirror, but mirrors are not followed: "
+                               "what it would show is black");
+    }
+    if (config_.indirect.mirror_depth == 0)
+        return false;
+    if (!has_mirrors)
+        statistics_.skip("mirrors", "no surface is one");
+    else if (!media_.is_empty())
+        statistics_.skip("light shafts in mirrors", "they show surfaces, the world, and how media dim these");
+    return has_mirrors;
+}
+
 SurfaceForm FrameSurfaces::form_for_pass() const {
     const SurfaceForm form = config_.kept_surfaces->form_for(pixel_count(), light_.light_count());
-    return indirect_.is_wanted() && form == SurfaceForm::Points ? SurfaceForm::Samples : form;
+    return (indirect_.is_wanted() || follows_mirrors_) && form == SurfaceForm::Points ? SurfaceForm::Samples : form;
 }
 
 void FrameSurfaces::begin_pass(std::uint32_t sample_index, bool collects_parts, bool may_keep) {

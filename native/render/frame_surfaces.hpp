@@ -33,6 +33,8 @@ public:
 private:
     /// What of a pass is kept: points only where nothing but the lights decides how they are lit.
     [[nodiscard]] SurfaceForm form_for_pass() const;
+    /// Whether there is a mirror to follow; says what the picture will lack.
+    [[nodiscard]] bool find_mirrors() const;
     [[nodiscard]] SurfaceKey key(std::uint32_t sample_index, bool collects_parts) const;
     [[nodiscard]] std::vector<KeptLight> lights_now() const;
     void set_shadow_rays();
@@ -58,6 +60,7 @@ private:
     FilterSampler filter_;
     DirectLight light_;
     IndirectLight indirect_;
+    bool follows_mirrors_ = false;
     std::uint32_t world_reach_px_ = 0;
 
     std::uint32_t sample_index_ = 0; ///< Of the pass at work, as is all that follows.

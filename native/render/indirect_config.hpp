@@ -16,6 +16,9 @@ struct IndirectConfig {
     bool has_bounce = false;
     std::uint32_t bounce_samples = 0; ///< Rays per surface point, [0, 1024]; 0: a pilot decides.
 
+    std::uint32_t mirror_depth =
+        0; ///< Mirrors that a camera ray follows, one after another, [0, 64]; 0: they are black.
+
     /// How far surfaces look for what stops the world's light, and for surfaces whose light they catch.
     [[nodiscard]] float reach_m() const { return has_ambient_occlusion ? ambient_reach_m() : infinite_m; }
     /// The same for the pass.

@@ -21,6 +21,7 @@ void require_usable(const IndirectConfig& config) {
     require(1 <= config.ambient_samples && config.ambient_samples <= 1024, "ambient_samples is ",
             config.ambient_samples, ", outside [1, 1024]");
     require(config.bounce_samples <= 1024, "bounce_samples is ", config.bounce_samples, ", outside [0, 1024]");
+    require(config.mirror_depth <= 64, "mirror_depth is ", config.mirror_depth, ", outside [0, 64]");
 }
 
 /// Lamps, the world, a surface or the air.
@@ -117,7 +118,7 @@ void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vecto
     std::size_t met_count = 0, going_on = 0;
     for (Gatherer& gatherer : gatherers) {
         const auto& [point, part, weight] = gatherer;
-        const Hit hit = scene_.closest_hit(part);
+        const Hit hit = scene_.closest_hit(part, bounce_mask);
         if (!media_.is_empty()) {
             Ray inside = part;
             if (hit.is_hit())

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/view_path.hpp"
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -11,6 +12,8 @@ namespace tyndall::render {
 static constexpr std::uint32_t pairs_per_layer = 256;
 // Blender's default: a surface that covers less does not show in Depth, Normal and Position.
 static constexpr float alpha_threshold = 0.5f;
+// Of a mirrored ray, to be followed: between two panes that mirror a little, rays would double at each.
+static constexpr float least_mirrored = 1.0f / 1024.0f;
 
 /// A ray on its way.
 struct ViewPath::Follower {
@@ -21,85 +24,141 @@ struct ViewPath::Follower {
     [[nodiscard]] Rgb throughput() const { return through_surfaces * through_media; }
 };
 
+/// Seeds and targets as walk() has them.
+struct ViewPath::Rays {
+    std::span<Follower> followers;
+    std::span<const std::uint32_t> pixel_seeds, targets;
+};
+
 void ViewPath::pass_media(Follower& follower, const Hit& hit, PathSample& sample,
-                          std::vector<MediumPart>& parts) const {
+                          std::vector<MediumPart>* parts) const {
     Ray inside = follower.part;
     if (hit.is_hit())
         inside.far_m = hit.distance_m;
     const Rgb in_front = follower.throughput();
-    if (config_.collects_parts)
-        parts.push_back({.near_m = inside.near_m, .far_m = inside.far_m, .weight = in_front});
+    if (config_.collects_parts && parts != nullptr)
+        parts->push_back({.near_m = inside.near_m, .far_m = inside.far_m, .weight = in_front});
     sample.radiance += in_front * media_.emission(inside);
     follower.through_media *= media_.transmittance(inside);
     if (!follower.has_first_surface)
         sample.transmittance = follower.through_media;
 }
 
-void ViewPath::reach_world(const Follower& follower, PathSample& sample) const {
-    if (config_.is_film_transparent)
+void ViewPath::reach_world(const Follower& follower, bool is_in_mirror, PathSample& sample) const {
+    if (config_.is_film_transparent && !is_in_mirror)
         sample.alpha = 1.0f - average(follower.throughput());
     else
         sample.radiance += follower.throughput() * scene_.world().seen_radiance(follower.part.direction);
 }
 
+void ViewPath::show(Follower& follower, const SurfacePoint& point, const SurfaceClosures& closures, bool is_in_mirror,
+                    PathSample& sample) const {
+    const Rgb throughput = follower.throughput();
+    sample.radiance += throughput * closures.emission;
+    if (is_in_mirror)
+        return;
+    if (!follower.has_first_surface && 1.0f - average(closures.transparent) >= alpha_threshold) {
+        follower.has_first_surface = true;
+        sample.depth_m = glm::dot(point.shading.position - camera_.position(), camera_.forward());
+        sample.normal = point.shading.shading_normal;
+        sample.position = point.shading.position;
+    }
+    sample.emission += throughput * closures.emission;
+    sample.diffuse_colour += throughput * closures.diffuse_albedo;
+}
+
+Ray ViewPath::mirrored_ray(const SurfacePoint& point, const Ray& ray) {
+    const ShadingPoint& shading = point.shading;
+    const vec3 outside = shading.is_backface ? -shading.geometric_normal : shading.geometric_normal;
+    vec3 direction = glm::reflect(ray.direction, shading.shading_normal);
+    if (glm::dot(direction, outside) <= 0.0f) // a normal of its own may turn it into the surface
+        direction = glm::reflect(ray.direction, outside);
+    direction = glm::normalize(direction);
+    return {.origin = point.spawn.towards(direction), .direction = direction};
+}
+
 void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds,
                     std::span<const std::uint32_t> targets, std::span<PathSample> samples,
                     std::span<std::vector<MediumPart>> parts, SurfaceWalk* walked) const {
-    constexpr std::size_t size = DirectLight::most_points;
-    std::array<Follower, size> followers;
-    std::size_t count = camera_rays.size();
-    for (std::size_t index = 0; index < count; ++index) {
+    std::array<Follower, DirectLight::most_points> followers;
+    for (std::size_t index = 0; index < camera_rays.size(); ++index) {
         followers[index].index = index;
         followers[index].part = camera_rays[index];
         samples[index] = {};
     }
-    std::array<Ray, size> rays;
+    const auto rays_of = [&](std::span<Follower> these) { return Rays{these, pixel_seeds, targets}; };
+    const std::uint32_t depth = walked != nullptr ? config_.indirect.mirror_depth : 0;
+    thread_local std::vector<Follower> mirrored, following;
+    mirrored.clear();
+    follow(rays_of(std::span(followers).first(camera_rays.size())), 0, samples, parts, depth > 0 ? &mirrored : nullptr,
+           walked);
+    // What the last mirrors show is not lit any more, as in Cycles: the world, and what glows.
+    for (std::uint32_t mirror_count = 1; mirror_count <= depth + 1 && !mirrored.empty(); ++mirror_count) {
+        const bool is_past = mirror_count > depth;
+        following.swap(mirrored);
+        mirrored.clear();
+        for (std::size_t first = 0; first < following.size(); first += DirectLight::most_points) {
+            const std::size_t count = std::min(DirectLight::most_points, following.size() - first);
+            follow(rays_of(std::span(following).subspan(first, count)), mirror_count, samples, parts,
+                   is_past ? nullptr : &mirrored, is_past ? nullptr : walked);
+        }
+    }
+}
+
+void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<PathSample> samples,
+                      std::span<std::vector<MediumPart>> parts, std::vector<Follower>* mirrored,
+                      SurfaceWalk* walked) const {
+    constexpr std::size_t size = DirectLight::most_points;
+    const bool is_in_mirror = mirror_count > 0;
+    const std::span<Follower> followers = rays.followers;
+    std::size_t count = followers.size();
+    std::array<Ray, size> next;
     std::array<Hit, size> hits;
     for (std::uint32_t layer = 0; layer < max_layer_count && count > 0; ++layer) {
         for (std::size_t i = 0; i < count; ++i)
-            rays[i] = followers[i].part;
-        scene_.closest_hits(std::span(rays).first(count), hits);
+            next[i] = followers[i].part;
+        scene_.closest_hits(std::span(next).first(count), hits, is_in_mirror ? mirror_mask : camera_mask);
         std::size_t going_on = 0;
         for (std::size_t i = 0; i < count; ++i) {
             Follower& follower = followers[i];
             const Hit& hit = hits[i];
             PathSample& sample = samples[follower.index];
             if (!media_.is_empty())
-                pass_media(follower, hit, sample, parts[follower.index]);
+                pass_media(follower, hit, sample, is_in_mirror ? nullptr : &parts[follower.index]);
             if (!hit.is_hit()) {
-                reach_world(follower, sample);
+                reach_world(follower, is_in_mirror, sample);
                 continue;
             }
             const Rgb throughput = follower.throughput();
-            const SurfacePoint point = surface_point(scene_, follower.part, hit, pixel_seeds[follower.index]);
+            const SurfacePoint point = surface_point(scene_, follower.part, hit, rays.pixel_seeds[follower.index]);
             const SurfaceClosures closures = scene_.closures(point.shading, hit);
-            if (!follower.has_first_surface && 1.0f - average(closures.transparent) >= alpha_threshold) {
-                follower.has_first_surface = true;
-                sample.depth_m = glm::dot(point.shading.position - camera_.position(), camera_.forward());
-                sample.normal = point.shading.shading_normal;
-                sample.position = point.shading.position;
-            }
-            sample.radiance += throughput * closures.emission;
-            sample.emission += throughput * closures.emission;
-            sample.diffuse_colour += throughput * closures.diffuse_albedo;
-            if (walked != nullptr && targets[follower.index] != nowhere &&
+            show(follower, point, closures, is_in_mirror, sample);
+            if (walked != nullptr && rays.targets[follower.index] != nowhere &&
                 (closures.diffuse_albedo != Rgb(0.0f) || config_.lights_black_surfaces ||
-                 (config_.finds_ambient && closures.transparent != Rgb(1.0f)))) {
+                 (config_.finds_ambient && !is_in_mirror && closures.transparent != Rgb(1.0f)))) {
                 const Rgb albedo = closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
+                const Rgb seen = is_in_mirror ? Rgb(0.0f) : throughput;
                 walked->points.push_back(point);
-                walked->shades.push_back({throughput, throughput * albedo, throughput * (1.0f - closures.transparent),
-                                          targets[follower.index]});
+                walked->shades.push_back(
+                    {seen, throughput * albedo, seen * (1.0f - closures.transparent), rays.targets[follower.index]});
+            }
+            if (const Rgb weight = throughput * closures.mirrored;
+                mirrored != nullptr && std::max({weight.x, weight.y, weight.z}) >= least_mirrored) {
+                mirrored->push_back(follower);
+                mirrored->back().part = mirrored_ray(point, follower.part);
+                mirrored->back().through_surfaces *= closures.mirrored;
+                mirrored->back().has_first_surface = true;
             }
             follower.through_surfaces *= closures.transparent;
             if (follower.through_surfaces == Rgb(0.0f))
                 continue;
             // The same ray meets the same triangle at the same distance, bit for bit: one step further is behind it.
-            follower.part.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), camera_rays[follower.index].far_m);
+            follower.part.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), follower.part.far_m);
             followers[going_on++] = follower;
         }
         count = going_on;
         if (walked != nullptr)
-            walked->end_batch(layer);
+            walked->end_batch(mirror_count * max_layer_count + layer);
     }
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A camera ray on its way through transparent surfaces: every layer adds its light, weighted by what lies in front.
+// A camera ray on its way through transparent surfaces: every layer adds its light, weighted by what lies in front; and
+// what mirrors send on, as far as the settings say.
 // Differs from Cycles: layers are followed deterministically with their share per channel, not picked at random, so
-//           that a window or a leaf's edge adds no noise. The expected picture is the same.
+//           that a window or a leaf's edge adds no noise. The expected picture is the same. So are mirrors, but for those
+//           of which less than 1 / 1,024 would reach the camera.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
 #include "render/direct_light.hpp"
@@ -57,10 +59,20 @@ public:
 
 private:
     struct Follower;
-    /// Light and parts of the media up to the hit.
-    void pass_media(Follower& follower, const Hit& hit, PathSample& sample, std::vector<MediumPart>& parts) const;
-    /// Light of the world, if the film shows it.
-    void reach_world(const Follower& follower, PathSample& sample) const;
+    /// Of rays that went one way by as many mirrors.
+    struct Rays;
+    /// Follows up to most_points rays by their layers; what is mirrored on the way goes to `mirrored`, where there is one.
+    void follow(const Rays& rays, std::uint32_t mirror_count, std::span<PathSample> samples,
+                std::span<std::vector<MediumPart>> parts, std::vector<Follower>* mirrored, SurfaceWalk* walked) const;
+    /// Light of a surface that is not what lamps and world throw on it; the first one that covers tells what it is.
+    void show(Follower& follower, const SurfacePoint& point, const SurfaceClosures& closures, bool is_in_mirror,
+              PathSample& sample) const;
+    /// Where it goes on from there.
+    [[nodiscard]] static Ray mirrored_ray(const SurfacePoint& point, const Ray& ray);
+    /// Light of the media up to the hit, and their parts: nothing, where they do not count.
+    void pass_media(Follower& follower, const Hit& hit, PathSample& sample, std::vector<MediumPart>* parts) const;
+    /// Light of the world, if the film shows it; mirrors always do.
+    void reach_world(const Follower& follower, bool is_in_mirror, PathSample& sample) const;
 
     const Scene& scene_;
     const Media& media_;

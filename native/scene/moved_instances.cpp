@@ -21,10 +21,10 @@ static bool are_same(const SurfaceOp& a, const SurfaceOp& b) {
 static bool are_same(const Material& a, const Material& b) {
     const auto all = [](const Material& material) {
         const auto& [name, program, diffuse_register, transparent_register, emission_register, constant, textures,
-                     uv_map_names, medium_index, has_surface] = material;
-        const auto& [diffuse_albedo, transparent, emission] = constant;
+                     uv_map_names, gloss, medium_index, has_surface] = material;
+        const auto& [diffuse_albedo, transparent, emission, mirrored] = constant;
         return std::tie(name, diffuse_register, transparent_register, emission_register, diffuse_albedo, transparent,
-                        emission, textures, uv_map_names, medium_index, has_surface);
+                        emission, mirrored, textures, uv_map_names, gloss, medium_index, has_surface);
     };
     return all(a) == all(b) &&
            std::ranges::equal(a.program, b.program,
@@ -55,8 +55,9 @@ static bool are_same(const VolumeInstance& a, const VolumeInstance& b) {
 static bool are_alike(const Instance& a, const Instance& b) {
     const auto all = [](const Instance& instance) {
         const auto& [mesh_index, world_from_object, name_index, first_slot_material, slot_count, is_camera_visible,
-                     casts_shadow] = instance;
-        return std::tuple(mesh_index, name_index, first_slot_material, slot_count, is_camera_visible, casts_shadow);
+                     casts_shadow, is_bounce_visible, is_mirror_visible] = instance;
+        return std::tuple(mesh_index, name_index, first_slot_material, slot_count, is_camera_visible, casts_shadow,
+                          is_bounce_visible, is_mirror_visible);
     };
     return all(a) == all(b);
 }

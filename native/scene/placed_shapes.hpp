@@ -14,6 +14,8 @@ struct PlacedShape {
     std::uint32_t name_index = 0, material_index = 0;
     bool is_camera_visible = true;
     bool casts_shadow = true;
+    bool is_bounce_visible = true; ///< Its light falls on other surfaces by a bounce.
+    bool is_mirror_visible = true;
     bool operator==(const PlacedShape&) const = default;
 };
 

@@ -100,23 +100,23 @@ Hit Scene::in_scene(Hit hit) const {
     return hit;
 }
 
-Hit Scene::closest_hit(const Ray& ray) const {
+Hit Scene::closest_hit(const Ray& ray, unsigned int mask) const {
     QueryContext context(*this, &ray, nullptr);
     if (geometry_->has_holes)
         context.embree.filter = skip_holes;
     RTCRayHit query;
-    query.ray = embree_ray(ray, camera_mask);
+    query.ray = embree_ray(ray, mask);
     query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(embree_scene(), &context.embree, &query);
     return query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? Hit{} : in_scene(hit_of(query.ray, query.hit));
 }
 
-void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits) const {
+void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits, unsigned int mask) const {
     for (std::size_t first = 0; first < rays.size(); first += packet_size) {
         const std::span<const Ray> these = rays.subspan(first, std::min(packet_size, rays.size() - first));
         if (these.size() < smallest_packet) {
             for (std::size_t lane = 0; lane < these.size(); ++lane)
-                hits[first + lane] = closest_hit(these[lane]);
+                hits[first + lane] = closest_hit(these[lane], mask);
             continue;
         }
         QueryContext context(*this, these.data(), nullptr);
@@ -124,7 +124,7 @@ void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits) const {
         if (geometry_->has_holes)
             context.embree.filter = skip_holes;
         RTCRayHit16 query;
-        alignas(64) const std::array<int, packet_size> valid = fill(query.ray, these, camera_mask);
+        alignas(64) const std::array<int, packet_size> valid = fill(query.ray, these, mask);
         std::fill_n(query.hit.geomID, packet_size, RTC_INVALID_GEOMETRY_ID);
         std::fill_n(query.hit.instID[0], packet_size, RTC_INVALID_GEOMETRY_ID);
         rtcIntersect16(valid.data(), embree_scene(), &context.embree, &query);

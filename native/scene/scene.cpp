@@ -227,7 +227,8 @@ Scene::Placement Scene::placement_of(const mat4& scene_from_object) {
 
 /// Of an instance or a placed shape.
 static unsigned int mask_of(const auto& placed) {
-    return (placed.is_camera_visible ? camera_mask : 0u) | (placed.casts_shadow ? shadow_mask : 0u);
+    return (placed.is_camera_visible ? camera_mask : 0u) | (placed.casts_shadow ? shadow_mask : 0u) |
+           (placed.is_bounce_visible ? bounce_mask : 0u) | (placed.is_mirror_visible ? mirror_mask : 0u);
 }
 
 void Scene::Geometry::attach_instances(const Progress& progress) {
@@ -250,7 +251,7 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
         if (surface_slots == 0)
             continue; // light and view pass: the media have an Embree scene of their own
         surface_bounds.grow(box);
-        has_holes |= instance.is_camera_visible && surface_slots < instance.slot_count;
+        has_holes |= (mask_of(instance) & ~shadow_mask) != 0 && surface_slots < instance.slot_count;
         lets_light_pass |= instance.casts_shadow && opaque_slots < instance.slot_count;
 
         attach_instance(embree_scene, mesh.embree_scene(), instance.world_from_object, index, mask_of(instance));

@@ -5,6 +5,7 @@
 #include "core/progress.hpp"
 #include "core/statistics.hpp"
 #include "scene/camera.hpp"
+#include "scene/instance_masks.hpp"
 #include "scene/light.hpp"
 #include "scene/placed_shapes.hpp"
 #include "scene/spawn_offset.hpp"
@@ -28,6 +29,8 @@ struct Instance {
     std::uint16_t slot_count = 1;
     bool is_camera_visible = true;
     bool casts_shadow = true;
+    bool is_bounce_visible = true; ///< Its light falls on other surfaces by a bounce.
+    bool is_mirror_visible = true;
 };
 
 struct SceneDescription {
@@ -122,11 +125,11 @@ public:
     [[nodiscard]] Ray leaving_ray(const Hit& hit, const vec3& direction,
                                   float far_m = std::numeric_limits<float>::infinity()) const;
 
-    /// Nearest camera-visible surface. Instances without a surface shader (fog boxes) never answer.
-    [[nodiscard]] Hit closest_hit(const Ray& ray) const;
+    /// Nearest surface that shows to rays of a mask, cameras'. Instances without a surface shader (fog boxes) never answer.
+    [[nodiscard]] Hit closest_hit(const Ray& ray, unsigned int mask = camera_mask) const;
     /// The same for rays that go much the same way, as those of neighbouring pixels: at a third of the time. Where two
     /// triangles share the nearest point, which of them answers may depend on the other rays of the 16.
-    void closest_hits(std::span<const Ray> rays, std::span<Hit> hits) const;
+    void closest_hits(std::span<const Ray> rays, std::span<Hit> hits, unsigned int mask = camera_mask) const;
     /// Light that passes along the ray through transparent surfaces, per channel; 0 behind an opaque one. Media are
     /// not included. Only instances that cast shadows count.
     [[nodiscard]] Rgb shadow_transmittance(const Ray& ray) const;
@@ -151,7 +154,7 @@ private:
         RTCScene embree_scene = nullptr;
         std::vector<Placement> placements; ///< Per instance, then per placed shape.
         bool lets_light_pass = false;      ///< Some shadow-casting instance is transparent, or has holes.
-        bool has_holes = false;            ///< Some camera-visible instance has slots without a surface.
+        bool has_holes = false;            ///< Some instance that is seen has slots without a surface.
 
         Geometry(SceneDescription scene, const Progress& progress);
         Geometry(const Geometry&) = delete;

@@ -42,6 +42,10 @@ static void look_up_uvs(const Scene& scene, const Material& material, const Hit&
     }
 }
 
+static float view_cosine(const ShadingPoint& point, const Ray& ray) {
+    return std::clamp(-glm::dot(point.shading_normal, ray.direction), 0.0f, 1.0f);
+}
+
 ShadingPoint Scene::shading_point(const PlacedShape& placed, const Ray& ray, const Hit& hit) const {
     const CellShape& shape = description().shapes[placed.shape_index]->shape();
     const CellFace face = shape.face(hit.cell);
@@ -52,11 +56,14 @@ ShadingPoint Scene::shading_point(const PlacedShape& placed, const Ray& ray, con
                        .triangle = hit.triangle,
                        .barycentrics = hit.barycentrics,
                        .is_backface = glm::dot(hit.geometric_normal, ray.direction) > 0.0f};
-    const vec3 normal = geometry_->placements[hit.instance].scene_from_object_normals * shape.look(hit.cell).normal;
+    const CellLook look = shape.look(hit.cell);
+    point.tint = look.color;
+    const vec3 normal = geometry_->placements[hit.instance].scene_from_object_normals * look.normal;
     if (const float length = glm::length(normal); length > 0.0f)
         point.shading_normal = normal / length;
     if (glm::dot(point.shading_normal, ray.direction) > 0.0f) // walls of one voxel have two sides
         point.shading_normal = -point.shading_normal;
+    point.view_cosine = view_cosine(point, ray);
     return point;
 }
 
@@ -92,6 +99,7 @@ ShadingPoint Scene::shading_point(const Ray& ray, const Hit& hit) const {
     }
     if (point.is_backface)
         point.shading_normal = -point.shading_normal;
+    point.view_cosine = view_cosine(point, ray);
     return point;
 }
 
@@ -99,16 +107,16 @@ SurfaceClosures Scene::closures(const ShadingPoint& point, const Hit& hit) const
     const Material& surface = material(hit.instance, hit.triangle);
     if (!surface.has_surface)
         return {.diffuse_albedo = Rgb(0.0f), .transparent = Rgb(1.0f), .emission = Rgb(0.0f)};
-    SurfaceClosures closures = surface.constant;
-    if (!surface.is_constant()) {
+    SurfaceClosures closures;
+    if (surface.is_constant()) {
+        closures = evaluate(surface, point, {});
+    } else {
         thread_local std::vector<vec2> uvs;
         look_up_uvs(*this, surface, hit, uvs);
         closures = evaluate(surface, point, uvs);
     }
-    if (const PlacedShape* placed = placed_shape(hit.instance)) {
-        closures.diffuse_albedo *= description().shapes[placed->shape_index]->shape().look(hit.cell).color;
+    if (placed_shape(hit.instance) != nullptr)
         closures.transparent = Rgb(0.0f);
-    }
     return closures;
 }
 

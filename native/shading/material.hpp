@@ -5,6 +5,7 @@
 #include "image/texture.hpp"
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct ShadingPoint {
     std::uint32_t mesh_index = 0, triangle = 0;
     vec2 barycentrics{0.0f};
     bool is_backface = false;
+    float view_cosine = 1.0f; ///< Between the shading normal and the way back along the ray, [0, 1].
+    Rgb tint{1.0f};           ///< Multiplies colours: those of voxels.
 };
 
 /// Closures of one point. Weights already carry mix factors; diffuse + transparent need not add up to 1.
@@ -24,6 +27,22 @@ struct SurfaceClosures {
     Rgb diffuse_albedo{0.0f};
     Rgb transparent{0.0f}; ///< Share that passes straight through.
     Rgb emission{0.0f};    ///< Radiance.
+    Rgb mirrored{0.0f};    ///< Share of what comes along the mirrored ray, at the point's view_cosine.
+};
+
+/// What mirrors, beside the rest of a surface. Weights already carry mix factors.
+struct Gloss {
+    Rgb facing{0.0f}, edge{0.0f}; ///< Share that is mirrored where the surface is seen straight, and grazing.
+    Rgb coat{0.0f};               ///< Weight of a clear layer, which mirrors by Fresnel's equations.
+    Rgb coated{0.0f};             ///< Diffuse albedo below that layer, in the light that it lets in.
+    bool operator==(const Gloss&) const = default;
+};
+struct GlossLayers {
+    Gloss constant = {}; ///< Of a material without a program.
+    std::uint16_t facing_register = 0, edge_register = 0, coat_register = 0, coated_register = 0;
+    float mirror_ior = 0.0f; ///< By which `facing` rises to `edge`: 0, or at least 1, see fresnel_rise.
+    float coat_ior = 1.5f;   ///< Of the clear layer, at least 1.
+    bool operator==(const GlossLayers&) const = default;
 };
 
 /// One operation of a surface program. Registers hold an Rgb; scalars have three equal channels.
@@ -55,6 +74,7 @@ struct Material {
     SurfaceClosures constant{.diffuse_albedo = Rgb(0.8f), .transparent = Rgb(0.0f), .emission = Rgb(0.0f)};
     std::vector<std::shared_ptr<const Texture>> textures = {};
     std::vector<std::string> uv_map_names = {}; ///< An empty name: the active one.
+    std::optional<GlossLayers> gloss = {};      ///< Nothing: it mirrors nothing.
     std::int32_t medium_index = -1; ///< Into SceneDescription::media: the medium inside the closed mesh; -1: none.
     bool has_surface = true;        ///< False: no surface shader; light and view pass (a fog box).
 

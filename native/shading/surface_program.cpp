@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "shading/surface_program.hpp"
 #include "core/errors.hpp"
+#include "shading/fresnel.hpp"
 #include <array>
 #include <cstdint>
 
@@ -106,6 +107,18 @@ void validate(const Material& material) {
     const SurfaceClosures& constant = material.constant;
     require(is_finite(constant.diffuse_albedo) && is_finite(constant.transparent) && is_finite(constant.emission),
             "material \"", material.name, "\" has a colour that is not finite");
+    if (material.gloss) {
+        const GlossLayers& gloss = *material.gloss;
+        for (const std::uint16_t index :
+             {gloss.facing_register, gloss.edge_register, gloss.coat_register, gloss.coated_register})
+            check_register(index);
+        const Gloss& fixed = gloss.constant;
+        require(is_finite(fixed.facing) && is_finite(fixed.edge) && is_finite(fixed.coat) && is_finite(fixed.coated),
+                "material \"", material.name, "\" has a colour that is not finite");
+        require(gloss.mirror_ior == 0.0f || (gloss.mirror_ior >= 1.0f && gloss.mirror_ior <= 1e3f), "material \"",
+                material.name, "\" has a mirror_ior of ", gloss.mirror_ior, ", neither 0 nor in [1, 1000]");
+        require_in(gloss.coat_ior, 1.0f, 1e3f, "coat_ior");
+    }
     for (const SurfaceOp& op : material.program) {
         for (const std::uint16_t index : {op.out, op.a, op.b, op.c})
             check_register(index);
@@ -119,16 +132,39 @@ void validate(const Material& material) {
     }
 }
 
+/// What the layers of `gloss` mirror at the point's angle, and what the coat lets in of the light on what lies below it.
+static void add_gloss(const GlossLayers& layers, const Gloss& gloss, const ShadingPoint& point,
+                      SurfaceClosures& closures) {
+    const float rise = fresnel_rise(point.view_cosine, layers.mirror_ior),
+                by_coat = fresnel_dielectric(point.view_cosine, layers.coat_ior);
+    closures.mirrored =
+        point.tint * share(gloss.facing + (gloss.edge - gloss.facing) * rise) + share(gloss.coat) * by_coat;
+    closures.diffuse_albedo += point.tint * non_negative(gloss.coated) * (1.0f - by_coat);
+}
+
 SurfaceClosures evaluate(const Material& material, const ShadingPoint& point, std::span<const vec2> uvs) {
-    if (material.is_constant())
-        return material.constant;
+    if (material.is_constant()) {
+        SurfaceClosures closures = material.constant;
+        closures.diffuse_albedo *= point.tint;
+        if (material.gloss)
+            add_gloss(*material.gloss, material.gloss->constant, point, closures);
+        return closures;
+    }
     Registers registers{};
     for (const SurfaceOp& op : material.program)
         registers[op.out] = result_of(op, registers, point.is_backface,
                                       [&](const SurfaceOp& lookup) { return texture_value(lookup, material, uvs); });
-    return {.diffuse_albedo = non_negative(registers[material.diffuse_register]),
-            .transparent = share(registers[material.transparent_register]),
-            .emission = non_negative(registers[material.emission_register])};
+    SurfaceClosures closures{.diffuse_albedo = point.tint * non_negative(registers[material.diffuse_register]),
+                             .transparent = share(registers[material.transparent_register]),
+                             .emission = non_negative(registers[material.emission_register])};
+    if (const auto& gloss = material.gloss)
+        add_gloss(*gloss,
+                  {.facing = registers[gloss->facing_register],
+                   .edge = registers[gloss->edge_register],
+                   .coat = registers[gloss->coat_register],
+                   .coated = registers[gloss->coated_register]},
+                  point, closures);
+    return closures;
 }
 
 /// Those that SurfaceClosures::transparent depends on, in their order.

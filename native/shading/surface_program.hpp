@@ -11,7 +11,7 @@ inline constexpr std::size_t surface_register_count = 64;
 /// Throws InvalidInput that names the material: a register, texture or UV map out of range, a non-finite constant.
 void validate(const Material& material);
 
-/// The three closures of a validated material. uvs[i] is the value of material.uv_map_names[i] at the point.
+/// The closures of a validated material. uvs[i] is the value of material.uv_map_names[i] at the point.
 [[nodiscard]] SurfaceClosures evaluate(const Material& material, const ShadingPoint& point, std::span<const vec2> uvs);
 
 /// SurfaceClosures::transparent alone: runs only the operations that it depends on, for shadow rays.

@@ -19,8 +19,9 @@ from .linear_colours import linear_colours
 from .native_lights import build_light
 from .native_textures import build_texture
 from .native_volumes import build_volumes
-from .native_voxels import build_voxels, relative_matrices
+from .native_voxels import build_voxels, relative_matrices, shows_to
 from .scene_description import (
+    Gloss,
     Image,
     Instances,
     LightTexture,
@@ -184,8 +185,7 @@ def _build_geometry(
         object_names=object_names,
         first_slot_materials=_repeated(first_slots, counts, np.uint32),
         slot_counts=_repeated([len(slot) for slot in slots], counts, np.uint16),
-        is_camera_visible=_repeated([group.is_camera_visible for group in groups], counts, np.uint8),
-        casts_shadow=_repeated([group.casts_shadow for group in groups], counts, np.uint8),
+        shows_to=_repeated([shows_to(group) for group in groups], counts, np.uint8),
         slot_materials=np.array([index for slot in slots for index in slot], dtype=np.uint32),
         **voxels.arguments,
         materials=materials,
@@ -358,7 +358,17 @@ def _build_material(material: Material, textures: list[_native.Texture]) -> _nat
         emission_register=material.emission_register,
         textures=textures,
         uv_maps=material.uv_maps,
+        gloss=None if material.gloss is None else _build_gloss(material.gloss),
         medium=material.medium,
+    )
+
+
+def _build_gloss(gloss: Gloss) -> _native.Gloss:
+    return _native.Gloss(
+        constant=(gloss.facing, gloss.edge, gloss.coat, gloss.coated),
+        registers=gloss.registers,
+        mirror_ior=gloss.mirror_ior,
+        coat_ior=gloss.coat_ior,
     )
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .native_scene import NativeParts
-    from .scene_description import VoxelObjects
+    from .scene_description import Instances, VoxelObjects
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,11 +52,16 @@ def build_voxels(
             "shape_materials": repeated(
                 [default_material if group.material is None else group.material for group in groups], np.uint32
             ),
-            "is_shape_camera_visible": repeated([group.is_camera_visible for group in groups], np.uint8),
-            "shape_casts_shadow": repeated([group.casts_shadow for group in groups], np.uint8),
+            "shape_shows_to": repeated([shows_to(group) for group in groups], np.uint8),
         },
         object_names=[name for group in groups for name in group.object_names],
     )
+
+
+def shows_to(group: Instances | VoxelObjects) -> int:
+    """A bit for each kind of ray, as native/scene/instance_masks.hpp numbers them."""
+    flags = (group.is_camera_visible, group.casts_shadow, group.is_bounce_visible, group.is_mirror_visible)
+    return sum(flag << bit for bit, flag in enumerate(flags))
 
 
 def relative_matrices(matrices: list[NDArray[np.float64]], origin: NDArray[np.float64]) -> NDArray[np.float32]:

@@ -64,11 +64,12 @@ class IndirectConfig:
 
     #: The world's light on surfaces is stopped by what stands within ambient_distance_m, and not by what is farther.
     ambient_occlusion: bool = False
-    ambient_distance_m: float = 0.0  #: Of the AO pass, too, which needs no ambient_occlusion; [0, 1e9], 0: any distance.
+    ambient_distance_m: float = 0.0  #: Of the AO pass, too, whether that is on or not; [0, 1e9], 0: any distance.
     ambient_samples: int = 4  #: Rays of the AO pass per camera ray, [1, 1024].
     #: One diffuse bounce: surfaces catch the light of lamps and world on other surfaces, and what these emit.
     bounce: bool = False
     bounce_samples: int = 0  #: Its rays per camera ray, [0, 1024]; 0: a pilot decides.
+    mirror_depth: int = 0  #: Mirrors that a camera ray follows, one after another, [0, 64]; 0: what they show is black.
 
 
 @dataclass(frozen=True, kw_only=True)

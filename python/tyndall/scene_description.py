@@ -47,6 +47,8 @@ class Instances:
     materials: tuple[int, ...]  #: Per material slot, into SceneDescription.materials.
     is_camera_visible: bool = True
     casts_shadow: bool = True
+    is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
+    is_mirror_visible: bool = True
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,6 +61,8 @@ class VoxelObjects:
     material: int | None = None  #: Into SceneDescription.materials; None: grey.
     is_camera_visible: bool = True
     casts_shadow: bool = True
+    is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
+    is_mirror_visible: bool = True
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -130,6 +134,19 @@ class SurfaceOp:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Gloss:
+    """What mirrors of a surface: shares of what comes along the mirrored ray. Weights already carry mix factors."""
+
+    facing: Rgb = (0.0, 0.0, 0.0)  #: Seen straight; constants, used while the material's program is empty.
+    edge: Rgb = (0.0, 0.0, 0.0)  #: At a grazing angle. A plain mirror has the same here; a metal 1.
+    coat: Rgb = (0.0, 0.0, 0.0)  #: Weight of a clear layer, which mirrors by Fresnel's equations.
+    coated: Rgb = (0.0, 0.0, 0.0)  #: Diffuse colour below that layer, in the light that it lets in.
+    registers: tuple[int, int, int, int] = (0, 0, 0, 0)  #: Of these four.
+    mirror_ior: float = 0.0  #: By which facing rises to edge: as a dielectric of that index, or, for 0, as metals.
+    coat_ior: float = 1.5  #: Of the clear layer, at least 1.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Material:
     """A surface program with three results, or three constants; and the medium inside, if any."""
 
@@ -144,6 +161,7 @@ class Material:
     emission_register: int = 0
     textures: tuple[TextureUse, ...] = ()
     uv_maps: tuple[str, ...] = ()  #: Names the program reads; "" is the active one.
+    gloss: Gloss | None = None  #: What it mirrors; None: nothing.
     medium: int = -1  #: Into SceneDescription.media; -1: none.
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Indirect light is that of Cycles, within its own noise: its AO pass, and one bounce.
+"""Indirect light is that of Cycles, within its own noise: its AO pass, one bounce, and mirrors.
 
 A corner of coloured walls with a white box in it, under a lamp, a sun or the world alone.
 """
@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from addon import last_render
 from support.cycles_reference import Pair, agreement, cycles_pixels, pixels_on_edges, prepare_cycles, tyndall_pixels
 from support.exr import read_planes
-from support.small_scenes import add, cube, empty_scene, light, material, mesh, node
+from support.small_scenes import Build, add, cube, empty_scene, light, material, mesh, node
 
 RED, GREEN, WHITE = (0.8, 0.1, 0.05, 1), (0.1, 0.6, 0.15, 1), (0.8, 0.8, 0.8, 1)
 SIZE_PX = 63
@@ -79,7 +80,7 @@ def test_one_bounce_is_that_of_cycles(kind: str) -> None:
     scene.tyndall.indirect.has_bounce = True
     ours = tuple(tyndall_pixels(scene, ["EXACT"], surface_samples=64, seed=seed)[0] for seed in (0, 1))
     assert ours[0].mean() > 1.05 * without.mean()
-    cycles = tuple(cycles_pixels(scene, seed=seed, bounces=1) for seed in (1, 2))
+    cycles = tuple(cycles_pixels(scene, seed=seed, diffuse_bounces=1) for seed in (1, 2))
     assert_agree(ours, cycles, left_out)
 
 
@@ -90,6 +91,79 @@ def test_a_glowing_panel_lights_surfaces_as_in_cycles() -> None:
     scene.tyndall.indirect.has_bounce, scene.tyndall.indirect.bounce_samples = True, 16
     ours = tuple(tyndall_pixels(scene, ["EXACT"], surface_samples=64, seed=seed)[0] for seed in (0, 1))
     assert_agree(ours, tuple(cycles_pixels(scene, seed=seed) for seed in (1, 2)), left_out)
+
+
+def glossy(colour: tuple[float, ...], roughness: float = 0.0) -> Build:
+    return lambda new, _: node(new, "ShaderNodeBsdfGlossy", Color=colour, Roughness=roughness).outputs[0]
+
+
+def principled(colour: tuple[float, ...], **inputs: float) -> Build:
+    return lambda new, _: node(
+        new, "ShaderNodeBsdfPrincipled", Base_Color=colour, **{"Roughness": 0.0, **inputs}
+    ).outputs[0]
+
+
+def half_mirror(new: object, link: object) -> bpy.types.NodeSocket:
+    mix = new("ShaderNodeMixShader")
+    mix.inputs[0].default_value = 0.5
+    link(node(new, "ShaderNodeBsdfGlossy", Color=(0.9, 0.7, 0.3, 1), Roughness=0.0).outputs[0], mix.inputs[1])
+    link(node(new, "ShaderNodeBsdfDiffuse", Color=(0.2, 0.4, 0.8, 1)).outputs[0], mix.inputs[2])
+    return mix.outputs[0]
+
+
+MIRRORS: dict[str, Build] = {
+    "glossy": glossy((0.9, 0.8, 0.6, 1)),
+    "metal": principled((0.9, 0.6, 0.2, 1), Metallic=1.0),
+    "polished": principled((0.1, 0.2, 0.4, 1)),
+    "half metal": principled((0.6, 0.5, 0.3, 1), Metallic=0.5),
+    "mixed": half_mirror,
+}
+
+
+@pytest.mark.parametrize("name", MIRRORS)
+def test_mirrors_show_what_they_show_in_cycles(name: str) -> None:
+    """A wall, a floor and a box that mirror one another once, with the shares that the version's shaders give them."""
+    scene = lit("world")
+    light("POINT", (0.8, -0.8, 2.2), energy=100.0, shadow_soft_size=0.0)
+    for thing in ("Back", "Box"):
+        bpy.data.objects[thing].data.materials[0] = material(name, MIRRORS[name])
+    scene.tyndall.indirect.has_mirrors, scene.tyndall.indirect.mirror_depth = True, 1
+    left_out = pixels_on_edges(scene)
+    ours = tuple(tyndall_pixels(scene, ["EXACT"], surface_samples=64, seed=seed)[0] for seed in (0, 1))
+    assert not last_render.statistics_of(scene.name)["reports"]
+    cycles = tuple(cycles_pixels(scene, seed=seed, glossy_bounces=1) for seed in (1, 2))
+    assert_agree(ours, cycles, left_out)
+
+
+def test_mirrors_show_each_other_and_what_a_bounce_lights() -> None:
+    """Two mirrors face each other; between them colours bleed."""
+    scene = lit("lamp")
+    for thing in ("Back", "Left"):
+        bpy.data.objects[thing].data.materials[0] = material(thing, glossy((0.9, 0.8, 0.7, 1)))
+    bpy.data.objects["Box"].data.materials[0] = bpy.data.materials["Red"]
+    indirect = scene.tyndall.indirect
+    indirect.has_mirrors, indirect.mirror_depth, indirect.has_bounce = True, 2, True
+    left_out = pixels_on_edges(scene)
+    ours = tuple(tyndall_pixels(scene, ["EXACT"], surface_samples=64, seed=seed)[0] for seed in (0, 1))
+    cycles = tuple(cycles_pixels(scene, seed=seed, diffuse_bounces=1, glossy_bounces=2) for seed in (1, 2))
+    assert_agree(ours, cycles, left_out)
+
+
+def test_without_mirrors_gloss_is_diffuse_in_its_colour_and_rough_gloss_always() -> None:
+    """With a report each; asked for or not, the picture of rough gloss is the same."""
+    scene = lit("lamp")
+    wall = bpy.data.objects["Back"].data
+    wall.materials[0] = bpy.data.materials["Green"]
+    diffuse_picture = tyndall_pixels(scene, ["EXACT"])[0]
+    for roughness, has_mirrors in ((0.0, False), (0.3, False), (0.3, True)):
+        wall.materials[0] = material("Gloss", glossy(GREEN, roughness))
+        scene.tyndall.indirect.has_mirrors = has_mirrors
+        assert tyndall_pixels(scene, ["EXACT"])[0] == pytest.approx(diffuse_picture, abs=1e-6)
+        assert any(
+            "Glossy BSDF is drawn as diffuse" in line for line in last_render.statistics_of(scene.name)["reports"]
+        )
+    scene.tyndall.indirect.mirror_roughness = 0.3
+    assert tyndall_pixels(scene, ["EXACT"])[0] != pytest.approx(diffuse_picture, abs=1e-3)
 
 
 def ambient_pass(scene: bpy.types.Scene) -> FloatArray:

@@ -194,14 +194,27 @@ def test_a_curve_a_text_and_a_metaball_are_drawn_once() -> None:
 
 
 def test_hidden_and_unseen_objects() -> None:
-    """Not rendered: gone. Unseen by the camera, or casting no shadow: flags. Neither: gone."""
+    """Not rendered: gone. Unseen by the camera, by light, by bounces or by mirrors: flags. By none: gone."""
     empty_scene()
-    flags = {"Seen": (True, True), "Shadow": (False, True), "Bright": (True, False), "Neither": (False, False)}
-    for name, (is_camera_visible, casts_shadow) in flags.items():
+    flags = {
+        "Seen": (True, True, True, True),
+        "Shadow": (False, True, True, True),
+        "Bright": (True, False, True, True),
+        "Card": (False, False, False, True),
+        "Glow": (False, False, True, False),
+        "None": (False, False, False, False),
+    }
+    for name, of_thing in flags.items():
         thing = cube(name)
-        thing.visible_camera, thing.visible_shadow = is_camera_visible, casts_shadow
+        thing.visible_camera, thing.visible_shadow, thing.visible_diffuse, thing.visible_glossy = of_thing
     cube("Hidden").hide_viewport = True
-    found = {group.object_names[0]: (group.is_camera_visible, group.casts_shadow) for group in read().instances}
+    found = {
+        group.object_names[0]: (
+            *(group.is_camera_visible, group.casts_shadow),
+            *(group.is_bounce_visible, group.is_mirror_visible),
+        )
+        for group in read().instances
+    }
     assert found == {name: flag for name, flag in flags.items() if any(flag)}
 
 

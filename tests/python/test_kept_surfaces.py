@@ -15,6 +15,7 @@ from tyndall.renderer import Film, RenderConfig, Session, ShaftConfig
 from tyndall.scene_description import (
     Camera,
     EditKind,
+    Gloss,
     HoleNoise,
     Image,
     Light,
@@ -62,6 +63,7 @@ class State:
     lights: tuple[Light, ...] = (replace(SUN, occluder_edits=(CLOSE,)), LAMP)
     world: World = field(default_factory=lambda: World(radiance=(0.05,) * 3))
     pane_at: tuple[float, float, float] = (-0.4, -0.2, 1.7)
+    floor: Material = field(default_factory=lambda: Material(name="grey"))
     pane: Material = field(default_factory=lambda: Material(name="pane", transparent=(0.5,) * 3))
     sigma_s_per_m: float = 0.05
     camera: Camera = field(default_factory=lambda: camera_above(size_px=(24, 24)))
@@ -81,7 +83,7 @@ class State:
                 placed(square("roof"), translation(1.2, 1.2, 1.9)),
                 placed(unit_cube(), np.diag([40.0, 40.0, 3.0, 1.0]), materials=(1,)),
             ),
-            materials=(Material(name="grey"), Material(name="fog", has_surface=False, medium=0), self.pane),
+            materials=(self.floor, Material(name="fog", has_surface=False, medium=0), self.pane),
             media=(Medium(name="fog", lobes=(ScatterLobe(sigma_s_per_m=(self.sigma_s_per_m,) * 3),)),),
             lights=self.lights,
             world=self.world,
@@ -188,10 +190,14 @@ def test_no_picture_can_tell_what_was_rendered_before(change: str, capacity_byte
         assert_same(state.picture(session), expected)
 
 
+@pytest.mark.parametrize("kind", ["bounce", "mirrors"])
 @pytest.mark.parametrize("change", ["edit", "sun turned", "lamp gone", "world", "object moved", "way to the light"])
-def test_no_picture_with_a_bounce_can_tell_either(change: str) -> None:
+def test_no_picture_with_indirect_light_can_tell_either(change: str, kind: str) -> None:
     """A point's light depends on all lights and on all objects: nothing of it is kept where one of them changed."""
-    before = State().with_indirect(bounce=True).with_config(passes=frozenset({"AO"}))
+    before = State().with_indirect(bounce=kind == "bounce", mirror_depth=2 * (kind == "mirrors"))
+    before = before.with_config(passes=frozenset({"AO"} if kind == "bounce" else ()))
+    if kind == "mirrors":
+        before = replace(before, floor=Material(name="floor", gloss=Gloss(facing=(0.6,) * 3, edge=(0.9,) * 3)))
     after = (OF_THE_AIR | OF_LIGHTS | OF_THE_SCENE)[change](before)
     session = Session(kept_surfaces_bytes=ROOM_BYTES, kept_maps_bytes=ROOM_BYTES)
     alone = before.picture(Session()), after.picture(Session())

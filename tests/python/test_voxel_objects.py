@@ -16,6 +16,7 @@ from tyndall.renderer import Film, IndirectConfig, RenderConfig, Session, ShaftC
 from tyndall.scene_description import (
     Camera,
     CameraKind,
+    Gloss,
     Instances,
     Light,
     LightKind,
@@ -171,6 +172,38 @@ def test_voxels_hide_the_world_and_bleed_as_a_mesh_of_their_boxes_does(distance_
     for name in ("Combined", "AO"):
         assert share_of_other_pixels(of_voxels, of_mesh, name, 1e-4) < 0.02, name
         assert of_voxels.planes[name].mean() == pytest.approx(of_mesh.planes[name].mean(), rel=1e-3)
+
+
+def test_voxels_mirror_as_a_mesh_of_their_boxes_does() -> None:
+    metal = Material(name="metal", diffuse=(0.1, 0.1, 0.1), gloss=Gloss(facing=(0.6, 0.5, 0.4), edge=(1.0, 1.0, 1.0)))
+    config = RenderConfig(pixel_samples=4, adapts_shadow_rays=False, indirect=IndirectConfig(mirror_depth=3))
+    films = []
+    for thing in scattered():
+        session = Session()
+        of_metal = replace(scene(thing, "point"), media=(Medium(name="clear"),), materials=(*MATERIALS[:2], metal))
+        session.update(of_metal, Progress())
+        films.append(session.render(CAMERA, config, Progress()))
+        assert not films[-1].statistics["reports"]
+    assert share_of_other_pixels(*films, "Combined", 1e-4) < 0.02
+    black = session.render(CAMERA, replace(config, indirect=IndirectConfig()), Progress())
+    assert share_of_other_pixels(films[1], black, "Combined", 1e-3) > 0.04
+
+
+def test_a_voxels_colour_tints_what_it_mirrors() -> None:
+    one = voxel_dag.from_array(np.ones((4, 4, 4), bool), colors=np.full((4, 4, 4, 3), (255, 128, 0), np.uint8))
+    mirror = Material(name="mirror", diffuse=(0.0,) * 3, gloss=Gloss(facing=(0.5,) * 3, edge=(0.5,) * 3))
+    place = translation(-2.0, -2.0, -4.0)
+    description = SceneDescription(
+        voxel_objects=(VoxelObjects(dag=one, world_from_object=place[None], object_names=("one",), material=0),),
+        materials=(mirror,),
+        world=World(radiance=(2.0, 2.0, 2.0)),
+    )
+    session = Session()
+    session.update(description, Progress())
+    above = replace(CAMERA, kind=CameraKind.ORTHOGRAPHIC, world_from_camera=translation(0.0, 0.0, 5.0), size_px=(1, 1))
+    film = session.render(above, RenderConfig(pixel_samples=1, indirect=IndirectConfig(mirror_depth=1)), Progress())
+    linear = ((128 / 255 + 0.055) / 1.055) ** 2.4
+    assert film.planes["Combined"][0, 0, :3] == pytest.approx((1.0, linear, 0.0), abs=1e-5)
 
 
 @pytest.mark.parametrize("method", ["EPIPOLAR", "SHADOW_MAP"])

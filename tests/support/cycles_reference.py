@@ -52,19 +52,22 @@ def rendered_pixels(scene: bpy.types.Scene) -> FloatArray:
     return pixels.reshape(height, width, channels)[..., :3].astype(np.float64)
 
 
-def prepare_cycles(scene: bpy.types.Scene, samples: int, seed: int, bounces: int = 0) -> None:
+def prepare_cycles(
+    scene: bpy.types.Scene, samples: int, seed: int, diffuse_bounces: int = 0, glossy_bounces: int = 0
+) -> None:
     """Ask Cycles for direct light and single scattering, and for so many bounces, at the pixels' centres."""
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
     cycles.device = "CPU"
     cycles.samples, cycles.seed = samples, seed
     cycles.use_denoising = cycles.use_adaptive_sampling = cycles.use_auto_tile = False
-    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = bounces
+    cycles.diffuse_bounces, cycles.glossy_bounces = diffuse_bounces, glossy_bounces
+    cycles.max_bounces = diffuse_bounces + glossy_bounces
     cycles.transmission_bounces = cycles.volume_bounces = 0
     cycles.transparent_max_bounces = 1024
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
     cycles.light_sampling_threshold = 0.0  # no light is dropped for being weak
-    cycles.caustics_reflective = cycles.caustics_refractive = True
+    cycles.caustics_reflective = cycles.caustics_refractive = glossy_bounces == 0  # else mirrors throw light
     # Cycles' box filter is one pixel wide whatever its setting says; this one is a point.
     cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", 0.01
     if scene.world is not None:  # chosen by itself, the map of a small image has 8 million texels and takes 2 s
@@ -73,9 +76,16 @@ def prepare_cycles(scene: bpy.types.Scene, samples: int, seed: int, bounces: int
         cycles.use_light_tree = False
 
 
-def cycles_pixels(scene: bpy.types.Scene, samples: int = CYCLES_SAMPLES, seed: int = 1, bounces: int = 0) -> FloatArray:
+def cycles_pixels(
+    scene: bpy.types.Scene,
+    samples: int = CYCLES_SAMPLES,
+    seed: int = 1,
+    *,
+    diffuse_bounces: int = 0,
+    glossy_bounces: int = 0,
+) -> FloatArray:
     """Render Combined in Cycles."""
-    prepare_cycles(scene, samples, seed, bounces)
+    prepare_cycles(scene, samples, seed, diffuse_bounces, glossy_bounces)
     return rendered_pixels(scene)
 
 
