@@ -43,7 +43,7 @@ void ViewPath::reach_world(const Follower& follower, PathSample& sample) const {
 }
 
 void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds,
-                    std::span<const std::uint32_t> targets, std::span<PathSample> samples,
+                    std::uint32_t sample_index, std::span<const std::uint32_t> targets, std::span<PathSample> samples,
                     std::span<std::vector<MediumPart>> parts, SurfaceWalk* walked) const {
     constexpr std::size_t size = DirectLight::most_points;
     std::array<Follower, size> followers;
@@ -53,12 +53,20 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
         followers[index].part = camera_rays[index];
         samples[index] = {};
     }
+    std::array<RayDetail, size> details; // of camera rays
+    const bool has_details = config_.voxel_detail_px > 0.0f;
+    for (std::size_t index = 0; has_details && index < count; ++index)
+        details[index] =
+            ray_detail(camera_, camera_rays[index], config_.voxel_detail_px, pixel_seeds[index], sample_index);
     std::array<Ray, size> rays;
+    std::array<RayDetail, size> details_left;
     std::array<Hit, size> hits;
     for (std::uint32_t layer = 0; layer < max_layer_count && count > 0; ++layer) {
-        for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t i = 0; i < count; ++i) {
             rays[i] = followers[i].part;
-        scene_.closest_hits(std::span(rays).first(count), hits);
+            details_left[i] = details[followers[i].index];
+        }
+        scene_.closest_hits(std::span(rays).first(count), hits, std::span(details_left).first(has_details ? count : 0));
         std::size_t going_on = 0;
         for (std::size_t i = 0; i < count; ++i) {
             Follower& follower = followers[i];
