@@ -39,7 +39,10 @@ public:
         return all_of_sheet_ == std::numeric_limits<double>::infinity();
     }
     /// Its voxels do not stop it there.
-    HWY_INLINE void pass() { sheet_ = 0.0; }
+    HWY_INLINE void pass() {
+        sheet_ = 0.0;
+        from_ = until_;
+    }
 
     /// At the next cube on the way, which the ray passes from..until, going so many of its widths along each axis.
     HWY_INLINE bool stops(double from, double until, const std::array<double, 3>& widths, AxisShares shares) {
