@@ -104,7 +104,7 @@ def test_far_voxels_are_seen_in_the_detail_that_the_scene_asks_for(tmp_path: Pat
     camera.data.type, camera.data.ortho_scale = "ORTHO", 14.0
     scene = bpy.context.scene
     scene.camera = camera
-    scene.render.film_transparent, scene.tyndall.pixel_samples = True, 64
+    scene.render.film_transparent, scene.tyndall.pixel_samples, scene.tyndall.noise_threshold = True, 256, 0.0
     assert drawn(panels.sampling.TYNDALL_PT_voxel_sampling) == ["voxel_detail_px"]
     session = Session()
     session.update(small_scenes.read(), Progress())
