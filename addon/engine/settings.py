@@ -94,6 +94,7 @@ def render_config(
         pixel_filter=tyndall.pixel_filter,
         filter_width_px=tyndall.filter_width_px,
         noise_threshold=tyndall.noise_threshold,
+        voxel_detail_px=tyndall.voxel_detail_px,
         region_px=window.region_px,
         film_transparent=scene.render.film_transparent,
         passes=wanted_planes(view_layer),

@@ -44,6 +44,7 @@ class TYNDALL_OT_render_preset_add(AddPresetBase, Operator):
         "settings.viewport_samples",
         "settings.pixel_filter",
         "settings.filter_width_px",
+        "settings.voxel_detail_px",
         "settings.shafts.method",
         "settings.shafts.viewport_method",
         "settings.shafts.error_target",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Render properties: samples and pixel filter."""
+"""Render properties: samples, pixel filter, and how finely voxels are seen."""
 
 from __future__ import annotations
 
@@ -46,4 +46,17 @@ class TYNDALL_PT_pixel_filter(PropertiesPanel, Panel):
         layout.prop(settings, "filter_width_px")
 
 
-CLASSES = (TYNDALL_PT_sampling, TYNDALL_PT_pixel_filter)
+class TYNDALL_PT_voxel_sampling(PropertiesPanel, Panel):
+    bl_label = "Voxels"
+    bl_context = "render"
+    bl_parent_id = "TYNDALL_PT_sampling"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(context.scene.tyndall, "voxel_detail_px")
+
+
+CLASSES = (TYNDALL_PT_sampling, TYNDALL_PT_pixel_filter, TYNDALL_PT_voxel_sampling)

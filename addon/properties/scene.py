@@ -86,6 +86,20 @@ class TyndallSceneSettings(PropertyGroup):
         update=tag,
         override=OVERRIDABLE,
     )
+    voxel_detail_px: FloatProperty(
+        name="Level of Detail",
+        description="The camera sees cubes of voxels no wider than this as one, with their mean colour and normal, and "
+        "as opaque as the voxels in it are together. Far voxels flicker less and render faster; 0: it sees every voxel",
+        min=0.0,
+        max=64.0,
+        soft_max=4.0,
+        default=1.0,
+        precision=2,
+        step=10,
+        subtype="PIXEL",
+        update=tag,
+        override=OVERRIDABLE,
+    )
     seed: IntProperty(
         name="Seed",
         description="Another seed gives another pattern of samples at the same quality. "

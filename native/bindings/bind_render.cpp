@@ -60,7 +60,7 @@ static render::IndirectConfig make_indirect(bool ambient_occlusion, float ambien
 
 static render::FrameConfig
 make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px, float noise_threshold,
-            const std::optional<std::array<std::uint32_t, 4>>& region_px, bool film_transparent,
+            const std::optional<std::array<std::uint32_t, 4>>& region_px, float voxel_detail_px, bool film_transparent,
             const std::vector<std::string>& passes, const light_shafts::Config& shafts,
             std::vector<transfer_functions::WeightedFunction> functions, std::optional<std::uint32_t> reference_light,
             std::optional<Heterogeneity> heterogeneity, const render::IndirectConfig& indirect,
@@ -71,6 +71,7 @@ make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px
                                .filter_width_px = filter_width_px,
                                .noise_threshold = noise_threshold,
                                .region = {},
+                               .voxel_detail_px = voxel_detail_px,
                                .is_film_transparent = film_transparent,
                                .passes = {},
                                .shafts = shafts,
@@ -166,9 +167,9 @@ void bind_render(py::module_& native) {
              "bounce_samples"_a, "mirror_depth"_a);
     py::class_<render::FrameConfig>(native, "FrameConfig")
         .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "noise_threshold"_a,
-             "region_px"_a, "film_transparent"_a, "passes"_a, "shafts"_a, "transfer_functions"_a, "reference_light"_a,
-             "heterogeneity"_a, "indirect"_a, "kept_surfaces"_a, "adapts_shadow_rays"_a, "keeps_unstyled"_a, "seed"_a,
-             "thread_count"_a);
+             "region_px"_a, "voxel_detail_px"_a, "film_transparent"_a, "passes"_a, "shafts"_a, "transfer_functions"_a,
+             "reference_light"_a, "heterogeneity"_a, "indirect"_a, "kept_surfaces"_a, "adapts_shadow_rays"_a,
+             "keeps_unstyled"_a, "seed"_a, "thread_count"_a);
     py::class_<render::UnstyledFilm, std::shared_ptr<render::UnstyledFilm>>(native, "UnstyledFilm");
     native.def(
         "render", &render_film, "scene"_a, "camera"_a, "config"_a, "progress"_a, "on_update"_a = py::none(),

@@ -37,7 +37,8 @@ struct Asked {
             const std::array<std::uint32_t, size> seeds{}; // of the light on surfaces, which nobody asks for
             for (std::size_t i = 0; i < count; ++i)
                 rays[i] = camera.ray(places[begin + i].x, places[begin + i].y);
-            path.walk(std::span(rays).first(count), std::span(seeds).first(count), {}, samples, parts_of_ray, nullptr);
+            path.walk(std::span(rays).first(count), std::span(seeds).first(count), 0, {}, samples, parts_of_ray,
+                      nullptr);
             for (std::size_t i = 0; i < count; ++i) {
                 surfaces.push_back(parameters.seen(samples[i]));
                 for (const MediumPart& part : parts_of_ray[i]) {

@@ -27,6 +27,9 @@ struct FrameConfig {
     float noise_threshold = 0.0f;
     /// None: the full frame. A region's pixels have the full frame's values, but for what pixels share at its border.
     std::optional<Region> region;
+    /// Camera rays meet cubes of voxels no wider than this, as so many of them as the voxels would stop, with the means of
+    /// their colours and normals; [0, 64], 0: every voxel is met. Other rays meet every voxel.
+    float voxel_detail_px = 0.0f;
     bool is_film_transparent = false;
     PassSet passes;
     light_shafts::Config shafts; ///< Neighbours share the world's light on surfaces as they do strata.

@@ -18,6 +18,11 @@ FrameSurfaces::FrameSurfaces(const Scene& scene, const Media& media, const Camer
     follows_mirrors_ = find_mirrors();
     if (config.kept_surfaces)
         config.kept_surfaces->begin_picture(scene);
+    has_detail_ = config.voxel_detail_px > 0.0f && !scene.description().placed_shapes.empty();
+    if (has_detail_) {
+        const StageTimer timer(statistics, "voxels: what cubes cover");
+        scene.prepare_detail(progress);
+    }
     set_shadow_rays();
 }
 
@@ -30,7 +35,8 @@ ViewPath FrameSurfaces::view_path(bool collects_parts) const {
              .collects_parts = collects_parts,
              .lights_black_surfaces = config_.passes.has(Pass::Shadow),
              .finds_ambient = config_.passes.has(Pass::AmbientOcclusion),
-             .indirect = config_.indirect}};
+             .indirect = config_.indirect,
+             .voxel_detail_px = has_detail_ ? config_.voxel_detail_px : 0.0f}};
 }
 
 SurfaceKey FrameSurfaces::key(std::uint32_t sample_index, bool collects_parts) const {
@@ -67,9 +73,10 @@ void FrameSurfaces::set_shadow_rays() {
         if (kept == nullptr)
             light_.prepare_edits(std::vector<std::uint8_t>(light_.light_count(), 1), camera_, config_.shafts,
                                  statistics_, progress_);
-        counts = kept != nullptr ? *kept
-                                 : count_shadow_rays(scene_, media_, light_, bounce, camera_, filter_, config_.seed,
-                                                     may_share, config_.shafts, progress_);
+        counts = kept != nullptr
+                     ? *kept
+                     : count_shadow_rays(scene_, media_, light_, bounce, camera_, filter_, config_.seed, may_share,
+                                         view_path().config().voxel_detail_px, config_.shafts, progress_);
         if (config_.kept_surfaces && kept == nullptr)
             config_.kept_surfaces->keep_counts(std::move(key), counts);
     }

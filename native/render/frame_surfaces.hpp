@@ -62,6 +62,7 @@ private:
     IndirectLight indirect_;
     bool follows_mirrors_ = false;
     std::uint32_t world_reach_px_ = 0;
+    bool has_detail_ = false; ///< Cubes of voxels are met.
 
     std::uint32_t sample_index_ = 0; ///< Of the pass at work, as is all that follows.
     bool collects_parts_ = false;

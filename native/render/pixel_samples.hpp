@@ -29,6 +29,15 @@ namespace tyndall::render {
     return sobol_point(sample_index, hash(pixel_seed, pair_index));
 }
 
+/// What a pixel's ray asks of voxels: cubes as wide as so many pixels are enough.
+[[nodiscard]] inline RayDetail ray_detail(const Camera& camera, const Ray& ray, float voxel_detail_px,
+                                          std::uint32_t pixel_seed, std::uint32_t sample_index) {
+    constexpr std::uint32_t pair_index = ~0u; // far behind those of lights
+    RayDetail detail = camera.detail(ray.direction, voxel_detail_px);
+    detail.number = pixel_pair(pixel_seed, sample_index, pair_index).x;
+    return detail;
+}
+
 /// The same pair of up to 16 pixels.
 inline void pixel_pairs(std::span<const std::uint32_t> pixel_seeds, std::uint32_t sample_index,
                         std::uint32_t pair_index, std::span<vec2> pairs) {

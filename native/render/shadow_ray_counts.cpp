@@ -89,10 +89,11 @@ struct OfPixel {
 class Pilot {
 public:
     Pilot(const Scene& scene, const Media& media, const DirectLight& light, const IndirectLight* bounce,
-          const Camera& camera, const FilterSampler& filter, std::uint32_t seed)
-        : scene_(scene), media_(media), light_(light), bounce_(bounce), camera_(camera), filter_(filter), seed_(seed),
-          width_px_(std::min(square_px, camera.width_px)), height_px_(std::min(square_px, camera.height_px)),
-          columns_(squares_along(camera.width_px)), rows_(squares_along(camera.height_px)) {}
+          const Camera& camera, const FilterSampler& filter, std::uint32_t seed, float voxel_detail_px)
+        : scene_(scene), media_(media), light_(light), bounce_(bounce), camera_(camera), filter_(filter),
+          voxel_detail_px_(voxel_detail_px), seed_(seed), width_px_(std::min(square_px, camera.width_px)),
+          height_px_(std::min(square_px, camera.height_px)), columns_(squares_along(camera.width_px)),
+          rows_(squares_along(camera.height_px)) {}
 
     [[nodiscard]] std::size_t square_count() const { return std::size_t{columns_} * rows_; }
 
@@ -101,7 +102,8 @@ public:
         std::vector<light_shafts::ViewRay> rays;
         for (std::uint32_t index = 0; index < square_count(); ++index) {
             const Ray ray = pixel_ray(camera_, first_x(index), first_y(index));
-            const Hit hit = scene_.closest_hit(ray);
+            const std::uint32_t pixel = pixel_seed(camera_, seed_, first_x(index), first_y(index));
+            const Hit hit = scene_.closest_hit(ray, camera_mask, ray_detail(camera_, ray, voxel_detail_px_, pixel, 0));
             rays.push_back({ray.origin, ray.direction, ray.near_m, hit.is_hit() ? hit.distance_m : ray.far_m});
         }
         return rays;
@@ -156,6 +158,7 @@ private:
     void shade(std::uint32_t x0, std::uint32_t y0, std::uint32_t camera_ray, std::span<Lit> lights, Seen& seen,
                std::span<WorldLit> surfaces) const {
         std::array<Ray, pixels_per_square> rays;
+        std::array<RayDetail, pixels_per_square> details;
         std::array<Hit, pixels_per_square> hits;
         std::array<SurfacePoint, pixels_per_square> points;
         std::array<Rgb, pixels_per_square> reflected;
@@ -166,8 +169,10 @@ private:
             const std::uint32_t x = x0 + pixel % width_px_, y = y0 + pixel / width_px_;
             seeds[pixel] = pixel_seed(camera_, seed_, x, y);
             rays[pixel] = pixel_ray(camera_, x, y, filter_.offset_px(pixel_pair(seeds[pixel], camera_ray, 0)));
+            details[pixel] = ray_detail(camera_, rays[pixel], voxel_detail_px_, seeds[pixel], camera_ray);
         }
-        scene_.closest_hits(std::span(rays).first(pixel_count), hits);
+        scene_.closest_hits(std::span(rays).first(pixel_count), hits, camera_mask,
+                            std::span(details).first(voxel_detail_px_ > 0.0f ? pixel_count : 0));
         std::size_t count = 0;
         for (std::uint32_t pixel = 0; pixel < pixel_count; ++pixel) {
             const Hit& hit = hits[pixel];
@@ -233,6 +238,7 @@ private:
     const IndirectLight* bounce_;
     const Camera& camera_;
     const FilterSampler& filter_;
+    float voxel_detail_px_;
     std::uint32_t seed_, width_px_, height_px_; ///< Of a square.
     std::uint32_t columns_, rows_;              ///< Of squares.
 };
@@ -281,15 +287,15 @@ RayCosts costs_where(double plane_share, const DirectLight& light, bool has_boun
 
 ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const DirectLight& light,
                                   const IndirectLight* bounce, const Camera& camera, const FilterSampler& filter,
-                                  std::uint32_t seed, bool may_share_world, const light_shafts::Config& shafts,
-                                  Progress& progress) {
+                                  std::uint32_t seed, bool may_share_world, float voxel_detail_px,
+                                  const light_shafts::Config& shafts, Progress& progress) {
     const std::size_t light_count = light.light_count();
     bool has_choice = bounce != nullptr;
     for (std::size_t index = 0; index < light_count; ++index)
         has_choice = has_choice || light.has_strata(index);
     if (!has_choice)
         return {.of_light = std::vector<std::uint32_t>(light_count, 1)};
-    const Pilot pilot(scene, media, light, bounce, camera, filter, seed);
+    const Pilot pilot(scene, media, light, bounce, camera, filter, seed, voxel_detail_px);
     std::vector<std::vector<OfPixel>> squares(pilot.square_count());
     parallel_for(
         squares.size(), progress,

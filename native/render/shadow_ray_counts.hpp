@@ -24,11 +24,13 @@ struct ShadowRayCounts {
     std::uint32_t of_bounce = 1; ///< Rays that gather the light of other surfaces.
 };
 /// `bounce`: nothing, or what gathers the light of other surfaces, which counts as one more light.
-/// `may_share_world`: neighbours in one plane may share its light, see shared_irradiance.hpp. Throws Cancelled.
+/// `may_share_world`: neighbours in one plane may share its light, see shared_irradiance.hpp. `voxel_detail_px`:
+/// see FrameConfig. Throws Cancelled.
 [[nodiscard]] ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const DirectLight& light,
                                                 const IndirectLight* bounce, const Camera& camera,
                                                 const FilterSampler& filter, std::uint32_t seed, bool may_share_world,
-                                                const light_shafts::Config& shafts, Progress& progress);
+                                                float voxel_detail_px, const light_shafts::Config& shafts,
+                                                Progress& progress);
 
 /// Of the samples of one pixel, relative to the square of its brightness.
 struct PixelVariances {

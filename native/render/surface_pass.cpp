@@ -71,7 +71,7 @@ void SurfacePass::walk_square(const Call& call, std::uint32_t x0, std::uint32_t 
     std::array<PathSample, rays_per_square> samples;
     for (std::vector<MediumPart>& parts : caught.parts_of_square)
         parts.clear();
-    path_.walk(std::span(rays).first(count), these_seeds, std::span(targets).first(count), samples,
+    path_.walk(std::span(rays).first(count), these_seeds, call.sample_index, std::span(targets).first(count), samples,
                caught.parts_of_square, &walk);
     for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t pixel = targets[i];

@@ -16,8 +16,8 @@ struct SurfacePoint {
     const ShadingPoint shading = scene.shading_point(ray, hit);
     return {.hit = hit,
             .shading = shading,
-            .spawn = scene.spawn_point(hit),
-            .is_smooth = scene.is_smooth(hit.instance),
+            .spawn = scene.spawn_point(ray, hit, shading),
+            .is_smooth = scene.is_smooth(hit.instance) && !scene.is_cube(hit), // from a cube they leave outside of it
             .pixel_seed = pixel_seed};
 }
 } // namespace tyndall::render

@@ -28,6 +28,7 @@ struct ViewPath::Follower {
 struct ViewPath::Rays {
     std::span<Follower> followers;
     std::span<const std::uint32_t> pixel_seeds, targets;
+    std::span<const RayDetail> details = {}; ///< By the index of a camera ray; empty where every cell is met.
 };
 
 void ViewPath::pass_media(Follower& follower, const Hit& hit, PathSample& sample,
@@ -78,7 +79,7 @@ Ray ViewPath::mirrored_ray(const SurfacePoint& point, const Ray& ray) {
 }
 
 void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds,
-                    std::span<const std::uint32_t> targets, std::span<PathSample> samples,
+                    std::uint32_t sample_index, std::span<const std::uint32_t> targets, std::span<PathSample> samples,
                     std::span<std::vector<MediumPart>> parts, SurfaceWalk* walked) const {
     std::array<Follower, DirectLight::most_points> followers;
     for (std::size_t index = 0; index < camera_rays.size(); ++index) {
@@ -86,12 +87,19 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
         followers[index].part = camera_rays[index];
         samples[index] = {};
     }
-    const auto rays_of = [&](std::span<Follower> these) { return Rays{these, pixel_seeds, targets}; };
+    std::array<RayDetail, DirectLight::most_points> details; // of camera rays; what mirrors show is met cell by cell
+    const bool has_details = config_.voxel_detail_px > 0.0f;
+    for (std::size_t index = 0; has_details && index < camera_rays.size(); ++index)
+        details[index] =
+            ray_detail(camera_, camera_rays[index], config_.voxel_detail_px, pixel_seeds[index], sample_index);
     const std::uint32_t depth = walked != nullptr ? config_.indirect.mirror_depth : 0;
     thread_local std::vector<Follower> mirrored, following;
     mirrored.clear();
-    follow(rays_of(std::span(followers).first(camera_rays.size())), 0, samples, parts, depth > 0 ? &mirrored : nullptr,
-           walked);
+    follow({.followers = std::span(followers).first(camera_rays.size()),
+            .pixel_seeds = pixel_seeds,
+            .targets = targets,
+            .details = std::span(details).first(has_details ? camera_rays.size() : 0)},
+           0, samples, parts, depth > 0 ? &mirrored : nullptr, walked);
     // What the last mirrors show is not lit any more, as in Cycles: the world, and what glows.
     for (std::uint32_t mirror_count = 1; mirror_count <= depth + 1 && !mirrored.empty(); ++mirror_count) {
         const bool is_past = mirror_count > depth;
@@ -99,8 +107,10 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
         mirrored.clear();
         for (std::size_t first = 0; first < following.size(); first += DirectLight::most_points) {
             const std::size_t count = std::min(DirectLight::most_points, following.size() - first);
-            follow(rays_of(std::span(following).subspan(first, count)), mirror_count, samples, parts,
-                   is_past ? nullptr : &mirrored, is_past ? nullptr : walked);
+            follow({.followers = std::span(following).subspan(first, count),
+                    .pixel_seeds = pixel_seeds,
+                    .targets = targets},
+                   mirror_count, samples, parts, is_past ? nullptr : &mirrored, is_past ? nullptr : walked);
         }
     }
 }
@@ -112,12 +122,18 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
     const bool is_in_mirror = mirror_count > 0;
     const std::span<Follower> followers = rays.followers;
     std::size_t count = followers.size();
+    const bool has_details = !rays.details.empty();
     std::array<Ray, size> next;
+    std::array<RayDetail, size> details;
     std::array<Hit, size> hits;
     for (std::uint32_t layer = 0; layer < max_layer_count && count > 0; ++layer) {
-        for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t i = 0; i < count; ++i) {
             next[i] = followers[i].part;
-        scene_.closest_hits(std::span(next).first(count), hits, is_in_mirror ? mirror_mask : camera_mask);
+            if (has_details)
+                details[i] = rays.details[followers[i].index];
+        }
+        scene_.closest_hits(std::span(next).first(count), hits, is_in_mirror ? mirror_mask : camera_mask,
+                            std::span(details).first(has_details ? count : 0));
         std::size_t going_on = 0;
         for (std::size_t i = 0; i < count; ++i) {
             Follower& follower = followers[i];

@@ -29,6 +29,7 @@ struct ViewPathConfig {
     bool lights_black_surfaces = false; ///< The Shadow pass needs light on surfaces that show none.
     bool finds_ambient = false;         ///< The ambient occlusion pass needs a point on all that covers anything.
     IndirectConfig indirect = {};
+    float voxel_detail_px = 0.0f; ///< Cubes of voxels no wider are not looked into; 0: every voxel is met.
     bool operator==(const ViewPathConfig&) const = default;
 };
 
@@ -44,7 +45,7 @@ public:
     /// `samples` with what they bring home without light on surfaces, and appends the parts of each that lie in media to
     /// the parts of its index. Where light is wanted, appends a batch of points per layer to the walk, of each ray for
     /// sample targets[ray]; rays whose target is nowhere only keep the others company.
-    void walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds,
+    void walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds, std::uint32_t sample_index,
               std::span<const std::uint32_t> targets, std::span<PathSample> samples,
               std::span<std::vector<MediumPart>> parts, SurfaceWalk* walked) const;
     /// Overwrites what those lights that `is_asked` give to the points.

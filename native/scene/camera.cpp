@@ -25,6 +25,14 @@ Ray Camera::ray(float x_px, float y_px) const {
             .far_m = clip_far_m * metres_per_depth};
 }
 
+RayDetail Camera::detail(const vec3& direction, float footprint_px) const {
+    const float pixel = std::min(std::abs(window_right - window_left) / static_cast<float>(width_px),
+                                 std::abs(window_top - window_bottom) / static_cast<float>(height_px));
+    if (kind == CameraKind::Orthographic)
+        return {.width_m = footprint_px * pixel};
+    return {.spread = footprint_px * pixel * glm::dot(direction, glm::normalize(forward()))};
+}
+
 void require_usable(const Camera& camera) {
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 3; ++row) // the negation is true for a NaN, too

@@ -2,6 +2,7 @@
 // Perspective and orthographic cameras as Blender defines them (sensor fit, shift, pixel aspect, clipping).
 #pragma once
 #include "core/math.hpp"
+#include "scene/ray_detail.hpp"
 #include <cstdint>
 #include <limits>
 
@@ -25,6 +26,8 @@ struct Camera {
 
     /// The ray through raster position (x right, y up, in pixels). Its range is the clipping range.
     [[nodiscard]] Ray ray(float x_px, float y_px) const;
+    /// As wide as so many pixels, across a ray of ray() in this direction; its number is left as it is.
+    [[nodiscard]] RayDetail detail(const vec3& direction, float footprint_px) const;
     [[nodiscard]] vec3 position() const { return vec3(world_from_camera[3]); }
     [[nodiscard]] vec3 forward() const { return -vec3(world_from_camera[2]); }
     bool operator==(const Camera&) const = default;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/cell_geometry.hpp"
+#include "core/random.hpp"
 #include "scene/embree.hpp"
 #include <algorithm>
+#include <array>
 
 namespace tyndall {
 static void bound(const RTCBoundsFunctionArguments* arguments) {
@@ -33,21 +35,46 @@ static RTCHit embree_hit(const CellHit& hit, const RTCIntersectContext& context)
     return result;
 }
 
+constexpr unsigned int most_lanes = 16; // of Embree's widest packets
+
+/// In the shape's space. Instances turn the numbers each by its own hash: what they cover is independent.
+static RayDetail detail_of(const CellQuery& query, unsigned int ray) {
+    const unsigned int instance = query.embree.instID[0];
+    const RayDetail& detail = query.details[ray];
+    const float lengths = query.shape_lengths[instance], number = detail.number + unit_float(hash(instance));
+    return {.width_m = lengths * detail.width_m,
+            .spread = lengths * detail.spread,
+            .number = number < 1.0f ? number : number - 1.0f};
+}
+
 /// Filters of nearest hits are about triangles without a surface; a shape has one everywhere, so none is called.
 static void intersect(const RTCIntersectFunctionNArguments* arguments) {
     const auto& shape = *static_cast<const CellShape*>(arguments->geometryUserPtr);
+    const auto& query = *reinterpret_cast<const CellQuery*>(arguments->context);
     const unsigned int count = arguments->N;
-    RTCRayN* rays = RTCRayHitN_RayN(arguments->rayhit, count);
+    RTCRayN* lanes = RTCRayHitN_RayN(arguments->rayhit, count);
     RTCHitN* hits = RTCRayHitN_HitN(arguments->rayhit, count);
+    std::array<Ray, most_lanes> rays;
+    std::array<RayDetail, most_lanes> details;
+    std::array<unsigned int, most_lanes> lane_of;
+    std::size_t asked = 0;
     for (unsigned int lane = 0; lane < count; ++lane) {
         if (arguments->valid[lane] == 0)
             continue;
-        const CellHit found = shape.closest_hit(ray_of(rays, count, lane));
-        if (!found.is_hit())
+        rays[asked] = ray_of(lanes, count, lane);
+        if (!query.details.empty())
+            details[asked] = detail_of(query, RTCRayN_id(lanes, count, lane));
+        lane_of[asked++] = lane;
+    }
+    std::array<CellHit, most_lanes> found;
+    shape.closest_hits(std::span(rays).first(asked), std::span(details).first(query.details.empty() ? 0 : asked),
+                       std::span(found).first(asked));
+    for (std::size_t i = 0; i < asked; ++i) {
+        if (!found[i].is_hit())
             continue;
-        const RTCHit hit = embree_hit(found, *arguments->context);
-        rtcCopyHitToHitN(hits, &hit, count, lane);
-        RTCRayN_tfar(rays, count, lane) = found.distance_m;
+        const RTCHit hit = embree_hit(found[i], *arguments->context);
+        rtcCopyHitToHitN(hits, &hit, count, lane_of[i]);
+        RTCRayN_tfar(lanes, count, lane_of[i]) = found[i].distance_m;
     }
 }
 

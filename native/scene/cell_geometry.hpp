@@ -2,13 +2,24 @@
 // A shape of cells in Embree: a scene of its own with one user geometry, instanced as a mesh's is.
 // Based on: Embree 3's user geometries.
 // Differs:  a cell has more bits than a primitive's number: its lower half is primID, its upper half geomID.
-// Bound:    what the shape takes for a ray; the lanes of a packet are asked one by one.
+// Bound:    what the shape takes for rays; the lanes of a packet that are asked for nearest cells go together.
 #pragma once
 #include "scene/cell_shape.hpp"
 #include <embree3/rtcore.h>
 #include <memory>
+#include <span>
 
 namespace tyndall {
+/// Embree's context of each query that may meet cells, first in it: Embree hands callbacks the pointer to it.
+struct CellQuery {
+    CellQuery() { rtcInitIntersectContext(&embree); }
+    RTCIntersectContext embree;
+    /// By RTCRay::id, in the scene's space; empty: rays meet every cell.
+    std::span<const RayDetail> details;
+    /// By the number of an Embree instance: the shape's metres in one of the scene, at least.
+    std::span<const float> shape_lengths;
+};
+
 class CellGeometry {
 public:
     /// Throws Error where Embree refuses.

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A shape made of opaque cells, boxes along the axes of its own space: what a scene asks of voxels, whoever keeps them.
 #pragma once
+#include "core/progress.hpp"
 #include "scene/camera.hpp"
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 
 namespace tyndall {
 /// Where a ray meets the first cell on its way.
 struct CellHit {
     float distance_m = std::numeric_limits<float>::infinity(); ///< In lengths of the ray's direction.
-    std::uint64_t cell = 0; ///< The shape's own number of the cell and of the face that the ray enters; below 2^63.
+    std::uint64_t cell = 0; ///< The shape's own number of the cell, or cube, and of the face that is met; below 2^63.
     vec2 on_face{0.0f};     ///< Along the face's two edges, [0, 1].
     vec3 normal{0, 0, 1};   ///< Unit, out of that face.
     [[nodiscard]] bool is_hit() const { return distance_m < std::numeric_limits<float>::infinity(); }
@@ -51,11 +53,22 @@ public:
     /// In the shape's own space, within [near_m, far_m); the direction may have any length. A ray that begins in a cell
     /// meets it there, on the face that looks against it most.
     [[nodiscard]] virtual CellHit closest_hit(const Ray& ray) const = 0;
+    /// Of up to 16 rays that go much the same way, each with the detail that it wants, or all with every cell where there
+    /// are no details. Shapes without levels know every cell only.
+    virtual void closest_hits(std::span<const Ray> rays, std::span<const RayDetail> /*details*/,
+                              std::span<CellHit> hits) const {
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            hits[i] = closest_hit(rays[i]);
+    }
+    /// What rays with less detail than every cell need, once; before it, they meet every cell. Throws Cancelled.
+    virtual void prepare_detail(const Progress& /*progress*/) const {}
     /// Of a number that closest_hit() gave.
     [[nodiscard]] virtual CellFace face(std::uint64_t cell) const = 0;
     virtual void visit(CellVisitor& visitor) const = 0;
     /// The cell of a number that closest_hit() gave.
     [[nodiscard]] virtual Bounds3 box(std::uint64_t cell) const = 0;
+    /// Whether that number is of a cube of cells.
+    [[nodiscard]] virtual bool is_cube(std::uint64_t /*cell*/) const { return false; }
     [[nodiscard]] virtual CellLook look(std::uint64_t cell) const = 0;
     /// Some cell has a normal of its own.
     [[nodiscard]] virtual bool has_normals() const = 0;

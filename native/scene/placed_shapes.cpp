@@ -34,12 +34,11 @@ ShapeTracer::ShapeTracer(const SceneDescription& scene, std::vector<std::uint32_
 ShapeTracer::~ShapeTracer() { rtcReleaseScene(embree_scene_); }
 
 float ShapeTracer::distance_to_nearest(const Ray& ray) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    CellQuery context;
     RTCRayHit query;
     query.ray = embree_ray(ray, ~0u);
     query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(embree_scene_, &context, &query);
+    rtcIntersect1(embree_scene_, &context.embree, &query);
     return query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? std::numeric_limits<float>::infinity() : query.ray.tfar;
 }
 } // namespace tyndall

@@ -37,13 +37,10 @@ static std::array<int, packet_size> fill(RTCRay16& packet, std::span<const Ray> 
     return valid;
 }
 
-/// Embree's context, and behind it what the filters need: Embree hands them the pointer to the context.
-struct QueryContext {
+/// Embree's context, and behind it what cells and filters need.
+struct QueryContext : CellQuery {
     QueryContext(const Scene& asked, const Ray* first_ray, dvec3* first_passing)
-        : scene(asked), rays(first_ray), passing(first_passing) {
-        rtcInitIntersectContext(&embree);
-    }
-    RTCIntersectContext embree;
+        : scene(asked), rays(first_ray), passing(first_passing) {}
     const Scene& scene;
     const Ray* rays; ///< By RTCRay::id.
     /// By RTCRay::id: light that passes, of shadow rays. In double, so that as a float it does not tell in which order
@@ -52,6 +49,10 @@ struct QueryContext {
     const std::uint64_t* bits_of_instance = nullptr;
     std::uint64_t ignored = 0;
 };
+
+static const QueryContext& context_of(const RTCFilterFunctionNArguments* arguments) {
+    return static_cast<const QueryContext&>(*reinterpret_cast<const CellQuery*>(arguments->context));
+}
 
 static Hit hit_of(const RTCRay& ray, const RTCHit& hit) {
     return {.distance_m = ray.tfar,
@@ -64,7 +65,7 @@ static Hit hit_of(const RTCRay& ray, const RTCHit& hit) {
 
 /// Lets view rays through triangles whose slot has no surface, on an instance that has surfaces elsewhere.
 static void skip_holes(const RTCFilterFunctionNArguments* arguments) {
-    const auto& context = *reinterpret_cast<const QueryContext*>(arguments->context);
+    const QueryContext& context = context_of(arguments);
     for (unsigned int lane = 0; lane < arguments->N; ++lane) {
         if (arguments->valid[lane] != -1)
             continue;
@@ -76,7 +77,7 @@ static void skip_holes(const RTCFilterFunctionNArguments* arguments) {
 
 /// Multiplies the transmittance of a transparent hit into what passes and goes on; an opaque one ends the ray.
 static void attenuate(const RTCFilterFunctionNArguments* arguments) {
-    const auto& context = *reinterpret_cast<const QueryContext*>(arguments->context);
+    const QueryContext& context = context_of(arguments);
     for (unsigned int lane = 0; lane < arguments->N; ++lane) {
         if (arguments->valid[lane] != -1)
             continue;
@@ -100,8 +101,12 @@ Hit Scene::in_scene(Hit hit) const {
     return hit;
 }
 
-Hit Scene::closest_hit(const Ray& ray, unsigned int mask) const {
+Hit Scene::closest_hit(const Ray& ray, unsigned int mask, const RayDetail& detail) const {
     QueryContext context(*this, &ray, nullptr);
+    if (!detail.is_every_cell()) {
+        context.details = std::span(&detail, 1);
+        context.shape_lengths = geometry_->shape_lengths;
+    }
     if (geometry_->has_holes)
         context.embree.filter = skip_holes;
     RTCRayHit query;
@@ -111,15 +116,21 @@ Hit Scene::closest_hit(const Ray& ray, unsigned int mask) const {
     return query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? Hit{} : in_scene(hit_of(query.ray, query.hit));
 }
 
-void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits, unsigned int mask) const {
+void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits, unsigned int mask,
+                         std::span<const RayDetail> details) const {
     for (std::size_t first = 0; first < rays.size(); first += packet_size) {
         const std::span<const Ray> these = rays.subspan(first, std::min(packet_size, rays.size() - first));
         if (these.size() < smallest_packet) {
             for (std::size_t lane = 0; lane < these.size(); ++lane)
-                hits[first + lane] = closest_hit(these[lane], mask);
+                hits[first + lane] =
+                    closest_hit(these[lane], mask, details.empty() ? RayDetail{} : details[first + lane]);
             continue;
         }
         QueryContext context(*this, these.data(), nullptr);
+        if (!details.empty()) {
+            context.details = details.subspan(first, these.size());
+            context.shape_lengths = geometry_->shape_lengths;
+        }
         context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
         if (geometry_->has_holes)
             context.embree.filter = skip_holes;

@@ -225,6 +225,11 @@ Scene::Placement Scene::placement_of(const mat4& scene_from_object) {
             .object_from_scene = mat4(glm::inverse(glm::dmat4(scene_from_object)))};
 }
 
+void Scene::prepare_detail(const Progress& progress) const {
+    for (const auto& shape : description().shapes)
+        shape->shape().prepare_detail(progress);
+}
+
 /// Of an instance or a placed shape.
 static unsigned int mask_of(const auto& placed) {
     return (placed.is_camera_visible ? camera_mask : 0u) | (placed.casts_shadow ? shadow_mask : 0u) |
@@ -235,6 +240,7 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
     embree_scene = rtcNewScene(embree_device());
     rtcSetSceneFlags(embree_scene, traced_scene_flags);
     placements.resize(description.instances.size() + description.placed_shapes.size());
+    shape_lengths.resize(placements.size());
     for (std::uint32_t index = 0; index < description.instances.size(); ++index) {
         const Instance& instance = description.instances[index];
         const TriangleMesh& mesh = *description.meshes[instance.mesh_index];
@@ -262,6 +268,10 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
         const Bounds3 box = bounds_of(description, placed);
         bounds.grow(box);
         placements[index] = placement_of(placed.world_from_object);
+        float longest_edge = 0.0f; // of a cube of 1 m there
+        for (int axis = 0; axis < 3; ++axis)
+            longest_edge = std::max(longest_edge, glm::length(vec3(placed.world_from_object[axis])));
+        shape_lengths[index] = 1.0f / longest_edge;
         if (!stops_light(description, placed))
             continue;
         if (!is_opaque_everywhere(description.materials[placed.material_index]))

@@ -120,16 +120,25 @@ public:
 
     /// Where rays leave a hit from.
     [[nodiscard]] SpawnPoint spawn_point(const Hit& hit) const;
+    /// The same of a view ray's hit. Of a cube of cells: beyond its corners on the shading normal's side, so that a surface
+    /// of cells that runs through it and its neighbours does not shadow what its normal says is lit.
+    [[nodiscard]] SpawnPoint spawn_point(const Ray& ray, const Hit& hit, const ShadingPoint& shading) const;
+    /// Whether the hit is of a cube of cells of a placed shape.
+    [[nodiscard]] bool is_cube(const Hit& hit) const;
     /// The ray that leaves a hit towards a unit direction: its origin is moved off the surface, to the direction's side,
     /// by just more than the error of its position, so that it never meets the triangle it leaves, nor skips another.
     [[nodiscard]] Ray leaving_ray(const Hit& hit, const vec3& direction,
                                   float far_m = std::numeric_limits<float>::infinity()) const;
 
     /// Nearest surface that shows to rays of a mask, cameras'. Instances without a surface shader (fog boxes) never answer.
-    [[nodiscard]] Hit closest_hit(const Ray& ray, unsigned int mask = camera_mask) const;
+    [[nodiscard]] Hit closest_hit(const Ray& ray, unsigned int mask = camera_mask, const RayDetail& detail = {}) const;
     /// The same for rays that go much the same way, as those of neighbouring pixels: at a third of the time. Where two
     /// triangles share the nearest point, which of them answers may depend on the other rays of the 16.
-    void closest_hits(std::span<const Ray> rays, std::span<Hit> hits, unsigned int mask = camera_mask) const;
+    /// `details` are as many as rays, or none: then rays meet every cell.
+    void closest_hits(std::span<const Ray> rays, std::span<Hit> hits, unsigned int mask = camera_mask,
+                      std::span<const RayDetail> details = {}) const;
+    /// Once before rays ask for less than every cell; without it, they meet them all. Throws Cancelled.
+    void prepare_detail(const Progress& progress) const;
     /// Light that passes along the ray through transparent surfaces, per channel; 0 behind an opaque one. Media are
     /// not included. Only instances that cast shadows count.
     [[nodiscard]] Rgb shadow_transmittance(const Ray& ray) const;
@@ -153,6 +162,7 @@ private:
         Statistics statistics;
         RTCScene embree_scene = nullptr;
         std::vector<Placement> placements; ///< Per instance, then per placed shape.
+        std::vector<float> shape_lengths;  ///< As many: see CellQuery. Of instances 0.
         bool lets_light_pass = false;      ///< Some shadow-casting instance is transparent, or has holes.
         bool has_holes = false;            ///< Some instance that is seen has slots without a surface.
 

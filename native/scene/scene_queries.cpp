@@ -155,6 +155,35 @@ SpawnPoint Scene::spawn_point(const Hit& hit) const {
                                 hit.barycentrics, instance.world_from_object, object_from_scene);
 }
 
+bool Scene::is_cube(const Hit& hit) const {
+    const PlacedShape* placed = placed_shape(hit.instance);
+    return placed != nullptr && description().shapes[placed->shape_index]->shape().is_cube(hit.cell);
+}
+
+SpawnPoint Scene::spawn_point(const Ray& ray, const Hit& hit, const ShadingPoint& shading) const {
+    SpawnPoint spawn = spawn_point(hit);
+    if (!is_cube(hit))
+        return spawn;
+    const PlacedShape& placed = *placed_shape(hit.instance);
+    const CellShape& shape = description().shapes[placed.shape_index]->shape();
+    const Bounds3 box = shape.box(hit.cell);
+    std::array<vec3, 8> corners;
+    for (std::size_t i = 0; i < corners.size(); ++i)
+        corners[i] = vec3(placed.world_from_object * vec4(box.corner(i), 1.0f));
+    vec3 outwards = shading.shading_normal;
+    if (!shape.has_normals()) { // then any normal that looks to the viewer may be that of the surface in it
+        const vec3 nearest =
+            *std::ranges::min_element(corners, {}, [&](const vec3& corner) { return glm::dot(corner, ray.direction); });
+        outwards = glm::normalize(nearest - vec3(placed.world_from_object * vec4(box.centre(), 1.0f)));
+    }
+    float lift_m = 0.0f;
+    for (const vec3& corner : corners)
+        lift_m = std::max(lift_m, glm::dot(corner - spawn.position, outwards));
+    spawn.position += lift_m * outwards;
+    spawn.normal = outwards;
+    return spawn;
+}
+
 Ray Scene::leaving_ray(const Hit& hit, const vec3& direction, float far_m) const {
     return {.origin = spawn_point(hit).towards(direction), .direction = direction, .near_m = 0.0f, .far_m = far_m};
 }

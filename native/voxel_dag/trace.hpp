@@ -13,6 +13,8 @@
 #include <span>
 
 namespace tyndall::voxel_dag {
+class NodeShares; // node_shares.hpp
+
 /// In voxels: voxel (x, y, z) is the cube from there to (x + 1, y + 1, z + 1).
 struct VoxelRay {
     dvec3 origin;
@@ -22,11 +24,18 @@ struct VoxelRay {
     /// any voxel, and not looked into. In voxels, and in voxels per length of direction. The whole is always looked into.
     double width = 0.0, spread = 0.0;
     double start = 0.0; ///< At least 0, in lengths of direction: it begins there.
+    /// Of the same DAG: such cubes, of 4^3 voxels and more, are hit by as many rays as their voxels would stop, those of
+    /// this ray's number in [0, 1), and where these are asked, voxels are hit (cover_run.hpp). Null: by all. Of a Tracer
+    /// alone.
+    const NodeShares* shares = nullptr;
+    double number = 0.5;
+    bool asks_voxels_of_sheets = false; ///< Of surfaces that fill cubes from side to side voxels are hit, not cubes.
 };
 struct VoxelHit {
     double distance = std::numeric_limits<double>::infinity(); ///< In lengths of direction; a miss has an infinite one.
     Voxel voxel{}; ///< Or the lowest one of a cube that was not looked into.
     /// The axis across which the ray entered: the normal is that axis, against the direction. 3: it began in the voxel.
+    /// In a cube that is partly filled: that of the side which stopped it, within the cube.
     std::uint32_t axis = 3;
     std::uint32_t level = 0; ///< What was hit is 2^level voxels wide.
 

@@ -34,6 +34,11 @@ public:
             go_to_record(tables.top[0]);
     }
     [[nodiscard]] HWY_INLINE std::uint32_t level() const { return level_; }
+    /// In the topmost nodes, a record's bit, a leaf's number, a leaf's byte; what turns the last three into what is there.
+    [[nodiscard]] HWY_INLINE std::uint64_t place() const { return place_; }
+    [[nodiscard]] HWY_INLINE std::uint32_t turn() const { return turn_; }
+    [[nodiscard]] HWY_INLINE std::uint32_t against() const { return against_; }
+    [[nodiscard]] HWY_INLINE const TraceTables* tables() const { return tables_; }
 
     /// The mask of its children along the ray.
     HWY_INLINE std::uint32_t open(CursorNode& node) const {

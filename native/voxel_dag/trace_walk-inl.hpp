@@ -11,8 +11,9 @@
 #else
 #define TYNDALL_TRACE_WALK_INL
 #endif
+#include "voxel_dag/cover_run.hpp"
+#include "voxel_dag/node_shares.hpp"
 #include "voxel_dag/trace.hpp"
-#include "voxel_dag/trace_cursor.hpp"
 #include <cmath>
 #include <hwy/highway.h>
 
@@ -41,6 +42,8 @@ struct RayPlanes {
     std::uint32_t against = 0; ///< Bit per axis along which it goes down.
     double from, until;        ///< Where it enters the whole, and leaves it.
     double width, spread, start;
+    const NodeShares* shares; ///< Null: all cubes that are not looked into are hit.
+    CoverRun run;             ///< Through those that are partly filled.
 
     /// False: it misses the whole, or is not finite.
     HWY_INLINE bool set(const VoxelRay& ray, double side) {
@@ -61,12 +64,18 @@ struct RayPlanes {
         }
         width = std::max(1.0, ray.width);
         spread = ray.spread;
+        shares = ray.shares;
+        run.start(ray.number, ray.asks_voxels_of_sheets);
         const dvec3 sum = ray.origin + ray.direction;
         return from < until && std::isfinite(sum.x + sum.y + sum.z);
     }
     [[nodiscard]] HWY_INLINE double at(int axis, double plane) const { return (plane - origin[axis]) * inverse[axis]; }
     /// Cubes that begin there and are no wider are hit whole.
-    [[nodiscard]] HWY_INLINE double widest_hit(double distance) const { return std::max(width, spread * distance); }
+    [[nodiscard]] HWY_INLINE double widest_hit(double distance) const {
+        const double widest = std::max(width, spread * distance);
+        // Nothing is known of what cubes of two voxels cover: those are nearly there.
+        return shares != nullptr && widest < 4.0 ? 1.0 : widest;
+    }
 };
 
 /// A cube on the way. Octants are counted along the ray.
@@ -87,6 +96,7 @@ public:
         cursor_ = cursor;
         level_ = cursor.level();
         left_levels_ = 0;
+        has_found_ = false;
         WalkStep& step = steps_[level_];
         for (int axis = 0; axis < 3; ++axis)
             step.centre[axis] = centre[axis];
@@ -99,29 +109,38 @@ public:
         WalkStep* step = &steps_[level_];
         step->left &= cursor_.open(step->node);
         left_levels_ |= std::uint32_t{step->left != 0} << level_;
-        if (left_levels_ == 0)
-            return State::Misses;
-        level_ = static_cast<std::uint32_t>(std::countr_zero(left_levels_));
-        step = &steps_[level_];
-        const auto along = static_cast<std::uint32_t>(std::countr_zero(step->left));
-        step->left &= step->left - 1;
-        left_levels_ ^= std::uint32_t{step->left == 0} << level_;
-        from_ = step->from[along];
-        world_ = along ^ ray.against;
-        half_ = static_cast<double>(1u << (level_ - 1));
-        if (half_ <= ray.widest_hit(from_))
-            return State::Hits;
-        WalkStep& child = steps_[level_ - 1];
-        for (int axis = 0; axis < 3; ++axis)
-            child.centre[axis] = step->centre[axis] + 0.5 * half_ * towards[world_][axis];
-        cross(child, from_, step->until[along]);
-        cursor_.go_down(level_, step->node, along);
-        --level_;
-        return State::Goes;
+        while (left_levels_ != 0) {
+            level_ = static_cast<std::uint32_t>(std::countr_zero(left_levels_));
+            step = &steps_[level_];
+            const auto along = static_cast<std::uint32_t>(std::countr_zero(step->left));
+            step->left &= step->left - 1;
+            left_levels_ ^= std::uint32_t{step->left == 0} << level_;
+            from_ = step->from[along];
+            world_ = along ^ ray.against;
+            half_ = static_cast<double>(1u << (level_ - 1));
+            if (ray.shares != nullptr && ray.run.is_unsure(from_) && stops_at_voxel())
+                return State::Hits;
+            if (half_ <= ray.widest_hit(from_)) {
+                if (half_ == 1.0 || ray.shares == nullptr || stops_in(*step, along))
+                    return State::Hits;
+                continue;
+            }
+            WalkStep& child = steps_[level_ - 1];
+            for (int axis = 0; axis < 3; ++axis)
+                child.centre[axis] = step->centre[axis] + 0.5 * half_ * towards[world_][axis];
+            cross(child, from_, step->until[along]);
+            cursor_.go_down(level_, step->node, along);
+            --level_;
+            return State::Goes;
+        }
+        const bool is_unsure = ray.shares != nullptr && ray.run.is_unsure(std::numeric_limits<double>::infinity());
+        return is_unsure && stops_at_voxel() ? State::Hits : State::Misses;
     }
 
     /// After State::Hits.
     HWY_INLINE VoxelHit hit() const {
+        if (has_found_)
+            return found_;
         VoxelHit found{.distance = from_ + 0.0, .voxel = {}, .axis = 3, .level = level_ - 1}; // -0 becomes 0
         double entry = ray.start;
         for (std::uint32_t axis = 0; axis < 3; ++axis) {
@@ -133,10 +152,43 @@ public:
                 found.axis = axis;
             }
         }
+        if (ray.run.axis() != CoverRun::no_axis) {
+            found.distance = ray.run.distance();
+            found.axis = ray.run.axis();
+        }
         return found;
     }
 
 private:
+    /// Whether the ray stops in a cube that is not looked into.
+    HWY_INLINE bool stops_in(const WalkStep& step, std::uint32_t along) {
+        cursor_.go_down(level_, step.node, along);
+        std::array<double, 3> widths;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            widths[axis] = (step.until[along] - step.from[along]) / (half_ * std::abs(ray.inverse[axis]));
+        return ray.run.stops(step.from[along], step.until[along], widths, ray.shares->of(*cursor_.tables(), cursor_));
+    }
+    /// Whether voxels stop it where cubes left that open (cover_run.hpp).
+    HWY_NOINLINE bool stops_at_voxel() {
+        Walk among_voxels;
+        among_voxels.ray = ray;
+        among_voxels.ray.shares = nullptr;
+        among_voxels.ray.width = 1.0, among_voxels.ray.spread = 0.0;
+        const std::uint32_t root = cursor_.tables()->dag->level;
+        const double middle = 0.5 * static_cast<double>(1u << root), centre[3] = {middle, middle, middle};
+        Cursor cursor;
+        cursor.start(*cursor_.tables(), ray.against);
+        among_voxels.start(cursor, centre, ray.run.unsure_from(), ray.run.unsure_until());
+        State state;
+        do
+            state = among_voxels.advance();
+        while (state == State::Goes);
+        ray.run.pass();
+        has_found_ = state == State::Hits;
+        if (has_found_)
+            found_ = among_voxels.hit();
+        return has_found_;
+    }
     /// The octants' intervals, and which of them the ray passes.
     HWY_INLINE void cross(WalkStep& step, double from, double until) const {
         const V x = hn::Set(d, ray.at(0, step.centre[0])), y = hn::Set(d, ray.at(1, step.centre[1])),
@@ -165,6 +217,8 @@ private:
     std::uint32_t world_; ///< That octant, in the world.
     std::uint32_t level_;
     std::uint32_t left_levels_; ///< Bit per level whose cube has octants left.
+    bool has_found_;            ///< What was hit was found among voxels.
+    VoxelHit found_;
     WalkStep steps_[most_level + 1];
 };
 } // namespace tyndall::voxel_dag::HWY_NAMESPACE

@@ -2,6 +2,7 @@
 #include "voxel_dag/tracer.hpp"
 #include "core/parallel.hpp"
 #include "voxel_dag/beam_start.hpp"
+#include "voxel_dag/node_shares.hpp"
 #include "voxel_dag/trace_kernel.hpp"
 #include <algorithm>
 
@@ -13,6 +14,11 @@ Tracer::Tracer(const PackedDag& dag, const Config& config)
 
 VoxelHit Tracer::trace(const VoxelRay& ray) const {
     return tables_.dag->is_empty() ? VoxelHit{} : trace_by_vectors(tables_, ray);
+}
+void Tracer::trace(std::span<const VoxelRay> rays, std::span<VoxelHit> hits) const {
+    if (tables_.dag->is_empty())
+        return static_cast<void>(std::ranges::fill(hits, VoxelHit{}));
+    trace_by_vectors(tables_, rays, hits.data());
 }
 bool Tracer::is_occluded(const VoxelRay& ray) const {
     return !tables_.dag->is_empty() && is_hit_by_vectors(tables_, ray);
@@ -59,6 +65,8 @@ std::vector<double> Tracer::block_starts(std::span<const VoxelRay> rays, std::si
         32);
     return starts;
 }
+
+NodeShares Tracer::node_shares(const Progress& progress) const { return NodeShares(tables_, progress); }
 
 std::uint64_t Tracer::byte_count() const { return voxel_dag::byte_count(tables_); }
 } // namespace tyndall::voxel_dag

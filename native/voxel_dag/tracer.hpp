@@ -25,6 +25,8 @@ public:
 
     /// Allocates nothing.
     [[nodiscard]] VoxelHit trace(const VoxelRay& ray) const;
+    /// Of some rays at once, by this thread alone.
+    void trace(std::span<const VoxelRay> rays, std::span<VoxelHit> hits) const;
     /// Whether a ray hits anything before its end.
     [[nodiscard]] bool is_occluded(const VoxelRay& ray) const;
     /// As many hits as rays. Rays that begin side by side and go the same way are faster one after the other than mixed.
@@ -36,6 +38,9 @@ public:
     /// given row by row, too; their number is a multiple of the width. Throws InvalidInput and Cancelled.
     [[nodiscard]] std::vector<double> block_starts(std::span<const VoxelRay> rays, std::size_t width_px,
                                                    const Progress& progress) const;
+
+    /// For rays that stop at cubes (VoxelRay::shares). Must not outlive this. Throws Cancelled.
+    [[nodiscard]] NodeShares node_shares(const Progress& progress) const;
 
     /// Of what it keeps beside the DAG.
     [[nodiscard]] std::uint64_t byte_count() const;

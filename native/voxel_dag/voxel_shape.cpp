@@ -1,26 +1,40 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/voxel_shape.hpp"
 #include "image/srgb.hpp"
+#include "voxel_dag/node_shares.hpp"
 #include "voxel_dag/tracer.hpp"
 #include "voxel_dag/tree_nodes.hpp"
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
+#include <mutex>
 
 namespace tyndall::voxel_dag {
 namespace {
-/// A voxel and one of its faces: Morton code, axis, and whether the face looks along it.
+/// A voxel, or a cube of 2^level by its lowest one, and one of its faces: Morton code, axis, and whether the face looks
+/// along it.
 struct FaceCode {
     Voxel voxel;
     std::uint32_t axis;
     bool is_upper;
+    std::uint32_t level = 0;
 
     explicit FaceCode(std::uint64_t cell)
-        : voxel(voxel_at(cell >> 3)), axis(static_cast<std::uint32_t>(cell >> 1 & 3)), is_upper((cell & 1) != 0) {}
-    FaceCode(const Voxel& of, std::uint32_t across, bool looks_up) : voxel(of), axis(across), is_upper(looks_up) {}
+        : voxel(voxel_at((cell & ((std::uint64_t{1} << level_bit) - 1)) >> 3)),
+          axis(static_cast<std::uint32_t>(cell >> 1 & 3)), is_upper((cell & 1) != 0),
+          level(static_cast<std::uint32_t>(cell >> level_bit)) {}
+    FaceCode(const VoxelHit& hit, std::uint32_t across, bool looks_up)
+        : voxel(hit.voxel), axis(across), is_upper(looks_up), level(hit.level) {}
     [[nodiscard]] std::uint64_t number() const {
-        return morton_code(voxel) << 3 | std::uint64_t{axis} << 1 | std::uint64_t{is_upper};
+        return std::uint64_t{level} << level_bit | morton_code(voxel) << 3 | std::uint64_t{axis} << 1 |
+               std::uint64_t{is_upper};
     }
+    [[nodiscard]] std::uint32_t width() const { return 1u << level; }
+
+private:
+    static constexpr std::uint32_t level_bit = 3 * most_level + 3;
+    static_assert(level_bit + std::bit_width(most_level) < 63);
 };
 
 /// Finds a box around all voxels: exact up to 256^3, else within 1/256 of the cube.
@@ -59,28 +73,36 @@ public:
 
     [[nodiscard]] CellHit closest_hit(const Ray& ray) const override {
         const VoxelRay in_voxels = voxel_ray(ray);
-        const VoxelHit hit = tracer_.trace(in_voxels);
-        if (!hit.is_hit())
-            return {};
-        const std::uint32_t axis = hit.axis < 3 ? hit.axis : largest_axis(in_voxels.direction);
-        const auto a = static_cast<int>(axis);
-        const FaceCode face(hit.voxel, axis, in_voxels.direction[a] < 0.0);
-        CellHit result{.distance_m = std::min(static_cast<float>(double{ray.near_m} + hit.distance), ray.far_m),
-                       .cell = face.number(),
-                       .normal = vec3(0.0f)};
-        result.normal[a] = face.is_upper ? 1.0f : -1.0f;
-        const dvec3 place = in_voxels.origin + hit.distance * in_voxels.direction;
-        for (int edge = 0; edge < 2; ++edge) {
-            const int along = (a + 1 + edge) % 3;
-            const double within = place[along] - static_cast<double>(hit.voxel[static_cast<std::size_t>(along)]);
-            result.on_face[edge] = static_cast<float>(std::clamp(within, 0.0, 1.0));
-        }
-        return result;
+        return cell_hit(ray, in_voxels, ray.near_m, tracer_.trace(in_voxels));
+    }
+    void closest_hits(std::span<const Ray> rays, std::span<const RayDetail> details,
+                      std::span<CellHit> hits) const override {
+        std::array<VoxelRay, most_rays> in_voxels;
+        std::array<VoxelHit, most_rays> found;
+        const NodeShares* shares = ready_shares_.load(std::memory_order_acquire);
+        const bool knows_levels = shares != nullptr && !details.empty();
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            in_voxels[i] = knows_levels ? detailed_ray(rays[i], details[i], *shares) : voxel_ray(rays[i]);
+        if (rays.size() == 1)
+            found[0] = tracer_.trace(in_voxels[0]);
+        else
+            tracer_.trace(std::span(in_voxels).first(rays.size()), found);
+        for (std::size_t i = 0; knows_levels && i < rays.size(); ++i)
+            widen(in_voxels[i], found[i]);
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            hits[i] = cell_hit(rays[i], in_voxels[i], knows_levels ? 0.0f : rays[i].near_m, found[i]);
+    }
+    void prepare_detail(const Progress& progress) const override {
+        const std::lock_guard lock(preparing_);
+        if (shares_ != nullptr)
+            return;
+        shares_ = std::make_unique<const NodeShares>(tracer_.node_shares(progress));
+        ready_shares_.store(shares_.get(), std::memory_order_release);
     }
 
     [[nodiscard]] CellFace face(std::uint64_t cell) const override {
         const FaceCode face(cell);
-        const Bounds3 box = box_of(face.voxel, 1);
+        const Bounds3 box = box_of(face.voxel, face.width());
         const auto a = static_cast<int>(face.axis);
         CellFace result{.corner = box.min, .first_edge = vec3(0.0f), .second_edge = vec3(0.0f)};
         if (face.is_upper)
@@ -96,12 +118,19 @@ public:
             visit(visitor, placed_->dag.level, root_of(placed_->dag), {0, 0, 0});
     }
 
-    [[nodiscard]] Bounds3 box(std::uint64_t cell) const override { return box_of(FaceCode(cell).voxel, 1); }
+    [[nodiscard]] Bounds3 box(std::uint64_t cell) const override {
+        const FaceCode face(cell);
+        return box_of(face.voxel, face.width());
+    }
+    [[nodiscard]] bool is_cube(std::uint64_t cell) const override { return FaceCode(cell).level > 0; }
     [[nodiscard]] CellLook look(std::uint64_t cell) const override {
         CellLook look;
         if (placed_->attributes == nullptr)
             return look;
-        const auto sample = placed_->attributes->sample_at(placed_->dag, FaceCode(cell).voxel, 0);
+        FaceCode cube(cell);
+        if (cube.level >= least_mean_level && !placed_->attributes->has_means())
+            go_to_part(cube);
+        const auto sample = placed_->attributes->sample_at(placed_->dag, cube.voxel, cube.level);
         if (!sample)
             return look;
         if (placed_->attributes->layout().has_colors)
@@ -117,6 +146,68 @@ public:
     [[nodiscard]] bool is_occluded(const Ray& ray) const override { return tracer_.is_occluded(voxel_ray(ray)); }
 
 private:
+    static constexpr std::size_t most_rays = 16;
+
+    /// `from_m`: where the ray in voxels begins, on the ray.
+    [[nodiscard]] static CellHit cell_hit(const Ray& ray, const VoxelRay& in_voxels, float from_m,
+                                          const VoxelHit& hit) {
+        if (!hit.is_hit())
+            return {};
+        const std::uint32_t axis = hit.axis < 3 ? hit.axis : largest_axis(in_voxels.direction);
+        const auto a = static_cast<int>(axis);
+        const FaceCode face(hit, axis, in_voxels.direction[a] < 0.0);
+        CellHit result{.distance_m = std::min(static_cast<float>(double{from_m} + hit.distance), ray.far_m),
+                       .cell = face.number(),
+                       .normal = vec3(0.0f)};
+        result.normal[a] = face.is_upper ? 1.0f : -1.0f;
+        const dvec3 place = in_voxels.origin + hit.distance * in_voxels.direction;
+        for (int edge = 0; edge < 2; ++edge) {
+            const int along = (a + 1 + edge) % 3;
+            const double within = place[along] - static_cast<double>(hit.voxel[static_cast<std::size_t>(along)]);
+            result.on_face[edge] = static_cast<float>(std::clamp(within / face.width(), 0.0, 1.0));
+        }
+        return result;
+    }
+    /// From a voxel that was found to stop the ray to the cube around it whose means it is to show, if there are any.
+    void widen(const VoxelRay& ray, VoxelHit& hit) const {
+        if (!hit.is_hit() || placed_->attributes == nullptr)
+            return;
+        const double widest = std::max(ray.width, ray.spread * hit.distance);
+        while (hit.level + 1 < placed_->dag.level && static_cast<double>(2u << hit.level) <= widest)
+            ++hit.level;
+        for (std::uint32_t& lowest : hit.voxel)
+            lowest = lowest >> hit.level << hit.level;
+    }
+    /// From its own origin on: what it wants to know grows from there.
+    [[nodiscard]] VoxelRay detailed_ray(const Ray& ray, const RayDetail& detail, const NodeShares& shares) const {
+        return {.origin = (dvec3(ray.origin) - placed_->bounds_m.lower_m) * per_m_,
+                .direction = dvec3(ray.direction) * per_m_,
+                .end = double{ray.far_m},
+                .width = double{detail.width_m} * per_m_,
+                .spread = double{detail.spread} * per_m_,
+                .start = double{ray.near_m},
+                .shares = &shares,
+                .number = double{detail.number},
+                .asks_voxels_of_sheets = !has_normals()}; // the mean of the sides that are seen is not known
+    }
+    /// From a cube of which no means are kept to the first part of it whose voxels can be averaged.
+    void go_to_part(FaceCode& cube) const {
+        PackedNode node = root_of(placed_->dag);
+        for (std::uint32_t level = placed_->dag.level; level >= least_mean_level; --level) {
+            const PackedHeader header = opened(placed_->dag, level, node);
+            const auto& stored = cube_group.octant[cube_group.inverse[node.turn]];
+            const std::uint32_t below = level - 1;
+            std::uint32_t there =
+                (cube.voxel[0] >> below & 1) | (cube.voxel[1] >> below & 1) << 1 | (cube.voxel[2] >> below & 1) << 2;
+            if (level <= cube.level) {
+                while ((header.child_mask >> stored[there] & 1) == 0)
+                    ++there;
+                cube.voxel = octant_of(cube.voxel, there, 1u << below);
+            }
+            node = child_of(placed_->dag, level, node, header, stored[there]);
+        }
+        cube.level = least_mean_level - 1;
+    }
     [[nodiscard]] VoxelRay voxel_ray(const Ray& ray) const {
         const dvec3 direction(ray.direction);
         const dvec3 start = dvec3(ray.origin) + double{ray.near_m} * direction; // tracing begins at 0
@@ -184,6 +275,9 @@ private:
     Tracer tracer_;
     double per_m_;
     Bounds3 bounds_;
+    mutable std::mutex preparing_;
+    mutable std::unique_ptr<const NodeShares> shares_; ///< Made when rays first ask for cubes.
+    mutable std::atomic<const NodeShares*> ready_shares_{nullptr};
 };
 } // namespace
 

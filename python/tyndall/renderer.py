@@ -83,6 +83,9 @@ class RenderConfig:
     #: Cycles; [0, 1], 0: all of them take all samples.
     noise_threshold: float = 0.0
     region_px: tuple[int, int, int, int] | None = None  #: x0, y0, x1, y1 in the full frame, y up; None: all of it.
+    #: Camera rays meet cubes of voxels no wider than so many pixels, as many of them as the voxels would stop, with the
+    #: means of colours and normals; [0, 64], 0: they meet every voxel.
+    voxel_detail_px: float = 1.0
     film_transparent: bool = False
     passes: frozenset[str] = frozenset()  #: Names in PASSES; Combined is always there.
     shafts: ShaftConfig = field(default_factory=ShaftConfig)
@@ -254,6 +257,7 @@ class Session:
             filter_width_px=config.filter_width_px,
             noise_threshold=config.noise_threshold,
             region_px=config.region_px,
+            voxel_detail_px=config.voxel_detail_px,
             film_transparent=config.film_transparent,
             passes=sorted(config.passes),
             shafts=native_shafts(config.shafts, self._kept_maps),

@@ -9,8 +9,14 @@ import bpy
 import numpy as np
 import pytest
 
+from addon import panels
+from addon.engine.settings import frame_window, render_config
+from addon.sync.cameras import read_camera
+from addon.sync.reports import Reports
 from support import small_scenes
-from tyndall import voxel_dag
+from support.recording_layout import drawn
+from tyndall import Progress, voxel_dag
+from tyndall.renderer import Session
 from tyndall.scene_description import SceneDescription
 
 
@@ -84,3 +90,30 @@ def test_a_file_that_is_missing_or_damaged_is_said_once_with_its_object(tmp_path
     (line,) = description.reports
     assert line.startswith('Object "Ruin": its voxels are left out: ')
     assert str(path) in line
+
+
+def test_far_voxels_are_seen_in_the_detail_that_the_scene_asks_for(tmp_path: Path) -> None:
+    """A sheet of which each 64th voxel is there covers a 64th of the picture, in whatever detail."""
+    path = tmp_path / "dots.tdag"
+    dots = np.array([(8 * x, 0, 8 * z) for x in range(32) for z in range(32)])
+    cube = voxel_dag.Config(resolution=256, bounds_m=((-8, -8, -8), (8, 8, 8)))
+    voxel_dag.from_coordinates(dots, cube).save(path)
+    standing_for(path)
+    camera = small_scenes.add("Camera", bpy.data.cameras.new("Camera"), (0, -50, 0))
+    camera.rotation_euler = (np.pi / 2, 0, 0)
+    camera.data.type, camera.data.ortho_scale = "ORTHO", 14.0
+    scene = bpy.context.scene
+    scene.camera = camera
+    scene.render.film_transparent, scene.tyndall.pixel_samples, scene.tyndall.noise_threshold = True, 256, 0.0
+    assert drawn(panels.sampling.TYNDALL_PT_voxel_sampling) == ["voxel_detail_px"]
+    session = Session()
+    session.update(small_scenes.read(), Progress())
+    seen = read_camera(camera.evaluated_get(bpy.context.evaluated_depsgraph_get()), scene.render, (8, 8), Reports())
+    deviations = []
+    for detail_px in (0.0, 2.0):
+        scene.tyndall.voxel_detail_px = detail_px
+        config = render_config(scene, bpy.context.view_layer, frame_window(scene.render, (8, 8)))
+        alpha = session.render(seen, config, Progress()).planes["Combined"][..., 3]
+        assert abs(alpha.mean() - 1 / 64) < 1 / 256
+        deviations.append(alpha.std())
+    assert deviations[1] < deviations[0]

@@ -132,7 +132,9 @@ def picture(description: SceneDescription, method: str, **settings: float) -> Fi
     session.update(description, Progress())
     shafts = ShaftConfig(method=method, world_samples=0, **settings)  # type: ignore[arg-type]
     passes = frozenset({"Depth", "Normal", "Shadow", "DiffCol", "Emit", "Shafts"})
-    return session.render(CAMERA, RenderConfig(pixel_samples=1, passes=passes, shafts=shafts), Progress())
+    return session.render(
+        CAMERA, RenderConfig(pixel_samples=1, voxel_detail_px=0.0, passes=passes, shafts=shafts), Progress()
+    )
 
 
 def share_of_other_pixels(film: Film, truth: Film, name: str, tolerance: float = 2e-5) -> float:

@@ -34,8 +34,8 @@ render::ShadowRayCounts rays_to_sky(const Scene& scene, bool may_share = false) 
     const render::DirectLight light(scene, media, statistics);
     const render::FilterSampler filter(render::PixelFilter::BlackmanHarris, 1.5f);
     Progress progress;
-    return render::count_shadow_rays(scene, media, light, nullptr, camera_above_ground(), filter, 3, may_share, {},
-                                     progress);
+    return render::count_shadow_rays(scene, media, light, nullptr, camera_above_ground(), filter, 3, may_share, 0.0f,
+                                     {}, progress);
 }
 } // namespace
 
