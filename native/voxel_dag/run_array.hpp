@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // An attribute array as blocks of one length, each with its own runs and dictionary: bytes with random access.
 // Differs:  from Kol 2018, section 2.4.2: the block of an entry is a shift, not a search; 73 to 93 % of neighbours are
-//           equal, so that flags of runs take the place of most indices; blocks of equal contents are stored once, which a
+//           equal, so that codes of runs take the place of most indices; blocks of equal contents are stored once, which a
 //           palette shared between unequal blocks is not worth beside.
-// Bound:    a value costs two loads of the directory and the scan of one block's flags, run_block.hpp.
+// Bound:    a value costs two loads of the directory and the scan of one block's codes, run_block.hpp.
 #pragma once
 #include "core/progress.hpp"
 #include "voxel_dag/run_block.hpp"
@@ -11,8 +11,8 @@
 namespace tyndall::voxel_dag {
 namespace run_array {
 struct Config {
-    /// Of a block, [9, 12]. 9 reads values fastest; 10 or 11 is smallest, depending on how much repeats.
-    std::uint32_t log2_block_entries = 10;
+    /// Of a block, [9, 12]. 9 reads values fastest; 10 to 12 is smallest, depending on how much repeats.
+    std::uint32_t log2_block_entries = 11;
 };
 /// Bytes of the values, from which RunArray reads them; the same for any number of threads. Throws InvalidInput and
 /// Cancelled.
@@ -42,6 +42,7 @@ private:
     run_block::Shape shape_{};
     std::uint64_t entry_count_ = 0, block_count_ = 0, block_bit_count_ = 0;
     std::uint32_t offset_bits_ = 0;
+    run_patterns::Reader patterns_;
     const std::uint8_t *directory_ = nullptr, *blocks_ = nullptr;
 };
 } // namespace tyndall::voxel_dag
