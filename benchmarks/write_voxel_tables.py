@@ -13,7 +13,6 @@ from pathlib import Path
 from write_figures import Row, Rows, read, table
 
 MODELS = {"dragon_4096": "dragon 4096", "Sponza_2048": "Sponza 2048", "monu6": "monu6", "monu8": "monu8"}
-MESHES = ("dragon_4096", "Sponza_2048")
 OURS = ("ours_geometry", "ours_counts", "ours_voxels", "ours_means")
 #: Of table 2.3: what, counter, and Kol's range over his scenes, of what is uncompressed.
 STEPS = (
@@ -42,9 +41,10 @@ def percent(part: float, whole: float) -> str:
     return f"{share:.1f} %" if share < 10 else f"{share:.0f} %"  # noqa: PLR2004
 
 
-def by_model(rows: Rows, name: str, models: tuple[str, ...] | list[str]) -> list[Row]:
-    """The row of each model."""
-    return [rows[f"{name}/{model}"] for model in models]
+def by_model(rows: Rows, name: str) -> dict[str, Row]:
+    """The rows of the models that were there, by their titles."""
+    found = {title: rows.get(f"{name}/{model}", {}) for model, title in MODELS.items()}
+    return {title: row for title, row in found.items() if row and "error_message" not in row}
 
 
 def ours(row: Row) -> float:
@@ -52,9 +52,16 @@ def ours(row: Row) -> float:
     return sum(row[part] for part in OURS[1:])
 
 
+def similarity(rows: Rows, name: str) -> str:
+    """Nothing where no picture was made."""
+    ssim = rows.get(name, {}).get("ssim")
+    return "" if ssim is None else f"{ssim:.4f}"
+
+
 def table_2_1(rows: Rows) -> list[str]:
     """The DAG, and arrays of 24-bit colours."""
-    found = by_model(rows, "table_2_1", list(MODELS))
+    models = by_model(rows, "table_2_1")
+    found = list(models.values())
     lines = [
         ["DAG nodes (M)", *(mega(row["dag_nodes"]) for row in found)],
         ["DAG", *(mega(row["dag"]) for row in found)],
@@ -75,7 +82,7 @@ def table_2_1(rows: Rows) -> list[str]:
         ["means", *(mega(row["ours_means"]) for row in found)],
         ["all but geometry / A, all levels", *(percent(ours(row), row["all_plain"]) for row in found)],
     ]
-    return table(["", *MODELS.values()], lines)
+    return table(["", *models], lines)
 
 
 def table_2_2(rows: Rows) -> list[str]:
@@ -96,7 +103,7 @@ def table_2_2(rows: Rows) -> list[str]:
                 means,
                 most,
                 f"{row['mean_cie94']:.2f} / {row['most_cie94']:.2f}",
-                f"{rows[f'color_picture/{model}/{bits}']['ssim']:.4f}",
+                similarity(rows, f"color_picture/{model}/{bits}"),
                 f"{mega(row['leaf_palettes'])} ({percent(row['leaf_palettes'], row['leaf_plain'])})",
                 f"{mega(row['all_palettes'])} ({percent(row['all_palettes'], row['all_plain'])})",
                 f"{mega(ours(row))} ({percent(ours(row), row['all_plain'])})",
@@ -118,7 +125,7 @@ def normals(rows: Rows) -> list[str]:
                 MODELS[model],
                 bits,
                 f"{row['mean_degrees']:.2f} / {row['most_degrees']:.2f}",
-                f"{rows[f'normal_picture/{model}/{bits}']['ssim']:.4f}",
+                similarity(rows, f"normal_picture/{model}/{bits}"),
                 f"{mega(row['leaf_palettes'])} ({percent(row['leaf_palettes'], row['leaf_plain'])})",
                 f"{mega(row['all_palettes'])} ({percent(row['all_palettes'], row['all_plain'])})",
                 f"{mega(ours(row))} ({percent(ours(row), row['all_plain'])})",
@@ -130,7 +137,8 @@ def normals(rows: Rows) -> list[str]:
 
 def table_2_3(rows: Rows) -> list[str]:
     """The DAG with offsets, step by step: a row per step here, ours last."""
-    found = by_model(rows, "table_2_3", list(MODELS))
+    models = by_model(rows, "table_2_3")
+    found = list(models.values())
     lines = [
         [title, *(f"{mega(row[step])} ({percent(row[step], row['uncompressed'])})" for row in found), kol]
         for title, step, kol in STEPS
@@ -145,12 +153,13 @@ def table_2_3(rows: Rows) -> list[str]:
             ]
         )
         lines.append(["of it counts", *(mega(row[f"{kind}_counts"]) for row in found), ""])
-    return table(["", *MODELS.values(), "Kol's scenes"], lines)
+    return table(["", *models, "Kol's scenes"], lines)
 
 
 def table_2_4(rows: Rows) -> list[str]:
     """12-bit colours in published structures."""
-    found = by_model(rows, "table_2_4", list(MODELS))
+    models = by_model(rows, "table_2_4")
+    found = list(models.values())
 
     def sized(title: str, bytes_of: list[float]) -> list[str]:
         cells = [
@@ -172,11 +181,12 @@ def table_2_4(rows: Rows) -> list[str]:
         ["our colours", *(mega(ours(row)) for row in found)],
         sized("**ours**", [sum(row[part] for part in OURS) for row in found]),
     ]
-    return table(["", *MODELS.values()], lines)
+    return table(["", *models], lines)
 
 
 def joint(rows: Rows) -> list[str]:
     """Several attributes in one material."""
+    models = by_model(rows, "joint")
     lines = []
     for title, kind in (
         ("12-bit colours", "color"),
@@ -184,12 +194,12 @@ def joint(rows: Rows) -> list[str]:
         ("+ 8-bit reflectance", "reflectance"),
     ):
         cells = [title]
-        for row in by_model(rows, "joint", MESHES):
+        for row in models.values():
             size, before = row[f"{kind}_bytes"], row["color_bytes"]
             more = "" if kind == "color" else f" (+ {percent(size - before, before)})"
             cells += [mega(size) + more, mega(row[f"{kind}_materials"])]
         lines.append(cells)
-    head = [cell for mesh in MESHES for cell in (MODELS[mesh], "its materials")]
+    head = [cell for title in models for cell in (title, "its materials")]
     return table(["", *head], lines)
 
 
