@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # scripts/bench.sh [NAME...]: runs the benchmarks (all, or those named by their stem), writes benchmarks/results/*.json
 # with medians, and draws error against time. Leave the machine alone meanwhile: it times itself before each.
+# scripts/bench.sh voxel_tables_bench also writes docs/voxel-tables.md.
 # scripts/bench.sh figures: what docs/figures.md shows, and writes it: the paper's tables, error curves, AVX-512 beside
 # AVX2 in turn, flicker. About a quarter of an hour on two cores.
 set -euo pipefail
@@ -89,3 +90,6 @@ for script in benchmarks/*_bench.py; do
 done
 ((ran)) || fail "there is no benchmark named ${names[*]}"
 /usr/bin/python3 benchmarks/plot_error_against_time.py "$results"
+if wanted voxel_tables_bench; then
+    /usr/bin/python3 benchmarks/write_voxel_tables.py "$results" docs
+fi

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Attributes of 12 bits for the voxels of a mesh, in Morton order: what attribute arrays are measured on.
+// Attributes for the voxels of a mesh, in Morton order: what attribute arrays are measured on.
 //   normals: vertex normals (means of faces by area) at the point of the triangle that the voxel's centre is projected
 //            to along the triangle's largest axis, in 6 + 6 bits: (v / 2 + 1 / 2) * 63, rounded, of the octahedral map
-//   baked:   4 + 4 + 4 bits of check * marble * lambert: check 1 or 0.55, of 16 x 16 x 16 cubes; marble from (0.9,
+//   baked:   4 + 4 + 4 bits, red first, of check * marble * lambert: check 1 or 0.55, of 16 x 16 x 16 cubes; marble from (0.9,
 //            0.85, 0.75) to (0.3, 0.45, 0.6) as 1/2 + 1/2 sin(120 x + 18 sin 14 y + 12 sin 17 z), x, y, z in [0, 1];
 //            lambert = 1/4 + 3/4 max(0, n . (0.48, 0.36, 0.8))
+// AttributeBits::Full: the same in octahedral::encode_rounded()'s 32 bits, and in 8 + 8 + 8.
 // Of several triangles in a voxel the first counts. A voxel that this finds no triangle for (its arithmetic is not that of
 // the voxelizer) has the values of the voxel before it: 1 in 1,200 of the dragon, 1 in 3,900 of Sponza.
 #pragma once
 #include "support/voxel_meshes.hpp"
 #include "voxel_dag/leaf_masks.hpp"
+#include "voxel_dag/octahedral_normals.hpp"
 #include <algorithm>
 #include <bit>
 
@@ -29,26 +31,31 @@ inline std::uint32_t normal_of_12_bits(const dvec3& n) {
         at = {(1.0 - std::abs(at.y)) * (at.x < 0.0 ? -1.0 : 1.0), (1.0 - std::abs(at.x)) * (at.y < 0.0 ? -1.0 : 1.0)};
     return rounded(0.5 * at.x + 0.5, 6) << 6 | rounded(0.5 * at.y + 0.5, 6);
 }
-inline std::uint32_t baked_color_of_12_bits(const dvec3& at, const dvec3& n) {
+inline double check_at(const dvec3& at) {
     const dvec3 cube = glm::floor(16.0 * at);
-    const double check = std::fmod(cube.x + cube.y + cube.z, 2.0) == 0.0 ? 1.0 : 0.55;
-    const double vein =
-        0.5 + 0.5 * std::sin(120.0 * at.x + 18.0 * std::sin(14.0 * at.y) + 12.0 * std::sin(17.0 * at.z));
-    const double shade = check * (0.25 + 0.75 * std::max(0.0, glm::dot(n, dvec3(0.48, 0.36, 0.8))));
-    const auto channel = [&](double light, double dark) { return rounded(shade * std::lerp(light, dark, vein), 4); };
-    return channel(0.9, 0.3) << 8 | channel(0.85, 0.45) << 4 | channel(0.75, 0.6);
+    return std::fmod(cube.x + cube.y + cube.z, 2.0) == 0.0 ? 1.0 : 0.55;
+}
+inline double vein_at(const dvec3& at) {
+    return 0.5 + 0.5 * std::sin(120.0 * at.x + 18.0 * std::sin(14.0 * at.y) + 12.0 * std::sin(17.0 * at.z));
+}
+enum class AttributeBits : std::uint8_t { Twelve, Full };
+inline std::uint32_t baked_color(const dvec3& at, const dvec3& n, std::uint32_t bits) {
+    const double vein = vein_at(at);
+    const double shade = check_at(at) * (0.25 + 0.75 * std::max(0.0, glm::dot(n, dvec3(0.48, 0.36, 0.8))));
+    const auto channel = [&](double light, double dark) { return rounded(shade * std::lerp(light, dark, vein), bits); };
+    return channel(0.9, 0.3) << 2 * bits | channel(0.85, 0.45) << bits | channel(0.75, 0.6);
 }
 
 struct VoxelValues {
     std::uint64_t code;
-    std::uint16_t normal, baked;
+    std::uint32_t normal, baked;
 };
 
 /// A triangle in voxels, and which columns along its largest axis meet it as the thin rule has it.
 class ThinTriangle {
 public:
-    ThinTriangle(const std::array<dvec3, 3>& corners, const std::array<dvec3, 3>& normals)
-        : corners_(corners), normals_(normals), edges_{corners[1] - corners[0], corners[2] - corners[0]},
+    ThinTriangle(const std::array<dvec3, 3>& corners, const std::array<dvec3, 3>& normals, AttributeBits bits)
+        : corners_(corners), normals_(normals), bits_(bits), edges_{corners[1] - corners[0], corners[2] - corners[0]},
           plane_(glm::cross(edges_[0], edges_[1])) {
         for (int axis = 1; axis < 3; ++axis)
             if (std::abs(plane_[axis]) > std::abs(plane_[along_]))
@@ -76,8 +83,10 @@ public:
                 const voxel_dag::Voxel where{static_cast<std::uint32_t>(voxel.x), static_cast<std::uint32_t>(voxel.y),
                                              static_cast<std::uint32_t>(voxel.z)};
                 const dvec3 centre = (voxel + 0.5) / static_cast<double>(resolution);
-                values.push_back({voxel_dag::morton_code(where), static_cast<std::uint16_t>(normal_of_12_bits(n)),
-                                  static_cast<std::uint16_t>(baked_color_of_12_bits(centre, n))});
+                const bool is_full = bits_ == AttributeBits::Full;
+                values.push_back({voxel_dag::morton_code(where),
+                                  is_full ? voxel_dag::octahedral::encode_rounded(n) : normal_of_12_bits(n),
+                                  baked_color(centre, n, is_full ? 8 : 4)});
             }
     }
 
@@ -110,13 +119,15 @@ private:
         return glm::normalize(glm::length(n) > 1e-9 ? n : plane_);
     }
     std::array<dvec3, 3> corners_, normals_;
+    AttributeBits bits_;
     std::array<dvec3, 2> edges_;
     dvec3 plane_;
     int along_ = 0;
 };
 
 /// leaves: the mesh's voxels, of its bounding box scaled by its longest side.
-inline VoxelAttributes voxel_attributes(const BareMesh& mesh, const voxel_dag::LeafMasks& leaves) {
+inline VoxelAttributes voxel_attributes(const BareMesh& mesh, const voxel_dag::LeafMasks& leaves,
+                                        AttributeBits bits = AttributeBits::Twelve) {
     Bounds3 bounds;
     for (const vec3& position : mesh.positions)
         bounds.grow(position);
@@ -132,7 +143,7 @@ inline VoxelAttributes voxel_attributes(const BareMesh& mesh, const voxel_dag::L
         normal /= std::max(1e-30, glm::length(normal));
     std::vector<VoxelValues> found;
     for (const uvec3& t : mesh.triangles)
-        ThinTriangle({corners[t.x], corners[t.y], corners[t.z]}, {normals[t.x], normals[t.y], normals[t.z]})
+        ThinTriangle({corners[t.x], corners[t.y], corners[t.z]}, {normals[t.x], normals[t.y], normals[t.z]}, bits)
             .append(static_cast<int>(leaves.resolution()), found);
     std::ranges::stable_sort(found, {}, &VoxelValues::code);
 

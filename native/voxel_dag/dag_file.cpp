@@ -12,7 +12,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "files are little-endian, and read as they lie");
 
 constexpr std::array<char, 8> magic{'T', 'D', 'A', 'G', '\r', '\n', '\x1a', '\n'}; // shows what text mode does to it
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2; // 1: other numbers of materials, which run_array.cpp refuses
 constexpr std::uint64_t alignment = 64;
 
 struct Header {

@@ -4,19 +4,56 @@
 #include "voxel_dag/byte_sections.hpp"
 #include "voxel_dag/fingerprint.hpp"
 #include <algorithm>
+#include <cstring>
+#include <unordered_set>
 
 namespace tyndall::voxel_dag {
-static constexpr std::uint32_t magic = 0x31415254; // "TRA1"
+static constexpr std::uint32_t magic = 0x32415254, old_magic = 0x31415254; // "TRA2", "TRA1"
 static constexpr std::uint32_t least_log2_entries = 9, most_log2_entries = 12;
 static constexpr std::size_t blocks_at_once = 4096; // packed side by side, then sifted in their order
 /// Beyond, blocks are stored whether or not they are known: the memory that knowing takes is bounded.
 static constexpr std::size_t most_known_blocks = std::size_t{1} << 20;
-static constexpr std::uint64_t header_bytes = 3 * sizeof(std::uint32_t) + 2 * sizeof(std::uint64_t);
+/// What of an array its table of patterns is made for, whatever follows: values come one way, and once.
+static constexpr std::size_t learnt_entries = std::size_t{1} << 22;
 
 static std::uint64_t count_of_blocks(std::uint64_t entry_count, std::uint32_t log2_entries) {
     return (entry_count >> log2_entries) + ((entry_count & low_bits(log2_entries)) != 0);
 }
 static std::uint64_t whole_bytes(std::uint64_t bit_count) { return (bit_count + 7) / 8; }
+
+/// How often groups of 16 entries look alike, of those that have changes; blocks of equal contents count once.
+static std::unordered_map<run_patterns::Pattern, std::uint64_t>
+count_patterns(std::span<const std::uint32_t> values, std::size_t block_entries, const Progress& progress) {
+    constexpr std::size_t part_count = 64; // tables of their own, side by side
+    const std::size_t block_count = (values.size() + block_entries - 1) / block_entries;
+    const auto block = [&](std::size_t number) {
+        return values.subspan(number * block_entries, std::min(block_entries, values.size() - number * block_entries));
+    };
+    std::vector<std::uint64_t> prints(block_count);
+    const auto find_print = [&](std::size_t number) {
+        Fingerprint print;
+        print.add(std::as_bytes(block(number)));
+        prints[number] = print.value()[0];
+    };
+    parallel_for(block_count, progress, find_print, 64);
+    std::vector<std::size_t> different;
+    std::unordered_set<std::uint64_t> known;
+    for (std::size_t number = 0; number < block_count; ++number)
+        if (known.insert(prints[number]).second)
+            different.push_back(number);
+    std::vector<std::unordered_map<run_patterns::Pattern, std::uint64_t>> of_parts(part_count);
+    const auto count = [&](std::size_t part) {
+        for (std::size_t i = part * different.size() / part_count; i < (part + 1) * different.size() / part_count; ++i)
+            for (const run_patterns::Pattern pattern : run_block::runs_of(block(different[i])).groups)
+                if (pattern != 0)
+                    ++of_parts[part][pattern];
+    };
+    parallel_for(part_count, progress, count, 1);
+    for (std::size_t part = 1; part < part_count; ++part)
+        for (const auto& [pattern, uses] : of_parts[part])
+            of_parts[0][pattern] += uses;
+    return std::move(of_parts[0]);
+}
 
 namespace run_array {
 Encoder::Encoder(const Config& config, std::uint32_t value_bits, SpilledBytes blocks, SpilledBytes offsets)
@@ -29,6 +66,17 @@ Encoder::Encoder(const Config& config, std::uint32_t value_bits, SpilledBytes bl
 void Encoder::add(std::span<const std::uint32_t> values, const Progress& progress) {
     const std::size_t block_entries = std::size_t{1} << shape_.log2_entries;
     entry_count_ += values.size();
+    if (!patterns_ && rest_.empty() && values.size() >= learnt_entries)
+        learn(values, progress);
+    if (!patterns_) {
+        rest_.insert(rest_.end(), values.begin(), values.end());
+        if (rest_.size() < learnt_entries)
+            return;
+        const std::vector<std::uint32_t> known = std::exchange(rest_, {});
+        entry_count_ -= known.size();
+        add(known, progress);
+        return;
+    }
     if (!rest_.empty()) {
         const auto lacking = values.first(std::min(values.size(), block_entries - rest_.size()));
         rest_.insert(rest_.end(), lacking.begin(), lacking.end());
@@ -43,7 +91,15 @@ void Encoder::add(std::span<const std::uint32_t> values, const Progress& progres
     rest_.assign(values.begin() + static_cast<std::ptrdiff_t>(whole), values.end());
 }
 
+void Encoder::learn(std::span<const std::uint32_t> values, const Progress& progress) {
+    const auto first = values.first(std::min(values.size(), learnt_entries));
+    patterns_ = run_patterns::best_table(count_patterns(first, std::size_t{1} << shape_.log2_entries, progress));
+    pattern_writer_.emplace(*patterns_);
+}
+
 void Encoder::finish(const Progress& progress) {
+    if (!patterns_)
+        learn(rest_, progress);
     pack(rest_, progress);
     rest_.clear();
     block_bit_count_ += bits_.bit_count();
@@ -59,7 +115,8 @@ void Encoder::pack(std::span<const std::uint32_t> values, const Progress& progre
         const auto pack_one = [&](std::size_t i) {
             const std::size_t begin = (first + i) * block_entries;
             BitPacker bits;
-            run_block::append(values.subspan(begin, std::min(block_entries, values.size() - begin)), shape_, bits);
+            run_block::append(values.subspan(begin, std::min(block_entries, values.size() - begin)), shape_,
+                              *pattern_writer_, bits);
             packed_[i].bit_count = bits.bit_count();
             packed_[i].bytes = bits.take();
         };
@@ -92,20 +149,31 @@ void Encoder::append(const Packed& block) {
 
 std::uint64_t Encoder::byte_count() const {
     const std::uint64_t block_count = offsets_.size() / sizeof(std::uint64_t);
-    return header_bytes + whole_bytes(block_count * bits_for(block_bit_count_)) + whole_bytes(block_bit_count_) +
+    return header().size() + whole_bytes(block_count * bits_for(block_bit_count_)) + whole_bytes(block_bit_count_) +
            bit_slack_bytes;
 }
 
+std::vector<std::uint8_t> Encoder::header() const {
+    SectionWriter writer;
+    writer.number(magic);
+    writer.number(shape_.log2_entries);
+    writer.number(shape_.value_bits);
+    writer.number(entry_count_);
+    writer.number(block_bit_count_);
+    for (const std::uint32_t width : patterns_->widths)
+        writer.number(width);
+    writer.number(static_cast<std::uint32_t>(patterns_->patterns.size()));
+    BitPacker digits;
+    for (const run_patterns::Pattern pattern : patterns_->patterns)
+        digits.append(run_patterns::digits_of(pattern), run_patterns::digit_bits);
+    writer.packed(digits);
+    std::vector<std::uint8_t> bytes = writer.finish();
+    bytes.resize(bytes.size() - bit_slack_bytes); // which comes last
+    return bytes;
+}
+
 void Encoder::read(const std::function<void(std::span<const std::uint8_t>)>& use) const {
-    SectionWriter header;
-    header.number(magic);
-    header.number(shape_.log2_entries);
-    header.number(shape_.value_bits);
-    header.number(entry_count_);
-    header.number(block_bit_count_);
-    std::vector<std::uint8_t> bytes = header.finish();
-    bytes.resize(header_bytes); // the slack comes last
-    use(bytes);
+    use(header());
     BitPacker directory;
     offsets_.read([&](std::span<const std::uint8_t> words) {
         for (std::size_t at = 0; at < words.size(); at += sizeof(std::uint64_t)) {
@@ -135,7 +203,9 @@ std::vector<std::uint8_t> encode(std::span<const std::uint32_t> values, const Co
 
 RunArray::RunArray(std::span<const std::uint8_t> bytes) {
     SectionReader reader(bytes, "run array");
-    reader.check(reader.number<std::uint32_t>("header") == magic, "header", "does not begin with its mark");
+    const auto mark = reader.number<std::uint32_t>("header");
+    reader.check(mark != old_magic, "header", "is of an older version, which is not read: make the file again");
+    reader.check(mark == magic, "header", "does not begin with its mark");
     shape_.log2_entries = reader.number<std::uint32_t>("header");
     shape_.value_bits = reader.number<std::uint32_t>("header");
     entry_count_ = reader.number<std::uint64_t>("header");
@@ -149,9 +219,26 @@ RunArray::RunArray(std::span<const std::uint8_t> bytes) {
                  block_bit_count_, " bits");
     // Blocks that are all equal need no bits of directory: without this, a damaged header could claim any number.
     reader.check(offset_bits_ > 0 || block_count_ == 0, "header", "has blocks of 1 bit");
+    run_patterns::Table table;
+    for (std::uint32_t& width : table.widths) {
+        width = reader.number<std::uint32_t>("header");
+        reader.check(width <= run_patterns::Table::most_width, "header", "has patterns of ", width, " bits");
+    }
+    const auto pattern_count = reader.number<std::uint32_t>("header");
+    const std::uint64_t rank_count = std::uint64_t{table.begins().back()} + (std::uint64_t{1} << table.widths.back());
+    reader.check(pattern_count <= rank_count, "header", "has ", pattern_count, " patterns; there are ranks for ",
+                 rank_count);
+    const auto patterns = reader.take_packed(pattern_count, run_patterns::digit_bits, "patterns");
     const auto directory = reader.take_packed(block_count_, offset_bits_, "directory");
     const auto blocks = reader.take_packed(block_bit_count_, 1, "blocks");
     reader.finish();
+    for (std::uint64_t rank = 0; rank < pattern_count; ++rank) {
+        const std::uint64_t digits =
+            read_bits(patterns.data(), rank * run_patterns::digit_bits, run_patterns::digit_bits);
+        reader.check(digits < run_patterns::digit_count, "patterns", "has a number that pattern ", rank, " is not");
+        table.patterns.push_back(run_patterns::pattern_of(static_cast<std::uint32_t>(digits)));
+    }
+    patterns_ = run_patterns::Reader(table);
     directory_ = directory.data(), blocks_ = blocks.data();
     for (std::uint64_t i = 0; i < block_count_; ++i) {
         reader.check(read_bits(directory_, i * offset_bits_, offset_bits_) < block_bit_count_, "directory",
@@ -162,7 +249,7 @@ RunArray::RunArray(std::span<const std::uint8_t> bytes) {
 }
 
 run_block::Reader RunArray::block(std::uint64_t number) const {
-    return {blocks_, read_bits(directory_, number * offset_bits_, offset_bits_), block_bit_count_, shape_};
+    return {blocks_, read_bits(directory_, number * offset_bits_, offset_bits_), block_bit_count_, shape_, patterns_};
 }
 std::uint32_t RunArray::at(std::uint64_t entry) const {
     return block(entry >> shape_.log2_entries).at(static_cast<std::uint32_t>(entry & low_bits(shape_.log2_entries)));

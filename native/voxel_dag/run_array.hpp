@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // An attribute array as blocks of one length, each with its own runs and dictionary: bytes with random access.
 // Differs:  from Kol 2018, section 2.4.2: the block of an entry is a shift, not a search; 73 to 93 % of neighbours are
-//           equal, so that flags of runs take the place of most indices; blocks of equal contents are stored once, which a
+//           equal, so that codes of runs take the place of most indices; blocks of equal contents are stored once, which a
 //           palette shared between unequal blocks is not worth beside.
-// Bound:    a value costs two loads of the directory and the scan of one block's flags, run_block.hpp. While values come in,
-//           64 bytes for each of the first 2^20 different blocks, among which equal ones are looked for.
+// Bound:    a value costs two loads of the directory and the scan of one block's codes, run_block.hpp. While values come in,
+//           64 bytes for each of the first 2^20 different blocks, among which equal ones are looked for, and the first 2^22
+//           values, by which the codes of all are chosen.
 #pragma once
 #include "core/progress.hpp"
 #include "voxel_dag/run_block.hpp"
 #include "voxel_dag/spilled_bytes.hpp"
 #include <array>
+#include <optional>
 #include <unordered_map>
 
 namespace tyndall::voxel_dag {
 namespace run_array {
 struct Config {
-    /// Of a block, [9, 12]. 9 reads values fastest; 10 or 11 is smallest, depending on how much repeats.
-    std::uint32_t log2_block_entries = 10;
+    /// Of a block, [9, 12]. 9 reads values fastest; 10 to 12 is smallest, depending on how much repeats.
+    std::uint32_t log2_block_entries = 11;
 };
 /// Bytes of the values, from which RunArray reads them; the same for any number of threads. Throws InvalidInput and
 /// Cancelled.
@@ -50,11 +52,17 @@ private:
     /// Whole blocks, or the last one.
     void pack(std::span<const std::uint32_t> values, const Progress& progress);
     void append(const Packed& block);
+    /// Chooses the codes of all values by the first ones.
+    void learn(std::span<const std::uint32_t> values, const Progress& progress);
+    /// Of the finished array, up to its directory.
+    [[nodiscard]] std::vector<std::uint8_t> header() const;
 
     run_block::Shape shape_;
     SpilledBytes blocks_, offsets_;
     BitPacker bits_;                  ///< What blocks_ does not have yet.
-    std::vector<std::uint32_t> rest_; ///< Less than a block.
+    std::vector<std::uint32_t> rest_; ///< Less than a block, or what codes are not chosen for yet.
+    std::optional<run_patterns::Table> patterns_;
+    std::optional<run_patterns::Writer> pattern_writer_;
     std::vector<Packed> packed_;
     std::unordered_map<Digest, std::uint64_t, DigestHash>
         offset_of_; ///< Of blocks, by their bytes, which say where they end.
@@ -84,6 +92,7 @@ private:
     run_block::Shape shape_{};
     std::uint64_t entry_count_ = 0, block_count_ = 0, block_bit_count_ = 0;
     std::uint32_t offset_bits_ = 0;
+    run_patterns::Reader patterns_;
     const std::uint8_t *directory_ = nullptr, *blocks_ = nullptr;
 };
 } // namespace tyndall::voxel_dag

@@ -4,11 +4,9 @@
 #include "voxel_dag/packed_digits.hpp"
 
 namespace tyndall::voxel_dag::run_block {
-static constexpr std::uint32_t byte_width_bits = 4; // holds [0, 8]; 8: the bytes themselves, no table
-static constexpr std::uint64_t even_bits = 0x5555555555555555u;
-
-Reader::Reader(const std::uint8_t* bytes, std::uint64_t begin, std::uint64_t end, const Shape& shape)
-    : bytes_(bytes), end_(end), cut_off_(find_parts(begin, shape)) {}
+Reader::Reader(const std::uint8_t* bytes, std::uint64_t begin, std::uint64_t end, const Shape& shape,
+               const run_patterns::Reader& patterns)
+    : bytes_(bytes), end_(end), patterns_(patterns), cut_off_(find_parts(begin, shape)) {}
 
 const char* Reader::find_parts(std::uint64_t begin, const Shape& shape) {
     std::uint64_t bit = begin;
@@ -29,105 +27,59 @@ const char* Reader::find_parts(std::uint64_t begin, const Shape& shape) {
     minimum_ = field(shape.value_bits);
     if (dictionary_size_ == 1)
         return nullptr;
-    const std::uint32_t low_width_bits = bits_for(shape.value_bits + 1), group_count = 1u << (shape.log2_entries - 6);
-    if (!holds(shape.log2_entries + low_width_bits + byte_width_bits + group_count))
+    const std::uint32_t low_width_bits = bits_for(shape.value_bits + 1);
+    const std::uint32_t group_count = 1u << (shape.log2_entries - run_patterns::log2_entries);
+    if (!holds(shape.log2_entries + low_width_bits + group_count))
         return "header";
-    run_count_ = field(shape.log2_entries) + 1;
+    index_count_ = field(shape.log2_entries) + 1;
     low_bits_ = field(low_width_bits);
-    byte_bits_ = field(byte_width_bits);
-    if (low_bits_ > shape.value_bits || byte_bits_ > 8)
+    if (low_bits_ > shape.value_bits)
         return "header";
-    occupied_64_ = read_word(bytes_, part(group_count)) & low_bits(group_count);
-    const std::uint64_t occupied_8_width = 8 * static_cast<std::uint64_t>(std::popcount(occupied_64_));
-    if (!holds(occupied_8_width))
-        return "groups of 8";
-    occupied_8_ = part(occupied_8_width);
-    byte_count_ = count_ones(bytes_, occupied_8_, bit);
-    if (byte_bits_ < 8) {
-        if (!holds(8))
-            return "table of bytes";
-        table_size_ = field(8) + 1;
-        if (!holds(8 * table_size_))
-            return "table of bytes";
-        byte_table_ = part(8 * table_size_);
-    }
-    const std::uint64_t repeat_count = run_count_ < 2 ? 0 : run_count_ - 2;
-    if (!holds(byte_count_ * byte_bits_ + repeat_count + dictionary_size_ * low_bits_))
-        return "runs";
-    bytes_at_ = part(byte_count_ * byte_bits_);
-    repeats_ = part(repeat_count);
-    index_count_ = run_count_ - count_ones(bytes_, repeats_, repeats_ + repeat_count);
-    low_ = part(dictionary_size_ * low_bits_);
+    occupied_ = part(group_count);
+    code_count_ = count_ones(bytes_, occupied_, bit);
+    if (!holds(std::uint64_t{dictionary_size_} * low_bits_))
+        return "dictionary";
+    low_ = part(std::uint64_t{dictionary_size_} * low_bits_);
     high_ = bit;
     bit = find_one(bytes_, high_, end_, dictionary_size_ - 1) + 1;
     if (bit > end_)
         return "dictionary";
     if (!holds(packed_digits::bit_count(dictionary_size_, index_count_)))
         return "indices";
-    indices_ = bit;
+    indices_ = part(packed_digits::bit_count(dictionary_size_, index_count_));
+    if (!holds(std::uint64_t{code_count_} * run_patterns::class_bits))
+        return "codes";
+    classes_ = part(std::uint64_t{code_count_} * run_patterns::class_bits);
+    codes_ = bit;
     return nullptr;
+}
+
+/// Calls visit(code, bit) with the first codes, one after the other, until it returns false.
+template <class Visit>
+inline void Reader::visit_codes(std::uint32_t count, const Visit& visit) const {
+    std::uint64_t bit = codes_, classes = 0;
+    for (std::uint32_t i = 0; i < count; ++i, classes >>= run_patterns::class_bits) {
+        if (i % 32 == 0)
+            classes = read_word(bytes_, classes_ + std::uint64_t{i} * run_patterns::class_bits);
+        const auto of_class = static_cast<std::uint32_t>(classes & low_bits(run_patterns::class_bits));
+        const std::uint32_t width = patterns_.width(of_class);
+        if (!visit(run_patterns::Code{of_class, static_cast<std::uint32_t>(read_bits(bytes_, bit, width))}, bit))
+            return;
+        bit += width;
+    }
 }
 
 const char* Reader::damage() const {
     if (cut_off_ != nullptr || dictionary_size_ == 1)
         return cut_off_;
-    return runs_before(byte_count_) + 1 == run_count_ ? nullptr : "flags";
-}
-
-inline std::uint8_t Reader::byte_of_table(std::uint64_t index) const {
-    const std::uint64_t within = std::min<std::uint64_t>(index, table_size_ - 1); // beyond it only if it is damaged
-    return static_cast<std::uint8_t>(read_bits(bytes_, byte_table_ + 8 * within, 8));
-}
-std::uint8_t Reader::flag_byte(std::uint32_t number) const {
-    const std::uint64_t stored = read_bits(bytes_, bytes_at_ + std::uint64_t{number} * byte_bits_, byte_bits_);
-    if (byte_bits_ == 8)
-        return static_cast<std::uint8_t>(stored);
-    return byte_of_table(stored);
-}
-
-/// Flags that are set in the first bytes.
-std::uint32_t Reader::runs_before(std::uint32_t byte_count) const {
-    if (byte_bits_ == 8)
-        return count_ones(bytes_, bytes_at_, bytes_at_ + 8 * std::uint64_t{byte_count});
-    if (byte_bits_ == 0)
-        return byte_count * static_cast<std::uint32_t>(std::popcount(flag_byte(0)));
-    const std::uint32_t together = most_packed_bits / byte_bits_; // indices in a word
-    int count = 0;
-    for (std::uint32_t begin = 0; begin < byte_count; begin += together) {
-        std::uint64_t word = read_bits(bytes_, bytes_at_ + std::uint64_t{begin} * byte_bits_, most_packed_bits);
-        for (std::uint32_t left = std::min(together, byte_count - begin); left > 0; --left, word >>= byte_bits_)
-            count += std::popcount(byte_of_table(word & low_bits(byte_bits_)));
-    }
-    return static_cast<std::uint32_t>(count);
-}
-
-std::uint32_t Reader::run_of(std::uint32_t entry) const {
-    const std::uint32_t group = entry / 64, in_group = entry / 8 % 8;
-    const auto before = static_cast<std::uint32_t>(std::popcount(occupied_64_ & low_bits(group)));
-    if ((occupied_64_ >> group & 1) == 0)
-        return runs_before(count_ones(bytes_, occupied_8_, occupied_8_ + 8 * before));
-    const std::uint64_t here = occupied_8_ + 8 * before + in_group;
-    const std::uint32_t byte = count_ones(bytes_, occupied_8_, here);
-    const std::uint32_t run = runs_before(byte);
-    if (read_bits(bytes_, here, 1) == 0)
-        return run;
-    return run + static_cast<std::uint32_t>(std::popcount(flag_byte(byte) & low_bits(entry % 8 + 1)));
-}
-
-/// The run that a run's value is from: back by two while it repeats the value before last.
-std::uint32_t Reader::origin_of(std::uint32_t run) const {
-    while (run >= 2) {
-        // Bit 0 is run - 2's flag where there are 63 before it: what counts then is bits 62, 60, ...
-        const std::uint32_t flag = run - 2, window = std::min(flag, 62u);
-        const std::uint64_t flags = read_word(bytes_, repeats_ + flag - window) << (63 - window);
-        const std::uint64_t breaks = ~flags & (even_bits << 1); // bit 63 is the flag of `run`, 61 that of run - 2
-        const auto steps = static_cast<std::uint32_t>(std::countl_zero(breaks)) / 2;
-        const std::uint32_t in_window = window / 2 + 1;
-        if (steps < in_window)
-            return run - 2 * steps;
-        run -= 2 * in_window;
-    }
-    return run;
+    std::uint32_t index_count = 1;
+    bool is_whole = true;
+    visit_codes(code_count_, [&](const run_patterns::Code& code, std::uint64_t bit) {
+        is_whole = bit + patterns_.width(code.of_class) <= end_ && patterns_.is_known(code);
+        index_count += patterns_.new_count(code);
+        return is_whole;
+    });
+    return is_whole && index_count == index_count_ ? nullptr : "codes";
 }
 
 std::uint32_t Reader::dictionary_value(std::uint32_t index) const {
@@ -139,9 +91,26 @@ std::uint32_t Reader::dictionary_value(std::uint32_t index) const {
 std::uint32_t Reader::at(std::uint32_t entry) const {
     if (dictionary_size_ == 1)
         return minimum_;
-    const std::uint32_t run = origin_of(run_of(entry));
-    const std::uint32_t index_number = run < 2 ? run : run - count_ones(bytes_, repeats_, repeats_ + run - 2);
-    return dictionary_value(packed_digits::read(bytes_, indices_, dictionary_size_, index_count_, index_number));
+    const std::uint32_t group = entry / run_patterns::entries;
+    const bool is_occupied = read_bits(bytes_, occupied_ + group, 1) != 0;
+    std::uint32_t left = count_ones(bytes_, occupied_, occupied_ + group);
+    std::array<run_patterns::Code, most_groups> codes;
+    std::uint32_t read_count = 0, index_count = 1;
+    visit_codes(left + std::uint32_t{is_occupied}, [&](const run_patterns::Code& code, std::uint64_t) {
+        index_count += read_count < left ? patterns_.new_count(code) : 0;
+        codes[read_count++] = code;
+        return true;
+    });
+    std::uint32_t what = 0; // of the runs before the codes that are left, see Effect
+    if (is_occupied)
+        what = run_patterns::effect_of(patterns_.pattern(codes[left]), entry % run_patterns::entries).last;
+    for (; what < 2 && left > 0; --left) {
+        const run_patterns::Effect effect = run_patterns::effect_of(patterns_.pattern(codes[left - 1]));
+        index_count -= effect.new_count;
+        what = what == 0 ? effect.last : effect.before;
+    }
+    const std::uint32_t index = what < 2 ? 0 : index_count + what - 2;
+    return dictionary_value(packed_digits::read(bytes_, indices_, dictionary_size_, index_count_, index));
 }
 
 void Reader::decode(std::span<std::uint32_t> values) const {
@@ -160,11 +129,10 @@ void Reader::decode(std::span<std::uint32_t> values) const {
     }
     const packed_digits::Group shape = packed_digits::groups[dictionary_size_];
     std::uint64_t digits = 0;
-    std::uint32_t index_number = 0, run = 0, value = 0, before = 0; // before: the value of the run before
-    const auto next_run = [&] {
-        const bool is_repeat = run >= 2 && read_bits(bytes_, repeats_ + run - 2, 1) != 0;
+    std::uint32_t index_number = 0, value = 0, before = 0; // before: the value of the run before
+    const auto next_run = [&](bool is_return) {
         std::uint32_t next = before;
-        if (!is_repeat) {
+        if (!is_return) {
             if (index_number % shape.digit_count == 0)
                 digits = packed_digits::read_group(bytes_, indices_, dictionary_size_, index_count_,
                                                    index_number / shape.digit_count);
@@ -172,12 +140,11 @@ void Reader::decode(std::span<std::uint32_t> values) const {
             digits /= dictionary_size_;
             ++index_number;
         }
-        before = value, value = next, ++run;
+        before = value, value = next;
     };
-    next_run();
+    next_run(false);
+    before = value; // as at() has it, whatever damaged codes say
     std::size_t entry = 0;
-    std::uint32_t byte = 0;
-    std::uint64_t group_8 = occupied_8_;
     const auto last_until = [&](std::size_t end) {
         end = std::min(end, values.size());
         if (entry < end)
@@ -185,14 +152,20 @@ void Reader::decode(std::span<std::uint32_t> values) const {
                       values.begin() + static_cast<std::ptrdiff_t>(end), value);
         entry = std::max(entry, end);
     };
-    for (std::uint64_t groups = occupied_64_; groups != 0; groups &= groups - 1, group_8 += 8)
-        for (std::uint64_t eights = read_bits(bytes_, group_8, 8); eights != 0; eights &= eights - 1) {
-            const auto first = static_cast<std::size_t>(64 * std::countr_zero(groups) + 8 * std::countr_zero(eights));
-            for (std::uint32_t flags = flag_byte(byte++); flags != 0; flags &= flags - 1) {
-                last_until(first + static_cast<std::size_t>(std::countr_zero(flags)));
-                next_run();
-            }
+    std::size_t group = 0; // of the next code
+    visit_codes(code_count_, [&](const run_patterns::Code& code, std::uint64_t) {
+        while (read_bits(bytes_, occupied_ + group, 1) == 0)
+            ++group;
+        const run_patterns::Pattern pattern = patterns_.pattern(code);
+        const std::uint32_t returns = run_patterns::returns_of(pattern);
+        for (std::uint32_t left = run_patterns::changes_of(pattern); left != 0; left &= left - 1) {
+            const auto in_group = static_cast<std::uint32_t>(std::countr_zero(left));
+            last_until(run_patterns::entries * group + in_group);
+            next_run((returns >> in_group & 1) != 0);
         }
+        ++group;
+        return true;
+    });
     last_until(values.size());
 }
 } // namespace tyndall::voxel_dag::run_block

@@ -161,9 +161,9 @@ TEST_CASE("what is no such file, and one of a newer version, is told apart from 
     CHECK(file.complaint().find("no .tdag file") != std::string::npos);
     write_dag(packed(full_voxels(3), Symmetry::None), place, file.path(), progress);
     std::string newer = file.bytes();
-    newer[8] = 2;
+    newer[8] = 3;
     file.replace(newer);
-    CHECK(file.complaint().find("version 2") != std::string::npos);
+    CHECK(file.complaint().find("version 3") != std::string::npos);
 }
 
 TEST_CASE("a file that cannot be written leaves the one that was there, and a cancelled call, too") {

@@ -42,7 +42,7 @@ static bool is_inside(const std::array<Point, 4>& corners, std::int64_t x, std::
     const Point centre{x * 256 + 128, y * 256 + 128, z * 256 + 128};
     for (std::size_t face = 0; face < 4; ++face) {
         const Point &a = corners[face], &b = corners[(face + 1) % 4], &c = corners[(face + 2) % 4];
-        const Direction normal = cross(between(a, b), between(a, c));
+        const Direction<Wide> normal = cross<Wide>(between(a, b), between(a, c));
         const Wide of_centre = dot(normal, centre) - dot(normal, a),
                    of_fourth = dot(normal, corners[(face + 3) % 4]) - dot(normal, a);
         if ((of_centre <= 0 || of_fourth <= 0) && (of_centre >= 0 || of_fourth >= 0))
