@@ -300,13 +300,21 @@ def test_what_moves_is_drawn_anew_where_a_light_sees_it(method: str, edits: tupl
 @pytest.mark.parametrize("light", LIGHTS)
 @pytest.mark.parametrize("method", ["EPIPOLAR", "SHADOW_MAP"])
 def test_wherever_something_moves_no_picture_can_tell(method: str, light: str) -> None:
-    """Rows of 64 lines, whose slices and texels are wide: what stands hardly beside the light may still show."""
+    """Rows of 64 lines, whose slices and texels are wide: what stands hardly beside the light may still show.
+
+    Seen to fail where boxes at the rim of a cone are taken for beside it.
+    """
     random = np.random.default_rng(7)
     session = Session(kept_maps_bytes=ROOM_BYTES)
     state = State(light=LIGHTS[light], edits=(), method=method, resolution=64, pane=Material(name="pane"))
     kept = 0
-    for _ in range(40):
-        x, y, z = random.uniform((-4.0, -4.0, 0.05), (4.0, 4.0, 4.0))
+    for index in range(60):
+        if index % 2 == 0:
+            x, y, z = random.uniform((-4.0, -4.0, 0.05), (4.0, 4.0, 4.0))
+        else:  # around the rim of the spot's cone
+            depth, turn = random.uniform((0.5, 0.0), (3.4, 2 * np.pi))
+            radius = depth * np.tan(0.5) * random.uniform(0.5, 2.0)
+            x, y, z = 0.3 + radius * np.cos(turn), 0.2 + radius * np.sin(turn), 3.5 - depth
         moved_leaf = replace(state, leaf_places=((x, y, z), state.leaf_places[1]))
         film = moved_leaf.picture(session)
         assert_same(film, moved_leaf.picture(Session()))
