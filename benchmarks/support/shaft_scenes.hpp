@@ -93,8 +93,7 @@ inline bool is_lit(const ShaftScene& scene, const vec3& point) {
 inline void prepare(ShaftScene& scene, const ShaftCamera& camera, int truth_ray_count, int march_steps) {
     constexpr std::size_t width = 1920, height = 1080;
     commit_embree(scene);
-    scene.occluders.meshes.push_back(light_shafts::make_occluder_mesh(scene.soup.positions, scene.soup.triangles));
-    scene.occluders.add(scene.occluders.meshes.front().get(), &scene.identity);
+    scene.occluders.add(light_shafts::make_occluder_mesh(scene.soup.positions, scene.soup.triangles), &scene.identity);
     scene.camera = camera;
     scene.view.position = camera.position;
     scene.rays.resize(width * height);

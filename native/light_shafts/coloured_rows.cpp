@@ -66,15 +66,6 @@ private:
     Channels channels_;
     Statistics statistics_;
 };
-
-/// What may shade the rows, in the order of the scene.
-std::vector<PartialOccluderInstance> relevant(const slope_rows::Layout& layout, const Occluders& occluders) {
-    std::vector<PartialOccluderInstance> instances;
-    for (const PartialOccluderInstance& instance : occluders.partial_instances)
-        if (slope_rows::may_shade(layout, instance))
-            instances.push_back(instance);
-    return instances;
-}
 } // namespace
 
 static bool is_coloured(const PartialOccluderInstance& instance) { return instance.mesh->is_coloured; }
@@ -93,7 +84,7 @@ std::unique_ptr<Visibility> fill_rows(const Preparation& preparation, PreparedRo
                             Statistics& statistics, Statistics& to_keep) {
         std::optional<MapCache::Key> key;
         if (kept) {
-            key = kept->key(keep_as->kind, partial, own->layout, keep_as->resolution);
+            key = kept->key(keep_as->kind, partial, own->layout, keep_as->may_show, keep_as->resolution);
             if (std::shared_ptr<const slope_rows::Rows> found = kept->cache().find(*key))
                 return std::make_unique<RowsVisibility>(preparation, std::move(found), std::move(to_keep));
         }
@@ -103,7 +94,8 @@ std::unique_ptr<Visibility> fill_rows(const Preparation& preparation, PreparedRo
         return std::make_unique<RowsVisibility>(preparation, std::move(own), std::move(to_keep), std::move(instead));
     };
     const slope_rows::Layout& layout = prepared.rows->layout;
-    const std::vector<PartialOccluderInstance> instances = relevant(layout, preparation.occluders);
+    const std::vector<PartialOccluderInstance> instances =
+        slope_rows::that_may_shade(layout, preparation.occluders.partial_instances);
     PartialShading partial(instances, preparation.light, seed);
     if (std::ranges::none_of(instances, is_coloured))
         return answer(std::move(prepared.rows), partial, prepared.statistics, prepared.statistics);

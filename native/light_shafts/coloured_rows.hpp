@@ -19,6 +19,7 @@ using FillRows = std::function<std::shared_ptr<const Visibility>(slope_rows::Row
 /// How rows are told from others of the same layout; see KeptCasts::key.
 struct KeepAs {
     CastKind kind;
+    MayShow may_show; ///< May refer to the layout of the prepared rows.
     std::uint32_t resolution = 0;
 };
 /// `prepared` has rows. `seed` is of what is drawn for surfaces that let a part of the light pass. Rows that are kept are

@@ -94,6 +94,8 @@ public:
         };
         return {{low_.x, std::max(low_.y, row_y(first - 1))}, {high_.x, std::min(high_.y, row_y(end))}};
     }
+    /// What any row sees, and a little more.
+    [[nodiscard]] const Pyramid& seen_by_all() const { return pyramid_; }
     [[nodiscard]] static bool misses(const Pyramid& pyramid, const FromObject& at, const Bounds3& box) {
         std::array<vec3, 8> corners;
         for (std::size_t corner = 0; corner < corners.size(); ++corner)

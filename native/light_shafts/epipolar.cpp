@@ -27,7 +27,8 @@ std::unique_ptr<Visibility> make_epipolar_beam(const Scene& scene, const Occlude
     PreparedRows prepared = prepare_rows(preparation, sharing_memory(layout_of(config), occluders), "EPIPOLAR");
     if (prepared.instead)
         return std::move(prepared.instead);
-    return fill_rows(preparation, std::move(prepared), config.seed, KeepAs{CastKind::EpipolarRows},
+    KeepAs keep_as{CastKind::EpipolarRows, in_rows(prepared.rows->layout, light)};
+    return fill_rows(preparation, std::move(prepared), config.seed, std::move(keep_as),
                      [&](slope_rows::Rows& rows, const PartialShading& partial,
                          Statistics& statistics) -> std::shared_ptr<const Visibility> {
                          const StageTimer timer(statistics, "slope rows: raster");

@@ -249,9 +249,16 @@ std::vector<std::uint32_t> find_dark(std::span<const float> heterogeneity, const
     auto dark = large_vector<std::uint32_t>(first.back());
     parallel_blocks(heterogeneity.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
         std::size_t next = first[begin / rays_per_block];
-        for (std::size_t ray = begin; ray < end && next < first[begin / rays_per_block + 1]; ++ray)
-            if (heterogeneity[ray] == dark_air)
-                dark[next++] = static_cast<std::uint32_t>(ray);
+        const std::size_t past = first[begin / rays_per_block + 1];
+        constexpr std::size_t rays_at_once = 64;
+        for (std::size_t few = begin; few < end && next < past; few += rays_at_once) {
+            const std::size_t few_end = std::min(few + rays_at_once, end);
+            if (std::ranges::count(of_block(few, few_end), dark_air) == 0) // in vectors
+                continue;
+            for (std::size_t ray = few; ray < few_end; ++ray)
+                if (heterogeneity[ray] == dark_air)
+                    dark[next++] = static_cast<std::uint32_t>(ray);
+        }
     });
     return dark;
 }

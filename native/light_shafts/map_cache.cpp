@@ -2,6 +2,7 @@
 #include "light_shafts/map_cache.hpp"
 #include <algorithm>
 #include <optional>
+#include <unordered_map>
 
 namespace tyndall::light_shafts {
 using slope_rows::Layout;
@@ -17,6 +18,10 @@ static std::uint64_t mixed(std::uint64_t x) {
 void ContentDigest::feed_word(std::uint64_t word) {
     first_ = mixed((first_ + 0x9e3779b97f4a7c15u) ^ word);
     second_ = mixed((second_ + 0xd1342543de82ef95u) ^ std::rotl(word, 32));
+}
+void ContentDigest::feed(const ContentDigest& other) {
+    feed_word(other.first_);
+    feed_word(other.second_);
 }
 void ContentDigest::feed(const vec3& values) {
     for (int c = 0; c < 3; ++c)
@@ -77,8 +82,7 @@ void MapCache::begin_picture() {
 
 std::shared_ptr<const Occluders> MapCache::occluders_of(const Scene& scene, const Progress& progress) {
     if (geometry_ != scene.geometry()) {
-        occluders_.reset();
-        auto gathered = std::make_shared<Occluders>(gather_occluders(scene.description(), progress));
+        auto gathered = std::make_shared<Occluders>(gather_occluders(scene.description(), progress, occluders_.get()));
         gathered->kept = std::make_shared<const KeptCasts>(*this, scene.description(), *gathered);
         occluders_ = std::move(gathered);
         geometry_ = scene.geometry();
@@ -103,19 +107,21 @@ MapCache::Counts MapCache::counts() const {
 }
 
 namespace {
-/// Feeds what rows can tell of a scene's occluders.
+/// What rows can tell of a scene's occluders.
 class OccluderFeed {
 public:
-    OccluderFeed(const SceneDescription& scene, ContentDigest& digest, NamedParts& parts)
-        : scene_(scene), digest_(digest), parts_(parts), occlusions_(scene.materials.size()),
-          has_mesh_(scene.meshes.size()) {}
+    explicit OccluderFeed(const SceneDescription& scene) : scene_(scene), occlusions_(scene.materials.size()) {}
+
+    /// To whom the next ones belong.
+    ContentDigest digest;
+    std::vector<std::shared_ptr<const void>> parts; ///< Each once; all so far.
+    std::vector<std::uint32_t> named;               ///< Of the parts; may repeat.
 
     void feed_shape(std::uint32_t placed_index) {
         const PlacedShape& placed = scene_.placed_shapes[placed_index];
-        digest_.feed(std::bit_cast<std::uintptr_t>(scene_.shapes[placed.shape_index].get()));
-        parts_.add(scene_.shapes[placed.shape_index]);
+        feed_part(scene_.shapes[placed.shape_index]);
         for (int column = 0; column < 4; ++column)
-            digest_.feed(vec3(placed.world_from_object[column]));
+            digest.feed(vec3(placed.world_from_object[column]));
     }
     /// A coloured or cut-out surface draws by the number of its instance, too.
     void feed(std::uint32_t index, bool is_partial) {
@@ -124,57 +130,56 @@ public:
             return;
         }
         const Instance& instance = scene_.instances[index];
-        const std::shared_ptr<const TriangleMesh>& mesh = scene_.meshes[instance.mesh_index];
-        digest_.feed(std::bit_cast<std::uintptr_t>(mesh.get()));
-        if (!has_mesh_[instance.mesh_index])
-            parts_.add(mesh);
-        has_mesh_[instance.mesh_index] = true;
+        feed_part(scene_.meshes[instance.mesh_index]);
         for (int column = 0; column < 4; ++column)
-            digest_.feed(vec3(instance.world_from_object[column]));
-        digest_.feed(is_partial ? std::uint64_t{index} + 1 : 0);
-        digest_.feed(instance.slot_count);
+            digest.feed(vec3(instance.world_from_object[column]));
+        digest.feed(is_partial ? std::uint64_t{index} + 1 : 0);
+        digest.feed(instance.slot_count);
         for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot)
             feed_material(scene_.slot_materials[instance.first_slot_material + slot]);
     }
 
 private:
+    void feed_part(const std::shared_ptr<const void>& part) {
+        digest.feed(std::bit_cast<std::uintptr_t>(part.get()));
+        const auto [number, is_new] = number_of_.try_emplace(part.get(), static_cast<std::uint32_t>(parts.size()));
+        if (is_new)
+            parts.push_back(part);
+        named.push_back(number->second);
+    }
     void feed_material(std::uint32_t index) {
         std::optional<Occlusion>& occlusion = occlusions_[index];
         if (!occlusion)
             occlusion = occlusion_of(scene_.materials[index]);
-        digest_.feed(static_cast<std::uint64_t>(*occlusion));
+        digest.feed(static_cast<std::uint64_t>(*occlusion));
         if (*occlusion == Occlusion::Partial)
             feed_transparency(scene_.materials[index]);
     }
     void feed_transparency(const Material& material) {
-        digest_.feed(material.constant.transparent);
-        digest_.feed(material.transparent_register);
-        digest_.feed(material.program.size());
+        digest.feed(material.constant.transparent);
+        digest.feed(material.transparent_register);
+        digest.feed(material.program.size());
         for (const SurfaceOp& op : material.program) {
             for (const auto number :
                  {static_cast<std::uint16_t>(op.code), op.out, op.a, op.b, op.c, op.texture, op.texture_uv})
-                digest_.feed(number);
-            digest_.feed(op.value);
+                digest.feed(number);
+            digest.feed(op.value);
             for (int column = 0; column < 3; ++column)
-                digest_.feed(op.uv_matrix[column]);
+                digest.feed(op.uv_matrix[column]);
         }
-        digest_.feed(material.textures.size());
-        for (const std::shared_ptr<const Texture>& texture : material.textures) {
-            digest_.feed(std::bit_cast<std::uintptr_t>(texture.get()));
-            parts_.add(texture);
-        }
+        digest.feed(material.textures.size());
+        for (const std::shared_ptr<const Texture>& texture : material.textures)
+            feed_part(texture);
         for (const std::string& name : material.uv_map_names) {
-            digest_.feed(name.size());
+            digest.feed(name.size());
             for (const char letter : name)
-                digest_.feed(letter);
+                digest.feed(letter);
         }
     }
 
     const SceneDescription& scene_;
-    ContentDigest& digest_;
-    NamedParts& parts_;
     std::vector<std::optional<Occlusion>> occlusions_; ///< Per material, once it was asked for.
-    std::vector<bool> has_mesh_;                       ///< Per mesh: it is among the parts.
+    std::unordered_map<const void*, std::uint32_t> number_of_;
 };
 
 void feed(ContentDigest& digest, const slope_rows::Linear& linear) {
@@ -203,9 +208,15 @@ void feed(ContentDigest& digest, const Layout& layout) {
     }
 }
 
+/// Where it shines is a part of it: others may leave out other occluders.
 void feed(ContentDigest& digest, const LightSample& light) {
     digest.feed(light.is_directional);
     digest.feed(light.is_directional ? light.towards_light : light.position);
+    digest.feed(light.emission_normal);
+    for (const vec3& inwards : light.cell != nullptr ? light.cell->inwards : decltype(light.cell->inwards){})
+        digest.feed(inwards);
+    if (light.cell != nullptr)
+        digest.feed(light.cell->apex);
     if (light.spot == nullptr)
         return;
     digest.feed(light.spot->spot_axis); // of its one face
@@ -215,18 +226,52 @@ void feed(ContentDigest& digest, const LightSample& light) {
 }
 } // namespace
 
-KeptCasts::KeptCasts(MapCache& cache, const SceneDescription& scene, const Occluders& occluders)
-    : cache_(cache), draws_(!occluders.partial_instances.empty()) {
-    const auto parts = std::make_shared<NamedParts>();
-    OccluderFeed feed(scene, digest_, *parts);
-    for (const OccluderInstance& instance : occluders.instances)
-        feed.feed(instance.index, false);
-    for (const PartialOccluderInstance& instance : occluders.partial_instances)
-        feed.feed(instance.index, true);
-    if (occluders.traced)
-        for (const std::uint32_t placed : occluders.traced->placed())
-            feed.feed_shape(placed);
-    parts_ = parts;
+/// A scene's boxes are rounded.
+static Bounds3 grown(const Bounds3& box) {
+    const vec3 farthest = glm::max(glm::abs(box.min), glm::abs(box.max));
+    const vec3 slack(1e-6f * (farthest.x + farthest.y + farthest.z));
+    return {box.min - slack, box.max + slack};
+}
+
+KeptCasts::KeptCasts(MapCache& cache, const SceneDescription& scene, const Occluders& occluders) : cache_(cache) {
+    constexpr std::size_t most_groups = 1024; // of each kind
+    OccluderFeed feed(scene);
+    const auto add_groups = [&](std::size_t count, Group like, const auto& feed_one, const auto& box_of) {
+        const std::size_t size = count / most_groups + 1;
+        for (std::size_t begin = 0; begin < count; begin += size) {
+            Group& group = groups_.emplace_back(like);
+            feed.digest = {};
+            feed.named.clear();
+            for (std::size_t i = begin; i < std::min(begin + size, count); ++i) {
+                feed_one(i);
+                group.box.grow(box_of(i));
+            }
+            group.box = grown(group.box);
+            group.content = feed.digest;
+            std::ranges::sort(feed.named);
+            const auto repeated = std::ranges::unique(feed.named);
+            group.parts.assign(feed.named.begin(), repeated.begin());
+        }
+    };
+    const auto add_instances = [&](const auto& instances, bool is_partial, const auto& bounds_of_mesh) {
+        add_groups(
+            instances.size(), {.draws = is_partial}, [&](std::size_t i) { feed.feed(instances[i].index, is_partial); },
+            [&](std::size_t i) {
+                return transformed(bounds_of_mesh(*instances[i].mesh), *instances[i].scene_from_object);
+            });
+    };
+    add_instances(occluders.instances, false, [](const OccluderMesh& mesh) { return mesh.bounds; });
+    add_instances(occluders.partial_instances, true,
+                  [](const PartialOccluderMesh& mesh) { return mesh.geometry->bounds; });
+    if (occluders.traced) {
+        const std::span<const std::uint32_t> placed = occluders.traced->placed();
+        add_groups(
+            placed.size(), {.is_traced = true}, [&](std::size_t i) { feed.feed_shape(placed[i]); },
+            [&](std::size_t i) { return bounds_of(scene, scene.placed_shapes[placed[i]]); });
+        around_traced_.feed(occluders.traced->bounds().min);
+        around_traced_.feed(occluders.traced->bounds().max);
+    }
+    parts_ = std::move(feed.parts);
 }
 
 std::shared_ptr<const KeptCasts> KeptCasts::of(const SceneDescription& scene, const Occluders& some) const {
@@ -234,13 +279,31 @@ std::shared_ptr<const KeptCasts> KeptCasts::of(const SceneDescription& scene, co
 }
 
 MapCache::Key KeptCasts::key(CastKind kind, const PartialShading& partial, const Layout& layout,
-                             std::uint32_t resolution) const {
-    MapCache::Key key{.digest = digest_, .parts = parts_, .kind = kind};
+                             const MayShow& may_show, std::uint32_t resolution) const {
+    MapCache::Key key{.digest = {}, .parts = {}, .kind = kind};
+    const auto parts = std::make_shared<NamedParts>();
+    std::vector<bool> has_part(parts_.size());
+    bool draws = false, is_traced = false;
+    for (const Group& group : groups_) {
+        if (may_show && !may_show(group.box))
+            continue;
+        key.digest.feed(group.content);
+        draws |= group.draws;
+        is_traced |= group.is_traced;
+        for (const std::uint32_t part : group.parts) {
+            if (!has_part[part])
+                parts->add(parts_[part]);
+            has_part[part] = true;
+        }
+    }
+    key.parts = parts;
+    if (is_traced)
+        key.digest.feed(around_traced_);
     key.digest.feed(static_cast<std::uint64_t>(kind));
     key.digest.feed(resolution);
     feed(key.digest, partial.light);
     feed(key.digest, layout);
-    if (draws_) {
+    if (draws) {
         key.digest.feed(partial.seed);
         key.digest.feed(static_cast<std::uint64_t>(partial.channel));
     }

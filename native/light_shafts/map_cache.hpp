@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What occluders cast, kept from frame to frame: depth maps as they are before any edit, and the slope rows of lights
 // without edits. An animated edit then costs its filters and its noise, and no triangle is rastered again.
-// Differs:  nothing is told by names or by what was changed. All that rows depend on is their key: the meshes, where they
-//           stand, what their materials let pass, the light, and the rows' own layout. So pictures have the same bits with
-//           and without a cache, whatever was rendered before.
-// Bound:    as many bytes as it is given, and beside them the last scene's occluders, 36 bytes per triangle; rows that nobody asked for longest leave first, but not those of the last
-//           pictures: where there is no room for all of a picture, a part of it stays, instead of nothing. A key takes some 0.1 us per
-//           instance and 10 ns per row.
+// Differs:  nothing is told by names or by what was changed. All that rows depend on is their key: the meshes that may show
+//           in them, where they stand, what their materials let pass, the light, and the rows' own layout. So pictures have
+//           the same bits with and without a cache, whatever was rendered before; and what moves changes the rows of those
+//           lights alone that see where it stood or stands.
+// Bound:    as many bytes as it is given, and beside them the last scene's occluders, 36 bytes per triangle, which the next
+//           scene takes over by the mesh. Rows that nobody asked for longest leave first, but not those of the last
+//           pictures: where there is no room for all of a picture, a part of it stays, instead of nothing. A scene takes
+//           some 0.1 us per instance, a key 0.1 us for each of at most a thousand groups of them, and 10 ns per row.
 #pragma once
+#include "light_shafts/cast_reach.hpp"
 #include "light_shafts/partial_surface.hpp"
 #include "light_shafts/slope_rows.hpp"
 #include <bit>
@@ -26,6 +29,7 @@ public:
     void feed(std::integral auto number) { feed_word(static_cast<std::uint64_t>(number)); }
     void feed(float value) { feed_word(std::bit_cast<std::uint32_t>(value)); }
     void feed(const vec3& values);
+    void feed(const ContentDigest& other);
     auto operator<=>(const ContentDigest&) const = default;
 
 private:
@@ -110,14 +114,24 @@ public:
     [[nodiscard]] std::shared_ptr<const KeptCasts> of(const SceneDescription& scene, const Occluders& some) const;
 
     [[nodiscard]] MapCache& cache() const { return cache_; }
-    /// `resolution`: of what lies behind the rows, where their layout does not tell.
+    /// `may_show`: what it denies is no part of the key. `resolution`: of what lies behind the rows, where their layout
+    /// does not tell.
     [[nodiscard]] MapCache::Key key(CastKind kind, const PartialShading& partial, const slope_rows::Layout& layout,
-                                    std::uint32_t resolution = 0) const;
+                                    const MayShow& may_show, std::uint32_t resolution = 0) const;
 
 private:
+    /// Of occluders that follow each other in the scene.
+    struct Group {
+        ContentDigest content = {};
+        Bounds3 box = {};                      ///< In the scene's space, and a little larger.
+        std::vector<std::uint32_t> parts = {}; ///< Into parts_.
+        bool draws = false;                    ///< They let a part of the light pass: seeds matter.
+        bool is_traced = false;
+    };
+
     MapCache& cache_;
-    ContentDigest digest_;
-    std::shared_ptr<const NamedParts> parts_;
-    bool draws_; ///< Something lets a part of the light pass: seeds matter.
+    std::vector<Group> groups_;
+    std::vector<std::shared_ptr<const void>> parts_;
+    ContentDigest around_traced_; ///< Of the box where shapes are traced: lines of light begin at its border.
 };
 } // namespace tyndall::light_shafts

@@ -64,20 +64,23 @@ std::unique_ptr<const OccluderMesh> make_mesh(const MeshArrays& mesh, std::span<
         triangles.push_back(mesh.triangles[t]);
     return make_occluder_mesh(mesh.positions, triangles);
 }
-std::unique_ptr<const OccluderMesh> make_mesh(const MeshArrays& mesh, const MeshUse& use) {
-    if (use.is_opaque.empty())
-        return make_occluder_mesh(mesh.positions, mesh.triangles);
-    return make_mesh(mesh, select(mesh, use.is_opaque.size(), [&](std::size_t slot) { return use.is_opaque[slot]; }));
+std::vector<std::uint32_t> select(const MeshArrays& mesh, const std::vector<bool>& has_slot) {
+    return select(mesh, has_slot.size(), [&](std::size_t slot) { return has_slot[slot]; });
+}
+std::unique_ptr<const OccluderMesh> make_mesh(const MeshArrays& mesh, const std::vector<bool>& has_slot) {
+    return has_slot.empty() ? make_occluder_mesh(mesh.positions, mesh.triangles)
+                            : make_mesh(mesh, select(mesh, has_slot));
 }
 
 /// `lookup_of` is by material.
 std::unique_ptr<const PartialOccluderMesh> make_partial_mesh(const MeshArrays& mesh, const PartialUse& use,
+                                                             const std::vector<bool>& has_slot,
+                                                             std::shared_ptr<const OccluderMesh> geometry,
                                                              std::span<const TransparencyLookup* const> lookup_of) {
     auto partial = std::make_unique<PartialOccluderMesh>();
     partial->arrays = &mesh;
-    const std::vector<std::uint32_t> selected =
-        select(mesh, use.materials.size(), [&](std::size_t slot) { return use.materials[slot] != PartialUse::none; });
-    partial->geometry = make_mesh(mesh, selected);
+    const std::vector<std::uint32_t> selected = select(mesh, has_slot);
+    partial->geometry = std::move(geometry);
     for (const std::uint32_t t : partial->geometry->order)
         partial->triangles.push_back(selected[t]);
     for (const std::uint32_t material : use.materials) {
@@ -165,10 +168,20 @@ std::unique_ptr<const OccluderMesh> make_occluder_mesh(std::span<const vec3> pos
     return mesh;
 }
 
+std::shared_ptr<const OccluderMesh> Occluders::mesh_of(const Source& source) const {
+    const auto found = meshes.find(source);
+    return found == meshes.end() ? nullptr : found->second;
+}
+
 void Occluders::add(const OccluderMesh* mesh, const mat4* scene_from_object, std::uint32_t index) {
     instances.push_back({mesh, scene_from_object, index});
     for (const OccluderBlock& block : mesh->blocks)
         triangle_count += block.count;
+}
+
+void Occluders::add(std::unique_ptr<const OccluderMesh> mesh, const mat4* scene_from_object) {
+    add(mesh.get(), scene_from_object);
+    meshes.emplace(Source(), std::move(mesh));
 }
 
 /// Uses without their repetitions, and which one each instance has.
@@ -187,7 +200,8 @@ struct DistinctUses {
 };
 
 /// Shapes join the instances by their faces, or are traced.
-static void gather_shapes(const SceneDescription& scene, Occluders& occluders, const Progress& progress) {
+static void gather_shapes(const SceneDescription& scene, const Occluders* another, Occluders& occluders,
+                          const Progress& progress) {
     std::vector<std::vector<std::uint32_t>> placed_of(scene.shapes.size());
     for (std::uint32_t i = 0; i < scene.placed_shapes.size(); ++i)
         if (const PlacedShape& placed = scene.placed_shapes[i]; placed.casts_shadow && stops_light(scene, placed))
@@ -203,16 +217,20 @@ static void gather_shapes(const SceneDescription& scene, Occluders& occluders, c
             traced.insert(traced.end(), placed.begin(), placed.end());
             continue;
         }
-        const OccluderMesh* faces = occluders.meshes.emplace_back(make_face_mesh(shape)).get();
+        Occluders::Source source{scene.shapes[index], {}};
+        std::shared_ptr<const OccluderMesh> faces = another ? another->mesh_of(source) : nullptr;
+        if (!faces)
+            faces = make_face_mesh(shape);
+        occluders.meshes.emplace(std::move(source), faces);
         for (const std::uint32_t i : placed)
-            occluders.add(faces, &scene.placed_shapes[i].world_from_object,
+            occluders.add(faces.get(), &scene.placed_shapes[i].world_from_object,
                           static_cast<std::uint32_t>(scene.instances.size()) + i);
     }
     if (!traced.empty())
         occluders.traced = std::make_shared<const ShapeTracer>(scene, std::move(traced), progress);
 }
 
-Occluders gather_occluders(const SceneDescription& scene, const Progress& progress) {
+Occluders gather_occluders(const SceneDescription& scene, const Progress& progress, const Occluders* another) {
     Occluders occluders;
     DistinctUses<MeshUse> opaque;
     DistinctUses<PartialUse> partial;
@@ -234,26 +252,40 @@ Occluders gather_occluders(const SceneDescription& scene, const Progress& progre
                     occluders.lookups
                         .emplace_back(std::make_unique<const TransparencyLookup>(scene.materials[material]))
                         .get();
-    occluders.meshes.resize(opaque.uses.size());
+    std::vector<Occluders::Source> sources; // of the opaque uses, then of the partial ones
+    for (const MeshUse& use : opaque.uses)
+        sources.push_back({scene.meshes[use.mesh], use.is_opaque});
+    for (const PartialUse& use : partial.uses) {
+        Occluders::Source& source = sources.emplace_back(scene.meshes[use.mesh], std::vector<bool>());
+        for (const std::uint32_t material : use.materials)
+            source.has_slot.push_back(material != PartialUse::none);
+    }
+    std::vector<std::shared_ptr<const OccluderMesh>> meshes(sources.size());
     occluders.partial_meshes.resize(partial.uses.size());
-    const auto arrays = [&](std::uint32_t mesh) -> const MeshArrays& { return scene.meshes[mesh]->arrays(); };
     parallel_for(
-        opaque.uses.size() + partial.uses.size(), progress,
+        sources.size(), progress,
         [&](std::size_t i) {
-            if (i < opaque.uses.size()) {
-                occluders.meshes[i] = make_mesh(arrays(opaque.uses[i].mesh), opaque.uses[i]);
-                return;
-            }
-            const PartialUse& use = partial.uses[i - opaque.uses.size()];
-            occluders.partial_meshes[i - opaque.uses.size()] = make_partial_mesh(arrays(use.mesh), use, lookup_of);
+            const bool is_partial = i >= opaque.uses.size();
+            const std::size_t of_partial = i - opaque.uses.size();
+            const MeshArrays& arrays =
+                scene.meshes[is_partial ? partial.uses[of_partial].mesh : opaque.uses[i].mesh]->arrays();
+            if (another != nullptr)
+                meshes[i] = another->mesh_of(sources[i]);
+            if (!meshes[i])
+                meshes[i] = make_mesh(arrays, sources[i].has_slot);
+            if (is_partial)
+                occluders.partial_meshes[of_partial] =
+                    make_partial_mesh(arrays, partial.uses[of_partial], sources[i].has_slot, meshes[i], lookup_of);
         },
         1);
     for (const auto& [use, instance] : opaque.instances)
-        occluders.add(occluders.meshes[use].get(), &scene.instances[instance].world_from_object, instance);
+        occluders.add(meshes[use].get(), &scene.instances[instance].world_from_object, instance);
+    for (std::size_t i = 0; i < sources.size(); ++i)
+        occluders.meshes.emplace(std::move(sources[i]), std::move(meshes[i]));
     for (const auto& [use, instance] : partial.instances)
         if (const auto& mesh = occluders.partial_meshes[use]; !mesh->triangles.empty())
             occluders.partial_instances.push_back({mesh.get(), &scene.instances[instance].world_from_object, instance});
-    gather_shapes(scene, occluders, progress);
+    gather_shapes(scene, another, occluders, progress);
     return occluders;
 }
 } // namespace tyndall::light_shafts

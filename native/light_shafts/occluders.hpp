@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The triangles of a scene that stop light, as slope rows and depth maps read them: blocks of up to 256 that lie close
 // together, in columns, once per mesh however many instances and light samples there are.
-// Bound:    36 bytes per triangle of a mesh, read at the width of a vector; no gather, no index.
+// Bound:    36 bytes per triangle of a mesh, read at the width of a vector; no gather, no index. What was sorted for another
+//           scene of the same meshes is not sorted again.
 #pragma once
 #include "core/progress.hpp"
 #include "light_shafts/transparency_lookup.hpp"
 #include "scene/scene.hpp"
+#include <map>
 #include <memory>
 #include <span>
 #include <vector>
@@ -42,7 +44,7 @@ struct PartialOccluderMesh {
         const TransparencyLookup* lookup = nullptr; ///< Nothing: its triangles are not among these.
         std::vector<const vec2*> corner_uvs;        ///< Per UV map of the material; nothing where the mesh lacks it.
     };
-    std::unique_ptr<const OccluderMesh> geometry;
+    std::shared_ptr<const OccluderMesh> geometry;
     std::vector<std::uint32_t> triangles; ///< Of the scene's mesh, in the order of the blocks.
     const MeshArrays* arrays = nullptr;
     std::vector<Slot> slots;
@@ -57,7 +59,13 @@ struct PartialOccluderInstance {
 class KeptCasts; // map_cache.hpp
 
 struct Occluders {
-    std::vector<std::unique_ptr<const OccluderMesh>> meshes;
+    /// Of which triangles of what a mesh is.
+    struct Source {
+        std::shared_ptr<const void> geometry; ///< A TriangleMesh, or a CellGeometry.
+        std::vector<bool> has_slot;           ///< Empty: it has all.
+        auto operator<=>(const Source&) const = default;
+    };
+    std::multimap<Source, std::shared_ptr<const OccluderMesh>> meshes; ///< Of equal ones any will do.
     std::vector<OccluderInstance> instances;
     std::size_t triangle_count = 0; ///< Of all opaque instances.
     /// Shapes of cells that are too large to be instances of their faces; nothing: there are none.
@@ -68,12 +76,16 @@ struct Occluders {
     std::shared_ptr<const KeptCasts> kept; ///< What they cast in other frames; nothing: nothing is kept.
 
     [[nodiscard]] bool is_empty() const { return triangle_count == 0 && partial_instances.empty() && !traced; }
+    [[nodiscard]] std::shared_ptr<const OccluderMesh> mesh_of(const Source& source) const; ///< Nothing: there is none.
     /// `scene_from_object` must outlive this.
     void add(const OccluderMesh* mesh, const mat4* scene_from_object, std::uint32_t index = 0);
+    /// One that is no mesh of a scene.
+    void add(std::unique_ptr<const OccluderMesh> mesh, const mat4* scene_from_object);
 };
 /// Sorts the triangles into blocks; keeps nothing of its arguments.
 [[nodiscard]] std::unique_ptr<const OccluderMesh> make_occluder_mesh(std::span<const vec3> positions,
                                                                      std::span<const uvec3> triangles);
-/// The scene must outlive the result. Throws Cancelled.
-[[nodiscard]] Occluders gather_occluders(const SceneDescription& scene, const Progress& progress);
+/// The scene must outlive the result, which takes over the meshes that another one has. Throws Cancelled.
+[[nodiscard]] Occluders gather_occluders(const SceneDescription& scene, const Progress& progress,
+                                         const Occluders* another = nullptr);
 } // namespace tyndall::light_shafts

@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace tyndall::light_shafts {
 namespace {
@@ -24,8 +25,13 @@ float pixel_size(bool is_orthographic, std::span<const ViewRay> rays) {
         return 0.0f;
     const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
     std::nth_element(steps.begin(), middle, steps.end());
-    return *middle;
+    // Up to the next quarter of an octave: where an object moves, other rays meet media, and the rest stays as it is.
+    return std::exp2(std::ceil(4.0f * std::log2(*middle)) / 4.0f);
 }
+
+/// Spans end at the borders of cells of directions (of places): a ray that is no more, or is new, changes those of its own
+/// cell.
+constexpr float pixels_per_cell = 24.0f;
 
 /// Places of up to most_neighbours rays, in columns: loops without an exit run on vectors.
 struct Places {
@@ -39,13 +45,17 @@ struct Places {
     [[nodiscard]] vec3 at(std::size_t i) const { return {x[i], y[i], z[i]}; }
 };
 
-/// How many rays from the first on lie no more than four pixels from the one before.
+/// How many rays from the first on lie in its cell, and no more than four pixels from the one before.
 std::size_t count_neighbours(const Places& places, std::size_t count, float pixel) {
     std::array<int, most_neighbours> is_far{};
+    const float per_cell = 1.0f / (pixels_per_cell * pixel);
     for (std::size_t i = 1; i < count; ++i) {
         const float x = places.x[i] - places.x[i - 1], y = places.y[i] - places.y[i - 1],
                     z = places.z[i] - places.z[i - 1];
-        is_far[i] = !(x * x + y * y + z * z <= 16.0f * pixel * pixel);
+        const int is_beyond = int{std::floor(places.x[i] * per_cell) != std::floor(places.x[i - 1] * per_cell)} |
+                              int{std::floor(places.y[i] * per_cell) != std::floor(places.y[i - 1] * per_cell)} |
+                              int{std::floor(places.z[i] * per_cell) != std::floor(places.z[i - 1] * per_cell)};
+        is_far[i] = is_beyond | int{!(x * x + y * y + z * z <= 16.0f * pixel * pixel)};
     }
     const auto end = is_far.begin() + static_cast<std::ptrdiff_t>(count);
     return static_cast<std::size_t>(std::find(is_far.begin(), end, 1) - is_far.begin());
@@ -92,6 +102,14 @@ RaySpan span_of(bool is_orthographic, std::span<const ViewRay> rays, float pixel
 }
 } // namespace
 
+/// The first ray from `at` on that is no neighbour of the one before.
+static std::size_t next_start(bool is_orthographic, std::span<const ViewRay> rays, std::size_t at, float pixel) {
+    while (0 < at && at < rays.size() &&
+           count_neighbours(Places(is_orthographic, rays.subspan(at - 1, 2)), 2, pixel) == 2)
+        ++at;
+    return at;
+}
+
 static void append_spans(bool is_orthographic, std::span<const ViewRay> rays, float pixel,
                          std::vector<RaySpan>& spans) {
     for (std::size_t begin = 0, end; begin < rays.size(); begin = end) {
@@ -113,7 +131,9 @@ std::vector<RaySpan> outline(bool is_orthographic, std::span<const ViewRay> rays
     const float pixel = pixel_size(is_orthographic, rays);
     std::vector<std::vector<RaySpan>> blocks((rays.size() + rays_per_block - 1) / rays_per_block);
     parallel_blocks(rays.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
-        append_spans(is_orthographic, rays.subspan(begin, end - begin), pixel, blocks[begin / rays_per_block]);
+        const std::size_t block = begin / rays_per_block;
+        begin = next_start(is_orthographic, rays, begin, pixel), end = next_start(is_orthographic, rays, end, pixel);
+        append_spans(is_orthographic, rays.subspan(begin, end - begin), pixel, blocks[block]);
     });
     std::vector<RaySpan> spans;
     for (const auto& block : blocks)

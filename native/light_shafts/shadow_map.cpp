@@ -58,6 +58,8 @@ static bool is_narrow_spot(const LightSample& light) {
     return deviation < 1e-3f;
 }
 
+static float spot_side(const LightSample& light) { return 1.02f * std::tan(light.spot->spot_half_angle_rad); }
+
 static DepthMap make_face(const vec3& origin, const vec3& z_axis) {
     DepthMap face;
     face.is_perspective = true;
@@ -89,7 +91,7 @@ static ShadowMap raster_faces(const SunPlace& sun, const LightSample& light, con
     }
     if (is_narrow_spot(light)) {
         DepthMap& face = map.faces.emplace_back(make_face(light.position, light.spot->spot_axis));
-        const float side = 1.02f * std::tan(light.spot->spot_half_angle_rad);
+        const float side = spot_side(light);
         raster_face(face, {vec2(-side), vec2(side)});
         return map;
     }
@@ -112,6 +114,17 @@ ShadowMap raster_shadow_map(const Layout& layout, const LightSample& light, std:
         if (partial != nullptr)
             raster_partial_depth(face, window, *partial, progress);
     });
+}
+
+/// Of raster_shadow_map's: in metres of a sun's, per metre of a lamp's.
+static float texel_of_map(const Layout& layout, const LightSample& light, std::uint32_t resolution) {
+    vec2 size(2.0f * (is_narrow_spot(light) ? spot_side(light) : 1.0f));
+    if (light.is_directional) {
+        const Frame& frame = layout.frame;
+        const MapWindow window = sun_window(layout, {frame.origin, frame.u, frame.v, frame.axis});
+        size = window.max - window.min;
+    }
+    return std::max(size.x, size.y) / static_cast<float>(resolution);
 }
 
 /// Of rows with the same layout: what depth maps read.
@@ -143,8 +156,10 @@ ShadowMap raster_filter_map(const SunPlace& place, float margin, const LightSamp
         lay_out_texels(face, window, texels);
         std::optional<MapCache::Key> key;
         if (occluders.kept) {
-            key = occluders.kept->key(light.is_directional ? CastKind::ParallelMap : CastKind::PerspectiveMap, partial,
-                                      face.texels->layout);
+            const slope_rows::Layout& layout = face.texels->layout;
+            key = light.is_directional
+                      ? occluders.kept->key(CastKind::ParallelMap, partial, layout, in_map(layout))
+                      : occluders.kept->key(CastKind::PerspectiveMap, partial, layout, in_face(face, window));
             if (const std::shared_ptr<const Rows> kept = occluders.kept->cache().find(*key)) {
                 copy(*kept, *face.texels, progress);
                 return;
@@ -181,8 +196,11 @@ std::unique_ptr<Visibility> make_shadow_map_beam(const Scene& scene, const Occlu
     PreparedRows prepared = prepare_rows(preparation, layout, "SHADOW_MAP");
     if (prepared.instead)
         return std::move(prepared.instead);
+    const Layout& made = prepared.rows->layout;
+    KeepAs keep_as{CastKind::ShadowMapRows, in_rows_of_map(made, light, texel_of_map(made, light, layout.lines)),
+                   layout.lines};
     return fill_rows(
-        preparation, std::move(prepared), config.seed, KeepAs{CastKind::ShadowMapRows, layout.lines},
+        preparation, std::move(prepared), config.seed, std::move(keep_as),
         [&](Rows& rows, const PartialShading& partial, Statistics& statistics) -> std::shared_ptr<const Visibility> {
             ShadowMap map;
             {

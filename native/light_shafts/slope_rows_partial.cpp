@@ -77,8 +77,14 @@ bool may_shade(const Layout& layout, const Culling& culling, const PartialOcclud
 }
 } // namespace
 
-bool may_shade(const Layout& layout, const PartialOccluderInstance& instance) {
-    return may_shade(layout, Culling(layout), instance);
+std::vector<PartialOccluderInstance> that_may_shade(const Layout& layout,
+                                                    std::span<const PartialOccluderInstance> instances) {
+    const Culling culling(layout);
+    std::vector<PartialOccluderInstance> result;
+    for (const PartialOccluderInstance& instance : instances)
+        if (may_shade(layout, culling, instance))
+            result.push_back(instance);
+    return result;
 }
 
 void raster_partial(Rows& rows, const PartialShading& shading, const Progress& progress, const PartialPlacer& placer) {

@@ -17,8 +17,9 @@ using PartialPlacer =
 void raster_partial(Rows& rows, const PartialShading& shading, const Progress& progress,
                     const PartialPlacer& placer = {});
 
-/// Whether any of the instances may shade a sample that matters, by their boxes.
-[[nodiscard]] bool may_shade(const Layout& layout, const PartialOccluderInstance& instance);
+/// Those that may shade a sample that matters, by their boxes.
+[[nodiscard]] std::vector<PartialOccluderInstance> that_may_shade(const Layout& layout,
+                                                                  std::span<const PartialOccluderInstance> instances);
 
 /// Cuts the triangles by the slices [first, end), keeps the largest slopes that stop light, and empties `placed`.
 void raster_partials(Rows& rows, std::int32_t first_slice, std::int32_t end_slice, const PartialShading& shading,

@@ -110,7 +110,7 @@ DepthMap raster_sun_map(const MapAxes& axes, float texel, const TexelRange& rang
     anywhere.first_slice = 0.0f;
     anywhere.line_count = 0;
     anywhere.rows.clear();
-    const MapCache::Key key = occluders.kept->key(CastKind::ParallelMap, partial, anywhere);
+    const MapCache::Key key = occluders.kept->key(CastKind::ParallelMap, partial, anywhere, {});
     bool has_part = false;
     std::shared_ptr<const Rows> kept = occluders.kept->cache().find(key, [&](const Rows& rows) {
         has_part = true;

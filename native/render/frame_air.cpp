@@ -50,41 +50,44 @@ void FrameAir::begin_pass(const ViewPath& path, const FilterSampler& filter, con
         SurfacePass(path, camera_, pixels, filter, config)
             .find_parts({.sample_index = sample_index, .first_row = 0, .end_row = rows}, parts, progress);
     }
-    const std::size_t squares_per_line = squares_.x1 - squares_.x0;
-    /// visit(rays of a part of the frame) for those of a square's middle pixel, of the squares [begin, end).
+    const std::size_t squares_per_line = squares_.x1 - squares_.x0, line_count = squares_.y1 - squares_.y0;
+    /// visit(square, rays of a part of the frame) for those of a square's middle pixel, of the lines [begin, end).
     const auto for_rays = [&](std::size_t begin, std::size_t end, const auto& visit) {
-        for (std::size_t square = begin; square < end; ++square) {
-            const auto middle = [&](std::size_t index, std::uint32_t first, std::uint32_t frame_px) {
-                return middle_px(first + static_cast<std::uint32_t>(index), frame_px);
-            };
-            const std::uint32_t x = middle(square % squares_per_line, squares_.x0, camera_.width_px),
-                                y = middle(square / squares_per_line, squares_.y0, camera_.height_px);
-            const auto visit_in = [&](const Region& pixels, const WaitingParts& parts) {
-                if (x < pixels.x0 || pixels.x1 <= x || y < pixels.y0 || pixels.y1 <= y)
-                    return;
-                const std::size_t pixel = std::size_t{y - pixels.y0} * (pixels.x1 - pixels.x0) + (x - pixels.x0);
-                visit(square,
-                      std::span(parts.rays).subspan(parts.first[pixel], parts.first[pixel + 1] - parts.first[pixel]));
-            };
-            visit_in(region_, waiting);
-            for (const auto& [pixels, parts] : margins_)
-                visit_in(pixels, parts);
+        for (std::size_t line = begin; line < end; ++line) {
+            const std::uint32_t y = middle_px(squares_.y0 + static_cast<std::uint32_t>(line), camera_.height_px);
+            for (std::uint32_t index = 0; index < squares_per_line; ++index) {
+                const std::uint32_t x = middle_px(squares_.x0 + index, camera_.width_px);
+                const auto visit_in = [&](const Region& pixels, const WaitingParts& parts) {
+                    if (x < pixels.x0 || pixels.x1 <= x || y < pixels.y0 || pixels.y1 <= y)
+                        return;
+                    const std::size_t pixel = std::size_t{y - pixels.y0} * (pixels.x1 - pixels.x0) + (x - pixels.x0);
+                    const std::size_t first = parts.first[pixel], count = parts.first[pixel + 1] - first;
+                    visit(line * squares_per_line + index, std::span(parts.rays).subspan(first, count));
+                };
+                visit_in(region_, waiting);
+                for (const auto& [pixels, parts] : margins_)
+                    visit_in(pixels, parts);
+            }
         }
     };
-    const std::size_t square_count = squares_per_line * (squares_.y1 - squares_.y0);
-    constexpr std::size_t squares_per_block = 1 << 12;
-    first_of_square_.assign(square_count + 1, 0);
-    parallel_blocks(square_count, squares_per_block, progress, [&](std::size_t begin, std::size_t end) {
+    constexpr std::size_t lines_per_block = 8;
+    first_of_square_.assign(line_count * squares_per_line + 1, 0);
+    parallel_blocks(line_count, lines_per_block, progress, [&](std::size_t begin, std::size_t end) {
         for_rays(begin, end, [&](std::size_t square, std::span<const ViewRay> rays) {
             first_of_square_[square + 1] += static_cast<std::uint32_t>(rays.size());
         });
     });
     std::partial_sum(first_of_square_.begin(), first_of_square_.end(), first_of_square_.begin());
     square_rays_.resize(first_of_square_.back());
-    parallel_blocks(square_count, squares_per_block, progress, [&](std::size_t begin, std::size_t end) {
-        auto next = square_rays_.begin() + first_of_square_[begin];
-        for_rays(begin, end,
-                 [&](std::size_t, std::span<const ViewRay> rays) { next = std::ranges::copy(rays, next).out; });
+    square_far_m_.resize(first_of_square_.back() + PixelsBetweenSquares::padding);
+    parallel_blocks(line_count, lines_per_block, progress, [&](std::size_t begin, std::size_t end) {
+        std::size_t next = first_of_square_[begin * squares_per_line];
+        for_rays(begin, end, [&](std::size_t, std::span<const ViewRay> rays) {
+            for (const ViewRay& ray : rays) {
+                square_far_m_[next] = ray.far_m;
+                square_rays_[next++] = ray;
+            }
+        });
     });
 }
 
@@ -115,15 +118,16 @@ void FrameAir::ask_squares(const light_shafts::Shafts& shafts, light_shafts::Tur
     has_one_each_ = true;
     for (std::size_t square = 0; square < first_of_square_.size(); ++square)
         has_one_each_ = has_one_each_ && first_of_square_[square] == square;
-    square_heterogeneity_.assign(square_rays_.size(), dark_air);
-    shafts.find_heterogeneity(square_rays_, air_, square_heterogeneity_, progress, turn, picture_.get());
+    square_heterogeneity_.assign(square_rays_.size() + PixelsBetweenSquares::padding, dark_air);
+    shafts.find_heterogeneity(square_rays_, air_, std::span(square_heterogeneity_).first(square_rays_.size()), progress,
+                              turn, picture_.get());
 }
 
 std::pair<std::uint32_t, float> FrameAir::square_before(std::uint32_t pixel, std::uint32_t first,
                                                         std::uint32_t end) const {
-    const float at =
-        std::clamp((static_cast<float>(pixel) - static_cast<float>(upsampling_ / 2)) / static_cast<float>(upsampling_),
-                   static_cast<float>(first), static_cast<float>(end - 1));
+    const float at = std::clamp((static_cast<float>(pixel) - static_cast<float>(upsampling_ / 2)) *
+                                    (1.0f / static_cast<float>(upsampling_)),
+                                static_cast<float>(first), static_cast<float>(end - 1));
     const auto before = static_cast<std::uint32_t>(at);
     return std::pair{before, at - static_cast<float>(before)};
 }
@@ -140,12 +144,10 @@ float FrameAir::carried_over(std::uint32_t x, std::uint32_t y, float far_m) cons
         const std::size_t square = std::size_t{before_y - squares_.y0 + is_upper} * (squares_.x1 - squares_.x0) +
                                    before_x - squares_.x0 + is_right;
         for (std::size_t part = first_of_square_[square]; part < first_of_square_[square + 1]; ++part) {
-            const float other_m = square_rays_[part].far_m;
-            // Of two endless rays 0, of one a NaN.
-            const float away = far_m == other_m ? 0.0f : std::abs(far_m - other_m) / std::max(far_m, other_m);
-            if (!(away < other_surface) || square_heterogeneity_[part] == dark_air)
+            const float agrees = agreement(far_m, square_rays_[part].far_m);
+            if (!(agrees > 0.0f) || square_heterogeneity_[part] == dark_air)
                 continue;
-            const float weight = near * (1.0f - away / other_surface);
+            const float weight = near * agrees;
             sum += weight * square_heterogeneity_[part];
             weight_sum += weight;
         }
@@ -162,8 +164,8 @@ PixelsBetweenSquares FrameAir::between_squares(std::uint32_t x, std::uint32_t y)
             .side = upsampling_,
             .first_square = squares_.x0,
             .end_square = squares_.x1,
-            .lower = &square_rays_[lower],
-            .upper = &square_rays_[upper],
+            .lower_far_m = &square_far_m_[lower],
+            .upper_far_m = &square_far_m_[upper],
             .lower_heterogeneity = &square_heterogeneity_[lower],
             .upper_heterogeneity = &square_heterogeneity_[upper],
             .share_y = share_y};

@@ -62,8 +62,8 @@ private:
     std::vector<Margin> margins_;
     std::vector<std::uint32_t> first_of_square_;
     std::vector<light_shafts::ViewRay> square_rays_;
-    std::vector<float> square_heterogeneity_;
-    bool has_one_each_ = false; ///< Each square one ray.
+    std::vector<float> square_far_m_, square_heterogeneity_; ///< And what vectors read beyond.
+    bool has_one_each_ = false;                              ///< Each square one ray.
     std::shared_ptr<const light_shafts::PictureAir>
         picture_; ///< Of the pass, where it is looked up for all rays at once.
     std::size_t asked_count_ = 0;

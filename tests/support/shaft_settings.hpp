@@ -59,8 +59,7 @@ struct Soup {
     mat4 identity{1.0f};
     Occluders occluders;
     explicit Soup(TriangleSoup triangles) : soup(std::move(triangles)) {
-        occluders.meshes.push_back(make_occluder_mesh(soup.positions, soup.triangles));
-        occluders.add(occluders.meshes.front().get(), &identity);
+        occluders.add(make_occluder_mesh(soup.positions, soup.triangles), &identity);
     }
 };
 

@@ -75,7 +75,7 @@ TEST_CASE("the bits of slope rows do not depend on the number of threads") {
 // have left no trace, so that the rows are the same bit by bit.
 TEST_CASE("boxes of occluders that are skipped would not have changed a sample") {
     const Soup soup(make_soup(4000, 8.0f, 0.2f, vec3(0.0f), 15));
-    OccluderMesh everywhere = *soup.occluders.meshes.front();
+    OccluderMesh everywhere = *soup.occluders.meshes.begin()->second;
     everywhere.bounds = {.min = vec3(-1e4f), .max = vec3(1e4f)};
     for (OccluderBlock& block : everywhere.blocks)
         block.bounds = everywhere.bounds;
