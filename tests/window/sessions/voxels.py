@@ -34,6 +34,18 @@ def boxes() -> list[str]:
     return sorted(thing.name for thing in bpy.data.objects if thing.tyndall_voxels.path)
 
 
+def paint(thing: bpy.types.Object) -> None:
+    """Red, with a green face that the view shows."""
+    for colour in ((1.0, 0.02, 0.02, 1.0), (0.02, 1.0, 0.02, 1.0)):
+        material = bpy.data.materials.new("Paint")
+        material.use_nodes = True
+        material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = colour
+        thing.data.materials.append(material)
+    thing.data.materials.pop(index=0)
+    top = max(thing.data.polygons, key=lambda polygon: polygon.center.z)
+    top.material_index = 1
+
+
 def is_at_work() -> bool:
     return any(thread.name == "tyndall voxelize" for thread in threading.enumerate())
 
@@ -68,6 +80,7 @@ def session(window: Any) -> Iterator[float]:
     bpy.context.scene.tyndall.voxelize.resolution = "64"
     bpy.ops.object.modifier_add(type="SUBSURF")
     bpy.context.object.modifiers[0].levels = 4
+    paint(bpy.context.object)
     bpy.ops.wm.save_as_mainfile(filepath=str(window.folder / "scene.blend"))
     bpy.ops.ed.undo_push(message="begin")
     window.area("VIEW_3D").spaces[0].show_region_ui = True
