@@ -14,7 +14,12 @@ if TYPE_CHECKING:
 
 
 def triangle_mesh(
-    name: str, positions_m: NDArray[np.floating[Any]], triangles: NDArray[np.uint32], colors: NDArray[np.uint8] | None
+    name: str,
+    positions_m: NDArray[np.floating[Any]],
+    triangles: NDArray[np.uint32],
+    colors: NDArray[np.uint8] | None,
+    *,
+    is_smooth: bool,
 ) -> Mesh:
     """``colors``, (m, 3), of triangles, as sRGB encodes them: the mesh's colour attribute."""
     mesh = bpy.data.meshes.new(name)
@@ -27,6 +32,8 @@ def triangle_mesh(
     mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
     if bpy.app.version < (4, 0, 0):  # later ones know it by where the next begins
         mesh.polygons.foreach_set("loop_total", np.full(count, 3, np.int32))
+    # Said in each version: from 4.1 on faces are smooth that say nothing, before they are flat.
+    mesh.polygons.foreach_set("use_smooth", np.full(count, is_smooth))
     if colors is not None:
         rgba = np.full((count, 4), 255, np.uint8)
         rgba[:, :3] = colors

@@ -510,6 +510,7 @@ def test_voxels_become_a_mesh_where_they_are(two_voxels: bpy.types.Object, level
     assert np.allclose(thing.matrix_world, two_voxels.matrix_world)
     assert [material.name for material in thing.data.materials] == ["Clay"]
     assert len(thing.data.polygons) == 24
+    assert not any(polygon.use_smooth for polygon in thing.data.polygons)
     assert not thing.data.validate()
     for polygon in thing.data.polygons:
         middle = np.mean(first, axis=0) + (second if polygon.center.x > 1.0 else 0.0)
@@ -521,8 +522,10 @@ def test_voxels_become_a_mesh_where_they_are(two_voxels: bpy.types.Object, level
 def test_a_smooth_mesh_is_one_of_openvdb(two_voxels: bpy.types.Object) -> None:
     """Rounded, around the same voxels."""
     assert bpy.ops.tyndall.voxels_to_mesh(kind="SMOOTH") == {"FINISHED"}
-    corners = np.array([vertex.co for vertex in bpy.context.object.data.vertices])
+    data = bpy.context.object.data
+    corners = np.array([vertex.co for vertex in data.vertices])
     assert len(corners) > 8
+    assert all(polygon.use_smooth for polygon in data.polygons)
     assert (corners.min(axis=0) > -0.1).all()
     assert (corners.max(axis=0) < 2.1).all()
     assert not np.isin(corners, (0.0, 0.25, 1.75, 2.0)).all()
