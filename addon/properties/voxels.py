@@ -143,8 +143,8 @@ class TyndallVoxelizeSettings(PropertyGroup):
     )
     memory_budget_mib: IntProperty(
         name="Memory, MiB",
-        description="Budget of the voxels, and as many again for the graph's tables. What does not fit is refused "
-        "before it begins; 0: no limit",
+        description="Budget of the voxels, and as many again for the graph's tables. What does not fit is made in "
+        "parts on disk, where that is possible; 0: no limit",
         min=0,
         soft_max=65536,
         default=4096,
