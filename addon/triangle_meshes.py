@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
+from .voxel_boxes import COLOURS
+
 if TYPE_CHECKING:
     from bpy.types import Mesh
     from numpy.typing import NDArray
@@ -37,7 +39,7 @@ def triangle_mesh(
     if colors is not None:
         rgba = np.full((count, 4), 255, np.uint8)
         rgba[:, :3] = colors
-        attribute = mesh.color_attributes.new("Color", "BYTE_COLOR", "CORNER")
+        attribute = mesh.color_attributes.new(COLOURS, "BYTE_COLOR", "CORNER")
         attribute.data.foreach_set("color_srgb", (np.repeat(rgba, 3, axis=0) / np.float32(255.0)).ravel())
     mesh.update(calc_edges=True)
     return mesh

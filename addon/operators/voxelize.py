@@ -13,7 +13,8 @@ from mathutils import Vector
 
 from ..amounts import bytes_text, count_text, duration_text
 from ..availability import why_no_render
-from ..voxel_boxes import add_voxel_box, add_white_material
+from ..properties.voxels import channels_of
+from ..voxel_boxes import EMISSION, add_own_material, add_voxel_box
 from .files import beside_blend, kept_path, unused
 from .fog_box import select_only
 from .in_thread import InThread
@@ -35,6 +36,7 @@ class _Prepared:
     name: str
     origin: Vector  #: Of the new object, in the world.
     mesh: VoxelMesh
+    channels: list[str]  #: What of materials was read for them.
     extent: Extent
 
 
@@ -108,6 +110,8 @@ class TYNDALL_OT_voxelize(InThread, Operator):
         from tyndall.frame_files import require_writable
 
         settings = context.scene.tyndall.voxelize
+        if not set(channels_of(settings)) <= set(self._prepared.channels) and not self._read(context):
+            return False  # chosen in the dialog
         plan = _plan(self._prepared.extent, settings)
         try:
             if plan.is_refused:
@@ -122,22 +126,20 @@ class TYNDALL_OT_voxelize(InThread, Operator):
             return False
         self._config, self._hides_sources = _config(settings), settings.hides_sources
         self._is_in_parts = plan.is_in_parts
-        self._has_colors = settings.has_colors and not settings.is_solid
-        self._has_normals = settings.has_normals and not settings.is_solid
+        self._carried = {
+            "has_colors": settings.has_colors and not settings.is_solid,
+            "has_normals": settings.has_normals and not settings.is_solid,
+            "channels": channels_of(settings),
+        }
         return True
 
     def work(self, progress: Progress) -> None:
         from tyndall.voxel_dag import voxelize, voxelize_to_file
 
-        from ..sync.voxel_meshes import split_corners, textures_of
+        from ..sync.voxel_meshes import surface_of
 
-        mesh, config = self._prepared.mesh, self._config
-        positions_m, triangles = mesh.positions_m, mesh.triangles
-        if self._has_colors:
-            config = replace(config, textures=textures_of(mesh))
-        if self._has_normals:
-            positions_m, triangles, normals = split_corners(mesh)
-            config = replace(config, normals=normals)
+        positions_m, triangles, fields = surface_of(self._prepared.mesh, **self._carried)
+        config = replace(self._config, **fields)
         positions_m = positions_m - tuple(self._prepared.origin)
         if self._is_in_parts:
             self._dag = voxelize_to_file(positions_m, triangles, self._path, config, progress=progress)
@@ -165,7 +167,7 @@ class TYNDALL_OT_voxelize(InThread, Operator):
         prepared, dag = self._prepared, self._dag
         box = add_voxel_box(context, prepared.name, kept_path(self._path), dag.bounds_m, prepared.origin)
         if dag.has_colors:
-            add_white_material(box)
+            add_own_material(box, dag.channels, _glow(prepared.mesh) if EMISSION in dag.channels else None)
         elif (material := _first_material(context, prepared.mesh.sources)) is not None:
             box.data.materials.append(material)
         if self._hides_sources:
@@ -201,7 +203,8 @@ def _prepared(context: Context) -> _Prepared:
     things, name = _chosen(context)
     if not things:
         raise ValueError("Select what becomes voxels, or choose a collection")
-    mesh = gather(context.evaluated_depsgraph_get(), things)
+    channels = channels_of(context.scene.tyndall.voxelize)
+    mesh = gather(context.evaluated_depsgraph_get(), things, channels=channels)
     active = context.view_layer.objects.active
     lowest, highest = Vector(mesh.positions_m.min(axis=0)), Vector(mesh.positions_m.max(axis=0))
     origin = active.matrix_world.translation.copy() if active in things else (lowest + highest) / 2.0
@@ -209,6 +212,7 @@ def _prepared(context: Context) -> _Prepared:
         name=f"{name} Voxels",
         origin=origin,
         mesh=mesh,
+        channels=channels,
         extent=extent_of(mesh.positions_m, mesh.triangles),
     )
 
@@ -224,6 +228,12 @@ def _chosen(context: Context) -> tuple[list[Object], str]:
     return things, named.name if named is not None else ""
 
 
+def _glow(mesh: VoxelMesh) -> tuple[float, ...]:
+    from ..sync.voxel_meshes import glow_of
+
+    return tuple(glow_of(mesh).tolist())
+
+
 def _plan(extent: Extent, settings: TyndallVoxelizeSettings) -> _Plan:
     """In memory where that suffices, else in parts where that is possible; a refusal says what would fit."""
     from tyndall.voxel_dag import estimate, largest_that_fits
@@ -233,26 +243,11 @@ def _plan(extent: Extent, settings: TyndallVoxelizeSettings) -> _Plan:
     if fitting is not None and fitting.resolution == config.resolution:
         return _Plan(says=_takes_text(wanted))
     budget = f"the budget is {settings.memory_budget_mib:,} MiB"
-    if (why_not := _why_not_in_parts(settings)) is None:
+    if not settings.is_solid:
         parts = f"{budget}: it is made in parts, in a folder beside the file, and takes several times as long"
         return _Plan(says=f"{_takes_text(wanted)}; {parts}", is_in_parts=True)
     fits = "nothing would fit" if fitting is None else f"this would fit: {_takes_text(fitting)}"
-    return _Plan(says=f"{_takes_text(wanted)}; {budget}; {fits}; {why_not}", is_refused=True)
-
-
-def _why_not_in_parts(settings: TyndallVoxelizeSettings) -> str | None:
-    """What cannot be made in parts on disk; None: all that is asked for can."""
-    from tyndall import InvalidInput
-    from tyndall.voxel_dag.parts import require_bare_surface
-
-    config = _config(settings)
-    if _attribute_bytes(settings):
-        config = replace(config, normals="faces")
-    try:
-        require_bare_surface(config)
-    except InvalidInput:
-        return f"{'a solid is' if settings.is_solid else 'colours, normals and channels are'} made in memory only"
-    return None
+    return _Plan(says=f"{_takes_text(wanted)}; {budget}; {fits}; solids are made in memory only", is_refused=True)
 
 
 def _attribute_bytes(settings: TyndallVoxelizeSettings) -> float:
@@ -260,7 +255,7 @@ def _attribute_bytes(settings: TyndallVoxelizeSettings) -> float:
     if settings.is_solid:
         return 0.0
     colours, normals = 3.0 * settings.has_colors, settings.normal_bits / 8.0 * settings.has_normals
-    return float(colours + normals)
+    return float(colours + normals + len(channels_of(settings)))
 
 
 def _takes_text(found: Estimate) -> str:

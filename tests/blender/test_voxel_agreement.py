@@ -17,7 +17,7 @@ from mathutils import Matrix, Vector
 from numpy.typing import NDArray
 
 from support.cycles_reference import prepare_cycles, rendered_pixels, save_side_by_side
-from support.small_scenes import add, empty_scene, material, node, plane
+from support.small_scenes import add, empty_scene, light, material, node, plane
 from tyndall.voxel_dag import Config, from_coordinates
 
 PICTURES = Path(__file__).parents[2] / "out" / "voxel_agreement"
@@ -38,7 +38,7 @@ def torus(*, is_coloured: bool, path: Path) -> None:
     from_coordinates(voxels, Config(resolution=RESOLUTION, bounds_m=bounds, colors=colors)).save(path)
 
 
-@pytest.fixture(params=["plain"])
+@pytest.fixture(params=["plain", "coloured"])
 def stage(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[bpy.types.Object, bpy.types.Object]:
     """A voxel object and its box mesh at one place, turned and stretched, over a floor and under a hard sun."""
     scene = empty_scene(SIZE_PX)
@@ -102,3 +102,24 @@ def test_voxels_look_as_their_boxes(
     assert abs(float(voxels.mean() - cycles.mean())) < 0.001 * level
     assert float(np.median(errors)) < 0.002 * level
     assert float(errors.max()) < 0.012 * float(cycles.max())
+
+
+def test_voxels_with_normals_look_smooth(tmp_path: Path) -> None:
+    """As the ball that they were made of, but for its silhouette; their steps cast no shadows on each other."""
+    scene = empty_scene(SIZE_PX)
+    scene.render.resolution_percentage = 100
+    scene.camera.data.ortho_scale = 1.2  # within the ball
+    light("SUN", (0, 0, 5), energy=math.pi, angle=0.0).rotation_euler = (0.9, 0.6, 0.0)
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48)
+    ball = bpy.context.object
+    bpy.ops.object.shade_smooth()
+    before = rendered_pixels(scene)
+    settings = scene.tyndall.voxelize
+    settings.resolution, settings.has_normals, settings.path = "256", True, str(tmp_path / "ball.tdag")
+    ball.select_set(True)
+    assert bpy.ops.tyndall.voxelize() == {"FINISHED"}
+    after = rendered_pixels(scene)
+    level = float(before.mean())
+    assert level > 0.2
+    assert abs(float(after.mean()) - level) < 0.01 * level
+    assert float(np.sqrt(((after - before) ** 2).mean())) < 0.03 * level

@@ -360,10 +360,10 @@ def test_what_cannot_be_done_is_said_and_nothing_is_left(saved: bpy.types.Scene,
         bpy.ops.tyndall.voxelize()
     block = bpy.data.objects["Block"]
     select(block)
-    settings.resolution, settings.memory_budget_mib = "131072", 16
+    settings.resolution, settings.memory_budget_mib, settings.is_solid = "131072", 16, True
     with pytest.raises(RuntimeError, match=r"the budget is 16 MiB; this would fit: Resolution \d+"):
         bpy.ops.tyndall.voxelize()
-    settings.resolution, settings.memory_budget_mib = "16", 4096
+    settings.resolution, settings.memory_budget_mib, settings.is_solid = "16", 4096, False
     (tmp_path / "taken").write_text("a file, and no folder")
     settings.path = "//taken/voxels.tdag"
     with pytest.raises(RuntimeError, match=r"taken: no folder to write to \(File exists\)"):
@@ -382,9 +382,9 @@ def test_what_cannot_be_done_is_said_and_nothing_is_left(saved: bpy.types.Scene,
 def test_what_is_beyond_the_memory_is_made_in_parts(saved: bpy.types.Scene, tmp_path: Path) -> None:
     """The same file, byte for byte; the parts are gone. A solid is refused, with what would fit."""
     settings = saved.tyndall.voxelize
-    settings.resolution, settings.hides_sources, settings.has_colors = "1024", False, False
+    settings.resolution, settings.hides_sources = "1024", False
     files = []
-    for budget_mib in (4096, 4):
+    for budget_mib in (4096, 64):
         settings.memory_budget_mib = budget_mib
         select(bpy.data.objects["Block"])
         assert bpy.ops.tyndall.voxelize() == {"FINISHED"}
@@ -397,7 +397,7 @@ def test_what_is_beyond_the_memory_is_made_in_parts(saved: bpy.types.Scene, tmp_
     ]
     select(bpy.data.objects["Block"])
     settings.is_solid = True
-    with pytest.raises(RuntimeError, match=r"budget is 4 MiB; this would fit: Resolution \d+.*made in memory only"):
+    with pytest.raises(RuntimeError, match=r"budget is 64 MiB; this would fit: Resolution \d+.*made in memory only"):
         bpy.ops.tyndall.voxelize()
 
 

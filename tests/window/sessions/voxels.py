@@ -25,9 +25,9 @@ CLICKS = (
     "tyndall.export_voxels_vox",
 )
 TAB = (8, 245)
-VOXELIZE, IMPORT_TDAG, IMPORT_VOX = (121, 275), (164, 301), (77, 301)
-RELOAD = (44, 366)
-TO_MESH, TO_VDB, TO_VOX = (178, 545), (121, 545), (63, 545)
+VOXELIZE, IMPORT_TDAG, IMPORT_VOX = (121, 367), (164, 393), (77, 393)
+RELOAD = (44, 458)
+TO_MESH, TO_VDB, TO_VOX = (178, 637), (121, 637), (63, 637)
 
 
 def boxes() -> list[str]:
