@@ -8,13 +8,20 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
+from .voxel_boxes import COLOURS
+
 if TYPE_CHECKING:
     from bpy.types import Mesh
     from numpy.typing import NDArray
 
 
 def triangle_mesh(
-    name: str, positions_m: NDArray[np.floating[Any]], triangles: NDArray[np.uint32], colors: NDArray[np.uint8] | None
+    name: str,
+    positions_m: NDArray[np.floating[Any]],
+    triangles: NDArray[np.uint32],
+    colors: NDArray[np.uint8] | None,
+    *,
+    is_smooth: bool,
 ) -> Mesh:
     """``colors``, (m, 3), of triangles, as sRGB encodes them: the mesh's colour attribute."""
     mesh = bpy.data.meshes.new(name)
@@ -27,10 +34,12 @@ def triangle_mesh(
     mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
     if bpy.app.version < (4, 0, 0):  # later ones know it by where the next begins
         mesh.polygons.foreach_set("loop_total", np.full(count, 3, np.int32))
+    # Said in each version: from 4.1 on faces are smooth that say nothing, before they are flat.
+    mesh.polygons.foreach_set("use_smooth", np.full(count, is_smooth))
     if colors is not None:
         rgba = np.full((count, 4), 255, np.uint8)
         rgba[:, :3] = colors
-        attribute = mesh.color_attributes.new("Color", "BYTE_COLOR", "CORNER")
+        attribute = mesh.color_attributes.new(COLOURS, "BYTE_COLOR", "CORNER")
         attribute.data.foreach_set("color_srgb", (np.repeat(rgba, 3, axis=0) / np.float32(255.0)).ravel())
     mesh.update(calc_edges=True)
     return mesh

@@ -16,9 +16,9 @@ import bpy
 from .shader_nodes import use_nodes
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
 
-    from bpy.types import Context, Mesh, Object
+    from bpy.types import Context, Mesh, Node, Object
 
 _CORNERS = tuple(product((0, 1), repeat=3))
 _EDGES = tuple(
@@ -26,6 +26,9 @@ _EDGES = tuple(
     for one, other in combinations(range(8), 2)
     if sum(a != b for a, b in zip(_CORNERS[one], _CORNERS[other], strict=True)) == 1
 )
+
+#: What materials read of voxels by a Color Attribute and by an Attribute node.
+COLOURS, EMISSION = "Color", "emission"
 
 #: Lower and upper corner.
 Bounds = "Sequence[Sequence[float]]"
@@ -52,16 +55,41 @@ def add_voxel_box(context: Context, name: str, path: str, bounds_m: Bounds, loca
     return box
 
 
-def add_white_material(box: Object) -> None:
-    """Leave voxels the colours that they carry, by which renders multiply the material's."""
+def add_own_material(box: Object, channels: Collection[str], glow: Sequence[float] | None = None) -> None:
+    """Show what the voxels carry: their colours, and their emission times ``glow``; None: times their colours."""
     material = bpy.data.materials.new(f"{box.name} Colours")
     tree = use_nodes(material)
     tree.nodes.clear()
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
-    diffuse.location = (-300, 0)
-    diffuse.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
-    tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+
+    def new(kind: str, column: int, row: int) -> Node:
+        node = tree.nodes.new(kind)
+        node.location = (220 * column, -200 * row)
+        return node
+
+    colours, diffuse = new("ShaderNodeVertexColor", 1, 0), new("ShaderNodeBsdfDiffuse", 2, 0)
+    colours.layer_name = COLOURS
+    tree.links.new(colours.outputs["Color"], diffuse.inputs["Color"])
+    surface = diffuse.outputs[0]
+    if EMISSION in channels and (glow is None or any(glow)):
+        how_much, emission, both = (
+            new(kind, column, 1)
+            for column, kind in enumerate(("ShaderNodeAttribute", "ShaderNodeEmission", "ShaderNodeAddShader"), start=1)
+        )
+        how_much.attribute_name = EMISSION
+        if glow is None:
+            tree.links.new(colours.outputs["Color"], emission.inputs["Color"])
+            tree.links.new(how_much.outputs["Fac"], emission.inputs["Strength"])
+        else:
+            strength, times = max(glow), new("ShaderNodeMath", 1, 2)
+            emission.inputs["Color"].default_value = (*(part / strength for part in glow), 1.0)
+            times.operation = "MULTIPLY"
+            times.inputs[1].default_value = strength
+            tree.links.new(how_much.outputs["Fac"], times.inputs[0])
+            tree.links.new(times.outputs[0], emission.inputs["Strength"])
+        tree.links.new(surface, both.inputs[0])
+        tree.links.new(emission.outputs[0], both.inputs[1])
+        surface = both.outputs[0]
+    tree.links.new(surface, new("ShaderNodeOutputMaterial", 4, 0).inputs["Surface"])
     box.data.materials.append(material)
 
 

@@ -42,15 +42,24 @@ class Preview:
     """In the space of its box."""
 
     def __init__(self, dag: VoxelDag, level: int, style: str, progress: Progress) -> None:
-        from tyndall.voxel_dag import exposed_faces
+        import numpy as np
+
+        from tyndall.voxel_dag import exposed_cubes, exposed_faces
 
         cubes, self.level = dag.coarse_cubes(level, MOST_CUBES, progress)
         lower_m, upper_m = dag.bounds_m
         size_m = (upper_m - lower_m) / 2**self.level
         self.kind = style
-        shown = exposed_faces(cubes) if style == "BLOCKS" else [cubes + 0.5]
+        owners = exposed_cubes(cubes) if style == "BLOCKS" else [np.arange(len(cubes))]
+        shown = exposed_faces(cubes, owners) if style == "BLOCKS" else [cubes + 0.5]
         #: Corners of quads by the way they look, (m, 4, 3) each; or points, (m, 3), at once.
         self.parts_m: list[NDArray[np.float32]] = [(lower_m + part * size_m).astype("float32") for part in shown]
+        #: Of each quad or point, (m, 3), as sRGB encodes it: the mean of the voxels there. None: they have no colours.
+        self.colours: list[NDArray[np.uint8]] | None = None
+        if dag.has_colors and len(cubes):
+            doublings = dag.resolution.bit_length() - 1 - self.level
+            of_cubes = dag.colors_at(cubes << np.uint32(doublings), self.level, progress)
+            self.colours = [of_cubes[owned] for owned in owners]
 
 
 def preview_of(thing: Object) -> Preview | Exception | None:
@@ -91,7 +100,7 @@ def _boxes_in(context: Context) -> list[Object]:
 def _draw_preview(thing: Object, found: Preview) -> None:
     import gpu  # there is none without a window
 
-    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR" if found.colours is None else "FLAT_COLOR")
     if id(found) not in _batches:
         _batches[id(found)] = found, _new_batches(shader, found)
     _batches.move_to_end(id(found))
@@ -102,14 +111,19 @@ def _draw_preview(thing: Object, found: Preview) -> None:
     gpu.state.point_size_set(_POINT_PX * bpy.context.preferences.system.ui_scale)
     with gpu.matrix.push_pop():
         gpu.matrix.multiply_matrix(thing.matrix_world)
-        shades = _SHADES if found.kind == "BLOCKS" else (_POINT_SHADE,)
-        for batch, shade in zip(_batches[id(found)][1], shades, strict=True):
+        for batch, shade in zip(_batches[id(found)][1], _shades(found), strict=True):
             shader.bind()
-            shader.uniform_float("color", (*(shade * part for part in thing.color[:3]), 1.0))
+            if found.colours is None:
+                shader.uniform_float("color", (*(shade * part for part in thing.color[:3]), 1.0))
             batch.draw(shader)
     gpu.state.point_size_set(1.0)
     gpu.state.depth_mask_set(False)
     gpu.state.depth_test_set("NONE")
+
+
+def _shades(found: Preview) -> tuple[float, ...]:
+    """Of its parts."""
+    return _SHADES if found.kind == "BLOCKS" else (_POINT_SHADE,)
 
 
 def _new_batches(shader: Any, found: Preview) -> list[Any]:  # noqa: ANN401  gpu has no types
@@ -117,12 +131,25 @@ def _new_batches(shader: Any, found: Preview) -> list[Any]:  # noqa: ANN401  gpu
 
     batch_for_shader: Any = batch.batch_for_shader  # its stub knows no arrays
 
-    if found.kind == "POINTS":
-        return [batch_for_shader(shader, "POINTS", {"pos": points_m}) for points_m in found.parts_m]
-    return [
-        batch_for_shader(shader, "TRIS", {"pos": corners_m.reshape(-1, 3)}, indices=_triangles(len(corners_m)))
-        for corners_m in found.parts_m
-    ]
+    batches = []
+    for index, (part_m, shade) in enumerate(zip(found.parts_m, _shades(found), strict=True)):
+        content = {"pos": part_m.reshape(-1, 3)}
+        if found.colours is not None:
+            content["color"] = _vertex_colours(found.colours[index], 4 if found.kind == "BLOCKS" else 1, shade)
+        if found.kind == "BLOCKS":
+            batches.append(batch_for_shader(shader, "TRIS", content, indices=_triangles(len(part_m))))
+        else:
+            batches.append(batch_for_shader(shader, "POINTS", content))
+    return batches
+
+
+def _vertex_colours(colours: NDArray[np.uint8], vertices_each: int, shade: float) -> NDArray[np.float32]:
+    """RGBA as the view shows it, in which half the light is not half the number."""
+    import numpy as np
+
+    rgba = np.ones((len(colours), 4), np.float32)
+    rgba[:, :3] = colours * np.float32(shade ** (1.0 / 2.2) / 255.0)
+    return rgba.repeat(vertices_each, axis=0)
 
 
 def _triangles(quad_count: int) -> NDArray[np.int32]:

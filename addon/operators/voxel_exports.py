@@ -73,7 +73,9 @@ class TYNDALL_OT_voxels_to_mesh(BoxOperator, _Leveled, _AtOnce, Operator):
             return self._refuse(error)
         if len(made.triangles) == 0:
             return self._refuse(f"{file_of(box).name} has no voxels")
-        data = triangle_mesh(f"{box.name} Mesh", made.positions_m, made.triangles, made.colors)
+        data = triangle_mesh(
+            f"{box.name} Mesh", made.positions_m, made.triangles, made.colors, is_smooth=self.kind == "SMOOTH"
+        )
         for material in box.data.materials:
             data.materials.append(material)
         thing = bpy.data.objects.new(data.name, data)

@@ -11,7 +11,7 @@ from bpy.types import Context, Operator
 
 from ..amounts import count_text
 from ..availability import why_no_render
-from ..voxel_boxes import add_voxel_box, add_white_material, file_of, fit_box, is_voxel_box
+from ..voxel_boxes import add_own_material, add_voxel_box, file_of, fit_box, is_voxel_box
 from ..voxel_reading import forget
 from .files import FileOperator, Refusing, beside_blend, kept_path, unused
 from .fog_box import select_only
@@ -69,7 +69,7 @@ class TYNDALL_OT_import_tdag(_VoxelOperator, FileOperator, Operator):
         forget(path)
         box = add_voxel_box(context, path.stem, kept_path(path), dag.bounds_m, (0.0, 0.0, 0.0))
         if dag.has_colors:
-            add_white_material(box)
+            add_own_material(box, dag.channels)
         select_only(context, box)
         return {"FINISHED"}
 
@@ -100,7 +100,7 @@ class TYNDALL_OT_import_vox(_VoxelOperator, FileOperator, Operator):
         except (ValueError, OSError) as error:
             return self._refuse(error)
         box = add_voxel_box(context, source.stem, kept_path(path), dag.bounds_m, (0.0, 0.0, 0.0))
-        add_white_material(box)
+        add_own_material(box, dag.channels)
         select_only(context, box)
         self.report({"INFO"}, f"{path.name}: {count_text(dag.voxel_count)} voxels")
         return {"FINISHED"}

@@ -13,7 +13,8 @@ from mathutils import Vector
 
 from ..amounts import bytes_text, count_text, duration_text
 from ..availability import why_no_render
-from ..voxel_boxes import add_voxel_box, add_white_material
+from ..properties.voxels import channels_of
+from ..voxel_boxes import EMISSION, add_own_material, add_voxel_box
 from .files import beside_blend, kept_path, unused
 from .fog_box import select_only
 from .in_thread import InThread
@@ -35,13 +36,23 @@ class _Prepared:
     name: str
     origin: Vector  #: Of the new object, in the world.
     mesh: VoxelMesh
+    channels: list[str]  #: What of materials was read for them.
     extent: Extent
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Plan:
+    """How what is asked for would be made."""
+
+    says: str
+    is_refused: bool = False
+    is_in_parts: bool = False  #: On disk, which takes no more memory than the budget.
 
 
 class TYNDALL_OT_voxelize(InThread, Operator):
     """Make voxels of what is selected, or of a collection, write them to a file, and add an object that shows them.
 
-    Modifiers and instances are applied. Says first what it would take
+    Modifiers and instances are applied. Says first what it would take. Beyond the memory it works in parts, on disk
     """
 
     bl_idname = "tyndall.voxelize"
@@ -75,8 +86,8 @@ class TYNDALL_OT_voxelize(InThread, Operator):
 
         settings = context.scene.tyndall.voxelize
         draw_settings(self.layout, settings)
-        why_not, wanted = _why_no_room(self._prepared.extent, settings)
-        draw_lines(self.layout, why_not or _takes_text(wanted), _DIALOG_WIDTH_PX, "ERROR" if why_not else "INFO")
+        plan = _plan(self._prepared.extent, settings)
+        draw_lines(self.layout, plan.says, _DIALOG_WIDTH_PX, "ERROR" if plan.is_refused else "INFO")
 
     def execute(self, context: Context) -> set[str]:
         if self._prepared is None:  # a script
@@ -99,10 +110,12 @@ class TYNDALL_OT_voxelize(InThread, Operator):
         from tyndall.frame_files import require_writable
 
         settings = context.scene.tyndall.voxelize
-        why_not, _wanted = _why_no_room(self._prepared.extent, settings)
+        if not set(channels_of(settings)) <= set(self._prepared.channels) and not self._read(context):
+            return False  # chosen in the dialog
+        plan = _plan(self._prepared.extent, settings)
         try:
-            if why_not is not None:
-                raise ValueError(why_not)  # noqa: TRY301  all are said in one way
+            if plan.is_refused:
+                raise ValueError(plan.says)  # noqa: TRY301  all are said in one way
             self._path = _path_for(settings, self._prepared.name)
             require_writable(self._path.parent)
         except ValueError as error:
@@ -112,23 +125,26 @@ class TYNDALL_OT_voxelize(InThread, Operator):
             self.report({"ERROR"}, f"{self._path.parent}: no folder to write to ({error.strerror})")
             return False
         self._config, self._hides_sources = _config(settings), settings.hides_sources
-        self._has_colors = settings.has_colors and not settings.is_solid
-        self._has_normals = settings.has_normals and not settings.is_solid
+        self._is_in_parts = plan.is_in_parts
+        self._carried = {
+            "has_colors": settings.has_colors and not settings.is_solid,
+            "has_normals": settings.has_normals and not settings.is_solid,
+            "channels": channels_of(settings),
+        }
         return True
 
     def work(self, progress: Progress) -> None:
-        from tyndall.voxel_dag import voxelize
+        from tyndall.voxel_dag import voxelize, voxelize_to_file
 
-        from ..sync.voxel_meshes import split_corners, textures_of
+        from ..sync.voxel_meshes import surface_of
 
-        mesh, config = self._prepared.mesh, self._config
-        positions_m, triangles = mesh.positions_m, mesh.triangles
-        if self._has_colors:
-            config = replace(config, textures=textures_of(mesh))
-        if self._has_normals:
-            positions_m, triangles, normals = split_corners(mesh)
-            config = replace(config, normals=normals)
-        dag = voxelize(positions_m - tuple(self._prepared.origin), triangles, config, progress)
+        positions_m, triangles, fields = surface_of(self._prepared.mesh, **self._carried)
+        config = replace(self._config, **fields)
+        positions_m = positions_m - tuple(self._prepared.origin)
+        if self._is_in_parts:
+            self._dag = voxelize_to_file(positions_m, triangles, self._path, config, progress=progress)
+            return
+        dag = voxelize(positions_m, triangles, config, progress)
         dag.save(self._path, progress)
         self._dag = dag
 
@@ -136,7 +152,12 @@ class TYNDALL_OT_voxelize(InThread, Operator):
         from tyndall import Cancelled
 
         if isinstance(error, Cancelled):
-            self.report({"INFO"}, "Stopped: nothing was written")
+            self.report(
+                {"INFO"},
+                "Stopped: the same again goes on from the parts that are finished, beside the file"
+                if self._is_in_parts
+                else "Stopped: nothing was written",
+            )
             return {"CANCELLED"}
         if isinstance(error, (ValueError, OSError, MemoryError)):
             self.report({"ERROR"}, str(error) or "There is not enough memory: choose a lower resolution")
@@ -146,7 +167,7 @@ class TYNDALL_OT_voxelize(InThread, Operator):
         prepared, dag = self._prepared, self._dag
         box = add_voxel_box(context, prepared.name, kept_path(self._path), dag.bounds_m, prepared.origin)
         if dag.has_colors:
-            add_white_material(box)
+            add_own_material(box, dag.channels, _glow(prepared.mesh) if EMISSION in dag.channels else None)
         elif (material := _first_material(context, prepared.mesh.sources)) is not None:
             box.data.materials.append(material)
         if self._hides_sources:
@@ -182,7 +203,8 @@ def _prepared(context: Context) -> _Prepared:
     things, name = _chosen(context)
     if not things:
         raise ValueError("Select what becomes voxels, or choose a collection")
-    mesh = gather(context.evaluated_depsgraph_get(), things)
+    channels = channels_of(context.scene.tyndall.voxelize)
+    mesh = gather(context.evaluated_depsgraph_get(), things, channels=channels)
     active = context.view_layer.objects.active
     lowest, highest = Vector(mesh.positions_m.min(axis=0)), Vector(mesh.positions_m.max(axis=0))
     origin = active.matrix_world.translation.copy() if active in things else (lowest + highest) / 2.0
@@ -190,6 +212,7 @@ def _prepared(context: Context) -> _Prepared:
         name=f"{name} Voxels",
         origin=origin,
         mesh=mesh,
+        channels=channels,
         extent=extent_of(mesh.positions_m, mesh.triangles),
     )
 
@@ -205,23 +228,34 @@ def _chosen(context: Context) -> tuple[list[Object], str]:
     return things, named.name if named is not None else ""
 
 
-def _why_no_room(extent: Extent, settings: TyndallVoxelizeSettings) -> tuple[str | None, Estimate]:
-    """What says that the budget is too small, and what would fit; what it takes."""
+def _glow(mesh: VoxelMesh) -> tuple[float, ...]:
+    from ..sync.voxel_meshes import glow_of
+
+    return tuple(glow_of(mesh).tolist())
+
+
+def _plan(extent: Extent, settings: TyndallVoxelizeSettings) -> _Plan:
+    """In memory where that suffices, else in parts where that is possible; a refusal says what would fit."""
     from tyndall.voxel_dag import estimate, largest_that_fits
 
     config, attribute_bytes = _config(settings), _attribute_bytes(settings)
     wanted, fitting = estimate(extent, config, attribute_bytes), largest_that_fits(extent, config, attribute_bytes)
     if fitting is not None and fitting.resolution == config.resolution:
-        return None, wanted
+        return _Plan(says=_takes_text(wanted))
+    budget = f"the budget is {settings.memory_budget_mib:,} MiB"
+    if not settings.is_solid:
+        parts = f"{budget}: it is made in parts, in a folder beside the file, and takes several times as long"
+        return _Plan(says=f"{_takes_text(wanted)}; {parts}", is_in_parts=True)
     fits = "nothing would fit" if fitting is None else f"this would fit: {_takes_text(fitting)}"
-    return f"{_takes_text(wanted)}; the budget is {settings.memory_budget_mib:,} MiB; {fits}", wanted
+    return _Plan(says=f"{_takes_text(wanted)}; {budget}; {fits}; solids are made in memory only", is_refused=True)
 
 
 def _attribute_bytes(settings: TyndallVoxelizeSettings) -> float:
     """Of a voxel, where no two are alike."""
     if settings.is_solid:
         return 0.0
-    return (3.0 if settings.has_colors else 0.0) + (float(settings.normal_bits) / 8.0 if settings.has_normals else 0.0)
+    colours, normals = 3.0 * settings.has_colors, settings.normal_bits / 8.0 * settings.has_normals
+    return float(colours + normals + len(channels_of(settings)))
 
 
 def _takes_text(found: Estimate) -> str:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from bpy.types import Context, Menu, Panel, TOPBAR_MT_file_import, UILayout
 
 from ..amounts import bytes_text, count_text
-from ..properties.voxels import TyndallVoxelizeSettings
+from ..properties.voxels import CHANNELS, TyndallVoxelizeSettings
 from ..voxel_boxes import file_of, is_voxel_box
 from ..voxel_reading import Counts, counts_of
 from .base import SidebarPanel, draw_text, draw_value, is_wide_region
@@ -14,6 +14,7 @@ from .base import SidebarPanel, draw_text, draw_value, is_wide_region
 #: Of an octree without sharing, in the smallest of the usual layouts: a child mask and an offset.
 OCTREE_BYTES_PER_NODE = 4
 _LONGEST_BAR = 24
+_NAME_SHARE = 0.42  #: Of a narrow row.
 
 
 class VoxelPanel(SidebarPanel):
@@ -25,27 +26,42 @@ class TYNDALL_PT_voxelize(VoxelPanel, Panel):
 
     def draw(self, context: Context) -> None:
         layout = self.layout
-        layout.use_property_split = is_wide_region(context)
-        draw_settings(layout, context.scene.tyndall.voxelize)
+        layout.use_property_split = is_wide = is_wide_region(context)
+        draw_settings(layout, context.scene.tyndall.voxelize, is_narrow=not is_wide)
         layout.operator("tyndall.voxelize", icon="MESH_GRID")
         row = layout.row(align=True)
         row.operator("tyndall.import_tdag", text=".tdag", icon="IMPORT")
         row.operator("tyndall.import_vox", text=".vox", icon="IMPORT")
 
 
-def draw_settings(layout: UILayout, settings: TyndallVoxelizeSettings) -> None:
+def draw_settings(layout: UILayout, settings: TyndallVoxelizeSettings, *, is_narrow: bool = False) -> None:
+    """``is_narrow``: a region that would cut names off, if values had the usual share of it."""
     column = layout.column()
-    for name in ("collection", "resolution", "rule", "is_solid"):
-        column.prop(settings, name)
-    for kept, how in (("has_colors", "color_difference"), ("has_normals", "normal_bits")):
-        row = column.row()
-        row.active = not settings.is_solid
-        row.prop(settings, kept)
-        part = row.row()
-        part.active = getattr(settings, kept)
-        part.prop(settings, how)
-    for name in ("symmetry", "memory_budget_mib", "path", "hides_sources"):
-        column.prop(settings, name)
+
+    def draw(name: str) -> None:
+        if not is_narrow:
+            column.prop(settings, name)
+            return
+        row = column.split(factor=_NAME_SHARE)
+        row.label(text=settings.bl_rna.properties[name].name)
+        row.prop(settings, name, text="")
+
+    for name in ("collection", "resolution", "rule"):
+        draw(name)
+    column.prop(settings, "is_solid")
+    if not settings.is_solid:
+        for kept, how in (("has_colors", "color_difference"), ("has_normals", "normal_bits")):
+            column.prop(settings, kept)
+            if getattr(settings, kept):
+                draw(how)
+        column.label(text="Channels")
+        grid = column.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
+        grid.use_property_split = False
+        for name in CHANNELS:
+            grid.prop(settings, f"has_{name}", toggle=True)
+    for name in ("symmetry", "memory_budget_mib", "path"):
+        draw(name)
+    column.prop(settings, "hides_sources")
 
 
 class _BoxPanel(VoxelPanel):

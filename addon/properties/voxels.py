@@ -26,11 +26,18 @@ SYMMETRIES = (
     ("REFLECTIONS", "Reflections", "Parts are stored once that are mirror images; smallest for buildings", 1),
     ("CUBE", "All Turns", "Parts are stored once that are equal in any of 48 turns and mirrors; smallest for scans", 2),
 )
+#: What files may keep beside colours and normals, by name, in their order.
+CHANNELS = ("roughness", "metallic", "emission", "reflectance")
 PREVIEWS = (
     ("NONE", "None", "The box alone", 0),
     ("POINTS", "Points", "A point for each voxel of the preview's level", 1),
     ("BLOCKS", "Blocks", "A block for each voxel of the preview's level", 2),
 )
+
+
+def channels_of(settings: "TyndallVoxelizeSettings") -> list[str]:
+    """Those that are chosen and can be kept, by the names that files have for them."""
+    return [] if settings.is_solid else [name for name in CHANNELS if getattr(settings, f"has_{name}")]
 
 
 class TyndallVoxels(PropertyGroup):
@@ -91,14 +98,16 @@ class TyndallVoxelizeSettings(PropertyGroup):
     )
     is_solid: BoolProperty(
         name="Solid",
-        description="Fill meshes that close. Voxels inside have no surface, and no voxel has colours or normals then",
+        description="Fill meshes that close. Voxels inside have no surface, and no voxel has colours, normals or "
+        "channels then",
         options=set(),
         update=tag,
         override=OVERRIDABLE,
     )
     has_colors: BoolProperty(
         name="Colours",
-        description="Keep the diffuse colours of materials, and their pictures filtered to the size of a voxel",
+        description="Keep the diffuse colours of materials: pictures, filtered to the size of a voxel, and colour "
+        "attributes, as materials use them, or as they are where there is no material",
         default=True,
         options=set(),
         update=tag,
@@ -132,6 +141,38 @@ class TyndallVoxelizeSettings(PropertyGroup):
         update=tag,
         override=OVERRIDABLE,
     )
+    has_roughness: BoolProperty(
+        name="Roughness",
+        description="Keep how rough the surface is: of Principled and glossy shaders; diffuse ones have 1. Materials "
+        "of the voxels read it by an Attribute node named roughness",
+        options=set(),
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    has_metallic: BoolProperty(
+        name="Metallic",
+        description="Keep how much of the surface is metal. Materials of the voxels read it by an Attribute node named "
+        "metallic",
+        options=set(),
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    has_emission: BoolProperty(
+        name="Emission",
+        description="Keep how brightly the surface glows, as a share of what glows most: voxels glow so, in one hue. "
+        "Their materials read it by an Attribute node named emission",
+        options=set(),
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    has_reflectance: BoolProperty(
+        name="Reflectance",
+        description="Keep Specular of Principled shaders: 0.5 reflects 4 % of the light from ahead. Materials of the "
+        "voxels read it by an Attribute node named reflectance",
+        options=set(),
+        update=tag,
+        override=OVERRIDABLE,
+    )
     symmetry: EnumProperty(
         name="Symmetry",
         description="What counts as equal",
@@ -143,8 +184,8 @@ class TyndallVoxelizeSettings(PropertyGroup):
     )
     memory_budget_mib: IntProperty(
         name="Memory, MiB",
-        description="Budget of the voxels, and as many again for the graph's tables. What does not fit is refused "
-        "before it begins; 0: no limit",
+        description="Budget of the voxels, and as many again for the graph's tables. What does not fit is made in "
+        "parts on disk, where that is possible; 0: no limit",
         min=0,
         soft_max=65536,
         default=4096,

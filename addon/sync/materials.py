@@ -5,20 +5,26 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tyndall.scene_description import Material, Medium
+from tyndall.scene_description import Material, Medium, attribute_maps
 
 from ..shader_nodes import shader_tree
 from .node_graph import output_input
-from .program import BLACK
+from .program import BLACK, WHITE, grey
 from .reports import Reports
 from .surface_nodes import Shares, read_surface
 from .value_nodes import Domain, ValueReader
 from .volume_nodes import read_volume
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     import bpy
 
+    from tyndall.scene_description import Mesh
+
     from .images import ImageReader
+
+_OF_ATTRIBUTES = attribute_maps("")[0]  #: What names of their first maps begin with.
 
 
 class MaterialReader:
@@ -32,19 +38,25 @@ class MaterialReader:
         *,
         is_lit: bool = True,
         mirror_roughness: float | None = None,
+        with_channels: bool = False,
     ) -> None:
         """``override`` is the view layer's: in place of all others, as in Cycles.
 
         Without ``is_lit`` surfaces give no light: they let as much through as they do, and cost no shadow ray.
         What is no rougher than ``mirror_roughness`` mirrors; None: nothing does.
+        ``with_channels`` fills ``channels``.
         """
         self.materials: list[Material] = []
+        #: Of each material, by name: roughness, metallic and reflectance, the diffuse part of a program of which the
+        #: transparent part is their weight; and emission, the diffuse part.
+        self.channels: list[dict[str, Material]] = []
         self.media: list[Medium] = []
         self._reports = reports
         self._images = images
         self._override = override
         self._is_lit = is_lit
         self._mirror_roughness = mirror_roughness if is_lit else None
+        self._with_channels = with_channels
         self._index_of: dict[bpy.types.Material | None, int] = {}
 
     def index(self, material: bpy.types.Material | None) -> int:
@@ -52,6 +64,7 @@ class MaterialReader:
         material = self.shader_of(material)
         if material not in self._index_of:
             self._index_of[material] = len(self.materials)
+            self.channels.append({})
             self.materials.append(self._read(material))
         return self._index_of[material]
 
@@ -67,11 +80,21 @@ class MaterialReader:
 
     def _read(self, material: bpy.types.Material | None) -> Material:
         if material is None:
+            self.channels[-1] = {"roughness": Material(name="no material", diffuse=WHITE, transparent=WHITE)}
             return Material(name="no material") if self._is_lit else Material(name="no material", diffuse=BLACK)
         tree = shader_tree(material)
         if tree is None:
             colour = material.diffuse_color
             diffuse = (colour[0], colour[1], colour[2]) if self._is_lit else BLACK
+            plain = {
+                "roughness": material.roughness,
+                "metallic": material.metallic,
+                "reflectance": material.specular_intensity,
+            }
+            self.channels[-1] = {
+                name: Material(name=material.name, diffuse=grey(number), transparent=WHITE)
+                for name, number in plain.items()
+            }
             return Material(name=material.name, diffuse=diffuse)
         surface, volume = (output_input(tree, name) for name in ("Surface", "Volume"))
         medium = -1
@@ -81,10 +104,22 @@ class MaterialReader:
                 return Material(name=material.name, has_surface=False, medium=medium)
         values = self._values(material, Domain.SURFACE)
         # Without an output it is black, as in Cycles.
-        shares = Shares() if surface is None else read_surface(values, surface, self._mirror_roughness)
+        shares = Shares()
+        if surface is not None:
+            shares = read_surface(values, surface, self._mirror_roughness, with_finish=self._with_channels)
         _note_displacement(tree, values)
         if not self._is_lit:
             shares.diffuse = shares.emission = BLACK
+        if (finish := shares.finish) is not None:
+            program = values.program
+            self.channels[-1] = {
+                name: program.material(material.name, (number, finish.weight, BLACK))
+                for name, number in (
+                    ("roughness", finish.roughness),
+                    ("metallic", finish.metallic),
+                    ("reflectance", finish.reflectance),
+                )
+            } | {"emission": program.material(material.name, (shares.emission, BLACK, BLACK))}
         results = (shares.diffuse, shares.transparent, shares.emission)
         return values.program.material(material.name, results, shares.gloss, medium=medium)
 
@@ -92,6 +127,18 @@ class MaterialReader:
         is_seen = self._is_lit or domain is Domain.CONSTANT
         reports = self._reports if is_seen else Reports()  # nobody misses the gloss of black surfaces
         return ValueReader(f'Material "{material.name}"', reports, self._images, domain)
+
+
+def note_missing_attributes(
+    object_name: str, mesh: Mesh, indices: Iterable[int], materials: MaterialReader, reports: Reports
+) -> None:
+    """Say what its materials read as black, as Cycles does."""
+    for index in indices:
+        for name in materials.materials[index].uv_maps:
+            _, mark, attribute = name.partition(_OF_ATTRIBUTES)
+            if mark and not any(known == name if attribute else known.startswith(name) for known, _ in mesh.uv_maps):
+                wanted = f'colour attribute "{attribute}"' if attribute else "colour attribute"
+                reports.add(f'Object "{object_name}"', f"has no {wanted}, which its material reads: black")
 
 
 def _note_displacement(tree: bpy.types.NodeTree, values: ValueReader) -> None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
-from tyndall.scene_description import Mesh
+from tyndall.scene_description import Mesh, attribute_maps
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -36,7 +36,7 @@ class _StoredMesh:
     vertex_normals: NDArray[np.float32] | None = None  #: (vertices, 3)
     corner_normals: NDArray[np.float32] | None = None  #: (corners, 3); neither: flat.
     is_flat: NDArray[np.bool_] | None = None  #: (triangles,): those that use no normals; None: no triangle is.
-    uv_maps: tuple[tuple[str, NDArray[np.float32]], ...] = ()  #: Names and (corners, 2), the active one first.
+    uv_maps: tuple[tuple[str, NDArray[np.float32]], ...] = ()  #: Names and (corners, 2), as Mesh orders them.
 
     def key(self, poll: Callable[[], None]) -> str:
         """Changes with the content and with nothing else, so it outlives a depsgraph that is built anew every frame."""
@@ -118,7 +118,7 @@ def _read_stored(mesh: bpy.types.Mesh, reports: Reports, poll: Callable[[], None
         vertex_of_corner=vertex_of_corner,
         corners=corners,
         slots=_slots(mesh, polygon_of_triangle),
-        uv_maps=_uv_maps(mesh),
+        uv_maps=(*_uv_maps(mesh), *_colour_maps(mesh, vertex_of_corner)),
         **_normals(mesh, polygon_of_triangle),
     )
 
@@ -210,3 +210,22 @@ def _uv_maps(mesh: bpy.types.Mesh) -> tuple[tuple[str, NDArray[np.float32]], ...
     if bpy.app.version >= (3, 5, 0):
         return tuple((layer.name, _read(layer.uv, "vector", shape, np.float32)) for layer in layers)
     return tuple((layer.name, _read(layer.data, "uv", shape, np.float32)) for layer in layers)
+
+
+def _colour_maps(
+    mesh: bpy.types.Mesh, vertex_of_corner: NDArray[np.uint32]
+) -> tuple[tuple[str, NDArray[np.float32]], ...]:
+    """Colour attributes, linear, of corners or of points, bytes or floats."""
+    colours = mesh.color_attributes
+    active = colours.render_color_index
+    maps = []
+    for _, attribute in sorted(enumerate(colours), key=lambda one: one[0] != active):
+        count = {"POINT": len(mesh.vertices), "CORNER": len(mesh.loops)}.get(attribute.domain, 0)
+        if count == 0 or len(attribute.data) != count:  # of other domains shaders are told nothing
+            continue
+        rgba = _read(attribute.data, "color", (count, 4), np.float32)
+        if attribute.domain == "POINT":
+            rgba = rgba.take(vertex_of_corner.astype(np.intp), axis=0)
+        red_green, blue_alpha = attribute_maps(attribute.name)
+        maps += [(red_green, rgba[:, :2]), (blue_alpha, rgba[:, 2:])]
+    return tuple(maps)

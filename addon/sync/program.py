@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from tyndall.scene_description import Code, Gloss, Material, Rgb, SurfaceOp, TextureUse
+from tyndall.scene_description import Code, Gloss, Material, Rgb, SurfaceOp, TextureUse, attribute_maps
 
 BLACK: Rgb = (0.0, 0.0, 0.0)
 WHITE: Rgb = (1.0, 1.0, 1.0)
@@ -20,6 +20,7 @@ _READS = {
     Code.TEXTURE: "",
     Code.TEXTURE_ALPHA: "",
     Code.BACKFACING: "",
+    Code.UV: "",
     Code.CLAMP: "a",
     Code.AVERAGE: "a",
     Code.MULTIPLY: "ab",
@@ -75,10 +76,23 @@ class Program:
         index = next((i for i, known in enumerate(self._textures) if _same_use(known, use)), len(self._textures))
         if index == len(self._textures):
             self._textures.append(use)
-        if uv_map not in self._uv_maps:
-            self._uv_maps.append(uv_map)
         code = Code.TEXTURE_ALPHA if alpha else Code.TEXTURE
-        return self._op(code, texture=index, uv_map=self._uv_maps.index(uv_map), uv_matrix=uv_matrix)
+        return self._op(code, texture=index, uv_map=self._uv_map(uv_map), uv_matrix=uv_matrix)
+
+    def attribute(self, name: str, *, alpha: bool = False) -> Value:
+        """The colour, or the alpha, of an attribute of the surface."""
+        red_green, blue_alpha = (self._uv_map(uv_map) for uv_map in attribute_maps(name))
+        if alpha:
+            return self._op(Code.UV, uv_map=blue_alpha, uv_matrix=(0, 1, 0, 0, 1, 0, 0, 1, 0))
+        return self.add(
+            self._op(Code.UV, uv_map=red_green, uv_matrix=(1, 0, 0, 0, 1, 0, 0, 0, 0)),
+            self._op(Code.UV, uv_map=blue_alpha, uv_matrix=(0, 0, 0, 0, 0, 0, 1, 0, 0)),
+        )
+
+    def _uv_map(self, name: str) -> int:
+        if name not in self._uv_maps:
+            self._uv_maps.append(name)
+        return self._uv_maps.index(name)
 
     def backfacing(self) -> Value:
         return self._op(Code.BACKFACING)

@@ -16,7 +16,7 @@ from .images import ImageReader
 from .instances import Placement, read_placements, shown_kinds
 from .light_masks import MaskReader
 from .lights import read_lights
-from .materials import MaterialReader
+from .materials import MaterialReader, note_missing_attributes
 from .meshes import read_mesh
 from .occluder_edits import OccluderEditReader
 from .relit_scene import ReadScene, is_light, light_names
@@ -187,6 +187,7 @@ class SceneReader:
                 seen[address] = mesh, seen[address][1] | placement.depends_on
                 if mesh is not None:
                     groups.append(_group(placement, mesh, materials))
+                    note_missing_attributes(placement.object_name, mesh, groups[-1].materials, materials, reports)
                     _note_hidden_medium(groups[-1], materials, reports)
         except BaseException:
             self._live |= seen  # a viewport reads in slices: the next one goes on from here

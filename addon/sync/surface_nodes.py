@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from .program import BLACK, WHITE, GlossValues, Term, Value
+from .program import BLACK, WHITE, GlossValues, Term, Value, grey
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,6 +24,7 @@ _DIFFUSE_LIKE = {
     "BSDF_VELVET", "BSDF_SHEEN", "BSDF_TOON", "BSDF_TRANSLUCENT",
     "BSDF_HAIR", "BSDF_HAIR_PRINCIPLED", "SUBSURFACE_SCATTERING", "EEVEE_SPECULAR",
 }  # fmt: skip
+_GLOSSY = {"BSDF_GLOSSY", "BSDF_ANISOTROPIC", "BSDF_METALLIC"}
 _TRANSPARENT_LIKE = {"BSDF_GLASS", "BSDF_REFRACTION", "BSDF_RAY_PORTAL"}
 
 
@@ -36,11 +37,24 @@ class Shares:
     emission: Value = BLACK
     gloss: GlossValues | None = None
     mirror_roughness: float | None = None  #: What is no rougher mirrors; None: nothing does.
+    finish: Finish | None = None  #: None: it is not asked for.
 
 
-def read_surface(reader: ValueReader, at: Socket, mirror_roughness: float | None = None) -> Shares:
+@dataclass
+class Finish:
+    """What scatters light, summed up over closures by their share of the surface, whatever their colour."""
+
+    weight: Value = BLACK  #: Sum of the shares.
+    roughness: Value = BLACK
+    metallic: Value = BLACK
+    reflectance: Value = BLACK  #: Of Blender's Specular: 0.5 reflects 4 % of what comes from ahead.
+
+
+def read_surface(
+    reader: ValueReader, at: Socket, mirror_roughness: float | None = None, *, with_finish: bool = False
+) -> Shares:
     """``at`` is the Surface input of an output node."""
-    shares = Shares(mirror_roughness=mirror_roughness)
+    shares = Shares(mirror_roughness=mirror_roughness, finish=Finish() if with_finish else None)
     _add(reader, at, WHITE, shares)
     return shares
 
@@ -70,6 +84,7 @@ def _add(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None
     else:
         reader.unsupported(source, "is not supported: drawn as grey diffuse")
         shares.diffuse = reader.program.add(shares.diffuse, reader.program.multiply(weight, (0.8, 0.8, 0.8)))
+        _add_finish(reader, shares, weight)
 
 
 def _colour_of(reader: ValueReader, at: Socket) -> Value:
@@ -82,12 +97,43 @@ def _note_bumps(reader: ValueReader, at: Socket) -> None:
         reader.note("normal maps and bumps are not drawn")
 
 
+def _add_finish(
+    reader: ValueReader,
+    shares: Shares,
+    weight: Value,
+    roughness: Value = WHITE,
+    metallic: Value = BLACK,
+    reflectance: Value = BLACK,
+) -> None:
+    finish, program = shares.finish, reader.program
+    if finish is None:
+        return
+    finish.weight = program.add(finish.weight, weight)
+    finish.roughness = program.add(finish.roughness, program.multiply(weight, program.clamp(roughness)))
+    finish.metallic = program.add(finish.metallic, program.multiply(weight, program.clamp(metallic)))
+    finish.reflectance = program.add(finish.reflectance, program.multiply(weight, program.clamp(reflectance)))
+
+
+def _reflectance(reader: ValueReader, at: Socket) -> Value:
+    """Of a Principled BSDF; from 4.0 on its IOR counts, too, of which 1.5 reflects 4 %."""
+    if (level := at.input("Specular IOR Level")) is None:
+        return reader.number(at.input("Specular"))
+    ior = reader.constant(at.input("IOR"), 1.5)
+    facing = ((ior - 1.0) / (ior + 1.0)) ** 2 if ior > 0.0 else 0.0
+    return reader.program.multiply(reader.number(level), grey(facing / 0.04))
+
+
 def _diffuse(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None:
     if at.node.type == "BSDF_DIFFUSE" and reader.constant(at.input("Roughness")) > 0.0:
         reader.note("the roughness of a diffuse surface is not drawn")
     _note_bumps(reader, at)
     program = reader.program
     shares.diffuse = program.add(shares.diffuse, program.multiply(weight, _colour_of(reader, at)))
+    if at.node.type in _GLOSSY:
+        if shares.finish is not None:
+            _add_finish(reader, shares, weight, reader.number(at.input("Roughness"), 0.5), WHITE, grey(0.5))
+    else:
+        _add_finish(reader, shares, weight)
 
 
 def _mirrors(reader: ValueReader, at: Socket, shares: Shares) -> bool:
@@ -166,6 +212,9 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
     program = reader.program
     alpha = program.clamp(reader.number(at.input("Alpha"), 1.0))
     shares.transparent = program.add(shares.transparent, program.multiply(weight, program.complement(alpha)))
+    if shares.finish is not None:
+        roughness, metallic = (reader.number(at.input(name)) for name in ("Roughness", "Metallic"))
+        _add_finish(reader, shares, program.multiply(weight, alpha), roughness, metallic, _reflectance(reader, at))
     weight = program.multiply(weight, alpha)
     _note_bumps(reader, at)
 

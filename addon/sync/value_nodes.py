@@ -130,6 +130,18 @@ def _image(reader: ValueReader, at: Socket) -> Value:
     return image_value(reader, at) if reader.domain is Domain.SURFACE else reader.image(at)
 
 
+def _attribute(reader: ValueReader, at: Socket) -> Value:
+    """Of meshes their colours, of voxels all that they carry."""
+    node = at.node
+    is_colour_node = node.type == "VERTEX_COLOR"
+    if reader.domain is not Domain.SURFACE or not (is_colour_node or node.attribute_type == "GEOMETRY"):
+        reader.unsupported(at, "is not supported here: read as mid grey")
+        return MID_GREY
+    name = node.layer_name if is_colour_node else node.attribute_name
+    value = reader.program.attribute(name, alpha=at.socket.identifier == "Alpha")
+    return reader.program.average(value) if at.socket.identifier == "Fac" else value
+
+
 def _environment(reader: ValueReader, at: Socket) -> Value:
     if reader.domain is Domain.LIGHT:
         return reader.image(at)
@@ -335,6 +347,8 @@ _NODES: dict[str, Callable[[ValueReader, Socket], Value]] = {
     "RGB": _own_value,
     "VALUE": _own_value,
     "TEX_IMAGE": _image,
+    "VERTEX_COLOR": _attribute,
+    "ATTRIBUTE": _attribute,
     "TEX_ENVIRONMENT": _environment,
     "MIX_RGB": _mix_colour,
     "MIX": _mix,

@@ -1,120 +1,107 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What colours the voxels of a surface: the diffuse part of its material, as one colour or as one picture.
+"""What voxels of a surface keep of its material: the diffuse part, gloss, metal and glow, as numbers or as pictures.
 
-A surface program (see program.py) is evaluated texel by texel where all of its pictures lie on the surface alike: nodes
-between an image and a shader change the picture, exactly but for what lies between texels.
+A material's pictures lie on the surface in one way: nodes between an image and a shader change its texels, exactly but
+for what lies between them.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tyndall.linear_colours import linear_colours
-from tyndall.scene_description import Code, Extension
+from tyndall.scene_description import Extension, Material
+
+from .program import BLACK, Program
+from .surface_values import PICTURES, Parts, diffuse_colour, diffuse_per_transparent, diffuse_radiance, parts_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
-    from tyndall.scene_description import Image, Material, SurfaceOp
+    from tyndall.scene_description import SurfaceOp
 
     from .reports import Reports
+    from .surface_values import Read
 
+EMISSION = "emission"
 _SAME = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+_LUMINANCE = np.array((0.2126729, 0.7151522, 0.0721750))  #: Of Rec. 709.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Colouring:
-    """Linear, rows from the bottom."""
+    """How a material looks on voxels."""
 
-    texels: NDArray[np.float32]  #: (height, width, 3); a colour is one texel.
+    parts: Parts  #: Of the colour.
+    channels: Mapping[str, Parts] = field(default_factory=dict)
+    glow: NDArray[np.floating[Any]] = field(default_factory=lambda: np.zeros(3))  #: Mean of what it emits, (3,).
     extension: Extension = Extension.REPEAT
     uv_map: str = ""  #: "" is the active one.
     uv_matrix: tuple[float, ...] = _SAME  #: 3x3, row by row, applied to (u, v, 1).
 
     @property
+    def texels(self) -> NDArray[np.float32]:
+        """Of the colour, (height, width, 3)."""
+        return self.parts.texels
+
+    @property
     def is_picture(self) -> bool:
-        return self.texels.shape[:2] != (1, 1)
+        return any(one.texels.shape[:2] != (1, 1) for one in (self.parts, *self.channels.values()))
 
     def placed(self, uvs: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Where a picture is read for these coordinates, (n, 3, 2)."""
+        """Where pictures are read for these coordinates, (n, 3, 2)."""
         matrix = np.array(self.uv_matrix).reshape(3, 3)
         points = np.concatenate([uvs, np.ones((*uvs.shape[:2], 1))], axis=2) @ matrix.T
         placed: NDArray[np.float32] = (points[..., :2] / points[..., 2:]).astype(np.float32)
         return placed
 
 
-def colouring_of(material: Material, reports: Reports) -> Colouring:
-    if not material.program:
-        return Colouring(texels=_texel(material.diffuse))
-    read = [op for op in material.program if op.code in {Code.TEXTURE, Code.TEXTURE_ALPHA}]
-    first = next(iter(read), None)
-    if first is not None and any(_place(op, material) != _place(first, material) for op in read):
-        reports.add(f'Material "{material.name}"', "its pictures lie differently: voxels have the first one's place")
-    size = _largest([material.textures[op.texture].image for op in read])
-    texels = np.clip(_evaluated(material, size), 0.0, 1.0).astype(np.float32)
-    if first is None or (texels == texels[0, 0]).all():
-        return Colouring(texels=texels[:1, :1])
+def colouring_of(material: Material, channels: Mapping[str, Material], reports: Reports) -> Colouring:
+    """``channels``: as MaterialReader.channels has them; emission becomes its luminance, however bright."""
+    parts = parts_of(material, diffuse_colour)
+    of_channels = {
+        name: parts_of(one, _luminance if name == EMISSION else diffuse_per_transparent)
+        for name, one in channels.items()
+    }
+    places = [_place(op, one) for one in (material, *channels.values()) for op in one.program if op.code in PICTURES]
+    culprit = f'Material "{material.name}"'
+    if len(set(places)) > 1:
+        reports.add(culprit, "its pictures lie differently: voxels have the first one's place")
+    if not all(one.is_product for one in (parts, *of_channels.values())):
+        reports.add(culprit, "pictures and colour attributes are multiplied, however its nodes join them")
+    glow = np.zeros(3)
+    if EMISSION in channels:
+        glow = parts_of(channels[EMISSION], diffuse_radiance).texels.reshape(-1, 3).mean(axis=0)
+    uv_map, uv_matrix, extension = places[0] if places else ("", _SAME, Extension.REPEAT)
     return Colouring(
-        texels=texels,
-        extension=material.textures[first.texture].extension,
-        uv_map=material.uv_maps[first.uv_map],
-        uv_matrix=first.uv_matrix,
+        parts=parts,
+        channels=of_channels,
+        glow=glow,
+        extension=extension,
+        uv_map=uv_map,
+        uv_matrix=uv_matrix,
     )
 
 
-def _texel(colour: tuple[float, float, float]) -> NDArray[np.float32]:
-    return np.clip(np.array(colour, np.float32), 0.0, 1.0)[None, None]
+def plain_colouring() -> Colouring:
+    """Of a mesh without a material: its active colour attribute."""
+    program = Program()
+    material = program.material("no material", (program.attribute(""), BLACK, BLACK))
+    return Colouring(parts=parts_of(material, diffuse_colour))
 
 
-def _place(op: SurfaceOp, material: Material) -> tuple[object, ...]:
-    return op.uv_map, op.uv_matrix, material.textures[op.texture].extension
+def luminance(radiance: NDArray[Any]) -> NDArray[Any]:
+    """(..., 1) of (..., 3)."""
+    weighted: NDArray[Any] = (radiance @ _LUMINANCE)[..., None]
+    return weighted
 
 
-def _largest(images: list[Image]) -> tuple[int, int]:
-    """Height and width that every picture is taken at."""
-    sizes = [image.pixels.shape[:2] for image in images]
-    return max((height for height, _ in sizes), default=1), max((width for _, width in sizes), default=1)
+def _luminance(material: Material, read: Read) -> NDArray[Any]:
+    return luminance(diffuse_radiance(material, read))
 
 
-def _evaluated(material: Material, size: tuple[int, int]) -> NDArray[Any]:
-    """The diffuse part, (height, width, 3)."""
-    registers: dict[int, NDArray[Any]] = {}
-    for op in material.program:
-        if op.code in _OPERATIONS:
-            operands = (registers.get(register, _BLACK) for register in (op.a, op.b, op.c))
-            registers[op.out] = _OPERATIONS[op.code](*operands)
-        elif op.code is Code.TEXTURE:
-            registers[op.out] = _taken(linear_colours(material.textures[op.texture].image), size)
-        elif op.code is Code.TEXTURE_ALPHA:
-            registers[op.out] = _taken(_alpha(material.textures[op.texture].image), size)
-        else:
-            registers[op.out] = np.array(op.value, np.float32)
-    return np.broadcast_to(registers[material.diffuse_register], (*size, 3))
-
-
-_BLACK = np.zeros(3, np.float32)
-_OPERATIONS: dict[Code, Callable[..., NDArray[Any]]] = {
-    Code.MULTIPLY: lambda a, b, _c: a * b,
-    Code.ADD: lambda a, b, _c: a + b,
-    Code.SUBTRACT: lambda a, b, _c: a - b,
-    Code.MIX: lambda a, b, c: a + (b - a) * np.clip(c, 0.0, 1.0),
-    Code.CLAMP: lambda a, _b, _c: np.clip(a, 0.0, 1.0),
-    Code.AVERAGE: lambda a, _b, _c: np.repeat(a.mean(axis=-1, keepdims=True), 3, axis=-1),
-    Code.BACKFACING: lambda _a, _b, _c: _BLACK,
-}
-
-
-def _alpha(image: Image) -> NDArray[Any]:
-    alpha = image.pixels[..., 3:] if image.has_alpha else np.ones((*image.pixels.shape[:2], 1), np.float32)
-    return np.repeat(alpha / np.float32(255.0) if alpha.dtype == np.uint8 else alpha, 3, axis=2)
-
-
-def _taken(texels: NDArray[Any], size: tuple[int, int]) -> NDArray[Any]:
-    """At another size: the texel that is there."""
-    rows, columns = ((np.arange(wanted) * has) // wanted for wanted, has in zip(size, texels.shape[:2], strict=True))
-    return texels if texels.shape[:2] == size else texels[rows[:, None], columns]
+def _place(op: SurfaceOp, material: Material) -> tuple[str, tuple[float, ...], Extension]:
+    return material.uv_maps[op.uv_map], op.uv_matrix, material.textures[op.texture].extension

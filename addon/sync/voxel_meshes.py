@@ -8,28 +8,33 @@ hides in the viewport, was chosen by name here and is taken if the depsgraph has
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
 
 from tyndall import InvalidInput
+from tyndall.linear_colours import srgb_from_linear
+from tyndall.scene_description import ATTRIBUTE_MARK
 from tyndall.voxel_dag import Material, Textures
 
 from .images import ImageReader
 from .instances import materials_of
-from .materials import MaterialReader
+from .materials import MaterialReader, note_missing_attributes
 from .meshes import read_mesh
 from .reports import Reports
-from .voxel_colours import Colouring, colouring_of
+from .voxel_colours import EMISSION, Colouring, colouring_of, luminance, plain_colouring
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Collection, Iterable, Iterator
 
     from bpy.types import Depsgraph, Object
     from numpy.typing import NDArray
 
     from tyndall.scene_description import Mesh
+
+#: Of what voxels keep, the colour beside the channels.
+COLOUR = ""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -42,6 +47,9 @@ class VoxelMesh:
     colouring_of_triangle: NDArray[np.uint32]  #: (m,), into colourings.
     corner_uvs: NDArray[np.float32]  #: (m, 3, 2), where pictures are read; 0 where there is none.
     corner_normals: NDArray[np.float32]  #: (m, 3, 3), unit; 0: flat.
+    #: What colours (COLOUR) and channels of the colourings are multiplied by, of those that attributes of the mesh are
+    #: read for, (m, 3, 3) or (m, 3, 1), linear.
+    corner_factors: dict[str, NDArray[np.float32]]
     sources: list[str]  #: Names of the chosen objects that have faces here.
     reports: Reports  #: What was left out or replaced.
 
@@ -54,22 +62,30 @@ class _Placed:
     mesh: Mesh
     colouring_of_triangle: NDArray[np.uint32]
     corner_uvs: NDArray[np.float32]
+    corner_factors: dict[str, NDArray[np.float32]]
     matrices: list[NDArray[np.float64]] = field(default_factory=list)
 
 
-def gather(depsgraph: Depsgraph, objects: Iterable[Object], poll: Callable[[], None] = lambda: None) -> VoxelMesh:
-    """Modifiers and instances applied; ``objects`` are original ones.
+def gather(
+    depsgraph: Depsgraph,
+    objects: Iterable[Object],
+    poll: Callable[[], None] = lambda: None,
+    *,
+    channels: Collection[str] = (),
+) -> VoxelMesh:
+    """Modifiers and instances applied; ``objects`` are original ones; ``channels``: what of materials to read.
 
     ``poll`` may raise to stop between two meshes. Raises InvalidInput, which names an object: one with a vertex that is
     not finite, or those of which none has a face.
     """
     chosen = {thing.original for thing in objects}
-    reader = _Reader(depsgraph, chosen, poll)
+    reader = _Reader(depsgraph, chosen, poll, channels)
     placed = reader.placed_meshes()
     if not placed:
         names = ", ".join(f'"{name}"' for name in sorted(thing.name for thing in chosen)[:3])
         raise InvalidInput(f"there is nothing to voxelize: {names or 'no object'} has no face that is shown")
     parts = [part for thing in placed for part in _parts(thing)]
+    factors = sorted({name for part in parts for name in part.corner_factors})
     firsts = np.cumsum([0, *(len(part.positions_m) for part in parts[:-1])]).astype(np.uint32)
     return VoxelMesh(
         positions_m=np.concatenate([part.positions_m for part in parts]),
@@ -78,16 +94,65 @@ def gather(depsgraph: Depsgraph, objects: Iterable[Object], poll: Callable[[], N
         colouring_of_triangle=np.concatenate([part.colouring_of_triangle for part in parts]),
         corner_uvs=np.concatenate([part.corner_uvs for part in parts]),
         corner_normals=np.concatenate([part.corner_normals for part in parts]),
+        corner_factors={name: np.concatenate([part.factors(name) for part in parts]) for name in factors},
         sources=sorted(reader.sources),
         reports=reader.reports,
     )
 
 
-def textures_of(mesh: VoxelMesh) -> Textures:
-    """As ``tyndall.voxel_dag.Config`` takes them."""
-    materials = [
-        Material(picture=colouring.texels, outside=colouring.extension.name.lower()) for colouring in mesh.colourings
-    ]
+def glow_of(mesh: VoxelMesh) -> NDArray[np.floating[Any]]:
+    """Radiance of a voxel whose emission is 1, (3,): the hue is that of what glows most."""
+    if not any(EMISSION in colouring.channels for colouring in mesh.colourings):
+        return np.zeros(3)
+    most = max(
+        float(colouring.channels[EMISSION].texels.max())
+        for colouring in mesh.colourings
+        if EMISSION in colouring.channels
+    )
+    glow = max((colouring.glow for colouring in mesh.colourings), key=lambda hue: float(luminance(hue)[0]))
+    brightest = float(luminance(glow)[0])
+    if brightest <= 0.0:
+        return np.zeros(3)
+    hues = [colouring.glow / luminance(colouring.glow)[0] for colouring in mesh.colourings if colouring.glow.any()]
+    if not np.allclose(hues, hues[0], atol=0.02):
+        mesh.reports.add("Emission", "voxels glow in one colour, that of what glows most")
+    return glow * (most / brightest)
+
+
+def surface_of(
+    mesh: VoxelMesh, *, has_colors: bool, has_normals: bool, channels: Collection[str]
+) -> tuple[NDArray[np.float64], NDArray[np.uint32], dict[str, Any]]:
+    """Positions and triangles, and what ``tyndall.voxel_dag.Config`` takes of them as voxels are to carry."""
+    wanted = [*([COLOUR] if has_colors else []), *channels]
+    fields: dict[str, Any] = {}
+    if wanted:
+        fields["textures"] = _textures_of(mesh, channels, has_colors=has_colors)
+    factors = {name: mesh.corner_factors[name] for name in wanted if name in mesh.corner_factors}
+    if not (has_normals or factors):
+        return mesh.positions_m, mesh.triangles, fields
+    positions_m, triangles, normals = split_corners(mesh)
+    if has_normals:
+        fields["normals"] = normals
+    if COLOUR in factors:
+        fields["colors"] = srgb_from_linear(factors.pop(COLOUR).reshape(-1, 3))
+    fields["channels"] = {name: np.rint(255.0 * factor.ravel()).astype(np.uint8) for name, factor in factors.items()}
+    return positions_m, triangles, fields
+
+
+def _textures_of(mesh: VoxelMesh, channels: Collection[str], *, has_colors: bool) -> Textures:
+    most = max((float(luminance(glow_of(mesh))[0]), 1e-9)) if EMISSION in channels else 1.0
+    materials = []
+    for colouring in mesh.colourings:
+        kept = {}
+        for name in channels:
+            if (parts := colouring.channels.get(name)) is not None:
+                texels = np.clip(parts.texels[..., 0] / (most if name == EMISSION else 1.0), 0.0, 1.0)
+                kept[name] = texels if texels.size > 1 else float(texels[0, 0])
+        look: dict[str, Any] = {}
+        if has_colors:
+            is_same = colouring.texels.shape[:2] == (1, 1)
+            look = {"color": srgb_from_linear(colouring.texels[0, 0])} if is_same else {"picture": colouring.texels}
+        materials.append(Material(**look, outside=colouring.extension.name.lower(), channels=kept))
     return Textures(materials=materials, corner_uvs=mesh.corner_uvs, material_of_triangle=mesh.colouring_of_triangle)
 
 
@@ -103,16 +168,24 @@ def split_corners(mesh: VoxelMesh) -> tuple[NDArray[np.float64], NDArray[np.uint
     return positions_m.reshape(-1, 3), corners, normals.reshape(-1, 3)
 
 
+#: In place of a material's index: an empty slot, and one of a mesh with colours.
+_NO_MATERIAL, _PLAIN = -1, -2
+
+
 class _Reader:
-    def __init__(self, depsgraph: Depsgraph, chosen: set[Object | None], poll: Callable[[], None]) -> None:
+    def __init__(
+        self, depsgraph: Depsgraph, chosen: set[Object | None], poll: Callable[[], None], channels: Collection[str]
+    ) -> None:
         self.reports = Reports()
         self.sources: set[str] = set()
         self.colourings: list[Colouring] = []
         self._depsgraph = depsgraph
         self._chosen = chosen
         self._poll = poll
+        self._channels = channels
         self._kept: dict[str, Mesh] = {}
-        self._materials = MaterialReader(self.reports, ImageReader())
+        self._materials = MaterialReader(self.reports, ImageReader(), with_channels=bool(channels))
+        self._colouring_of_material: dict[int, int] = {}
 
     def placed_meshes(self) -> list[_Placed]:
         """By mesh and materials: what is instanced is read once."""
@@ -124,7 +197,8 @@ class _Reader:
             data = instance.object.data
             if not isinstance(data, bpy.types.Mesh):
                 continue
-            indices = tuple(self._materials.index(material) for material in materials_of(instance.object))
+            slots = materials_of(instance.object)
+            indices = tuple(_NO_MATERIAL if slot is None else self._materials.index(slot) for slot in slots)
             key = (data.as_pointer(), indices)
             if key not in found:
                 found[key] = self._read(instance.object.name, data, indices)
@@ -137,24 +211,72 @@ class _Reader:
         mesh = read_mesh(data, self.reports, self._kept, self._poll)
         if mesh is None:
             return None
-        for material in self._materials.materials[len(self.colourings) :]:
-            self.colourings.append(colouring_of(material, self.reports))
+        has_colours = any(map_name.startswith(ATTRIBUTE_MARK) for map_name, _ in mesh.uv_maps)
+        materials = tuple(
+            (_PLAIN if has_colours else self._materials.index(None)) if index == _NO_MATERIAL else index
+            for index in materials
+        )
         slots = np.zeros(len(mesh.triangles), np.intp) if mesh.material_slots is None else mesh.material_slots
         slots = np.minimum(slots, len(materials) - 1)
-        of_triangle = np.array(materials, np.uint32)[slots]
-        has_surface = np.array([self._materials.materials[index].has_surface for index in materials])[slots]
+        of_triangle = np.array([self._colouring(index) for index in materials], np.uint32)[slots]
+        has_surface = np.array(
+            [index == _PLAIN or self._materials.materials[index].has_surface for index in materials]
+        )[slots]
         if not has_surface.all():
             self.reports.add(f'Object "{name}"', "faces that bound a medium and have no surface are left out")
             if not has_surface.any():
                 return None
             mesh, of_triangle = _part_of(mesh, has_surface), of_triangle[has_surface]
-        return _Placed(
-            name=name, mesh=mesh, colouring_of_triangle=of_triangle, corner_uvs=self._uvs(name, mesh, of_triangle)
+        note_missing_attributes(
+            name, mesh, [index for index in materials if index != _PLAIN], self._materials, self.reports
         )
+        return _Placed(
+            name=name,
+            mesh=mesh,
+            colouring_of_triangle=of_triangle,
+            corner_uvs=self._uvs(name, mesh, of_triangle),
+            corner_factors=self._factors(mesh, of_triangle),
+        )
+
+    def _colouring(self, material: int) -> int:
+        """Its index."""
+        if material not in self._colouring_of_material:
+            self._colouring_of_material[material] = len(self.colourings)
+            self.colourings.append(self._new_colouring(material))
+        return self._colouring_of_material[material]
+
+    def _new_colouring(self, material: int) -> Colouring:
+        if material == _PLAIN:
+            return plain_colouring()
+        of_material = self._materials.channels[material]
+        channels = {name: of_material[name] for name in self._channels if name in of_material}
+        return colouring_of(self._materials.materials[material], channels, self.reports)
+
+    def _factors(self, mesh: Mesh, of_triangle: NDArray[np.uint32]) -> dict[str, NDArray[np.float32]]:
+        """Of the attributes that colourings read of corners."""
+        factors: dict[str, NDArray[np.float32]] = {}
+        maps = dict(mesh.uv_maps)
+        for name in (ATTRIBUTE_MARK + kind for kind in ("rg ", "ba ")):  # the active one
+            first = next((uvs for known, uvs in mesh.uv_maps if known.startswith(name)), None)
+            if first is not None:
+                maps[name] = first
+        for index in np.unique(of_triangle):
+            colouring = self.colourings[index]
+            covered = of_triangle == index
+            for name, parts in ((COLOUR, colouring.parts), *colouring.channels.items()):
+                if parts.at_corners is None:
+                    continue
+                there = {known: uvs[covered].reshape(-1, 2) for known, uvs in maps.items()}
+                found = parts.at_corners(3 * int(covered.sum()), there)
+                width = found.shape[-1]
+                if name not in factors:
+                    factors[name] = np.ones((len(of_triangle), 3, width), np.float32)
+                factors[name][covered] = np.clip(found, 0.0, 1.0).reshape(-1, 3, width)
+        return factors
 
     def _uvs(self, name: str, mesh: Mesh, of_triangle: NDArray[np.uint32]) -> NDArray[np.float32]:
         placed = np.zeros((len(mesh.triangles), 3, 2), np.float32)
-        maps = dict(mesh.uv_maps)
+        maps = {known: uvs for known, uvs in mesh.uv_maps if not known.startswith(ATTRIBUTE_MARK)}
         for index in np.unique(of_triangle):
             colouring = self.colourings[index]
             if not colouring.is_picture:
@@ -196,6 +318,7 @@ def _parts(thing: _Placed) -> Iterator[_Part]:
             colouring_of_triangle=thing.colouring_of_triangle,
             corner_uvs=thing.corner_uvs[:, order],
             corner_normals=_turned(normals, matrix)[:, order],
+            corner_factors={name: factor[:, order] for name, factor in thing.corner_factors.items()},
         )
 
 
@@ -208,6 +331,12 @@ class _Part:
     colouring_of_triangle: NDArray[np.uint32]
     corner_uvs: NDArray[np.float32]
     corner_normals: NDArray[np.float32]
+    corner_factors: dict[str, NDArray[np.float32]]
+
+    def factors(self, name: str) -> NDArray[np.float32]:
+        """1, where no attribute is read."""
+        width = 3 if name == COLOUR else 1
+        return self.corner_factors.get(name, np.ones((len(self.triangles), 3, width), np.float32))
 
 
 def _turned(normals: NDArray[np.float32], world_from_object: NDArray[np.float64]) -> NDArray[np.float32]:

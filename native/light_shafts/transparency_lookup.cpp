@@ -23,6 +23,7 @@ TransparencyLookup::TransparencyLookup(const Material& material)
     for (const SurfaceOp* op : operations_of_transparent(material)) {
         reads_facing_ |= op->code == Code::Backfacing;
         reads_alpha_alone &= op->code != Code::Texture && op->code != Code::Backfacing;
+        is_one_image &= op->code != Code::Uv;
         if (op->code != Code::Texture && op->code != Code::TextureAlpha)
             continue;
         is_one_image &= image_ == nullptr || read_the_same(*image_, *op);

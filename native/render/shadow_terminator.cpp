@@ -46,29 +46,30 @@ struct SmoothTriangle {
 };
 } // namespace
 
-/// Out of its own cell, along the ray: a cell does not shadow itself where its normal is lit, and its neighbours do.
-static vec3 lift_out_of_cell(const Scene& scene, const PlacedShape& placed, const Hit& hit, const ShadingPoint& point,
-                             const vec3& towards_light) {
-    if (glm::dot(hit.geometric_normal, towards_light) >= 0.0f || glm::dot(point.shading_normal, towards_light) <= 0.0f)
+/// Above the steps of the surface that the cells are: those of a thin one have their centres within half of `step` of it,
+/// measured along its normal, and reach `reach` beyond these.
+static vec3 lift_over_steps(const Scene& scene, const PlacedShape& placed, const Hit& hit, const ShadingPoint& point,
+                            const vec3& towards_light) {
+    if (glm::dot(point.shading_normal, towards_light) <= 0.0f)
         return vec3(0.0f);
     const Bounds3 box = scene.description().shapes[placed.shape_index]->shape().box(hit.cell);
-    const glm::dmat4 object_from_scene = glm::inverse(glm::dmat4(placed.world_from_object));
-    const dvec3 at(object_from_scene * glm::dvec4(dvec3(point.position), 1.0));
-    const dvec3 way = glm::dmat3(object_from_scene) * dvec3(towards_light);
-    double leaves_m = std::numeric_limits<double>::infinity();
-    for (int axis = 0; axis < 3; ++axis)
-        if (way[axis] != 0.0)
-            leaves_m = std::min(
-                leaves_m, ((way[axis] > 0.0 ? double{box.max[axis]} : double{box.min[axis]}) - at[axis]) / way[axis]);
-    // A millionth of the cell beyond its far side: as much as the point's own floats may be off.
-    return static_cast<float>(std::max(leaves_m, 0.0) * (1.0 + 1e-6)) * towards_light;
+    const vec3 size = box.max - box.min;
+    float reach = 0.0f, step = 0.0f;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float edge = std::abs(glm::dot(point.shading_normal, vec3(placed.world_from_object[axis]) * size[axis]));
+        reach += 0.5f * edge;
+        step = std::max(step, edge);
+    }
+    const vec3 centre(placed.world_from_object * vec4(0.5f * (box.min + box.max), 1.0f));
+    const float height = glm::dot(point.shading_normal, point.position - centre);
+    return std::max(reach + step - height, 0.0f) * point.shading_normal;
 }
 
 vec3 terminator_lift(const Scene& scene, const Hit& hit, const ShadingPoint& point, const vec3& towards_light) {
     if (!scene.is_smooth(hit.instance))
         return vec3(0.0f);
     if (const PlacedShape* placed = scene.placed_shape(hit.instance))
-        return lift_out_of_cell(scene, *placed, hit, point, towards_light);
+        return lift_over_steps(scene, *placed, hit, point, towards_light);
     const SceneDescription& description = scene.description();
     const Instance& instance = description.instances[hit.instance];
     const MeshArrays& arrays = description.meshes[instance.mesh_index]->arrays();

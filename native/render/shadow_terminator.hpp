@@ -10,6 +10,8 @@
 #include "scene/scene.hpp"
 
 namespace tyndall::render {
+/// Cells with normals of their own are steps of a surface that those normals describe: rays begin above the steps, wherever
+/// the light is, so that what stands less than one or two cells away casts no shadow.
 /// Displacement of a shadow ray's origin towards `towards_light`, scene space, metres; zero on flat triangles and away
 /// from the terminator. The normal that faces the viewer must face the light, too.
 [[nodiscard]] vec3 terminator_lift(const Scene& scene, const Hit& hit, const ShadingPoint& point,

@@ -3,6 +3,7 @@
 #pragma once
 #include "core/progress.hpp"
 #include "scene/camera.hpp"
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -20,8 +21,9 @@ struct CellHit {
 
 /// What a cell looks like.
 struct CellLook {
-    Rgb color{1.0f};   ///< Linear: the material's diffuse colour is multiplied by it.
+    Rgb color{1.0f};   ///< Linear: the diffuse colour of a material that does not read it is multiplied by it.
     vec3 normal{0.0f}; ///< For shading, of length 1, in the shape's space; 0: that of the face.
+    std::array<float, 4> channels{}; ///< [0, 1], by CellShape::channel_names().
 };
 
 /// A face of a cell: `corner + u * first_edge + v * second_edge`.
@@ -70,6 +72,8 @@ public:
     /// Whether that number is of a cube of cells.
     [[nodiscard]] virtual bool is_cube(std::uint64_t /*cell*/) const { return false; }
     [[nodiscard]] virtual CellLook look(std::uint64_t cell) const = 0;
+    /// Of what materials may read of cells, beside the colour; 4 at most.
+    [[nodiscard]] virtual std::span<const std::string> channel_names() const = 0;
     /// Some cell has a normal of its own.
     [[nodiscard]] virtual bool has_normals() const = 0;
     /// Whether closest_hit() finds anything.

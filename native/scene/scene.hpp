@@ -155,6 +155,7 @@ private:
         mat4 object_from_scene{1.0f};
     };
     [[nodiscard]] static Placement placement_of(const mat4& scene_from_object);
+    [[nodiscard]] const MeshArrays& mesh_of(std::uint32_t instance) const; ///< Of one that has a mesh.
     [[nodiscard]] ShadingPoint shading_point(const PlacedShape& placed, const Ray& ray, const Hit& hit) const;
     struct Geometry {
         SceneDescription description; ///< Its lights and world are moved out.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a hit asks its scene; ray_queries.cpp finds the hits.
+#include "scene/attribute_pairs.hpp"
 #include "scene/scene.hpp"
 #include "shading/surface_program.hpp"
 #include <algorithm>
@@ -13,10 +14,14 @@ const Material& Scene::material(std::uint32_t instance_index, std::uint32_t tria
     return geometry_->slot_material(instance, description().meshes[instance.mesh_index]->arrays().slot_of(triangle));
 }
 
+const MeshArrays& Scene::mesh_of(std::uint32_t instance) const {
+    return description().meshes[description().instances[instance].mesh_index]->arrays();
+}
+
 bool Scene::is_smooth(std::uint32_t instance) const {
     if (const PlacedShape* placed = placed_shape(instance))
         return description().shapes[placed->shape_index]->shape().has_normals();
-    return !description().meshes[description().instances[instance].mesh_index]->arrays().corner_normals.empty();
+    return !mesh_of(instance).corner_normals.empty();
 }
 
 template <typename Value>
@@ -24,15 +29,11 @@ static Value interpolate(const Value& a, const Value& b, const Value& c, vec2 ba
     return a + barycentrics.x * (b - a) + barycentrics.y * (c - a);
 }
 
-/// The values of the material's UV maps at a hit; a map that the mesh lacks is (0, 0), as in Cycles. Voxels have none.
-static void look_up_uvs(const Scene& scene, const Material& material, const Hit& hit, std::vector<vec2>& uvs) {
-    const SceneDescription& description = scene.description();
-    const MeshArrays* mesh = scene.placed_shape(hit.instance) != nullptr
-                                 ? nullptr
-                                 : &description.meshes[description.instances[hit.instance].mesh_index]->arrays();
+/// The values of the material's UV maps and attributes at a hit; what the mesh lacks is (0, 0), as in Cycles.
+static void look_up_uvs(const MeshArrays& mesh, const Material& material, const Hit& hit, std::vector<vec2>& uvs) {
     uvs.clear();
     for (const std::string& name : material.uv_map_names) {
-        const MeshArrays::UvMap* map = mesh == nullptr ? nullptr : mesh->uv_map(name);
+        const MeshArrays::UvMap* map = mesh.uv_map(name);
         if (map == nullptr) {
             uvs.emplace_back(0.0f);
             continue;
@@ -46,6 +47,38 @@ static float view_cosine(const ShadingPoint& point, const Ray& ray) {
     return std::clamp(-glm::dot(point.shading_normal, ray.direction), 0.0f, 1.0f);
 }
 
+/// The colour of cells is the attribute of this name, as meshes that are made of them have it, and the active one.
+static constexpr std::string_view cell_color_name = "Color";
+static bool is_cell_color(std::string_view attribute) { return attribute.empty() || attribute == cell_color_name; }
+
+static bool reads_cell_color(const Material& material) {
+    return std::ranges::any_of(material.uv_map_names, [](const std::string& name) {
+        return name.starts_with(attribute_pairs::red_green) &&
+               is_cell_color(std::string_view(name).substr(attribute_pairs::red_green.size()));
+    });
+}
+
+/// The same of a cell, which has attributes, but no UV maps.
+static void look_up_uvs(const CellShape& shape, const CellLook& look, const Material& material,
+                        std::vector<vec2>& uvs) {
+    const std::span<const std::string> channels = shape.channel_names();
+    uvs.clear();
+    for (const std::string_view name : material.uv_map_names) {
+        const bool is_first = name.starts_with(attribute_pairs::red_green);
+        if (!is_first && !name.starts_with(attribute_pairs::blue_alpha)) {
+            uvs.emplace_back(0.0f);
+            continue;
+        }
+        const std::string_view attribute = name.substr(attribute_pairs::red_green.size());
+        vec4 value(0.0f);
+        if (is_cell_color(attribute))
+            value = vec4(look.color, 1.0f);
+        else if (const auto found = std::ranges::find(channels, attribute); found != channels.end())
+            value = vec4(vec3(look.channels[static_cast<std::size_t>(found - channels.begin())]), 1.0f);
+        uvs.push_back(is_first ? vec2(value.x, value.y) : vec2(value.z, value.w));
+    }
+}
+
 ShadingPoint Scene::shading_point(const PlacedShape& placed, const Ray& ray, const Hit& hit) const {
     const CellShape& shape = description().shapes[placed.shape_index]->shape();
     const CellFace face = shape.face(hit.cell);
@@ -57,11 +90,13 @@ ShadingPoint Scene::shading_point(const PlacedShape& placed, const Ray& ray, con
                        .barycentrics = hit.barycentrics,
                        .is_backface = glm::dot(hit.geometric_normal, ray.direction) > 0.0f};
     const CellLook look = shape.look(hit.cell);
-    point.tint = look.color;
+    if (!reads_cell_color(description().materials[placed.material_index]))
+        point.tint = look.color;
     const vec3 normal = geometry_->placements[hit.instance].scene_from_object_normals * look.normal;
     if (const float length = glm::length(normal); length > 0.0f)
         point.shading_normal = normal / length;
-    if (glm::dot(point.shading_normal, ray.direction) > 0.0f) // walls of one voxel have two sides
+    // Walls of one voxel have two sides. Steps at a silhouette look away from the ray a little, and stay as they are.
+    if (glm::dot(point.shading_normal, point.geometric_normal) < 0.0f)
         point.shading_normal = -point.shading_normal;
     point.view_cosine = view_cosine(point, ray);
     return point;
@@ -108,14 +143,20 @@ SurfaceClosures Scene::closures(const ShadingPoint& point, const Hit& hit) const
     if (!surface.has_surface)
         return {.diffuse_albedo = Rgb(0.0f), .transparent = Rgb(1.0f), .emission = Rgb(0.0f)};
     SurfaceClosures closures;
+    const PlacedShape* const placed = placed_shape(hit.instance);
     if (surface.is_constant()) {
         closures = evaluate(surface, point, {});
     } else {
         thread_local std::vector<vec2> uvs;
-        look_up_uvs(*this, surface, hit, uvs);
+        if (placed != nullptr) {
+            const CellShape& shape = description().shapes[placed->shape_index]->shape();
+            look_up_uvs(shape, shape.look(hit.cell), surface, uvs);
+        } else {
+            look_up_uvs(mesh_of(hit.instance), surface, hit, uvs);
+        }
         closures = evaluate(surface, point, uvs);
     }
-    if (placed_shape(hit.instance) != nullptr)
+    if (placed != nullptr)
         closures.transparent = Rgb(0.0f);
     return closures;
 }
@@ -133,7 +174,7 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit) const {
     if (is_opaque_everywhere(surface))
         return Rgb(0.0f);
     thread_local std::vector<vec2> uvs;
-    look_up_uvs(*this, surface, hit, uvs);
+    look_up_uvs(mesh_of(hit.instance), surface, hit, uvs);
     Hit with_normal = hit;
     with_normal.geometric_normal =
         glm::normalize(geometry_->placements[hit.instance].scene_from_object_normals * hit.geometric_normal);

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/triangle_mesh.hpp"
 #include "core/errors.hpp"
+#include "scene/attribute_pairs.hpp"
 #include "scene/embree.hpp"
 #include <algorithm>
 
 namespace tyndall {
 const MeshArrays::UvMap* MeshArrays::uv_map(const std::string& map_name) const {
-    const auto found = map_name.empty() ? uv_maps.begin() : std::ranges::find(uv_maps, map_name, &UvMap::name);
+    const auto found =
+        std::ranges::find_if(uv_maps, [&](const UvMap& map) { return attribute_pairs::answers(map.name, map_name); });
     return found == uv_maps.end() ? nullptr : &*found;
 }
 

@@ -22,12 +22,13 @@ struct MeshArrays {
         std::string name;
         std::vector<vec2> corner_uvs; ///< 3 per triangle.
     };
-    std::vector<UvMap> uv_maps = {}; ///< The first is the active one for rendering.
+    /// And pairs of attributes (attribute_pairs.hpp). The first of either is the active one for rendering.
+    std::vector<UvMap> uv_maps = {};
 
     [[nodiscard]] std::uint16_t slot_of(std::size_t triangle) const {
         return material_slots.empty() ? std::uint16_t{0} : material_slots[triangle];
     }
-    /// The UV map of this name, the active one for an empty name; nothing where the mesh lacks it.
+    /// The UV map or pair of this name, the active one for an empty name; nothing where the mesh lacks it.
     [[nodiscard]] const UvMap* uv_map(const std::string& map_name) const;
 };
 

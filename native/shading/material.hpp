@@ -58,6 +58,7 @@ struct SurfaceOp {
         Clamp = 7,        ///< clamp a to [0, 1]
         Average = 8,      ///< (r + g + b) / 3 of a, Blender's colour to value
         Backfacing = 9,   ///< 1 on back faces, else 0
+        Uv = 10,          ///< register[out] = uv_matrix * (u, v, 1) of `texture_uv`: see scene/attribute_pairs.hpp
     };
     Code code = Code::Constant;
     std::uint16_t out = 0, a = 0, b = 0, c = 0;

@@ -30,6 +30,7 @@ std::uint64_t inputs(const SurfaceOp& op) {
     case Code::Texture:
     case Code::TextureAlpha:
     case Code::Backfacing:
+    case Code::Uv:
         return 0;
     }
     return 0;
@@ -37,10 +38,12 @@ std::uint64_t inputs(const SurfaceOp& op) {
 
 vec4 texture_value(const SurfaceOp& op, const Material& material, std::span<const vec2> uvs) {
     const vec3 uv = op.uv_matrix * vec3(uvs[op.texture_uv], 1.0f);
+    if (op.code == Code::Uv)
+        return {uv, 1.0f};
     return material.textures[op.texture]->lookup(vec2(uv));
 }
 
-/// `image_value` answers for the images that an operation reads.
+/// `image_value` answers for the images and the UV maps that an operation reads.
 template <typename ImageValue>
 Rgb result_of(const SurfaceOp& op, const Registers& registers, bool is_backface, const ImageValue& image_value) {
     const Rgb& a = registers[op.a];
@@ -49,6 +52,7 @@ Rgb result_of(const SurfaceOp& op, const Registers& registers, bool is_backface,
     case Code::Constant:
         return op.value;
     case Code::Texture:
+    case Code::Uv:
         return Rgb(image_value(op));
     case Code::TextureAlpha:
         return Rgb(image_value(op).w);
@@ -123,10 +127,11 @@ void validate(const Material& material) {
         for (const std::uint16_t index : {op.out, op.a, op.b, op.c})
             check_register(index);
         require(is_finite(op.value), "material \"", material.name, "\" has a value that is not finite");
-        if (op.code != Code::Texture && op.code != Code::TextureAlpha)
+        if (op.code != Code::Texture && op.code != Code::TextureAlpha && op.code != Code::Uv)
             continue;
-        require(op.texture < material.textures.size() && material.textures[op.texture] != nullptr, "material \"",
-                material.name, "\" reads texture ", op.texture, " of ", material.textures.size());
+        require(op.code == Code::Uv ||
+                    (op.texture < material.textures.size() && material.textures[op.texture] != nullptr),
+                "material \"", material.name, "\" reads texture ", op.texture, " of ", material.textures.size());
         require(op.texture_uv < material.uv_map_names.size(), "material \"", material.name, "\" reads UV map ",
                 op.texture_uv, " of ", material.uv_map_names.size());
     }
@@ -210,7 +215,8 @@ bool has_coloured_transparency(const Material& material) {
     std::uint64_t coloured = 0; // registers
     for (const SurfaceOp& op : material.program) {
         const bool reads_colour = (inputs(op) & coloured) != 0;
-        const bool is_coloured = op.code == Code::Texture || (op.code == Code::Constant && !is_grey(op.value)) ||
+        const bool is_coloured = op.code == Code::Texture || op.code == Code::Uv ||
+                                 (op.code == Code::Constant && !is_grey(op.value)) ||
                                  (reads_colour && op.code != Code::Average);
         coloured = is_coloured ? coloured | bit(op.out) : coloured & ~bit(op.out);
     }

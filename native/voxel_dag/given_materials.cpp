@@ -80,7 +80,7 @@ AttributeLayout layout_of(const VoxelAttributes& attributes, const AttributeConf
 }
 
 AttributeLayout layout_of(const Surface& surface, const AttributeConfig& config) {
-    AttributeLayout layout{.has_colors = !surface.colors.empty() || !surface.materials.empty(),
+    AttributeLayout layout{.has_colors = surface.has_colors(),
                            .normal_bits = surface.normals == SurfaceNormals::None ? 0 : config.normal_bits,
                            .channels = {}};
     for (const SurfaceChannel& channel : surface.channels)

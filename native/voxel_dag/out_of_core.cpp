@@ -27,8 +27,8 @@ std::uint64_t attribute_bytes_per_brick(const OutOfCoreConfig& config) {
     const Surface& surface = config.surface;
     if (surface.is_empty())
         return 0;
-    const std::uint64_t has_colors = !surface.colors.empty() || !surface.materials.empty(),
-                        has_normals = surface.normals != SurfaceNormals::None, channels = surface.channels.size();
+    const std::uint64_t has_colors = surface.has_colors(), has_normals = surface.normals != SurfaceNormals::None,
+                        channels = surface.channels.size();
     constexpr std::uint64_t numbers = 8, normal_table = 16;
     const std::uint64_t per_voxel = 4 * has_colors + (8 + normal_table) * has_normals + 5 * channels + numbers;
     const std::uint64_t voxels = config.voxels.rule == VoxelizeRule::Thin ? 16 : 24;
@@ -73,7 +73,13 @@ void add_to(Fingerprint& fingerprint, const Surface& surface) {
         fingerprint.add(bytes_of(material.color));
         if (material.texture != nullptr)
             add_to(fingerprint, material.texture->texture());
+        for (std::size_t channel = 0; channel < surface.channels.size(); ++channel) {
+            fingerprint.add(bytes_of(material.channels[channel]));
+            if (material.channel_textures[channel] != nullptr)
+                add_to(fingerprint, material.channel_textures[channel]->texture());
+        }
     }
+    fingerprint.add_word(surface.has_material_colors);
     fingerprint.add(std::as_bytes(surface.material_of_triangle));
     fingerprint.add(std::as_bytes(surface.corner_uvs));
     fingerprint.add_word(static_cast<std::uint64_t>(surface.normals));

@@ -30,6 +30,7 @@ SubSurface sub_surface(const Surface& surface, std::span<const uvec3> triangles,
     sub.channels.reserve(surface.channels.size());
     sub.surface = {.colors = sub.colors,
                    .materials = surface.materials,
+                   .has_material_colors = surface.has_material_colors,
                    .material_of_triangle = sub.material_of_triangle,
                    .corner_uvs = sub.corner_uvs,
                    .normals = surface.normals,

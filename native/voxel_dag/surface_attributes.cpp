@@ -149,25 +149,60 @@ private:
 
     void add(std::size_t triangle, const SampledTriangle& sampled) {
         values_.corners(triangle, sampled.normal, corners_);
-        const FilteredTexture* const texture = values_.texture(triangle);
+        const SurfaceMaterial* const material = values_.material(triangle);
+        const bool has_picture = material != nullptr && material->texture != nullptr;
+        const bool has_channel_pictures =
+            material != nullptr &&
+            std::ranges::any_of(material->channel_textures, [](const auto& t) { return bool(t); });
         for_samples(sampled, [&] {
-            for (std::size_t four = texture == nullptr ? 0 : 1; four < fours().count; ++four)
-                add_samples(samples_, corners_[four], fours().count, sums_.data() + four);
-            if (texture != nullptr)
-                add_texels(*texture, sampled, values_.uvs(triangle));
+            for (std::size_t four = 0; four < fours().count; ++four)
+                if (!(four == 0 && has_picture) && !(four != 0 && four == fours().channels && has_channel_pictures))
+                    add_samples(samples_, corners_[four], fours().count, sums_.data() + four);
+            if (has_picture)
+                add_colors(*material->texture, sampled, values_.uvs(triangle));
+            if (has_channel_pictures)
+                add_channels(*material, sampled, values_.uvs(triangle));
         });
     }
-    void add_texels(const FilteredTexture& texture, const SampledTriangle& triangle, std::span<const vec2, 3> uvs) {
+    /// What is between the corners of a triangle.
+    [[nodiscard]] static vec4 between(const SurfaceValues::Corners& corners, const Four& share) {
+        vec4 value(0.0f);
+        for (std::size_t corner = 0; corner < 3; ++corner)
+            for (int lane = 0; lane < 4; ++lane)
+                value[lane] += share[corner] * corners[corner][static_cast<std::size_t>(lane)];
+        return value;
+    }
+    [[nodiscard]] static vec2 between(std::span<const vec2, 3> uvs, const Four& share) {
+        return share[0] * uvs[0] + share[1] * uvs[1] + share[2] * uvs[2];
+    }
+    void add_colors(const FilteredTexture& texture, const SampledTriangle& triangle, std::span<const vec2, 3> uvs) {
         const float texels = texels_per_voxel(triangle, uvs, texture.size());
         for (std::size_t sample = 0; sample < samples_.count; ++sample) {
             const Four& share = samples_.shares[sample];
             const float weight = samples_.weights[sample];
-            const vec3 color = glm::clamp(
-                texture.lookup(share[0] * uvs[0] + share[1] * uvs[1] + share[2] * uvs[2], texels), 0.0f, 1.0f);
+            const vec3 color = glm::clamp(texture.lookup(between(uvs, share), texels), 0.0f, 1.0f);
+            const vec4 factor = values_.has_vertex_colors() ? between(corners_[0], share) : vec4(whole_value);
             FourSums& sum = sums_[samples_.slots[sample] * fours().count];
             for (int channel = 0; channel < 3; ++channel)
-                sum[static_cast<std::size_t>(channel)] += std::lround(color[channel] * whole_value * weight);
+                sum[static_cast<std::size_t>(channel)] += std::lround(color[channel] * factor[channel] * weight);
             sum[3] += std::lround(weight);
+        }
+    }
+    void add_channels(const SurfaceMaterial& material, const SampledTriangle& triangle, std::span<const vec2, 3> uvs) {
+        std::array<float, VoxelAttributes::most_channels> texels{};
+        for (std::size_t channel = 0; channel < texels.size(); ++channel)
+            if (const auto& texture = material.channel_textures[channel])
+                texels[channel] = texels_per_voxel(triangle, uvs, texture->size());
+        for (std::size_t sample = 0; sample < samples_.count; ++sample) {
+            const Four& share = samples_.shares[sample];
+            vec4 value = between(corners_[fours().channels], share);
+            for (std::size_t channel = 0; channel < texels.size(); ++channel)
+                if (const auto& texture = material.channel_textures[channel])
+                    value[static_cast<int>(channel)] *=
+                        glm::clamp(texture->lookup(between(uvs, share), texels[channel]).x, 0.0f, 1.0f);
+            FourSums& sum = sums_[samples_.slots[sample] * fours().count + fours().channels];
+            for (std::size_t channel = 0; channel < texels.size(); ++channel)
+                sum[channel] += std::lround(value[static_cast<int>(channel)] * samples_.weights[sample]);
         }
     }
 
@@ -273,8 +308,8 @@ private:
 
 void require_room(std::uint64_t voxel_count, std::uint64_t brick_count, const Surface& surface,
                   const VoxelizeConfig& config) {
-    const std::uint64_t bytes_per_voxel = (surface.colors.empty() && surface.materials.empty() ? 0 : 4) +
-                                          (surface.normals == SurfaceNormals::None ? 0 : 4) + surface.channels.size();
+    const std::uint64_t bytes_per_voxel =
+        (surface.has_colors() ? 4 : 0) + (surface.normals == SurfaceNormals::None ? 0 : 4) + surface.channels.size();
     const std::uint64_t bytes = voxel_count * bytes_per_voxel + 16 * brick_count;
     require(bytes <= config.memory_budget_bytes, "voxels and their attributes are ", bytes >> 20,
             " MiB, beyond the budget of ", config.memory_budget_bytes >> 20, " MiB: ", voxel_count, " voxels of ",
@@ -317,7 +352,7 @@ VoxelAttributes surface_attributes(const SnappedMesh& mesh, const VoxelizeConfig
     const std::vector<BrickRange> ranges = bricks_of_parts(leaves, bins.part_count(), progress);
 
     VoxelAttributes attributes;
-    if (!surface.colors.empty() || !surface.materials.empty())
+    if (surface.has_colors())
         attributes.colors = large_vector<std::uint32_t>(voxel_count);
     if (surface.normals != SurfaceNormals::None)
         attributes.normals = large_vector<std::uint32_t>(voxel_count);

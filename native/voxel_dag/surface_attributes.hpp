@@ -21,10 +21,13 @@ struct SurfaceMaterial {
     /// In its place, if there is one: filtered over the square that a voxel's side covers along the direction in which
     /// the picture is most minified.
     std::shared_ptr<const FilteredTexture> texture = nullptr;
+    /// Of Surface::channels, by their order: [0, 1], or the red of a picture in its place.
+    std::array<float, VoxelAttributes::most_channels> channels{1.0f, 1.0f, 1.0f, 1.0f};
+    std::array<std::shared_ptr<const FilteredTexture>, VoxelAttributes::most_channels> channel_textures{};
 };
 struct SurfaceChannel {
     std::string name;
-    std::span<const float> values; ///< Per vertex, [0, 1].
+    std::span<const float> values; ///< Per vertex, [0, 1], times the material's; empty: the material's.
 };
 enum class SurfaceNormals : std::uint8_t {
     None,
@@ -33,17 +36,17 @@ enum class SurfaceNormals : std::uint8_t {
 };
 /// What is not asked for is empty.
 struct Surface {
-    std::span<const vec3> colors = {}; ///< Per vertex, of sRGB's curve, [0, 1]; without materials.
+    std::span<const vec3> colors = {}; ///< Per vertex, of sRGB's curve, [0, 1]; times the material's as light.
     std::span<const SurfaceMaterial> materials = {};
+    bool has_material_colors = true;                          ///< Else materials give channels alone.
     std::span<const std::uint32_t> material_of_triangle = {}; ///< Empty: all have the first.
     std::span<const vec2> corner_uvs = {}; ///< Three per triangle; (0, 0) is the lower left of a picture.
     SurfaceNormals normals = SurfaceNormals::None;
     std::span<const vec3> vertex_normals = {}; ///< Of any length. Where one is 0, the triangle's stands for it.
     std::vector<SurfaceChannel> channels = {}; ///< At most VoxelAttributes::most_channels.
 
-    [[nodiscard]] bool is_empty() const {
-        return colors.empty() && materials.empty() && normals == SurfaceNormals::None && channels.empty();
-    }
+    [[nodiscard]] bool has_colors() const { return !colors.empty() || (!materials.empty() && has_material_colors); }
+    [[nodiscard]] bool is_empty() const { return !has_colors() && normals == SurfaceNormals::None && channels.empty(); }
 };
 
 /// Throws InvalidInput, which names the array and its entry.

@@ -19,13 +19,18 @@ static void require_colors(std::span<const vec3> colors, std::size_t vertex_coun
 }
 
 static void require_materials(const Surface& surface, std::size_t triangle_count) {
-    require(surface.colors.empty() || surface.materials.empty(), "there are colors and materials; one has to go");
     bool has_textures = false;
     for (std::size_t i = 0; i < surface.materials.size(); ++i) {
         const vec3& color = surface.materials[i].color;
         require(is_unit(color.x) && is_unit(color.y) && is_unit(color.z), "material ", i, " has the colour (", color.x,
                 ", ", color.y, ", ", color.z, "), outside [0, 1]");
         has_textures = has_textures || surface.materials[i].texture != nullptr;
+        for (std::size_t channel = 0; channel < surface.channels.size(); ++channel) {
+            const float value = surface.materials[i].channels[channel];
+            require(is_unit(value), "material ", i, " has ", value, " for channel \"", surface.channels[channel].name,
+                    "\", outside [0, 1]");
+            has_textures = has_textures || surface.materials[i].channel_textures[channel] != nullptr;
+        }
     }
     if (!surface.material_of_triangle.empty())
         require_count(surface.material_of_triangle.size(), triangle_count, "material_of_triangle", "triangles");
@@ -52,8 +57,8 @@ static void require_channels(std::span<const SurfaceChannel> channels, std::size
     for (const SurfaceChannel& channel : channels) {
         require(std::ranges::count(channels, channel.name, &SurfaceChannel::name) == 1, "channel \"", channel.name,
                 "\" is there twice");
-        require(channel.values.size() == vertex_count, "channel \"", channel.name, "\": ", channel.values.size(),
-                " values for ", vertex_count, " vertices");
+        require(channel.values.empty() || channel.values.size() == vertex_count, "channel \"", channel.name,
+                "\": ", channel.values.size(), " values for ", vertex_count, " vertices");
         const auto wrong = std::ranges::find_if_not(channel.values, is_unit);
         if (wrong != channel.values.end())
             refuse("channel \"", channel.name, "\": vertex ", wrong - channel.values.begin(), " has ", *wrong,
@@ -91,8 +96,10 @@ SurfaceValues::SurfaceValues(const Surface& surface, std::size_t vertex_count, s
         fours_.normals = fours_.count++;
     if (surface.normals == SurfaceNormals::Vertices)
         normals_at_ = per_vertex_++;
-    if (!surface.channels.empty()) {
+    if (!surface.channels.empty())
         fours_.channels = fours_.count++;
+    if (std::ranges::any_of(surface.channels, [](const SurfaceChannel& channel) { return !channel.values.empty(); })) {
+        has_vertex_channels_ = true;
         channels_at_ = per_vertex_++;
     }
     of_vertices_.resize(vertex_count * per_vertex_);
@@ -109,29 +116,43 @@ SurfaceValues::SurfaceValues(const Surface& surface, std::size_t vertex_count, s
             }
             if (surface_.normals == SurfaceNormals::Vertices)
                 fours[normals_at_] = four_of_normal(surface_.vertex_normals[vertex]);
-            for (std::size_t channel = 0; channel < surface_.channels.size(); ++channel)
-                fours[channels_at_][channel] = surface_.channels[channel].values[vertex] * whole_value;
+            for (std::size_t channel = 0; has_vertex_channels_ && channel < surface_.channels.size(); ++channel)
+                fours[channels_at_][channel] = surface_.channels[channel].values.empty()
+                                                   ? whole_value
+                                                   : surface_.channels[channel].values[vertex] * whole_value;
         },
         4096);
 }
 
-const FilteredTexture* SurfaceValues::texture(std::size_t triangle) const {
-    return surface_.materials.empty() ? nullptr : material(triangle).texture.get();
-}
+static Four times(const Four& a, const Four& b) { return {a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]}; }
 
 void SurfaceValues::corners(std::size_t triangle, const vec3& normal,
                             std::array<Corners, SurfaceFours::most>& to) const {
     const Four of_triangle = four_of_normal(normal);
-    const Four same = surface_.materials.empty() ? Four{0, 0, 0, 1} : four_of_color(material(triangle).color);
+    const SurfaceMaterial* const same = material(triangle);
+    // Factors of what vertices have: a picture is one for itself.
+    Four color{1, 1, 1, 1}, channels{1, 1, 1, 1};
+    if (same != nullptr) {
+        if (same->texture == nullptr)
+            color = {same->color.x, same->color.y, same->color.z, 1.0f};
+        for (std::size_t channel = 0; channel < surface_.channels.size(); ++channel)
+            if (same->channel_textures[channel] == nullptr)
+                channels[channel] = same->channels[channel];
+    }
+    constexpr Four all{whole_value, whole_value, whole_value, whole_value},
+        white{whole_value, whole_value, whole_value, 1};
+    const Four nothing{0, 0, 0, 1};
     for (std::size_t corner = 0; corner < 3; ++corner) {
         const Four* const fours = of_vertices_.data() + triangles_[triangle][static_cast<int>(corner)] * per_vertex_;
-        to[0][corner] = surface_.colors.empty() ? same : fours[colors_at_];
+        to[0][corner] = !surface_.colors.empty() ? times(color, fours[colors_at_])
+                        : same != nullptr        ? times(color, white)
+                                                 : nothing;
         if (fours_.normals != 0) {
             const bool has_own = surface_.normals == SurfaceNormals::Vertices && fours[normals_at_] != Four{0, 0, 0, 0};
             to[fours_.normals][corner] = has_own ? fours[normals_at_] : of_triangle;
         }
         if (fours_.channels != 0)
-            to[fours_.channels][corner] = fours[channels_at_];
+            to[fours_.channels][corner] = times(channels, has_vertex_channels_ ? fours[channels_at_] : all);
     }
 }
 } // namespace tyndall::voxel_dag

@@ -22,27 +22,29 @@ public:
 
     using Corners = std::array<Four, 3>;
     [[nodiscard]] const SurfaceFours& fours() const { return fours_; }
-    /// normal: the triangle's.
+    /// normal: the triangle's. What pictures are multiplied by, where there are any.
     void corners(std::size_t triangle, const vec3& normal, std::array<Corners, SurfaceFours::most>& to) const;
-    /// Nothing: the triangle has no picture.
-    [[nodiscard]] const FilteredTexture* texture(std::size_t triangle) const;
+    /// Nothing: there are no materials.
+    [[nodiscard]] const SurfaceMaterial* material(std::size_t triangle) const {
+        if (surface_.materials.empty())
+            return nullptr;
+        return &surface_.materials[surface_.material_of_triangle.empty() ? 0 : surface_.material_of_triangle[triangle]];
+    }
     [[nodiscard]] std::span<const vec2, 3> uvs(std::size_t triangle) const {
         return surface_.corner_uvs.subspan(3 * triangle).first<3>();
     }
+    [[nodiscard]] bool has_vertex_colors() const { return !surface_.colors.empty(); }
     void prefetch(std::size_t triangle) const {
         for (int corner = 0; corner < 3; ++corner)
             __builtin_prefetch(of_vertices_.data() + triangles_[triangle][corner] * per_vertex_);
     }
 
 private:
-    [[nodiscard]] const SurfaceMaterial& material(std::size_t triangle) const {
-        return surface_.materials[surface_.material_of_triangle.empty() ? 0 : surface_.material_of_triangle[triangle]];
-    }
-
     Surface surface_;
     std::span<const uvec3> triangles_;
     SurfaceFours fours_;
     std::size_t per_vertex_ = 0;
+    bool has_vertex_channels_ = false;
     std::size_t colors_at_ = 0, normals_at_ = 0, channels_at_ = 0; ///< Of a vertex's fours.
     std::vector<Four> of_vertices_;
 };

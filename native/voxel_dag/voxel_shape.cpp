@@ -138,7 +138,13 @@ public:
                 look.color[channel] =
                     linear_from_srgb(static_cast<float>(sample->color >> 8 * channel & 0xff) / 255.0f);
         look.normal = sample->normal;
+        for (std::size_t channel = 0; channel < look.channels.size(); ++channel)
+            look.channels[channel] = static_cast<float>(sample->channels[channel]) / 255.0f;
         return look;
+    }
+    [[nodiscard]] std::span<const std::string> channel_names() const override {
+        return placed_->attributes == nullptr ? std::span<const std::string>()
+                                              : std::span<const std::string>(placed_->attributes->layout().channels);
     }
     [[nodiscard]] bool has_normals() const override {
         return placed_->attributes != nullptr && placed_->attributes->layout().normal_bits > 0;

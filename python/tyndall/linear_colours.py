@@ -18,6 +18,11 @@ def linear_from_srgb(encoded: NDArray[Any]) -> NDArray[Any]:
     return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0) + 0.055) / 1.055) ** 2.4)  # noqa: PLR2004
 
 
+def srgb_from_linear(linear: NDArray[Any]) -> NDArray[Any]:
+    """The inverse, of values from 0 on."""
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0) ** (1 / 2.4) - 0.055)  # noqa: PLR2004
+
+
 _SRGB_TO_LINEAR = linear_from_srgb(np.arange(256) / 255.0)
 
 

@@ -24,6 +24,9 @@ Rgb = tuple[float, float, float]
 FloatArray = NDArray[np.float32]
 
 
+ATTRIBUTE_MARK = "\x1f"  #: What no UV map's name begins with.
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Mesh:
     """Triangles in object space. Normals and UVs are per corner of a triangle."""
@@ -34,7 +37,16 @@ class Mesh:
     triangles: NDArray[np.uint32]  #: (triangles, 3), into positions.
     material_slots: NDArray[np.uint16] | None = None  #: (triangles,); None: all 0.
     corner_normals: FloatArray | None = None  #: (triangles, 3, 3), unit; None: flat shading.
-    uv_maps: tuple[tuple[str, FloatArray], ...] = ()  #: Name and (triangles, 3, 2); the active one first.
+    #: Name and (triangles, 3, 2), the active one first; then colours, likewise, as attribute_maps() names them.
+    uv_maps: tuple[tuple[str, FloatArray], ...] = ()
+
+
+def attribute_maps(name: str) -> tuple[str, str]:
+    """Names of two UV maps that are an attribute of a surface: red and green, blue and alpha, linear.
+
+    "": the active one. Voxels have "Color" and the names of their channels, numbers as colours of three equal parts.
+    """
+    return f"{ATTRIBUTE_MARK}rg {name}", f"{ATTRIBUTE_MARK}ba {name}"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -107,6 +119,7 @@ class Code(IntEnum):
     CLAMP = 7
     AVERAGE = 8
     BACKFACING = 9
+    UV = 10
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -15,6 +15,7 @@ from mathutils import Vector
 import tyndall
 from addon import panels
 from addon.operators.voxel_files import TYNDALL_OT_import_tdag
+from addon.operators.voxelize import _plan
 from addon.sync.voxel_meshes import VoxelMesh
 from addon.voxel_boxes import file_of
 from addon.voxel_preview import preview_of
@@ -24,7 +25,7 @@ from support.recording_layout import drawn
 from support.small_scenes import CUBE_CORNERS, CUBE_FACES, add, cube, empty_scene, material, mesh, node, plane
 from tyndall.blender.voxel_meshes import gather
 from tyndall.volumes import grid_infos
-from tyndall.voxel_dag import Config, from_coordinates, load, voxelize
+from tyndall.voxel_dag import Config, extent_of, from_coordinates, load, out_of_core, voxelize
 
 
 @pytest.fixture
@@ -359,10 +360,10 @@ def test_what_cannot_be_done_is_said_and_nothing_is_left(saved: bpy.types.Scene,
         bpy.ops.tyndall.voxelize()
     block = bpy.data.objects["Block"]
     select(block)
-    settings.resolution, settings.memory_budget_mib = "131072", 16
+    settings.resolution, settings.memory_budget_mib, settings.is_solid = "131072", 16, True
     with pytest.raises(RuntimeError, match=r"the budget is 16 MiB; this would fit: Resolution \d+"):
         bpy.ops.tyndall.voxelize()
-    settings.resolution, settings.memory_budget_mib = "16", 4096
+    settings.resolution, settings.memory_budget_mib, settings.is_solid = "16", 4096, False
     (tmp_path / "taken").write_text("a file, and no folder")
     settings.path = "//taken/voxels.tdag"
     with pytest.raises(RuntimeError, match=r"taken: no folder to write to \(File exists\)"):
@@ -376,6 +377,71 @@ def test_what_cannot_be_done_is_said_and_nothing_is_left(saved: bpy.types.Scene,
         bpy.ops.tyndall.voxelize()
     assert not list(tmp_path.glob("*.tdag"))
     assert len(bpy.data.objects) == things
+
+
+def test_what_is_beyond_the_memory_is_made_in_parts(saved: bpy.types.Scene, tmp_path: Path) -> None:
+    """The same file, byte for byte; the parts are gone. A solid is refused, with what would fit."""
+    settings = saved.tyndall.voxelize
+    settings.resolution, settings.hides_sources = "1024", False
+    files = []
+    for budget_mib in (4096, 64):
+        settings.memory_budget_mib = budget_mib
+        select(bpy.data.objects["Block"])
+        assert bpy.ops.tyndall.voxelize() == {"FINISHED"}
+        files.append(file_of(bpy.context.object))
+    assert files[0].read_bytes() == files[1].read_bytes()
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "Block_Voxels.tdag",
+        "Block_Voxels_002.tdag",
+        "scene.blend",
+    ]
+    select(bpy.data.objects["Block"])
+    settings.is_solid = True
+    with pytest.raises(RuntimeError, match=r"budget is 64 MiB; this would fit: Resolution \d+.*made in memory only"):
+        bpy.ops.tyndall.voxelize()
+
+
+@pytest.mark.parametrize(("budget_mib", "is_in_parts"), [(4096, False), (4, True)])
+def test_the_dialog_says_how_it_is_made(saved: bpy.types.Scene, budget_mib: int, *, is_in_parts: bool) -> None:
+    """Before it begins."""
+    settings = saved.tyndall.voxelize
+    settings.resolution, settings.has_colors, settings.memory_budget_mib = "1024", False, budget_mib
+    plan = _plan(extent_of(*cube_at_origin()), settings)
+    assert not plan.is_refused
+    assert plan.is_in_parts == is_in_parts
+    assert ("in parts" in plan.says) == is_in_parts
+
+
+def test_a_run_that_was_stopped_goes_on_from_its_parts(
+    saved: bpy.types.Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They lie beside where the file goes, under the same name as long as there is none."""
+    settings = saved.tyndall.voxelize
+    settings.resolution, settings.has_colors, settings.memory_budget_mib = "1024", False, 4
+    select(bpy.data.objects["Block"])
+
+    def stopped(native: object, _path: Path, progress: tyndall.Progress) -> None:
+        native.make_part(0, progress)
+        raise tyndall.Cancelled
+
+    class Stopping:
+        def __init__(self, native: object) -> None:
+            self.finish = lambda path, progress: stopped(native, path, progress)
+
+    whole = out_of_core.parts_of
+    monkeypatch.setattr(out_of_core, "parts_of", lambda *given, **named: Stopping(whole(*given, **named)))
+    assert bpy.ops.tyndall.voxelize() == {"CANCELLED"}
+    (part,) = [path for path in tmp_path.rglob("*") if path.is_file() and path.name != "scene.blend"]
+    time_ns = part.stat().st_mtime_ns
+    monkeypatch.setattr(
+        out_of_core,
+        "parts_of",
+        lambda *given, **named: (times.append(part.stat().st_mtime_ns), whole(*given, **named))[1],
+    )
+    times: list[int] = []
+    assert bpy.ops.tyndall.voxelize() == {"FINISHED"}
+    assert times == [time_ns]
+    assert not part.exists()
 
 
 def test_an_unsaved_file_asks_where_the_voxels_go(bare: bpy.types.Scene, tmp_path: Path) -> None:
@@ -444,6 +510,7 @@ def test_voxels_become_a_mesh_where_they_are(two_voxels: bpy.types.Object, level
     assert np.allclose(thing.matrix_world, two_voxels.matrix_world)
     assert [material.name for material in thing.data.materials] == ["Clay"]
     assert len(thing.data.polygons) == 24
+    assert not any(polygon.use_smooth for polygon in thing.data.polygons)
     assert not thing.data.validate()
     for polygon in thing.data.polygons:
         middle = np.mean(first, axis=0) + (second if polygon.center.x > 1.0 else 0.0)
@@ -455,8 +522,10 @@ def test_voxels_become_a_mesh_where_they_are(two_voxels: bpy.types.Object, level
 def test_a_smooth_mesh_is_one_of_openvdb(two_voxels: bpy.types.Object) -> None:
     """Rounded, around the same voxels."""
     assert bpy.ops.tyndall.voxels_to_mesh(kind="SMOOTH") == {"FINISHED"}
-    corners = np.array([vertex.co for vertex in bpy.context.object.data.vertices])
+    data = bpy.context.object.data
+    corners = np.array([vertex.co for vertex in data.vertices])
     assert len(corners) > 8
+    assert all(polygon.use_smooth for polygon in data.polygons)
     assert (corners.min(axis=0) > -0.1).all()
     assert (corners.max(axis=0) < 2.1).all()
     assert not np.isin(corners, (0.0, 0.25, 1.75, 2.0)).all()
@@ -529,3 +598,23 @@ def test_a_preview_lies_where_the_voxels_lie(saved: bpy.types.Scene, style: str)
         assert len(corners) == 8**3 - 6**3
     else:
         assert [len(part) for part in found.parts_m] == [8 * 8 + 6 * 6] * 6
+
+
+@pytest.mark.parametrize("style", ["POINTS", "BLOCKS"])
+def test_a_preview_has_the_mean_colours_of_its_level(saved: bpy.types.Scene, tmp_path: Path, style: str) -> None:
+    """Of red and blue in one cube, as light; green is alone in another one. Without colours it has the object's."""
+    voxels = [[0, 0, 0], [1, 1, 0], [7, 7, 7]]
+    colors = np.array([[255, 0, 0], [0, 0, 255], [0, 255, 0]], np.uint8)
+    made = from_coordinates(voxels, Config(resolution=8, colors=colors))
+    bare = from_coordinates(voxels, Config(resolution=8))
+    for dag, name in ((made, "made.tdag"), (bare, "bare.tdag")):
+        dag.save(tmp_path / name)
+        bpy.ops.tyndall.import_tdag(filepath=str(tmp_path / name))
+        box = bpy.context.object
+        box.tyndall_voxels.preview, box.tyndall_voxels.preview_level = style, 2
+        found = preview_of(box)
+        assert (found.colours is None) == (dag is bare)
+        for part_m, colours in zip(found.parts_m, found.colours or [], strict=dag is made):
+            is_far = part_m.reshape(len(colours), -1).mean(axis=1) > 4.0
+            assert is_far.tolist() == [False, True]
+            assert np.abs(colours.astype(int) - [[188, 0, 188], [0, 255, 0]]).max() <= 1

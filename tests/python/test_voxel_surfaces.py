@@ -93,6 +93,47 @@ def test_each_triangle_has_its_material() -> None:
     assert (colors[voxels[:, 0] + 1 < voxels[:, 1]] == [255, 0, 0]).all()
 
 
+def test_colours_and_channels_of_vertices_are_multiplied_with_those_of_materials() -> None:
+    """As light, and as numbers; a picture of one, a number of the other; what neither says is 0."""
+    encoded = np.random.default_rng(1).integers(0, 256, (64, 64, 3), np.uint8)
+    grey = np.random.default_rng(2).integers(0, 256, (64, 64), np.uint8)
+    materials = [
+        Material(picture=encoded, channels={"roughness": 0.5, "wet": grey}),
+        Material(color=(0.5, 1.0, 0.0), channels={"wet": 0.25}),
+    ]
+    black_to_red = np.array([[0, 0, 0], [1.0, 0.5, 0.25], [1.0, 0.5, 0.25], [0, 0, 0]])
+    dag = floor(
+        textures=Textures(materials=materials, corner_uvs=UVS, material_of_triangle=[0, 1]),
+        colors=black_to_red,
+        channels={"roughness": [0, 200, 200, 0]},
+    )
+    voxels = voxels_of(dag)
+    along = (voxels[:, :1] + 16.5) / 96
+    first, second = voxels[:, 0] > voxels[:, 1] + 1, voxels[:, 0] + 1 < voxels[:, 1]
+    of_vertices = along * light(255 * black_to_red[1])
+    of_pictures = light(encoded[voxels[:, 1], voxels[:, 0]])
+    colors = light(dag.colors_at(voxels))
+    assert np.abs(colors - of_vertices * of_pictures)[first].max() < 0.005
+    assert np.abs(colors - of_vertices * light(255 * np.array([0.5, 1.0, 0.0])))[second].max() < 0.005
+    assert dag.channels == ["roughness", "wet"]
+    roughness, wet = (dag.channel_at(name, voxels).astype(float) for name in dag.channels)
+    assert np.abs(roughness - 100 * along[:, 0])[first].max() < 0.51
+    assert np.abs(roughness - 200 * along[:, 0])[second].max() < 0.51
+    assert np.abs(wet - grey[voxels[:, 1], voxels[:, 0]])[first].max() < 0.51
+    assert (wet[second] == 64).all()
+
+
+def test_materials_may_give_channels_and_no_colours() -> None:
+    dag = floor(
+        textures=Textures(materials=[Material(channels={"metallic": 1.0}), Material()], material_of_triangle=[0, 1])
+    )
+    voxels = voxels_of(dag)
+    assert not dag.has_colors
+    metallic = dag.channel_at("metallic", voxels)
+    assert (metallic[voxels[:, 0] > voxels[:, 1] + 1] == 255).all()
+    assert (metallic[voxels[:, 0] + 1 < voxels[:, 1]] == 0).all()
+
+
 def test_beyond_a_clipped_picture_all_is_black() -> None:
     white = np.full((8, 8, 3), 255, np.uint8)
     for outside, wanted in (("clip", 0), ("repeat", 255), ("extend", 255), ("mirror", 255)):
@@ -117,7 +158,18 @@ def test_what_is_wrong_is_named(tmp_path: Path) -> None:
         ({"normals": [[0, 0, 1], [0, 0, 1], [0, float("nan"), 1], [0, 0, 1]]}, r"normals: vertex 2 has \(0, nan, 1\)"),
         ({"normals": "vertices"}, "normals is 'vertices', neither \"faces\""),
         ({"channels": {name: [0] * 4 for name in "abcde"}}, "there are 5 channels; at most 4 are possible"),
-        ({"colors": [[0, 0, 0]] * 4, "textures": Textures(materials=[Material(color=(1, 1, 1))])}, "both given"),
+        (
+            {"textures": Textures(materials=[Material(color=(1, 1, 1), channels={"wet": 2.0})])},
+            'material 0 has 2 for channel "wet", outside',
+        ),
+        (
+            {"textures": Textures(materials=[Material(channels={"wet": np.zeros((2, 2, 3))})])},
+            'material 0: channel "wet" is float64 \\(2, 2, 3\\), neither a number nor a picture',
+        ),
+        (
+            {"textures": Textures(materials=[Material(channels={"wet": [[0.0, 1.5]]})], corner_uvs=UVS)},
+            'material 0: channel "wet" has values outside',
+        ),
         ({"colors": [[0, 0, 0]] * 4, "solid": True}, "voxels inside of a solid have no surface"),
         ({"solid": True}, r"does not close.*edge of triangle 0 from \(-16, -16, 20.5\) m to \(80, -16, 20.5\) m"),
         ({"textures": Textures(materials=[Material()])}, "material 0 has to have either a color or a picture"),

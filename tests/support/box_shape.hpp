@@ -45,6 +45,7 @@ public:
     }
     [[nodiscard]] Bounds3 box(std::uint64_t cell) const override { return box(cells_[cell / 8]); }
     [[nodiscard]] CellLook look(std::uint64_t) const override { return {.normal = normal_}; }
+    [[nodiscard]] std::span<const std::string> channel_names() const override { return {}; }
     [[nodiscard]] bool has_normals() const override { return normal_ != vec3(0.0f); }
     [[nodiscard]] bool is_occluded(const Ray& ray) const override { return closest_hit(ray).is_hit(); }
     [[nodiscard]] Bounds3 box(const glm::ivec3& cell) const {

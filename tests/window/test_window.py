@@ -267,8 +267,17 @@ def test_a_sun_is_made_of_the_world_s_image_by_its_button(play: Callable[..., An
 
 
 def test_a_mesh_becomes_voxels_in_the_window(play: Callable[..., Any]) -> None:
-    """By the mouse: Esc stops it; it is undone and redone; files come in and go out, and a mesh is made."""
-    facts = play("voxels", screen_px=(1000, 900)).facts
+    """By the mouse: Esc stops it; it is undone and redone; files come in and go out, and a mesh is made.
+
+    The view shows the voxels in their colours.
+    """
+    played = play("voxels", screen_px=(1000, 900))
+    facts = played.facts
+    with Image.open(played.folder / "voxels_made.png") as screenshot:
+        shown = np.asarray(screenshot.convert("RGB"), int)
+    for channel in (0, 1):
+        is_hue = shown[..., channel] > 80 + np.delete(shown, channel, axis=2).max(axis=2)
+        assert is_hue[300:600, 200:600].sum() > 300
     assert facts["stopped"] == facts["undone"] == []
     assert facts["made"] == facts["redone"] == ["Cube Voxels"]
     assert facts["imported"] == ["Cube Voxels", "Cube_Voxels", "Cube_Voxels.001"]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes as voxels, and these as a directed acyclic graph: equal subtrees, also turned ones, are stored once."""
 
-from .block_faces import exposed_faces
+from .block_faces import exposed_cubes, exposed_faces
 from .config import Config
 from .dag import LevelCounts, VoxelDag, load
 from .estimate import Estimate, Extent, estimate, extent_of, largest_that_fits
@@ -24,6 +24,7 @@ __all__ = [
     "VoxelDag",
     "VoxelMesh",
     "estimate",
+    "exposed_cubes",
     "exposed_faces",
     "extent_of",
     "forecast",

@@ -7,21 +7,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def exposed_faces(cubes: NDArray[np.uint32]) -> list[NDArray[np.uint32]]:
-    """Corners of the faces that no other cube covers, (m, 4, 3) each, counter-clockwise as seen from outside.
+def exposed_cubes(cubes: NDArray[np.uint32]) -> list[NDArray[np.intp]]:
+    """Indices of the cubes with a face that no other one covers.
 
     One array for each way that a face looks: down x, up x, down y, up y, down z, up z.
     """
     places = cubes.astype(np.int64) + 1
     codes = _codes(places)
-    faces = []
-    for axis in range(3):
-        for end in (0, 1):
-            towards = np.zeros(3, np.int64)
-            towards[axis] = 2 * end - 1
-            bare = cubes[~np.isin(_codes(places + towards), codes)]
-            faces.append(bare[:, None, :] + _quad(axis, end))
-    return faces
+    steps = np.repeat(np.eye(3, dtype=np.int64), 2, axis=0) * [[-1], [1], [-1], [1], [-1], [1]]
+    return [np.flatnonzero(~np.isin(_codes(places + step), codes)) for step in steps]
+
+
+def exposed_faces(cubes: NDArray[np.uint32], exposed: list[NDArray[np.intp]] | None = None) -> list[NDArray[np.uint32]]:
+    """Corners of those faces, (m, 4, 3) each, counter-clockwise as seen from outside. ``exposed``: exposed_cubes()."""
+    exposed = exposed_cubes(cubes) if exposed is None else exposed
+    return [cubes[indices][:, None, :] + _quad(way // 2, way % 2) for way, indices in enumerate(exposed)]
 
 
 def _codes(places: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -31,7 +31,8 @@ class Config:
     #: (n, 3), of any length but 0, alike; "faces": those of a mesh's triangles, by the order of their corners.
     normals: ArrayLike | Literal["faces"] | None = None
     channels: Mapping[str, ArrayLike] | None = None  #: Up to 4 further values of 8 bits, (n,) each, by name.
-    textures: Textures | None = None  #: Colours and pictures of a mesh's triangles, in place of ``colors``.
+    #: Colours, pictures and channels of a mesh's triangles; ``colors`` and ``channels`` of vertices are multiplied.
+    textures: Textures | None = None
     #: Fill a mesh that closes. Voxels inside have no surface: not together with colours, normals or channels.
     solid: bool = False
     #: Colours are stored as they are, unless a palette of at most so many is asked for, or one in which no voxel's

@@ -53,29 +53,29 @@ def _of_textures(textures: Textures) -> dict[str, ArrayLike]:
         if (value := getattr(textures, name)) is not None:
             arrays[name] = value
     for index, material in enumerate(textures.materials):
-        if material.picture is None:
-            arrays[f"material {index} color"] = np.asarray(material.color)
-            continue
-        pixels, is_srgb = pixels_of(material, index)
-        arrays[f"material {index} pixels"] = pixels
-        arrays[f"material {index} is_srgb"] = is_srgb
         arrays[f"material {index} outside"] = material.outside
+        for name, value in material.channels.items():
+            arrays[f"material {index} channel {name}"] = value
+        if material.color is not None:
+            arrays[f"material {index} color"] = np.asarray(material.color)
+        elif material.picture is not None:
+            pixels, is_srgb = pixels_of(material, index)
+            arrays[f"material {index} pixels"] = pixels
+            arrays[f"material {index} is_srgb"] = is_srgb
     return arrays
 
 
 def _textures(arrays: Mapping[str, NDArray[Any]]) -> Textures | None:
     materials: list[Material] = []
     while (name := f"material {len(materials)}") and any(key.startswith(f"{name} ") for key in arrays):
+        look: dict[str, Any] = {"outside": str(arrays[f"{name} outside"])}
         if f"{name} color" in arrays:
-            materials.append(Material(color=tuple(arrays[f"{name} color"].tolist())))
-        else:
-            materials.append(
-                Material(
-                    picture=arrays[f"{name} pixels"],
-                    is_srgb=bool(arrays[f"{name} is_srgb"]),
-                    outside=str(arrays[f"{name} outside"]),  # type: ignore[arg-type]  # one of the four that were given
-                )
-            )
+            look["color"] = tuple(arrays[f"{name} color"].tolist())
+        elif f"{name} pixels" in arrays:
+            look |= {"picture": arrays[f"{name} pixels"], "is_srgb": bool(arrays[f"{name} is_srgb"])}
+        mark = f"{name} channel "
+        channels = {key.removeprefix(mark): value for key, value in arrays.items() if key.startswith(mark)}
+        materials.append(Material(**look, channels=channels))
     if not materials:
         return None
     return Textures(

@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -24,7 +24,10 @@ LINEAR_FILES = (".exr", ".hdr")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Material:
-    """A colour, or a picture that is laid on triangles by their ``corner_uvs``."""
+    """A colour, or a picture that is laid on triangles by their ``corner_uvs``; and channels.
+
+    Where no material has a colour, channels alone are kept.
+    """
 
     color: Sequence[float] | None = None  #: 0 to 1, as sRGB encodes it.
     #: An array (height, width) or (height, width, 1 to 4), rows from the bottom, uint8 or float; or an image file. Its
@@ -32,6 +35,8 @@ class Material:
     picture: ArrayLike | str | os.PathLike[str] | None = None
     is_srgb: bool | None = None  #: Whether values are encoded; None: all are but floats and .exr and .hdr files.
     outside: Literal["repeat", "extend", "clip", "mirror"] = "repeat"  #: What lies beyond [0, 1]; clip: black.
+    #: By name: a number from 0 to 1, or a picture (height, width) of such, uint8 or float, laid on like the other one.
+    channels: Mapping[str, ArrayLike] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -42,11 +47,27 @@ class Textures:
     corner_uvs: ArrayLike | None = None  #: (m, 3, 2); (0, 0) is the lower left of a picture.
     material_of_triangle: ArrayLike | None = None  #: (m,), indices of materials; None: all have the first.
 
-    def native_materials(self) -> list[_native.SurfaceMaterial]:
-        """Raises InvalidInput, which names the material, and IoError, which names the file."""
+    @property
+    def has_colors(self) -> bool:
+        """Whether some material has a colour or a picture."""
+        return any(material.color is not None or material.picture is not None for material in self.materials)
+
+    @property
+    def channels(self) -> list[str]:
+        """Names of those that some material has, in the order in which they come up."""
+        return list(dict.fromkeys(name for material in self.materials for name in material.channels))
+
+    def native_materials(self, channels: Mapping[str, float]) -> list[_native.SurfaceMaterial]:
+        """``channels``: what a material has where it does not say, by name, in the order of the surface's.
+
+        Raises InvalidInput, which names the material, and IoError, which names the file.
+        """
         if not self.materials:
             raise refuse("textures have no materials")
-        return [_native_material(material, index) for index, material in enumerate(self.materials)]
+        return [
+            _native_material(material, index, channels, has_color=self.has_colors or not self.channels)
+            for index, material in enumerate(self.materials)
+        ]
 
     def native_uvs(self) -> NDArray[np.float32] | None:
         """Float32 (m, 3, 2). Raises InvalidInput."""
@@ -69,18 +90,48 @@ class Textures:
         return np.ascontiguousarray(indices, np.uint32)
 
 
-def _native_material(material: Material, index: int) -> _native.SurfaceMaterial:
-    if (material.color is None) == (material.picture is None):
+def _native_material(
+    material: Material, index: int, wanted: Mapping[str, float], *, has_color: bool
+) -> _native.SurfaceMaterial:
+    if has_color and (material.color is None) == (material.picture is None):
         raise refuse(f"material {index} has to have either a color or a picture")
+    if material.outside.upper() not in Extension.__members__:
+        names = ", ".join(name.lower() for name in Extension.__members__)
+        raise refuse(f"material {index}: outside is {material.outside!r}, not one of {names}")
+    channels = [_channel(material, index, name, default) for name, default in wanted.items()]
+    if not has_color:
+        return _native.SurfaceMaterial(color=(0.0, 0.0, 0.0), texture=None, channels=channels)
     if material.picture is None:
         color = np.asarray(material.color)
         if color.shape != (3,) or color.dtype.kind not in "fiu":
             raise refuse(f"material {index}: color is {material.color!r}, not three numbers")
-        return _native.SurfaceMaterial(color=linear_from_srgb(color.astype(float)).tolist(), texture=None)
-    if material.outside.upper() not in Extension.__members__:
-        names = ", ".join(name.lower() for name in Extension.__members__)
-        raise refuse(f"material {index}: outside is {material.outside!r}, not one of {names}")
+        linear = linear_from_srgb(color.astype(float)).tolist()
+        return _native.SurfaceMaterial(color=linear, texture=None, channels=channels)
     pixels, is_srgb = pixels_of(material, index)
+    texture = _filtered(material, index, pixels, is_srgb=is_srgb)
+    return _native.SurfaceMaterial(color=(0.0, 0.0, 0.0), texture=texture, channels=channels)
+
+
+def _channel(material: Material, index: int, name: str, default: float) -> float | _native.FilteredTexture:
+    """A number, or a picture of numbers."""
+    value = np.asarray(material.channels.get(name, default))
+    if value.ndim == 0 and value.dtype.kind in "fiu":
+        return float(value)
+    if value.ndim != 2 or value.size == 0 or (value.dtype != np.uint8 and value.dtype.kind != "f"):  # noqa: PLR2004
+        raise refuse(
+            f'material {index}: channel "{name}" is {value.dtype} {value.shape}, neither a number nor a picture '
+            "(height, width), uint8 or float"
+        )
+    numbers = value / np.float32(255) if value.dtype == np.uint8 else value
+    if not ((numbers >= 0) & (numbers <= 1)).all():
+        raise refuse(f'material {index}: channel "{name}" has values outside [0, 1]')
+    pixels = np.repeat(numbers[:, :, None], MOST_CHANNELS, axis=2)
+    return _filtered(material, index, np.ascontiguousarray(pixels, np.float32), is_srgb=False)
+
+
+def _filtered(
+    material: Material, index: int, pixels: NDArray[np.uint8] | NDArray[np.float32], *, is_srgb: bool
+) -> _native.FilteredTexture:
     texture = _native.Texture(
         name=f"material {index}",
         pixels=pixels,
@@ -89,7 +140,7 @@ def _native_material(material: Material, index: int) -> _native.SurfaceMaterial:
         extension=int(Extension[material.outside.upper()]),
         interpolation=int(Interpolation.LINEAR),
     )
-    return _native.SurfaceMaterial(color=(0.0, 0.0, 0.0), texture=_native.FilteredTexture(texture))
+    return _native.FilteredTexture(texture)
 
 
 def pixels_of(material: Material, index: int) -> tuple[NDArray[np.uint8] | NDArray[np.float32], bool]:

@@ -174,6 +174,27 @@ TEST_CASE("an object that one scale of 0 has made flat is drawn flat, whichever 
             CHECK(std::abs(std::abs(glm::dot(hit.geometric_normal, vec3(parent[axis]))) - 1.0f) < 1e-5f);
         }
 }
+TEST_CASE("a mesh tells UV maps from attributes, by name or the first of its kind") {
+    const MeshArrays arrays{.name = "painted",
+                            .uv_maps = {{"\x1frg Tint", {}},
+                                        {"UVMap", {}},
+                                        {"\x1f"
+                                         "ba Tint",
+                                         {}},
+                                        {"\x1frg Rust", {}}}};
+    const auto index = [&](const std::string& name) {
+        const MeshArrays::UvMap* map = arrays.uv_map(name);
+        return map == nullptr ? -1 : static_cast<int>(map - arrays.uv_maps.data());
+    };
+    CHECK(index("") == 1);
+    CHECK(index("UVMap") == 1);
+    CHECK(index("\x1frg ") == 0);
+    CHECK(index("\x1f"
+                "ba ") == 2);
+    CHECK(index("\x1frg Rust") == 3);
+    CHECK(index("\x1frg Moss") == -1);
+    CHECK(index("Tint") == -1);
+}
 TEST_CASE("unusable triangles are counted, named, and their neighbours keep slots, normals and UVs") {
     const float infinity = std::numeric_limits<float>::infinity();
     MeshArrays arrays{.name = "damaged",

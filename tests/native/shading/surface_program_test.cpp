@@ -2,6 +2,7 @@
 // A surface program is a calculator on colours: each operation is checked against what its name says.
 #include "core/errors.hpp"
 #include "shading/surface_program.hpp"
+#include <array>
 #include <doctest/doctest.h>
 #include <limits>
 
@@ -89,6 +90,17 @@ TEST_CASE("an image's colour and alpha arrive in their registers, and a shadow r
     CHECK(evaluate_transparent(leaf, {}, uvs) == closures.transparent);
 }
 
+TEST_CASE("UV maps are values, too, through their matrix") {
+    Material material{.name = "painted"};
+    material.program = {
+        {.code = Code::Uv, .out = 0, .texture_uv = 1, .uv_matrix = glm::mat3(1, 0, 0, 0, 0, 2, 0, 5, 0)}};
+    material.uv_map_names = {"other", "paint"};
+    const std::array<vec2, 2> uvs{vec2(9, 9), vec2(0.25f, 0.5f)};
+    CHECK(evaluate(material, {}, uvs).diffuse_albedo == Rgb(0.25f, 5.0f, 1.0f)); // u, 5, 2 v
+    CHECK(has_coloured_transparency(material));
+    material.program[0].texture_uv = 2;
+    CHECK_THROWS_WITH_AS(validate(material), "material \"painted\" reads UV map 2 of 2", tyndall::InvalidInput);
+}
 TEST_CASE("programs of any length give shadow rays the transparency of the full evaluation") {
     for (const int length : {1, 62, 63, 64, 65, 200}) {
         CAPTURE(length);

@@ -25,13 +25,25 @@ CLICKS = (
     "tyndall.export_voxels_vox",
 )
 TAB = (8, 245)
-VOXELIZE, IMPORT_TDAG, IMPORT_VOX = (121, 275), (164, 301), (77, 301)
-RELOAD = (44, 366)
-TO_MESH, TO_VDB, TO_VOX = (178, 545), (121, 545), (63, 545)
+VOXELIZE, IMPORT_TDAG, IMPORT_VOX = (121, 367), (164, 393), (77, 393)
+RELOAD = (44, 458)
+TO_MESH, TO_VDB, TO_VOX = (178, 637), (121, 637), (63, 637)
 
 
 def boxes() -> list[str]:
     return sorted(thing.name for thing in bpy.data.objects if thing.tyndall_voxels.path)
+
+
+def paint(thing: bpy.types.Object) -> None:
+    """Red, with a green face that the view shows."""
+    for colour in ((1.0, 0.02, 0.02, 1.0), (0.02, 1.0, 0.02, 1.0)):
+        material = bpy.data.materials.new("Paint")
+        material.use_nodes = True
+        material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = colour
+        thing.data.materials.append(material)
+    thing.data.materials.pop(index=0)
+    top = max(thing.data.polygons, key=lambda polygon: polygon.center.z)
+    top.material_index = 1
 
 
 def is_at_work() -> bool:
@@ -68,6 +80,7 @@ def session(window: Any) -> Iterator[float]:
     bpy.context.scene.tyndall.voxelize.resolution = "64"
     bpy.ops.object.modifier_add(type="SUBSURF")
     bpy.context.object.modifiers[0].levels = 4
+    paint(bpy.context.object)
     bpy.ops.wm.save_as_mainfile(filepath=str(window.folder / "scene.blend"))
     bpy.ops.ed.undo_push(message="begin")
     window.area("VIEW_3D").spaces[0].show_region_ui = True
