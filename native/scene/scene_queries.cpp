@@ -107,9 +107,9 @@ SurfaceClosures Scene::closures(const ShadingPoint& point, const Hit& hit) const
     const Material& surface = material(hit.instance, hit.triangle);
     if (!surface.has_surface)
         return {.diffuse_albedo = Rgb(0.0f), .transparent = Rgb(1.0f), .emission = Rgb(0.0f)};
-    SurfaceClosures closures;
-    if (surface.is_constant()) {
-        closures = evaluate(surface, point, {});
+    SurfaceClosures closures = surface.constant;
+    if (surface.is_constant() && !surface.gloss) { // most surfaces, without a call
+        closures.diffuse_albedo *= point.tint;
     } else {
         thread_local std::vector<vec2> uvs;
         look_up_uvs(*this, surface, hit, uvs);
