@@ -142,9 +142,11 @@ SurfaceClosures Scene::closures(const ShadingPoint& point, const Hit& hit) const
     const Material& surface = material(hit.instance, hit.triangle);
     if (!surface.has_surface)
         return {.diffuse_albedo = Rgb(0.0f), .transparent = Rgb(1.0f), .emission = Rgb(0.0f)};
-    SurfaceClosures closures;
+    SurfaceClosures closures = surface.constant;
     const PlacedShape* const placed = placed_shape(hit.instance);
-    if (surface.is_constant()) {
+    if (surface.is_constant() && !surface.gloss) { // most surfaces, without a call
+        closures.diffuse_albedo *= point.tint;
+    } else if (surface.is_constant()) {
         closures = evaluate(surface, point, {});
     } else {
         thread_local std::vector<vec2> uvs;
