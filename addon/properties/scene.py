@@ -93,7 +93,7 @@ class TyndallSceneSettings(PropertyGroup):
         min=0.0,
         max=64.0,
         soft_max=4.0,
-        default=1.0,
+        default=0.5,
         precision=2,
         step=10,
         subtype="PIXEL",

@@ -85,7 +85,7 @@ class RenderConfig:
     region_px: tuple[int, int, int, int] | None = None  #: x0, y0, x1, y1 in the full frame, y up; None: all of it.
     #: Camera rays meet cubes of voxels no wider than so many pixels, as many of them as the voxels would stop, with the
     #: means of colours and normals; [0, 64], 0: they meet every voxel.
-    voxel_detail_px: float = 1.0
+    voxel_detail_px: float = 0.5
     film_transparent: bool = False
     passes: frozenset[str] = frozenset()  #: Names in PASSES; Combined is always there.
     shafts: ShaftConfig = field(default_factory=ShaftConfig)

@@ -165,7 +165,7 @@ def slope(normals: str | None, sun: tuple[float, float, float], detail_px: float
 def test_a_far_slope_is_lit_by_its_normals_and_does_not_shadow_itself(
     sun: tuple[float, float, float], detail_px: float
 ) -> None:
-    """Seen to fail where shadow rays leave from the side of a cube that was met."""
+    """As a smooth slope: neither a cube nor its neighbours shadow it."""
     normal = np.cross(SLOPE[1] - SLOPE[0], SLOPE[3] - SLOPE[0])
     cosine = normal @ sun / np.linalg.norm(normal) / np.linalg.norm(sun)
     light = slope("faces", sun, detail_px).planes["Combined"]

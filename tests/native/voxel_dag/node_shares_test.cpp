@@ -70,7 +70,6 @@ std::map<std::uint32_t, int> stops_along(const Tracer& tracer, const NodeShares&
 }
 } // namespace
 
-// Seen to fail with shares not turned with their node, and with two records of one key.
 TEST_CASE("of rays along an axis a cube stops as many as its voxels cover of its side") {
     constexpr int rays = 512;
     for (const Symmetry symmetry : all_symmetries)
