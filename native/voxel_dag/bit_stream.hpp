@@ -15,37 +15,44 @@ public:
     [[nodiscard]] std::uint64_t size() const { return size_; } ///< In bits.
     void clear() {
         words_.clear();
-        size_ = 0;
+        last_ = size_ = 0;
     }
     /// `value` is below 2^width; up to 64 bits.
     void append(std::uint64_t value, std::uint32_t width) {
-        if (width == 0)
-            return;
         const std::uint32_t used = size_ % 64;
-        if (used == 0)
-            words_.push_back(value);
-        else
-            words_.back() |= value << used;
-        if (used != 0 && used + width > 64)
-            words_.push_back(value >> (64 - used));
         size_ += width;
+        last_ |= value << used;
+        if (used + width < 64)
+            return;
+        words_.push_back(last_);
+        last_ = used == 0 ? 0 : value >> (64 - used);
     }
     void append(const BitWriter& other) {
-        const std::uint32_t rest = other.size_ % 64;
-        for (std::size_t i = 0; i + 1 < other.words_.size(); ++i)
-            append(other.words_[i], 64);
-        if (!other.words_.empty())
-            append(other.words_.back(), rest == 0 ? 64 : rest);
+        const std::uint32_t used = size_ % 64;
+        if (used == 0) {
+            words_.insert(words_.end(), other.words_.begin(), other.words_.end());
+        } else {
+            const std::size_t begin = words_.size();
+            words_.resize(begin + other.words_.size());
+            for (std::size_t i = 0; i < other.words_.size(); ++i) {
+                words_[begin + i] = last_ | other.words_[i] << used;
+                last_ = other.words_[i] >> (64 - used);
+            }
+        }
+        size_ += 64 * other.words_.size();
+        append(other.last_, other.size_ % 64);
     }
     /// With one word of zeros behind, so that read_bits() may load beyond the end.
     [[nodiscard]] std::vector<std::uint64_t> padded_words() && {
+        if (size_ % 64 != 0)
+            words_.push_back(last_);
         words_.push_back(0);
         return std::move(words_);
     }
 
 private:
-    std::vector<std::uint64_t> words_;
-    std::uint64_t size_ = 0;
+    std::vector<std::uint64_t> words_; ///< Those that are full.
+    std::uint64_t last_ = 0, size_ = 0;
 };
 
 /// Up to most_field_bits from a bit on; at least one word lies behind the last field.

@@ -4,13 +4,11 @@
 #include <algorithm>
 
 namespace tyndall::voxel_dag {
-/// elements_to_zero[octant]: those that bring it to octant 0, the reflection first.
-static constexpr std::array<std::array<std::uint8_t, 6>, 8> elements_to_zero = [] {
-    std::array<std::array<std::uint8_t, 6>, 8> result{};
-    for (std::uint32_t octant = 0; octant < 8; ++octant)
-        for (std::uint32_t element = 0; element < cube_element_count; ++element)
-            if (cube_group.octant[element][octant] == 0)
-                result[octant][element / 8] = static_cast<std::uint8_t>(element);
+/// elements_to_zero[octant]: a bit for each element that brings it to octant 0.
+static constexpr std::array<std::uint64_t, 8> elements_to_zero = [] {
+    std::array<std::uint64_t, 8> result{};
+    for (std::uint32_t element = 0; element < cube_element_count; ++element)
+        result[cube_group.octant[cube_group.inverse[element]][0]] |= std::uint64_t{1} << element;
     return result;
 }();
 
@@ -64,37 +62,34 @@ Canonical<TurnedChildren> canonical_node(const TurnedChildren& node, const std::
                     all.coset[stabilizers[octant]][cube_group.product[element][node.tags[octant]]];
         return tags;
     };
-    TurnedChildren best{};
     std::uint64_t turns = 0;
-    bool has_tags = false; // of the best one: most nodes are decided by their children
-    for (std::uint32_t anchor = 0; anchor < 8; ++anchor) {
-        if (node.children[anchor] != smallest_child)
-            continue;
-        for (std::uint32_t permutation = 0; permutation < symmetry_order(symmetry) / 8; ++permutation) {
-            const std::uint32_t element = elements_to_zero[anchor][permutation];
-            Children children;
-            for (std::uint32_t octant = 0; octant < 8; ++octant)
-                children[cube_group.octant[element][octant]] = node.children[octant];
-            if (turns != 0 && children > best.children)
-                continue;
-            if (turns == 0 || children < best.children) {
-                best.children = children;
-                turns = std::uint64_t{1} << element;
-                has_tags = false;
-                continue;
-            }
-            if (!has_tags)
-                best.tags = turn_tags(static_cast<std::uint32_t>(std::countr_zero(turns)));
-            has_tags = true;
-            const std::array<std::uint8_t, 8> tags = turn_tags(element);
-            if (tags > best.tags)
-                continue;
-            turns = (tags < best.tags ? 0 : turns) | std::uint64_t{1} << element;
-            best.tags = tags;
+    for (std::uint32_t anchor = 0; anchor < 8; ++anchor)
+        turns |= node.children[anchor] == smallest_child ? elements_to_zero[anchor] : 0;
+    turns &= (std::uint64_t{1} << symmetry_order(symmetry)) - 1;
+    // Octant by octant of the image those stay that have the smallest child there: most nodes are decided by two or three.
+    for (std::uint32_t octant = 1; octant < 8 && !std::has_single_bit(turns); ++octant) {
+        std::uint32_t least = ~0u;
+        for (std::uint64_t left = turns; left != 0; left &= left - 1) {
+            const auto element = static_cast<std::uint32_t>(std::countr_zero(left));
+            const std::uint32_t child = node.children[cube_group.octant[cube_group.inverse[element]][octant]];
+            const std::uint64_t bit = left & (~left + 1);
+            turns = child < least ? turns & ~(bit - 1) : child > least ? turns & ~bit : turns;
+            least = std::min(least, child);
         }
     }
-    if (!has_tags)
-        best.tags = turn_tags(static_cast<std::uint32_t>(std::countr_zero(turns)));
+    const auto first = static_cast<std::uint32_t>(std::countr_zero(turns));
+    TurnedChildren best{.children = {}, .tags = turn_tags(first)};
+    for (std::uint32_t octant = 0; octant < 8; ++octant)
+        best.children[cube_group.octant[first][octant]] = node.children[octant];
+    for (std::uint64_t left = turns & (turns - 1); left != 0; left &= left - 1) {
+        const std::array<std::uint8_t, 8> tags = turn_tags(static_cast<std::uint32_t>(std::countr_zero(left)));
+        const std::uint64_t bit = left & (~left + 1);
+        if (tags < best.tags)
+            turns &= ~(bit - 1); // none before
+        else if (tags != best.tags)
+            turns &= ~bit;
+        best.tags = std::min(tags, best.tags);
+    }
     return canonical_of(best, turns);
 }
 } // namespace tyndall::voxel_dag

@@ -5,6 +5,7 @@
 #include "voxel_dag/first_use.hpp"
 #include "voxel_dag/unique_table.hpp"
 #include <algorithm>
+#include <hwy/cache_control.h>
 #include <numeric>
 #include <tbb/enumerable_thread_specific.h>
 
@@ -190,6 +191,7 @@ private:
         parallel_blocks(nodes.size(), block, progress_, [&](std::size_t begin, std::size_t end) {
             BitWriter& out = blocks[begin / block];
             for (std::size_t rank = begin; rank < end; ++rank) {
+                prefetch(dag_.levels[i], nodes, rank);
                 begins[rank] = out.size();
                 write(i, nodes[rank], out, scratches_.local());
             }
@@ -202,6 +204,22 @@ private:
             }
             records.append(blocks[at]);
         }
+    }
+
+    /// Nodes by rank lie anywhere: those that come are asked for, and where their children are before that.
+    void prefetch(const DagLevel& nodes, const std::vector<std::uint32_t>& names, std::size_t rank) const {
+        constexpr std::size_t ahead = 8;
+        if (rank + 2 * ahead >= names.size())
+            return;
+        const std::uint32_t node = names[rank + 2 * ahead];
+        hwy::Prefetch(&nodes.child_masks[node]);
+        hwy::Prefetch(&nodes.first_children[node]);
+        const std::uint32_t reference = nodes.first_children[names[rank + ahead]];
+        hwy::Prefetch(&nodes.children[reference]);
+        if (!nodes.tags.empty())
+            hwy::Prefetch(&nodes.tags[reference]);
+        if (&nodes == &dag_.levels.front())
+            hwy::Prefetch(&pairs_[reference]);
     }
 
     /// What lies inside others from here on up is the root's one record, nearly all of a surface: its parts are written
@@ -254,9 +272,9 @@ private:
         });
         const RankClasses& mask_formats = packed_.levels[i].mask_classes;
         const std::uint32_t mask_rank = mask_ranks_[i].rank[mask], mask_class = mask_formats.class_of(mask_rank, 0);
-        out.append(mask_class, 2);
-        out.append(mask_rank - mask_formats.begins[mask_class], mask_formats.widths[mask_class]);
-        out.append(classes, 2 * count);
+        const std::uint32_t mask_bits = 2 + mask_formats.widths[mask_class];
+        out.append(mask_class | (mask_rank - mask_formats.begins[mask_class]) << 2 | classes << mask_bits,
+                   mask_bits + 2 * count);
         for (std::uint32_t at = 0; at < count; ++at)
             out.append(fields[at], widths[at]);
         if (i > 1 && inside_count > 1) {
