@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/dag_file.hpp"
 #include "voxel_dag/checked_file.hpp"
+#include "voxel_dag/cube_group.hpp"
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <numeric>
 #include <span>
 
 namespace tyndall::voxel_dag {
@@ -11,7 +13,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "files are little-endian, and read as they lie");
 
 constexpr std::array<char, 8> magic{'T', 'D', 'A', 'G', '\r', '\n', '\x1a', '\n'}; // shows what text mode does to it
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
 constexpr std::uint64_t alignment = 64;
 
 struct Header {
@@ -47,11 +49,16 @@ struct Section {
 static_assert(sizeof(Section) == 32);
 
 /// How one level names what is below it, and its child masks.
-struct Format {
+struct Format1 { ///< Of version 1: tags were named by their numbers.
     std::array<std::uint32_t, 4> widths, begins, field_bits, mask_widths, mask_begins;
     std::array<std::uint8_t, 256> child_masks;
 };
-static_assert(sizeof(Format) == 336);
+static_assert(sizeof(Format1) == 336);
+struct Format {
+    Format1 first;
+    std::array<std::uint8_t, 64> tags;
+};
+static_assert(sizeof(Format) == 400);
 
 std::string name_of(const Section& section) {
     switch (section.kind) {
@@ -81,6 +88,17 @@ std::string name_of(const Section& section) {
         return "the nodes' means";
     }
     return "a section of an unknown kind";
+}
+
+std::vector<Format> read_formats(const FileReader& reader, const Header& header, const Section& section) {
+    if (header.version > 1)
+        return reader.values<Format>(section);
+    std::array<std::uint8_t, 64> tags{};
+    std::iota(tags.begin(), tags.begin() + cube_element_count, std::uint8_t{0});
+    std::vector<Format> formats;
+    for (const Format1& format : reader.values<Format1>(section))
+        formats.push_back({format, tags});
+    return formats;
 }
 
 std::uint64_t aligned(std::uint64_t offset) { return (offset + alignment - 1) / alignment * alignment; }
@@ -121,8 +139,9 @@ static void write(const PackedDag& dag, const Cube& bounds_m, const AttributePar
                   const std::filesystem::path& path, const Progress& progress) {
     std::vector<Format> formats;
     for (const PackedLevel& level : dag.levels)
-        formats.push_back({level.classes.widths, level.classes.begins, level.field_bits, level.mask_classes.widths,
-                           level.mask_classes.begins, level.child_masks});
+        formats.push_back({{level.classes.widths, level.classes.begins, level.field_bits, level.mask_classes.widths,
+                            level.mask_classes.begins, level.child_masks},
+                           level.tags});
     std::vector<Section> table;
     std::vector<std::span<const std::byte>> contents;
     const auto append = [&](Kind kind, std::uint32_t level, const auto& values) {
@@ -207,8 +226,9 @@ PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) 
     for (const Section& section : read_table(reader, header))
         switch (section.kind) {
         case Kind::Formats:
-            for (std::size_t i = 0; const Format& format : reader.values<Format>(section)) {
+            for (std::size_t i = 0; const auto& [format, tags] : read_formats(reader, header, section)) {
                 dag.levels.resize(std::max(dag.levels.size(), i + 1));
+                dag.levels[i].tags = tags;
                 dag.levels[i].classes = {.widths = format.widths, .begins = format.begins};
                 dag.levels[i].mask_classes = {.widths = format.mask_widths, .begins = format.mask_begins};
                 dag.levels[i].child_masks = format.child_masks;
