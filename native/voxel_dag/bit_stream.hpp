@@ -31,6 +31,8 @@ public:
         size_ += width;
     }
     void append(const BitWriter& other) {
+        if (const std::size_t words = words_.size() + other.words_.size(); other.size_ > size_)
+            words_.reserve(words); // once, and not up to twice as many: a root's record is nearly all there is
         const std::uint32_t rest = other.size_ % 64;
         for (std::size_t i = 0; i + 1 < other.words_.size(); ++i)
             append(other.words_[i], 64);

@@ -15,6 +15,7 @@ static_assert(std::endian::native == std::endian::little, "files are little-endi
 constexpr std::array<char, 8> magic{'T', 'D', 'A', 'G', '\r', '\n', '\x1a', '\n'}; // shows what text mode does to it
 constexpr std::uint32_t version = 2;
 constexpr std::uint64_t alignment = 64;
+constexpr std::uint64_t top_share = 128; ///< Of the geometry: topmost levels take less than one part of so many.
 
 struct Header {
     std::array<char, 8> magic;
@@ -39,10 +40,14 @@ enum class Kind : std::uint32_t {
     Indices = 10,
     MeanMaterials = 11,
     MeanIndices = 12,
+    TopMasks = 13, ///< Of the topmost levels, coarsest first, before all others.
+    TopColors = 14,
 };
 struct Section {
     Kind kind;
-    std::uint32_t level; ///< Of a directory: its nodes have 2^level voxels a side. Else 0.
+    std::uint32_t
+        level; ///< Of a directory: its nodes have 2^level voxels a side; of a topmost level, 2^level cubes lie
+               ///< along a side. Else 0.
     std::uint64_t offset, bytes;
     std::uint32_t checksum, reserved;
 };
@@ -86,6 +91,10 @@ std::string name_of(const Section& section) {
         return "the materials of means";
     case Kind::MeanIndices:
         return "the nodes' means";
+    case Kind::TopMasks:
+        return "the cubes of topmost level " + std::to_string(section.level);
+    case Kind::TopColors:
+        return "the colours of topmost level " + std::to_string(section.level);
     }
     return "a section of an unknown kind";
 }
@@ -135,7 +144,7 @@ std::vector<Section> read_table(const FileReader& reader, const Header& header) 
 }
 } // namespace
 
-static void write(const PackedDag& dag, const Cube& bounds_m, const AttributeParts* attributes,
+static void write(const PackedDag& dag, const Cube& bounds_m, const DagAttributes* carried,
                   const std::filesystem::path& path, const Progress& progress) {
     std::vector<Format> formats;
     for (const PackedLevel& level : dag.levels)
@@ -149,6 +158,14 @@ static void write(const PackedDag& dag, const Cube& bounds_m, const AttributePar
         table.push_back({kind, level, 0, bytes.size(), checksum_of(bytes), 0});
         contents.push_back(bytes);
     };
+    const std::vector<TopLevel> top =
+        top_levels_of(dag, carried, {.most_bytes = dag.byte_count() / top_share}, progress);
+    for (std::uint32_t i = 0; i < top.size(); ++i) {
+        append(Kind::TopMasks, i + 1, top[i].child_masks);
+        if (!top[i].colors.empty())
+            append(Kind::TopColors, i + 1, top[i].colors);
+    }
+    const AttributeParts* const attributes = carried != nullptr ? &carried->parts() : nullptr;
     append(Kind::Formats, 0, formats);
     for (std::size_t i = dag.levels.size(); i-- > 0;)
         append(Kind::Directory, static_cast<std::uint32_t>(i) + leaf_level + 1, dag.levels[i].directory);
@@ -200,7 +217,7 @@ static void write(const PackedDag& dag, const Cube& bounds_m, const AttributePar
 }
 
 void write_dag(const PlacedDag& placed, const std::filesystem::path& path, const Progress& progress) {
-    write(placed.dag, placed.bounds_m, placed.attributes ? &placed.attributes->parts() : nullptr, path, progress);
+    write(placed.dag, placed.bounds_m, placed.attributes.get(), path, progress);
 }
 void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem::path& path,
                const Progress& progress) {
@@ -277,6 +294,10 @@ PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) 
         case Kind::MeanIndices:
             attributes().means.indices = reader.values<std::uint8_t>(section);
             break;
+        case Kind::TopMasks: // for read_top(); damage is found here, too
+        case Kind::TopColors:
+            static_cast<void>(reader.values<std::uint8_t>(section));
+            break;
         default: // of a kind that came later, and that this version can do without
             break;
         }
@@ -294,5 +315,32 @@ PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) 
             .bounds_m = {.lower_m = dvec3(header.lower_m[0], header.lower_m[1], header.lower_m[2]),
                          .side_m = header.side_m},
             .attributes = std::move(kept)};
+}
+
+std::optional<TopOfDag> read_top(const std::filesystem::path& path, std::uint32_t level, const Progress& progress) {
+    const FileReader reader(path, progress);
+    const Header header = read_header(reader);
+    TopOfDag top{.bounds_m = {.lower_m = dvec3(header.lower_m[0], header.lower_m[1], header.lower_m[2]),
+                              .side_m = header.side_m},
+                 .levels = {}};
+    for (const Section& section : read_table(reader, header)) {
+        if ((section.kind != Kind::TopMasks && section.kind != Kind::TopColors) || section.level > level)
+            continue;
+        if (section.level == 0 || section.level > header.level)
+            reader.refuse(name_of(section) + " belong to no level");
+        top.levels.resize(std::max(top.levels.size(), std::size_t{section.level}));
+        if (section.kind == Kind::TopMasks)
+            top.levels[section.level - 1].child_masks = reader.values<std::uint8_t>(section);
+        else
+            top.levels[section.level - 1].colors = reader.values<ByteColor>(section);
+    }
+    if (top.levels.size() < level)
+        return std::nullopt;
+    try {
+        static_cast<void>(voxels_of(top.levels));
+    } catch (const InvalidInput& error) {
+        reader.refuse(error.what());
+    }
+    return top;
 }
 } // namespace tyndall::voxel_dag

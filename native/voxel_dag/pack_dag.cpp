@@ -21,6 +21,8 @@ struct Ranks {
 };
 Ranks ranked_by(const std::vector<std::uint32_t>& uses, std::uint32_t fewest) {
     Ranks ranks;
+    ranks.names.reserve(
+        static_cast<std::size_t>(std::ranges::count_if(uses, [&](auto times) { return times >= fewest; })));
     for (std::uint32_t name = 0; name < uses.size(); ++name)
         if (uses[name] >= fewest)
             ranks.names.push_back(name);
@@ -32,11 +34,14 @@ Ranks ranked_by(const std::vector<std::uint32_t>& uses, std::uint32_t fewest) {
     }
     return ranks;
 }
-Ranks ranked(const std::vector<std::uint32_t>& references, std::size_t name_count, std::uint32_t fewest) {
+/// Names of two or more references. How often each is used is not asked for again.
+Ranks ranked(const std::vector<std::uint32_t>& references, std::size_t name_count) {
     std::vector<std::uint32_t> uses(name_count, 0);
     for (const std::uint32_t name : references)
         ++uses[name];
-    return ranked_by(uses, fewest);
+    Ranks ranks = ranked_by(uses, 2);
+    ranks.uses = {};
+    return ranks;
 }
 
 /// For each octant as it lies in the world, the reference to the child there; that of a node which `turn` has turned.
@@ -47,6 +52,17 @@ void for_each_child(const DagLevel& nodes, std::size_t node, std::uint32_t turn,
             (nodes.child_masks[node] >> octant & 1) != 0)
             visit(there, nodes.reference(node, octant));
 }
+
+/// Counts that add up.
+template <std::size_t Size>
+struct Sums {
+    std::array<std::uint32_t, Size> of{};
+    Sums& operator+=(const Sums& other) {
+        for (std::size_t i = 0; i < Size; ++i)
+            of[i] += other.of[i];
+        return *this;
+    }
+};
 
 class Packing {
 public:
@@ -59,7 +75,7 @@ public:
         packed_.leaf_bits = static_cast<std::uint32_t>(std::bit_width(dag_.leaves.size()));
         packed_.leaves = dag_.leaves;
         for (std::size_t i = 0; i + 1 < dag_.levels.size(); ++i)
-            shared_.push_back(ranked(dag_.levels[i + 1].children, dag_.levels[i].node_count(), 2));
+            shared_.push_back(ranked(dag_.levels[i + 1].children, dag_.levels[i].node_count()));
         upright_ = upright_turns(
             dag_, config_.has_inner_tags, [&](std::size_t i, std::uint32_t node) { return is_shared(i, node); },
             progress_);
@@ -175,40 +191,45 @@ private:
     /// Whether records of levels[i] give what lies inside them a tag.
     [[nodiscard]] bool has_inner_tags(std::size_t i) const { return upright_.has_inner_tags && i == 2; }
 
-    /// visit(whether the child is shared, its number, its tag) of all that references of levels[i] name.
-    template <class Visit>
-    void for_each_tag(std::size_t i, const TagRanks& ranks, const Visit& visit) const {
+    /// visit(sums, whether the child is shared, its number, its tag) of all that references of levels[i] name, side by side.
+    template <class Sums, class Visit>
+    [[nodiscard]] Sums tag_sums(std::size_t i, const TagRanks& ranks, const Visit& visit) const {
         const DagLevel& nodes = dag_.levels[i];
-        for (std::size_t node = 0; node < nodes.node_count(); ++node)
-            for (std::size_t at = nodes.first_children[node]; at < nodes.first_children[node + 1]; ++at)
-                if (const bool is_named = is_shared(i - 1, nodes.children[at]); is_named || has_inner_tags(i))
-                    visit(is_named, nodes.children[at], tag_of(i, node, at, ranks));
+        return parallel_sum(nodes.node_count(), 1 << 14, Sums{}, progress_, [&](std::size_t begin, std::size_t end) {
+            Sums sums;
+            for (std::size_t node = begin; node < end; ++node)
+                for (std::size_t at = nodes.first_children[node]; at < nodes.first_children[node + 1]; ++at)
+                    if (const bool is_named = is_shared(i - 1, nodes.children[at]); is_named || has_inner_tags(i))
+                        visit(sums, is_named, nodes.children[at], tag_of(i, node, at, ranks));
+            return sums;
+        });
     }
     /// The tags of a level's references by falling use, the one that changes nothing first; and classes.
     void rank_tags(std::size_t i, PackedLevel& format) {
         TagRanks& ranks = tag_ranks_.emplace_back();
         std::iota(ranks.begin(), ranks.end(), std::uint8_t{0});
-        std::array<std::uint64_t, cube_element_count> uses{};
-        std::uint32_t inner = 0;
-        for_each_tag(i, ranks, [&](bool is_named, std::uint32_t, std::uint32_t tag) {
-            ++uses[tag];
-            inner = is_named ? inner : packed_.tag_bits;
-        });
+        const auto uses = tag_sums<Sums<cube_element_count>>(
+            i, ranks, [](auto& sums, bool, std::uint32_t, std::uint32_t tag) { ++sums.of[tag]; });
         std::array<std::uint8_t, cube_element_count> order = ranks;
-        std::stable_sort(order.begin() + 1, order.end(), [&](auto a, auto b) { return uses[a] > uses[b]; });
+        std::stable_sort(order.begin() + 1, order.end(), [&](auto a, auto b) { return uses.of[a] > uses.of[b]; });
         for (std::uint8_t rank = 0; rank < order.size(); ++rank) {
             ranks[order[rank]] = rank;
             format.tags[rank] = rank < symmetry_order(dag_.symmetry) ? order[rank] : std::uint8_t{0};
         }
+        constexpr std::size_t tag_widths = std::tuple_size_v<TaggedUses::value_type>;
+        const auto flat = tag_sums<Sums<std::tuple_size_v<TaggedUses> * tag_widths>>(
+            i, ranks, [&](auto& sums, bool is_named, std::uint32_t child, std::uint32_t tag) {
+                const auto tag_bits = static_cast<std::size_t>(std::bit_width(std::uint32_t{ranks[tag]}));
+                if (is_named)
+                    ++sums.of[tag_widths * static_cast<std::size_t>(std::bit_width(shared_[i - 1].rank[child])) +
+                              tag_bits];
+            });
         TaggedUses tagged{};
-        for_each_tag(i, ranks, [&](bool is_named, std::uint32_t child, std::uint32_t tag) {
-            if (is_named)
-                ++tagged[static_cast<std::size_t>(std::bit_width(shared_[i - 1].rank[child]))]
-                        [static_cast<std::size_t>(std::bit_width(std::uint32_t{ranks[tag]}))];
-        });
+        for (std::size_t at = 0; at < flat.of.size(); ++at)
+            tagged[at / tag_widths][at % tag_widths] = flat.of[at];
         tagged_.push_back(best_tagged_classes(tagged));
         format.classes = {.widths = tagged_.back().rank_bits, .begins = {}};
-        format.field_bits[0] = inner;
+        format.field_bits[0] = has_inner_tags(i) ? packed_.tag_bits : 0;
         for (std::size_t at = 1; at < 4; ++at)
             format.field_bits[at] = tagged_.back().rank_bits[at] + tagged_.back().tag_bits[at];
     }
@@ -216,15 +237,18 @@ private:
     /// The child masks of a level's records, by falling number of records.
     void rank_masks(std::size_t i, PackedLevel& format) {
         const DagLevel& nodes = dag_.levels[i];
-        std::vector<std::uint32_t> masks(nodes.node_count());
-        parallel_for(
-            masks.size(), progress_,
-            [&](std::size_t node) {
-                for_each_child(nodes, node, upright_.turns[i][node],
-                               [&](std::uint32_t there, std::size_t) { masks[node] |= 1u << there; });
-            },
-            1 << 12);
-        mask_ranks_.push_back(ranked(masks, 256, 1));
+        const auto uses =
+            parallel_sum(nodes.node_count(), 1 << 14, Sums<256>{}, progress_, [&](std::size_t begin, std::size_t end) {
+                Sums<256> counted;
+                for (std::size_t node = begin; node < end; ++node) {
+                    std::uint32_t mask = 0;
+                    for_each_child(nodes, node, upright_.turns[i][node],
+                                   [&](std::uint32_t there, std::size_t) { mask |= 1u << there; });
+                    ++counted.of[mask];
+                }
+                return counted;
+            });
+        mask_ranks_.push_back(ranked_by({uses.of.begin(), uses.of.end()}, 1));
         format.mask_classes = best_classes(mask_ranks_[i].uses, 0);
         std::ranges::transform(mask_ranks_[i].names, format.child_masks.begin(),
                                [](std::uint32_t mask) { return static_cast<std::uint8_t>(mask); });
@@ -251,6 +275,7 @@ private:
                 packed_.levels[i].directory.push_back(static_cast<std::uint32_t>(bit));
             }
             records.append(blocks[at]);
+            blocks[at] = {};
         }
     }
 
