@@ -170,7 +170,6 @@ TEST_CASE("what is no such file, and one of a newer version, is told apart from 
     CHECK(file.complaint().find("version 3") != std::string::npos);
 }
 
-// Seen to fail with the tags of version 1 looked up in a list of zeros.
 TEST_CASE("a file of version 1 gives its voxels, along rays, too, and is written again as one of today") {
     const TestFile file;
     file.replace({reinterpret_cast<const char*>(file_of_version_1.data()), 8 * file_of_version_1.size()});

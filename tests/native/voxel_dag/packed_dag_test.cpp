@@ -141,7 +141,6 @@ TEST_CASE("what is used once costs no reference: a surface takes less than in th
               0.8 * static_cast<double>(baselines::HalfWordDag::encode(dag).size()));
 }
 
-// Seen to fail with tags inside that turn the other way, and with those that keep an 8^3 taken of another one.
 TEST_CASE("records that stand upright take less, with tags inside others still less, and decode to the same voxels") {
     const Progress progress;
     const LeafMasks voxels = sphere_voxels(10, {500.7, 512, 470.2}, 411.3);

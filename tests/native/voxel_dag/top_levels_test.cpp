@@ -24,7 +24,6 @@ static std::vector<std::uint64_t> codes_of(const LeafMasks& voxels) {
     return codes;
 }
 
-// Seen to fail with a level's cubes in the order of octants before turns, and with a mask of each cube instead of the one above.
 TEST_CASE("topmost levels are the cubes that have voxels, level by level, as far as bytes allow") {
     for (const LeafMasks& voxels :
          {sphere_voxels(8, {99.3, 126, 120}, 90), random_voxels(6, 0.001, 2), kaleidoscope_voxels(6, 4)}) {
