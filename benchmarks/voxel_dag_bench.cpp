@@ -7,15 +7,15 @@
 //   contains          a million voxels of the set and of its surroundings: in the packed bits, and in the arrays
 //   trace_primary     1024 x 1024 rays of a camera: in the packed bits, and in the arrays, one thread
 //   trace_random      rays from points on a sphere around, aimed at voxels
-// Counters: voxels; bytes in the published layout and packed. Labels: nodes / references of the first four levels.
+// Counters: voxels; bytes packed. Labels: nodes / references of the first four levels.
 #include "support/machine.hpp"
 #include "support/voxel_meshes.hpp"
+#include "support/voxel_ray_sets.hpp"
 #include "voxel_dag/build_dag.hpp"
 #include "voxel_dag/dag_counts.hpp"
 #include "voxel_dag/decode.hpp"
 #include "voxel_dag/merge_symmetric.hpp"
 #include "voxel_dag/pack_dag.hpp"
-#include "voxel_dag/trace.hpp"
 #include "voxel_dag/voxelize.hpp"
 #include <benchmark/benchmark.h>
 #include <map>
@@ -56,7 +56,6 @@ void report(benchmark::State& state, const LeafMasks& voxels, const Dag& dag) {
                      std::to_string(counts.reference_count) + "; ";
     state.SetLabel(label);
     state.counters["voxels"] = static_cast<double>(voxels.voxel_count());
-    state.counters["half_word_bytes"] = static_cast<double>(half_word_bytes(dag));
     state.counters["mvoxels_per_s"] = benchmark::Counter(1e-6 * static_cast<double>(voxels.voxel_count()),
                                                          benchmark::Counter::kIsIterationInvariantRate);
 }
@@ -167,41 +166,6 @@ void contains(benchmark::State& state) {
     benchmark::DoNotOptimize(found);
     state.counters["per_s"] =
         benchmark::Counter(static_cast<double>(places.size()), benchmark::Counter::kIsIterationInvariantRate);
-}
-
-std::vector<VoxelRay> primary_rays(const LeafMasks& voxels) {
-    // From in front and a little above, at the middle of the bricks' box, 1.2 of the cube's width away.
-    dvec3 lowest(1e9), highest(0.0);
-    for (const std::uint64_t code : voxels.codes) {
-        const Voxel brick = voxel_at(code << 3 * leaf_level);
-        lowest = glm::min(lowest, dvec3(brick[0], brick[1], brick[2]));
-        highest = glm::max(highest, dvec3(brick[0], brick[1], brick[2]));
-    }
-    const dvec3 middle = 0.5 * (lowest + highest), forward = glm::normalize(dvec3(-0.4, -0.3, -1.0));
-    const dvec3 right = glm::normalize(glm::cross(forward, dvec3(0, 1, 0))), up = glm::cross(right, forward);
-    const dvec3 camera = middle - 1.2 * static_cast<double>(voxels.resolution()) * forward;
-    std::vector<VoxelRay> rays;
-    for (int y = 0; y < 1024; ++y)
-        for (int x = 0; x < 1024; ++x)
-            rays.push_back(
-                {.origin = camera,
-                 .direction = forward + 0.9 * ((x + 0.5) / 1024 - 0.5) * right + 0.9 * ((y + 0.5) / 1024 - 0.5) * up});
-    return rays;
-}
-
-std::vector<VoxelRay> random_rays(const LeafMasks& voxels) {
-    std::mt19937_64 random(2);
-    std::normal_distribution<double> normal;
-    const double width = static_cast<double>(voxels.resolution());
-    std::vector<VoxelRay> rays;
-    for (int i = 0; i < 1 << 19; ++i) {
-        const Voxel at = voxel_at(voxels.codes[random() % voxels.codes.size()] << 3 * leaf_level);
-        const dvec3 target = dvec3(at[0], at[1], at[2]) + 2.0;
-        const dvec3 origin =
-            0.5 * width + width * glm::normalize(dvec3(normal(random), normal(random), normal(random)));
-        rays.push_back({.origin = origin, .direction = target - origin});
-    }
-    return rays;
 }
 
 template <class Kind>

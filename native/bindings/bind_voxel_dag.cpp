@@ -47,6 +47,29 @@ static py::array_t<std::uint32_t> next_voxels(VoxelParts& parts) {
     return to_numpy(std::move(coordinates), {count, 3});
 }
 
+/// The cubes of a level as voxels, with their mean colours.
+static std::shared_ptr<PlacedDag> read_coarse(const std::string& path, std::uint32_t level, const Progress& progress) {
+    std::optional<TopOfDag> top = read_top(path, level, progress);
+    if (!top) {
+        const PlacedDag whole = read_dag(path, progress);
+        if (level >= whole.dag.level || whole.dag.is_empty())
+            return std::make_shared<PlacedDag>(whole);
+        const DagAttributes* const carried = whole.attributes.get();
+        const auto colors = [&](std::span<const Voxel> lowest, std::uint32_t side_level) {
+            const bool has_them = carried != nullptr && carried->layout().has_colors &&
+                                  (side_level < least_mean_level || carried->has_means());
+            return has_them ? colors_at(whole.dag, *carried, lowest, side_level, progress) : std::vector<ByteColor>();
+        };
+        top = TopOfDag{.bounds_m = whole.bounds_m,
+                       .levels = top_levels_of(whole.dag, colors, {.most_level = level}, progress)};
+    }
+    VoxelAttributes attributes;
+    for (const auto& [red, green, blue] : top->levels.back().colors)
+        attributes.colors.push_back(red | std::uint32_t{green} << 8 | std::uint32_t{blue} << 16);
+    return packed(voxels_of(top->levels), attributes, top->bounds_m,
+                  {.symmetry = Symmetry::Cube, .attributes = {}, .memory_budget_bytes = ~std::uint64_t{0}}, progress);
+}
+
 void bind_voxel_dag(py::module_& native) {
     py::class_<VoxelParts>(native, "VoxelParts", "uint32 (k, 3), x, y and z of voxels in Morton order, part by part.")
         .def("__iter__", [](VoxelParts& self) -> VoxelParts& { return self; })
@@ -83,6 +106,14 @@ void bind_voxel_dag(py::module_& native) {
     bind_voxelize(native);
     bind_voxel_files(native, type);
     bind_out_of_core(native);
+    native.def(
+        "load_voxel_dag_top",
+        [](const py::object& path, std::uint32_t level, const Progress& progress) {
+            const std::string name = path_of(path);
+            return without_gil([&] { return read_coarse(name, level, progress); });
+        },
+        "path"_a, "level"_a, "progress"_a,
+        "2 ** level cubes a side. Releases the GIL. IoError: the path and what is wrong with it; Cancelled.");
     native.def(
         "load_voxel_dag",
         [](const py::object& path, const Progress& progress) {

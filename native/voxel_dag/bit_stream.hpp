@@ -28,6 +28,8 @@ public:
         last_ = used == 0 ? 0 : value >> (64 - used);
     }
     void append(const BitWriter& other) {
+        if (const std::size_t words = words_.size() + other.words_.size() + 1; other.size_ > size_)
+            words_.reserve(words); // once, and not up to twice as many: a root's record is nearly all there is
         const std::uint32_t used = size_ % 64;
         if (used == 0) {
             words_.insert(words_.end(), other.words_.begin(), other.words_.end());

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a DAG is made of, level by level, and how many bytes it takes in the published layout, for comparison.
-// Based on: Jaspe, dissertation 2018, 5.4.3: nodes of a level by falling number of references, in half-words; a node is a
-//           header of 2 bits per child and, per child, 2 bytes (3 bits of tag, 13 of offset) or 4.
-//           Before it: Kämpe, Sintorn, Assarsson 2013, section 4: 8 to 36 bytes per node.
-// Differs:  counted, not written. Tags of the 48 take 6 of those bits.
-// Bound:    one pass over the references and a counting sort per level.
+// What a DAG is made of, level by level. (What it takes in published layouts: benchmarks/baselines.)
+// Bound:    one pass over the references.
 #pragma once
 #include "voxel_dag/dag.hpp"
 
@@ -17,10 +13,4 @@ struct LevelCounts {
 };
 /// From the leaves to the root; nothing of an empty DAG.
 [[nodiscard]] std::vector<LevelCounts> level_counts(const Dag& dag);
-
-/// Bytes of nodes and leaves in Kämpe's layout, in words of 32 bits: a mask, then a reference per child, and 2 x 2 x 2
-/// voxels are a node as others are, but shared by all that have the same, so that they cost nothing.
-[[nodiscard]] std::uint64_t word_bytes(const Dag& dag);
-/// Bytes of nodes and leaves in the published layout, without its header of some 20 bytes.
-[[nodiscard]] std::uint64_t half_word_bytes(const Dag& dag);
 } // namespace tyndall::voxel_dag

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/dag_file.hpp"
+#include "core/parallel.hpp"
 #include "voxel_dag/checked_file.hpp"
+#include "voxel_dag/cube_group.hpp"
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <functional>
+#include <numeric>
 #include <span>
 
 namespace tyndall::voxel_dag {
@@ -12,8 +15,9 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "files are little-endian, and read as they lie");
 
 constexpr std::array<char, 8> magic{'T', 'D', 'A', 'G', '\r', '\n', '\x1a', '\n'}; // shows what text mode does to it
-constexpr std::uint32_t version = 2; // 1: other numbers of materials, which run_array.cpp refuses
+constexpr std::uint32_t version = 2; // 1: other records, and other numbers of materials, which run_array.cpp refuses
 constexpr std::uint64_t alignment = 64;
+constexpr std::uint64_t top_share = 128; ///< Of the geometry: topmost levels take less than one part of so many.
 
 struct Header {
     std::array<char, 8> magic;
@@ -38,21 +42,30 @@ enum class Kind : std::uint32_t {
     Indices = 10,
     MeanMaterials = 11,
     MeanIndices = 12,
+    TopMasks = 13, ///< Of the topmost levels, coarsest first, before all others.
+    TopColors = 14,
 };
 struct Section {
     Kind kind;
-    std::uint32_t level; ///< Of a directory: its nodes have 2^level voxels a side. Else 0.
+    std::uint32_t
+        level; ///< Of a directory: its nodes have 2^level voxels a side; of a topmost level, 2^level cubes lie
+               ///< along a side. Else 0.
     std::uint64_t offset, bytes;
     std::uint32_t checksum, reserved;
 };
 static_assert(sizeof(Section) == 32);
 
 /// How one level names what is below it, and its child masks.
-struct Format {
+struct Format1 { ///< Of version 1: tags were named by their numbers.
     std::array<std::uint32_t, 4> widths, begins, field_bits, mask_widths, mask_begins;
     std::array<std::uint8_t, 256> child_masks;
 };
-static_assert(sizeof(Format) == 336);
+static_assert(sizeof(Format1) == 336);
+struct Format {
+    Format1 first;
+    std::array<std::uint8_t, 64> tags;
+};
+static_assert(sizeof(Format) == 400);
 
 std::string name_of(const Section& section) {
     switch (section.kind) {
@@ -80,8 +93,23 @@ std::string name_of(const Section& section) {
         return "the materials of means";
     case Kind::MeanIndices:
         return "the nodes' means";
+    case Kind::TopMasks:
+        return "the cubes of topmost level " + std::to_string(section.level);
+    case Kind::TopColors:
+        return "the colours of topmost level " + std::to_string(section.level);
     }
     return "a section of an unknown kind";
+}
+
+std::vector<Format> read_formats(const FileReader& reader, const Header& header, const Section& section) {
+    if (header.version > 1)
+        return reader.values<Format>(section);
+    std::array<std::uint8_t, 64> tags{};
+    std::iota(tags.begin(), tags.begin() + cube_element_count, std::uint8_t{0});
+    std::vector<Format> formats;
+    for (const Format1& format : reader.values<Format1>(section))
+        formats.push_back({format, tags});
+    return formats;
 }
 
 std::uint64_t aligned(std::uint64_t offset) { return (offset + alignment - 1) / alignment * alignment; }
@@ -170,14 +198,57 @@ private:
 };
 } // namespace
 
+/// Colours of cubes that have means, of numbers which need not be those of the parts.
+static std::vector<ByteColor> mean_colors(const PackedDag& dag, const AttributeParts& parts, const RunArray& numbers,
+                                          std::span<const Voxel> lowest, std::uint32_t side_level,
+                                          const Progress& progress) {
+    const MaterialTable materials(parts.means.materials);
+    std::vector<ByteColor> colors(lowest.size());
+    parallel_for(lowest.size(), progress, [&](std::size_t i) {
+        const std::uint64_t node = find_stored(dag, parts.order, lowest[i], side_level).value().number;
+        const std::uint32_t color = materials.at(numbers.at(node), 0);
+        colors[i] = {static_cast<std::uint8_t>(color), static_cast<std::uint8_t>(color >> 8),
+                     static_cast<std::uint8_t>(color >> 16)};
+    });
+    return colors;
+}
+
+/// As far as they take little, and as all have colours if voxels do.
+static std::vector<TopLevel> stored_top(const PackedDag& dag, const AttributeParts* attributes,
+                                        const StreamedAttributes* streamed, const Progress& progress) {
+    TopLevelsConfig config{.most_bytes = dag.byte_count() / top_share};
+    if (attributes == nullptr || !attributes->layout.has_colors)
+        return top_levels_of(dag, {}, config, progress);
+    std::vector<std::uint8_t> numbers;
+    if (streamed != nullptr && streamed->means)
+        streamed->means->read(
+            [&](std::span<const std::uint8_t> bytes) { numbers.insert(numbers.end(), bytes.begin(), bytes.end()); });
+    const std::vector<std::uint8_t>& means = streamed != nullptr ? numbers : attributes->means.indices;
+    if (means.empty() || dag.level <= least_mean_level)
+        return {};
+    config.most_level = dag.level - least_mean_level;
+    const RunArray array(means);
+    const auto colors = [&](std::span<const Voxel> lowest, std::uint32_t side_level) {
+        return mean_colors(dag, *attributes, array, lowest, side_level, progress);
+    };
+    return top_levels_of(dag, colors, config, progress);
+}
+
 /// `streamed` has the numbers that `attributes` lacks; either may be null.
 static void write(const PackedDag& dag, const Cube& bounds_m, const AttributeParts* attributes,
                   const StreamedAttributes* streamed, const std::filesystem::path& path, const Progress& progress) {
     std::vector<Format> formats;
     for (const PackedLevel& level : dag.levels)
-        formats.push_back({level.classes.widths, level.classes.begins, level.field_bits, level.mask_classes.widths,
-                           level.mask_classes.begins, level.child_masks});
+        formats.push_back({{level.classes.widths, level.classes.begins, level.field_bits, level.mask_classes.widths,
+                            level.mask_classes.begins, level.child_masks},
+                           level.tags});
     Sections sections;
+    const std::vector<TopLevel> top = stored_top(dag, attributes, streamed, progress);
+    for (std::uint32_t i = 0; i < top.size(); ++i) {
+        sections.append(Kind::TopMasks, i + 1, top[i].child_masks);
+        if (!top[i].colors.empty())
+            sections.append(Kind::TopColors, i + 1, top[i].colors);
+    }
     sections.append(Kind::Formats, 0, formats);
     for (std::size_t i = dag.levels.size(); i-- > 0;)
         sections.append(Kind::Directory, static_cast<std::uint32_t>(i) + leaf_level + 1, dag.levels[i].directory);
@@ -254,8 +325,9 @@ PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) 
     for (const Section& section : read_table(reader, header))
         switch (section.kind) {
         case Kind::Formats:
-            for (std::size_t i = 0; const Format& format : reader.values<Format>(section)) {
+            for (std::size_t i = 0; const auto& [format, tags] : read_formats(reader, header, section)) {
                 dag.levels.resize(std::max(dag.levels.size(), i + 1));
+                dag.levels[i].tags = tags;
                 dag.levels[i].classes = {.widths = format.widths, .begins = format.begins};
                 dag.levels[i].mask_classes = {.widths = format.mask_widths, .begins = format.mask_begins};
                 dag.levels[i].child_masks = format.child_masks;
@@ -304,6 +376,10 @@ PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) 
         case Kind::MeanIndices:
             attributes().means.indices = reader.values<std::uint8_t>(section);
             break;
+        case Kind::TopMasks: // for read_top(); damage is found here, too
+        case Kind::TopColors:
+            static_cast<void>(reader.values<std::uint8_t>(section));
+            break;
         default: // of a kind that came later, and that this version can do without
             break;
         }
@@ -321,5 +397,32 @@ PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) 
             .bounds_m = {.lower_m = dvec3(header.lower_m[0], header.lower_m[1], header.lower_m[2]),
                          .side_m = header.side_m},
             .attributes = std::move(kept)};
+}
+
+std::optional<TopOfDag> read_top(const std::filesystem::path& path, std::uint32_t level, const Progress& progress) {
+    const FileReader reader(path, progress);
+    const Header header = read_header(reader);
+    TopOfDag top{.bounds_m = {.lower_m = dvec3(header.lower_m[0], header.lower_m[1], header.lower_m[2]),
+                              .side_m = header.side_m},
+                 .levels = {}};
+    for (const Section& section : read_table(reader, header)) {
+        if ((section.kind != Kind::TopMasks && section.kind != Kind::TopColors) || section.level > level)
+            continue;
+        if (section.level == 0 || section.level > header.level)
+            reader.refuse(name_of(section) + " belong to no level");
+        top.levels.resize(std::max(top.levels.size(), std::size_t{section.level}));
+        if (section.kind == Kind::TopMasks)
+            top.levels[section.level - 1].child_masks = reader.values<std::uint8_t>(section);
+        else
+            top.levels[section.level - 1].colors = reader.values<ByteColor>(section);
+    }
+    if (top.levels.size() < level)
+        return std::nullopt;
+    try {
+        static_cast<void>(voxels_of(top.levels));
+    } catch (const InvalidInput& error) {
+        reader.refuse(error.what());
+    }
+    return top;
 }
 } // namespace tyndall::voxel_dag

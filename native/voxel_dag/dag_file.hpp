@@ -5,6 +5,7 @@
 #pragma once
 #include "core/progress.hpp"
 #include "voxel_dag/dag_attributes.hpp"
+#include "voxel_dag/top_levels.hpp"
 #include "voxel_dag/voxelize.hpp"
 #include <filesystem>
 
@@ -35,4 +36,13 @@ void write_dag(const PackedDag& dag, const Cube& bounds_m, const StreamedAttribu
 void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem::path& path, const Progress& progress);
 /// Throws IoError, which names the path, and the section that is damaged or missing; and Cancelled.
 [[nodiscard]] PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress);
+
+struct TopOfDag {
+    Cube bounds_m;
+    std::vector<TopLevel> levels;
+};
+/// So many of a file's topmost levels, at least leaf_level, without reading the rest; nothing where it has fewer. Throws as
+/// read_dag().
+[[nodiscard]] std::optional<TopOfDag> read_top(const std::filesystem::path& path, std::uint32_t level,
+                                               const Progress& progress);
 } // namespace tyndall::voxel_dag

@@ -2,9 +2,9 @@
 #include "voxel_dag/pack_dag.hpp"
 #include "core/parallel.hpp"
 #include "voxel_dag/cube_group.hpp"
-#include "voxel_dag/first_use.hpp"
-#include "voxel_dag/unique_table.hpp"
+#include "voxel_dag/upright.hpp"
 #include <algorithm>
+#include <atomic>
 #include <hwy/cache_control.h>
 #include <numeric>
 #include <tbb/enumerable_thread_specific.h>
@@ -20,20 +20,28 @@ struct Ranks {
     std::vector<std::uint32_t> names; ///< By rank.
     std::vector<std::uint32_t> rank;  ///< By name.
 };
-Ranks ranked(const std::vector<std::uint32_t>& references, std::size_t name_count, std::uint32_t fewest) {
-    std::vector<std::uint32_t> uses(name_count, 0);
-    for (const std::uint32_t name : references)
-        ++uses[name];
+Ranks ranked_by(const std::vector<std::uint32_t>& uses, std::uint32_t fewest) {
     Ranks ranks;
-    for (std::uint32_t name = 0; name < name_count; ++name)
+    ranks.names.reserve(
+        static_cast<std::size_t>(std::ranges::count_if(uses, [&](auto times) { return times >= fewest; })));
+    for (std::uint32_t name = 0; name < uses.size(); ++name)
         if (uses[name] >= fewest)
             ranks.names.push_back(name);
     std::ranges::stable_sort(ranks.names, std::greater(), [&](std::uint32_t name) { return uses[name]; });
-    ranks.rank.assign(name_count, no_rank);
+    ranks.rank.assign(uses.size(), no_rank);
     for (std::uint32_t i = 0; i < ranks.names.size(); ++i) {
         ranks.rank[ranks.names[i]] = i;
         ranks.uses.push_back(uses[ranks.names[i]]);
     }
+    return ranks;
+}
+/// Names of two or more references. How often each is used is not asked for again.
+Ranks ranked(const std::vector<std::uint32_t>& references, std::size_t name_count) {
+    std::vector<std::uint32_t> uses(name_count, 0);
+    for (const std::uint32_t name : references)
+        ++uses[name];
+    Ranks ranks = ranked_by(uses, 2);
+    ranks.uses = {};
     return ranks;
 }
 
@@ -46,9 +54,21 @@ void for_each_child(const DagLevel& nodes, std::size_t node, std::uint32_t turn,
             visit(there, nodes.reference(node, octant));
 }
 
+/// Counts that add up.
+template <std::size_t Size>
+struct Sums {
+    std::array<std::uint32_t, Size> of{};
+    Sums& operator+=(const Sums& other) {
+        for (std::size_t i = 0; i < Size; ++i)
+            of[i] += other.of[i];
+        return *this;
+    }
+};
+
 class Packing {
 public:
-    Packing(const Dag& dag, const Progress& progress) : dag_(dag), progress_(progress), turns_(dag.levels.size()) {}
+    Packing(const Dag& dag, const PackConfig& config, const Progress& progress)
+        : dag_(dag), config_(config), progress_(progress) {}
 
     PackedDag run() {
         packed_.level = dag_.level;
@@ -56,20 +76,20 @@ public:
         packed_.leaf_bits = static_cast<std::uint32_t>(std::bit_width(dag_.leaves.size()));
         packed_.leaves = dag_.leaves;
         for (std::size_t i = 0; i + 1 < dag_.levels.size(); ++i)
-            shared_.push_back(ranked(dag_.levels[i + 1].children, dag_.levels[i].node_count(), 2));
-        turn_what_lies_inside();
+            shared_.push_back(ranked(dag_.levels[i + 1].children, dag_.levels[i].node_count()));
+        upright_ = upright_turns(
+            dag_, config_.has_inner_tags, [&](std::size_t i, std::uint32_t node) { return is_shared(i, node); },
+            progress_);
         name_pairs();
         for (std::size_t i = 0; i < dag_.levels.size(); ++i) {
-            const std::uint32_t first_class = i == 0 ? 0 : 1;
-            PackedLevel format{.mask_classes = {},
-                               .child_masks = {},
-                               .classes = best_classes(i == 0 ? pair_ranks_.uses : shared_[i - 1].uses, first_class),
-                               .field_bits = {},
-                               .directory = {}};
-            for (std::uint32_t at = first_class; at < 4; ++at)
-                format.field_bits[at] = format.classes.widths[at] + (i == 0 ? 0 : packed_.tag_bits);
+            PackedLevel& format = packed_.levels.emplace_back();
             rank_masks(i, format);
-            packed_.levels.push_back(std::move(format));
+            if (i == 0) {
+                format.classes = best_classes(pair_ranks_.uses, 0);
+                format.field_bits = format.classes.widths;
+            } else {
+                rank_tags(i, format);
+            }
         }
         BitWriter records;
         for (std::size_t i = 0; i < shared_.size(); ++i) {
@@ -86,96 +106,150 @@ public:
 
 private:
     using Scratch = std::array<BitWriter, most_level>;
+    using TagRanks = std::array<std::uint8_t, cube_element_count>;
 
     [[nodiscard]] bool is_shared(std::size_t i, std::uint32_t node) const {
         return i < shared_.size() && shared_[i].rank[node] != no_rank;
     }
 
-    /// From the root down: what lies inside another record is turned with it.
-    void turn_what_lies_inside() {
-        for (std::size_t i = dag_.levels.size(); i-- > 0;) {
-            turns_[i].resize(dag_.levels[i].node_count(), 0);
-            if (i + 1 == dag_.levels.size()) {
-                turns_[i][0] = dag_.root_tag;
-                continue;
-            }
-            const DagLevel& above = dag_.levels[i + 1];
-            parallel_for(above.node_count(), progress_, [&](std::size_t node) {
-                for (std::size_t at = above.first_children[node]; at < above.first_children[node + 1]; ++at)
-                    if (!is_shared(i, above.children[at]))
-                        turns_[i][above.children[at]] = cube_group.product[turns_[i + 1][node]][above.tag(at)];
-            });
-        }
+    /// visit(leaf, the smallest tag that turns it into the brick there) of all bricks that a record of 8^3 names.
+    template <class Visit>
+    void for_each_brick(std::size_t node, const Visit& visit) const {
+        const DagLevel& nodes = dag_.levels.front();
+        for (std::size_t at = nodes.first_children[node]; at < nodes.first_children[node + 1]; ++at)
+            visit(nodes.children[at], brick_tag(node, at));
+    }
+    [[nodiscard]] std::uint32_t brick_tag(std::size_t node, std::size_t reference) const {
+        const DagLevel& nodes = dag_.levels.front();
+        return upright_.brick_turn(nodes.children[reference],
+                                   cube_group.product[upright_.turns[0][node]][nodes.tag(reference)]);
+    }
+    /// The number of a brick among those that records name, by leaf and tag.
+    [[nodiscard]] std::uint32_t pair_of(std::uint32_t leaf, std::uint32_t tag) const {
+        const std::uint64_t before = leaf_tags_[leaf] & ((std::uint64_t{1} << tag) - 1);
+        return first_pairs_[leaf] + static_cast<std::uint32_t>(std::popcount(before));
     }
 
     /// A pair for each different brick that records of 8^3 name, in the order of how often they do.
     void name_pairs() {
-        std::vector<std::uint32_t> tags;   // by reference
-        std::vector<std::uint32_t> leaves; // by reference
-        if (dag_.levels.empty()) {
-            leaves.assign(dag_.leaves.size(), 0);
-            tags.assign(dag_.leaves.size(), dag_.root_tag);
-        } else {
-            const DagLevel& nodes = dag_.levels.front();
-            leaves = nodes.children;
-            tags.resize(leaves.size());
-            parallel_for(nodes.node_count(), progress_, [&](std::size_t node) {
-                for (std::size_t at = nodes.first_children[node]; at < nodes.first_children[node + 1]; ++at)
-                    tags[at] = cube_group.product[turns_[0][node]][nodes.tag(at)];
-            });
+        leaf_tags_.resize(dag_.leaves.size(), 0);
+        if (dag_.levels.empty())
+            leaf_tags_[0] = std::uint64_t{1} << dag_.root_tag;
+        else
+            parallel_for(
+                dag_.levels.front().node_count(), progress_,
+                [&](std::size_t node) {
+                    for_each_brick(node, [&](std::uint32_t leaf, std::uint32_t tag) {
+                        const std::atomic_ref tags(leaf_tags_[leaf]);
+                        if ((tags.load(std::memory_order_relaxed) >> tag & 1) == 0)
+                            tags.fetch_or(std::uint64_t{1} << tag, std::memory_order_relaxed);
+                    });
+                },
+                1 << 12);
+        std::uint32_t pair_count = 0;
+        for (const std::uint64_t tags : leaf_tags_) {
+            first_pairs_.push_back(pair_count);
+            pair_count += static_cast<std::uint32_t>(std::popcount(tags));
         }
-        pairs_ = leaves;
-        number_bricks(tags);
-        std::vector<std::size_t> first_reference; // by pair
-        for (std::size_t at = 0; at < pairs_.size(); ++at)
-            if (pairs_[at] == first_reference.size())
-                first_reference.push_back(at);
-        pair_ranks_ = ranked(pairs_, first_reference.size(), 1);
+        std::vector<std::uint32_t> uses(pair_count, dag_.levels.empty() ? 1 : 0);
+        if (!dag_.levels.empty())
+            parallel_for(
+                dag_.levels.front().node_count(), progress_,
+                [&](std::size_t node) {
+                    for_each_brick(node, [&](std::uint32_t leaf, std::uint32_t tag) {
+                        std::atomic_ref(uses[pair_of(leaf, tag)]).fetch_add(1, std::memory_order_relaxed);
+                    });
+                },
+                1 << 12);
+        pair_ranks_ = ranked_by(uses, 1);
+        std::vector<std::uint64_t> pairs; // leaf and tag by number
+        for (std::uint32_t leaf = 0; leaf < leaf_tags_.size(); ++leaf)
+            for (std::uint64_t tags = leaf_tags_[leaf]; tags != 0; tags &= tags - 1)
+                pairs.push_back(leaf | static_cast<std::uint64_t>(std::countr_zero(tags)) << packed_.leaf_bits);
         BitWriter fields;
-        for (const std::uint32_t pair : pair_ranks_.names) {
-            fields.append(leaves[first_reference[pair]], packed_.leaf_bits);
-            fields.append(tags[first_reference[pair]], packed_.tag_bits);
-        }
+        for (const std::uint32_t pair : pair_ranks_.names)
+            fields.append(pairs[pair], packed_.leaf_bits + packed_.tag_bits);
         packed_.pairs = std::move(fields).padded_words();
     }
 
-    /// pairs_, leaves' numbers before, become numbers of bricks as the tags turn them, in the order of first use.
-    void number_bricks(const std::vector<std::uint32_t>& tags) {
-        using Table = UniqueTable<std::uint64_t>;
-        Table table(2 * dag_.leaves.size());
-        tbb::enumerable_thread_specific<Table::Reserve> reserves;
-        std::vector<std::uint32_t> numbers(pairs_.size());
-        for (std::atomic<bool> is_full = true; is_full.exchange(false);) {
-            parallel_blocks(pairs_.size(), Table::batch_size * 128, progress_, [&](std::size_t begin, std::size_t end) {
-                Table::Reserve& reserve = reserves.local();
-                for (std::size_t first = begin; first < end; first += Table::batch_size) {
-                    std::array<std::uint64_t, Table::batch_size> batch;
-                    const std::size_t batched = std::min(Table::batch_size, end - first);
-                    for (std::size_t i = 0; i < batched; ++i)
-                        batch[i] = turned_leaf(tags[first + i], dag_.leaves[pairs_[first + i]]);
-                    if (!table.find_or_insert({batch.data(), batched}, &numbers[first], reserve))
-                        return is_full.store(true);
-                }
-            });
-            if (is_full)
-                table.make_room(table.past(), progress_);
+    /// What turns the record that a reference of levels[i] names, or that lies inside, into what is there; of equal ones
+    /// the one of the lowest rank.
+    [[nodiscard]] std::uint32_t tag_of(std::size_t i, std::size_t node, std::size_t reference,
+                                       const TagRanks& ranks) const {
+        const DagLevel& nodes = dag_.levels[i];
+        const std::uint32_t child = nodes.children[reference];
+        const std::uint32_t turned = cube_group.product[upright_.turns[i][node]][nodes.tag(reference)];
+        std::uint32_t best = cube_group.product[turned][cube_group.inverse[upright_.turns[i - 1][child]]];
+        if (i == 1 && is_shared(0, child))
+            for (std::uint64_t left = upright_.keeping(child); left != 0; left &= left - 1) {
+                const std::uint32_t tag =
+                    cube_group.product[turned][cube_group.product[cube_group.inverse[upright_.turns[0][child]]]
+                                                                 [static_cast<std::size_t>(std::countr_zero(left))]];
+                best = ranks[tag] < ranks[best] ? tag : best;
+            }
+        return best;
+    }
+    /// Whether records of levels[i] give what lies inside them a tag.
+    [[nodiscard]] bool has_inner_tags(std::size_t i) const { return upright_.has_inner_tags && i == 2; }
+
+    /// visit(sums, whether the child is shared, its number, its tag) of all that references of levels[i] name, side by side.
+    template <class Sums, class Visit>
+    [[nodiscard]] Sums tag_sums(std::size_t i, const TagRanks& ranks, const Visit& visit) const {
+        const DagLevel& nodes = dag_.levels[i];
+        return parallel_sum(nodes.node_count(), 1 << 14, Sums{}, progress_, [&](std::size_t begin, std::size_t end) {
+            Sums sums;
+            for (std::size_t node = begin; node < end; ++node)
+                for (std::size_t at = nodes.first_children[node]; at < nodes.first_children[node + 1]; ++at)
+                    if (const bool is_named = is_shared(i - 1, nodes.children[at]); is_named || has_inner_tags(i))
+                        visit(sums, is_named, nodes.children[at], tag_of(i, node, at, ranks));
+            return sums;
+        });
+    }
+    /// The tags of a level's references by falling use, the one that changes nothing first; and classes.
+    void rank_tags(std::size_t i, PackedLevel& format) {
+        TagRanks& ranks = tag_ranks_.emplace_back();
+        std::iota(ranks.begin(), ranks.end(), std::uint8_t{0});
+        const auto uses = tag_sums<Sums<cube_element_count>>(
+            i, ranks, [](auto& sums, bool, std::uint32_t, std::uint32_t tag) { ++sums.of[tag]; });
+        std::array<std::uint8_t, cube_element_count> order = ranks;
+        std::stable_sort(order.begin() + 1, order.end(), [&](auto a, auto b) { return uses.of[a] > uses.of[b]; });
+        for (std::uint8_t rank = 0; rank < order.size(); ++rank) {
+            ranks[order[rank]] = rank;
+            format.tags[rank] = rank < symmetry_order(dag_.symmetry) ? order[rank] : std::uint8_t{0};
         }
-        static_cast<void>(number_by_first_use(numbers, table.past(), progress_));
-        pairs_ = std::move(numbers);
+        constexpr std::size_t tag_widths = std::tuple_size_v<TaggedUses::value_type>;
+        const auto flat = tag_sums<Sums<std::tuple_size_v<TaggedUses> * tag_widths>>(
+            i, ranks, [&](auto& sums, bool is_named, std::uint32_t child, std::uint32_t tag) {
+                const auto tag_bits = static_cast<std::size_t>(std::bit_width(std::uint32_t{ranks[tag]}));
+                if (is_named)
+                    ++sums.of[tag_widths * static_cast<std::size_t>(std::bit_width(shared_[i - 1].rank[child])) +
+                              tag_bits];
+            });
+        TaggedUses tagged{};
+        for (std::size_t at = 0; at < flat.of.size(); ++at)
+            tagged[at / tag_widths][at % tag_widths] = flat.of[at];
+        tagged_.push_back(best_tagged_classes(tagged));
+        format.classes = {.widths = tagged_.back().rank_bits, .begins = {}};
+        format.field_bits[0] = has_inner_tags(i) ? packed_.tag_bits : 0;
+        for (std::size_t at = 1; at < 4; ++at)
+            format.field_bits[at] = tagged_.back().rank_bits[at] + tagged_.back().tag_bits[at];
     }
 
     /// The child masks of a level's records, by falling number of records.
     void rank_masks(std::size_t i, PackedLevel& format) {
         const DagLevel& nodes = dag_.levels[i];
-        std::vector<std::uint32_t> masks(nodes.node_count());
-        parallel_for(
-            masks.size(), progress_,
-            [&](std::size_t node) {
-                for_each_child(nodes, node, turns_[i][node],
-                               [&](std::uint32_t there, std::size_t) { masks[node] |= 1u << there; });
-            },
-            1 << 12);
-        mask_ranks_.push_back(ranked(masks, 256, 1));
+        const auto uses =
+            parallel_sum(nodes.node_count(), 1 << 14, Sums<256>{}, progress_, [&](std::size_t begin, std::size_t end) {
+                Sums<256> counted;
+                for (std::size_t node = begin; node < end; ++node) {
+                    std::uint32_t mask = 0;
+                    for_each_child(nodes, node, upright_.turns[i][node],
+                                   [&](std::uint32_t there, std::size_t) { mask |= 1u << there; });
+                    ++counted.of[mask];
+                }
+                return counted;
+            });
+        mask_ranks_.push_back(ranked_by({uses.of.begin(), uses.of.end()}, 1));
         format.mask_classes = best_classes(mask_ranks_[i].uses, 0);
         std::ranges::transform(mask_ranks_[i].names, format.child_masks.begin(),
                                [](std::uint32_t mask) { return static_cast<std::uint8_t>(mask); });
@@ -203,6 +277,7 @@ private:
                 packed_.levels[i].directory.push_back(static_cast<std::uint32_t>(bit));
             }
             records.append(blocks[at]);
+            blocks[at] = {};
         }
     }
 
@@ -238,7 +313,7 @@ private:
 
     void write(std::size_t i, std::uint32_t node, BitWriter& out, Scratch& scratch) const {
         const DagLevel& nodes = dag_.levels[i];
-        const std::uint32_t turn = turns_[i][node];
+        const std::uint32_t turn = upright_.turns[i][node];
         const RankClasses& formats = packed_.levels[i].classes;
         std::uint32_t mask = 0, classes = 0, count = 0;
         BitWriter& inside = scratch[i];
@@ -251,15 +326,17 @@ private:
             const std::uint32_t child = nodes.children[reference];
             std::uint32_t at_class = 0;
             if (i == 0) {
-                const std::uint32_t rank = pair_ranks_.rank[pairs_[reference]];
+                const std::uint32_t rank = pair_ranks_.rank[pair_of(child, brick_tag(node, reference))];
                 at_class = formats.class_of(rank, 0);
                 fields[count] = rank - formats.begins[at_class];
             } else if (is_shared(i - 1, child)) {
                 const std::uint32_t rank = shared_[i - 1].rank[child];
-                at_class = formats.class_of(rank, 1);
-                const std::uint64_t tag = cube_group.product[turn][nodes.tag(reference)];
-                fields[count] = (rank - formats.begins[at_class]) | tag << formats.widths[at_class];
+                const std::uint64_t tag_rank = tag_ranks_[i - 1][tag_of(i, node, reference, tag_ranks_[i - 1])];
+                at_class = tagged_[i - 1].class_of(rank, static_cast<std::uint32_t>(tag_rank));
+                fields[count] = rank | tag_rank << formats.widths[at_class];
             } else {
+                if (has_inner_tags(i))
+                    fields[count] = tag_ranks_[i - 1][tag_of(i, node, reference, tag_ranks_[i - 1])];
                 const std::uint64_t begin = inside.size();
                 if (i - 1 == ready_level_)
                     inside.append(ready_[child]);
@@ -288,11 +365,15 @@ private:
     }
 
     const Dag& dag_;
+    const PackConfig& config_;
     const Progress& progress_;
     PackedDag packed_;
-    std::vector<Ranks> shared_;                    ///< By level, the root's apart: nodes of two or more references.
-    std::vector<std::vector<std::uint8_t>> turns_; ///< By level and node, as its record is written.
-    std::vector<std::uint32_t> pairs_;             ///< By reference from 8^3 to leaves.
+    std::vector<Ranks> shared_; ///< By level, the root's apart: nodes of two or more references.
+    Upright upright_;
+    std::vector<std::uint64_t> leaf_tags_;   ///< By leaf, bit t: records name its brick of tag t.
+    std::vector<std::uint32_t> first_pairs_; ///< By leaf: the number of its first pair.
+    std::vector<TagRanks> tag_ranks_;        ///< By level from 16^3 on, and tag.
+    std::vector<TaggedClasses> tagged_;      ///< As many.
     Ranks pair_ranks_;
     std::vector<Ranks> mask_ranks_; ///< By level.
     tbb::enumerable_thread_specific<Scratch> scratches_;
@@ -306,11 +387,11 @@ std::uint64_t estimated_pack_bytes(const Dag& dag) {
     return bytes_per_node * dag.node_count();
 }
 
-PackedDag pack_dag(const Dag& dag, const Progress& progress) {
+PackedDag pack_dag(const Dag& dag, const Progress& progress, const PackConfig& config) {
     progress.poll();
     if (dag.is_empty())
         return {.level = dag.level, .leaves = {}, .pairs = {}, .records = {}, .levels = {}};
-    PackedDag packed = Packing(dag, progress).run();
+    PackedDag packed = Packing(dag, config, progress).run();
     packed.voxel_count = dag.voxel_count();
     packed.node_count = dag.node_count();
     return packed;

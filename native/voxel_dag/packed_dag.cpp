@@ -60,8 +60,7 @@ static std::uint64_t shared_record(const PackedDag& dag, std::uint32_t level, st
 
 /// What the record names child number `index` by, which is shared.
 struct SharedName {
-    std::uint32_t rank;
-    std::uint64_t tag;
+    std::uint32_t rank, tag;
 };
 static SharedName shared_name(const PackedDag& dag, const PackedLevel& format, const PackedHeader& header,
                               std::uint32_t index) {
@@ -69,7 +68,7 @@ static SharedName shared_name(const PackedDag& dag, const PackedLevel& format, c
     const std::uint64_t bit = header.body_bit + fields_size(format.field_bits, first_classes(header, index), index);
     const std::uint64_t field = read_bits(dag.records, bit, format.field_bits[at_class]);
     const auto rank = static_cast<std::uint32_t>(field & ((std::uint64_t{1} << width) - 1));
-    return {.rank = format.classes.begins[at_class] + rank, .tag = field >> width};
+    return {.rank = format.classes.begins[at_class] + rank, .tag = format.tags[field >> width & 63]};
 }
 
 std::optional<std::uint32_t> packed_rank(const PackedDag& dag, std::uint32_t level, const PackedHeader& header,
@@ -90,12 +89,15 @@ PackedNode packed_child(const PackedDag& dag, std::uint32_t level, const PackedN
     }
     const std::uint32_t before = first_classes(header, index);
     const std::uint32_t child_count = count_of(header.child_mask);
+    const std::uint64_t tag_bit = header.body_bit + fields_size(format.field_bits, before, index);
+    const std::uint32_t tag = format.tags[read_bits(dag.records, tag_bit, format.field_bits[0]) & 63];
+    const std::uint32_t turn = cube_group.product[node.turn][tag];
     std::uint64_t bit = header.body_bit + fields_size(format.field_bits, header.classes, child_count);
     std::uint32_t skipped = inside_count(before, index);
     if (level == leaf_level + 2) {
         for (; skipped > 0; --skipped)
             bit = end_of_smallest(dag, bit);
-        return {.bit = bit, .turn = node.turn};
+        return {.bit = bit, .turn = turn};
     }
     const std::uint32_t inside = inside_count(header.classes, child_count);
     if (inside > 1) {
@@ -105,7 +107,7 @@ PackedNode packed_child(const PackedDag& dag, std::uint32_t level, const PackedN
         for (; skipped > 0; --skipped, length_bit += width)
             bit += read_bits(dag.records, length_bit, width);
     }
-    return {.bit = bit, .turn = node.turn};
+    return {.bit = bit, .turn = turn};
 }
 
 std::uint32_t packed_pair(const PackedDag& dag, const PackedHeader& header, std::uint32_t octant) {
@@ -161,7 +163,7 @@ std::uint64_t PackedDag::brick(const Voxel& voxel) const {
 std::uint64_t PackedDag::byte_count() const {
     std::uint64_t bytes = 8 * (leaves.size() + pairs.size() + records.size()) + 24;
     for (const PackedLevel& format : levels)
-        bytes += 4 * (format.directory.size() + 20) + format.child_masks.size();
+        bytes += 4 * (format.directory.size() + 20) + format.child_masks.size() + format.tags.size();
     return bytes;
 }
 
@@ -183,8 +185,11 @@ void require_usable(const PackedDag& dag) {
         const PackedLevel& level = dag.levels[i];
         for (std::size_t at_class = 0; at_class < 4; ++at_class)
             require(level.mask_classes.widths[at_class] <= 8 && level.classes.widths[at_class] <= 32 &&
-                        level.field_bits[at_class] <= 32 + dag.tag_bits,
+                        level.classes.widths[at_class] <= level.field_bits[at_class] &&
+                        level.field_bits[at_class] <= level.classes.widths[at_class] + dag.tag_bits,
                     "voxel DAG: fields of ", level.field_bits[at_class], " bits in level ", i + leaf_level + 1);
+        require(std::ranges::all_of(level.tags, [](std::uint8_t tag) { return tag < cube_element_count; }),
+                "voxel DAG: a tag in level ", i + leaf_level + 1, " is none of the cube's");
         require(std::ranges::all_of(level.directory, [&](std::uint32_t bit) { return bit < record_bits - slack_bits; }),
                 "voxel DAG: the directory of level ", i + leaf_level + 1, " leaves the records");
     }

@@ -5,11 +5,13 @@
 //           one reference. Those take no reference at all: they lie in their parent's record, turned as it needs them.
 //           Nodes of two or more references make a dictionary per level, in four widths of ranks (rank_classes.hpp).
 //           Leaves are named with their tag, as pairs, by nodes of 8^3.
+//           Records are stored upright (upright.hpp): siblings name few leaves, and few tags, of which the first in their
+//           level's list changes nothing.
 // Record:   the rank of its child mask in its level's list: 2 bits of class, and as many as that class has; per child 2
-//           bits of class; per child its field: in 8^3, the rank of a pair; above, nothing for class 0, which lies
-//           inside, else a rank in the dictionary below and a tag; above 16^3, with two or more children inside, 5 bits
+//           bits of class; per child its field: in 8^3, the rank of a pair; above, for class 0, which lies inside, the rank
+//           of a tag in 32^3, else nothing; for others a rank in the dictionary below and the rank of a tag; above 16^3, with two or more children inside, 5 bits
 //           of width and the lengths of all but the last; then the records inside.
-// Bound:    the dragon at 8K^3, 98.1 M voxels of the thin rule: 14.2 MB with 48 turns (21.6 in the published layout), 16.7
+// Bound:    the dragon at 8K^3, 98.1 M voxels of the thin rule: 11.7 MB with 48 turns (21.6 in the published layout), 15.1
 //           with 8, 19.4 with none. One load of 64 bits per field.
 #pragma once
 #include "voxel_dag/bit_stream.hpp"
@@ -24,7 +26,8 @@ struct PackedLevel {
     RankClasses mask_classes;                    ///< Of ranks in child_masks.
     std::array<std::uint8_t, 256> child_masks{}; ///< By rank: those that the level's records have, then zeros.
     RankClasses classes;                         ///< Of ranks below.
-    std::array<std::uint32_t, 4> field_bits;     ///< Per class: rank and tag.
+    std::array<std::uint32_t, 4> field_bits;     ///< Per class: a rank below, and a tag's rank.
+    std::array<std::uint8_t, 64> tags{};         ///< By rank: those that the level's records name, then zeros.
     std::vector<std::uint32_t> directory;        ///< Bit at which every directory_step(level)-th shared record begins.
 
     bool operator==(const PackedLevel&) const = default;

@@ -87,9 +87,10 @@ public:
         } else if (at_class != 0) {
             const std::uint64_t field = bits_at(records_, bit);
             const std::uint32_t width = table.rank_bits[at_class];
-            turn_ = cube_group.product[turn_][low(field >> width, tables_->dag->tag_bits)];
+            turn_ = cube_group.product[turn_][table.tags[low(field >> width, table.tag_bits[at_class])]];
             go_to_shared(table.begins[at_class] + low(field, width));
         } else {
+            turn_ = cube_group.product[turn_][table.tags[low(bits_at(records_, bit), table.field_bits[0])]];
             go_inside(level, node, index - count_of((before | before >> 1) & 0x5555u));
         }
     }

@@ -20,8 +20,12 @@ static RecordTable make_record_table(const PackedLevel& level) {
                       .sizes = {},
                       .field_bits = level.field_bits,
                       .rank_bits = level.classes.widths,
+                      .tag_bits = {},
                       .begins = level.classes.begins,
+                      .tags = level.tags,
                       .directory = level.directory.data()};
+    for (std::size_t at_class = 0; at_class < 4; ++at_class)
+        table.tag_bits[at_class] = level.field_bits[at_class] - level.classes.widths[at_class];
     for (std::uint32_t bits = 0; bits < table.heads.size(); ++bits) {
         const std::uint32_t mask_class = bits & 3, width = level.mask_classes.widths[mask_class];
         const std::uint32_t rank = level.mask_classes.begins[mask_class] + (bits >> 2 & ((1u << width) - 1));

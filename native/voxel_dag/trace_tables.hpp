@@ -34,8 +34,9 @@ struct RecordTable {
     std::array<std::uint16_t, 1024>
         heads; ///< By a record's first 10 bits: its child mask, and 256 * bits before classes.
     std::array<std::uint8_t, 256> sizes; ///< By the classes of four children: bits of their fields.
-    std::array<std::uint32_t, 4> field_bits, rank_bits, begins; ///< By class.
-    const std::uint32_t* directory;                             ///< Of this level's shared records.
+    std::array<std::uint32_t, 4> field_bits, rank_bits, tag_bits, begins; ///< By class.
+    std::array<std::uint8_t, 64> tags;                                    ///< By rank.
+    const std::uint32_t* directory;                                       ///< Of this level's shared records.
 };
 
 /// A node of the topmost levels. Inner ones: the child mask, by octants of the world, and 256 * the first child's place.

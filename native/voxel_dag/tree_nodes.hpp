@@ -37,8 +37,8 @@ inline PackedNode child_of(const PackedDag& dag, std::uint32_t level, const Pack
 
 /// A leaf as it is stored, and what turns it into the one that is there.
 struct TurnedLeaf {
-    std::uint64_t mask;
-    std::uint32_t turn;
+    std::uint64_t mask = 0;
+    std::uint32_t turn = 0;
 };
 inline TurnedLeaf leaf_of(const Dag& dag, const Node& node) {
     return {.mask = dag.leaves[node.number], .turn = node.turn};
@@ -46,5 +46,10 @@ inline TurnedLeaf leaf_of(const Dag& dag, const Node& node) {
 inline TurnedLeaf leaf_of(const PackedDag& dag, const PackedNode& node) {
     const PackedLeaf leaf = packed_leaf(dag, static_cast<std::uint32_t>(node.bit));
     return {.mask = leaf.mask, .turn = cube_group.product[node.turn][leaf.tag]};
+}
+/// Its octants of 2 x 2 x 2 voxels that have any, and the voxels of one, bit by bit; both as they are stored.
+inline std::uint32_t groups_of(const TurnedLeaf& leaf) { return occupied_bytes(leaf.mask); }
+inline std::uint32_t group_of(const TurnedLeaf& leaf, std::uint32_t octant) {
+    return static_cast<std::uint32_t>(leaf.mask >> 8 * octant & 0xff);
 }
 } // namespace tyndall::voxel_dag

@@ -234,3 +234,16 @@ def test_a_cancelled_call_stops() -> None:
     progress.cancel()
     with pytest.raises(tyndall.Cancelled):
         voxelize(*soup(1000, 5), Config(resolution=1024), progress)
+
+
+def test_a_level_of_a_file_is_its_cubes_whether_they_lie_apart_or_not(tmp_path: Path) -> None:
+    voxels = np.argwhere(np.linalg.norm(np.indices((128, 128, 128)) - 63.5, axis=0).round() == 60)
+    dag = from_coordinates(voxels, Config(resolution=128))
+    dag.save(tmp_path / "ball.tdag")
+    for level in (2, 3, 6):  # the last one takes too much to lie apart
+        coarse = load(tmp_path / "ball.tdag", level=level)
+        assert coarse.resolution == 2**level
+        cubes = {tuple(cube) for part in coarse.coordinates() for cube in part}
+        assert cubes == {tuple(cube) for cube in voxels // 2 ** (7 - level)}
+    with pytest.raises(tyndall.InvalidInput, match="level is 1"):
+        load(tmp_path / "ball.tdag", level=1)

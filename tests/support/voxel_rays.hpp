@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Rays that tests of tracing voxels share, and what they are to hit.
 #pragma once
-#include "voxel_dag/leaf_masks.hpp"
+#include "support/packed_voxels.hpp"
 #include "voxel_dag/trace.hpp"
 #include <algorithm>
 #include <cmath>
@@ -11,15 +11,6 @@ namespace tyndall::support {
 using voxel_dag::LeafMasks;
 using voxel_dag::Voxel;
 using voxel_dag::VoxelRay;
-
-inline std::vector<Voxel> listed(const LeafMasks& voxels) {
-    std::vector<Voxel> list;
-    for (std::size_t brick = 0; brick < voxels.codes.size(); ++brick)
-        for (std::uint64_t i = 0; i < 64; ++i)
-            if ((voxels.masks[brick] >> i & 1) != 0)
-                list.push_back(voxel_dag::voxel_at(voxels.codes[brick] << 6 | i));
-    return list;
-}
 
 /// Where a ray enters a cube, by its lowest voxel; infinite where it does not pass through its inside.
 inline double entry_of(const VoxelRay& ray, const Voxel& lowest, double width = 1.0) {

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/errors.hpp"
+#include "support/file_of_version_1.hpp"
 #include "support/mutated_bytes.hpp"
 #include "support/packed_voxels.hpp"
 #include "support/random_attributes.hpp"
+#include "support/voxel_rays.hpp"
 #include "support/voxel_sets.hpp"
 #include "voxel_dag/dag_file.hpp"
+#include "voxel_dag/decode.hpp"
 #include "voxel_dag/encode_attributes.hpp"
+#include "voxel_dag/tracer.hpp"
 #include <doctest/doctest.h>
 #include <fstream>
 #include <iterator>
@@ -164,6 +168,27 @@ TEST_CASE("what is no such file, and one of a newer version, is told apart from 
     newer[8] = 3;
     file.replace(newer);
     CHECK(file.complaint().find("version 3") != std::string::npos);
+}
+
+TEST_CASE("a file of version 1 gives its voxels, along rays, too, and is written again as one of today") {
+    const TestFile file;
+    file.replace({reinterpret_cast<const char*>(file_of_version_1.data()), 8 * file_of_version_1.size()});
+    const LeafMasks voxels = sphere_voxels(6, {33, 30, 29}, 25);
+    for (int time = 0; time < 2; ++time) {
+        const PlacedDag read = read_dag(file.path(), progress);
+        CHECK(read.bounds_m.lower_m == dvec3(-1, 0, 2));
+        LeafMasks all{.level = 6, .codes = {}, .masks = {}};
+        decode(
+            read.dag, 1 << 20, [&](const LeafMasks& part) { all = part; }, progress);
+        CHECK(all == voxels);
+        std::vector<VoxelRay> rays = assorted_rays(listed(voxels), 64.0, 2000);
+        std::vector<VoxelHit> hits(rays.size());
+        Tracer(read.dag).trace(rays, hits, progress);
+        const PackedDag today = packed(voxels, Symmetry::Cube);
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            REQUIRE(hits[i] == trace(today, rays[i]));
+        write_dag(read, file.path(), progress);
+    }
 }
 
 TEST_CASE("a file that cannot be written leaves the one that was there, and a cancelled call, too") {
