@@ -293,8 +293,6 @@ private:
         hwy::Prefetch(&nodes.children[reference]);
         if (!nodes.tags.empty())
             hwy::Prefetch(&nodes.tags[reference]);
-        if (&nodes == &dag_.levels.front())
-            hwy::Prefetch(&pairs_[reference]);
     }
 
     /// What lies inside others from here on up is the root's one record, nearly all of a surface: its parts are written
