@@ -95,8 +95,10 @@ ShadingPoint Scene::shading_point(const PlacedShape& placed, const Ray& ray, con
     const vec3 normal = geometry_->placements[hit.instance].scene_from_object_normals * look.normal;
     if (const float length = glm::length(normal); length > 0.0f)
         point.shading_normal = normal / length;
-    // Walls of one voxel have two sides. Steps at a silhouette look away from the ray a little, and stay as they are.
-    if (glm::dot(point.shading_normal, point.geometric_normal) < 0.0f)
+    // Walls of one voxel have two sides. Steps at a silhouette look away from the ray a little, and stay as they are; the
+    // faces of cubes of voxels say nothing about the surface in them.
+    if (shape.is_cube(hit.cell) ? glm::dot(point.shading_normal, ray.direction) > 0.0f
+                                : glm::dot(point.shading_normal, point.geometric_normal) < 0.0f)
         point.shading_normal = -point.shading_normal;
     point.view_cosine = view_cosine(point, ray);
     return point;
