@@ -7,6 +7,7 @@ mirrors, and mirrors are asked for; glass becomes transparent.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -189,7 +190,7 @@ def _principled_index(reader: ValueReader, at: Socket) -> float:
     else:
         ior = max(reader.constant(at.input("IOR"), 1.5), 1.0)
         straight = ((ior - 1.0) / (ior + 1.0)) ** 2 * 2.0 * reader.constant(at.input("Specular IOR Level"), 0.5)
-    root = min(max(straight, 0.0), 0.99) ** 0.5
+    root = math.sqrt(min(max(straight, 0.0), 0.99))
     return (1.0 + root) / (1.0 - root)
 
 

@@ -60,17 +60,19 @@ public:
         if (has_means())
             result_.means = encoder(static_cast<std::uint32_t>(means_.counts.size()));
         std::uint64_t done = 0;
-        for (const UpperNode& node : nodes) {
-            progress_.poll();
-            if (node.subtree.level != config_.part_level) {
-                if (has_means())
-                    result_.means->add(std::array{RowFinder(means_).number_of(mean_row(sum_below(node)))}, progress_);
-                continue;
+        for (const Step step : {&run_array::Encoder::learn, &run_array::Encoder::add})
+            for (const UpperNode& node : nodes) {
+                progress_.poll();
+                if (node.subtree.level != config_.part_level) {
+                    if (has_means())
+                        ((*result_.means).*step)(std::array{RowFinder(means_).number_of(mean_row(sum_below(node)))},
+                                                 progress_);
+                    continue;
+                }
+                give_part(node, step);
+                done += node.subtree.voxel_count;
+                report_(0.5 * static_cast<double>(done) / static_cast<double>(dag_.voxel_count));
             }
-            add_part(node);
-            done += node.subtree.voxel_count;
-            report_(static_cast<double>(done) / static_cast<double>(dag_.voxel_count));
-        }
         result_.voxels->finish(progress_);
         if (has_means())
             result_.means->finish(progress_);
@@ -78,6 +80,9 @@ public:
     }
 
 private:
+    /// What an encoder does with values.
+    using Step = void (run_array::Encoder::*)(std::span<const std::uint32_t>, const Progress&);
+
     [[nodiscard]] bool has_means() const { return config_.attributes.has_means && result_.parts.order.node_count > 0; }
     [[nodiscard]] std::unique_ptr<run_array::Encoder> encoder(std::uint64_t value_count) const {
         return std::make_unique<run_array::Encoder>(run_array::Config{}, bits_for(value_count),
@@ -151,7 +156,7 @@ private:
         return row;
     }
 
-    void add_part(const UpperNode& node) {
+    void give_part(const UpperNode& node, Step step) {
         const PartFile& part = *parts_[part_of(node.code)];
         const std::size_t column_count = config_.layout.column_count();
         const PartTables tables = part.read_tables(column_count, progress_);
@@ -165,12 +170,14 @@ private:
             return in_order;
         };
         const auto put_voxels = [](auto&&... arguments) { to_stored_order(arguments...); };
-        result_.voxels->add(stored(part.read_indices(progress_), node.subtree.voxel_count, put_voxels), progress_);
+        ((*result_.voxels).*step)(stored(part.read_indices(progress_), node.subtree.voxel_count, put_voxels),
+                                  progress_);
         if (!has_means())
             return;
         numbers = RowFinder(means_).numbers_of(tables.means.columns);
         const auto put_nodes = [](auto&&... arguments) { nodes_to_stored_order(arguments...); };
-        result_.means->add(stored(part.read_mean_indices(progress_), node.subtree.node_count, put_nodes), progress_);
+        ((*result_.means).*step)(stored(part.read_mean_indices(progress_), node.subtree.node_count, put_nodes),
+                                 progress_);
     }
     /// What the numbers of a part's table stand for in the whole's.
     [[nodiscard]] AttributeColumn decoded(const std::vector<std::uint8_t>& bytes,

@@ -5,7 +5,6 @@
 #include "voxel_dag/fingerprint.hpp"
 #include <algorithm>
 #include <cstring>
-#include <unordered_set>
 
 namespace tyndall::voxel_dag {
 static constexpr std::uint32_t magic = 0x32415254, old_magic = 0x31415254; // "TRA2", "TRA1"
@@ -13,19 +12,46 @@ static constexpr std::uint32_t least_log2_entries = 9, most_log2_entries = 12;
 static constexpr std::size_t blocks_at_once = 4096; // packed side by side, then sifted in their order
 /// Beyond, blocks are stored whether or not they are known: the memory that knowing takes is bounded.
 static constexpr std::size_t most_known_blocks = std::size_t{1} << 20;
-/// What of an array its table of patterns is made for, whatever follows: values come one way, and once.
-static constexpr std::size_t learnt_entries = std::size_t{1} << 22;
 
 static std::uint64_t count_of_blocks(std::uint64_t entry_count, std::uint32_t log2_entries) {
     return (entry_count >> log2_entries) + ((entry_count & low_bits(log2_entries)) != 0);
 }
 static std::uint64_t whole_bytes(std::uint64_t bit_count) { return (bit_count + 7) / 8; }
 
+namespace run_array {
+Encoder::Encoder(const Config& config, std::uint32_t value_bits, SpilledBytes blocks, SpilledBytes offsets)
+    : shape_{config.log2_block_entries, value_bits}, blocks_(std::move(blocks)), offsets_(std::move(offsets)) {
+    require(least_log2_entries <= shape_.log2_entries && shape_.log2_entries <= most_log2_entries,
+            "log2_block_entries is ", shape_.log2_entries, ", outside [", least_log2_entries, ", ", most_log2_entries,
+            "]");
+}
+
+template <class Use>
+void Encoder::in_blocks(std::span<const std::uint32_t> values, const Use& use) {
+    const std::size_t block_entries = std::size_t{1} << shape_.log2_entries;
+    if (!rest_.empty()) {
+        const auto lacking = values.first(std::min(values.size(), block_entries - rest_.size()));
+        rest_.insert(rest_.end(), lacking.begin(), lacking.end());
+        values = values.subspan(lacking.size());
+        if (rest_.size() < block_entries)
+            return;
+        use(rest_);
+        rest_.clear();
+    }
+    const std::size_t whole = values.size() >> shape_.log2_entries << shape_.log2_entries;
+    use(values.first(whole));
+    rest_.assign(values.begin() + static_cast<std::ptrdiff_t>(whole), values.end());
+}
+
+void Encoder::learn(std::span<const std::uint32_t> values, const Progress& progress) {
+    in_blocks(values, [&](std::span<const std::uint32_t> blocks) { count_patterns(blocks, progress); });
+}
+
 /// How often groups of 16 entries look alike, of those that have changes; blocks of equal contents count once.
-static std::unordered_map<run_patterns::Pattern, std::uint64_t>
-count_patterns(std::span<const std::uint32_t> values, std::size_t block_entries, const Progress& progress) {
+void Encoder::count_patterns(std::span<const std::uint32_t> values, const Progress& progress) {
     constexpr std::size_t part_count = 64; // tables of their own, side by side
-    const std::size_t block_count = (values.size() + block_entries - 1) / block_entries;
+    const std::size_t block_entries = std::size_t{1} << shape_.log2_entries;
+    const auto block_count = static_cast<std::size_t>(count_of_blocks(values.size(), shape_.log2_entries));
     const auto block = [&](std::size_t number) {
         return values.subspan(number * block_entries, std::min(block_entries, values.size() - number * block_entries));
     };
@@ -37,9 +63,9 @@ count_patterns(std::span<const std::uint32_t> values, std::size_t block_entries,
     };
     parallel_for(block_count, progress, find_print, 64);
     std::vector<std::size_t> different;
-    std::unordered_set<std::uint64_t> known;
     for (std::size_t number = 0; number < block_count; ++number)
-        if (known.insert(prints[number]).second)
+        if (learnt_blocks_.size() >= most_known_blocks ? !learnt_blocks_.contains(prints[number])
+                                                       : learnt_blocks_.insert(prints[number]).second)
             different.push_back(number);
     std::vector<std::unordered_map<run_patterns::Pattern, std::uint64_t>> of_parts(part_count);
     const auto count = [&](std::size_t part) {
@@ -49,57 +75,30 @@ count_patterns(std::span<const std::uint32_t> values, std::size_t block_entries,
                     ++of_parts[part][pattern];
     };
     parallel_for(part_count, progress, count, 1);
-    for (std::size_t part = 1; part < part_count; ++part)
-        for (const auto& [pattern, uses] : of_parts[part])
-            of_parts[0][pattern] += uses;
-    return std::move(of_parts[0]);
+    for (const auto& of_part : of_parts)
+        for (const auto& [pattern, uses] : of_part)
+            pattern_counts_[pattern] += uses;
 }
 
-namespace run_array {
-Encoder::Encoder(const Config& config, std::uint32_t value_bits, SpilledBytes blocks, SpilledBytes offsets)
-    : shape_{config.log2_block_entries, value_bits}, blocks_(std::move(blocks)), offsets_(std::move(offsets)) {
-    require(least_log2_entries <= shape_.log2_entries && shape_.log2_entries <= most_log2_entries,
-            "log2_block_entries is ", shape_.log2_entries, ", outside [", least_log2_entries, ", ", most_log2_entries,
-            "]");
+void Encoder::choose_codes(const Progress& progress) {
+    if (patterns_)
+        return;
+    count_patterns(rest_, progress);
+    rest_.clear();
+    patterns_ = run_patterns::best_table(pattern_counts_);
+    pattern_writer_.emplace(*patterns_);
+    pattern_counts_ = {};
+    learnt_blocks_ = {};
 }
 
 void Encoder::add(std::span<const std::uint32_t> values, const Progress& progress) {
-    const std::size_t block_entries = std::size_t{1} << shape_.log2_entries;
+    choose_codes(progress);
     entry_count_ += values.size();
-    if (!patterns_ && rest_.empty() && values.size() >= learnt_entries)
-        learn(values, progress);
-    if (!patterns_) {
-        rest_.insert(rest_.end(), values.begin(), values.end());
-        if (rest_.size() < learnt_entries)
-            return;
-        const std::vector<std::uint32_t> known = std::exchange(rest_, {});
-        entry_count_ -= known.size();
-        add(known, progress);
-        return;
-    }
-    if (!rest_.empty()) {
-        const auto lacking = values.first(std::min(values.size(), block_entries - rest_.size()));
-        rest_.insert(rest_.end(), lacking.begin(), lacking.end());
-        values = values.subspan(lacking.size());
-        if (rest_.size() < block_entries)
-            return;
-        pack(rest_, progress);
-        rest_.clear();
-    }
-    const std::size_t whole = values.size() >> shape_.log2_entries << shape_.log2_entries;
-    pack(values.first(whole), progress);
-    rest_.assign(values.begin() + static_cast<std::ptrdiff_t>(whole), values.end());
-}
-
-void Encoder::learn(std::span<const std::uint32_t> values, const Progress& progress) {
-    const auto first = values.first(std::min(values.size(), learnt_entries));
-    patterns_ = run_patterns::best_table(count_patterns(first, std::size_t{1} << shape_.log2_entries, progress));
-    pattern_writer_.emplace(*patterns_);
+    in_blocks(values, [&](std::span<const std::uint32_t> blocks) { pack(blocks, progress); });
 }
 
 void Encoder::finish(const Progress& progress) {
-    if (!patterns_)
-        learn(rest_, progress);
+    choose_codes(progress);
     pack(rest_, progress);
     rest_.clear();
     block_bit_count_ += bits_.bit_count();
@@ -192,6 +191,7 @@ std::vector<std::uint8_t> encode(std::span<const std::uint32_t> values, const Co
                                  const Progress& progress) {
     const std::uint32_t largest = values.empty() ? 0 : std::ranges::max(values);
     Encoder encoder(config, bits_for(std::uint64_t{largest} + 1));
+    encoder.learn(values, progress);
     encoder.add(values, progress);
     encoder.finish(progress);
     std::vector<std::uint8_t> bytes;

@@ -4,8 +4,7 @@
 //           equal, so that codes of runs take the place of most indices; blocks of equal contents are stored once, which a
 //           palette shared between unequal blocks is not worth beside.
 // Bound:    a value costs two loads of the directory and the scan of one block's codes, run_block.hpp. While values come in,
-//           64 bytes for each of the first 2^20 different blocks, among which equal ones are looked for, and the first 2^22
-//           values, by which the codes of all are chosen.
+//           64 bytes for each of the first 2^20 different blocks, among which equal ones are looked for.
 #pragma once
 #include "core/progress.hpp"
 #include "voxel_dag/run_block.hpp"
@@ -13,6 +12,7 @@
 #include <array>
 #include <optional>
 #include <unordered_map>
+#include <unordered_set>
 
 namespace tyndall::voxel_dag {
 namespace run_array {
@@ -25,13 +25,15 @@ struct Config {
 [[nodiscard]] std::vector<std::uint8_t> encode(std::span<const std::uint32_t> values, const Config& config,
                                                const Progress& progress);
 
-/// The same bytes, of values that come some at a time.
+/// The same bytes, of values that come some at a time, and twice: codes are chosen by all of them.
 class Encoder {
 public:
     /// All values are below 2^value_bits, and fewer bits would not do. What becomes the bytes is gathered in the two stores,
     /// which are empty. Throws InvalidInput.
     Encoder(const Config& config, std::uint32_t value_bits, SpilledBytes blocks = {}, SpilledBytes offsets = {});
-    /// Throws IoError where a store does, and Cancelled.
+    /// All values in their order, before the first is added. Throws Cancelled.
+    void learn(std::span<const std::uint32_t> values, const Progress& progress);
+    /// The same again. Throws IoError where a store does, and Cancelled.
     void add(std::span<const std::uint32_t> values, const Progress& progress);
     /// After the last value.
     void finish(const Progress& progress);
@@ -52,15 +54,19 @@ private:
     /// Whole blocks, or the last one.
     void pack(std::span<const std::uint32_t> values, const Progress& progress);
     void append(const Packed& block);
-    /// Chooses the codes of all values by the first ones.
-    void learn(std::span<const std::uint32_t> values, const Progress& progress);
+    template <class Use>
+    void in_blocks(std::span<const std::uint32_t> values, const Use& use);
+    void count_patterns(std::span<const std::uint32_t> values, const Progress& progress);
+    void choose_codes(const Progress& progress);
     /// Of the finished array, up to its directory.
     [[nodiscard]] std::vector<std::uint8_t> header() const;
 
     run_block::Shape shape_;
     SpilledBytes blocks_, offsets_;
-    BitPacker bits_;                  ///< What blocks_ does not have yet.
-    std::vector<std::uint32_t> rest_; ///< Less than a block, or what codes are not chosen for yet.
+    BitPacker bits_;                                                          ///< What blocks_ does not have yet.
+    std::vector<std::uint32_t> rest_;                                         ///< Less than a block.
+    std::unordered_map<run_patterns::Pattern, std::uint64_t> pattern_counts_; ///< While values are learnt.
+    std::unordered_set<std::uint64_t> learnt_blocks_;                         ///< Their fingerprints.
     std::optional<run_patterns::Table> patterns_;
     std::optional<run_patterns::Writer> pattern_writer_;
     std::vector<Packed> packed_;
