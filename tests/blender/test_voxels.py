@@ -14,6 +14,7 @@ from mathutils import Vector
 
 import tyndall
 from addon import panels
+from addon.amounts import bytes_text
 from addon.operators.voxel_files import TYNDALL_OT_import_tdag
 from addon.operators.voxelize import _plan
 from addon.sync.voxel_meshes import VoxelMesh
@@ -396,8 +397,8 @@ def test_what_is_beyond_the_memory_is_made_in_parts(saved: bpy.types.Scene, tmp_
         "scene.blend",
     ]
     select(bpy.data.objects["Block"])
-    settings.is_solid = True
-    with pytest.raises(RuntimeError, match=r"budget is 64 MiB; this would fit: Resolution \d+.*made in memory only"):
+    settings.is_solid, settings.memory_budget_mib = True, 4
+    with pytest.raises(RuntimeError, match=r"budget is 4 MiB; this would fit: Resolution \d+.*made in memory only"):
         bpy.ops.tyndall.voxelize()
 
 
@@ -571,7 +572,7 @@ def test_the_panel_says_what_a_file_holds(saved: bpy.types.Scene) -> None:
     octree = 4 * sum(level.tree_node_count for level in dag.levels())
     for name, ratio in (("An octree, 4 bytes per node", octree), ("Raw, a bit per voxel of the cube", 16**3 / 8)):
         assert f"{name} {ratio / dag.geometry_bytes:.3g} x" in shown.replace("  ", " ")
-    assert f"All {dag.geometry_bytes + dag.attribute_bytes} B" in shown
+    assert f"All {bytes_text(dag.geometry_bytes + dag.attribute_bytes)}" in shown
     shown = drawn(panels.voxels.TYNDALL_PT_voxel_levels)
     assert [shown[row] for row in (1, 4, 7)] == ["16", "8", "4"]
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from . import ENGINE, enable, last_statistics, was_interrupted
-from .voxel_meshes import gather, split_corners, textures_of
+from .voxel_meshes import gather, surface_of
 
 if TYPE_CHECKING:
     from tyndall.command_line import Settings
@@ -80,11 +80,7 @@ def read_triangles(path: Path, scene_name: str | None, *, with_colors: bool, wit
         mesh = gather(
             bpy.context.evaluated_depsgraph_get(), [thing for thing in scene.objects if not thing.hide_render]
         )
-    positions_m, triangles, carried = mesh.positions_m, mesh.triangles, {}
-    if with_colors:
-        carried["textures"] = textures_of(mesh)
-    if with_normals:
-        positions_m, triangles, carried["normals"] = split_corners(mesh)
+    positions_m, triangles, carried = surface_of(mesh, has_colors=with_colors, has_normals=with_normals)
     return positions_m, triangles, carried
 
 

@@ -20,11 +20,10 @@ def gather(depsgraph: bpy.types.Depsgraph, objects: Iterable[bpy.types.Object]) 
     return _part(".sync.voxel_meshes").gather(depsgraph, objects)
 
 
-def textures_of(mesh: Any) -> Any:  # noqa: ANN401  the add-on's
-    """The diffuse part of the materials of what was gathered, as ``tyndall.voxel_dag.Config`` takes it."""
-    return _part(".sync.voxel_meshes").textures_of(mesh)
+def surface_of(mesh: Any, *, has_colors: bool, has_normals: bool) -> Any:  # noqa: ANN401  the add-on's
+    """Positions and triangles of what was gathered, and what ``tyndall.voxel_dag.Config`` takes of them.
 
-
-def split_corners(mesh: Any) -> Any:  # noqa: ANN401  the add-on's
-    """Positions, triangles and smooth normals of what was gathered, with a vertex for each corner."""
-    return _part(".sync.voxel_meshes").split_corners(mesh)
+    That is the diffuse part of materials, and smooth normals, for which each corner has a vertex.
+    """
+    carried = {"has_colors": has_colors, "has_normals": has_normals, "channels": ()}
+    return _part(".sync.voxel_meshes").surface_of(mesh, **carried)

@@ -27,7 +27,8 @@ _FILE_BYTES_PER_VOXEL = 0.25
 #: Per core, from a mesh to a packed graph with 48 symmetries: the dragon at 8,192.
 _VOXELS_PER_S = 38e6
 _START_S = 0.05  #: Of whatever mesh.
-_COPIES = 3  #: Of attributes, while they are ordered and packed.
+_COPIES = 4  #: Of attributes, while they are ordered and packed.
+_ORDER_BYTES = 16  #: Of a voxel that has any: where it goes, and what goes there.
 _LEAST_RESOLUTION = 4
 
 
@@ -77,10 +78,11 @@ def estimate(extent: Extent, config: Config, attribute_bytes: float = 0.0) -> Es
     voxels = max(1, round(columns_per_m2 * (extent.main_m2 if config.rule == "thin" else extent.all_m2)))
     bricks = max(1, round(columns_per_m2 / _BRICK**2 * extent.all_m2))
     tables_bytes = _native.estimated_voxel_build_bytes(bricks, config.resolution.bit_length() - 1)
+    attribute_memory_bytes = _COPIES * attribute_bytes + _ORDER_BYTES if attribute_bytes > 0.0 else 0.0
     return Estimate(
         resolution=config.resolution,
         voxel_count=voxels,
-        memory_bytes=max(_BYTES_PER_BRICK * bricks, tables_bytes) + round(_COPIES * attribute_bytes * voxels),
+        memory_bytes=max(_BYTES_PER_BRICK * bricks, tables_bytes) + round(attribute_memory_bytes * voxels),
         file_bytes=round((_FILE_BYTES_PER_VOXEL + attribute_bytes) * voxels),
         seconds=_START_S + voxels / (_VOXELS_PER_S * (os.cpu_count() or 1)),
     )
