@@ -52,7 +52,7 @@ def test_the_colours_of_materials_and_smooth_normals_go_along(blend: Path) -> No
     bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True)
     out = blend.with_suffix(".tdag")
     arguments = ["voxelize", str(blend), "--resolution", "128", "--out", str(out)]
-    assert main([*arguments, "--colors", "--normals", "--normal-bits", "16", "--processes", "2"]) == SUCCESS
+    assert main([*arguments, "--colors", "--normals", "--normal-bits", "16"]) == SUCCESS
     made = load(out)
     voxels = np.concatenate(list(made.coordinates()))
     (lower_m, upper_m), colors = np.array(made.bounds_m), made.colors_at(voxels)
