@@ -142,10 +142,8 @@ static std::vector<Value> picked(const PackedDag& dag, const DagAttributes& attr
 std::vector<ByteColor> colors_at(const PackedDag& dag, const DagAttributes& attributes, std::span<const Voxel> voxels,
                                  std::uint32_t level, const Progress& progress) {
     require(attributes.layout().has_colors, "the voxel DAG has no colors");
-    return picked<ByteColor>(dag, attributes, voxels, level, progress, [](const VoxelSample& sample) {
-        return ByteColor{static_cast<std::uint8_t>(sample.color), static_cast<std::uint8_t>(sample.color >> 8),
-                         static_cast<std::uint8_t>(sample.color >> 16)};
-    });
+    return picked<ByteColor>(dag, attributes, voxels, level, progress,
+                             [](const VoxelSample& sample) { return byte_color(sample.color); });
 }
 std::vector<vec3> normals_at(const PackedDag& dag, const DagAttributes& attributes, std::span<const Voxel> voxels,
                              std::uint32_t level, const Progress& progress) {

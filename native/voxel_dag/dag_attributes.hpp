@@ -88,6 +88,11 @@ private:
     std::optional<Materials> voxels_, means_;
 };
 
+/// Of a packed one, red lowest.
+[[nodiscard]] constexpr ByteColor byte_color(std::uint32_t color) {
+    return {static_cast<std::uint8_t>(color), static_cast<std::uint8_t>(color >> 8),
+            static_cast<std::uint8_t>(color >> 16)};
+}
 /// Of cubes as sample_at() has them. Throw InvalidInput, which names the first voxel whose cube is empty, or what there is
 /// none of, and Cancelled.
 [[nodiscard]] std::vector<ByteColor> colors_at(const PackedDag& dag, const DagAttributes& attributes,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/dag_file.hpp"
-#include "core/parallel.hpp"
 #include "voxel_dag/checked_file.hpp"
 #include "voxel_dag/cube_group.hpp"
+#include "voxel_dag/stored_top.hpp"
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -17,7 +17,6 @@ static_assert(std::endian::native == std::endian::little, "files are little-endi
 constexpr std::array<char, 8> magic{'T', 'D', 'A', 'G', '\r', '\n', '\x1a', '\n'}; // shows what text mode does to it
 constexpr std::uint32_t version = 2; // 1: other records, and other numbers of materials, which run_array.cpp refuses
 constexpr std::uint64_t alignment = 64;
-constexpr std::uint64_t top_share = 128; ///< Of the geometry: topmost levels take less than one part of so many.
 
 struct Header {
     std::array<char, 8> magic;
@@ -144,9 +143,6 @@ std::vector<Section> read_table(const FileReader& reader, const Header& header) 
         reader.refuse("its table of sections is damaged: copy or save the file again");
     return table;
 }
-} // namespace
-
-namespace {
 /// What a section has, in one piece or in several.
 using Pieces = std::function<void(const std::function<void(std::span<const std::byte>)>&)>;
 
@@ -198,42 +194,6 @@ private:
 };
 } // namespace
 
-/// Colours of cubes that have means, of numbers which need not be those of the parts.
-static std::vector<ByteColor> mean_colors(const PackedDag& dag, const AttributeParts& parts, const RunArray& numbers,
-                                          std::span<const Voxel> lowest, std::uint32_t side_level,
-                                          const Progress& progress) {
-    const MaterialTable materials(parts.means.materials);
-    std::vector<ByteColor> colors(lowest.size());
-    parallel_for(lowest.size(), progress, [&](std::size_t i) {
-        const std::uint64_t node = find_stored(dag, parts.order, lowest[i], side_level).value().number;
-        const std::uint32_t color = materials.at(numbers.at(node), 0);
-        colors[i] = {static_cast<std::uint8_t>(color), static_cast<std::uint8_t>(color >> 8),
-                     static_cast<std::uint8_t>(color >> 16)};
-    });
-    return colors;
-}
-
-/// As far as they take little, and as all have colours if voxels do.
-static std::vector<TopLevel> stored_top(const PackedDag& dag, const AttributeParts* attributes,
-                                        const StreamedAttributes* streamed, const Progress& progress) {
-    TopLevelsConfig config{.most_bytes = dag.byte_count() / top_share};
-    if (attributes == nullptr || !attributes->layout.has_colors)
-        return top_levels_of(dag, {}, config, progress);
-    std::vector<std::uint8_t> numbers;
-    if (streamed != nullptr && streamed->means)
-        streamed->means->read(
-            [&](std::span<const std::uint8_t> bytes) { numbers.insert(numbers.end(), bytes.begin(), bytes.end()); });
-    const std::vector<std::uint8_t>& means = streamed != nullptr ? numbers : attributes->means.indices;
-    if (means.empty() || dag.level <= least_mean_level)
-        return {};
-    config.most_level = dag.level - least_mean_level;
-    const RunArray array(means);
-    const auto colors = [&](std::span<const Voxel> lowest, std::uint32_t side_level) {
-        return mean_colors(dag, *attributes, array, lowest, side_level, progress);
-    };
-    return top_levels_of(dag, colors, config, progress);
-}
-
 /// `streamed` has the numbers that `attributes` lacks; either may be null.
 static void write(const PackedDag& dag, const Cube& bounds_m, const AttributeParts* attributes,
                   const StreamedAttributes* streamed, const std::filesystem::path& path, const Progress& progress) {
@@ -243,7 +203,15 @@ static void write(const PackedDag& dag, const Cube& bounds_m, const AttributePar
                             level.mask_classes.begins, level.child_masks},
                            level.tags});
     Sections sections;
-    const std::vector<TopLevel> top = stored_top(dag, attributes, streamed, progress);
+    std::vector<std::uint8_t> streamed_means;
+    if (streamed != nullptr && streamed->means)
+        streamed->means->read([&](std::span<const std::uint8_t> bytes) {
+            streamed_means.insert(streamed_means.end(), bytes.begin(), bytes.end());
+        });
+    const std::vector<TopLevel> top =
+        attributes == nullptr
+            ? stored_top(dag, progress)
+            : stored_top(dag, *attributes, streamed != nullptr ? streamed_means : attributes->means.indices, progress);
     for (std::uint32_t i = 0; i < top.size(); ++i) {
         sections.append(Kind::TopMasks, i + 1, top[i].child_masks);
         if (!top[i].colors.empty())
