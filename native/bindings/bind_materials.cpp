@@ -28,15 +28,23 @@ static std::shared_ptr<Texture> make_texture(std::string name, const py::array& 
 }
 
 static SurfaceOp make_op(int code, std::uint16_t out, std::uint16_t a, std::uint16_t b, std::uint16_t c,
-                         std::uint16_t texture, std::uint16_t uv_map, const Triple& value,
-                         const std::array<float, 9>& uv_matrix) {
+                         std::uint16_t d, std::uint16_t e, std::uint16_t f, std::uint8_t option, std::uint8_t selector,
+                         std::uint16_t texture, std::uint16_t uv_map, std::uint16_t table, std::uint8_t shift,
+                         const Triple& value, const std::array<float, 9>& uv_matrix) {
     return {.code = static_cast<SurfaceOp::Code>(code),
+            .option = option,
+            .selector = selector,
             .out = out,
             .a = a,
             .b = b,
             .c = c,
+            .d = d,
+            .e = e,
+            .f = f,
             .texture = texture,
             .texture_uv = uv_map,
+            .table = table,
+            .shift = shift,
             .value = to_vec3(value),
             .uv_matrix = to_matrix<mat3, 3>(uv_matrix.data())};
 }
@@ -59,7 +67,8 @@ static Material make_material(std::string name, bool has_surface, const Triple& 
                               const Triple& emission, std::vector<SurfaceOp> program, std::uint16_t diffuse_register,
                               std::uint16_t transparent_register, std::uint16_t emission_register,
                               const std::vector<std::shared_ptr<Texture>>& textures, std::vector<std::string> uv_maps,
-                              std::optional<GlossLayers> gloss, std::int32_t medium) {
+                              const std::vector<py::array>& tables, std::optional<GlossLayers> gloss,
+                              std::int32_t medium) {
     Material material;
     material.name = std::move(name);
     material.program = std::move(program);
@@ -70,6 +79,8 @@ static Material make_material(std::string name, bool has_surface, const Triple& 
         .diffuse_albedo = to_vec3(diffuse), .transparent = to_vec3(transparent), .emission = to_vec3(emission)};
     material.textures.assign(textures.begin(), textures.end());
     material.uv_map_names = std::move(uv_maps);
+    for (const py::array& table : tables)
+        material.tables.push_back({to_vector<vec4, float>(table, {-1, 4}, "tables")});
     material.gloss = gloss;
     material.medium_index = medium;
     material.has_surface = has_surface;
@@ -93,15 +104,15 @@ void bind_materials(py::module_& native) {
         .def(py::init(&make_texture), "name"_a, "pixels"_a, "is_srgb"_a, "has_alpha"_a, "extension"_a,
              "interpolation"_a, "pixels: uint8 or float32 (height, width, 4), rows bottom to top.");
     py::class_<SurfaceOp>(native, "SurfaceOp")
-        .def(py::init(&make_op), "code"_a, "out"_a, "a"_a, "b"_a, "c"_a, "texture"_a, "uv_map"_a, "value"_a,
-             "uv_matrix"_a);
+        .def(py::init(&make_op), "code"_a, "out"_a, "a"_a, "b"_a, "c"_a, "d"_a, "e"_a, "f"_a, "option"_a, "selector"_a,
+             "texture"_a, "uv_map"_a, "table"_a, "shift"_a, "value"_a, "uv_matrix"_a);
     py::class_<GlossLayers>(native, "Gloss")
         .def(py::init(&make_gloss), "constant"_a, "registers"_a, "mirror_ior"_a, "coat_ior"_a,
              "Four colours, and four registers: facing, edge, coat, coated.");
     py::class_<Material>(native, "Material")
         .def(py::init(&make_material), "name"_a, "has_surface"_a, "diffuse"_a, "transparent"_a, "emission"_a,
              "program"_a, "diffuse_register"_a, "transparent_register"_a, "emission_register"_a, "textures"_a,
-             "uv_maps"_a, "gloss"_a, "medium"_a,
+             "uv_maps"_a, "tables"_a, "gloss"_a, "medium"_a,
              "Raises InvalidInput, naming the material, for a program that cannot run.");
     py::class_<Medium>(native, "Medium")
         .def(py::init(&make_medium), "name"_a, "lobes"_a, "sigma_a_per_m"_a, "emission_w_per_m3_sr"_a,

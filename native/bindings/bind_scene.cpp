@@ -81,6 +81,7 @@ struct InstanceArrays {
     std::vector<std::uint32_t> mesh_indices, first_slot_materials;
     std::vector<std::uint16_t> slot_counts;
     std::vector<std::uint8_t> shows_to;
+    std::vector<float> randoms;
     py::array world_from_object;
 };
 } // namespace
@@ -99,7 +100,8 @@ static std::vector<Instance> make_instances(const InstanceArrays& arrays) {
                         .is_camera_visible = (arrays.shows_to[i] & camera_mask) != 0,
                         .casts_shadow = (arrays.shows_to[i] & shadow_mask) != 0,
                         .is_bounce_visible = (arrays.shows_to[i] & bounce_mask) != 0,
-                        .is_mirror_visible = (arrays.shows_to[i] & mirror_mask) != 0};
+                        .is_mirror_visible = (arrays.shows_to[i] & mirror_mask) != 0,
+                        .random = arrays.randoms[i]};
     return instances;
 }
 
@@ -130,7 +132,8 @@ static std::unique_ptr<SceneWithMedia>
 make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::shared_ptr<TriangleMesh>>& meshes,
            const py::array& mesh_indices, const py::array& world_from_object, std::vector<std::string> object_names,
            const py::array& first_slot_materials, const py::array& slot_counts, const py::array& shows_to,
-           const py::array& slot_materials, const std::vector<std::shared_ptr<CellGeometry>>& shapes,
+           const py::array& slot_materials, const py::array& randoms, const py::array& object_colors,
+           const py::array& object_indices, const std::vector<std::shared_ptr<CellGeometry>>& shapes,
            const py::array& shape_indices, const py::array& world_from_shape, const py::array& shape_materials,
            const py::array& shape_shows_to, std::vector<Material> materials, std::vector<Medium> media,
            std::vector<VolumeInstance> volumes, std::int32_t world_medium, const Progress& progress) {
@@ -144,10 +147,16 @@ make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::
                                                                                         "first_slot_materials"),
                         .slot_counts = to_vector<std::uint16_t, std::uint16_t>(slot_counts, {count}, "slot_counts"),
                         .shows_to = to_vector<std::uint8_t, std::uint8_t>(shows_to, {count}, "shows_to"),
+                        .randoms = to_vector<float, float>(randoms, {count}, "randoms"),
                         .world_from_object = world_from_object});
     description.shapes.assign(shapes.begin(), shapes.end());
     description.placed_shapes = make_placed_shapes(shape_indices, shape_materials, shape_shows_to, world_from_shape,
                                                    description.instances.size());
+    const auto colors = to_vector<vec4, float>(object_colors, {count, 4}, "object_colors");
+    const auto indices = to_vector<float, float>(object_indices, {count}, "object_indices");
+    description.object_infos.resize(object_names.size()); // those of placed shapes follow, as they begin
+    for (std::size_t i = 0; i < colors.size(); ++i)
+        description.object_infos[i] = {.color = colors[i], .pass_index = indices[i]};
     description.object_names = std::move(object_names);
     description.slot_materials = to_vector<std::uint32_t, std::uint32_t>(slot_materials, {-1}, "slot_materials");
     description.materials = std::move(materials);
@@ -191,9 +200,10 @@ TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
              "dag"_a, "name"_a, "name: for reports. Keeps the DAG, without a copy. Releases the GIL.");
     py::class_<SceneWithMedia>(native, "Scene", "With its media. Immutable; safe from any thread.")
         .def(py::init(&make_scene), "origin_in_world"_a, "meshes"_a, "mesh_indices"_a, "world_from_object"_a,
-             "object_names"_a, "first_slot_materials"_a, "slot_counts"_a, "shows_to"_a, "slot_materials"_a, "shapes"_a,
-             "shape_indices"_a, "world_from_shape"_a, "shape_materials"_a, "shape_shows_to"_a, "materials"_a, "media"_a,
-             "volumes"_a, "world_medium"_a, "progress"_a,
+             "object_names"_a, "first_slot_materials"_a, "slot_counts"_a, "shows_to"_a, "slot_materials"_a, "randoms"_a,
+             "object_colors"_a, "object_indices"_a, "shapes"_a, "shape_indices"_a, "world_from_shape"_a,
+             "shape_materials"_a, "shape_shows_to"_a, "materials"_a, "media"_a, "volumes"_a, "world_medium"_a,
+             "progress"_a,
              R"(In the dark, see relit. Per instance: mesh_indices and first_slot_materials uint32, slot_counts uint16,
 shows_to uint8, a bit each for cameras, lights' shadows, bounces and mirrors, world_from_object float32 (n, 4, 4)
 relative to origin_in_world. The same per placed shape, of which

@@ -160,8 +160,9 @@ private:
         digest.feed(material.transparent_register);
         digest.feed(material.program.size());
         for (const SurfaceOp& op : material.program) {
-            for (const auto number :
-                 {static_cast<std::uint16_t>(op.code), op.out, op.a, op.b, op.c, op.texture, op.texture_uv})
+            for (const auto number : {static_cast<std::uint16_t>(op.code), static_cast<std::uint16_t>(op.option),
+                                      static_cast<std::uint16_t>(op.selector), static_cast<std::uint16_t>(op.shift),
+                                      op.out, op.a, op.b, op.c, op.d, op.e, op.f, op.texture, op.texture_uv, op.table})
                 digest.feed(number);
             digest.feed(op.value);
             for (int column = 0; column < 3; ++column)
@@ -170,6 +171,11 @@ private:
         digest.feed(material.textures.size());
         for (const std::shared_ptr<const Texture>& texture : material.textures)
             feed_part(texture);
+        for (const ColorTable& table : material.tables)
+            for (const vec4& value : table.values) {
+                digest.feed(vec3(value));
+                digest.feed(value.w);
+            }
         for (const std::string& name : material.uv_map_names) {
             digest.feed(name.size());
             for (const char letter : name)

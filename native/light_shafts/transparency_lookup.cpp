@@ -68,6 +68,6 @@ TexelClass TransparencyLookup::classify(bool is_backface, std::int32_t column, s
 }
 
 Rgb TransparencyLookup::at(std::span<const vec2> uvs, bool is_backface) const {
-    return evaluate_transparent(material_, {.is_backface = is_backface}, uvs);
+    return evaluate_transparent(material_, {.surface = {.is_backface = is_backface}}, uvs);
 }
 } // namespace tyndall::light_shafts

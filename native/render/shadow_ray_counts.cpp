@@ -186,7 +186,7 @@ private:
                 continue;
             }
             points[count] = surface_point(scene_, rays[pixel], hit, seeds[pixel]);
-            const SurfaceClosures closures = scene_.closures(points[count].shading, hit);
+            const SurfaceClosures closures = scene_.closures({.ray = rays[pixel]}, points[count].shading, hit);
             seen.emitted[pixel][camera_ray] = average(passing * closures.emission);
             reflected[count] = passing * closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
             surfaces[pixel] = {points[count].shading.position, points[count].shading.shading_normal, reflected[count],

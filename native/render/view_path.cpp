@@ -147,7 +147,8 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
             }
             const Rgb throughput = follower.throughput();
             const SurfacePoint point = surface_point(scene_, follower.part, hit, rays.pixel_seeds[follower.index]);
-            const SurfaceClosures closures = scene_.closures(point.shading, hit);
+            const SurfaceClosures closures = scene_.closures(
+                {.ray = follower.part, .kind = is_in_mirror ? RayKind::Mirror : RayKind::Camera}, point.shading, hit);
             show(follower, point, closures, is_in_mirror, sample);
             if (walked != nullptr && rays.targets[follower.index] != nowhere &&
                 (closures.diffuse_albedo != Rgb(0.0f) || config_.lights_black_surfaces ||

@@ -11,24 +11,16 @@ static constexpr std::size_t most_moved = 4096;
 static constexpr float relative_margin = 1e-5f;
 
 // Structured bindings name all members: a new one does not compile before it is compared, too.
-static bool are_same(const SurfaceOp& a, const SurfaceOp& b) {
-    const auto all = [](const SurfaceOp& op) {
-        const auto& [code, out, register_a, register_b, register_c, texture, texture_uv, value, uv_matrix] = op;
-        return std::tie(code, out, register_a, register_b, register_c, texture, texture_uv, value, uv_matrix);
-    };
-    return all(a) == all(b);
-}
 static bool are_same(const Material& a, const Material& b) {
     const auto all = [](const Material& material) {
         const auto& [name, program, diffuse_register, transparent_register, emission_register, constant, textures,
-                     uv_map_names, gloss, medium_index, has_surface] = material;
+                     uv_map_names, tables, gloss, medium_index, has_surface] = material;
         const auto& [diffuse_albedo, transparent, emission, mirrored] = constant;
-        return std::tie(name, diffuse_register, transparent_register, emission_register, diffuse_albedo, transparent,
-                        emission, mirrored, textures, uv_map_names, gloss, medium_index, has_surface);
+        return std::tie(name, program, diffuse_register, transparent_register, emission_register, diffuse_albedo,
+                        transparent, emission, mirrored, textures, uv_map_names, tables, gloss, medium_index,
+                        has_surface);
     };
-    return all(a) == all(b) &&
-           std::ranges::equal(a.program, b.program,
-                              [](const SurfaceOp& op, const SurfaceOp& other) { return are_same(op, other); });
+    return all(a) == all(b);
 }
 static bool are_same(const Medium& a, const Medium& b) {
     const auto all = [](const Medium& medium) {
@@ -55,18 +47,18 @@ static bool are_same(const VolumeInstance& a, const VolumeInstance& b) {
 static bool are_alike(const Instance& a, const Instance& b) {
     const auto all = [](const Instance& instance) {
         const auto& [mesh_index, world_from_object, name_index, first_slot_material, slot_count, is_camera_visible,
-                     casts_shadow, is_bounce_visible, is_mirror_visible] = instance;
+                     casts_shadow, is_bounce_visible, is_mirror_visible, random] = instance;
         return std::tuple(mesh_index, name_index, first_slot_material, slot_count, is_camera_visible, casts_shadow,
-                          is_bounce_visible, is_mirror_visible);
+                          is_bounce_visible, is_mirror_visible, random);
     };
     return all(a) == all(b);
 }
 /// But for where instances stand.
 static bool are_alike(const SceneDescription& a, const SceneDescription& b) {
     const auto all = [](const SceneDescription& scene) {
-        const auto& [origin_in_world, meshes, instances, shapes, placed_shapes, object_names, slot_materials, materials,
-                     media, volumes, lights, world, world_medium_index] = scene;
-        return std::tie(origin_in_world, meshes, shapes, placed_shapes, object_names, slot_materials,
+        const auto& [origin_in_world, meshes, instances, shapes, placed_shapes, object_names, object_infos,
+                     slot_materials, materials, media, volumes, lights, world, world_medium_index] = scene;
+        return std::tie(origin_in_world, meshes, shapes, placed_shapes, object_names, object_infos, slot_materials,
                         world_medium_index);
     };
     constexpr auto same = [](const auto& part, const auto& other) { return are_same(part, other); };

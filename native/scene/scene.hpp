@@ -12,7 +12,7 @@
 #include "scene/triangle_mesh.hpp"
 #include "scene/volume_instance.hpp"
 #include "scene/world.hpp"
-#include "shading/material.hpp"
+#include "shading/program_point.hpp"
 #include "volume/medium.hpp"
 #include <memory>
 #include <span>
@@ -31,6 +31,7 @@ struct Instance {
     bool casts_shadow = true;
     bool is_bounce_visible = true; ///< Its light falls on other surfaces by a bounce.
     bool is_mirror_visible = true;
+    float random = 0.0f; ///< Its own, [0, 1): what Object Info calls so.
 };
 
 struct SceneDescription {
@@ -40,6 +41,7 @@ struct SceneDescription {
     std::vector<std::shared_ptr<const CellGeometry>> shapes;
     std::vector<PlacedShape> placed_shapes;
     std::vector<std::string> object_names;
+    std::vector<ObjectInfo> object_infos;      ///< As many as names, or none: then all are as ObjectInfo begins.
     std::vector<std::uint32_t> slot_materials; ///< Into materials.
     std::vector<Material> materials;
     std::vector<Medium> media;
@@ -67,6 +69,13 @@ struct Hit {
     vec2 barycentrics{0.0f};        ///< Of a cell: along the two edges of its face.
     vec3 geometric_normal{0, 0, 1}; ///< Unit, scene space, as the triangle is wound (mirroring undone), out of a cell.
     [[nodiscard]] bool is_hit() const { return instance != ~0u; }
+};
+
+/// A ray that asks what a surface is.
+struct AskingRay {
+    const Ray& ray;
+    RayKind kind = RayKind::Camera;
+    float footprint_m = 0.0f; ///< Half of what a pixel covers at the hit; 0: not known.
 };
 
 class Scene {
@@ -114,8 +123,8 @@ public:
     [[nodiscard]] ShadingPoint shading_point(const Ray& ray, const Hit& hit) const;
     [[nodiscard]] SurfaceClosures closures(const Ray& ray, const Hit& hit) const;
     /// The same at the hit's own shading point.
-    [[nodiscard]] SurfaceClosures closures(const ShadingPoint& point, const Hit& hit) const;
-    /// closures().transparent alone, at less cost.
+    [[nodiscard]] SurfaceClosures closures(const AskingRay& asking, const ShadingPoint& point, const Hit& hit) const;
+    /// closures().transparent alone, as shadow rays see it, at less cost.
     [[nodiscard]] Rgb transparency(const Ray& ray, const Hit& hit) const;
 
     /// Where rays leave a hit from.
@@ -155,6 +164,7 @@ private:
         mat4 object_from_scene{1.0f};
     };
     [[nodiscard]] static Placement placement_of(const mat4& scene_from_object);
+    [[nodiscard]] ProgramPoint program_point(const AskingRay& asking, const ShadingPoint& point, const Hit& hit) const;
     [[nodiscard]] const MeshArrays& mesh_of(std::uint32_t instance) const; ///< Of one that has a mesh.
     [[nodiscard]] ShadingPoint shading_point(const PlacedShape& placed, const Ray& ray, const Hit& hit) const;
     struct Geometry {

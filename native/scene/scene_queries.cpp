@@ -140,7 +140,26 @@ ShadingPoint Scene::shading_point(const Ray& ray, const Hit& hit) const {
     return point;
 }
 
-SurfaceClosures Scene::closures(const ShadingPoint& point, const Hit& hit) const {
+ProgramPoint Scene::program_point(const AskingRay& asking, const ShadingPoint& point, const Hit& hit) const {
+    const PlacedShape* const placed = placed_shape(hit.instance);
+    const mat4& object_from_scene = geometry_->placements[hit.instance].object_from_scene;
+    const std::vector<ObjectInfo>& infos = description().object_infos;
+    return {.surface = point,
+            .ray_kind = asking.kind,
+            .incoming = -asking.ray.direction,
+            .ray_length_m = hit.distance_m,
+            .footprint_m = asking.footprint_m,
+            .object_position = vec3(object_from_scene * vec4(point.position, 1.0f)),
+            .origin_in_world = vec3(description().origin_in_world),
+            .object = {.scene_from_object = placed != nullptr
+                                                ? &placed->world_from_object
+                                                : &description().instances[hit.instance].world_from_object,
+                       .object_from_scene = &object_from_scene,
+                       .info = infos.empty() ? nullptr : &infos[description().name_index_of(hit.instance)],
+                       .random = placed != nullptr ? 0.0f : description().instances[hit.instance].random}};
+}
+
+SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& point, const Hit& hit) const {
     const Material& surface = material(hit.instance, hit.triangle);
     if (!surface.has_surface)
         return {.diffuse_albedo = Rgb(0.0f), .transparent = Rgb(1.0f), .emission = Rgb(0.0f)};
@@ -149,7 +168,7 @@ SurfaceClosures Scene::closures(const ShadingPoint& point, const Hit& hit) const
     if (surface.is_constant() && !surface.gloss) { // most surfaces, without a call
         closures.diffuse_albedo *= point.tint;
     } else if (surface.is_constant()) {
-        closures = evaluate(surface, point, {});
+        closures = evaluate(surface, {.surface = point}, {});
     } else {
         thread_local std::vector<vec2> uvs;
         if (placed != nullptr) {
@@ -158,14 +177,16 @@ SurfaceClosures Scene::closures(const ShadingPoint& point, const Hit& hit) const
         } else {
             look_up_uvs(mesh_of(hit.instance), surface, hit, uvs);
         }
-        closures = evaluate(surface, point, uvs);
+        closures = evaluate(surface, program_point(asking, point, hit), uvs);
     }
     if (placed != nullptr)
         closures.transparent = Rgb(0.0f);
     return closures;
 }
 
-SurfaceClosures Scene::closures(const Ray& ray, const Hit& hit) const { return closures(shading_point(ray, hit), hit); }
+SurfaceClosures Scene::closures(const Ray& ray, const Hit& hit) const {
+    return closures({.ray = ray}, shading_point(ray, hit), hit);
+}
 
 Rgb Scene::transparency(const Ray& ray, const Hit& hit) const {
     if (placed_shape(hit.instance) != nullptr)
@@ -182,7 +203,8 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit) const {
     Hit with_normal = hit;
     with_normal.geometric_normal =
         glm::normalize(geometry_->placements[hit.instance].scene_from_object_normals * hit.geometric_normal);
-    return evaluate_transparent(surface, shading_point(ray, with_normal), uvs);
+    const AskingRay asking{.ray = ray, .kind = RayKind::Shadow};
+    return evaluate_transparent(surface, program_point(asking, shading_point(ray, with_normal), with_normal), uvs);
 }
 
 SpawnPoint Scene::spawn_point(const Hit& hit) const {

@@ -3,6 +3,7 @@
 #pragma once
 #include "core/math.hpp"
 #include "image/texture.hpp"
+#include "shading/surface_op.hpp"
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -10,7 +11,14 @@
 #include <vector>
 
 namespace tyndall {
-/// Where a shading point lies: what a node program may read.
+/// What an object is by itself, which a node program may ask.
+struct ObjectInfo {
+    vec4 color{1.0f};
+    float pass_index = 0.0f;
+    bool operator==(const ObjectInfo&) const = default;
+};
+
+/// Where a shading point lies: what light on it asks. Programs read more, see program_point.hpp.
 struct ShadingPoint {
     vec3 position{0.0f};
     vec3 geometric_normal{0, 0, 1};
@@ -45,29 +53,6 @@ struct GlossLayers {
     bool operator==(const GlossLayers&) const = default;
 };
 
-/// One operation of a surface program. Registers hold an Rgb; scalars have three equal channels.
-struct SurfaceOp {
-    enum class Code : std::uint8_t {
-        Constant = 0,     ///< register[out] = value
-        Texture = 1,      ///< register[out] = image colour at uv map `texture_uv` through `uv_matrix`
-        TextureAlpha = 2, ///< the same image's alpha
-        Multiply = 3,     ///< a * b
-        Add = 4,          ///< a + b
-        Subtract = 5,     ///< a - b
-        Mix = 6,          ///< a + (b - a) * clamp(c)
-        Clamp = 7,        ///< clamp a to [0, 1]
-        Average = 8,      ///< (r + g + b) / 3 of a, Blender's colour to value
-        Backfacing = 9,   ///< 1 on back faces, else 0
-        Uv = 10,          ///< register[out] = uv_matrix * (u, v, 1) of `texture_uv`: see scene/attribute_pairs.hpp
-    };
-    Code code = Code::Constant;
-    std::uint16_t out = 0, a = 0, b = 0, c = 0;
-    std::uint16_t texture = 0;    ///< Into Material::textures.
-    std::uint16_t texture_uv = 0; ///< Into Material::uv_map_names.
-    Rgb value{0.0f};
-    glm::mat3 uv_matrix{1.0f}; ///< Mapping node, applied to (u, v, 1).
-};
-
 struct Material {
     std::string name;
     std::vector<SurfaceOp> program = {}; ///< Empty: the three results below are constants of `constant`.
@@ -75,7 +60,8 @@ struct Material {
     SurfaceClosures constant{.diffuse_albedo = Rgb(0.8f), .transparent = Rgb(0.0f), .emission = Rgb(0.0f)};
     std::vector<std::shared_ptr<const Texture>> textures = {};
     std::vector<std::string> uv_map_names = {}; ///< An empty name: the active one.
-    std::optional<GlossLayers> gloss = {};      ///< Nothing: it mirrors nothing.
+    std::vector<ColorTable> tables = {};
+    std::optional<GlossLayers> gloss = {}; ///< Nothing: it mirrors nothing.
     std::int32_t medium_index = -1; ///< Into SceneDescription::media: the medium inside the closed mesh; -1: none.
     bool has_surface = true;        ///< False: no surface shader; light and view pass (a fog box).
 

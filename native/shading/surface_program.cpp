@@ -31,9 +31,9 @@ std::uint64_t inputs(const SurfaceOp& op) {
     case Code::TextureAlpha:
     case Code::Backfacing:
     case Code::Uv:
+    default:
         return 0;
     }
-    return 0;
 }
 
 vec4 texture_value(const SurfaceOp& op, const Material& material, std::span<const vec2> uvs) {
@@ -70,8 +70,9 @@ Rgb result_of(const SurfaceOp& op, const Registers& registers, bool is_backface,
         return Rgb(average(a));
     case Code::Backfacing:
         return Rgb(is_backface ? 1.0f : 0.0f);
+    default:
+        return Rgb(0.0f);
     }
-    return Rgb(0.0f);
 }
 
 /// Operations that the registers in `wanted` depend on, as a mask by operation; programs of more than 64 run whole.
@@ -124,7 +125,9 @@ void validate(const Material& material) {
         require_in(gloss.coat_ior, 1.0f, 1e3f, "coat_ior");
     }
     for (const SurfaceOp& op : material.program) {
-        for (const std::uint16_t index : {op.out, op.a, op.b, op.c})
+        require(op.code <= Code::Uv, "material \"", material.name, "\" has an operation ", static_cast<int>(op.code),
+                ", which this version does not know");
+        for (const std::uint16_t index : {op.out, op.a, op.b, op.c, op.d, op.e, op.f})
             check_register(index);
         require(is_finite(op.value), "material \"", material.name, "\" has a value that is not finite");
         if (op.code != Code::Texture && op.code != Code::TextureAlpha && op.code != Code::Uv)
@@ -147,7 +150,8 @@ static void add_gloss(const GlossLayers& layers, const Gloss& gloss, const Shadi
     closures.diffuse_albedo += point.tint * non_negative(gloss.coated) * (1.0f - by_coat);
 }
 
-SurfaceClosures evaluate(const Material& material, const ShadingPoint& point, std::span<const vec2> uvs) {
+SurfaceClosures evaluate(const Material& material, const ProgramPoint& at, std::span<const vec2> uvs) {
+    const ShadingPoint& point = at.surface;
     if (material.is_constant()) {
         SurfaceClosures closures = material.constant;
         closures.diffuse_albedo *= point.tint;
@@ -193,8 +197,8 @@ static Rgb transparent_by(const Material& material, bool is_backface, const Imag
     return share(registers[material.transparent_register]);
 }
 
-Rgb evaluate_transparent(const Material& material, const ShadingPoint& point, std::span<const vec2> uvs) {
-    return transparent_by(material, point.is_backface,
+Rgb evaluate_transparent(const Material& material, const ProgramPoint& point, std::span<const vec2> uvs) {
+    return transparent_by(material, point.surface.is_backface,
                           [&](const SurfaceOp& lookup) { return texture_value(lookup, material, uvs); });
 }
 

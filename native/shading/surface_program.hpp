@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Evaluation of a material's surface program at a point: a short list of operations on colour registers.
 #pragma once
-#include "shading/material.hpp"
+#include "shading/program_point.hpp"
 #include <span>
 
 namespace tyndall {
@@ -12,10 +12,10 @@ inline constexpr std::size_t surface_register_count = 64;
 void validate(const Material& material);
 
 /// The closures of a validated material. uvs[i] is the value of material.uv_map_names[i] at the point.
-[[nodiscard]] SurfaceClosures evaluate(const Material& material, const ShadingPoint& point, std::span<const vec2> uvs);
+[[nodiscard]] SurfaceClosures evaluate(const Material& material, const ProgramPoint& point, std::span<const vec2> uvs);
 
 /// SurfaceClosures::transparent alone: runs only the operations that it depends on, for shadow rays.
-[[nodiscard]] Rgb evaluate_transparent(const Material& material, const ShadingPoint& point, std::span<const vec2> uvs);
+[[nodiscard]] Rgb evaluate_transparent(const Material& material, const ProgramPoint& point, std::span<const vec2> uvs);
 
 /// The same where every image has this value.
 [[nodiscard]] Rgb evaluate_transparent(const Material& material, const vec4& image_value, bool is_backface);

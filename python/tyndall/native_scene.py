@@ -187,6 +187,9 @@ def _build_geometry(
         slot_counts=_repeated([len(slot) for slot in slots], counts, np.uint16),
         shows_to=_repeated([shows_to(group) for group in groups], counts, np.uint8),
         slot_materials=np.array([index for slot in slots for index in slot], dtype=np.uint32),
+        randoms=_randoms(groups),
+        object_colors=_colors(groups, counts),
+        object_indices=_repeated([group.pass_index for group in groups], counts, np.float32),
         **voxels.arguments,
         materials=materials,
         media=media,
@@ -199,7 +202,17 @@ def _build_geometry(
     )
 
 
-def _repeated(values: Iterable[int], counts: list[int], dtype: type[np.integer[Any]]) -> NDArray[Any]:
+def _randoms(groups: list[Instances]) -> NDArray[np.float32]:
+    each = (np.zeros(len(group.object_names), np.float32) if group.random is None else group.random for group in groups)
+    return np.concatenate([np.zeros(0, np.float32), *each])
+
+
+def _colors(groups: list[Instances], counts: list[int]) -> NDArray[np.float32]:
+    each = np.array([group.color for group in groups], np.float32).reshape(-1, 4)
+    return np.repeat(each, counts, axis=0)
+
+
+def _repeated(values: Iterable[float], counts: list[int], dtype: type[np.number[Any]]) -> NDArray[Any]:
     return np.repeat(np.array(list(values), dtype=dtype), counts)
 
 
@@ -346,8 +359,15 @@ def _build_material(material: Material, textures: list[_native.Texture]) -> _nat
                 a=op.a,
                 b=op.b,
                 c=op.c,
+                d=op.d,
+                e=op.e,
+                f=op.f,
+                option=op.option,
+                selector=op.selector,
                 texture=op.texture,
                 uv_map=op.uv_map,
+                table=op.table,
+                shift=op.shift,
                 value=op.value,
                 uv_matrix=op.uv_matrix,
             )
@@ -358,6 +378,7 @@ def _build_material(material: Material, textures: list[_native.Texture]) -> _nat
         emission_register=material.emission_register,
         textures=textures,
         uv_maps=material.uv_maps,
+        tables=material.tables,
         gloss=None if material.gloss is None else _build_gloss(material.gloss),
         medium=material.medium,
     )

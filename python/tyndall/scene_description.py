@@ -61,6 +61,9 @@ class Instances:
     casts_shadow: bool = True
     is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
     is_mirror_visible: bool = True
+    color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)  #: The object's own, for materials that ask.
+    pass_index: float = 0.0
+    random: NDArray[np.float32] | None = None  #: (count,) in [0, 1), for materials that ask; None: all 0.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -120,6 +123,37 @@ class Code(IntEnum):
     AVERAGE = 8
     BACKFACING = 9
     UV = 10
+    MATH = 11
+    VECTOR_MATH = 12
+    MAP_RANGE = 13
+    VECTOR_ROTATE = 14
+    AFFINE = 15
+    CURVE = 20
+    HUE_SATURATION = 21
+    GAMMA = 22
+    BLEND = 23
+    COMBINE = 24
+    SEPARATE = 25
+    BLACKBODY = 26
+    WAVELENGTH = 27
+    INPUT = 30
+    FRESNEL = 31
+    LAYER_WEIGHT = 32
+    NORMAL_MAP = 33
+    BUMP = 34
+    NOISE = 40
+    VORONOI = 41
+    WAVE = 42
+    MAGIC = 43
+    GRADIENT = 44
+    CHECKER = 45
+    BRICK = 46
+    MUSGRAVE = 47
+    WHITE_NOISE = 48
+    GABOR = 49
+    IMAGE_AT = 60
+    IMAGE_ALPHA_AT = 61
+    ENVIRONMENT_AT = 62
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -133,15 +167,22 @@ class TextureUse:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SurfaceOp:
-    """One step of a surface program: ``register[out] = code(register[a], register[b], register[c])``."""
+    """One step of a surface program: ``register[out] = code(register[a], …, register[f])``."""
 
     code: Code
     out: int
     a: int = 0
     b: int = 0
     c: int = 0
+    d: int = 0
+    e: int = 0
+    f: int = 0
+    option: int = 0  #: Which of the operation's kinds.
+    selector: int = 0  #: Which of its results.
     texture: int = 0  #: Into Material.textures.
     uv_map: int = 0  #: Into Material.uv_maps.
+    table: int = 0  #: Into Material.tables.
+    shift: int = 0  #: Where positions and UV maps are read: 0 at the point, 1 and 2 half a pixel beside it.
     value: Rgb = (0.0, 0.0, 0.0)
     uv_matrix: tuple[float, ...] = (1, 0, 0, 0, 1, 0, 0, 0, 1)  #: 3x3, row by row, applied to (u, v, 1).
 
@@ -174,6 +215,7 @@ class Material:
     emission_register: int = 0
     textures: tuple[TextureUse, ...] = ()
     uv_maps: tuple[str, ...] = ()  #: Names the program reads; "" is the active one.
+    tables: tuple[NDArray[np.float32], ...] = ()  #: (steps, 4) each, RGBA over [0, 1].
     gloss: Gloss | None = None  #: What it mirrors; None: nothing.
     medium: int = -1  #: Into SceneDescription.media; -1: none.
 

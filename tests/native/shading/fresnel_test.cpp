@@ -52,8 +52,8 @@ TEST_CASE("a program's gloss is what its registers say, and a broken one is name
                                  .mirror_ior = 0.0f,
                                  .coat_ior = 1.5f};
     validate(material);
-    ShadingPoint point;
-    point.view_cosine = 0.5f;
+    ProgramPoint point;
+    point.surface.view_cosine = 0.5f;
     const float by_coat = fresnel_dielectric(0.5f, 1.5f);
     const SurfaceClosures closures = evaluate(material, point, {});
     CHECK(closures.mirrored.x == doctest::Approx(0.5 + 0.5 * 0.03125 + 0.25 * by_coat));

@@ -7,8 +7,8 @@
 #include <limits>
 
 using tyndall::Material;
+using tyndall::ProgramPoint;
 using tyndall::Rgb;
-using tyndall::ShadingPoint;
 using tyndall::SurfaceOp;
 using tyndall::vec2;
 using Code = tyndall::SurfaceOp::Code;
@@ -22,8 +22,8 @@ Rgb result_of(Code code, const Rgb& a, const Rgb& b = Rgb(0.0f), const Rgb& c = 
     material.program = {
         constant(0, a), constant(1, b), constant(2, c), {.code = code, .out = 3, .a = 0, .b = 1, .c = 2}};
     material.emission_register = 3;
-    ShadingPoint point;
-    point.is_backface = is_backface;
+    ProgramPoint point;
+    point.surface.is_backface = is_backface;
     return evaluate(material, point, {}).emission;
 }
 

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a surface program may read of a point, beside UV maps and attributes: it lives while the program runs.
+#pragma once
+#include "shading/material.hpp"
+
+namespace tyndall {
+/// Which ray asks: a node program may answer each in its own way.
+enum class RayKind : std::uint8_t { Camera = 0, Shadow = 1, Diffuse = 2, Glossy = 3, Mirror = 4, Transmission = 5 };
+
+/// The object that a point is on. Pointers may be null, and must outlive the program's run.
+struct ShadedObject {
+    const mat4* scene_from_object = nullptr;
+    const mat4* object_from_scene = nullptr;
+    const ObjectInfo* info = nullptr;
+    float random = 0.0f; ///< [0, 1)
+};
+
+struct ProgramPoint {
+    ShadingPoint surface;
+    RayKind ray_kind = RayKind::Camera;
+    vec3 incoming{0, 0, 1}; ///< Unit, back along the ray.
+    float ray_length_m = 0.0f;
+    float footprint_m = 0.0f;   ///< Half of what a pixel covers here; 0: not known. Bumps differ over it.
+    vec3 object_position{0.0f}; ///< In the object's space.
+    vec3 origin_in_world{0.0f}; ///< What positions are relative to.
+    ShadedObject object = {};
+};
+} // namespace tyndall
