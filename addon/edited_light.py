@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 def is_shaft_light(thing: Object | None) -> bool:
     """Whether it is a light that we draw."""
-    return thing is not None and thing.type == "LIGHT" and thing.data.type != "AREA"
+    return thing is not None and thing.type == "LIGHT"
 
 
 def is_light_of_scene(settings: PropertyGroup, thing: Object) -> bool:
@@ -25,8 +25,6 @@ def why_not_editable(light: Light | None) -> str | None:
     """What a button says that works on the edited light; None: it may."""
     if light is None:
         return "Make a light active, or choose one in the sidebar"
-    if light.type == "AREA":
-        return "Area lights are not rendered yet: use a spot or a point light"
     return None
 
 

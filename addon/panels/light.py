@@ -41,9 +41,6 @@ class TYNDALL_PT_light(LightPanel, Panel):
         light = context.light
         layout.row().prop(light, "type", expand=True)
         layout.use_property_split = True
-        if light.type == "AREA":
-            draw_text(layout, context, "Area lights are not rendered yet: use a spot or a point light", icon="ERROR")
-            return
         column = layout.column()
         draw_optional(column, light, "use_temperature")
         if getattr(light, "use_temperature", False):
@@ -54,6 +51,13 @@ class TYNDALL_PT_light(LightPanel, Panel):
         column = layout.column()
         if light.type == "SUN":
             column.prop(light, "angle")
+        elif light.type == "AREA":
+            column.prop(light, "shape")
+            is_even = light.shape in {"SQUARE", "DISK"}
+            sizes = column.column(align=True)
+            sizes.prop(light, "size", text="Size" if is_even else "Size X")
+            if not is_even:
+                sizes.prop(light, "size_y", text="Y")
         else:
             column.prop(light, "shadow_soft_size", text="Radius")
             draw_optional(column, light, "use_soft_falloff")
@@ -72,12 +76,15 @@ class TYNDALL_PT_beam_shape(LightPanel, Panel):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return super().poll(context) and context.light.type == "SPOT"
+        return super().poll(context) and context.light.type in {"SPOT", "AREA"}
 
     def draw(self, context: Context) -> None:
         layout = self.layout
         layout.use_property_split = True
         light = context.light
+        if light.type == "AREA":
+            layout.prop(light, "spread")
+            return
         layout.prop(light, "spot_size", text="Spot Size")
         layout.prop(light, "spot_blend", text="Blend", slider=True)
         layout.prop(light, "show_cone")

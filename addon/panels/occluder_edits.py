@@ -33,9 +33,6 @@ class TYNDALL_MT_occluder_edits(Menu):
 
 def draw_edits(layout: UILayout, context: Context, light: Light) -> None:
     """Draw the list, and under it what the active edit reads."""
-    if light.type == "AREA":
-        draw_text(layout, context, "Area lights are not rendered yet: use a spot or a point light", icon="ERROR")
-        return
     settings = light.tyndall
     edit = active_edit(light)
     row = layout.row()

@@ -29,7 +29,8 @@ static std::shared_ptr<TriangleMesh> make_mesh(std::string name, const py::array
 
 static Light make_light(std::string name, int kind, const Triple& strength, const Triple& position, const Triple& axis,
                         const py::array& light_from_world_directions, float half_angle_rad, float radius_m,
-                        float spot_half_angle_rad, float spot_blend, int spot_falloff, int body, bool casts_shadow,
+                        float spot_half_angle_rad, float spot_blend, int spot_falloff, int body,
+                        const std::array<float, 2>& half_size_m, bool is_ellipse, bool casts_shadow,
                         bool lights_surfaces, bool scatters_in_media, std::vector<OccluderEdit> occluder_edits,
                         const std::optional<std::shared_ptr<LightTexture>>& texture) {
     Light light;
@@ -45,6 +46,8 @@ static Light make_light(std::string name, int kind, const Triple& strength, cons
     light.spot_blend = spot_blend;
     light.spot_falloff = static_cast<SpotFalloff>(spot_falloff);
     light.body = static_cast<LightBody>(body);
+    light.half_size_m = {half_size_m[0], half_size_m[1]};
+    light.is_ellipse = is_ellipse;
     light.light_from_world_directions = to_matrix<mat3, 3>(light_from_world_directions, "light_from_world_directions");
     light.casts_shadow = casts_shadow;
     light.lights_surfaces = lights_surfaces;
@@ -184,8 +187,8 @@ TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
     py::class_<Light>(native, "Light")
         .def(py::init(&make_light), "name"_a, "kind"_a, "strength"_a, "position"_a, "axis"_a,
              "light_from_world_directions"_a, "half_angle_rad"_a, "radius_m"_a, "spot_half_angle_rad"_a, "spot_blend"_a,
-             "spot_falloff"_a, "body"_a, "casts_shadow"_a, "lights_surfaces"_a, "scatters_in_media"_a,
-             "occluder_edits"_a, "texture"_a,
+             "spot_falloff"_a, "body"_a, "half_size_m"_a, "is_ellipse"_a, "casts_shadow"_a, "lights_surfaces"_a,
+             "scatters_in_media"_a, "occluder_edits"_a, "texture"_a,
              "position: relative to the scene's origin; axis: unit vector along which the light shines.");
     py::class_<World>(native, "World")
         .def(py::init(&make_world), "name"_a, "radiance"_a, "pixels"_a, "image_from_world"_a,

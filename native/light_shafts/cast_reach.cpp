@@ -37,10 +37,13 @@ private:
     }
     /// By a ball around the box, where the cone is round.
     [[nodiscard]] bool misses_cone(const Bounds3& box) const {
-        const dvec3 centre = shape_.cone_from_world * (dvec3(box.centre()) - shape_.position);
+        // The lobe of an area light's patch lies in the cone that begins so far behind it.
+        const dvec3 to_apex = shape_.is_area ? -std::sqrt(shape_.softening_m2) * shape_.normal : dvec3(0.0);
+        const dvec3 centre = shape_.cone_from_world * (dvec3(box.centre()) - shape_.position - to_apex);
         double radius = 0.0;
         for (std::size_t corner = 0; corner < 8; ++corner)
-            radius = std::max(radius, glm::distance(shape_.cone_from_world * from_lamp(box, corner), centre));
+            radius =
+                std::max(radius, glm::distance(shape_.cone_from_world * (from_lamp(box, corner) - to_apex), centre));
         const double distance = glm::length(centre);
         return radius < distance && std::acos(std::clamp(centre.z / distance, -1.0, 1.0)) >
                                         std::acos(shape_.cos_half) + std::asin(radius / distance);

@@ -110,12 +110,13 @@ void add_local(const Media& media, const ViewRay& ray, const LightSample& light,
         const float at_m = segment.near_m + within_m, half_m = 0.5f * stepping.step_m();
         const float begin = at_m - half_m - foot_m, end = at_m + half_m - foot_m;
         const float angle = std::atan2((end - begin) * across_m, across_m * across_m + begin * end);
-        const vec3 from_light = ray.origin + at_m * ray.direction - light.position;
+        const vec3 at = ray.origin + at_m * ray.direction;
+        const vec3 from_light = at - light.position;
         const float distance_m = glm::length(from_light);
         const vec3 direction = from_light / distance_m;
         if (attenuates_light)
             depth += media.sigma_t_per_m(segment.set) * distance_m;
-        const Rgb source = intensity_w_per_sr(light, direction) *
+        const Rgb source = intensity_w_per_sr(light, shaping_direction(light, at, direction)) *
                            media.scatter_per_m_sr(segment.set, -glm::dot(direction, ray.direction)) * glm::exp(-depth);
         weights[step] += strata_weight * shares[step] * average(source) * angle / (across_m * stepping.step_m());
     });

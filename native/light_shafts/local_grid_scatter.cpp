@@ -78,7 +78,8 @@ private:
         }
         const LightSample& light = light_.light_;
         const Rgb colour = light.textured ? texture_colour(*light.textured, light.position, at) : Rgb(1.0f);
-        return scatter * colour * intensity_w_per_sr(light, from_light) * irradiance_per_intensity(light, at);
+        return scatter * colour * intensity_w_per_sr(light, shaping_direction(light, at, from_light)) *
+               irradiance_per_intensity(light, at);
     }
     [[nodiscard]] Rgb light_depth(double at_m, bool is_reached) const {
         if (!light_.attenuates_light_)

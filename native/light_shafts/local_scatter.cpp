@@ -86,6 +86,8 @@ void LocalScatter::Batch::prepare_splits() {
     for (const auto which : {LocalSupport::Inner0, LocalSupport::Inner1})
         if (light_->shape_.has_soft_edge && distance(LocalSupport::Inner0) < distance(LocalSupport::Inner1))
             splits_.push_back(distance(which));
+    if (light_->shape_.is_area)
+        splits_.insert(splits_.end(), {distance(LocalSupport::Inner0), distance(LocalSupport::Inner1)});
     if (light_->attenuates_light_) {
         ViewRay reached = rays_->ray(ray_);
         reached.near_m = static_cast<float>(light_x_ + distance(LocalSupport::Begin));

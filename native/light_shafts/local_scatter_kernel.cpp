@@ -80,8 +80,18 @@ struct Kernel {
     std::vector<Part>& parts;
     std::vector<LaneCrossing>& crossings;
 
+    /// Of a patch of an area light.
+    HWY_INLINE V area_lobe(const Lanes& s, V x) const {
+        const V p0 = hn::MulAdd(x, s.cone_d[0], s.cone[0]), p1 = hn::MulAdd(x, s.cone_d[1], s.cone[1]);
+        const V p2 = hn::MulAdd(x, s.cone_d[2], s.cone[2]), across2 = hn::MulAdd(p0, p0, hn::Mul(p1, p1));
+        const V before2 = hn::MulAdd(p2, p2, set(shape.softening_m2));
+        const V lobe = hn::NegMulAdd(set(shape.spread_cotangent), hn::Sqrt(across2), hn::Sqrt(before2));
+        return hn::Mul(hn::Max(lobe, hn::Zero(d)), reciprocal_root_of(d, hn::Add(before2, across2)));
+    }
     /// Cosine lobe, softening and cone at a point.
     HWY_INLINE V shape_at(const Lanes& s, V x, V x2, V inverse_distance, V before, V after) const {
+        if (shape.is_area)
+            return area_lobe(s, x);
         V share = set(1.0f);
         if (shape.has_normal)
             share =
@@ -299,8 +309,10 @@ struct Kernel {
         // Coefficients of an analytic function fall like rho^-k, and the rule's error like rho^-12. The points may all miss
         // what is left of a steep exponential; behind 80 optical depths nothing is. At the rim of a cone the share rises
         // from 0 as a square of what floats know to 1e-7, and halving would not end.
-        const V noise = hn::Mul(set(1e-5 * shape.one_minus_cos_half * shape.per_smooth),
-                                reciprocal_root_of(d, hn::Max(mean_share, set(1e-12f))));
+        // That of a spread rises as a difference of two numbers near 1.
+        const V noise = shape.is_area ? hn::Div(set(4e-7f), hn::Max(mean_share, set(1e-12f)))
+                                      : hn::Mul(set(1e-5 * shape.one_minus_cos_half * shape.per_smooth),
+                                                reciprocal_root_of(d, hn::Max(mean_share, set(1e-12f))));
         auto is_rough = hn::Gt(hn::Zero(d), hn::Zero(d));
         for (std::size_t channel = 0; channel < 3; ++channel) {
             const std::size_t depths = is_grey ? 0 : channel;

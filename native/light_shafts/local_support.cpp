@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/local_support.hpp"
+#include "scene/area_light.hpp"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -64,6 +65,34 @@ static HWY_INLINE Interval inside_cone(const V3& q, const V3& v, double cosine) 
     return {begin, end};
 }
 
+/// Keeps what may lie in the lobe of an area light's patch: x^2 + y^2 < tan^2 (z^2 + softening), a hyperboloid. A ray that
+/// comes into it twice keeps what lies between. `edge`: a place where the ray crosses it.
+static HWY_INLINE void clip_to_spread(const LocalShape& shape, const V3& q, const V3& v, V& begin, V& end, V& edge) {
+    const double square = shape.spread_cotangent * shape.spread_cotangent;
+    const V k = set(square), zero = hn::Zero(d), infinity = set(std::numeric_limits<double>::infinity());
+    const auto across = [&](const V3& p, const V3& r) { return hn::MulAdd(p.x, r.x, hn::Mul(p.y, r.y)); };
+    const V a = hn::NegMulAdd(k, across(v, v), hn::Mul(v.z, v.z)),
+            b = hn::NegMulAdd(k, across(q, v), hn::Mul(q.z, v.z));
+    const V c = hn::Add(hn::NegMulAdd(k, across(q, q), hn::Mul(q.z, q.z)), set(shape.softening_m2));
+    const V discriminant = hn::NegMulAdd(a, c, hn::Mul(b, b));
+    const V sum = hn::Neg(hn::Add(b, hn::CopySign(hn::Sqrt(hn::Max(discriminant, zero)), b)));
+    const auto has_roots = hn::And(hn::Gt(discriminant, zero), hn::Ne(sum, zero));
+    const V root0 = hn::IfThenElse(hn::Eq(a, zero), infinity, hn::Div(sum, a)), root1 = hn::Div(c, sum);
+    const V low = hn::Min(root0, root1), high = hn::Max(root0, root1);
+    const auto is_between = hn::Lt(a, zero); // else it lies in the lobe far along its way, and back
+    begin = hn::IfThenElse(hn::And(is_between, has_roots), hn::Max(begin, low), begin);
+    end = hn::IfThenElse(is_between, hn::IfThenElse(has_roots, hn::Min(end, high), begin), end);
+    const auto rises = hn::Gt(v.z, zero);
+    edge = hn::IfThenElse(hn::And(has_roots, hn::Not(is_between)), hn::IfThenElse(rises, high, low), hn::Neg(infinity));
+    // Where it comes through the patch's plane beside the lobe, all up to the edge is dark.
+    const V at_plane = hn::Neg(hn::Div(q.z, v.z));
+    const V3 place{hn::MulAdd(at_plane, v.x, q.x), hn::MulAdd(at_plane, v.y, q.y), zero};
+    const auto is_beside = hn::And(hn::Gt(hn::Mul(k, across(place, place)), set(shape.softening_m2)),
+                                   hn::And(has_roots, hn::Not(is_between)));
+    begin = hn::IfThenElse(hn::And(is_beside, rises), hn::Max(begin, edge), begin);
+    end = hn::IfThenElse(hn::And(is_beside, hn::Lt(v.z, zero)), hn::Min(end, edge), end);
+}
+
 /// Keeps what lies where at_foot + x per_m is positive.
 static HWY_INLINE void clip_to_half_space(V at_foot, V per_m, V& begin, V& end) {
     const V zero = hn::Zero(d), horizon = hn::Neg(hn::Div(at_foot, per_m));
@@ -119,8 +148,13 @@ void find_support_of(const LocalShape& shape, const LocalRays& rays, LocalSuppor
         Interval inner{hn::Neg(infinity), infinity};
         if (shape.has_cone) {
             const V3 q = product(shape.cone_from_world, foot), v = product(shape.cone_from_world, along);
-            // A cone of more than a half space is not convex; its edge is left to the integration.
-            if (shape.cos_half > -1e-6) {
+            if (shape.is_area) {
+                if (shape.spread_cotangent > 0.0)
+                    clip_to_spread(shape, q, v, begin, end, inner.end);
+                const V along2 = hn::Max(hn::MulAdd(v.x, v.x, hn::Mul(v.y, v.y)), set(1e-30));
+                inner.begin = hn::Neg(hn::Div(hn::MulAdd(q.x, v.x, hn::Mul(q.y, v.y)), along2));
+            } else if (shape.cos_half >
+                       -1e-6) { // more than a half space is not convex: its edge is left to the integration
                 const Interval cone = inside_cone(q, v, std::max(shape.cos_half, 0.0));
                 begin = hn::Max(begin, cone.begin), end = hn::Min(end, cone.end);
             }
@@ -142,8 +176,8 @@ namespace tyndall::light_shafts {
 LocalShape::LocalShape(const LightSample& light)
     : position(light.position), has_normal(light.emission_normal != vec3(0.0f)), is_soft(light.softening_m2 > 0.0f),
       faces_receivers(light.faces_receivers), has_cone(light.spot != nullptr), has_soft_edge(false),
-      keeps_cosine(false), normal(light.emission_normal), falloff_offset(light.falloff_offset),
-      softening_m2(light.softening_m2), has_cell(light.cell != nullptr) {
+      keeps_cosine(false), is_area(has_cone && light.spot->kind == LightKind::Area), normal(light.emission_normal),
+      falloff_offset(light.falloff_offset), softening_m2(light.softening_m2), has_cell(light.cell != nullptr) {
     for (std::size_t plane = 0; has_cell && plane < cell_normals.size(); ++plane) {
         cell_normals[plane] = dvec3(light.cell->inwards[plane]);
         cell_heights[plane] = glm::dot(cell_normals[plane], position - dvec3(light.cell->apex));
@@ -151,6 +185,13 @@ LocalShape::LocalShape(const LightSample& light)
     if (!has_cone)
         return;
     const Light& spot = *light.spot;
+    if (is_area) {
+        spread_cotangent = double{area_spread(spot).cotangent};
+        cos_half = spread_cotangent / std::hypot(spread_cotangent, 1.0);
+        const auto [u, v] = orthonormal_basis(spot.spot_axis);
+        cone_from_world = glm::transpose(glm::dmat3(dvec3(u), dvec3(v), dvec3(spot.spot_axis)));
+        return;
+    }
     cos_half = std::cos(double{spot.spot_half_angle_rad});
     const double sine = std::sin(0.5 * double{spot.spot_half_angle_rad});
     one_minus_cos_half = 2.0 * sine * sine; // exact in a narrow cone, too

@@ -15,8 +15,9 @@ struct LocalShape {
     explicit LocalShape(const LightSample& light);
     dvec3 position;
     bool has_normal, is_soft, faces_receivers, has_cone, has_soft_edge;
-    bool keeps_cosine;    ///< Up to 3.x the spot's cosine stays a factor.
-    dvec3 normal;         ///< Cosine lobe of a stratum of a sphere.
+    bool keeps_cosine; ///< Up to 3.x the spot's cosine stays a factor.
+    bool is_area;      ///< Its lobe, with the cosine and the spread, is that of a point as far before it as softened.
+    dvec3 normal;      ///< Cosine lobe of a stratum of a sphere; what an area light faces.
     dvec3 falloff_offset; ///< Of a stratum of a facing disc; see LightSample.
     double softening_m2;
     bool has_cell;
@@ -25,6 +26,7 @@ struct LocalShape {
     glm::dmat3 cone_from_world{1.0};      ///< To where the cone is tested, axis along +Z.
     double cos_half = 0.0, cos_inner = 0.0;
     double one_minus_cos_half = 0.0, per_smooth = 0.0; ///< 1 / width of the soft edge in cosine.
+    double spread_cotangent = 0.0;                     ///< Area: of half its spread.
 };
 
 /// Per ray, x being the distance along it from the light's foot. Columns are padded as those of LocalRays.
@@ -34,7 +36,8 @@ struct LocalSupport {
         Begin,
         End, ///< What the light can shine on: Begin < End, or nothing.
         Inner0,
-        Inner1, ///< Between them a soft edge has risen to 1; crossed or infinite where it does not.
+        Inner1, ///< Between them a soft edge has risen to 1; crossed or infinite where it does not. Of an area light: where
+                ///< the ray is nearest to the lobe's axis, and where it comes into the lobe or leaves it.
         LightY, ///< Between light and foot; at least 1e-6 of the way from the ray's origin to the light.
         Normal0,
         NormalX, ///< normal . (point - position) at the foot, and per metre along the ray.

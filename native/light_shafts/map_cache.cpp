@@ -227,6 +227,7 @@ void feed(ContentDigest& digest, const LightSample& light) {
         return;
     digest.feed(light.spot->spot_axis); // of its one face
     digest.feed(light.spot->spot_half_angle_rad);
+    digest.feed(light.softening_m2); // of an area light's lobe
     for (int column = 0; column < 3; ++column)
         digest.feed(light.spot->light_from_world_directions[column]);
 }

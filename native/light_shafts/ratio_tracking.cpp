@@ -67,7 +67,8 @@ public:
             if (!(to_light.far_m > 0.0f) || !is_in_cell(point))
                 return Rgb(0.0f);
             to_light.direction = way / to_light.far_m;
-            irradiance = intensity_w_per_sr(light_, -to_light.direction) * irradiance_per_intensity(light_, point);
+            irradiance = intensity_w_per_sr(light_, shaping_direction(light_, point, -to_light.direction)) *
+                         irradiance_per_intensity(light_, point);
         }
         if (light_.textured != nullptr)
             irradiance *= texture_colour(*light_.textured,

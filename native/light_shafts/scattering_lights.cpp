@@ -4,7 +4,10 @@
 #include "core/sobol.hpp"
 #include "light_shafts/local_scatter.hpp"
 #include "light_shafts/scatter_pieces.hpp"
+#include "scene/area_light.hpp"
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace tyndall::light_shafts {
 /// The digits of a number to base 3, mirrored at the point: in [0, 1).
@@ -28,8 +31,20 @@ static float patch_m2(const Light& light, std::uint32_t count) {
     return light.radius_m * light.radius_m / static_cast<float>(count);
 }
 
+/// What is added to the square of how far a point lies before a patch of an area light: what passes through any plane is
+/// then the patch's light, and on the patch itself as bright as there. Farther off the error falls with 1 / count.
+static float softening_of_patch_m2(const Light& light, std::uint32_t count) {
+    return area_spread(light).gain * area_m2(light) * std::numbers::inv_pi_v<float> / static_cast<float>(count);
+}
+
 LightSample stratum_of(const Light& light, std::uint32_t light_index, std::uint32_t index, std::uint32_t count,
                        std::uint32_t seed) {
+    if (light.kind == LightKind::Area) {
+        LightSample sample = sample_light(light, light_index, count == 1 ? vec3(0.5f) : stratum(index, count, seed));
+        sample.softening_m2 = softening_of_patch_m2(light, count);
+        sample.strength *= 1.0f / static_cast<float>(count);
+        return sample;
+    }
     if (count == 1) {
         Light without_size = light;
         without_size.radius_m = without_size.half_angle_rad = 0.0f;
@@ -77,8 +92,9 @@ static std::vector<float> weights_of_discs(const Scene& scene, const StrataCount
     float roots = 0.0f;
     for (std::size_t index = 0; index < weights.size(); ++index) {
         const Light& light = scene.lights()[index];
-        if (counts.of_light[index] <= 1 || light.kind == LightKind::Sun || light.body != LightBody::FacingDisc ||
-            !light.casts_shadow || !has_occluder_within(scene, light.position, light.radius_m))
+        if (counts.of_light[index] <= 1 || light.kind == LightKind::Sun || light.kind == LightKind::Area ||
+            light.body != LightBody::FacingDisc || !light.casts_shadow ||
+            !has_occluder_within(scene, light.position, light.radius_m))
             continue;
         weights[index] = counts.shares.empty() ? 1.0f : std::sqrt(counts.shares[index]);
         roots += weights[index];
@@ -89,8 +105,11 @@ static std::vector<float> weights_of_discs(const Scene& scene, const StrataCount
     return weights;
 }
 
-/// A spot whose cone passes by the sphere around all bounded media.
+/// A spot whose cone passes by the sphere around all bounded media, or an area light that has them behind it.
 static bool misses(const Light& light, const Media& media) {
+    if (light.kind == LightKind::Area)
+        return !media.fills_world() && glm::dot(media.bounds().centre() - light.position, light.spot_axis) <=
+                                           -0.5f * media.bounds().diagonal_m() - glm::length(light.half_size_m);
     if (light.kind != LightKind::Spot || media.fills_world() || light.spot_falloff != SpotFalloff::Blender3)
         return false; // from 4.0 on an object's scale may shear the cone
     const vec3 way = media.bounds().centre() - light.position;
@@ -102,7 +121,8 @@ static bool misses(const Light& light, const Media& media) {
 }
 
 bool has_size(const Light& light) {
-    return light.kind == LightKind::Sun ? light.half_angle_rad > 0.0f : light.radius_m > 0.0f;
+    return light.kind == LightKind::Sun ? light.half_angle_rad > 0.0f
+                                        : light.kind == LightKind::Area || light.radius_m > 0.0f;
 }
 
 static bool swallows_all(const Media& media, bool attenuates_light) {
@@ -134,7 +154,8 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
             continue;
         }
         if (misses(light, media)) {
-            statistics.skip(what, "its cone does not reach a medium");
+            statistics.skip(what, light.kind == LightKind::Area ? "no medium lies before it"
+                                                                : "its cone does not reach a medium");
             continue;
         }
         ScatteringLight& scattering = lights.emplace_back(ScatteringLight{light.name, index, {}});

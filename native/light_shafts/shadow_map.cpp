@@ -48,7 +48,8 @@ static glm::uvec2 snap(MapWindow& window, std::uint32_t resolution) {
 
 /// A cone that one perspective face can hold, with Cycles' transform of directions doing nothing but turn.
 static bool is_narrow_spot(const LightSample& light) {
-    if (light.spot == nullptr || light.spot->spot_half_angle_rad >= 0.24f * std::numbers::pi_v<float>)
+    if (light.spot == nullptr || light.spot->kind != LightKind::Spot ||
+        light.spot->spot_half_angle_rad >= 0.24f * std::numbers::pi_v<float>)
         return false;
     const mat3& turn = light.spot->light_from_world_directions;
     const mat3 product = glm::transpose(turn) * turn;

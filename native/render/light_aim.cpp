@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Based on: scene/light.cpp, whose strata these are; there is the source of each formula.
+// Based on: scene/light.cpp and area_light.cpp, whose strata these are; there is the source of each formula.
 // Differs:  the distance to a stratum on a sphere cancels from its irradiance: only the solid angle is left.
 #include "render/light_aim.hpp"
 #include "core/sampling.hpp"
 #include "render/pixel_samples.hpp"
+#include "scene/light_axes.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,6 +13,8 @@
 #define HWY_TARGET_INCLUDE "render/light_aim.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+
+#include "light_shafts/slope_rows_angle-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::render::HWY_NAMESPACE {
@@ -81,6 +84,8 @@ static HWY_INLINE V2 concentric_disc(V ux, V uy) {
     cosine = hn::MulAdd(a2, cosine, set(1.0f));
     return {radius * hn::IfThenElse(is_wide, cosine, sine), radius * hn::IfThenElse(is_wide, sine, cosine)};
 }
+#include "render/light_aim_area-inl.hpp"
+
 struct InCone {
     V3 direction;
     V one_minus_cos; ///< Between it and the axis.
@@ -98,6 +103,10 @@ LaneSet may_light_of(const Form& form, const LitPoints& points) {
         const V3 normal = load(points.shading_normal, at);
         if (form.kind == Form::Kind::SunCone || form.kind == Form::Kind::SunDisc) {
             lanes |= bits_of(hn::Gt(dot(set(form.towards_light), normal), set(-form.margin)), at);
+            continue;
+        }
+        if (form.kind == Form::Kind::Area) {
+            lanes |= bits_of(may_area_light(form, load(points.position, at), normal), at);
             continue;
         }
         const V3 way = subtract(load(points.position, at), set(form.position));
@@ -206,7 +215,7 @@ LaneSet aim_of(const Form& form, const LitPoints& points, const Lanes& ux, const
     LaneSet lanes = 0;
     const bool is_sun = form.kind == Form::Kind::SunCone || form.kind == Form::Kind::SunDisc;
     for (std::size_t at = 0; at < lane_count; at += hn::Lanes(d)) {
-        const V2 disc = concentric_disc(hn::Load(d, &ux[at]), hn::Load(d, &uy[at]));
+        const V2 square{hn::Load(d, &ux[at]), hn::Load(d, &uy[at])}, disc = concentric_disc(square.x, square.y);
         const V3 position = load(points.position, at), normal = load(points.shading_normal, at);
         V3 direction, target;
         V weight;
@@ -214,7 +223,8 @@ LaneSet aim_of(const Form& form, const LitPoints& points, const Lanes& ux, const
         if (is_sun) {
             arrives = aim_sun(form, disc, normal, direction, weight);
         } else {
-            arrives = aim_local(form, disc, position, normal, target, weight);
+            arrives = form.kind == Form::Kind::Area ? aim_area(form, square, disc, position, normal, target, weight)
+                                                    : aim_local(form, disc, position, normal, target, weight);
             direction = subtract(target, position);
         }
         const V3 origin = spawned(points, direction, at);
@@ -266,6 +276,16 @@ static LightAim::Form form_of(const Light& light) {
         form.weight = is_disc ? (1.0f + cos_half) / (2.0f * cos_half) : 2.0f / (2.0f - form.cone);
         return form;
     }
+    if (light.kind == LightKind::Area) {
+        form.kind = Kind::Area;
+        form.margin = 1e-5f * glm::length(light.half_size_m);
+        form.area_axes = light_axes(light);
+        form.half_size_m = light.half_size_m;
+        form.per_area_m2 = 1.0f / area_m2(light);
+        form.spread = area_spread(light);
+        form.is_ellipse = light.is_ellipse;
+        return form;
+    }
     form.kind = is_disc ? Kind::FacingDisc : Kind::Sphere;
     form.margin = light.radius_m * with_rounding;
     if (!form.is_spot)
@@ -294,7 +314,8 @@ void LitPoints::set(std::size_t lane, const vec3& at, const vec3& normal, const 
 
 LightAim::LightAim(const Light& light)
     : form_(form_of(light)),
-      has_size_(light.kind == LightKind::Sun ? light.half_angle_rad > 0.0f : light.radius_m > 0.0f) {}
+      has_size_(light.kind == LightKind::Sun ? light.half_angle_rad > 0.0f
+                                             : light.kind == LightKind::Area || light.radius_m > 0.0f) {}
 
 LaneSet LightAim::may_light(const LitPoints& points) const { return HWY_DYNAMIC_DISPATCH(may_light_of)(form_, points); }
 

@@ -4,7 +4,7 @@
 // Bound:    with AVX-512 6 ns per point, random numbers included (AVX2 9, SSE4 18); a light that reaches none of the
 //           points 0.5 ns.
 #pragma once
-#include "scene/light.hpp"
+#include "scene/area_light.hpp"
 #include "scene/spawn_offset.hpp"
 #include <array>
 
@@ -57,7 +57,7 @@ public:
     [[nodiscard]] static LaneSet aim_at_world(const LitPoints& points, const PairIndex& pair, AimedRays& rays);
 
     struct Form {
-        enum class Kind : std::uint8_t { SunCone, SunDisc, Sphere, FacingDisc } kind;
+        enum class Kind : std::uint8_t { SunCone, SunDisc, Sphere, FacingDisc, Area } kind;
         bool is_spot;
         vec3 position, towards_light;
         float radius_m;       ///< Local.
@@ -67,6 +67,11 @@ public:
         mat3 cone_from_world; ///< Into a space where the spot's axis is -Z and its cone round.
         float cone_radius;    ///< Of the sphere around the light there.
         float cos_half, sin_half;
+        mat3 area_axes;    ///< Area: along its sides, and against its beam.
+        vec2 half_size_m;  ///< Area.
+        float per_area_m2; ///< Area.
+        AreaSpread spread; ///< Area.
+        bool is_ellipse;   ///< Area.
     };
 
 private:

@@ -9,6 +9,7 @@
 //           where something stands in the ball, see light_shafts/turning_disc.hpp.
 #include "scene/light.hpp"
 #include "core/sampling.hpp"
+#include "scene/area_light.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -40,6 +41,10 @@ float spot_attenuation(const Light& light, const vec3& from_light) {
 
 Rgb intensity_w_per_sr(const LightSample& sample, const vec3& from_light) {
     Rgb intensity = sample.strength;
+    if (sample.spot != nullptr && sample.spot->kind == LightKind::Area)
+        return intensity * area_spread(*sample.spot)
+                               .lobe(glm::dot(sample.emission_normal, from_light),
+                                     glm::length(glm::cross(sample.emission_normal, from_light)));
     if (sample.emission_normal != vec3(0.0f))
         intensity *= std::max(0.0f, glm::dot(sample.emission_normal, from_light));
     if (sample.spot != nullptr)
@@ -53,13 +58,25 @@ float irradiance_per_intensity(const LightSample& sample, const vec3& point) {
     return sample.faces_receivers ? std::sqrt(distance2 / softened2) / softened2 : 1.0f / softened2;
 }
 
+vec3 shaping_direction(const LightSample& sample, const vec3& point, const vec3& from_light) {
+    if (sample.softening_m2 == 0.0f || sample.spot == nullptr || sample.spot->kind != LightKind::Area)
+        return from_light;
+    const vec3 way = point - sample.position;
+    const float before_m = glm::dot(way, sample.emission_normal);
+    if (!(before_m > 0.0f))
+        return from_light;
+    const float softened_m = std::sqrt(before_m * before_m + sample.softening_m2);
+    return glm::normalize(way + (softened_m - before_m) * sample.emission_normal);
+}
+
 /// What all samples of a light have in common; complete for a light without a size.
 static LightSample centre_sample(const Light& light, std::uint32_t light_index) {
     return {.is_directional = light.kind == LightKind::Sun,
             .towards_light = light.towards_light,
             .position = light.position,
             .strength = light.strength,
-            .spot = light.kind == LightKind::Spot ? &light : nullptr,
+            .emission_normal = light.kind == LightKind::Area ? light.spot_axis : vec3(0.0f),
+            .spot = light.kind == LightKind::Spot || light.kind == LightKind::Area ? &light : nullptr,
             .textured = light.texture ? &light : nullptr,
             .light_index = light_index,
             .casts_shadow = light.casts_shadow};
@@ -87,6 +104,11 @@ LightSample sample_light(const Light& light, std::uint32_t light_index, const ve
     LightSample sample = centre_sample(light, light_index);
     if (light.kind == LightKind::Sun)
         return light.half_angle_rad > 0.0f ? sample_sun(light, sample, vec2(u)) : sample;
+    if (light.kind == LightKind::Area) {
+        sample.position = area_point(light, vec2(u));
+        sample.strength *= area_spread(light).gain;
+        return sample;
+    }
     if (light.radius_m <= 0.0f)
         return sample;
     if (light.body == LightBody::Sphere) {
@@ -106,6 +128,12 @@ LightSample sample_light(const Light& light, std::uint32_t light_index, const ve
 
 LightSample sample_light_towards(const Light& light, std::uint32_t light_index, vec2 u, const vec3& receiver) {
     LightSample sample = centre_sample(light, light_index);
+    if (light.kind == LightKind::Area) {
+        const AreaPoint towards = area_point_towards(light, u, receiver);
+        sample.position = towards.position;
+        sample.strength *= towards.share;
+        return sample;
+    }
     const vec3 way = receiver - light.position;
     const float distance_m = glm::length(way);
     if (light.kind == LightKind::Sun || light.radius_m <= 0.0f || !(distance_m > 0.0f))

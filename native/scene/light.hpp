@@ -10,7 +10,7 @@
 
 namespace tyndall {
 struct LightTexture;
-enum class LightKind : std::uint8_t { Sun = 0, Point = 1, Spot = 2 };
+enum class LightKind : std::uint8_t { Sun = 0, Point = 1, Spot = 2, Area = 3 };
 
 /// How a spot fades between its inner and outer cone: the running Blender's Cycles decides.
 enum class SpotFalloff : std::uint8_t {
@@ -25,17 +25,20 @@ struct Light {
     std::string name;
     LightKind kind = LightKind::Sun;
     /// Sun: irradiance on a plane that faces its centre, W/m^2: Blender's strength from 4.0 on, and up to 3.x
-    /// 2 cos / (1 + cos) of it. Point, spot: radiant intensity, W/sr: Blender's watts / (4 pi).
+    /// 2 cos / (1 + cos) of it. Point, spot: radiant intensity, W/sr: Blender's watts / (4 pi). Area: intensity along
+    /// its axis of one that spreads over 180 degrees, W/sr: its radiance times its area, a pi-th of what it sends.
     Rgb strength{1.0f};
-    vec3 position{0.0f};              ///< Point, spot.
+    vec3 position{0.0f};              ///< Point, spot, area: its middle.
     vec3 towards_light{0, 0, 1};      ///< Sun: unit vector to its centre.
-    vec3 spot_axis{0, 0, -1};         ///< Spot: unit vector along which it shines.
+    vec3 spot_axis{0, 0, -1};         ///< Spot, area: unit vector along which it shines.
     float half_angle_rad = 0.0f;      ///< Sun: angular radius, [0, pi/2].
     float radius_m = 0.0f;            ///< Point, spot: [0, 1e6].
-    float spot_half_angle_rad = 0.7f; ///< Spot: half of Blender's cone angle.
+    float spot_half_angle_rad = 0.7f; ///< Spot: half of Blender's cone angle. Area: half of its spread, [0, pi/2].
     float spot_blend = 0.0f;          ///< Spot: [0, 1].
     SpotFalloff spot_falloff = SpotFalloff::Blender4;
     LightBody body = LightBody::Sphere;
+    vec2 half_size_m{0.0f};  ///< Area: along the first two of its light_axes, [0, 1e6]; > 0 in is_usable lights.
+    bool is_ellipse = false; ///< Area: an ellipse with these half axes, else a rectangle.
     mat3 light_from_world_directions{1.0f}; ///< Spot: rotation and scale that Cycles 4 applies before the cone test.
     bool casts_shadow = true;
     bool lights_surfaces = true;
@@ -61,31 +64,38 @@ struct LightSample {
     vec3 position{0.0f};         ///< Local: where it stands.
     Rgb strength{1.0f};          ///< Irradiance, W/m^2, or intensity, W/sr, before shaping; its share of the light.
     vec3 emission_normal{0.0f};  ///< Local: intensity falls with max(0, cos) around it; zero vector: isotropic.
-    /// Local: from position to where the inverse square is measured from, and what is added to the squared distance.
+    /// Local: from position to where the inverse square is measured from, and what is added to the squared distance. Of
+    /// a patch of an area light also to the square of how far a point lies before it: see shaping_direction.
     vec3 falloff_offset{0.0f};
     float softening_m2 = 0.0f;
     /// Local: a patch of a disc that turns to each point. Inverse square times the cosine at the patch:
     /// D / (D^2 + softening)^1.5 for a point at distance D from position + falloff_offset.
     bool faces_receivers = false;
     const DirectionCell* cell = nullptr; ///< Local: other points it does not light; must outlive the sample.
-    const Light* spot = nullptr;         ///< Local: shaped by this spot's cone; the light must outlive the sample.
-    const Light* textured = nullptr;     ///< Its texture colours this light, too; the light must outlive the sample.
-    std::uint32_t light_index = 0;       ///< Into Scene::lights; lights of the world follow after the last one.
+    /// Local: shaped by this spot's cone, or by this area light's lobe, of which emission_normal is the axis. The light
+    /// must outlive the sample.
+    const Light* spot = nullptr;
+    const Light* textured = nullptr; ///< Its texture colours this light, too; the light must outlive the sample.
+    std::uint32_t light_index = 0;   ///< Into Scene::lights; lights of the world follow after the last one.
     bool casts_shadow = true;
 };
 
 /// Spot attenuation towards a unit direction that leaves the light, [0, 1]; 1 for other kinds. Follows light.spot_falloff.
 [[nodiscard]] float spot_attenuation(const Light& light, const vec3& from_light);
-/// Intensity of a local sample towards a unit direction that leaves it, W/sr: strength, cosine lobe and spot together.
+/// Intensity of a local sample towards a unit direction that leaves it, W/sr: strength, cosine lobe, spot and spread
+/// together.
 [[nodiscard]] Rgb intensity_w_per_sr(const LightSample& sample, const vec3& from_light);
 /// Irradiance per intensity, 1/m^2, that a local sample gives a point that faces it: the inverse square of its distance
 /// to position + falloff_offset, softened. Its cell is for those who ask to know.
 [[nodiscard]] float irradiance_per_intensity(const LightSample& sample, const vec3& point);
+/// The direction in which to ask for a local sample's intensity at a point that lies at the unit direction `from_light`
+/// from it: the same, but before a softened patch of an area light.
+[[nodiscard]] vec3 shaping_direction(const LightSample& sample, const vec3& point, const vec3& from_light);
 /// The stratum of `light` at `u` in [0, 1)^3; its strength is that of the whole light. A light of size 0 ignores u; the
 /// third number is the depth of a stratum of a facing disc: strata that tie it to the others lean to one side.
 [[nodiscard]] LightSample sample_light(const Light& light, std::uint32_t light_index, const vec3& u);
 /// The same for one receiver: exact at any distance, and without strata that face away. Outside a sphere only; a
-/// receiver inside it gets a sample of the centre.
+/// receiver inside it gets a sample of the centre. One to which an area light cannot shine gets a strength of 0.
 [[nodiscard]] LightSample sample_light_towards(const Light& light, std::uint32_t light_index, vec2 u,
                                                const vec3& receiver);
 } // namespace tyndall

@@ -167,10 +167,13 @@ static bool is_usable(const Light& light) {
                     std::isfinite(light.radius_m) && std::isfinite(light.half_angle_rad);
     if (light.kind == LightKind::Sun)
         is_sound = is_sound && is_unit(light.towards_light);
-    if (light.kind == LightKind::Spot)
+    if (light.kind == LightKind::Spot || light.kind == LightKind::Area)
         is_sound = is_sound && is_unit(light.spot_axis) &&
                    std::isfinite(light.spot_half_angle_rad + light.spot_blend) &&
                    is_finite(light.light_from_world_directions * light.spot_axis);
+    if (light.kind == LightKind::Area)
+        is_sound = is_sound && light.half_size_m.x > 0.0f && light.half_size_m.y > 0.0f &&
+                   std::isfinite(light.half_size_m.x + light.half_size_m.y);
     return is_sound;
 }
 

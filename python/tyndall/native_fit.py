@@ -51,7 +51,7 @@ def _render_one_of_everything() -> None:
                 strength=(1.0, 1.0, 1.0),
                 world_from_light=np.eye(4),
                 occluder_edits=edits,
-                texture=scene.LightTexture(use=use),
+                texture=None if kind is scene.LightKind.AREA else scene.LightTexture(use=use),
             )
             for kind in scene.LightKind
         ),

@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _native
 from .occluder_edits import build_occluder_edits
+from .scene_description import LightKind
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,6 +36,11 @@ def build_light(
         light_from_world = np.linalg.inv(rotation_and_scale)
     except np.linalg.LinAlgError:
         raise _native.InvalidInput("its matrix is singular (scale 0)") from None
+    half_size_m = np.zeros(2)
+    if light.kind is LightKind.AREA:
+        if texture is not None:
+            raise _native.InvalidInput("an area light shines in one colour: it takes no picture")
+        half_size_m = 0.5 * np.array(light.size_m) * np.linalg.norm(rotation_and_scale[:, :2], axis=0)
     return _native.Light(
         name=light.name,
         kind=int(light.kind),
@@ -44,10 +50,12 @@ def build_light(
         light_from_world_directions=light_from_world.astype(np.float32, order="C"),
         half_angle_rad=light.half_angle_rad,
         radius_m=light.radius_m,
-        spot_half_angle_rad=light.spot_half_angle_rad,
+        spot_half_angle_rad=light.spread_rad / 2 if light.kind is LightKind.AREA else light.spot_half_angle_rad,
         spot_blend=light.spot_blend,
         spot_falloff=int(light.spot_falloff),
         body=int(light.body),
+        half_size_m=tuple(half_size_m),
+        is_ellipse=light.is_ellipse,
         casts_shadow=light.casts_shadow,
         lights_surfaces=light.lights_surfaces,
         scatters_in_media=light.scatters_in_media,

@@ -9,6 +9,7 @@ so nothing is sent again.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import TYPE_CHECKING
@@ -263,6 +264,7 @@ class LightKind(IntEnum):
     SUN = 0
     POINT = 1
     SPOT = 2
+    AREA = 3
 
 
 class SpotFalloff(IntEnum):
@@ -374,14 +376,20 @@ class Light:
 
     name: str
     kind: LightKind
-    strength: Rgb  #: Sun: irradiance on a plane that faces it, W/m^2. Point and spot: radiant intensity, W/sr.
-    world_from_light: NDArray[np.float64]  #: (4, 4); the light shines along its -Z; scale shapes a spot's cone.
+    #: Sun: irradiance on a plane that faces it, W/m^2. Point and spot: radiant intensity, W/sr. Area: the same along
+    #: its axis if it spread over half a turn, radiance times area; a pi-th of the watts that it sends, at any spread.
+    strength: Rgb
+    #: (4, 4); the light shines along its -Z; scale shapes a spot's cone and an area light's sides.
+    world_from_light: NDArray[np.float64]
     half_angle_rad: float = 0.0  #: Sun: angular radius.
     radius_m: float = 0.0
     spot_half_angle_rad: float = 0.7
     spot_blend: float = 0.0
     spot_falloff: SpotFalloff = SpotFalloff.BLENDER_4
     body: LightBody = LightBody.SPHERE
+    size_m: tuple[float, float] = (1.0, 1.0)  #: Area: along its X and Y, before the scale in its matrix; > 0.
+    is_ellipse: bool = False  #: Area: an ellipse with these axes; else a rectangle.
+    spread_rad: float = math.pi  #: Area: between the outermost directions in which it shines, [0, pi].
     casts_shadow: bool = True
     lights_surfaces: bool = True
     scatters_in_media: bool = True

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from math import radians
+
 import bpy
 import pytest
 
@@ -16,6 +18,12 @@ LIGHTS: dict[str, tuple[str, dict[str, object]]] = {
     "point": ("POINT", {"energy": 100.0, "shadow_soft_size": 0.0, "color": (1.0, 0.5, 0.2)}),
     "ball": ("POINT", {"energy": 100.0, "shadow_soft_size": 0.5}),
     "spot": ("SPOT", {"energy": 100.0, "shadow_soft_size": 0.0, "spot_blend": 0.0}),
+    "square": ("AREA", {"energy": 100.0, "size": 1.0, "color": (1.0, 0.5, 0.2)}),
+    "rectangle": ("AREA", {"energy": 100.0, "shape": "RECTANGLE", "size": 2.0, "size_y": 0.3}),
+    "disk": ("AREA", {"energy": 100.0, "shape": "DISK", "size": 1.5, "size_y": 9.0}),
+    "ellipse": ("AREA", {"energy": 100.0, "shape": "ELLIPSE", "size": 0.4, "size_y": 2.5}),
+    "soft box": ("AREA", {"energy": 100.0, "shape": "RECTANGLE", "size": 1.0, "size_y": 0.3, "spread": 1.2}),
+    "beam": ("AREA", {"energy": 10.0, "size": 1.0, "spread": radians(3)}),  # of a disk, Cycles 3.4 samples all
 }
 if HAS_EXPOSURE:
     LIGHTS |= {
@@ -23,6 +31,7 @@ if HAS_EXPOSURE:
         "warm": ("POINT", {"energy": 100.0, "shadow_soft_size": 0.0, "use_temperature": True, "temperature": 3000.0}),
         "point, not normalised": ("POINT", {"energy": 100.0, "shadow_soft_size": 0.0, "normalize": False}),
         "ball, not normalised": ("POINT", {"energy": 100.0, "shadow_soft_size": 0.5, "normalize": False}),
+        "area, not normalised": ("AREA", {"energy": 100.0, "shape": "ELLIPSE", "size_y": 0.3, "normalize": False}),
         "sun, not normalised": ("SUN", {"energy": 100.0, "angle": 0.1, "normalize": False}),
     }
 
@@ -47,7 +56,7 @@ def test_a_light_is_as_bright_as_in_cycles(name: str) -> None:
     kind, properties = LIGHTS[name]
     scene = lit_plane()
     light(kind, (0, 0, 2), **properties)
-    has_size = properties.get("shadow_soft_size", 0.0) or properties.get("angle", 0.0)
+    has_size = kind == "AREA" or properties.get("shadow_soft_size", 0.0) or properties.get("angle", 0.0)
     agree(scene, 1e-2 if has_size else 1e-4)
 
 

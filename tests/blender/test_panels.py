@@ -59,14 +59,20 @@ def test_panels_hide_under_another_engine(scene: bpy.types.Scene) -> None:
 
 @pytest.mark.parametrize("kind", LIGHT_TYPES)
 def test_light_panel_fits_each_type(scene: bpy.types.Scene, kind: str) -> None:
-    """A sun has an angle, other lights have a radius, an area light says that it is not rendered."""
+    """A sun has an angle, other lights have a radius or a shape."""
     light = bpy.data.lights.new("light", kind)
     shown = drawn(panels.light.TYNDALL_PT_light, light=light)
     assert ("angle" in shown) == (kind == "SUN")
     assert ("shadow_soft_size" in shown) == (kind in {"POINT", "SPOT"})
-    assert ("scatters_in_media" in shown) == (kind != "AREA")
+    assert ("shape" in shown) == (kind == "AREA")
+    assert "scatters_in_media" in shown
     if kind == "SPOT":
         assert drawn(panels.light.TYNDALL_PT_beam_shape, light=light)[:2] == ["spot_size", "spot_blend"]
+    if kind == "AREA":
+        assert "size_y" not in shown
+        light.shape = "ELLIPSE"
+        assert "size_y" in drawn(panels.light.TYNDALL_PT_light, light=light)
+        assert drawn(panels.light.TYNDALL_PT_beam_shape, light=light) == ["spread"]
 
 
 def test_world_without_bounds_names_the_remedy(scene: bpy.types.Scene) -> None:

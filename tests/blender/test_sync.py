@@ -10,6 +10,7 @@ from typing import Any
 import bpy
 import numpy as np
 import pytest
+from mathutils import Matrix
 
 from addon.sync import scene as sync_scene
 from addon.sync.reports import Reports
@@ -360,13 +361,39 @@ class TestLights:
         assert not described.lights_surfaces
         assert not described.scatters_in_media
 
-    def test_an_area_light_is_named_and_the_rest_still_renders(self) -> None:
+    def test_area_lights_have_their_shape_and_spread(self) -> None:
         empty_scene()
-        light("AREA", (0, 0, 2))
-        light("SUN", (0, 0, 2))
+        lamp = light("AREA", (0, 0, 2), shape="ELLIPSE", size=2.0, size_y=0.5, spread=1.0)
+        lamp.visible_camera = False
         description = read()
-        assert [described.name for described in description.lights] == ["Sun"]
-        assert any("Area" in line for line in description.reports)
+        (described,) = description.lights
+        assert described.size_m == (2.0, 0.5)
+        assert described.is_ellipse
+        assert described.spread_rad == pytest.approx(1.0)
+        assert not description.reports
+        lamp.data.shape = "SQUARE"
+        (described,) = read().lights
+        assert described.size_m == (2.0, 2.0)
+        assert not described.is_ellipse
+
+    def test_what_an_area_light_cannot_be_is_said_in_one_line(self) -> None:
+        """Cameras would see it in Cycles; it has a gobo, and a parent shears it. One without an area is left out."""
+        empty_scene()
+        lamp = light("AREA", (0, 0, 2))
+        lamp.visible_camera = True
+        lamp.data.tyndall.gobo_image = bpy.data.images.new("Gobo", 2, 2)
+        parent = add("Parent", None)
+        lamp.parent = parent
+        lamp.matrix_parent_inverse = Matrix(((1, 0.5, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)))
+        description = read()
+        assert len(description.lights) == 1
+        (line,) = description.reports
+        assert line.startswith('Light "Area"')
+        assert all(word in line for word in ("cameras", "gobo", "shears"))
+        lamp.data.size = 0.0
+        description = read()
+        assert not description.lights
+        assert "no area" in description.reports[0]
 
     def test_soft_falloff_is_the_disc_of_blender_3(self) -> None:
         empty_scene()
@@ -457,7 +484,7 @@ def test_changed_lights_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """From a live depsgraph, and as a fresh read would: a slider of a light looks at no instance."""
     scene = empty_scene()
     box, lamp = cube(), light("POINT", (0, 0, 2))
-    light("AREA", (0, 0, 4))  # left out, with a report
+    light("AREA", (0, 0, 4), size=0.0)  # left out, with a report
     passes: list[object] = []
     monkeypatch.setattr(sync_scene, "read_placements", counting_passes(sync_scene.read_placements, passes))
     reader = SceneReader()
@@ -500,7 +527,7 @@ def test_changed_lights_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None:
                 found = read_live()
                 assert len(passes) == expected
                 assert fingerprint(found) == fingerprint(read())
-                assert any("area lights" in line for line in found.reports)
+                assert any("no area" in line for line in found.reports)
     finally:
         bpy.app.handlers.depsgraph_update_post.remove(note)
 

@@ -88,13 +88,20 @@ def _plane(name: str, matrix: Matrix, material: bpy.types.Material, cells: int =
 
 
 # --- lights ----------------------------------------------------------------------------------------------------------
-def _light(kind: str, **settings: float) -> None:
+def _light(kind: str, **settings: float | str) -> bpy.types.Object:
     data = bpy.data.lights.new(kind.title(), kind)
     data.color = (1.0, 0.8, 0.5)
     for name, value in settings.items():
         setattr(data, name, value)
     turn = (LIGHT_AT - TARGET).to_track_quat("Z", "Y").to_matrix().to_4x4()
-    _link(data.name, data, Matrix.Translation(LIGHT_AT) @ turn)
+    return _link(data.name, data, Matrix.Translation(LIGHT_AT) @ turn)
+
+
+def _area(scale: tuple[float, float, float] = (1, 1, 1), **settings: float | str) -> None:
+    """Shapes with sides that are told apart, turned around its beam, and unseen by cameras: in ours lights are."""
+    thing = _light("AREA", **settings)
+    thing.matrix_world = thing.matrix_world @ Matrix.Rotation(0.5, 4, "Z") @ Matrix.Diagonal((*scale, 1.0))
+    thing.visible_camera = False
 
 
 def _world_image() -> None:
@@ -199,6 +206,11 @@ LIGHTS: dict[str, Callable[[], None]] = {
         spot_size=radians(180),
         spot_blend=0.0,
         shadow_soft_size=0.0,
+    ),
+    "area": lambda: _area(energy=500.0, shape="RECTANGLE", size=1.2, size_y=0.5),
+    "area disk 50 degrees": lambda: _area(energy=300.0, shape="DISK", size=0.8, spread=radians(50)),
+    "area ellipse, scaled": lambda: _area(
+        (1.5, -0.5, 2.0), energy=500.0, shape="ELLIPSE", size=0.6, size_y=1.0, spread=radians(120)
     ),
     "spot in a can": _lamp_in_a_can,
     "point in a shelf": _lamp_in_a_shelf,

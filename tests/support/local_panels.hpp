@@ -65,8 +65,15 @@ inline double spot_share(const Light& spot, const dvec3& from_light) {
 inline dvec3 scattered_at(const std::vector<FogBox>& boxes, const LightSample& light, const dvec3& origin,
                           const dvec3& direction, double t) {
     const dvec3 point = origin + t * direction, way = point - dvec3(light.position), to_point = glm::normalize(way);
-    double intensity = light.spot != nullptr ? spot_share(*light.spot, to_point) : 1.0;
-    if (light.emission_normal != vec3(0.0f))
+    double intensity =
+        light.spot != nullptr && light.spot->kind == LightKind::Spot ? spot_share(*light.spot, to_point) : 1.0;
+    if (light.spot != nullptr && light.spot->kind == LightKind::Area) {
+        const dvec3 axis(light.emission_normal);
+        const double along = std::hypot(glm::dot(way, axis), std::sqrt(light.softening_m2));
+        const double beside = glm::length(glm::cross(way, axis)), half_rad = light.spot->spot_half_angle_rad;
+        const double slats = half_rad < 1.5707 ? std::max(0.0, 1.0 - beside / (along * std::tan(half_rad))) : 1.0;
+        intensity = glm::dot(way, axis) > 0.0 ? slats * along / std::hypot(along, beside) : 0.0;
+    } else if (light.emission_normal != vec3(0.0f))
         intensity *= std::max(0.0, glm::dot(to_point, dvec3(light.emission_normal)));
     if (intensity == 0.0)
         return dvec3(0.0);

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Shafts of area lights, against marching with points of the light that each point of a ray samples for itself.
+#include "core/parallel.hpp"
+#include "light_shafts/scattering_lights.hpp"
+#include "support/area_lights.hpp"
+#include "support/forest.hpp"
+#include "support/relative_error.hpp"
+#include "support/scenes.hpp"
+#include <doctest/doctest.h>
+#include <numeric>
+
+using namespace tyndall;
+using namespace tyndall::light_shafts;
+
+namespace {
+constexpr float sigma_s_per_m = 0.05f;
+struct Case {
+    std::string name;
+    Light light;
+};
+/// High up, shining down at a slant; the strata are told from each other by the bar and the board below.
+std::vector<Case> cases() {
+    Light window = support::area_light({0.6f, 0.35f});
+    window.position = {-0.5f, 0.3f, 2.2f};
+    window.spot_axis = glm::normalize(vec3(0.35f, 0.1f, -0.9f));
+    const auto [x, y] = orthonormal_basis(-window.spot_axis);
+    window.light_from_world_directions = glm::transpose(mat3(x, y, -window.spot_axis));
+    std::vector<Case> result{{"window", window}};
+    window.is_ellipse = true;
+    result.push_back({"ellipse", window});
+    window.spot_half_angle_rad = 0.6f;
+    result.push_back({"soft box", window});
+    window.is_ellipse = false;
+    window.spot_half_angle_rad = 0.1f;
+    result.push_back({"narrow", window});
+    return result;
+}
+std::unique_ptr<Scene> scene_of(const Light& light) {
+    const auto board = [](const vec3& at, const vec2& half) {
+        return support::Part{.mesh = support::square(),
+                             .world_from_object = support::translation(at) * glm::scale(mat4(1.0f), vec3(half, 1.0f))};
+    };
+    std::vector<support::Part> parts{board({0.1f, 0.3f, 0.9f}, {0.08f, 1.0f}),
+                                     board({-0.8f, 0.4f, 0.6f}, {0.4f, 0.4f})};
+    parts.push_back({.mesh = support::cube(),
+                     .world_from_object = glm::scale(mat4(1.0f), vec3(4.0f)),
+                     .material = {.name = "fog", .medium_index = 0, .has_surface = false}});
+    return support::make_scene(parts, {{.name = "fog", .lobes = {{Rgb(sigma_s_per_m), 0.3f}}}}, {light});
+}
+std::vector<ViewRay> rays_past(const vec3& at, int count) {
+    support::SceneRandom random(8);
+    const vec3 eye(0.4f, -3.5f, 0.9f);
+    std::vector<ViewRay> rays;
+    for (int index = 0; index < count; ++index)
+        rays.push_back(
+            {eye, glm::normalize(at + 1.4f * std::sqrt(random.uniform()) * random.direction() - eye), 0.0f, 12.0f});
+    return rays;
+}
+double march(const Scene& scene, const ViewRay& ray, int steps, support::SceneRandom& random) {
+    const Progress progress;
+    const Light& light = scene.lights()[0];
+    const float g = 0.3f;
+    const double step_m = (double{ray.far_m} - ray.near_m) / steps;
+    double sum = 0.0;
+    for (int step = 0; step < steps; ++step) {
+        const auto t = static_cast<float>(ray.near_m + (step + double{random.uniform()}) * step_m);
+        const vec3 point = ray.origin + t * ray.direction;
+        if (glm::any(glm::greaterThan(glm::abs(point), vec3(4.0f))))
+            continue;
+        constexpr int strata = 8;
+        for (int index = 0; index < strata; ++index) {
+            const vec2 u((static_cast<float>(index) + random.uniform()) / strata, random.uniform());
+            const LightSample sample = sample_light_towards(light, 0, u, point);
+            if (sample.strength == Rgb(0.0f))
+                continue;
+            const vec3 way = sample.position - point;
+            const float distance_m = glm::length(way);
+            const Ray to_light{.origin = point, .direction = way / distance_m, .far_m = distance_m};
+            const float irradiance = intensity_w_per_sr(sample, -to_light.direction).x / (distance_m * distance_m);
+            const float cosine = glm::dot(ray.direction, to_light.direction);
+            const double phase =
+                (1.0 - g * g) / (4.0 * std::numbers::pi * std::pow(1.0 + g * g - 2.0 * g * cosine, 1.5));
+            sum += irradiance * phase * std::exp(-sigma_s_per_m * (t + distance_m)) *
+                   double{scene.shadow_transmittance(to_light).x} / strata;
+        }
+    }
+    return sum * step_m * sigma_s_per_m;
+}
+std::vector<double> march(const Scene& scene, std::span<const ViewRay> rays, int steps) {
+    const Progress progress;
+    std::vector<double> of_ray(rays.size());
+    parallel_for(
+        rays.size(), progress,
+        [&](std::size_t ray) {
+            support::SceneRandom random(100 + ray);
+            of_ray[ray] = march(scene, rays[ray], steps, random);
+        },
+        1);
+    return of_ray;
+}
+std::vector<double> radiance(const Scene& scene, std::span<const ViewRay> rays, const Config& config) {
+    Progress progress;
+    std::vector<double> result;
+    for (const Rgb& each : run(scene, {.position = rays[0].origin}, rays, config, progress).radiance)
+        result.push_back(each.x);
+    return result;
+}
+double mean(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+} // namespace
+
+TEST_CASE("an area light's strata scatter what marching with the light itself says, ray by ray") {
+    for (const auto& [name, light] : cases()) {
+        CAPTURE(name);
+        const auto scene = scene_of(light);
+        const std::vector<ViewRay> rays = rays_past(light.position + 0.9f * light.spot_axis, 64);
+        const std::vector<double> marched = march(*scene, rays, 4000);
+        const auto ours =
+            radiance(*scene, rays, {.method = Method::Exact, .light_samples = 1024, .adapts_strata = false});
+        CHECK(std::abs(mean(ours) / mean(marched) - 1.0) < 0.005);
+        CHECK(support::relative_rmse(ours, marched) < 0.04); // of which marching has most
+    }
+}
+TEST_CASE("the three methods agree about area lights") {
+    for (const auto& [name, light] : cases()) {
+        CAPTURE(name);
+        const auto scene = scene_of(light);
+        const std::vector<ViewRay> rays = rays_past(light.position + 0.9f * light.spot_axis, 512);
+        const auto of = [&](Method method) {
+            return radiance(*scene, rays,
+                            {.method = method, .error_target = 0.005f, .light_samples = 16, .adapts_strata = false});
+        };
+        const std::vector<double> exact = of(Method::Exact);
+        for (const Method method : {Method::Epipolar, Method::ShadowMap}) {
+            const std::vector<double> rows = of(method);
+            CHECK(std::abs(mean(rows) / mean(exact) - 1.0) < 0.005);
+            CHECK(support::relative_rmse(rows, exact) < 0.02);
+        }
+    }
+}
+// Inverse squares of single points would be off by 50 % and more here.
+TEST_CASE("points between an area light and its strata's spacing get light as even as the light is") {
+    for (const float half_spread_rad : {1.5707964f, 0.5f, 0.1f}) {
+        Light light = support::area_light({1.0f, 1.0f});
+        light.spot_half_angle_rad = half_spread_rad;
+        support::SceneRandom random(5);
+        double squares = 0.0, sum = 0.0;
+        constexpr int count = 400;
+        for (int index = 0; index < count; ++index) {
+            // Half a patch's radius before it; away from its edge, what it gives there is pi times its radiance.
+            const vec2 foot(random.uniform(-0.5f, 0.5f), random.uniform(-0.5f, 0.5f));
+            const vec3 point = support::before(light, foot, 0.03f);
+            double irradiance = 0.0;
+            for (std::uint32_t stratum = 0; stratum < 256; ++stratum) {
+                const LightSample sample = stratum_of(light, 0, stratum, 256, 0);
+                const vec3 from_light = glm::normalize(point - sample.position);
+                const vec3 shaping = shaping_direction(sample, point, from_light);
+                irradiance += double{intensity_w_per_sr(sample, shaping).x} * irradiance_per_intensity(sample, point) *
+                              glm::dot(light.spot_axis, shaping);
+            }
+            const double ratio = irradiance / (std::numbers::pi * light.strength.x / 4.0);
+            sum += ratio;
+            squares += ratio * ratio;
+        }
+        CAPTURE(half_spread_rad);
+        const double average = sum / count;
+
+        CHECK(std::abs(average - 1.0) < 0.1);
+        CHECK(std::sqrt(squares / count - average * average) < 0.35);
+    }
+}
+TEST_CASE("what lies behind an area light gets nothing of it, and no sample is prepared for it") {
+    Light light = cases()[0].light;
+    light.position = {0, 0, 6.5f};
+    light.spot_axis = {0, 0, 1};
+    const auto scene = scene_of(light);
+    Progress progress;
+    const Media media(*scene, progress);
+    Statistics statistics;
+    CHECK(find_scattering_lights(*scene, media, {}, {.of_light = {16}}, statistics).size() == 1); // their balls touch
+    light.position.z = 9.0f;
+    const auto farther = scene_of(light);
+    const Media same(*farther, progress);
+    CHECK(find_scattering_lights(*farther, same, {}, {.of_light = {16}}, statistics).empty());
+    const std::vector<ViewRay> rays = rays_past(vec3(0.0f), 16);
+    CHECK(mean(radiance(*scene, rays, {.method = Method::Exact, .light_samples = 16})) == 0.0);
+}
