@@ -45,7 +45,6 @@ class _Plan:
     """How what is asked for would be made."""
 
     says: str
-    is_refused: bool = False
     is_in_parts: bool = False  #: On disk, which takes no more memory than the budget.
 
 
@@ -87,7 +86,7 @@ class TYNDALL_OT_voxelize(InThread, Operator):
         settings = context.scene.tyndall.voxelize
         draw_settings(self.layout, settings)
         plan = _plan(self._prepared.extent, settings)
-        draw_lines(self.layout, plan.says, _DIALOG_WIDTH_PX, "ERROR" if plan.is_refused else "INFO")
+        draw_lines(self.layout, plan.says, _DIALOG_WIDTH_PX, "INFO")
 
     def execute(self, context: Context) -> set[str]:
         if self._prepared is None:  # a script
@@ -114,8 +113,6 @@ class TYNDALL_OT_voxelize(InThread, Operator):
             return False  # chosen in the dialog
         plan = _plan(self._prepared.extent, settings)
         try:
-            if plan.is_refused:
-                raise ValueError(plan.says)  # noqa: TRY301  all are said in one way
             self._path = _path_for(settings, self._prepared.name)
             require_writable(self._path.parent)
         except ValueError as error:
@@ -235,7 +232,7 @@ def _glow(mesh: VoxelMesh) -> tuple[float, ...]:
 
 
 def _plan(extent: Extent, settings: TyndallVoxelizeSettings) -> _Plan:
-    """In memory where that suffices, else in parts where that is possible; a refusal says what would fit."""
+    """In memory where that suffices, else in parts."""
     from tyndall.voxel_dag import estimate, largest_that_fits
 
     config, attribute_bytes = _config(settings), _attribute_bytes(settings)
@@ -243,11 +240,8 @@ def _plan(extent: Extent, settings: TyndallVoxelizeSettings) -> _Plan:
     if fitting is not None and fitting.resolution == config.resolution:
         return _Plan(says=_takes_text(wanted))
     budget = f"the budget is {settings.memory_budget_mib:,} MiB"
-    if not settings.is_solid:
-        parts = f"{budget}: it is made in parts, in a folder beside the file, and takes several times as long"
-        return _Plan(says=f"{_takes_text(wanted)}; {parts}", is_in_parts=True)
-    fits = "nothing would fit" if fitting is None else f"this would fit: {_takes_text(fitting)}"
-    return _Plan(says=f"{_takes_text(wanted)}; {budget}; {fits}; solids are made in memory only", is_refused=True)
+    parts = f"{budget}: it is made in parts, in a folder beside the file, and takes several times as long"
+    return _Plan(says=f"{_takes_text(wanted)}; {parts}", is_in_parts=True)
 
 
 def _attribute_bytes(settings: TyndallVoxelizeSettings) -> float:

@@ -29,7 +29,7 @@ static OutOfCore out_of_core_of(const py::array& positions, std::span<const uvec
 static std::unique_ptr<HeldOutOfCore> made(const py::array& positions, const py::array& triangles,
                                            std::uint32_t resolution, VoxelizeRule rule,
                                            const std::optional<Bounds>& bounds, std::shared_ptr<VoxelSurface> surface,
-                                           Symmetry symmetry, const AttributeConfig& attribute_config,
+                                           bool is_solid, Symmetry symmetry, const AttributeConfig& attribute_config,
                                            std::uint64_t memory_budget_bytes, std::uint32_t worker_count,
                                            const py::object& scratch_folder, const Progress& progress) {
     check_array<std::uint32_t>(triangles, {-1, 3}, "triangles");
@@ -37,6 +37,7 @@ static std::unique_ptr<HeldOutOfCore> made(const py::array& positions, const py:
     OutOfCoreConfig config{
         .voxels = {.resolution = resolution, .rule = rule, .memory_budget_bytes = memory_budget_bytes},
         .symmetry = symmetry,
+        .is_solid = is_solid,
         .surface = surface->surface,
         .attributes = attribute_config,
         .worker_count = worker_count,
@@ -62,8 +63,8 @@ void bind_out_of_core(py::module_& native) {
         .def_readonly("damaged_parts", &OutOfCoreStatistics::damaged_parts, "Names of files that were made again.");
     py::class_<HeldOutOfCore>(native, "OutOfCoreVoxels", "A mesh that becomes a voxel DAG part by part.")
         .def(py::init(&made), "positions"_a, "triangles"_a, "resolution"_a, "rule"_a, "bounds"_a, "surface"_a,
-             "symmetry"_a, "attribute_config"_a, "memory_budget_bytes"_a, "worker_count"_a, "scratch_folder"_a,
-             "progress"_a,
+             "is_solid"_a, "symmetry"_a, "attribute_config"_a, "memory_budget_bytes"_a, "worker_count"_a,
+             "scratch_folder"_a, "progress"_a,
              R"(As voxelize() takes them; parts lie in a folder of their own in scratch_folder. Releases the GIL.
 TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
         .def_property_readonly("part_count", [](const HeldOutOfCore& self) { return self.parts.part_count(); })

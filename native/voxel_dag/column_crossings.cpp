@@ -4,6 +4,8 @@
 #include "core/parallel.hpp"
 #include "voxel_dag/wide_integer.hpp"
 #include <algorithm>
+#include <atomic>
+#include <cstdlib>
 #include <utility>
 
 namespace tyndall::voxel_dag {
@@ -97,7 +99,7 @@ bool is_narrow(const SnappedTriangle& triangle) {
 }
 } // namespace
 
-ColumnCrossings cross_columns(const SnappedMesh& mesh, const Progress& progress) {
+ColumnCrossings cross_columns(const SnappedMesh& mesh, const Progress& progress, bool sums_before) {
     const std::int64_t resolution = std::int64_t{1} << mesh.level;
     const std::size_t layer_count = (static_cast<std::size_t>(resolution) + tile_side - 1) / tile_side;
     const std::size_t count = mesh.triangles.size(), block_size = std::max<std::size_t>(1 << 12, count / 256 + 1);
@@ -105,13 +107,19 @@ ColumnCrossings cross_columns(const SnappedMesh& mesh, const Progress& progress)
         std::vector<std::uint64_t> entries;
         std::vector<std::size_t> next; ///< By layer of tiles: how many, and then where they go.
     };
-    std::vector<Block> blocks((count + block_size - 1) / block_size);
+    std::vector<Block> blocks((count + block_size - 1) / block_size + 1); // the last for those before all voxels
+    std::vector<std::int32_t> before(sums_before ? static_cast<std::size_t>(resolution * resolution) : 0);
     parallel_blocks(count, block_size, progress, [&](std::size_t begin, std::size_t end) {
         Block& block = blocks[begin / block_size];
         block.next.resize(layer_count);
         const auto append = [&](std::int64_t first, std::int64_t y, std::int64_t z, bool is_into) {
             if (first == resolution)
                 return; // beyond all voxels
+            if (sums_before && first == 0) {
+                std::atomic_ref(before[static_cast<std::size_t>(z * resolution + y)])
+                    .fetch_add(is_into ? 1 : -1, std::memory_order_relaxed);
+                return;
+            }
             block.entries.push_back(ColumnCrossings::entry(static_cast<std::uint32_t>(first),
                                                            static_cast<std::uint32_t>(y), static_cast<std::uint32_t>(z),
                                                            is_into));
@@ -126,6 +134,15 @@ ColumnCrossings cross_columns(const SnappedMesh& mesh, const Progress& progress)
         }
     });
 
+    Block& last = blocks.back();
+    last.next.resize(layer_count);
+    for (std::size_t column = 0; column < before.size(); ++column)
+        for (std::int32_t left = std::abs(before[column]); left > 0; --left) {
+            const auto y = static_cast<std::uint32_t>(column % static_cast<std::size_t>(resolution)),
+                       z = static_cast<std::uint32_t>(column / static_cast<std::size_t>(resolution));
+            last.entries.push_back(ColumnCrossings::entry(0, y, z, before[column] > 0));
+            ++last.next[z / tile_side];
+        }
     std::vector<std::size_t> first_of_layer{0};
     for (std::size_t layer = 0; layer < layer_count; ++layer) {
         std::size_t end = first_of_layer.back();

@@ -31,5 +31,7 @@ struct ColumnCrossings {
         return ((row << column_bits | column) << first_bits | first) << 1 | std::uint64_t{is_into};
     }
 };
-[[nodiscard]] ColumnCrossings cross_columns(const SnappedMesh& mesh, const Progress& progress);
+/// sums_before: of those before all voxels a column has as many as they add up to, and 4 bytes; where most lie there.
+[[nodiscard]] ColumnCrossings cross_columns(const SnappedMesh& mesh, const Progress& progress,
+                                            bool sums_before = false);
 } // namespace tyndall::voxel_dag

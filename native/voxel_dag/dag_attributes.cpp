@@ -69,6 +69,9 @@ DagAttributes::Materials DagAttributes::opened(const MaterialBytes& bytes, std::
             materials.table.attribute_count(), " values instead of ", parts_.layout.column_count());
     require(materials.indices.size() == entry_count, "attributes: ", materials.indices.size(), " entries instead of ",
             entry_count);
+    require(entry_count == 0 || materials.indices.largest() < materials.table.material_count(),
+            "attributes: an entry has material ", materials.indices.largest(), " of ",
+            materials.table.material_count());
     return materials;
 }
 

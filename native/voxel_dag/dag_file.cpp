@@ -2,12 +2,15 @@
 #include "voxel_dag/dag_file.hpp"
 #include "voxel_dag/checked_file.hpp"
 #include "voxel_dag/cube_group.hpp"
+#include "voxel_dag/sound_dag.hpp"
 #include "voxel_dag/stored_top.hpp"
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <functional>
 #include <numeric>
+#include <set>
 #include <span>
 
 namespace tyndall::voxel_dag {
@@ -130,6 +133,11 @@ Header read_header(const FileReader& reader) {
     if (header.file_bytes != reader.size())
         reader.refuse("it has " + std::to_string(reader.size()) + " bytes instead of " +
                       std::to_string(header.file_bytes) + ": copy or save it again");
+    if (header.level > most_level)
+        reader.refuse("it has 2^" + std::to_string(header.level) + " voxels a side");
+    if (!std::ranges::all_of(header.lower_m, [](double at) { return std::isfinite(at); }) ||
+        !(header.side_m > 0.0 && std::isfinite(header.side_m)))
+        reader.refuse("its cube is nowhere in space");
     return header;
 }
 
@@ -141,6 +149,16 @@ std::vector<Section> read_table(const FileReader& reader, const Header& header) 
     reader.read(sizeof(Header), std::as_writable_bytes(std::span(table)), "its table of sections");
     if (checksum_of(std::as_bytes(std::span(table))) != header.table_checksum)
         reader.refuse("its table of sections is damaged: copy or save the file again");
+    // What is read takes no more memory than the file, whatever the table says.
+    std::uint64_t bytes = 0;
+    std::set<std::pair<Kind, std::uint32_t>> known;
+    for (const Section& section : table) {
+        if (!known.emplace(section.kind, section.level).second)
+            reader.refuse("it has " + name_of(section) + " twice");
+        if (section.bytes > reader.size() - bytes)
+            reader.refuse("its sections have more bytes than it has");
+        bytes += section.bytes;
+    }
     return table;
 }
 /// What a section has, in one piece or in several.
@@ -274,6 +292,21 @@ void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem
     write(dag, bounds_m, nullptr, nullptr, path, progress);
 }
 
+static void read_top_section(const FileReader& reader, const Header& header, const Section& section,
+                             std::vector<TopLevel>& top) {
+    if (section.level == 0 || section.level > header.level)
+        reader.refuse(name_of(section) + " belong to no level");
+    top.resize(std::max(top.size(), std::size_t{section.level}));
+    if (section.kind == Kind::TopColors) {
+        top[section.level - 1].colors = reader.values<ByteColor>(section);
+        return;
+    }
+    // Each byte of these becomes up to 64 of codes: without this a file of 1 GB could ask for 64.
+    if (section.bytes > reader.size() / top_share)
+        reader.refuse(name_of(section) + " take more than their share");
+    top[section.level - 1].child_masks = reader.values<std::uint8_t>(section);
+}
+
 PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) {
     const FileReader reader(path, progress);
     const Header header = read_header(reader);
@@ -290,6 +323,7 @@ PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) 
     std::optional<AttributeParts> parts;
     const auto attributes = [&]() -> AttributeParts& { return parts ? *parts : parts.emplace(); };
     std::vector<std::uint8_t> names;
+    std::vector<TopLevel> top;
     for (const Section& section : read_table(reader, header))
         switch (section.kind) {
         case Kind::Formats:
@@ -346,7 +380,7 @@ PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) 
             break;
         case Kind::TopMasks: // for read_top(); damage is found here, too
         case Kind::TopColors:
-            static_cast<void>(reader.values<std::uint8_t>(section));
+            read_top_section(reader, header, section, top);
             break;
         default: // of a kind that came later, and that this version can do without
             break;
@@ -358,6 +392,8 @@ PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) 
             decode_names(names, *parts);
             kept = std::make_shared<const DagAttributes>(std::move(*parts), dag);
         }
+        require_sound(dag, kept ? &kept->parts().order : nullptr, progress);
+        require_top_of(dag, top, progress);
     } catch (const InvalidInput& error) {
         reader.refuse(error.what());
     }
@@ -376,13 +412,7 @@ std::optional<TopOfDag> read_top(const std::filesystem::path& path, std::uint32_
     for (const Section& section : read_table(reader, header)) {
         if ((section.kind != Kind::TopMasks && section.kind != Kind::TopColors) || section.level > level)
             continue;
-        if (section.level == 0 || section.level > header.level)
-            reader.refuse(name_of(section) + " belong to no level");
-        top.levels.resize(std::max(top.levels.size(), std::size_t{section.level}));
-        if (section.kind == Kind::TopMasks)
-            top.levels[section.level - 1].child_masks = reader.values<std::uint8_t>(section);
-        else
-            top.levels[section.level - 1].colors = reader.values<ByteColor>(section);
+        read_top_section(reader, header, section, top.levels);
     }
     if (top.levels.size() < level)
         return std::nullopt;

@@ -8,6 +8,9 @@
 #include "voxel_dag/join_parts.hpp"
 #include "voxel_dag/merge_symmetric.hpp"
 #include "voxel_dag/pack_dag.hpp"
+#include "voxel_dag/solid_fill.hpp"
+#include "voxel_dag/solid_parts.hpp"
+#include "voxel_dag/tile.hpp"
 #include <cerrno>
 #include <charconv>
 #include <fcntl.h>
@@ -98,6 +101,8 @@ Fingerprint fingerprint_of(const SnappedMesh& mesh, const OutOfCoreConfig& confi
     fingerprint.add_word(mesh.level);
     fingerprint.add_word(static_cast<std::uint64_t>(config.voxels.rule));
     fingerprint.add_word(static_cast<std::uint64_t>(config.symmetry));
+    if (config.is_solid)
+        fingerprint.add(std::as_bytes(std::span("solid", 5)));
     if (!config.surface.is_empty()) {
         add_to(fingerprint, config.surface);
         fingerprint.add_word(config.attributes.normal_bits); // palettes are made when parts are joined
@@ -105,14 +110,29 @@ Fingerprint fingerprint_of(const SnappedMesh& mesh, const OutOfCoreConfig& confi
     return fingerprint;
 }
 
-/// Bricks of a part that the budget has room for, beside the mesh.
-std::uint64_t most_bricks(const SnappedMesh& mesh, const OutOfCoreConfig& config) {
+/// What the budget leaves each process beside the mesh.
+std::uint64_t bytes_beside(const SnappedMesh& mesh, const OutOfCoreConfig& config) {
     require(config.worker_count > 0, "0 processes make no parts");
     const std::uint64_t budget_bytes = config.voxels.memory_budget_bytes / config.worker_count;
     const std::uint64_t mesh_bytes = sizeof(Steps) * mesh.positions.size() + 8 * mesh.triangles.size();
     require(mesh_bytes < budget_bytes, "the mesh alone takes ", mesh_bytes >> 20, " MiB, and the budget is ",
             budget_bytes >> 20, " MiB for each process");
-    return (budget_bytes - mesh_bytes) / std::max(dag_bytes_per_brick, attribute_bytes_per_brick(config));
+    return budget_bytes - mesh_bytes;
+}
+/// Bricks of a part's surface that there is room for; a solid's inside may take as much again.
+std::uint64_t most_bricks(std::uint64_t bytes, const OutOfCoreConfig& config) {
+    return bytes / (config.is_solid ? 2 : 1) / std::max(dag_bytes_per_brick, attribute_bytes_per_brick(config));
+}
+/// Of parts whose bricks fit that if all are there, as in a solid they are.
+std::uint32_t most_solid_level(std::uint64_t bytes) {
+    constexpr std::uint64_t bytes_per_brick = 48; // codes and masks, while they are gathered
+    std::uint32_t level = tile_level;
+    for (; level < most_level; ++level) {
+        const std::uint64_t bricks = std::uint64_t{1} << 3 * (level + 1 - leaf_level);
+        if (bricks * bytes_per_brick + estimated_build_bytes(bricks, level + 1) > bytes / 2)
+            break;
+    }
+    return level;
 }
 
 /// Of the parts in a folder: with another budget the same job goes on with them. most_level where there are none.
@@ -149,7 +169,18 @@ OutOfCore::OutOfCore(std::span<const Position> positions_m, std::span<const uvec
     const Fingerprint fingerprint = fingerprint_of(mesh_, config);
     job_ = fingerprint.value();
     folder_ = config.scratch_folder / ("tyndall-" + fingerprint.text());
-    parts_ = split(mesh_, config.voxels.rule, most_bricks(mesh_, config), level_of_parts(folder_), progress);
+    const std::uint64_t bytes = bytes_beside(mesh_, config);
+    std::uint32_t most_part_level = level_of_parts(folder_);
+    if (config.is_solid) {
+        require(config.surface.is_empty(), "voxels inside of a solid have no surface: they carry nothing");
+        require_closed(mesh_, positions_m, progress);
+        most_part_level = std::min(most_part_level, most_solid_level(bytes));
+    }
+    parts_ = split(mesh_, config.voxels.rule, most_bricks(bytes, config), most_part_level, progress);
+    if (config.is_solid) {
+        before_ = triangles_before(mesh_);
+        parts_ = with_inside(mesh_, parts_, before_, progress);
+    }
     statistics_.part_count = parts_.count();
 }
 template OutOfCore::OutOfCore(std::span<const vec3>, std::span<const uvec3>, const OutOfCoreConfig&, const Progress&);
@@ -175,15 +206,23 @@ std::optional<PartFile> OutOfCore::finished(std::size_t part, const Progress& pr
 }
 
 void OutOfCore::draw_part(std::size_t part, const Progress& progress) const {
+    if (config_.is_solid && parts_.first[part] == parts_.first[part + 1]) {
+        const std::uint64_t voxel_count = std::uint64_t{1} << 3 * parts_.level;
+        write_part(full_dag(parts_.level, config_.symmetry), {}, key_of(part), voxel_count, part_path(part), progress);
+        return;
+    }
     const SubMesh sub = sub_mesh(mesh_, parts_, part);
-    VoxelizeResult voxels = voxelize(sub.mesh, config_.voxels, progress);
-    const PartAttributes attributes = part_attributes(part, sub.mesh, voxels.leaves, progress);
-    Dag dag = build_dag(voxels.leaves, {.memory_budget_bytes = config_.voxels.memory_budget_bytes}, progress);
-    voxels.leaves = {};
+    LeafMasks leaves = voxelize(sub.mesh, config_.voxels, progress).leaves;
+    if (config_.is_solid)
+        leaves = filled(crossings_of_part(mesh_, parts_, before_, part, progress), leaves, config_.voxels, progress);
+    const PartAttributes attributes = part_attributes(part, sub.mesh, leaves, progress);
+    const std::uint64_t voxel_count = leaves.voxel_count();
+    Dag dag = build_dag(leaves, {.memory_budget_bytes = config_.voxels.memory_budget_bytes}, progress);
+    leaves = {};
     if (config_.symmetry != Symmetry::None)
         dag = merge_symmetric(
             dag, {.symmetry = config_.symmetry, .memory_budget_bytes = config_.voxels.memory_budget_bytes}, progress);
-    write_part(dag, attributes, key_of(part), voxels.statistics.voxel_count, part_path(part), progress);
+    write_part(dag, attributes, key_of(part), voxel_count, part_path(part), progress);
 }
 
 PartAttributes OutOfCore::part_attributes(std::size_t part, const SnappedMesh& mesh, const LeafMasks& leaves,

@@ -17,6 +17,7 @@ namespace tyndall::voxel_dag {
 struct OutOfCoreConfig {
     VoxelizeConfig voxels; ///< Its budget is that of all memory beyond the mesh as it was handed in.
     Symmetry symmetry = Symmetry::Cube;
+    bool is_solid = false;           ///< What the mesh closes around, too: solid_fill.hpp. Without a surface.
     Surface surface = {};            ///< What voxels carry; its arrays must outlive all of this.
     AttributeConfig attributes = {}; ///< Its budget is not looked at.
     std::uint32_t worker_count = 1;  ///< Processes that make parts side by side, and share the budget.
@@ -27,7 +28,7 @@ struct OutOfCoreStatistics {
     std::uint64_t voxel_count = 0, node_count = 0;
     std::uint64_t geometry_bytes = 0;            ///< Of the packed DAG.
     std::uint64_t attribute_bytes = 0;           ///< Of all that voxels and means carry.
-    std::size_t part_count = 0;                  ///< Sub-cubes that triangles may meet.
+    std::size_t part_count = 0;                  ///< Sub-cubes that triangles may meet, or that a solid fills.
     std::size_t kept_part_count = 0;             ///< Of these, finished before.
     std::uint64_t part_bytes = 0;                ///< Of all parts' files.
     std::uint32_t join_pass_count = 0;           ///< As join_parts() states it.
@@ -73,6 +74,7 @@ private:
     Cube cube_m_;
     SnappedMesh mesh_;
     SubVolumes parts_;
+    std::vector<std::uint32_t> before_; ///< Of a solid: triangles that all rows of parts have before them.
     std::array<std::uint64_t, 2> job_;
     std::filesystem::path folder_;
     OutOfCoreStatistics statistics_;

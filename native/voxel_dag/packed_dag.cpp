@@ -188,6 +188,8 @@ void require_usable(const PackedDag& dag) {
                         level.classes.widths[at_class] <= level.field_bits[at_class] &&
                         level.field_bits[at_class] <= level.classes.widths[at_class] + dag.tag_bits,
                     "voxel DAG: fields of ", level.field_bits[at_class], " bits in level ", i + leaf_level + 1);
+        require(i == 0 || level.field_bits[0] <= dag.tag_bits, "voxel DAG: tags of ", level.field_bits[0],
+                " bits in level ", i + leaf_level + 1);
         require(std::ranges::all_of(level.tags, [](std::uint8_t tag) { return tag < cube_element_count; }),
                 "voxel DAG: a tag in level ", i + leaf_level + 1, " is none of the cube's");
         require(std::ranges::all_of(level.directory, [&](std::uint32_t bit) { return bit < record_bits - slack_bits; }),

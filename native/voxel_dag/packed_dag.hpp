@@ -85,6 +85,6 @@ struct PackedLeaf {
 };
 [[nodiscard]] PackedLeaf packed_leaf(const PackedDag& dag, std::uint32_t pair);
 
-/// Throws InvalidInput, which names what is wrong with the tables that records are read by. What these say is trusted.
+/// Throws InvalidInput, which names what is wrong with the tables that records are read by. Records: require_sound().
 void require_usable(const PackedDag& dag);
 } // namespace tyndall::voxel_dag

@@ -243,8 +243,10 @@ RunArray::RunArray(std::span<const std::uint8_t> bytes) {
     for (std::uint64_t i = 0; i < block_count_; ++i) {
         reader.check(read_bits(directory_, i * offset_bits_, offset_bits_) < block_bit_count_, "directory",
                      "has block ", i, " behind the last");
-        if (const char* const part = block(i).damage())
+        const run_block::Reader read = block(i);
+        if (const char* const part = read.damage())
             reader.check(false, "blocks", "has block ", i, " with damaged ", part);
+        largest_ = std::max(largest_, read.largest());
     }
 }
 

@@ -84,6 +84,8 @@ public:
     explicit RunArray(std::span<const std::uint8_t> bytes);
 
     [[nodiscard]] std::uint64_t size() const { return entry_count_; }
+    /// No value is larger; 0 without values.
+    [[nodiscard]] std::uint32_t largest() const { return largest_; }
     /// entry is below size().
     [[nodiscard]] std::uint32_t at(std::uint64_t entry) const;
     /// values[i] becomes that of entry begin + i; begin + values.size() is at most size().
@@ -97,7 +99,7 @@ private:
 
     run_block::Shape shape_{};
     std::uint64_t entry_count_ = 0, block_count_ = 0, block_bit_count_ = 0;
-    std::uint32_t offset_bits_ = 0;
+    std::uint32_t offset_bits_ = 0, largest_ = 0;
     run_patterns::Reader patterns_;
     const std::uint8_t *directory_ = nullptr, *blocks_ = nullptr;
 };

@@ -113,20 +113,33 @@ std::uint32_t Reader::at(std::uint32_t entry) const {
     return dictionary_value(packed_digits::read(bytes_, indices_, dictionary_size_, index_count_, index));
 }
 
+/// Calls visit(index, value), from the first to the last.
+template <class Visit>
+inline void Reader::visit_dictionary(const Visit& visit) const {
+    for (std::uint32_t index = 0, high = 0; index < dictionary_size_; ++high) {
+        std::uint64_t word = read_word(bytes_, high_ + 64 * std::uint64_t{high});
+        for (; word != 0 && index < dictionary_size_; word &= word - 1, ++index) {
+            const std::uint64_t unary = 64 * high + static_cast<std::uint32_t>(std::countr_zero(word)) - index;
+            const std::uint64_t low = read_bits(bytes_, low_ + std::uint64_t{index} * low_bits_, low_bits_);
+            visit(index, minimum_ + static_cast<std::uint32_t>(unary << low_bits_ | low));
+        }
+    }
+}
+
+std::uint32_t Reader::largest() const {
+    std::uint32_t largest = minimum_; // what was forged may not ascend
+    if (dictionary_size_ > 1)
+        visit_dictionary([&](std::uint32_t, std::uint32_t value) { largest = std::max(largest, value); });
+    return largest;
+}
+
 void Reader::decode(std::span<std::uint32_t> values) const {
     if (dictionary_size_ == 1) {
         std::ranges::fill(values, minimum_);
         return;
     }
     std::array<std::uint32_t, packed_digits::most_base> dictionary;
-    for (std::uint32_t index = 0, high = 0; index < dictionary_size_; ++high) {
-        std::uint64_t word = read_word(bytes_, high_ + 64 * std::uint64_t{high});
-        for (; word != 0 && index < dictionary_size_; word &= word - 1, ++index) {
-            const std::uint64_t unary = 64 * high + static_cast<std::uint32_t>(std::countr_zero(word)) - index;
-            const std::uint64_t low = read_bits(bytes_, low_ + std::uint64_t{index} * low_bits_, low_bits_);
-            dictionary[index] = minimum_ + static_cast<std::uint32_t>(unary << low_bits_ | low);
-        }
-    }
+    visit_dictionary([&](std::uint32_t index, std::uint32_t value) { dictionary[index] = value; });
     const packed_digits::Group shape = packed_digits::groups[dictionary_size_];
     std::uint64_t digits = 0;
     std::uint32_t index_number = 0, value = 0, before = 0; // before: the value of the run before

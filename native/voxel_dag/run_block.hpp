@@ -41,6 +41,8 @@ public:
     /// outside.
     [[nodiscard]] const char* damage() const;
 
+    /// Of the values in the dictionary.
+    [[nodiscard]] std::uint32_t largest() const;
     [[nodiscard]] std::uint32_t at(std::uint32_t entry) const;
     /// All values of the block, or as many as there is space for.
     void decode(std::span<std::uint32_t> values) const;
@@ -48,6 +50,8 @@ public:
 private:
     [[nodiscard]] std::uint32_t dictionary_value(std::uint32_t index) const;
     [[nodiscard]] const char* find_parts(std::uint64_t begin, const Shape& shape);
+    template <class Visit>
+    void visit_dictionary(const Visit& visit) const;
     template <class Visit>
     void visit_codes(std::uint32_t count, const Visit& visit) const;
 

@@ -137,18 +137,34 @@ private:
 };
 
 template <typename Position>
-LeafMasks run(std::span<const Position> positions_m, std::span<const uvec3> triangles, const VoxelizeConfig& config,
-              const LeafMasks& surface, const Progress& progress) {
-    const SnappedMesh mesh = snap(positions_m, triangles, config, progress);
+void require_closed_mesh(const SnappedMesh& mesh, std::span<const Position> positions_m, const Progress& progress) {
     if (const std::optional<OpenEdge> open = open_edge(mesh, progress)) {
-        const auto end = [&](int corner) { return positions_m[triangles[open->triangle][corner % 3]]; };
+        const auto end = [&](int corner) { return positions_m[mesh.triangles[open->triangle][corner % 3]]; };
         const Position from = end(open->corner), to = end(open->corner + 1);
         refuse("the mesh does not close, so that it has no inside to fill: at the edge of triangle ", open->triangle,
                " from (", from.x, ", ", from.y, ", ", from.z, ") m to (", to.x, ", ", to.y, ", ", to.z,
                ") m a triangle is missing, or turned over");
     }
-    const ColumnCrossings crossings = cross_columns(mesh, progress);
-    Inside inside = inside_of(crossings, config.resolution);
+}
+template <typename Position>
+LeafMasks run(std::span<const Position> positions_m, std::span<const uvec3> triangles, const VoxelizeConfig& config,
+              const LeafMasks& surface, const Progress& progress) {
+    const SnappedMesh mesh = snap(positions_m, triangles, config, progress);
+    require_closed_mesh(mesh, positions_m, progress);
+    return filled(cross_columns(mesh, progress), surface, config, progress);
+}
+} // namespace
+
+void require_closed(const SnappedMesh& mesh, std::span<const vec3> positions_m, const Progress& progress) {
+    require_closed_mesh(mesh, positions_m, progress);
+}
+void require_closed(const SnappedMesh& mesh, std::span<const dvec3> positions_m, const Progress& progress) {
+    require_closed_mesh(mesh, positions_m, progress);
+}
+
+LeafMasks filled(const ColumnCrossings& crossings, const LeafMasks& surface, const VoxelizeConfig& config,
+                 const Progress& progress) {
+    Inside inside = inside_of(crossings, static_cast<std::uint32_t>(surface.resolution()));
     require_room(inside.voxel_count / 64 + 2 * surface.codes.size(), crossings.entries.size(), config);
     for (std::size_t brick = 0; brick < surface.codes.size(); ++brick)
         if (const std::uint64_t tile = surface.codes[brick] / tile_bricks;
@@ -158,7 +174,7 @@ LeafMasks run(std::span<const Position> positions_m, std::span<const uvec3> tria
     const auto twice = std::ranges::unique(inside.tiles);
     inside.tiles.erase(twice.begin(), twice.end());
 
-    LeafMasks solid{.level = mesh.level, .codes = {}, .masks = {}};
+    LeafMasks solid{.level = surface.level, .codes = {}, .masks = {}};
     const Filling filling(crossings, surface);
     // Two for each thread: one waits for its turn while the next is filled.
     std::vector<std::unique_ptr<Filling::Place>> places(
@@ -173,7 +189,6 @@ LeafMasks run(std::span<const Position> positions_m, std::span<const uvec3> tria
         });
     return solid;
 }
-} // namespace
 
 LeafMasks solid_fill(std::span<const vec3> positions_m, std::span<const uvec3> triangles, const VoxelizeConfig& config,
                      const LeafMasks& surface, const Progress& progress) {

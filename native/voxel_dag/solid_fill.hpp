@@ -11,7 +11,7 @@
 // Bound:    one division per crossing, about half of the surface's voxels; 16 bytes each. Per tile of 64^3 voxels 4,096
 //           columns are looked at, whatever is in them, and full bricks are 16 bytes for their 64 voxels.
 #pragma once
-#include "voxel_dag/voxelize.hpp"
+#include "voxel_dag/column_crossings.hpp"
 
 namespace tyndall::voxel_dag {
 /// The voxels of `surface`, made of this mesh with this configuration, and those whose centres the mesh winds around a
@@ -21,4 +21,12 @@ namespace tyndall::voxel_dag {
                                    const VoxelizeConfig& config, const LeafMasks& surface, const Progress& progress);
 [[nodiscard]] LeafMasks solid_fill(std::span<const dvec3> positions_m, std::span<const uvec3> triangles,
                                    const VoxelizeConfig& config, const LeafMasks& surface, const Progress& progress);
+
+/// Throws InvalidInput, which names an edge at which a mesh is open, by the positions that it was snapped from; and
+/// Cancelled.
+void require_closed(const SnappedMesh& mesh, std::span<const vec3> positions_m, const Progress& progress);
+void require_closed(const SnappedMesh& mesh, std::span<const dvec3> positions_m, const Progress& progress);
+/// The voxels of `surface`, and those between crossings of their columns. Throws as solid_fill() does.
+[[nodiscard]] LeafMasks filled(const ColumnCrossings& crossings, const LeafMasks& surface, const VoxelizeConfig& config,
+                               const Progress& progress);
 } // namespace tyndall::voxel_dag

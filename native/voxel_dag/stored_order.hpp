@@ -37,7 +37,7 @@ struct StoredOrder {
 };
 /// The same bits for any number of threads. Throws InvalidInput where counts reach 512 MiB, and Cancelled.
 [[nodiscard]] StoredOrder stored_order_of(const PackedDag& dag, const Progress& progress);
-/// Throws InvalidInput, which names what does not belong to the DAG. What counts say is trusted.
+/// Throws InvalidInput, which names what does not belong to the DAG. What counts say: require_sound().
 void require_usable(const StoredOrder& order, const PackedDag& dag);
 
 /// A node, brick or group of voxels on the way down.

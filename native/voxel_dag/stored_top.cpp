@@ -3,8 +3,6 @@
 #include "core/parallel.hpp"
 
 namespace tyndall::voxel_dag {
-static constexpr std::uint64_t top_share = 128; // of the geometry: topmost levels take less than one part of so many
-
 std::vector<TopLevel> stored_top(const PackedDag& dag, const Progress& progress) {
     return top_levels_of(dag, {}, {.most_bytes = dag.byte_count() / top_share}, progress);
 }

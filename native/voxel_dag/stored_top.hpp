@@ -5,6 +5,9 @@
 #include "voxel_dag/top_levels.hpp"
 
 namespace tyndall::voxel_dag {
+/// Of the geometry's bytes: topmost levels take less than one part of so many.
+inline constexpr std::uint64_t top_share = 128;
+
 /// Of voxels that carry nothing.
 [[nodiscard]] std::vector<TopLevel> stored_top(const PackedDag& dag, const Progress& progress);
 /// mean_indices: the numbers of means, run_array.hpp's bytes, which need not be those of the parts; or none.

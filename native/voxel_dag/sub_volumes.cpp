@@ -145,11 +145,9 @@ SubVolumes split(const SnappedMesh& mesh, VoxelizeRule rule, std::uint64_t most_
     return parts;
 }
 
-SubMesh sub_mesh(const SnappedMesh& mesh, const SubVolumes& parts, std::size_t part) {
-    const Voxel at = voxel_at(parts.codes[part]);
-    const std::span<const std::uint32_t> triangles =
-        std::span(parts.triangles).subspan(parts.first[part], parts.first[part + 1] - parts.first[part]);
-    SubMesh sub{.triangles = {}, .mesh = {.level = parts.level, .positions = {}, .triangles = {}}};
+SubMesh moved_mesh(const SnappedMesh& mesh, std::span<const std::uint32_t> triangles, const Voxel& at,
+                   std::uint32_t part_level, std::uint32_t level) {
+    SubMesh sub{.triangles = {}, .mesh = {.level = level, .positions = {}, .triangles = {}}};
     sub.triangles.reserve(triangles.size());
     sub.mesh.positions.reserve(3 * triangles.size());
     for (const std::uint32_t triangle : triangles) {
@@ -157,11 +155,17 @@ SubMesh sub_mesh(const SnappedMesh& mesh, const SubVolumes& parts, std::size_t p
         sub.triangles.emplace_back(corner_count, corner_count + 1, corner_count + 2);
         for (Steps corner : mesh.triangle(triangle)) {
             for (std::size_t axis = 0; axis < 3; ++axis)
-                corner[axis] -= std::int64_t{at[axis]} << (static_cast<std::uint32_t>(step_bits) + parts.level);
+                corner[axis] -= std::int64_t{at[axis]} << (static_cast<std::uint32_t>(step_bits) + part_level);
             sub.mesh.positions.push_back(corner);
         }
     }
     sub.mesh.triangles = sub.triangles;
     return sub;
+}
+
+SubMesh sub_mesh(const SnappedMesh& mesh, const SubVolumes& parts, std::size_t part) {
+    const auto triangles =
+        std::span(parts.triangles).subspan(parts.first[part], parts.first[part + 1] - parts.first[part]);
+    return moved_mesh(mesh, triangles, voxel_at(parts.codes[part]), parts.level, parts.level);
 }
 } // namespace tyndall::voxel_dag

@@ -26,5 +26,8 @@ struct SubMesh {
     std::vector<uvec3> triangles;
     SnappedMesh mesh; ///< Refers to them.
 };
+/// Some triangles of a mesh, from the lower corner of a sub-cube of 2^part_level voxels a side on, in a cube of 2^level.
+[[nodiscard]] SubMesh moved_mesh(const SnappedMesh& mesh, std::span<const std::uint32_t> triangles, const Voxel& at,
+                                 std::uint32_t part_level, std::uint32_t level);
 [[nodiscard]] SubMesh sub_mesh(const SnappedMesh& mesh, const SubVolumes& parts, std::size_t part);
 } // namespace tyndall::voxel_dag

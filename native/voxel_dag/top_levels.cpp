@@ -3,6 +3,7 @@
 #include "core/errors.hpp"
 #include "voxel_dag/coarse_cubes.hpp"
 #include <algorithm>
+#include <bit>
 
 namespace tyndall::voxel_dag {
 std::vector<TopLevel> top_levels_of(const PackedDag& dag, const ColorsOfCubes& colors, const TopLevelsConfig& config,
@@ -68,5 +69,22 @@ LeafMasks voxels_of(std::span<const TopLevel> levels) {
     }
     require_usable(voxels);
     return voxels;
+}
+
+void require_top_of(const PackedDag& dag, std::span<const TopLevel> levels, const Progress& progress) {
+    std::uint64_t bytes = 0;
+    for (const TopLevel& level : levels)
+        bytes += level.child_masks.size();
+    const std::vector<TopLevel> due = top_levels_of(
+        dag, {}, {.most_level = static_cast<std::uint32_t>(levels.size()), .most_bytes = bytes}, progress);
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+        require(i < due.size() && levels[i].child_masks == due[i].child_masks, "voxel DAG: topmost level ", i + 1,
+                " has not the cubes of the records");
+        std::size_t cubes = 0;
+        for (const std::uint8_t mask : due[i].child_masks)
+            cubes += static_cast<std::size_t>(std::popcount(mask));
+        require(levels[i].colors.empty() || levels[i].colors.size() == cubes, "voxel DAG: topmost level ", i + 1,
+                " has ", levels[i].colors.size(), " colours for ", cubes, " cubes");
+    }
 }
 } // namespace tyndall::voxel_dag

@@ -30,4 +30,6 @@ using ColorsOfCubes = std::function<std::vector<ByteColor>(std::span<const Voxel
 /// The cubes of the last of these levels as voxels, 2^levels.size() a side: at least leaf_level. Throws InvalidInput where
 /// a level does not belong to the one above.
 [[nodiscard]] LeafMasks voxels_of(std::span<const TopLevel> levels);
+/// Throws InvalidInput where these are not the cubes of the DAG, or where colours are not as many, and Cancelled.
+void require_top_of(const PackedDag& dag, std::span<const TopLevel> levels, const Progress& progress);
 } // namespace tyndall::voxel_dag

@@ -15,7 +15,7 @@ static constexpr ViewTable make_views() {
 }
 constinit const ViewTable view_of = make_views();
 
-static RecordTable make_record_table(const PackedLevel& level) {
+RecordTable make_record_table(const PackedLevel& level) {
     RecordTable table{.heads = {},
                       .sizes = {},
                       .field_bits = level.field_bits,

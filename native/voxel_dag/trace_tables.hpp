@@ -39,6 +39,8 @@ struct RecordTable {
     const std::uint32_t* directory;                                       ///< Of this level's shared records.
 };
 
+[[nodiscard]] RecordTable make_record_table(const PackedLevel& level);
+
 /// A node of the topmost levels. Inner ones: the child mask, by octants of the world, and 256 * the first child's place.
 /// Of the last of these levels: the turn, and 64 * the record's bit.
 using TopNode = std::uint64_t;

@@ -120,7 +120,8 @@ public:
             half_ = static_cast<double>(1u << (level_ - 1));
             if (ray.shares != nullptr && ray.run.is_unsure(from_) && stops_at_voxel())
                 return State::Hits;
-            if (half_ <= ray.widest_hit(from_)) {
+            // A brick that was looked into is looked into down to its voxels, however wide a cone is farther on.
+            if (half_ <= ray.widest_hit(from_) && (ray.shares == nullptr || half_ != 2.0)) {
                 if (half_ == 1.0 || ray.shares == nullptr || stops_in(*step, along))
                     return State::Hits;
                 continue;

@@ -31,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--resolution", type=int, required=True, help="voxels a side, a power of two up to 131072")
     add("--out", type=Path, required=True, help="OUT.tdag")
     add("--rule", choices=("thin", "conservative"), default="thin", help="6- or 26-separating; thin unless said")
+    add("--solid", action="store_true", help="what a closed mesh has inside, too; without colours and normals")
     add("--symmetry", choices=("none", "reflections", "cube"), default="cube", help="what may turn equal parts")
     add("--budget", type=_bytes, default=None, help="memory, such as 512MiB or 4GiB; 2GiB unless said")
     add("--scratch", type=Path, default=None, help="for finished parts; all workers see it; OUT's folder unless said")
@@ -70,6 +71,7 @@ def run(options: argparse.Namespace, read_blend: Read) -> int:
     config = voxel_dag.Config(
         resolution=options.resolution,
         rule=options.rule,
+        solid=options.solid,
         symmetry=options.symmetry,
         memory_budget_bytes=options.budget,
         **carried,

@@ -203,5 +203,5 @@ def test_what_is_wrong_is_named(tmp_path: Path) -> None:
         floor(textures=Textures(materials=[Material(picture=tmp_path / "missing.png")], corner_uvs=UVS))
     with pytest.raises(tyndall.InvalidInput, match="for meshes"):
         tyndall.voxel_dag.from_coordinates([[0, 0, 0]], Config(resolution=4, solid=True))
-    with pytest.raises(tyndall.InvalidInput, match="solids are not made out of core"):
+    with pytest.raises(tyndall.InvalidInput, match="does not close"):
         tyndall.voxel_dag.voxelize_to_file(FLOOR, TWO, tmp_path / "floor.tdag", Config(resolution=64, solid=True))

@@ -15,12 +15,13 @@ from tyndall._native import Progress
 from .checks import MOST_INDEX, refuse, whole
 from .config import Config
 from .meshes import voxelize
-from .parts import budget_of, require_surface, scratch_of
+from .parts import budget_of, scratch_of
 
 #: What joining and packing take per node of the graph, and a part's file: measured, rounded up.
 _MEMORY_BYTES_PER_NODE, _SCRATCH_BYTES_PER_NODE = 96, 32
 #: The mesh is made at this resolution and the next, at least, and then while the last one had fewer voxels.
 _FIRST_SAMPLE, _FEW_VOXELS = 512, 16_000_000
+_FIRST_SOLID_SAMPLE = 128  #: It is full.
 _BYTES_PER_SAMPLED_VOXEL = 24  #: Of the last one that may be made more of: the next has four times as many.
 _DOUBT = 1.5  #: How far beyond the room a forecast lies before anything is refused for it.
 LEAST_RESOLUTION, MOST_RESOLUTION = 4, 131_072
@@ -57,7 +58,6 @@ def forecast(
 
 def _forecasts(positions_m: ArrayLike, triangles: ArrayLike, config: Config, progress: Progress) -> list[Forecast]:
     """By resolution, up to that of the configuration."""
-    require_surface(config)
     resolution = whole("resolution", config.resolution, MOST_INDEX)
     if resolution.bit_count() != 1 or not LEAST_RESOLUTION <= resolution <= MOST_RESOLUTION:
         raise refuse(
@@ -65,7 +65,7 @@ def _forecasts(positions_m: ArrayLike, triangles: ArrayLike, config: Config, pro
         )
     samples: list[Forecast] = []
     few_voxels = min(_FEW_VOXELS, budget_of(config) // _BYTES_PER_SAMPLED_VOXEL)
-    at = min(_FIRST_SAMPLE, resolution)
+    at = min(_FIRST_SOLID_SAMPLE if config.solid else _FIRST_SAMPLE, resolution)
     while at <= resolution and (len(samples) < 2 or samples[-1].voxel_count < few_voxels):  # noqa: PLR2004
         started = perf_counter()
         dag = voxelize(positions_m, triangles, replace(config, resolution=at, memory_budget_bytes=None), progress)
@@ -83,6 +83,7 @@ def _forecasts(positions_m: ArrayLike, triangles: ArrayLike, config: Config, pro
         at *= 2
     while samples[-1].resolution < resolution:
         before, last = samples[-2:]
+        growth = min(max(last.voxel_count / max(before.voxel_count, 1), 4.0), 8.0) if config.solid else 4.0
         # Between 2 and 4: each node of a surface becomes four, some of which are there already.
         nodes, file = (
             min(max(now / max(then, 1), 2.0), 4.0)
@@ -91,11 +92,11 @@ def _forecasts(positions_m: ArrayLike, triangles: ArrayLike, config: Config, pro
         samples.append(
             Forecast(
                 resolution=2 * last.resolution,
-                voxel_count=4 * last.voxel_count,
+                voxel_count=round(growth * last.voxel_count),
                 memory_bytes=round(last.memory_bytes * nodes),
                 scratch_bytes=round(last.scratch_bytes * nodes),
                 file_bytes=round(last.file_bytes * file),
-                seconds=4 * last.seconds,
+                seconds=growth * last.seconds,
             )
         )
     return samples

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from .config import Config
 from .textures import Material, Textures, pixels_of
 
-_SETTINGS = ("resolution", "rule", "symmetry", "color_count", "most_color_difference", "normal_bits")
+_SETTINGS = ("resolution", "rule", "solid", "symmetry", "color_count", "most_color_difference", "normal_bits")
 
 
 def save_mesh(path: Path, positions_m: ArrayLike, triangles: ArrayLike, config: Config) -> None:

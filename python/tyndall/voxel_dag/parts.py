@@ -15,7 +15,7 @@ from tyndall._native import Progress
 from tyndall.frame_files import completed
 from tyndall.jobs import Job
 
-from .checks import MOST_INDEX, attribute_config, budget, cube, indices, named, points, refuse, whole
+from .checks import MOST_INDEX, attribute_config, budget, cube, indices, named, points, whole
 from .config import Config
 from .kept_meshes import load_mesh, save_mesh
 from .surfaces import surface
@@ -33,12 +33,6 @@ def scratch_of(path: str | os.PathLike[str], scratch: str | os.PathLike[str] | N
     return Path(path).absolute().parent if scratch is None else Path(scratch).absolute()
 
 
-def require_surface(config: Config) -> None:
-    """Refuse what parts' files do not hold. Raises InvalidInput."""
-    if config.solid:
-        raise refuse("solids are not made out of core: use voxelize")
-
-
 def parts_of(
     positions_m: ArrayLike,
     triangles: ArrayLike,
@@ -49,7 +43,6 @@ def parts_of(
     worker_count: int = 1,
 ) -> _native.OutOfCoreVoxels:
     """The parts of a mesh; ``worker_count`` processes share the budget. Raises InvalidInput and Cancelled."""
-    require_surface(config)
     positions = points(positions_m, "positions_m")
     return _native.OutOfCoreVoxels(
         positions=positions,
@@ -58,6 +51,7 @@ def parts_of(
         rule=named(_native.VoxelizeRule, "rule", config.rule),
         bounds=cube(config.bounds_m),
         surface=surface(config, len(positions)),
+        is_solid=config.solid,
         symmetry=named(_native.VoxelSymmetry, "symmetry", config.symmetry),
         attribute_config=attribute_config(config),
         memory_budget_bytes=budget_of(config),

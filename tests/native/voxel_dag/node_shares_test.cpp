@@ -2,6 +2,7 @@
 // Rays that stop at cubes of voxels: as many as the voxels would stop, by brute force over these.
 #include "core/sobol.hpp"
 #include "support/packed_voxels.hpp"
+#include "support/voxel_rays.hpp"
 #include "support/voxel_sets.hpp"
 #include "voxel_dag/cover_run.hpp"
 #include "voxel_dag/node_shares.hpp"
@@ -194,5 +195,24 @@ TEST_CASE("a plane, however it lies, lets next to no ray pass, whatever the cube
             MESSAGE(plane, " width ", width, ": ", passing / double{ray_count});
             CHECK(passing < 0.01 * ray_count); // through what cubes at its rim have of it
         }
+    }
+}
+
+// Seen to fail: a cone that grew wide within a brick looked for octants of two voxels among leaves.
+TEST_CASE("with shares a ray stops at voxels or at cubes of 4 and more, also in a cube of one brick") {
+    for (const LeafMasks& voxels :
+         {random_voxels(2, 0.3, 1), random_voxels(5, 0.02, 2), sphere_voxels(7, {60, 70, 64}, 50)}) {
+        const PackedDag dag = packed(voxels, Symmetry::Cube);
+        const Tracer tracer(dag);
+        const NodeShares shares = tracer.node_shares(Progress());
+        int hit_count = 0;
+        for (VoxelRay ray : rays_of_detail(listed(voxels), voxels.level, 4000)) {
+            ray.shares = &shares;
+            ray.spread *= 0.1;
+            const VoxelHit hit = tracer.trace(ray);
+            REQUIRE(hit.level != 1);
+            hit_count += hit.is_hit();
+        }
+        CHECK(hit_count > 100);
     }
 }
