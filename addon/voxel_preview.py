@@ -15,6 +15,8 @@ from .voxel_boxes import file_of, is_voxel_box
 from .voxel_reading import read
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     import numpy as np
     from bpy.types import Context, Object
     from numpy.typing import NDArray
@@ -67,9 +69,15 @@ def preview_of(thing: Object) -> Preview | Exception | None:
     settings = thing.tyndall_voxels
     level, style = settings.preview_level, settings.preview
     found: Preview | Exception | None = read(
-        file_of(thing), f"{style} {level}", lambda dag, progress: Preview(dag, level, style, progress)
+        file_of(thing), f"{style} {level}", lambda path, progress: _preview(path, level, style, progress)
     )
     return found
+
+
+def _preview(path: Path, level: int, style: str, progress: Progress) -> Preview:
+    from tyndall.voxel_dag import load_coarse
+
+    return Preview(load_coarse(path, level, MOST_CUBES, progress), level, style, progress)
 
 
 def _draw() -> None:

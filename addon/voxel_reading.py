@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the files of voxel boxes hold: read once, in a thread where there is a window, and again when a file changes."""
+"""What the files of voxel boxes hold: read once, in a thread where there is a window, and again when a file changes.
+
+No more of a file is read than is asked for: of a large one its header, its topmost levels, or its geometry.
+"""
 
 from __future__ import annotations
 
@@ -16,28 +19,11 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from tyndall import Progress
-    from tyndall.voxel_dag import LevelCounts, VoxelDag
+    from tyndall.voxel_dag import FileHeader, LevelCounts
 
 _TICK_S = 0.1
 #: Of files and levels of previews: a dozen boxes of some megabytes each.
 _MOST_KEPT = 24
-
-
-@dataclass(frozen=True, kw_only=True)
-class Counts:
-    """What a panel says of a file."""
-
-    resolution: int
-    voxel_count: int
-    node_count: int
-    geometry_bytes: int
-    bytes_by_part: dict[str, int]
-    levels: list[LevelCounts]
-    bounds_m: list[list[float]]
-
-    @property
-    def octree_node_count(self) -> int:
-        return sum(level.tree_node_count for level in self.levels)
 
 
 @dataclass(kw_only=True, eq=False)
@@ -56,13 +42,19 @@ class _Kept:
 _kept = _Kept()
 
 
-def counts_of(path: Path) -> Counts | Exception | None:
+def header_of(path: Path) -> FileHeader | Exception | None:
     """None: it is being read. An exception says what is wrong with the file."""
-    found: Counts | Exception | None = read(path, "counts", _counts)
+    found: FileHeader | Exception | None = read(path, "header", _header)
     return found
 
 
-def read(path: Path, what: str, make: Callable[[VoxelDag, Progress], Any]) -> Any:  # noqa: ANN401  what make gives
+def levels_of(path: Path) -> list[LevelCounts] | Exception | None:
+    """Likewise; all of the geometry is read for it."""
+    found: list[LevelCounts] | Exception | None = read(path, "levels", _levels)
+    return found
+
+
+def read(path: Path, what: str, make: Callable[[Path, Progress], Any]) -> Any:  # noqa: ANN401  what make gives
     """What ``make``, which runs without bpy, gives of the file; None while it is at work, or what it raised."""
     from tyndall import Progress
 
@@ -92,26 +84,24 @@ def forget(path: Path | None = None) -> None:
         _kept.readings.pop(key).progress.cancel()
 
 
-def _make(reading: _Reading, path: Path, make: Callable[[VoxelDag, Progress], Any]) -> None:
-    from tyndall.voxel_dag import load
-
+def _make(reading: _Reading, path: Path, make: Callable[[Path, Progress], Any]) -> None:
     try:
         with _kept.one_at_a_time:
-            reading.result = make(load(path, reading.progress), reading.progress)
+            reading.result = make(path, reading.progress)
     except Exception as error:  # noqa: BLE001  shown where the result would be
         reading.result = error
 
 
-def _counts(dag: VoxelDag, progress: Progress) -> Counts:
-    return Counts(
-        resolution=dag.resolution,
-        voxel_count=dag.voxel_count,
-        node_count=dag.node_count,
-        geometry_bytes=dag.geometry_bytes,
-        bytes_by_part=dag.bytes_by_part,
-        levels=dag.levels(progress),
-        bounds_m=dag.bounds_m.tolist(),
-    )
+def _header(path: Path, _progress: Progress) -> FileHeader:
+    from tyndall.voxel_dag import read_header
+
+    return read_header(path)
+
+
+def _levels(path: Path, progress: Progress) -> list[LevelCounts]:
+    from tyndall.voxel_dag import load
+
+    return load(path, progress, attributes=False).levels(progress)
 
 
 def _drop_old() -> None:

@@ -8,8 +8,9 @@
 //   ssvdag       8 reflections, in half-words
 //   kol, kol_offsets   no symmetry, references by use in 1 to 4 bytes, and with what finds attributes (Kol 2018)
 //   ours_none, ours_8, ours_48   packed (packed_dag.hpp), without turns, with reflections, with the cube's 48
-// mesh: 0 the Stanford dragon, 1 Sponza-LowPoly. Counters: bytes; millions of primary and of random rays per second, one
-// thread, one ray after the other by the same code for all (trace_through.hpp); many_*: ours by a Tracer, eight at a time.
+// mesh: 0 the Stanford dragon, 1 Sponza-LowPoly. Counters: bytes; millions of primary and of random rays per second of one
+// thread's processor time, which other programs take little of, one ray after the other by the same code for all
+// (trace_through.hpp); many_*: ours by a Tracer, eight at a time.
 #include "baselines/entropy_dag.hpp"
 #include "baselines/half_word_dag.hpp"
 #include "baselines/octree_bytes.hpp"
@@ -25,7 +26,7 @@
 #include "voxel_dag/tracer.hpp"
 #include "voxel_dag/voxelize.hpp"
 #include <benchmark/benchmark.h>
-#include <chrono>
+#include <ctime>
 #include <map>
 
 namespace tyndall::bench {
@@ -64,10 +65,10 @@ const Voxels* voxels_of(benchmark::State& state) {
 /// hit_count = trace(rays), timed; reported by name.
 template <class Trace>
 void time_rays(benchmark::State& state, const std::string& name, std::size_t ray_count, const Trace& trace_all) {
-    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t begin = std::clock();
     benchmark::DoNotOptimize(trace_all());
-    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
-    state.counters[name] = 1e-6 * static_cast<double>(ray_count) / passed.count();
+    const double passed_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    state.counters[name] = 1e-6 * static_cast<double>(ray_count) / passed_s;
 }
 template <class Tree>
 void time_each(benchmark::State& state, const Voxels& voxels, const Tree& tree) {

@@ -83,8 +83,10 @@ private:
 
 void run(const Wanted& wanted, KeepingReporter& reporter) {
     for (int round = 0; round < wanted.rounds; ++round) {
-        if (wanted.simd.empty())
+        if (wanted.simd.empty()) {
             benchmark::RunSpecifiedBenchmarks(&reporter);
+            continue;
+        }
         for (const SimdTarget target : available_simd_targets()) {
             const ForcedSimdTarget forced(target);
             reporter.simd = simd_target_name();

@@ -14,7 +14,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import resource
 import subprocess
 import sys
 import tempfile
@@ -25,6 +24,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from process_memory import most_memory_bytes
 
 from tyndall import Progress
 from tyndall.mesh_files import TriangleMesh, read_mesh
@@ -68,7 +68,9 @@ def _colors(positions: NDArray[np.float64], triangles: NDArray[np.uint32]) -> ND
     return (17 * np.rint(15 * np.clip(colors, 0.0, 1.0))).astype(np.uint8)
 
 
-def _measure(name: str, resolution: int, budget_bytes: int, *, has_colors: bool, scratch: str | None) -> None:
+def _measure(
+    name: str, resolution: int, budget_bytes: int, *, has_colors: bool, scratch: str | None, keep: str | None
+) -> None:
     """In a process of its own, whose peak of memory is this one's. Prints JSON."""
     positions, triangles = _mesh(name)
     config = Config(resolution=resolution, memory_budget_bytes=budget_bytes)
@@ -76,13 +78,13 @@ def _measure(name: str, resolution: int, budget_bytes: int, *, has_colors: bool,
         config = replace(config, colors=_colors(positions.astype(np.float64), triangles))
     with tempfile.TemporaryDirectory() as folder:
         begun, progress = time.perf_counter(), Progress()
-        out = Path(folder) / "a.tdag"
+        out = Path(keep or folder + "/a.tdag")
         parts = parts_of(positions.astype(np.float32), triangles, config, Path(scratch or folder), progress)
         made = parts.finish(out, progress)
         figures = {
             "seconds": time.perf_counter() - begun,
             "cpu_seconds": time.process_time(),
-            "peak_bytes": 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,
+            "peak_bytes": most_memory_bytes(),
             "file_bytes": out.stat().st_size,
             "digest": _digest(out),
             **{
@@ -116,18 +118,18 @@ def _digest(path: Path) -> str:
     return digest.hexdigest()
 
 
-def _row(name: str, resolution: int, budget_bytes: int, *, has_colors: bool, scratch: str | None) -> dict[str, Any]:
+def _row(name: str, resolution: int, budget_bytes: int, *, has_colors: bool, **paths: str | None) -> dict[str, Any]:
     from report import row  # noqa: PLC0415 - with bpy, whose memory is not to be measured
 
     code = f"import out_of_core_bench as bench; bench._measure({name!r}, {resolution}, {budget_bytes}, "
-    code += f"has_colors={has_colors}, scratch={scratch!r})"
-    paths = os.pathsep.join([str(Path(__file__).parent), *filter(None, sys.path)])
+    code += f"has_colors={has_colors}, scratch={paths.get('scratch')!r}, keep={paths.get('keep')!r})"
+    modules = os.pathsep.join([str(Path(__file__).parent), *filter(None, sys.path)])
     done = subprocess.run(
         [sys.executable, "-c", code],
         capture_output=True,
         text=True,
         check=True,
-        env=os.environ | {"PYTHONPATH": paths},
+        env=os.environ | {"PYTHONPATH": modules},
     )
     figures = json.loads(done.stdout)
     print(name, resolution, figures)
@@ -145,8 +147,9 @@ def main() -> None:
     parser.add_argument("--budget-mib", type=int, default=2048)
     parser.add_argument("--colors", action="store_true", help="vertices have the colours of the formula")
     parser.add_argument("--scratch", help="parts stay here if it is stopped; the time is then that of what was left")
+    parser.add_argument("--keep", help="the file stays here, instead of going")
     arguments = parser.parse_args()
-    how = {"has_colors": arguments.colors, "scratch": arguments.scratch}
+    how = {"has_colors": arguments.colors, "scratch": arguments.scratch, "keep": arguments.keep}
     if arguments.resolution is not None:
         rows = [_row(arguments.mesh, arguments.resolution, arguments.budget_mib << 20, **how)]
     else:

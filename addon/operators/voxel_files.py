@@ -59,17 +59,17 @@ class TYNDALL_OT_import_tdag(_VoxelOperator, FileOperator, Operator):
         return newest("*.tdag")
 
     def execute(self, context: Context) -> set[str]:
-        from tyndall.voxel_dag import load
+        from tyndall.voxel_dag import checked_header
 
         path = self._path(context)
         try:
-            dag = load(path)
+            header = checked_header(path)
         except OSError as error:
             return self._refuse(error)
         forget(path)
-        box = add_voxel_box(context, path.stem, kept_path(path), dag.bounds_m, (0.0, 0.0, 0.0))
-        if dag.has_colors:
-            add_own_material(box, dag.channels)
+        box = add_voxel_box(context, path.stem, kept_path(path), header.bounds_m, (0.0, 0.0, 0.0))
+        if header.has_colors:
+            add_own_material(box, header.channels)
         select_only(context, box)
         return {"FINISHED"}
 
@@ -121,16 +121,16 @@ class TYNDALL_OT_reload_voxels(BoxOperator, Operator):
         return None
 
     def execute(self, context: Context) -> set[str]:
-        from tyndall.voxel_dag import load
+        from tyndall.voxel_dag import checked_header
 
         box = context.object
         path = file_of(box)
         forget(path)
         try:
-            dag = load(path)
+            header = checked_header(path)
         except OSError as error:
             return self._refuse(error)
-        fit_box(box.data, dag.bounds_m)
+        fit_box(box.data, header.bounds_m)
         box.tyndall_voxels.path = box.tyndall_voxels.path  # who draws it learns of it
         return {"FINISHED"}
 

@@ -21,7 +21,7 @@ from .in_thread import InThread
 
 if TYPE_CHECKING:
     from tyndall import Progress
-    from tyndall.voxel_dag import Config, Estimate, Extent
+    from tyndall.voxel_dag import Config, Estimate, Extent, FileHeader, VoxelDag
 
     from ..properties.voxels import TyndallVoxelizeSettings
     from ..sync.voxel_meshes import VoxelMesh
@@ -131,19 +131,20 @@ class TYNDALL_OT_voxelize(InThread, Operator):
         return True
 
     def work(self, progress: Progress) -> None:
-        from tyndall.voxel_dag import voxelize, voxelize_to_file
+        from tyndall.voxel_dag import voxelize, write_voxels
 
         from ..sync.voxel_meshes import surface_of
 
         positions_m, triangles, fields = surface_of(self._prepared.mesh, **self._carried)
         config = replace(self._config, **fields)
         positions_m = positions_m - tuple(self._prepared.origin)
+        made: FileHeader | VoxelDag
         if self._is_in_parts:
-            self._dag = voxelize_to_file(positions_m, triangles, self._path, config, progress=progress)
-            return
-        dag = voxelize(positions_m, triangles, config, progress)
-        dag.save(self._path, progress)
-        self._dag = dag
+            made = write_voxels(positions_m, triangles, self._path, config, progress=progress)
+        else:
+            made = voxelize(positions_m, triangles, config, progress)
+            made.save(self._path, progress)
+        self._made = made
 
     def end(self, context: Context, error: BaseException | None) -> set[str]:
         from tyndall import Cancelled
@@ -161,10 +162,10 @@ class TYNDALL_OT_voxelize(InThread, Operator):
             return {"CANCELLED"}
         if error is not None:
             raise error
-        prepared, dag = self._prepared, self._dag
-        box = add_voxel_box(context, prepared.name, kept_path(self._path), dag.bounds_m, prepared.origin)
-        if dag.has_colors:
-            add_own_material(box, dag.channels, _glow(prepared.mesh) if EMISSION in dag.channels else None)
+        prepared, made = self._prepared, self._made
+        box = add_voxel_box(context, prepared.name, kept_path(self._path), made.bounds_m, prepared.origin)
+        if made.has_colors:
+            add_own_material(box, made.channels, _glow(prepared.mesh) if EMISSION in made.channels else None)
         elif (material := _first_material(context, prepared.mesh.sources)) is not None:
             box.data.materials.append(material)
         if self._hides_sources:
@@ -172,7 +173,7 @@ class TYNDALL_OT_voxelize(InThread, Operator):
         select_only(context, box)
         for line in prepared.mesh.reports.lines():
             self.report({"WARNING"}, line)
-        taken = f"{count_text(dag.voxel_count)} voxels in {bytes_text(dag.geometry_bytes + dag.attribute_bytes)}"
+        taken = f"{count_text(made.voxel_count)} voxels in {bytes_text(made.geometry_bytes + made.attribute_bytes)}"
         self.report({"INFO"}, f"{self._path.name}: {taken}")
         return {"FINISHED"}
 

@@ -3,13 +3,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, TypeVar
+
 from bpy.types import Context, Menu, Panel, TOPBAR_MT_file_import, UILayout
 
 from ..amounts import bytes_text, count_text
 from ..properties.voxels import CHANNELS, TyndallVoxelizeSettings
 from ..voxel_boxes import file_of, is_voxel_box
-from ..voxel_reading import Counts, counts_of
+from ..voxel_reading import header_of, levels_of
 from .base import SidebarPanel, draw_text, draw_value, is_wide_region
+
+if TYPE_CHECKING:
+    from tyndall.voxel_dag import FileHeader
+
+_Read = TypeVar("_Read")
 
 #: Of an octree without sharing, in the smallest of the usual layouts: a child mask and an offset.
 OCTREE_BYTES_PER_NODE = 4
@@ -86,11 +93,11 @@ class TYNDALL_PT_voxel_box(_BoxPanel, Panel):
         row = column.row()
         row.active = settings.preview != "NONE"
         row.prop(settings, "preview_level")
-        if (counts := _counts(context, layout)) is not None:
+        if (header := _header(context, layout)) is not None:
             column = layout.column(align=True)
-            draw_value(column, context, "Resolution", f"{counts.resolution:,}")
-            draw_value(column, context, "Voxels", count_text(counts.voxel_count))
-            draw_value(column, context, "Distinct nodes", count_text(counts.node_count))
+            draw_value(column, context, "Resolution", f"{header.resolution:,}")
+            draw_value(column, context, "Voxels", count_text(header.voxel_count))
+            draw_value(column, context, "Distinct nodes", count_text(header.node_count))
 
 
 class TYNDALL_PT_voxel_exports(_BoxPanel, Panel):
@@ -110,53 +117,57 @@ class TYNDALL_PT_voxel_bytes(_BoxPanel, Panel):
 
     def draw(self, context: Context) -> None:
         column = self.layout.column(align=True)
-        if (counts := _counts(context, column)) is None:
+        if (header := _header(context, column)) is None:
             return
-        for name, part in counts.bytes_by_part.items():
+        for name, part in header.bytes_by_part.items():
             draw_value(column, context, name.replace("_", " "), bytes_text(part))
-        draw_value(column, context, "All", bytes_text(sum(counts.bytes_by_part.values())))
-        octree = OCTREE_BYTES_PER_NODE * counts.octree_node_count
-        draw_value(
-            column,
-            context,
-            f"An octree, {OCTREE_BYTES_PER_NODE} bytes per node",
-            f"{octree / counts.geometry_bytes:.3g} x",
-        )
+        draw_value(column, context, "All", bytes_text(sum(header.bytes_by_part.values())))
         draw_value(
             column,
             context,
             "Raw, a bit per voxel of the cube",
-            f"{counts.resolution**3 / 8 / counts.geometry_bytes:.3g} x",
+            f"{header.resolution**3 / 8 / header.geometry_bytes:.3g} x",
         )
 
 
 class TYNDALL_PT_voxel_levels(_BoxPanel, Panel):
+    """Closed until it is asked for: counting reads all of the geometry."""
+
     bl_label = "Levels"
     bl_parent_id = "TYNDALL_PT_voxel_box"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
         column = self.layout.column(align=True)
-        if (counts := _counts(context, column)) is None:
+        levels = _found(context, column, levels_of(file_of(context.object)))
+        if levels is None or (header := _header(context, column)) is None:
             return
         column.label(text="Side: distinct nodes, of those of an octree")
-        longest = max((level.node_count for level in counts.levels), default=1)
-        for level in reversed(counts.levels[1:]):
+        longest = max((level.node_count for level in levels), default=1)
+        for level in reversed(levels[1:]):
             row = column.split(factor=0.15)
             row.label(text=f"{level.side:,}")
             row = row.split(factor=0.35)
             row.label(text="|" * max(1, round(_LONGEST_BAR * level.node_count / longest)))
             row.label(text=f"{count_text(level.node_count)} of {count_text(level.tree_node_count)}")
+        octree = OCTREE_BYTES_PER_NODE * sum(level.tree_node_count for level in levels)
+        draw_value(
+            column,
+            context,
+            f"An octree, {OCTREE_BYTES_PER_NODE} bytes per node",
+            f"{octree / header.geometry_bytes:.3g} x",
+        )
 
 
-def _counts(context: Context, layout: UILayout) -> Counts | None:
+def _header(context: Context, layout: UILayout) -> FileHeader | None:
     """None, after a line that says why."""
-    counts = counts_of(file_of(context.object))
-    if isinstance(counts, Counts):
-        return counts
-    draw_text(
-        layout, context, "Reading the file" if counts is None else str(counts), icon="ERROR" if counts else "TIME"
-    )
+    return _found(context, layout, header_of(file_of(context.object)))
+
+
+def _found(context: Context, layout: UILayout, read: _Read | Exception | None) -> _Read | None:
+    if read is not None and not isinstance(read, Exception):
+        return read
+    draw_text(layout, context, "Reading the file" if read is None else str(read), icon="ERROR" if read else "TIME")
     return None
 
 

@@ -121,5 +121,12 @@ void bind_voxel_dag(py::module_& native) {
             return without_gil([&] { return std::make_shared<PlacedDag>(read_dag(name, progress)); });
         },
         "path"_a, "progress"_a, "Releases the GIL. IoError: the path and what is wrong with it; Cancelled.");
+    native.def(
+        "load_voxel_geometry",
+        [](const py::object& path, const Progress& progress) {
+            const std::string name = path_of(path);
+            return without_gil([&] { return std::make_shared<PlacedDag>(read_dag(name, progress, false)); });
+        },
+        "path"_a, "progress"_a, "Without attributes. Releases the GIL. IoError: as load_voxel_dag(); Cancelled.");
 }
 } // namespace tyndall::bindings

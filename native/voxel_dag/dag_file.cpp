@@ -307,7 +307,7 @@ static void read_top_section(const FileReader& reader, const Header& header, con
     top[section.level - 1].child_masks = reader.values<std::uint8_t>(section);
 }
 
-PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) {
+PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress, bool has_attributes) {
     const FileReader reader(path, progress);
     const Header header = read_header(reader);
     PackedDag dag{.level = header.level,
@@ -324,7 +324,10 @@ PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress) 
     const auto attributes = [&]() -> AttributeParts& { return parts ? *parts : parts.emplace(); };
     std::vector<std::uint8_t> names;
     std::vector<TopLevel> top;
-    for (const Section& section : read_table(reader, header))
+    std::vector<Section> table = read_table(reader, header);
+    if (!has_attributes)
+        std::erase_if(table, [](const Section& section) { return section.kind >= Kind::Attributes; });
+    for (const Section& section : table)
         switch (section.kind) {
         case Kind::Formats:
             for (std::size_t i = 0; const auto& [format, tags] : read_formats(reader, header, section)) {

@@ -35,7 +35,9 @@ void write_dag(const PackedDag& dag, const Cube& bounds_m, const StreamedAttribu
 /// Without attributes.
 void write_dag(const PackedDag& dag, const Cube& bounds_m, const std::filesystem::path& path, const Progress& progress);
 /// Throws IoError, which names the path, and the section that is damaged or missing; and Cancelled.
-[[nodiscard]] PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress);
+/// Without attributes, these are not read.
+[[nodiscard]] PlacedDag read_dag(const std::filesystem::path& path, const Progress& progress,
+                                 bool has_attributes = true);
 
 struct TopOfDag {
     Cube bounds_m;

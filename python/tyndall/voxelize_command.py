@@ -79,9 +79,9 @@ def run(options: argparse.Namespace, read_blend: Read) -> int:
     _say(f"{len(triangles):,} triangles")
     _say(str(voxel_dag.forecast(positions_m, triangles, config)))
     started, progress = time.perf_counter(), Progress()
-    dag = _told(
+    made = _told(
         progress,
-        lambda: voxel_dag.voxelize_to_file(
+        lambda: voxel_dag.write_voxels(
             positions_m,
             triangles,
             options.out,
@@ -93,7 +93,7 @@ def run(options: argparse.Namespace, read_blend: Read) -> int:
     )
     size = options.out.stat().st_size
     seconds = time.perf_counter() - started
-    _say(f"{options.out}: {dag.voxel_count:,} voxels, {dag.node_count:,} nodes, {size:,} bytes, {seconds:.1f} s")
+    _say(f"{options.out}: {made.voxel_count:,} voxels, {made.node_count:,} nodes, {size:,} bytes, {seconds:.1f} s")
     return 0
 
 

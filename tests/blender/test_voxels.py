@@ -20,7 +20,7 @@ from addon.operators.voxelize import _plan
 from addon.sync.voxel_meshes import VoxelMesh
 from addon.voxel_boxes import file_of
 from addon.voxel_preview import preview_of
-from addon.voxel_reading import counts_of
+from addon.voxel_reading import header_of
 from support.engine_pictures import tyndall_pixels
 from support.recording_layout import drawn
 from support.small_scenes import CUBE_CORNERS, CUBE_FACES, add, cube, empty_scene, material, mesh, node, plane
@@ -477,7 +477,7 @@ def test_a_file_is_imported_and_read_anew(saved: bpy.types.Scene, tmp_path: Path
     from_coordinates(voxels, Config(resolution=64, bounds_m=[[0, 0, 0], [8, 8, 8]])).save(path)
     assert bpy.ops.tyndall.reload_voxels() == {"FINISHED"}
     assert np.allclose(sorted(tuple(v.co) for v in box.data.vertices), sorted(itertools.product((0, 8), repeat=3)))
-    assert counts_of(path).resolution == 64
+    assert header_of(path).resolution == 64
     path.write_bytes(path.read_bytes()[:100])
     with pytest.raises(RuntimeError, match=r"made\.tdag"):
         bpy.ops.tyndall.import_tdag(filepath=str(path))
@@ -567,13 +567,16 @@ def test_the_panel_says_what_a_file_holds(saved: bpy.types.Scene) -> None:
     shown = " ".join(drawn(panels.voxels.TYNDALL_PT_voxel_box))
     for text in ("Resolution 16", f"Voxels {dag.voxel_count:,}", f"Distinct nodes {dag.node_count}"):
         assert text in shown
-    shown = " ".join(drawn(panels.voxels.TYNDALL_PT_voxel_bytes))
+    of_bytes = " ".join(drawn(panels.voxels.TYNDALL_PT_voxel_bytes))
+    assert f"All {bytes_text(dag.geometry_bytes + dag.attribute_bytes)}" in of_bytes
+    of_levels = drawn(panels.voxels.TYNDALL_PT_voxel_levels)
+    assert [of_levels[row] for row in (1, 4, 7)] == ["16", "8", "4"]
     octree = 4 * sum(level.tree_node_count for level in dag.levels())
-    for name, ratio in (("An octree, 4 bytes per node", octree), ("Raw, a bit per voxel of the cube", 16**3 / 8)):
+    for name, ratio, shown in (
+        ("An octree, 4 bytes per node", octree, " ".join(of_levels)),
+        ("Raw, a bit per voxel of the cube", 16**3 / 8, of_bytes),
+    ):
         assert f"{name} {ratio / dag.geometry_bytes:.3g} x" in shown.replace("  ", " ")
-    assert f"All {bytes_text(dag.geometry_bytes + dag.attribute_bytes)}" in shown
-    shown = drawn(panels.voxels.TYNDALL_PT_voxel_levels)
-    assert [shown[row] for row in (1, 4, 7)] == ["16", "8", "4"]
 
 
 def test_the_panel_says_what_is_wrong_with_a_file(saved: bpy.types.Scene) -> None:
@@ -582,6 +585,29 @@ def test_the_panel_says_what_is_wrong_with_a_file(saved: bpy.types.Scene) -> Non
     file_of(bpy.context.object).unlink()
     for panel in (panels.voxels.TYNDALL_PT_voxel_box, panels.voxels.TYNDALL_PT_voxel_bytes):
         assert "Block_Voxels.tdag" in " ".join(drawn(panel)).replace(" ", "")
+
+
+def test_a_preview_reads_no_more_of_a_large_file_than_it_shows(saved: bpy.types.Scene, tmp_path: Path) -> None:
+    """Where all behind the topmost levels is damaged, these are shown with their colours; finer ones are refused."""
+    path = tmp_path / "noise.tdag"
+    voxels = np.random.default_rng(3).integers(0, 256, (50_000, 3))
+    dag = from_coordinates(voxels, Config(resolution=256, colors=voxels.astype(np.uint8)))
+    dag.save(path)
+    bpy.ops.tyndall.import_tdag(filepath=str(path))
+    box = bpy.context.object
+    content = bytearray(path.read_bytes())
+    content[-200_000:] = bytes(200_000)
+    path.write_bytes(content)
+    box.tyndall_voxels.preview, box.tyndall_voxels.preview_level = "POINTS", 3
+    found = preview_of(box)
+    cubes, _level = dag.coarse_cubes(3, 10**6)
+    assert len(found.parts_m[0]) == len(cubes) == 8**3
+    assert np.array_equal(found.colours[0], dag.colors_at(cubes * 32, level=3))
+    assert f"Voxels {dag.voxel_count:,}" in " ".join(drawn(panels.voxels.TYNDALL_PT_voxel_box))
+    box.tyndall_voxels.preview_level = 7
+    assert "noise.tdag" in str(preview_of(box))
+    with pytest.raises(RuntimeError, match=r"noise\.tdag"):
+        bpy.ops.tyndall.reload_voxels()
 
 
 @pytest.mark.parametrize("style", ["POINTS", "BLOCKS"])

@@ -20,7 +20,7 @@ from .exports import Exports
 _keys = count()
 
 #: Below it a cube is less than a brick.
-_LEAST_LEVEL = 2
+LEAST_LEVEL = 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -239,14 +239,22 @@ def _rays(origins_m: ArrayLike, directions: ArrayLike) -> tuple[NDArray[np.float
     return origins, ways
 
 
-def load(path: str | os.PathLike[str], progress: Progress | None = None, *, level: int | None = None) -> VoxelDag:
+def load(
+    path: str | os.PathLike[str],
+    progress: Progress | None = None,
+    *,
+    level: int | None = None,
+    attributes: bool = True,
+) -> VoxelDag:
     """Read a ``.tdag`` file. Raises IoError, which names the path and the section that is damaged, and Cancelled.
 
     ``level``: not the voxels, but the cubes of which 2 ** level lie along a side, at least 2, as voxels with their mean
-    colours. Of the levels that a file has apart, nothing else is read.
+    colours. Of the levels that a file has apart, nothing else is read. ``attributes=False``: the voxels alone; their
+    colours, normals and channels are not read.
     """
     if level is None:
-        return VoxelDag(_native.load_voxel_dag(path, progress or Progress()))
-    if whole("level", level, 17) < _LEAST_LEVEL:
+        read = _native.load_voxel_dag if attributes else _native.load_voxel_geometry
+        return VoxelDag(read(path, progress or Progress()))
+    if whole("level", level, 17) < LEAST_LEVEL:
         raise refuse(f"level is {level}: from 2 on, 4 cubes a side, there are voxels")
     return VoxelDag(_native.load_voxel_dag_top(path, level, progress or Progress()))

@@ -18,7 +18,7 @@ from .meshes import voxelize
 from .parts import budget_of, scratch_of
 
 #: What joining and packing take per node of the graph, and a part's file: measured, rounded up.
-_MEMORY_BYTES_PER_NODE, _SCRATCH_BYTES_PER_NODE = 96, 32
+_MEMORY_BYTES_PER_NODE, _SCRATCH_BYTES_PER_NODE = 100, 32
 #: The mesh is made at this resolution and the next, at least, and then while the last one had fewer voxels.
 _FIRST_SAMPLE, _FEW_VOXELS = 512, 16_000_000
 _FIRST_SOLID_SAMPLE = 128  #: It is full.

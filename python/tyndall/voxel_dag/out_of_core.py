@@ -12,6 +12,7 @@ from tyndall._native import Progress
 
 from .config import Config
 from .dag import VoxelDag, load
+from .file_header import FileHeader, read_header
 from .forecast import require_room
 from .parts import part_jobs, parts_of, scratch_of
 
@@ -34,6 +35,21 @@ def voxelize_to_file(
     or a killed call, the same call goes on from them. Raises InvalidInput, which says what would fit; IoError, which
     names the path; and Cancelled.
     """
+    write_voxels(positions_m, triangles, path, config, scratch=scratch, progress=progress, workers=workers)
+    return load(path, progress)
+
+
+def write_voxels(
+    positions_m: ArrayLike,
+    triangles: ArrayLike,
+    path: str | os.PathLike[str],
+    config: Config | None = None,
+    *,
+    scratch: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+    workers: int | str | None = None,
+) -> FileHeader:
+    """As voxelize_to_file(), but the file, which may be larger than memory, is not read back: what it says is known."""
     config, progress = config or Config(), progress or Progress()
     require_room(positions_m, triangles, path, config, scratch=scratch, progress=progress)
     folder, count = scratch_of(path, scratch), workers if isinstance(workers, int) else 1
@@ -42,4 +58,4 @@ def voxelize_to_file(
         jobs.run(parts, workers, progress, share=0.75)
     native = parts_of(positions_m, triangles, config, folder, progress, worker_count=count)
     native.finish(path, progress)
-    return load(path, progress)
+    return read_header(path)
