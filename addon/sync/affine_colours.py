@@ -78,7 +78,7 @@ def _clamp(a: AffineColour) -> AffineColour:
     """Of an image in [0, 1]: it must leave the colour as it is."""
     low = a.offset + np.minimum(a.gain, 0.0).sum(axis=1)
     high = a.offset + np.maximum(a.gain, 0.0).sum(axis=1)
-    slack = 1e-6
+    slack = 1e-4  # weights of luminance are as many digits from 1
     if (low < -slack).any() or (high > 1.0 + slack).any():
         raise _Bends
     return a

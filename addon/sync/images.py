@@ -13,6 +13,8 @@ import numpy as np
 
 from tyndall.scene_description import Image
 
+from .image_files import frame_file, is_of_floats, read_file, tile_files
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -38,13 +40,24 @@ class ImageReader:
         self._kept = {key: image for key, image in self._kept.items() if key in self._used}
 
     def read(
-        self, image: bpy.types.Image | None, reports: Reports, culprit: str, *, associated: bool = False
+        self,
+        image: bpy.types.Image | None,
+        reports: Reports,
+        culprit: str,
+        *,
+        associated: bool = False,
+        user: bpy.types.ImageUser | None = None,
     ) -> Image | None:
-        """None for an image that cannot be had, with a report. ``associated``: colours are multiplied with alpha."""
+        """None for an image that cannot be had, with a report. ``associated``: colours are multiplied with alpha.
+
+        ``user`` says which frame of a sequence.
+        """
         if image is None:
             reports.add(culprit, "an image node without an image is magenta")
             return None
         original = image.original
+        if original.source == "SEQUENCE" and user is not None:
+            return self._read_file(original, frame_file(image, user), reports, culprit, associated=associated)
         if original.size[0] * original.size[1] == 0:
             reports.add(culprit, f'image "{original.name}" is missing ({_place(original)}): magenta')
             return None
@@ -52,14 +65,47 @@ class ImageReader:
             reports.add(culprit, f'image "{original.name}" is a {original.source.lower()}: its first frame is drawn')
         elif original.source == "TILED":
             reports.add(culprit, f'image "{original.name}" has tiles: the first is drawn everywhere')
-        space = original.colorspace_settings.name
-        if not original.is_float and space not in _SRGB | _LINEAR:
-            reports.add(culprit, f'image "{original.name}": colour space {space} is read as sRGB')
+        _note_space(original, reports, culprit, is_float=original.is_float)
         key = _key(original, associated=associated)
         if key not in self._kept:
-            self._kept[key] = _read_pixels(original, key, associated=associated)
+            pixels = _floats(original)
+            self._kept[key] = _as_read(original, pixels, key, associated=associated, is_float=original.is_float)
         self._used.add(key)
         return self._kept[key]
+
+    def read_tiles(
+        self, image: bpy.types.Image, reports: Reports, culprit: str, *, associated: bool = False
+    ) -> dict[tuple[int, int], Image]:
+        """By column and row: those that can be had, with a report for each that cannot."""
+        tiles = {}
+        for place, path in tile_files(image.original).items():
+            tile = self._read_file(image.original, path, reports, culprit, associated=associated)
+            if tile is not None:
+                tiles[place] = tile
+        return tiles
+
+    def _read_file(
+        self, image: bpy.types.Image, path: Path, reports: Reports, culprit: str, *, associated: bool
+    ) -> Image | None:
+        key = repr([image.name_full, str(path), image.colorspace_settings.name, image.alpha_mode, associated])
+        try:
+            key += f" {path.stat().st_mtime_ns}"
+            pixels = None if key in self._kept else read_file(path)
+        except OSError:
+            reports.add(culprit, f'image "{image.name}" is missing ({path.name}): magenta')
+            return None
+        _note_space(image, reports, culprit, is_float=is_of_floats(path))
+        if pixels is not None:
+            is_float = is_of_floats(path)
+            self._kept[key] = _as_read(image, pixels, key, associated=associated, is_float=is_float)
+        self._used.add(key)
+        return self._kept[key]
+
+
+def _note_space(image: bpy.types.Image, reports: Reports, culprit: str, *, is_float: bool) -> None:
+    space = image.colorspace_settings.name
+    if not is_float and space not in _SRGB | _LINEAR:
+        reports.add(culprit, f'image "{image.name}": colour space {space} is read as sRGB')
 
 
 def without_pixels(image: bpy.types.Image) -> str | None:
@@ -110,18 +156,19 @@ def _floats(image: bpy.types.Image) -> NDArray[np.float32]:
     return pixels
 
 
-def _read_pixels(image: bpy.types.Image, key: str, *, associated: bool) -> Image:
+def _as_read(
+    image: bpy.types.Image, floats: NDArray[np.float32], key: str, *, associated: bool, is_float: bool
+) -> Image:
     """Blender keeps float pixels multiplied with alpha, others not; Cycles multiplies those while they are encoded."""
-    floats = _floats(image)
     alpha = floats[..., 3:]
     has_alpha = image.alpha_mode not in {"NONE", "CHANNEL_PACKED"} and bool((alpha < 1.0).any())
-    if has_alpha and associated and not image.is_float:
+    if has_alpha and associated and not is_float:
         floats[..., :3] *= alpha
-    if has_alpha and image.is_float and not associated:
+    if has_alpha and is_float and not associated:
         np.divide(floats[..., :3], alpha, out=floats[..., :3], where=alpha > 0.0)
     # Nothing reads the alpha of associated colours, and the core must not divide them by it.
     keeps_alpha = not associated and image.alpha_mode != "NONE" and bool((alpha < 1.0).any())
-    if image.is_float:
+    if is_float:
         return Image(key=key, name=image.name, pixels=floats, is_srgb=False, has_alpha=keeps_alpha)
     return Image(
         key=key,

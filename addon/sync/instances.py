@@ -22,6 +22,7 @@ import bpy
 import numpy as np
 
 from ..baked_air import is_baked_air
+from .random_numbers import random_number_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -72,9 +73,13 @@ class Placement:
     casts_shadow: bool
     is_bounce_visible: bool = True
     is_mirror_visible: bool = True
+    color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    pass_index: int = 0
     matrices: list[Matrix] = field(default_factory=list)  #: World from object, one per instance.
+    random_numbers: list[int] = field(default_factory=list)  #: 32 bits, one per instance.
     #: Identities of original datablocks whose geometry updates make this mesh stale.
     depends_on: set[int] = field(default_factory=set)
+    own_random_number: int | None = None  #: Of what is no instance.
     is_instanced: bool = False  #: By another object; one of its instances is, if it is a light.
 
     def world_from_object(self) -> NDArray[np.float64]:
@@ -96,6 +101,8 @@ def read_placements(
         placement = grouping.placement_of(instance)
         if placement is not None:
             placement.matrices.append(instance.matrix_world.copy())
+            is_own = placement.own_random_number is not None and not instance.is_instance
+            placement.random_numbers.append(placement.own_random_number if is_own else instance.random_id & 0xFFFFFFFF)
     return grouping.placements()
 
 
@@ -210,6 +217,9 @@ class _Grouping:
             is_mirror_visible=is_mirror_visible,
             depends_on={thing.original.as_pointer() for thing in (thing.data, owner, parent) if thing is not None},
             is_instanced=parent is not None,
+            color=tuple(source.color),
+            pass_index=source.pass_index,
+            own_random_number=random_number_of(owner.name) if has_shape else 0,
         )
 
     def _report_unsupported(self, thing: Object, shown_by: Object) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from tyndall.scene_description import Material, Medium, attribute_maps
 
 from ..shader_nodes import shader_tree
+from .mesh_attributes import what_is_missing
 from .node_graph import output_input
 from .program import BLACK, WHITE, grey
 from .reports import Reports
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from tyndall.scene_description import Mesh
 
     from .images import ImageReader
+    from .seen_camera import SeenCamera
 
 _OF_ATTRIBUTES = attribute_maps("")[0]  #: What names of their first maps begin with.
 
@@ -39,12 +41,15 @@ class MaterialReader:
         is_lit: bool = True,
         mirror_roughness: float | None = None,
         with_channels: bool = False,
+        has_lobes: bool = True,
+        camera: SeenCamera | None = None,
     ) -> None:
         """``override`` is the view layer's: in place of all others, as in Cycles.
 
         Without ``is_lit`` surfaces give no light: they let as much through as they do, and cost no shadow ray.
         What is no rougher than ``mirror_roughness`` mirrors; None: nothing does.
-        ``with_channels`` fills ``channels``.
+        ``with_channels`` fills ``channels``. Without ``has_lobes`` gloss counts as diffuse.
+        ``camera`` is what surfaces may ask for.
         """
         self.materials: list[Material] = []
         #: Of each material, by name: roughness, metallic and reflectance, the diffuse part of a program of which the
@@ -57,6 +62,8 @@ class MaterialReader:
         self._is_lit = is_lit
         self._mirror_roughness = mirror_roughness if is_lit else None
         self._with_channels = with_channels
+        self._has_lobes = has_lobes
+        self._camera = camera
         self._index_of: dict[bpy.types.Material | None, int] = {}
 
     def index(self, material: bpy.types.Material | None) -> int:
@@ -106,7 +113,9 @@ class MaterialReader:
         # Without an output it is black, as in Cycles.
         shares = Shares()
         if surface is not None:
-            shares = read_surface(values, surface, self._mirror_roughness, with_finish=self._with_channels)
+            shares = read_surface(
+                values, surface, self._mirror_roughness, with_finish=self._with_channels, has_lobes=self._has_lobes
+            )
         _note_displacement(tree, values)
         if not self._is_lit:
             shares.diffuse = shares.emission = BLACK
@@ -121,20 +130,27 @@ class MaterialReader:
                 )
             } | {"emission": program.material(material.name, (shares.emission, BLACK, BLACK))}
         results = (shares.diffuse, shares.transparent, shares.emission)
-        return values.program.material(material.name, results, shares.gloss, medium=medium)
+        lobes = shares.lobes if self._is_lit and shares.lobes is not None else ()
+        return values.program.material(material.name, results, shares.gloss, lobes, medium=medium)
 
     def _values(self, material: bpy.types.Material, domain: Domain) -> ValueReader:
         is_seen = self._is_lit or domain is Domain.CONSTANT
         reports = self._reports if is_seen else Reports()  # nobody misses the gloss of black surfaces
-        return ValueReader(f'Material "{material.name}"', reports, self._images, domain)
+        reader = ValueReader(f'Material "{material.name}"', reports, self._images, domain)
+        reader.camera, reader.material_index = self._camera, material.pass_index
+        return reader
 
 
 def note_missing_attributes(
     object_name: str, mesh: Mesh, indices: Iterable[int], materials: MaterialReader, reports: Reports
 ) -> None:
     """Say what its materials read as black, as Cycles does."""
+    has = {name for name, _ in mesh.uv_maps}
     for index in indices:
-        for name in materials.materials[index].uv_maps:
+        asked = materials.materials[index].uv_maps
+        for what in what_is_missing(asked, has):
+            reports.add(f'Object "{object_name}"', f"has no {what}, which its material reads")
+        for name in asked:
             _, mark, attribute = name.partition(_OF_ATTRIBUTES)
             if mark and not any(known == name if attribute else known.startswith(name) for known, _ in mesh.uv_maps):
                 wanted = f'colour attribute "{attribute}"' if attribute else "colour attribute"

@@ -16,6 +16,8 @@ import numpy as np
 
 from tyndall.scene_description import Mesh, attribute_maps
 
+from .mesh_attributes import read_asked
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -76,15 +78,21 @@ class _StoredMesh:
         return normals
 
 
-def read_mesh(mesh: bpy.types.Mesh, reports: Reports, kept: dict[str, Mesh], poll: Callable[[], None]) -> Mesh | None:
+def read_mesh(
+    mesh: bpy.types.Mesh,
+    reports: Reports,
+    kept: dict[str, Mesh],
+    poll: Callable[[], None],
+    asked: frozenset[str] = frozenset(),
+) -> Mesh | None:
     """Triangles of an evaluated mesh; the one in ``kept`` if its content is the same; None without a triangle.
 
-    ``poll`` may raise to stop between two arrays.
+    ``poll`` may raise to stop between two arrays. ``asked`` is what its materials read beside UV maps and colours.
 
     Non-finite values are passed on: the native side drops those triangles and counts them. Indices out of range, which
     a damaged file may hold and which crash other engines, take the whole mesh out, with a report.
     """
-    stored = _read_stored(mesh, reports, poll)
+    stored = _read_stored(mesh, reports, poll, asked)
     if stored is None:
         return None
     key = stored.key(poll)
@@ -93,7 +101,9 @@ def read_mesh(mesh: bpy.types.Mesh, reports: Reports, kept: dict[str, Mesh], pol
     return kept[key]
 
 
-def _read_stored(mesh: bpy.types.Mesh, reports: Reports, poll: Callable[[], None]) -> _StoredMesh | None:
+def _read_stored(
+    mesh: bpy.types.Mesh, reports: Reports, poll: Callable[[], None], asked: frozenset[str]
+) -> _StoredMesh | None:
     vertex_count, corner_count = len(mesh.vertices), len(mesh.loops)
     if len(mesh.polygons) == 0 or vertex_count == 0:
         return None
@@ -112,13 +122,16 @@ def _read_stored(mesh: bpy.types.Mesh, reports: Reports, poll: Callable[[], None
         reports.add(f'Mesh "{mesh.name}"', "left out: a face uses a corner that does not exist")
         return None
     polygon_of_triangle = _polygon_of_triangle(mesh, triangle_count)
+    maps = *_uv_maps(mesh), *_colour_maps(mesh, vertex_of_corner)
+    if asked:
+        maps = *maps, *read_asked(mesh, asked, [name for name, _ in maps], vertex_of_corner)
     return _StoredMesh(
         name=mesh.name,
         positions=_positions(mesh),
         vertex_of_corner=vertex_of_corner,
         corners=corners,
         slots=_slots(mesh, polygon_of_triangle),
-        uv_maps=(*_uv_maps(mesh), *_colour_maps(mesh, vertex_of_corner)),
+        uv_maps=maps,
         **_normals(mesh, polygon_of_triangle),
     )
 

@@ -43,13 +43,26 @@ class Socket:
 
     def source(self) -> Socket:
         """What feeds this input: an output of a node that computes, or the input whose own value counts."""
-        at = self
+        return self.path()[-1]
+
+    def path(self) -> list[Socket]:
+        """From here to the source, over borders of groups, reroutes and muted nodes: each may be of another type."""
+        path = [self]
         for _ in range(_MAX_STEPS):
-            following = _step(at)
+            following = _step(path[-1])
             if following is None:
-                return at
-            at = following
-        return self
+                return path[: _ends_at(path)]
+            path.append(following)
+        return [self]
+
+
+def _ends_at(path: list[Socket]) -> int:
+    """Where a way ends at a muted node which lets nothing pass, the last input on it counts."""
+    end = len(path)
+    if path[-1].socket.is_output and path[-1].node.mute:
+        while end > 1 and path[end - 1].socket.is_output:
+            end -= 1
+    return end
 
 
 def output_input(tree: NodeTree | None, name: str) -> Socket | None:

@@ -7,27 +7,34 @@ with three equal channels.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
-from tyndall.scene_description import Code, Gloss, Material, Rgb, SurfaceOp, TextureUse, attribute_maps
+from tyndall.scene_description import (
+    Code,
+    Gloss,
+    LobeModel,
+    Lobes,
+    Material,
+    Rgb,
+    SurfaceOp,
+    TextureUse,
+    attribute_maps,
+)
+from tyndall.surface_operations import OPERANDS, is_known_without_point, operand_count, value_of
+
+from .working_space import luminance_weights
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 BLACK: Rgb = (0.0, 0.0, 0.0)
 WHITE: Rgb = (1.0, 1.0, 1.0)
-_LUMINANCE: Rgb = (0.2126729, 0.7151522, 0.0721750)  #: Of Rec. 709, as Cycles turns a colour into a number.
-_READS = {
-    Code.CONSTANT: "",
-    Code.TEXTURE: "",
-    Code.TEXTURE_ALPHA: "",
-    Code.BACKFACING: "",
-    Code.UV: "",
-    Code.CLAMP: "a",
-    Code.AVERAGE: "a",
-    Code.MULTIPLY: "ab",
-    Code.ADD: "ab",
-    Code.SUBTRACT: "ab",
-    Code.MIX: "abc",
-}
+#: What differs beside the point.
+_OF_PLACES = frozenset({Code.TEXTURE, Code.TEXTURE_ALPHA, Code.UV, Code.INPUT})
+_REGISTER_COUNT = 64  #: Beyond it, constants are set again for each reader.
 
 
 @dataclass(frozen=True)
@@ -51,16 +58,36 @@ class GlossValues:
     indices: dict[str, float] = field(default_factory=dict)  #: mirror_ior and coat_ior, where they are known.
 
 
+@dataclass(frozen=True)
+class LobeValues:
+    """A shader with lobes, see tyndall.scene_description.Lobes."""
+
+    model: LobeModel
+    inputs: tuple[Value, ...]
+    preserves_energy: bool = False
+
+    def constant(self, register_of: Callable[[Term], int]) -> Lobes:
+        return Lobes(
+            model=self.model,
+            inputs=tuple(BLACK if isinstance(value, Term) else value for value in self.inputs),
+            registers=tuple(register_of(value) if isinstance(value, Term) else -1 for value in self.inputs),
+            preserves_energy=self.preserves_energy,
+        )
+
+
 def grey(number: float) -> Rgb:
     return (number, number, number)
 
 
 class Program:
     def __init__(self) -> None:
+        #: Within heights of bumps: to which side points are read, 1 or 2, and by how much of a pixel.
+        self.beside: tuple[int, float] | None = None
         self._ops: list[SurfaceOp] = []  # `out` is the place: registers come last
         self._places: dict[tuple[object, ...], Term] = {}
         self._textures: list[TextureUse] = []
         self._uv_maps: list[str] = []
+        self._tables: list[NDArray[np.float32]] = []
 
     @property
     def ops(self) -> list[SurfaceOp]:
@@ -73,15 +100,19 @@ class Program:
 
     def texture(self, use: TextureUse, uv_map: str, uv_matrix: tuple[float, ...], *, alpha: bool = False) -> Value:
         """The colour, or the alpha, of an image at the 3x3 ``uv_matrix`` times (u, v, 1)."""
+        code = Code.TEXTURE_ALPHA if alpha else Code.TEXTURE
+        return self._op(code, texture=self.texture_index(use), uv_map=self.uv_map_index(uv_map), uv_matrix=uv_matrix)
+
+    def texture_index(self, use: TextureUse) -> int:
+        """A number to give as ``texture``."""
         index = next((i for i, known in enumerate(self._textures) if _same_use(known, use)), len(self._textures))
         if index == len(self._textures):
             self._textures.append(use)
-        code = Code.TEXTURE_ALPHA if alpha else Code.TEXTURE
-        return self._op(code, texture=index, uv_map=self._uv_map(uv_map), uv_matrix=uv_matrix)
+        return index
 
     def attribute(self, name: str, *, alpha: bool = False) -> Value:
         """The colour, or the alpha, of an attribute of the surface."""
-        red_green, blue_alpha = (self._uv_map(uv_map) for uv_map in attribute_maps(name))
+        red_green, blue_alpha = (self.uv_map_index(uv_map) for uv_map in attribute_maps(name))
         if alpha:
             return self._op(Code.UV, uv_map=blue_alpha, uv_matrix=(0, 1, 0, 0, 1, 0, 0, 1, 0))
         return self.add(
@@ -89,7 +120,29 @@ class Program:
             self._op(Code.UV, uv_map=blue_alpha, uv_matrix=(0, 0, 0, 0, 0, 0, 1, 0, 0)),
         )
 
-    def _uv_map(self, name: str) -> int:
+    def operation(self, code: Code, *operands: Value, **fields: object) -> Value:
+        """One operation; its value, where all operands are known and it reads nothing else but a table.
+
+        Operands that it does not read may be given, and are left out.
+        """
+        op = SurfaceOp(code=code, out=0, **fields)
+        read = operands[: operand_count(op)]
+        if len(read) < operand_count(op):
+            raise ValueError(f"{code.name} reads {operand_count(op)} operands, not {len(read)}")
+        if is_known_without_point(op) and not any(isinstance(operand, Term) for operand in read):
+            return value_of(op, read, self._tables)
+        return self._op(code, *read, **fields)
+
+    def table(self, values: NDArray[np.float32]) -> int:
+        """A number to give as ``table``: of colours with alpha at even steps over [0, 1], (steps, 4)."""
+        for index, known in enumerate(self._tables):
+            if known.shape == values.shape and (known == values).all():
+                return index
+        self._tables.append(values)
+        return len(self._tables) - 1
+
+    def uv_map_index(self, name: str) -> int:
+        """A number to give as ``uv_map``."""
         if name not in self._uv_maps:
             self._uv_maps.append(name)
         return self._uv_maps.index(name)
@@ -146,7 +199,7 @@ class Program:
 
     def luminance(self, a: Value) -> Value:
         """A colour as a number."""
-        return self.average(self.multiply(a, tuple(3.0 * share for share in _LUMINANCE)))
+        return self.average(self.multiply(a, tuple(3.0 * share for share in luminance_weights())))
 
     def channel(self, a: Value, index: int) -> Value:
         mask = [0.0, 0.0, 0.0]
@@ -161,20 +214,33 @@ class Program:
         return result
 
     def material(
-        self, name: str, results: tuple[Value, Value, Value], gloss: GlossValues | None = None, **fields: object
+        self,
+        name: str,
+        results: tuple[Value, Value, Value],
+        gloss: GlossValues | None = None,
+        lobes: Sequence[LobeValues] = (),
+        **fields: object,
     ) -> Material:
-        """``results`` are diffuse, transparent and emission; constants if all of them and of gloss are known now."""
+        """``results`` are diffuse, transparent and emission; constants if all are known now, lobes included."""
         diffuse, transparent, emission = results
         layers = () if gloss is None else (gloss.facing, gloss.edge, gloss.coat, gloss.coated)
-        if not any(isinstance(result, Term) for result in (*results, *layers)):
+        read = [value for of in lobes for value in of.inputs if isinstance(value, Term)]
+        if not read and not any(isinstance(result, Term) for result in (*results, *layers)):
             constant = gloss and Gloss(
                 **dict(zip(("facing", "edge", "coat", "coated"), layers, strict=True)), **gloss.indices
             )
             return Material(
-                name=name, diffuse=diffuse, transparent=transparent, emission=emission, gloss=constant, **fields
+                name=name,
+                diffuse=diffuse,
+                transparent=transparent,
+                emission=emission,
+                gloss=constant,
+                lobes=tuple(of.constant(lambda _: -1) for of in lobes),
+                **fields,
             )
         terms = [result if isinstance(result, Term) else self._constant(result) for result in (*results, *layers)]
-        ops, registers = _allocate_registers(self._ops, [term.place for term in terms])
+        ops, registers = _allocate_registers(self._ops, [term.place for term in (*terms, *read)])
+        register_of = dict(zip(read, registers[len(terms) :], strict=True))
         return Material(
             name=name,
             program=ops,
@@ -183,7 +249,9 @@ class Program:
             emission_register=registers[2],
             textures=tuple(self._textures),
             uv_maps=tuple(self._uv_maps),
-            gloss=gloss and Gloss(registers=tuple(registers[3:]), **gloss.indices),
+            tables=tuple(self._tables),
+            gloss=gloss and Gloss(registers=tuple(registers[3 : len(terms)]), **gloss.indices),
+            lobes=tuple(of.constant(register_of.__getitem__) for of in lobes),
             **fields,
         )
 
@@ -192,9 +260,11 @@ class Program:
 
     def _op(self, code: Code, *operands: Value, **fields: object) -> Term:
         terms = [operand if isinstance(operand, Term) else self._constant(operand) for operand in operands]
+        if self.beside is not None and code in _OF_PLACES:
+            fields |= {"shift": self.beside[0], "value": (self.beside[1], 0.0, 0.0)}
         key = (code, *terms, *sorted(fields.items()))
         if key not in self._places:
-            places = dict(zip("abc", (term.place for term in terms), strict=False))
+            places = dict(zip(OPERANDS, (term.place for term in terms), strict=False))
             self._places[key] = Term(len(self._ops))
             self._ops.append(SurfaceOp(code=code, out=len(self._ops), **places, **fields))
         return self._places[key]
@@ -210,28 +280,95 @@ def _same_use(a: TextureUse, b: TextureUse) -> bool:
 
 def _allocate_registers(ops: list[SurfaceOp], results: list[int]) -> tuple[tuple[SurfaceOp, ...], list[int]]:
     """Drops operations that no result reads, and gives a register away after its last reader."""
+    needed = _needed(ops, results)
+    kept, registers, count = _with_registers(ops, needed, results)
+    if count <= _REGISTER_COUNT:
+        return kept, registers
+    ops, results = _with_constants_at_readers(*_with_long_ways_first(ops, needed, results))
+    kept, registers, _ = _with_registers(ops, _needed(ops, results), results)
+    return kept, registers
+
+
+def _read(op: SurfaceOp) -> list[int]:
+    return [getattr(op, operand) for operand in OPERANDS[: operand_count(op)]]
+
+
+def _needed(ops: list[SurfaceOp], results: list[int]) -> set[int]:
     needed = set(results)
-    last_reader: dict[int, int] = {}
     for place in reversed(range(len(ops))):
         if place in needed:
-            for operand in _READS[ops[place].code]:
-                read = getattr(ops[place], operand)
-                needed.add(read)
-                last_reader.setdefault(read, place)
+            needed.update(_read(ops[place]))
+    return needed
+
+
+def _with_registers(
+    ops: list[SurfaceOp], needed: set[int], results: list[int]
+) -> tuple[tuple[SurfaceOp, ...], list[int], int]:
+    """And how many there are."""
+    last_reader: dict[int, int] = {}
+    for place in sorted(needed):
+        last_reader.update(dict.fromkeys(_read(ops[place]), place))
     free: list[int] = []
     register_of: dict[int, int] = {}
     register_count = 0
     kept = []
-    for place, op in enumerate(ops):
-        if place not in needed:
-            continue
-        operands = {operand: register_of[getattr(op, operand)] for operand in _READS[op.code]}
-        read_here = {getattr(op, operand) for operand in _READS[op.code]}
-        free += [register_of[read] for read in read_here if last_reader[read] == place and read not in results]
+    for place in sorted(needed):
+        op = ops[place]
+        operands = {name: register_of[read] for name, read in zip(OPERANDS, _read(op), strict=False)}
+        free += [register_of[read] for read in set(_read(op)) if last_reader[read] == place and read not in results]
         if free:
             register_of[place] = free.pop()
         else:
             register_of[place] = register_count
             register_count += 1
         kept.append(replace(op, out=register_of[place], **operands))
-    return tuple(kept), [register_of[place] for place in results]
+    return tuple(kept), [register_of[place] for place in results], register_count
+
+
+def _with_long_ways_first(
+    ops: list[SurfaceOp], needed: set[int], results: list[int]
+) -> tuple[list[SurfaceOp], list[int]]:
+    """The needed ones in another order: of several operands, the one that takes most registers is computed first.
+
+    Based on Sethi and Ullman, The Generation of Optimal Code for Arithmetic Expressions, JACM 17(4), 1970, as if no
+    operation had two readers.
+    """
+    takes: dict[int, int] = {}
+    for place in sorted(needed):
+        each = sorted((takes[read] for read in set(_read(ops[place]))), reverse=True)
+        takes[place] = max([1, *(count + index for index, count in enumerate(each))])
+    place_of: dict[int, int] = {}
+    ordered: list[SurfaceOp] = []
+    waiting = sorted(set(results), key=lambda place: takes[place])
+    while waiting:
+        place = waiting[-1]
+        missing = [read for read in set(_read(ops[place])) if read not in place_of]
+        if missing:
+            waiting += sorted(missing, key=lambda read: (takes[read], read))
+            continue
+        waiting.pop()
+        if place not in place_of:
+            place_of[place] = len(ordered)
+            operands = {name: place_of[read] for name, read in zip(OPERANDS, _read(ops[place]), strict=False)}
+            ordered.append(replace(ops[place], out=len(ordered), **operands))
+    return ordered, [place_of[result] for result in results]
+
+
+def _with_constants_at_readers(ops: list[SurfaceOp], results: list[int]) -> tuple[list[SurfaceOp], list[int]]:
+    """The same operations, with each constant set anew before each of its readers."""
+    moved: list[SurfaceOp] = []
+    place_of: dict[int, int] = {}
+
+    def placed(place: int) -> int:
+        if ops[place].code is not Code.CONSTANT:
+            return place_of[place]
+        moved.append(replace(ops[place], out=len(moved)))
+        return len(moved) - 1
+
+    for place, op in enumerate(ops):
+        if op.code is Code.CONSTANT:
+            continue
+        operands = {name: placed(read) for name, read in zip(OPERANDS, _read(op), strict=False)}
+        place_of[place] = len(moved)
+        moved.append(replace(op, out=len(moved), **operands))
+    return moved, [placed(result) for result in results]

@@ -17,10 +17,13 @@ from .instances import Placement, read_placements, shown_kinds
 from .light_masks import MaskReader
 from .lights import read_lights
 from .materials import MaterialReader, note_missing_attributes
+from .mesh_attributes import asked_of_meshes
 from .meshes import read_mesh
 from .occluder_edits import OccluderEditReader
+from .random_numbers import as_unit_floats
 from .relit_scene import ReadScene, is_light, light_names
 from .reports import Reports
+from .seen_camera import seen_camera
 from .volume_sources import is_volume
 from .volumes import VolumeReader
 from .voxel_objects import VoxelReader, without_and_with_voxels
@@ -43,7 +46,8 @@ class SceneReader:
         self._voxels = VoxelReader()
         self._suns = WorldSuns()
         self._meshes: dict[str, Mesh] = {}
-        self._live: dict[int, tuple[Mesh | None, set[int]]] = {}  # by address of the evaluated mesh, while it lives
+        # By address of the evaluated mesh, while it lives, and by what its materials ask of it.
+        self._live: dict[tuple[int, frozenset[str]], tuple[Mesh | None, set[int]]] = {}
         self._live_depsgraph = 0
         self._stale: set[int] = set()
         self._last: ReadScene | None = None  # of the live depsgraph, unless more than lights was updated since
@@ -94,6 +98,7 @@ class SceneReader:
             layer.material_override,
             is_lit=is_lit,
             mirror_roughness=indirect.mirror_roughness if indirect.has_mirrors else None,
+            camera=seen_camera(depsgraph),
         )
         is_viewport = depsgraph.mode == "VIEWPORT"
         drawn_things = [placement for placement in placements if placement.data is not None]
@@ -173,18 +178,20 @@ class SceneReader:
         is_viewport: bool,
     ) -> tuple[Instances, ...]:
         groups = []
-        seen: dict[int, tuple[Mesh | None, set[int]]] = {}
+        seen: dict[tuple[int, frozenset[str]], tuple[Mesh | None, set[int]]] = {}
         try:
             for placement in placements:
                 poll()
-                address = placement.data.as_pointer()
-                if address not in seen:
-                    seen[address] = self._live.get(address) or (
-                        self._read_mesh(placement, reports, poll, is_viewport=is_viewport),
+                read_by = {materials.index(material) for material in placement.materials}
+                asked = asked_of_meshes(materials.materials[index] for index in read_by)
+                key = placement.data.as_pointer(), asked
+                if key not in seen:
+                    seen[key] = self._live.get(key) or (
+                        self._read_mesh(placement, reports, poll, asked, is_viewport=is_viewport),
                         placement.depends_on,
                     )
-                mesh = seen[address][0]
-                seen[address] = mesh, seen[address][1] | placement.depends_on
+                mesh = seen[key][0]
+                seen[key] = mesh, seen[key][1] | placement.depends_on
                 if mesh is not None:
                     groups.append(_group(placement, mesh, materials))
                     note_missing_attributes(placement.object_name, mesh, groups[-1].materials, materials, reports)
@@ -196,14 +203,20 @@ class SceneReader:
         return tuple(groups)
 
     def _read_mesh(
-        self, placement: Placement, reports: Reports, poll: Callable[[], None], *, is_viewport: bool
+        self,
+        placement: Placement,
+        reports: Reports,
+        poll: Callable[[], None],
+        asked: frozenset[str],
+        *,
+        is_viewport: bool,
     ) -> Mesh | None:
         source = placement.source
         if not (is_viewport and source.modifiers and source.modifiers[-1].type == "SUBSURF"):
-            return read_mesh(placement.data, reports, self._meshes, poll)
+            return read_mesh(placement.data, reports, self._meshes, poll, asked)
         # A window may leave the last subdivision to its graphics card: `data` is the coarse mesh, `to_mesh` is not.
         try:
-            return read_mesh(source.to_mesh(), reports, self._meshes, poll)
+            return read_mesh(source.to_mesh(), reports, self._meshes, poll, asked)
         finally:
             source.to_mesh_clear()
 
@@ -218,6 +231,9 @@ def _group(placement: Placement, mesh: Mesh, materials: MaterialReader) -> Insta
         casts_shadow=placement.casts_shadow,
         is_bounce_visible=placement.is_bounce_visible,
         is_mirror_visible=placement.is_mirror_visible,
+        color=placement.color,
+        pass_index=float(placement.pass_index),
+        random=as_unit_floats(placement.random_numbers),
     )
 
 

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from .program import BLACK, WHITE, GlossValues, Term, Value, grey
+from .lobe_nodes import add_lobes
+from .program import BLACK, WHITE, GlossValues, LobeValues, Term, Value, grey
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,6 +27,7 @@ _DIFFUSE_LIKE = {
     "BSDF_HAIR", "BSDF_HAIR_PRINCIPLED", "SUBSURFACE_SCATTERING", "EEVEE_SPECULAR",
 }  # fmt: skip
 _GLOSSY = {"BSDF_GLOSSY", "BSDF_ANISOTROPIC", "BSDF_METALLIC"}
+_CAN_MIRROR = {*_GLOSSY, "BSDF_PRINCIPLED"}
 _TRANSPARENT_LIKE = {"BSDF_GLASS", "BSDF_REFRACTION", "BSDF_RAY_PORTAL"}
 
 
@@ -37,6 +39,7 @@ class Shares:
     transparent: Value = BLACK
     emission: Value = BLACK
     gloss: GlossValues | None = None
+    lobes: list[LobeValues] | None = None  #: None: shaders with lobes take the nearest share.
     mirror_roughness: float | None = None  #: What is no rougher mirrors; None: nothing does.
     finish: Finish | None = None  #: None: it is not asked for.
 
@@ -52,10 +55,19 @@ class Finish:
 
 
 def read_surface(
-    reader: ValueReader, at: Socket, mirror_roughness: float | None = None, *, with_finish: bool = False
+    reader: ValueReader,
+    at: Socket,
+    mirror_roughness: float | None = None,
+    *,
+    with_finish: bool = False,
+    has_lobes: bool = True,
 ) -> Shares:
     """``at`` is the Surface input of an output node."""
-    shares = Shares(mirror_roughness=mirror_roughness, finish=Finish() if with_finish else None)
+    shares = Shares(
+        mirror_roughness=mirror_roughness,
+        lobes=[] if has_lobes else None,
+        finish=Finish() if with_finish else None,
+    )
     _add(reader, at, WHITE, shares)
     return shares
 
@@ -72,6 +84,12 @@ def _add(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None
         shares.emission = program.add(shares.emission, program.multiply(weight, reader.colour(at)))
         return
     node_type = source.node.type
+    if (
+        shares.lobes is not None
+        and not _is_mirror(reader, source, shares)
+        and _note_and_add(reader, source, weight, shares)
+    ):
+        return
     if node_type in _SHADERS:
         _SHADERS[node_type](reader, source, weight, shares)
     elif node_type in _TRANSPARENT_LIKE:
@@ -86,6 +104,17 @@ def _add(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None
         reader.unsupported(source, "is not supported: drawn as grey diffuse")
         shares.diffuse = reader.program.add(shares.diffuse, reader.program.multiply(weight, (0.8, 0.8, 0.8)))
         _add_finish(reader, shares, weight)
+
+
+def _is_mirror(reader: ValueReader, at: Socket, shares: Shares) -> bool:
+    return at.node.type in _CAN_MIRROR and _mirrors(reader, at, shares)
+
+
+def _note_and_add(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
+    if not add_lobes(reader, at, weight, shares):
+        return False
+    _note_bumps(reader, at)
+    return True
 
 
 def _colour_of(reader: ValueReader, at: Socket) -> Value:

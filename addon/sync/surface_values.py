@@ -14,6 +14,7 @@ import numpy as np
 
 from tyndall.linear_colours import linear_colours
 from tyndall.scene_description import Code, attribute_maps
+from tyndall.surface_operations import is_known_without_point, run_on_answers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -28,9 +29,11 @@ if TYPE_CHECKING:
     Value = Callable[[Material, Read], NDArray[Any]]
 
 PICTURES = frozenset({Code.TEXTURE, Code.TEXTURE_ALPHA})
+_ANSWERED = PICTURES | {Code.UV, Code.BACKFACING}
 _TRIALS = 8
 _WHITE = np.ones(3, np.float32)
 _BLACK = np.zeros(3, np.float32)
+_HALF = np.full(3, 0.5, np.float32)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -145,27 +148,25 @@ def _run(material: Material, name: str, read: Read) -> NDArray[Any]:
     """A result of the program."""
     if not material.program:
         return np.array(getattr(material, name), np.float32)
-    registers: dict[int, NDArray[Any]] = {}
-    for op in material.program:
-        if op.code in _OPERATIONS:
-            operands = (registers.get(register, _BLACK) for register in (op.a, op.b, op.c))
-            registers[op.out] = _OPERATIONS[op.code](*operands)
-        elif op.code is Code.CONSTANT:
-            registers[op.out] = np.array(op.value, np.float32)
-        else:
-            registers[op.out] = read(op)
-    return registers[getattr(material, f"{name}_register")]
+    answers = {place: _answer(op, read) for place, op in enumerate(material.program) if not is_known_without_point(op)}
+    shape = np.broadcast_shapes((3,), *(answer.shape for answer in answers.values()))
+    flat = {
+        place: np.ascontiguousarray(np.broadcast_to(answer, shape), np.float32).reshape(-1, 3)
+        for place, answer in answers.items()
+    }
+    count = int(np.prod(shape[:-1]))
+    return run_on_answers(material, getattr(material, f"{name}_register"), flat, count).reshape(shape)
 
 
-_OPERATIONS: dict[Code, Callable[..., NDArray[Any]]] = {
-    Code.MULTIPLY: lambda a, b, _c: a * b,
-    Code.ADD: lambda a, b, _c: a + b,
-    Code.SUBTRACT: lambda a, b, _c: a - b,
-    Code.MIX: lambda a, b, c: a + (b - a) * np.clip(c, 0.0, 1.0),
-    Code.CLAMP: lambda a, _b, _c: np.clip(a, 0.0, 1.0),
-    Code.AVERAGE: lambda a, _b, _c: np.repeat(a.mean(axis=-1, keepdims=True), 3, axis=-1),
-    Code.BACKFACING: lambda _a, _b, _c: _BLACK,
-}
+def reads_more(material: Material) -> bool:
+    """Whether its program asks points for something that is half grey here: patterns, positions, what looks at it."""
+    return any(not is_known_without_point(op) and op.code not in _ANSWERED for op in material.program)
+
+
+def _answer(op: SurfaceOp, read: Read) -> NDArray[Any]:
+    if op.code is Code.BACKFACING:
+        return _BLACK
+    return read(op) if op.code in _ANSWERED else _HALF
 
 
 def _alpha(image: Image) -> NDArray[Any]:

@@ -9,12 +9,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 from mathutils import Euler, Matrix
 
-from tyndall.scene_description import Extension, Interpolation, TextureUse
+from tyndall.scene_description import Code, Extension, Interpolation, TextureUse
+from tyndall.surface_inputs import IMAGE_HAS_TILES, EnvironmentProjection, ImageProjection, PointInput
 
+from . import coordinates
+from .domains import MID_GREY, Domain
 from .images import MAGENTA
 from .program import WHITE, Value
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import bpy
+
+    from tyndall.scene_description import Image
+
     from .node_graph import Socket
     from .value_nodes import ValueReader
 
@@ -24,22 +33,65 @@ EXTENSIONS = {
     "CLIP": Extension.CLIP,
     "MIRROR": Extension.MIRROR,
 }
+#: Smart is cubic where a picture is not made smaller, which nothing here knows.
+_INTERPOLATIONS = {"Closest": Interpolation.CLOSEST, "Linear": Interpolation.LINEAR}
 
 
 def image_value(reader: ValueReader, at: Socket) -> Value:
     """Colour or alpha of an Image Texture node."""
     node, wants_alpha = at.node, at.socket.identifier == "Alpha"
+    if node.image is not None and node.image.source == "TILED" and node.projection == "FLAT":
+        return _tiles(reader, at)
     use = image_use(reader, at)
     if not isinstance(use, TextureUse):
         return WHITE if wants_alpha else use
     if wants_alpha and not use.image.has_alpha and node.extension != "CLIP":  # which is transparent outside
         return WHITE
-    if node.projection != "FLAT":
-        reader.note(f'image "{use.image.name}" is projected flat')
-    place = _coordinates(reader, at)
+    place = _flat_coordinates(reader, at)
+    if place is None:
+        return _image_anywhere(reader, at, use)
     # A texture reads (u, v, 1): of the 4x4 matrix the column of z, which is 0, drops out.
     uv_matrix = tuple(float(place.matrix[row][column]) for row in (0, 1, 3) for column in (0, 1, 3))
     return reader.program.texture(use, place.uv_map, uv_matrix, alpha=wants_alpha)
+
+
+def _image_anywhere(reader: ValueReader, at: Socket, use: TextureUse) -> Value:
+    """By its node's projection, at whatever vector."""
+    node, program = at.node, reader.program
+    projection = ImageProjection[node.projection]
+    vector = reader.colour(at.input("Vector")) if at.input("Vector").is_connected() else coordinates.uv(program)
+    code = Code.IMAGE_ALPHA_AT if at.socket.identifier == "Alpha" else Code.IMAGE_AT
+    blend = node.projection_blend if projection is ImageProjection.BOX else 0.0
+    return program.operation(
+        code, vector, option=int(projection), texture=program.texture_index(use), value=(blend, 0.0, 0.0)
+    )
+
+
+def _flat_coordinates(reader: ValueReader, at: Socket) -> _Coordinates | None:
+    """Of an image that lies flat on a UV map, through constant Mapping nodes; None of any other."""
+    if at.node.projection != "FLAT":
+        return None
+    source = at.input("Vector").source()
+    while source.socket.is_output and source.node.type == "MAPPING" and _is_affine(source):
+        source = source.input("Vector").source()
+    if not source.socket.is_output:
+        is_linked = source.socket != at.input("Vector").socket
+        return None if is_linked else _Coordinates("", Matrix.Identity(4))
+    return _coordinates(reader, at) if _is_uv_map(source) else None
+
+
+def _is_affine(mapping: Socket) -> bool:
+    """And known now."""
+    inputs = (mapping.input(name) for name in ("Location", "Rotation", "Scale"))
+    is_known = not any(one is not None and one.is_connected() for one in inputs)
+    return is_known and mapping.node.vector_type != "NORMAL"
+
+
+def _is_uv_map(source: Socket) -> bool:
+    node, output = source.node, source.socket.identifier
+    if node.type == "TEX_COORD":
+        return output == "UV" and not node.from_instancer
+    return bool(node.type == "UVMAP" and not node.from_instancer)
 
 
 def image_use(reader: ValueReader, at: Socket) -> TextureUse | Value:
@@ -47,13 +99,49 @@ def image_use(reader: ValueReader, at: Socket) -> TextureUse | Value:
     node = at.node
     # Cycles divides colours by alpha only for nodes whose Alpha output is in use.
     uses_alpha = any(socket.identifier == "Alpha" and socket.is_linked for socket in node.outputs)
-    image = reader.images.read(node.image, reader.reports, reader.culprit, associated=not uses_alpha)
-    if image is None:
-        return MAGENTA
+    image = reader.images.read(
+        node.image, reader.reports, reader.culprit, associated=not uses_alpha, user=node.image_user
+    )
+    return MAGENTA if image is None else _use_of(image, node)
+
+
+def _use_of(image: Image, node: bpy.types.Node) -> TextureUse:
     return TextureUse(
         image=image,
         extension=EXTENSIONS[node.extension] if hasattr(node, "extension") else Extension.REPEAT,
-        interpolation=Interpolation.CLOSEST if node.interpolation == "Closest" else Interpolation.LINEAR,
+        interpolation=_INTERPOLATIONS.get(node.interpolation, Interpolation.CUBIC),
+    )
+
+
+def _tiles(reader: ValueReader, at: Socket) -> Value:
+    """Each square of the UV map has an image of its own; where it has none it is magenta."""
+    node, program, wants_alpha = at.node, reader.program, at.socket.identifier == "Alpha"
+    uses_alpha = any(socket.identifier == "Alpha" and socket.is_linked for socket in node.outputs)
+    tiles = reader.images.read_tiles(node.image, reader.reports, reader.culprit, associated=not uses_alpha)
+    if not tiles:
+        return WHITE if wants_alpha else MAGENTA
+    rows = [(*place, program.texture_index(_use_of(tile, node)), 0) for place, tile in tiles.items()]
+    vector = reader.colour(at.input("Vector")) if at.input("Vector").is_connected() else coordinates.uv(program)
+    return program.operation(
+        Code.IMAGE_ALPHA_AT if wants_alpha else Code.IMAGE_AT,
+        vector,
+        option=int(ImageProjection.FLAT),
+        selector=IMAGE_HAS_TILES,
+        texture=int(rows[0][2]),
+        table=program.table(np.array(rows, np.float32)),
+    )
+
+
+def _environment_on_surface(reader: ValueReader, at: Socket) -> Value:
+    use = image_use(reader, at)
+    if not isinstance(use, TextureUse):
+        return use
+    vector = at.input("Vector")
+    place = PointInput.POSITION
+    direction = reader.colour(vector) if vector.is_connected() else coordinates.point_input(reader.program, place)
+    projection = EnvironmentProjection[at.node.projection]
+    return reader.program.operation(
+        Code.ENVIRONMENT_AT, direction, option=int(projection), texture=reader.program.texture_index(use)
     )
 
 
@@ -105,7 +193,7 @@ def _origin(reader: ValueReader, source: Socket) -> str:
         return ""
     is_direction = node.type == "TEX_COORD" and output in {"Generated", "Object"}
     is_direction |= node.type == "NEW_GEOMETRY" and output == "Position"
-    if reader.domain.name == "WORLD" and is_direction:
+    if reader.domain is Domain.WORLD and is_direction:
         return ""
     label = node.bl_label if node.type != "TEX_COORD" else f"{source.socket.name} coordinates"
     reader.note(f"{label}: the active UV map is used instead")
@@ -126,3 +214,24 @@ def mapping_matrix(reader: ValueReader, at: Socket) -> Matrix:
     if node.vector_type == "TEXTURE":
         return inverse_scale @ rotation.transposed() @ Matrix.Translation([-value for value in location])
     return rotation @ inverse_scale  # a normal; Cycles makes it a unit vector, which directions are read as anyway
+
+
+def _image(reader: ValueReader, at: Socket) -> Value:
+    return image_value(reader, at) if reader.domain is Domain.SURFACE else reader.image(at)
+
+
+def _environment(reader: ValueReader, at: Socket) -> Value:
+    if reader.domain is Domain.LIGHT:
+        return reader.image(at)
+    if reader.domain is Domain.SURFACE:
+        return _environment_on_surface(reader, at)
+    if reader.domain is not Domain.WORLD:
+        reader.unsupported(at, "is read as mid grey: it works in worlds only")
+        return MID_GREY
+    return environment_value(reader, at)
+
+
+NODES: dict[str, Callable[[ValueReader, Socket], Value]] = {
+    "TEX_IMAGE": _image,
+    "TEX_ENVIRONMENT": _environment,
+}

@@ -63,7 +63,7 @@ class _GridValueReader(ValueReader):
             return self._attribute(at.node.attribute_name)
         if at.node.type == "VOLUME_INFO" and at.socket.identifier in _VOLUME_INFO:
             return self._attribute(_VOLUME_INFO[at.socket.identifier])
-        return super()._output(at)
+        return self._evaluated(at)  # anew: the grids' values change
 
     def _attribute(self, name: str) -> Value:
         value = self.grid_value(name)

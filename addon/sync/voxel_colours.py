@@ -16,7 +16,15 @@ import numpy as np
 from tyndall.scene_description import Extension, Material
 
 from .program import BLACK, Program
-from .surface_values import PICTURES, Parts, diffuse_colour, diffuse_per_transparent, diffuse_radiance, parts_of
+from .surface_values import (
+    PICTURES,
+    Parts,
+    diffuse_colour,
+    diffuse_per_transparent,
+    diffuse_radiance,
+    parts_of,
+    reads_more,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -72,6 +80,8 @@ def colouring_of(material: Material, channels: Mapping[str, Material], reports: 
         reports.add(culprit, "its pictures lie differently: voxels have the first one's place")
     if not all(one.is_product for one in (parts, *of_channels.values())):
         reports.add(culprit, "pictures and colour attributes are multiplied, however its nodes join them")
+    if any(reads_more(one) for one in (material, *channels.values())):
+        reports.add(culprit, "voxels read what is neither picture nor colour attribute as mid grey")
     glow = np.zeros(3)
     if EMISSION in channels:
         glow = parts_of(channels[EMISSION], diffuse_radiance).texels.reshape(-1, 3).mean(axis=0)

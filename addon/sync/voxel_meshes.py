@@ -184,7 +184,7 @@ class _Reader:
         self._poll = poll
         self._channels = channels
         self._kept: dict[str, Mesh] = {}
-        self._materials = MaterialReader(self.reports, ImageReader(), with_channels=bool(channels))
+        self._materials = MaterialReader(self.reports, ImageReader(), with_channels=bool(channels), has_lobes=False)
         self._colouring_of_material: dict[int, int] = {}
 
     def placed_meshes(self) -> list[_Placed]:

@@ -15,6 +15,7 @@ from tyndall import IoError
 from tyndall.scene_description import VoxelObjects
 
 from ..voxel_boxes import file_of, is_voxel_box
+from .mesh_attributes import what_is_missing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -79,6 +80,8 @@ def _group(placement: Placement, dag: VoxelDag, materials: MaterialReader, repor
     material = materials.index(placement.materials[0])
     if materials.materials[material].medium >= 0:
         reports.add(f'Object "{placement.object_name}"', "voxels bound no medium: its material's volume is left out")
+    for what in what_is_missing(materials.materials[material].uv_maps, ()):
+        reports.add(f'Object "{placement.object_name}"', f"voxels have no {what}, which its material reads")
     return VoxelObjects(
         dag=dag,
         world_from_object=placement.world_from_object(),

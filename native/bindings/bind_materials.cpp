@@ -2,8 +2,11 @@
 #include "bindings/arrays.hpp"
 #include "bindings/bind.hpp"
 #include "core/errors.hpp"
+#include "core/parallel.hpp"
+#include "shading/lobes/lobe_models.hpp"
 #include "shading/surface_program.hpp"
 #include "volume/medium.hpp"
+#include <map>
 #include <pybind11/stl.h>
 
 namespace tyndall::bindings {
@@ -63,12 +66,22 @@ static GlossLayers make_gloss(const std::array<Triple, 4>& constant, const std::
             .coat_ior = coat_ior};
 }
 
+static LobeSource make_lobes(int model, bool preserves_energy, const std::vector<Triple>& constants,
+                             const std::vector<int>& registers) {
+    LobeSource source{.model = static_cast<LobeModel>(model), .preserves_energy = preserves_energy};
+    for (const Triple& constant : constants)
+        source.constants.push_back(to_vec3(constant));
+    for (const int index : registers)
+        source.registers.push_back(index < 0 ? LobeSource::no_register : static_cast<std::uint16_t>(index));
+    return source;
+}
+
 static Material make_material(std::string name, bool has_surface, const Triple& diffuse, const Triple& transparent,
                               const Triple& emission, std::vector<SurfaceOp> program, std::uint16_t diffuse_register,
                               std::uint16_t transparent_register, std::uint16_t emission_register,
                               const std::vector<std::shared_ptr<Texture>>& textures, std::vector<std::string> uv_maps,
                               const std::vector<py::array>& tables, std::optional<GlossLayers> gloss,
-                              std::int32_t medium) {
+                              std::vector<LobeSource> lobes, std::int32_t medium) {
     Material material;
     material.name = std::move(name);
     material.program = std::move(program);
@@ -82,10 +95,37 @@ static Material make_material(std::string name, bool has_surface, const Triple& 
     for (const py::array& table : tables)
         material.tables.push_back({to_vector<vec4, float>(table, {-1, 4}, "tables")});
     material.gloss = gloss;
+    material.lobe_sources = std::move(lobes);
     material.medium_index = medium;
     material.has_surface = has_surface;
     validate(material);
     return material;
+}
+
+static py::array_t<float> run_material(const Material& material, std::uint16_t result,
+                                       const std::map<std::uint16_t, py::array>& answers, std::size_t count) {
+    require(result < surface_register_count, "register ", result, " of ", surface_register_count);
+    std::vector<Answer> all;
+    for (const auto& [place, array] : answers) {
+        check_array<float>(array, {static_cast<py::ssize_t>(count), 3}, "answers");
+        all.push_back({place, {static_cast<const Rgb*>(array.data()), count}});
+    }
+    std::vector<float> values(3 * count);
+    const std::span<Rgb> points(reinterpret_cast<Rgb*>(values.data()), count);
+    {
+        const py::gil_scoped_release release;
+        constexpr std::size_t block = 4096;
+        parallel_for((count + block - 1) / block, Progress(),
+                     [&](std::size_t index) {
+                         const std::size_t first = index * block, length = std::min(block, count - first);
+                         std::vector<Answer> of_block = all;
+                         for (Answer& answer : of_block)
+                             answer.values = answer.values.subspan(first, length);
+                         run_on_answers(material, result, of_block, points.subspan(first, length));
+                     },
+                     1);
+    }
+    return to_numpy(std::move(values), {static_cast<py::ssize_t>(count), 3});
 }
 
 static Medium make_medium(std::string name, const std::vector<std::pair<Triple, float>>& lobes,
@@ -106,14 +146,30 @@ void bind_materials(py::module_& native) {
     py::class_<SurfaceOp>(native, "SurfaceOp")
         .def(py::init(&make_op), "code"_a, "out"_a, "a"_a, "b"_a, "c"_a, "d"_a, "e"_a, "f"_a, "option"_a, "selector"_a,
              "texture"_a, "uv_map"_a, "table"_a, "shift"_a, "value"_a, "uv_matrix"_a);
+    native.def(
+        "operation_facts",
+        [](const SurfaceOp& op) {
+            const std::optional<OpFacts> facts = facts_of(op);
+            require(facts.has_value(), "operation ", static_cast<int>(op.code), " is not known");
+            return std::pair(static_cast<int>(facts->operand_count), (facts->reads & ~OpReads::table) == 0);
+        },
+        "op"_a, "How many registers it reads, and whether it reads nothing else, but a table. Raises InvalidInput.");
     py::class_<GlossLayers>(native, "Gloss")
         .def(py::init(&make_gloss), "constant"_a, "registers"_a, "mirror_ior"_a, "coat_ior"_a,
              "Four colours, and four registers: facing, edge, coat, coated.");
+    py::class_<LobeSource>(native, "Lobes")
+        .def(py::init(&make_lobes), "model"_a, "preserves_energy"_a, "constants"_a, "registers"_a,
+             "Of one shader: its inputs, each a colour, or, where it is not below 0, a register.");
     py::class_<Material>(native, "Material")
         .def(py::init(&make_material), "name"_a, "has_surface"_a, "diffuse"_a, "transparent"_a, "emission"_a,
              "program"_a, "diffuse_register"_a, "transparent_register"_a, "emission_register"_a, "textures"_a,
-             "uv_maps"_a, "tables"_a, "gloss"_a, "medium"_a,
+             "uv_maps"_a, "tables"_a, "gloss"_a, "lobes"_a, "medium"_a,
              "Raises InvalidInput, naming the material, for a program that cannot run.");
+    native.def("run_on_answers", &run_material, "material"_a, "result"_a, "answers"_a, "count"_a,
+               R"(What a register holds in the end at each of `count` points, float32 (count, 3). Releases the GIL.
+
+answers: by place in the program, float32 (count, 3): what operations read beside operands and tables. Raises
+InvalidInput where one is missing.)");
     py::class_<Medium>(native, "Medium")
         .def(py::init(&make_medium), "name"_a, "lobes"_a, "sigma_a_per_m"_a, "emission_w_per_m3_sr"_a,
              "lobes: pairs of sigma_s_per_m and asymmetry_g.");

@@ -8,7 +8,11 @@
 
 namespace tyndall {
 enum class TextureExtension : std::uint8_t { Repeat = 0, Extend = 1, Clip = 2, Mirror = 3 };
-enum class TextureInterpolation : std::uint8_t { Closest = 0, Linear = 1 };
+enum class TextureInterpolation : std::uint8_t {
+    Closest = 0,
+    Linear = 1,
+    Cubic = 2 ///< B-spline: smooth, and blurred a little. Blender's Smart, too.
+};
 
 struct Texture {
     std::string name;

@@ -134,12 +134,24 @@ public:
         for (int column = 0; column < 4; ++column)
             digest.feed(vec3(instance.world_from_object[column]));
         digest.feed(is_partial ? std::uint64_t{index} + 1 : 0);
+        if (is_partial)
+            feed_what_programs_read(instance);
         digest.feed(instance.slot_count);
         for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot)
             feed_material(scene_.slot_materials[instance.first_slot_material + slot]);
     }
 
 private:
+    void feed_what_programs_read(const Instance& instance) {
+        digest.feed(vec3(scene_.origin_in_world));
+        digest.feed(instance.random);
+        if (scene_.object_infos.empty())
+            return;
+        const ObjectInfo& info = scene_.object_infos[instance.name_index];
+        digest.feed(vec3(info.color));
+        digest.feed(info.color.w);
+        digest.feed(info.pass_index);
+    }
     void feed_part(const std::shared_ptr<const void>& part) {
         digest.feed(std::bit_cast<std::uintptr_t>(part.get()));
         const auto [number, is_new] = number_of_.try_emplace(part.get(), static_cast<std::uint32_t>(parts.size()));

@@ -97,6 +97,18 @@ std::unique_ptr<const PartialOccluderMesh> make_partial_mesh(const MeshArrays& m
     return partial;
 }
 
+PartialOccluderInstance placed_instance(const SceneDescription& scene, const PartialOccluderMesh& mesh,
+                                        std::uint32_t index) {
+    const Instance& instance = scene.instances[index];
+    return {.mesh = &mesh,
+            .scene_from_object = &instance.world_from_object,
+            .index = index,
+            .object_from_scene = glm::inverse(instance.world_from_object),
+            .info = scene.object_infos.empty() ? nullptr : &scene.object_infos[instance.name_index],
+            .random = instance.random,
+            .origin_in_world = vec3(scene.origin_in_world)};
+}
+
 /// Spreads the lowest 10 bits to every third place.
 std::uint32_t every_third(std::uint32_t x) {
     x = (x | x << 16) & 0x030000ffu;
@@ -284,7 +296,7 @@ Occluders gather_occluders(const SceneDescription& scene, const Progress& progre
         occluders.meshes.emplace(std::move(sources[i]), std::move(meshes[i]));
     for (const auto& [use, instance] : partial.instances)
         if (const auto& mesh = occluders.partial_meshes[use]; !mesh->triangles.empty())
-            occluders.partial_instances.push_back({mesh.get(), &scene.instances[instance].world_from_object, instance});
+            occluders.partial_instances.push_back(placed_instance(scene, *mesh, instance));
     gather_shapes(scene, another, occluders, progress);
     return occluders;
 }

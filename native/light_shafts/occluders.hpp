@@ -54,6 +54,11 @@ struct PartialOccluderInstance {
     const PartialOccluderMesh* mesh = nullptr;
     const mat4* scene_from_object = nullptr;
     std::uint32_t index = 0; ///< Into SceneDescription::instances.
+    // What programs read of the object.
+    mat4 object_from_scene{1.0f};
+    const ObjectInfo* info = nullptr;
+    float random = 0.0f;
+    vec3 origin_in_world{0.0f};
 };
 
 class KeptCasts; // map_cache.hpp

@@ -7,6 +7,9 @@
 
 namespace tyndall::light_shafts {
 namespace {
+/// Of a cut through a triangle whose transparency follows no texels, such as a pattern's.
+constexpr int point_piece_count = 32;
+
 /// A triangle's cut between the ray and the light, with barycentric coordinates (of the second and third corner).
 struct BarycentricCut {
     CutSegment<double> segment;
@@ -82,7 +85,7 @@ dvec2 between(const std::array<dvec2, 3>& corners, const dvec2& at) {
 void add_texel_borders(const Texture& texture, const dvec2& uv_from, const dvec2& uv_to, std::vector<double>& borders) {
     constexpr double most_borders = 1024.0;
     // Linear interpolation bends at the centres of texels, unfiltered lookup jumps at their borders.
-    const double shift = texture.interpolation == TextureInterpolation::Linear ? 0.5 : 0.0;
+    const double shift = texture.interpolation == TextureInterpolation::Closest ? 0.0 : 0.5;
     const dvec2 size(texture.width, texture.height);
     const dvec2 from = uv_from * size - shift, to = uv_to * size - shift;
     if (!std::isfinite(from.x + from.y + to.x + to.y))
@@ -134,7 +137,8 @@ void append_partial_shadows(const Scene& scene, const StripScene& strip, const P
     borders.assign({0.0});
     bool is_straight = false;
     dvec2 uv_from(0.0), uv_run(0.0); // in the deciding image
-    for (const SurfaceOp& op : material.program) {
+    for (const std::uint16_t place : lookup.operations().places) {
+        const SurfaceOp& op = material.program[place];
         const bool reads_image = op.code == SurfaceOp::Code::Texture || op.code == SurfaceOp::Code::TextureAlpha;
         if (!reads_image || (lookup.image() != nullptr && lookup.image() != &op))
             continue;
@@ -144,6 +148,11 @@ void append_partial_shadows(const Scene& scene, const StripScene& strip, const P
             is_straight = lookup.is_straight();
             add_texel_borders(*material.textures[op.texture], uv_from, uv_from + uv_run, borders);
         }
+    }
+    if (lookup.reads_point()) {
+        for (int piece = 1; piece < point_piece_count; ++piece)
+            borders.push_back(static_cast<double>(piece) / point_piece_count);
+        std::ranges::sort(borders);
     }
     borders.push_back(1.0);
     const vec3 normal_in_object(glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0])));

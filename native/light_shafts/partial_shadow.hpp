@@ -14,7 +14,8 @@ struct PartialShadow {
 
 /// Appends the shadows of one cut triangle, in any order, without parts through which all light passes. A texture is
 /// evaluated between every two texel borders that the cut crosses: exact for unfiltered textures, and the mean over each
-/// texel for filtered ones. A cut across more than 1,024 texels takes 1,024 even steps.
+/// texel for filtered ones. A cut across more than 1,024 texels takes 1,024 even steps, and one
+/// through a surface that reads more of its points than images 32.
 void append_partial_shadows(const Scene& scene, const StripScene& strip, const PartialCut& cut, const StripRay& ray,
                             std::vector<PartialShadow>& shadows);
 

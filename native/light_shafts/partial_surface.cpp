@@ -2,6 +2,8 @@
 #include "light_shafts/partial_surface.hpp"
 #include "core/random.hpp"
 #include "core/sobol.hpp"
+#include "shading/pixel_steps.hpp"
+#include <algorithm>
 #include <bit>
 
 namespace tyndall::light_shafts {
@@ -14,6 +16,14 @@ PartialShading::PartialShading(std::span<const PartialOccluderInstance> all, con
                                std::uint32_t frame_seed)
     : instances(all), light(sample),
       seed(hash(frame_seed, hash_of(sample.is_directional ? sample.towards_light : sample.position))) {}
+
+static vec3 towards(const LightSample& light, const vec3& from) {
+    if (light.is_directional)
+        return light.towards_light;
+    const vec3 way = light.position - from;
+    const float length = glm::length(way);
+    return length > 0.0f ? way / length : vec3(0, 0, 1);
+}
 
 /// As shadow rays see it, which go from the lit point to the light: they leave a triangle by its back.
 static bool faces_away(const PartialOccluderInstance& instance, std::uint32_t triangle, const LightSample& light) {
@@ -41,6 +51,10 @@ PartialSurface partial_surface(const PartialShading& shading, std::uint32_t inst
                            .channel = shading.channel};
     const TransparencyLookup& lookup = *surface.slot->lookup;
     surface.is_backface = lookup.reads_facing() && faces_away(placed, triangle, shading.light);
+    if (lookup.reads_point()) {
+        surface.placed = &placed;
+        surface.light = &shading.light;
+    }
     const SurfaceOp* image = lookup.image();
     if (image == nullptr)
         return surface;
@@ -54,6 +68,41 @@ PartialSurface partial_surface(const PartialShading& shading, std::uint32_t inst
     return surface;
 }
 
+/// What the material's program may read of the point with these weights, as a shadow ray has it: it goes from what is lit
+/// to the light.
+static ProgramPoint program_point(const PartialSurface& surface, const vec2& weights) {
+    ProgramPoint point{.surface = {.barycentrics = weights, .is_backface = surface.is_backface},
+                       .ray_kind = RayKind::Shadow};
+    if (surface.placed == nullptr)
+        return point;
+    const PartialOccluderInstance& placed = *surface.placed;
+    const MeshArrays& arrays = *placed.mesh->arrays;
+    const mat4& scene_from_object = *placed.scene_from_object;
+    const auto between = [&](const vec3& a, const vec3& b, const vec3& c) {
+        return a + weights.x * (b - a) + weights.y * (c - a);
+    };
+    const uvec3& corners = arrays.triangles[surface.triangle];
+    const vec3 &a = arrays.positions[corners.x], &b = arrays.positions[corners.y], &c = arrays.positions[corners.z];
+    point.object = {&scene_from_object, &placed.object_from_scene, placed.info, placed.random};
+    point.origin_in_world = placed.origin_in_world;
+    point.object_position = between(a, b, c);
+    point.surface.position = vec3(scene_from_object * vec4(point.object_position, 1.0f));
+    point.surface.triangle = surface.triangle;
+    point.incoming = -towards(*surface.light, point.surface.position);
+    point.surface.geometric_normal = normal_in_scene(point, glm::cross(b - a, c - a));
+    point.surface.shading_normal = point.surface.geometric_normal;
+    if (!arrays.corner_normals.empty()) {
+        const vec3* normals = &arrays.corner_normals[std::size_t{3} * surface.triangle];
+        point.object_normal = between(normals[0], normals[1], normals[2]);
+        if (point.object_normal != vec3(0.0f))
+            point.surface.shading_normal = normal_in_scene(point, point.object_normal);
+    }
+    if (surface.is_backface)
+        point.surface.shading_normal = -point.surface.shading_normal;
+    point.surface.view_cosine = std::clamp(glm::dot(point.surface.shading_normal, point.incoming), 0.0f, 1.0f);
+    return point;
+}
+
 float PartialSurface::transmittance(const vec2& weights) const {
     if (slot->lookup->is_straight())
         return slot->lookup->at(uv + weights.x * uv_run[0] + weights.y * uv_run[1])[channel];
@@ -63,7 +112,7 @@ float PartialSurface::transmittance(const vec2& weights) const {
         const vec2* at = corners == nullptr ? nullptr : corners + std::size_t{3} * triangle;
         uvs.push_back(at == nullptr ? vec2(0.0f) : at[0] + weights.x * (at[1] - at[0]) + weights.y * (at[2] - at[0]));
     }
-    return slot->lookup->at(uvs, is_backface)[channel];
+    return slot->lookup->at(program_point(*this, weights), uvs)[channel];
 }
 
 /// A number in [0, 1) per line: of the numbers of 2^k lines that begin at a multiple of 2^k, one lies in each 2^-k.

@@ -33,6 +33,8 @@ struct PartialSurface {
     std::uint32_t slice = 0, seed = 0;
     int channel = 0;
     bool is_backface = false;
+    const PartialOccluderInstance* placed = nullptr; ///< What programs read more of; nothing: they read nothing.
+    const LightSample* light = nullptr;
     vec2 uv{0.0f}, uv_run[2]{}; ///< In the deciding image: at the first corner, and what the two others add.
 
     /// At a point with these weights of the second and the third corner.

@@ -18,27 +18,32 @@ static bool read_the_same(const SurfaceOp& a, const SurfaceOp& b) {
 }
 
 TransparencyLookup::TransparencyLookup(const Material& material)
-    : material_(material), is_coloured_(has_coloured_transparency(material)) {
-    bool is_one_image = true, reads_alpha_alone = true;
-    for (const SurfaceOp* op : operations_of_transparent(material)) {
-        reads_facing_ |= op->code == Code::Backfacing;
-        reads_alpha_alone &= op->code != Code::Texture && op->code != Code::Backfacing;
-        is_one_image &= op->code != Code::Uv;
-        if (op->code != Code::Texture && op->code != Code::TextureAlpha)
-            continue;
-        is_one_image &= image_ == nullptr || read_the_same(*image_, *op);
-        image_ = op;
+    : material_(material), operations_(material), is_coloured_(has_coloured_transparency(material)) {
+    reads_facing_ = (operations_.reads & (OpReads::facing | OpReads::point)) != 0;
+    bool is_one_image = (operations_.reads & OpReads::point) == 0, reads_alpha_alone = true;
+    for (const std::uint16_t place : operations_.places) {
+        const SurfaceOp& op = material.program[place];
+        reads_alpha_alone &= op.code != Code::Texture && op.code != Code::Backfacing;
+        if (op.code == Code::Texture || op.code == Code::TextureAlpha) {
+            is_one_image &= image_ == nullptr || read_the_same(*image_, op);
+            image_ = &op;
+        } else {
+            const OpReads::Flags reads = facts_of(op).value_or(OpFacts{}).reads;
+            is_one_image &= (reads & (OpReads::uv_map | OpReads::image)) == 0;
+        }
     }
-    if (image_ != nullptr && (!is_one_image || texture().width == 0 || texture().height == 0))
+    if (image_ != nullptr && (!is_one_image || texture().width == 0 || texture().height == 0 ||
+                              texture().interpolation == TextureInterpolation::Cubic))
         image_ = nullptr;
     if (image_ == nullptr)
         return;
-    at_no_alpha_ = evaluate_transparent(material, vec4(0.0f), false);
-    per_alpha_ = evaluate_transparent(material, vec4(1.0f), false) - at_no_alpha_;
+    at_no_alpha_ = evaluate_transparent(material, operations_, vec4(0.0f), false);
+    per_alpha_ = evaluate_transparent(material, operations_, vec4(1.0f), false) - at_no_alpha_;
     is_straight_ = reads_alpha_alone;
     for (int step = 1; is_straight_ && step < 64; ++step) {
         const float alpha = static_cast<float>(step) / 64.0f;
-        const Rgb bend = evaluate_transparent(material, vec4(alpha), false) - (at_no_alpha_ + alpha * per_alpha_);
+        const Rgb bend =
+            evaluate_transparent(material, operations_, vec4(alpha), false) - (at_no_alpha_ + alpha * per_alpha_);
         is_straight_ = glm::length(bend) < 1e-6f;
     }
     class_columns_ = static_cast<std::int32_t>(texture().width) + margin + 1;
@@ -56,7 +61,7 @@ TexelClass TransparencyLookup::classify(bool is_backface, std::int32_t column, s
     bool stops = true, passes = true;
     for (std::int64_t y = row; y <= row + reach; ++y)
         for (std::int64_t x = column; x <= column + reach; ++x) {
-            const Rgb transparent = evaluate_transparent(material_, image.at(x, y), is_backface);
+            const Rgb transparent = evaluate_transparent(material_, operations_, image.at(x, y), is_backface);
             stops &= transparent == Rgb(0.0f);
             passes &= transparent == Rgb(1.0f);
         }
@@ -67,7 +72,7 @@ TexelClass TransparencyLookup::classify(bool is_backface, std::int32_t column, s
     return found;
 }
 
-Rgb TransparencyLookup::at(std::span<const vec2> uvs, bool is_backface) const {
-    return evaluate_transparent(material_, {.surface = {.is_backface = is_backface}}, uvs);
+Rgb TransparencyLookup::at(const ProgramPoint& point, std::span<const vec2> uvs) const {
+    return evaluate_transparent(material_, operations_, point, uvs);
 }
 } // namespace tyndall::light_shafts

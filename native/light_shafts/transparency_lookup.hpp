@@ -5,7 +5,8 @@
 //           border, or where the image is neither 0 nor 1: 10 ns where opacity is the image's alpha, else some 100 ns.
 #pragma once
 #include "core/math.hpp"
-#include "shading/material.hpp"
+#include "shading/program_point.hpp"
+#include "shading/transparent_operations.hpp"
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -31,7 +32,10 @@ public:
     [[nodiscard]] const Material& material() const { return material_; }
     [[nodiscard]] bool is_coloured() const { return is_coloured_; }
     [[nodiscard]] bool reads_facing() const { return reads_facing_; }
-    /// The one image that decides; nothing for a constant, or where several do.
+    /// More of a point than its UV maps and its facing.
+    [[nodiscard]] bool reads_point() const { return (operations_.reads & OpReads::point) != 0; }
+    [[nodiscard]] const TransparentOperations& operations() const { return operations_; }
+    /// The one image that decides; nothing for a constant, or where several do, or something else does, too.
     [[nodiscard]] const SurfaceOp* image() const { return image_; }
     [[nodiscard]] const Texture& texture() const { return *material_.textures[image_->texture]; }
 
@@ -51,13 +55,14 @@ public:
         return at_no_alpha_ + texture().alpha(uv_in_image) * per_alpha_;
     }
     /// By the material's program. uvs as evaluate_transparent takes them.
-    [[nodiscard]] Rgb at(std::span<const vec2> uvs, bool is_backface) const;
+    [[nodiscard]] Rgb at(const ProgramPoint& point, std::span<const vec2> uvs) const;
 
 private:
     struct Free {
         void operator()(std::uint8_t* bytes) const { std::free(bytes); }
     };
     const Material& material_;
+    TransparentOperations operations_;
     const SurfaceOp* image_ = nullptr;
     bool is_coloured_ = false, reads_facing_ = false, is_straight_ = false;
     Rgb at_no_alpha_{0.0f}, per_alpha_{0.0f};

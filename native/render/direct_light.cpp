@@ -4,6 +4,8 @@
 #include "light_shafts/map_cache.hpp"
 #include "light_shafts/occluders.hpp"
 #include "light_shafts/ray_outline.hpp"
+#include "render/lamp_hits.hpp"
+#include "render/shadow_rays.hpp"
 #include "render/shadow_terminator.hpp"
 #include "scene/light_texture.hpp"
 #include "shading/surface_program.hpp"
@@ -11,11 +13,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <numbers>
 
 namespace tyndall::render {
 using light_shafts::SurfaceShadows;
-static constexpr float pi = std::numbers::pi_v<float>;
 
 DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& statistics, const IndirectConfig& indirect)
     : scene_(scene), media_(media), has_media_(!media.is_empty()), has_world_light_(!scene.world().is_black()),
@@ -89,40 +89,41 @@ LitPoints lanes_of(std::span<const SurfacePoint> points) {
 bool DirectLight::has_strata(std::size_t light) const { return is_world(light) || lights_[light].aim.has_size(); }
 
 void DirectLight::at(std::span<const SurfacePoint> points, const PairIndex& first_pair,
-                     std::span<const std::uint8_t> is_asked, std::span<Irradiance> irradiance) const {
+                     std::span<const std::uint8_t> is_asked, std::span<Irradiance> irradiance,
+                     const PointLobes* lobes) const {
     const LitPoints lanes = lanes_of(points);
     for (std::size_t light = 0; light < light_count(); ++light) {
         if (is_asked[light] == 0)
             continue;
         const std::span<Irradiance> of_light = irradiance.subspan(light * points.size(), points.size());
         std::ranges::fill(of_light, Irradiance{});
-        add(light, ray_counts_[light], points, lanes, first_pair, of_light);
+        add(light, ray_counts_[light], {points, lanes, lobes}, first_pair, of_light);
     }
 }
 
 void DirectLight::add_one(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,
-                          std::span<Irradiance> irradiance) const {
-    add(light, ray_counts_[light], points, lanes_of(points), first_pair, irradiance);
+                          std::span<Irradiance> irradiance, const PointLobes* lobes) const {
+    add(light, ray_counts_[light], {points, lanes_of(points), lobes}, first_pair, irradiance);
 }
 
 void DirectLight::add_all_once(std::span<const SurfacePoint> points, const PairIndex& first_pair,
                                std::span<Irradiance> irradiance) const {
     const LitPoints lanes = lanes_of(points);
     for (std::size_t light = 0; light < light_count(); ++light)
-        add(light, 1, points, lanes, first_pair, irradiance);
+        add(light, 1, {points, lanes, nullptr}, first_pair, irradiance);
 }
 
-void DirectLight::add(std::size_t light, std::uint32_t ray_count, std::span<const SurfacePoint> points,
-                      const LitPoints& lanes, const PairIndex& first_pair, std::span<Irradiance> irradiance) const {
-    if (!is_world(light) && lights_[light].aim.may_light(lanes) == 0)
+void DirectLight::add(std::size_t light, std::uint32_t ray_count, const LitSurface& surface,
+                      const PairIndex& first_pair, std::span<Irradiance> irradiance) const {
+    if (!is_world(light) && lights_[light].aim.may_light(surface.lanes) == 0)
         return;
     const float share = 1.0f / static_cast<float>(ray_count);
     for (std::uint32_t ray = 0; ray < ray_count; ++ray) {
         const PairIndex pair = pair_of(light, ray, ray_count, first_pair);
         if (is_world(light))
-            add_world(points, lanes, pair, share, irradiance);
+            add_world(surface, pair, share, irradiance);
         else
-            add_light(lights_[light], points, lanes, pair, share, irradiance);
+            add_light(lights_[light], surface, pair, share, irradiance);
     }
 }
 
@@ -153,29 +154,6 @@ void DirectLight::finish(const Light& light, const SurfacePoint& point, Ray& ray
     ray.direction = to_light / ray.far_m;
 }
 
-/// Rays of several points towards one light.
-struct DirectLight::ShadowRays {
-    std::array<Ray, most_points> rays;
-    std::array<Rgb, most_points> arriving; ///< With nothing between, times the cosine.
-    std::array<Rgb, most_points> passing;
-    std::array<std::uint8_t, most_points> points;
-    std::size_t count = 0;
-
-    void push(const Ray& ray, const Rgb& unshadowed, std::size_t point) {
-        rays[count] = ray;
-        arriving[count] = unshadowed;
-        points[count++] = static_cast<std::uint8_t>(point);
-    }
-    [[nodiscard]] std::span<const Ray> all() const { return std::span(rays).first(count); }
-};
-
-static Ray ray_of(const AimedRays& aimed, std::size_t lane) {
-    return {.origin = aimed.origin.get(lane),
-            .direction = aimed.direction.get(lane),
-            .near_m = 0.0f,
-            .far_m = aimed.far_m[lane]};
-}
-
 void DirectLight::aim(const AimedLight& aimed, std::span<const SurfacePoint> points, const LitPoints& lanes,
                       const PairIndex& pair, float share, ShadowRays& shadow) const {
     const Light& light = scene_.lights()[aimed.index];
@@ -190,82 +168,93 @@ void DirectLight::aim(const AimedLight& aimed, std::span<const SurfacePoint> poi
     }
 }
 
-void DirectLight::add_light(const AimedLight& aimed, std::span<const SurfacePoint> points, const LitPoints& lanes,
-                            const PairIndex& pair, float share, std::span<Irradiance> irradiance) const {
-    const Light& light = scene_.lights()[aimed.index];
-    ShadowRays shadow;
-    aim(aimed, points, lanes, pair, share, shadow);
-    if (light.casts_shadow && aimed.holes)
+void DirectLight::let_pass(const AimedLight& aimed, const LitSurface& surface, ShadowRays& shadow) const {
+    if (scene_.lights()[aimed.index].casts_shadow && aimed.holes)
         aimed.holes->shadow_transmittances(shadow.all(), shadow.passing);
-    else if (light.casts_shadow)
+    else if (scene_.lights()[aimed.index].casts_shadow)
         scene_.shadow_transmittances(shadow.all(), shadow.passing);
     else
         shadow.passing.fill(Rgb(1.0f));
     for (std::size_t index = 0; aimed.shadows && index < shadow.count; ++index) {
-        const ShadingPoint& point = points[shadow.points[index]].shading;
+        const ShadingPoint& point = surface.points[shadow.points[index]].shading;
         if (aimed.shadows->is_dark(point.position, point.geometric_normal, shadow.rays[index]))
             shadow.passing[index] = Rgb(0.0f);
     }
     if (has_media_)
         media_.attenuate(shadow.all(), shadow.passing);
+}
+
+void DirectLight::add_light(const AimedLight& aimed, const LitSurface& surface, const PairIndex& pair, float share,
+                            std::span<Irradiance> irradiance) const {
+    ShadowRays shadow;
+    aim(aimed, surface.points, surface.lanes, pair, share, shadow);
+    const float sharpest = aimed.aim.has_size() ? 0.0f : least_alpha;
+    for (std::size_t index = 0; surface.lobes != nullptr && index < shadow.count; ++index) {
+        const LobeSet& lobes = (*surface.lobes)[shadow.points[index]];
+        const vec3& direction = shadow.rays[index].direction;
+        if (lobes.lobes.empty())
+            continue;
+        float weight = 1.0f;
+        if (aimed.aim.has_size() && lobes.has_directions()) {
+            const vec3& position = surface.points[shadow.points[index]].shading.position;
+            if (const LampHit hit = lamp_hit(aimed.aim.form(), position, direction); hit.pdf_per_sr > 0.0f)
+                weight = power_share(hit.pdf_per_sr, lobes.pdf_per_sr(direction));
+        }
+        shadow.reflected[index] = shadow.arriving[index] * lobes.per_irradiance(direction, sharpest) * weight;
+    }
+    let_pass(aimed, surface, shadow);
     for (std::size_t index = 0; index < shadow.count; ++index) {
         Irradiance& sum = irradiance[shadow.points[index]];
         sum.unshadowed += shadow.arriving[index];
         sum.from_lights += shadow.arriving[index] * shadow.passing[index];
+        sum.reflected += shadow.reflected[index] * shadow.passing[index];
     }
-}
-
-static float power_share(float a, float b) { return a * a / (a * a + b * b); }
-
-void DirectLight::aim_at_world(const LitPoints& lanes, const PairIndex& pair, float share, ShadowRays& shadow) const {
-    const World& world = scene_.world();
-    AimedRays towards;
-    for (LaneSet left = LightAim::aim_at_world(lanes, pair, towards); left != 0; left &= left - 1) {
-        const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-        const Ray ray = ray_of(towards, lane);
-        const float weight = world.has_image() ? power_share(cosine_hemisphere_pdf_per_sr(towards.weight[lane]),
-                                                             world.pdf_per_sr(ray.direction))
-                                               : 1.0f;
-        if (weight > 0.0f)
-            shadow.push(ray, pi * share * weight * world.radiance(ray.direction), lane);
-    }
-}
-
-void DirectLight::aim_at_world_image(std::span<const SurfacePoint> points, const PairIndex& pair, float share,
-                                     ShadowRays& shadow) const {
-    const World& world = scene_.world();
-    for (std::size_t index = 0; index < points.size(); ++index) {
-        const SurfacePoint& point = points[index];
-        const World::DirectionSample sample =
-            world.sample(pixel_pair(point.pixel_seed, pair.sample_index, pair.pair_index + 1));
-        const float cosine = glm::dot(point.shading.shading_normal, sample.direction);
-        if (cosine <= 0.0f || sample.pdf_per_sr <= 0.0f)
-            continue;
-        const float weight =
-            power_share(sample.pdf_per_sr, cosine_hemisphere_pdf_per_sr(cosine)) * cosine / sample.pdf_per_sr;
-        shadow.push(shadow_ray(point, sample.direction), share * weight * sample.radiance, index);
-    }
-}
-
-void DirectLight::add_world(std::span<const SurfacePoint> points, const LitPoints& lanes, const PairIndex& pair,
-                            float share, std::span<Irradiance> irradiance) const {
-    ShadowRays shadow;
-    aim_at_world(lanes, pair, share, shadow);
-    add_from_world(shadow, irradiance);
-    if (!scene_.world().has_image())
+    if (surface.lobes == nullptr || !aimed.aim.has_size())
         return;
     shadow.count = 0;
-    aim_at_world_image(points, pair, share, shadow);
-    add_from_world(shadow, irradiance);
+    aim_by_lobes(aimed, surface, pair, share, shadow);
+    if (shadow.count == 0)
+        return;
+    let_pass(aimed, surface, shadow);
+    for (std::size_t index = 0; index < shadow.count; ++index)
+        irradiance[shadow.points[index]].reflected += shadow.arriving[index] * shadow.passing[index];
+}
+
+void DirectLight::aim_by_lobes(const AimedLight& aimed, const LitSurface& surface, const PairIndex& pair, float share,
+                               ShadowRays& shadow) const {
+    const Light& light = scene_.lights()[aimed.index];
+    for (std::size_t index = 0; index < surface.points.size(); ++index) {
+        const LobeSet& lobes = (*surface.lobes)[index];
+        const SurfacePoint& point = surface.points[index];
+        if (!lobes.has_directions())
+            continue;
+        constexpr std::uint32_t lobe_pairs = 0x1000'0000; // far behind those of strata
+        const vec3 direction =
+            lobes.sample(pixel_pair(point.pixel_seed, pair.sample_index, lobe_pairs + pair.pair_index));
+        const float cosine = glm::dot(point.shading.shading_normal, direction);
+        const LampHit hit = lamp_hit(aimed.aim.form(), point.shading.position, direction);
+        if (!(cosine > 0.0f) || hit.pdf_per_sr <= 0.0f)
+            continue;
+        const float pdf = lobes.pdf_per_sr(direction);
+        if (!(pdf > 0.0f))
+            continue;
+        Ray ray{.origin = point.spawn.towards(direction), .direction = direction, .far_m = hit.far_m};
+        const float weight = power_share(pdf, hit.pdf_per_sr) * cosine / pdf;
+        Rgb arriving = light.strength * (share * weight * hit.radiance_per_strength) * lobes.per_irradiance(direction);
+        finish(light, point, ray, arriving);
+        if (arriving != Rgb(0.0f))
+            shadow.push(ray, arriving, index);
+    }
 }
 
 LaneSet DirectLight::may_meet(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,
-                              const MovedBoxes& boxes) const {
+                              const MovedBoxes& boxes, const PointLobes* lobes) const {
     if (!is_world(light) && !scene_.lights()[lights_[light].index].casts_shadow)
         return 0;
     const LitPoints lanes = lanes_of(points);
     if (!is_world(light) && lights_[light].aim.may_light(lanes) == 0)
         return 0;
+    const LitSurface surface{points, lanes, lobes};
     LaneSet found = 0;
     ShadowRays shadow;
     const auto test = [&] {
@@ -281,10 +270,14 @@ LaneSet DirectLight::may_meet(std::size_t light, std::span<const SurfacePoint> p
             test();
             continue;
         }
-        aim_at_world(lanes, pair, 1.0f, shadow);
+        aim_at_world(surface, pair, 1.0f, shadow);
         test();
         if (scene_.world().has_image()) {
-            aim_at_world_image(points, pair, 1.0f, shadow);
+            aim_at_world_image(surface, pair, 1.0f, shadow);
+            test();
+        }
+        if (lobes != nullptr) {
+            aim_at_world_lobes(surface, pair, 1.0f, shadow);
             test();
         }
     }
@@ -294,18 +287,5 @@ LaneSet DirectLight::may_meet(std::size_t light, std::span<const SurfacePoint> p
 bool DirectLight::is_told_by_rays(std::size_t light) const {
     return is_world(light) || std::ranges::none_of(scene_.lights()[index_of(light)].occluder_edits,
                                                    [](const OccluderEdit& edit) { return edit.affects_surfaces; });
-}
-
-/// One ray at a time: in packets, rays into all directions are slower.
-void DirectLight::add_from_world(ShadowRays& shadow, std::span<Irradiance> irradiance) const {
-    for (std::size_t index = 0; index < shadow.count; ++index) {
-        Ray within_reach = shadow.rays[index]; // media dim the light all the way
-        within_reach.far_m = std::min(within_reach.far_m, world_reach_m_);
-        shadow.passing[index] = scene_.shadow_transmittance(within_reach);
-    }
-    if (has_media_)
-        media_.attenuate(shadow.all(), shadow.passing);
-    for (std::size_t index = 0; index < shadow.count; ++index)
-        irradiance[shadow.points[index]].from_world += shadow.arriving[index] * shadow.passing[index];
 }
 } // namespace tyndall::render

@@ -4,8 +4,10 @@
 //           1997, section 9.2 (power heuristic), between the cosine and the image.
 // Differs:  every light is asked at every point, not one picked at random: no noise from the choice. In packets a shadow
 //           ray costs less than to learn what its light contributes, which a choice has to know of all of them.
+//           Light on lobes by one more strategy, their own directions, beside the shadow rays of Lambert's share.
 // Bound:    a shadow ray per light that may reach the point, in packets of 16 points; one of its own for the world, two
-//           for an image of it; times a light's ray count.
+//           for an image of it, one more where it meets lobes, and one where a lamp's mirror image does; times a light's
+//           ray count.
 #pragma once
 #include "light_shafts/surface_holes.hpp"
 #include "light_shafts/surface_shadows.hpp"
@@ -16,6 +18,8 @@
 #include "scene/media.hpp"
 #include "scene/moved_instances.hpp"
 #include "scene/scene.hpp"
+#include "shading/lobes/lobe_set.hpp"
+#include <array>
 #include <span>
 
 namespace tyndall::render {
@@ -36,17 +40,22 @@ public:
     void prepare_edits(std::span<const std::uint8_t> is_asked, const Camera& camera, const light_shafts::Config& shafts,
                        Statistics& statistics, const Progress& progress);
 
+    /// Lobes of each point; most have none.
+    using PointLobes = std::array<LobeSet, most_points>;
+
     struct Irradiance {
         Rgb from_lights{0.0f}; ///< With occluders and media between, W/m^2.
         Rgb unshadowed{0.0f};  ///< The same lights with nothing between.
         Rgb from_world{0.0f};  ///< With occluders and media between.
+        Rgb reflected{0.0f};   ///< Of all of these, towards the viewer by the point's lobes: radiance.
         [[nodiscard]] Rgb sum() const { return from_lights + from_world; }
     };
     /// Of those lights that `is_asked`, on the viewer's side of up to most_points points, for a cosine around their
     /// shading normals: irradiance[light * points.size() + point]. Takes random numbers from `first_pair` on. Faster where
-    /// the points are neighbours; the results depend neither on it nor on the other lights.
+    /// the points are neighbours; the results depend neither on it nor on the other lights. `lobes`: null where no point
+    /// has any.
     void at(std::span<const SurfacePoint> points, const PairIndex& first_pair, std::span<const std::uint8_t> is_asked,
-            std::span<Irradiance> irradiance) const;
+            std::span<Irradiance> irradiance, const PointLobes* lobes = nullptr) const;
 
     /// Those that light surfaces, the world's light last; index_of: into Scene::lights, of those before it.
     [[nodiscard]] std::size_t light_count() const { return lights_.size() + (has_world_light_ ? 1 : 0); }
@@ -66,10 +75,10 @@ public:
     [[nodiscard]] bool has_even_world() const { return has_world_light_ && !scene_.world().has_image(); }
     /// What at() adds for one of the lights.
     void add_one(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,
-                 std::span<Irradiance> irradiance) const;
+                 std::span<Irradiance> irradiance, const PointLobes* lobes = nullptr) const;
     /// Those of up to most_points points of which one of at()'s shadow rays to the light may meet the boxes.
     [[nodiscard]] LaneSet may_meet(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,
-                                   const MovedBoxes& boxes) const;
+                                   const MovedBoxes& boxes, const PointLobes* lobes = nullptr) const;
     /// Its shadow rays alone tell what reaches a point. False: edits of its occluders show on surfaces, too.
     [[nodiscard]] bool is_told_by_rays(std::size_t light) const;
 
@@ -81,21 +90,36 @@ private:
         std::unique_ptr<const light_shafts::SurfaceShadows> shadows; ///< Of edits; nothing before prepare_edits.
     };
     struct ShadowRays;
-    void add(std::size_t light, std::uint32_t ray_count, std::span<const SurfacePoint> points, const LitPoints& lanes,
-             const PairIndex& first_pair, std::span<Irradiance> irradiance) const;
+    /// Up to most_points points that are lit together.
+    struct LitSurface {
+        std::span<const SurfacePoint> points;
+        const LitPoints& lanes;
+        const PointLobes* lobes; ///< Nothing: no point has any.
+    };
+    void add(std::size_t light, std::uint32_t ray_count, const LitSurface& surface, const PairIndex& first_pair,
+             std::span<Irradiance> irradiance) const;
     /// One stratum, which stands for `share` of the light.
-    void add_light(const AimedLight& aimed, std::span<const SurfacePoint> points, const LitPoints& lanes,
-                   const PairIndex& pair, float share, std::span<Irradiance> irradiance) const;
+    void add_light(const AimedLight& aimed, const LitSurface& surface, const PairIndex& pair, float share,
+                   std::span<Irradiance> irradiance) const;
     void aim(const AimedLight& aimed, std::span<const SurfacePoint> points, const LitPoints& lanes,
              const PairIndex& pair, float share, ShadowRays& shadow) const;
     /// What the lanes leave out: a spot's cone, a texture, the lift off a smooth surface's terminator.
     void finish(const Light& light, const SurfacePoint& point, Ray& ray, Rgb& arriving) const;
-    void add_world(std::span<const SurfacePoint> points, const LitPoints& lanes, const PairIndex& pair, float share,
+    /// What a lamp with a size adds to lobes, in their own directions.
+    void aim_by_lobes(const AimedLight& aimed, const LitSurface& surface, const PairIndex& pair, float share,
+                      ShadowRays& shadow) const;
+    /// What stands between the points and the light.
+    void let_pass(const AimedLight& aimed, const LitSurface& surface, ShadowRays& shadow) const;
+    void add_world(const LitSurface& surface, const PairIndex& pair, float share,
                    std::span<Irradiance> irradiance) const;
-    void aim_at_world(const LitPoints& lanes, const PairIndex& pair, float share, ShadowRays& shadow) const;
+    void aim_at_world(const LitSurface& surface, const PairIndex& pair, float share, ShadowRays& shadow) const;
     /// By its brightness.
-    void aim_at_world_image(std::span<const SurfacePoint> points, const PairIndex& pair, float share,
-                            ShadowRays& shadow) const;
+    void aim_at_world_image(const LitSurface& surface, const PairIndex& pair, float share, ShadowRays& shadow) const;
+    /// By the lobes of those points that have some.
+    void aim_at_world_lobes(const LitSurface& surface, const PairIndex& pair, float share, ShadowRays& shadow) const;
+    /// What one of the world's strategies, of that density there, brings of the light that lobes reflect.
+    [[nodiscard]] Rgb reflected_of_world(const LobeSet& lobes, const vec3& direction, const Rgb& radiance, float cosine,
+                                         float own_pdf_per_sr) const;
     [[nodiscard]] static PairIndex pair_of(std::size_t light, std::uint32_t ray, std::uint32_t ray_count,
                                            const PairIndex& first_pair);
     void add_from_world(ShadowRays& shadow, std::span<Irradiance> irradiance) const;

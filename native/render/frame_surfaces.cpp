@@ -16,6 +16,8 @@ FrameSurfaces::FrameSurfaces(const Scene& scene, const Media& media, const Camer
     if (config.indirect.has_bounce && !indirect_.has_bounce())
         statistics.skip("colour bleeding", "nothing shines");
     follows_mirrors_ = find_mirrors();
+    has_lobes_ = std::ranges::any_of(scene.description().materials,
+                                     [](const Material& material) { return !material.lobe_sources.empty(); });
     if (config.kept_surfaces)
         config.kept_surfaces->begin_picture(scene);
     has_detail_ = config.voxel_detail_px > 0.0f && !scene.description().placed_shapes.empty();
@@ -136,7 +138,7 @@ bool FrameSurfaces::find_mirrors() const {
 }
 
 SurfaceForm FrameSurfaces::form_for_pass() const {
-    const SurfaceForm form = config_.kept_surfaces->form_for(pixel_count(), light_.light_count());
+    const SurfaceForm form = config_.kept_surfaces->form_for(pixel_count(), light_.light_count(), has_lobes_);
     return (indirect_.is_wanted() || follows_mirrors_) && form == SurfaceForm::Points ? SurfaceForm::Samples : form;
 }
 

@@ -61,6 +61,7 @@ private:
     DirectLight light_;
     IndirectLight indirect_;
     bool follows_mirrors_ = false;
+    bool has_lobes_ = false;
     std::uint32_t world_reach_px_ = 0;
     bool has_detail_ = false; ///< Cubes of voxels are met.
 

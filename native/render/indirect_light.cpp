@@ -54,6 +54,10 @@ void IndirectLight::add(const SurfaceWalk& walked, std::uint32_t sample_index, s
             gather(points, sample_index, layer, bounce_rays_, found);
             for (std::size_t i = 0; i < points.size(); ++i)
                 samples[shades[i].sample].radiance += shades[i].radiance * found[i];
+            for (const SurfaceWalk::LobedPoint& of : walked.lobed_of(first, end)) // as if they were diffuse
+                samples[walked.shades[of.point].sample].radiance += of.throughput * walked.lobes_of(of).albedo() *
+                                                                    std::numbers::inv_pi_v<float> *
+                                                                    found[of.point - first];
         }
         first = end;
     }

@@ -8,6 +8,8 @@ static constexpr std::uint64_t last_pictures = 8;
 static constexpr std::size_t kept_counts = 8;
 /// Per pixel; of a few more than one surface point.
 static constexpr std::size_t sample_bytes = 100, point_bytes = 300, point_bytes_per_light = 16;
+/// And of its lobes.
+static constexpr std::size_t lobes_bytes = 150, lobes_bytes_per_light = 12;
 
 bool SurfaceKey::operator==(const SurfaceKey& other) const {
     return geometry == other.geometry && world.shines_as(other.world) && camera == other.camera &&
@@ -70,8 +72,10 @@ void KeptSurfaces::begin_picture(const Scene& scene) {
     last_scene_ = std::make_unique<const Scene>(scene, std::vector<Light>{}, World{});
 }
 
-SurfaceForm KeptSurfaces::form_for(std::size_t pixel_count, std::size_t light_count) const {
-    if (pixel_count * (point_bytes + point_bytes_per_light * light_count) <= capacity_bytes_ / 4 * 3)
+SurfaceForm KeptSurfaces::form_for(std::size_t pixel_count, std::size_t light_count, bool has_lobes) const {
+    const std::size_t of_point = point_bytes + point_bytes_per_light * light_count,
+                      of_lobes = has_lobes ? lobes_bytes + lobes_bytes_per_light * light_count : 0;
+    if (pixel_count * (of_point + of_lobes) <= capacity_bytes_ / 4 * 3)
         return SurfaceForm::Points;
     return pixel_count * sample_bytes <= capacity_bytes_ / 2 ? SurfaceForm::Samples : SurfaceForm::Nothing;
 }

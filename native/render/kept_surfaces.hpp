@@ -86,7 +86,7 @@ public:
     /// Call it before each picture: passes over other geometry are forgotten, but for where instances stand.
     void begin_picture(const Scene& scene);
     /// What of a pass is worth its memory.
-    [[nodiscard]] SurfaceForm form_for(std::size_t pixel_count, std::size_t light_count) const;
+    [[nodiscard]] SurfaceForm form_for(std::size_t pixel_count, std::size_t light_count, bool has_lobes) const;
     /// Nothing where no such pass is kept. Its lights may be others.
     [[nodiscard]] std::shared_ptr<KeptPass> find(const SurfaceKey& key);
     /// Takes the place of the same sample of another picture of that size. Not kept where there is no room.

@@ -73,6 +73,7 @@ public:
         AreaSpread spread; ///< Area.
         bool is_ellipse;   ///< Area.
     };
+    [[nodiscard]] const Form& form() const { return form_; }
 
 private:
     Form form_;

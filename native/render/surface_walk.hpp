@@ -3,6 +3,9 @@
 // is asked anew while rays, materials and the other lights stay.
 #pragma once
 #include "render/surface_point.hpp"
+#include "shading/lobes/lobe_set.hpp"
+#include <algorithm>
+#include <span>
 #include <vector>
 
 namespace tyndall::render {
@@ -20,20 +23,33 @@ struct SurfaceWalk {
         std::uint32_t end = 0; ///< It begins where the one before ends.
         std::uint32_t layer = 0;
     };
+    /// What a point's lobes add to its ray, beside Lambert's share.
+    struct LobedPoint {
+        std::uint32_t point = 0; ///< Among all; they rise.
+        std::uint32_t first_lobe = 0, end_lobe = 0;
+        vec3 towards_viewer{0.0f};
+        Rgb throughput{1.0f}; ///< Share of the point's light that reaches the camera.
+    };
     std::vector<SurfacePoint> points;
-    std::vector<Shade> shades;  ///< Per point.
-    std::vector<Batch> batches; ///< Layers of a ray rise.
+    std::vector<Shade> shades;     ///< Per point.
+    std::vector<Batch> batches;    ///< Layers of a ray rise.
+    std::vector<LobedPoint> lobed; ///< Few or none of the points.
+    std::vector<Lobe> lobes;
 
     void clear() {
         points.clear();
         shades.clear();
         batches.clear();
+        lobed.clear();
+        lobes.clear();
     }
     /// For one that is kept.
     void shrink_to_fit() {
         points.shrink_to_fit();
         shades.shrink_to_fit();
         batches.shrink_to_fit();
+        lobed.shrink_to_fit();
+        lobes.shrink_to_fit();
     }
     /// After the points of a layer; none: no batch.
     void end_batch(std::uint32_t layer) {
@@ -43,7 +59,31 @@ struct SurfaceWalk {
     }
     [[nodiscard]] std::size_t bytes() const {
         return points.capacity() * sizeof(SurfacePoint) + shades.capacity() * sizeof(Shade) +
-               batches.capacity() * sizeof(Batch);
+               batches.capacity() * sizeof(Batch) + lobed.capacity() * sizeof(LobedPoint) +
+               lobes.capacity() * sizeof(Lobe);
+    }
+    /// Of the last point.
+    void push_lobes(std::span<const Lobe> of_point, const vec3& towards_viewer, const Rgb& throughput) {
+        const auto first = static_cast<std::uint32_t>(lobes.size());
+        lobes.insert(lobes.end(), of_point.begin(), of_point.end());
+        lobed.push_back({.point = static_cast<std::uint32_t>(points.size() - 1),
+                         .first_lobe = first,
+                         .end_lobe = static_cast<std::uint32_t>(lobes.size()),
+                         .towards_viewer = towards_viewer,
+                         .throughput = throughput});
+    }
+    /// Of the points [first, end).
+    [[nodiscard]] std::span<const LobedPoint> lobed_of(std::size_t first, std::size_t end) const {
+        if (lobed.empty())
+            return {};
+        const auto begins = std::ranges::lower_bound(lobed, first, {}, &LobedPoint::point);
+        const auto ends = std::ranges::lower_bound(begins, lobed.end(), end, {}, &LobedPoint::point);
+        return {begins, ends};
+    }
+    [[nodiscard]] LobeSet lobes_of(const LobedPoint& of) const {
+        return {.lobes = std::span(lobes).subspan(of.first_lobe, of.end_lobe - of.first_lobe),
+                .normal = points[of.point].shading.shading_normal,
+                .outgoing = of.towards_viewer};
     }
 };
 
@@ -52,13 +92,15 @@ struct SurfaceLight {
     struct OfLight {
         std::vector<Rgb> irradiance;
         std::vector<Rgb> unshadowed; ///< Empty where nobody wants it, and of the world.
+        std::vector<Rgb> reflected;  ///< Radiance towards the viewer, of each point with lobes.
     };
     std::vector<OfLight> lights; ///< In the order of DirectLight, the world last.
 
     [[nodiscard]] std::size_t bytes() const {
         std::size_t sum = 0;
         for (const OfLight& light : lights)
-            sum += (light.irradiance.capacity() + light.unshadowed.capacity()) * sizeof(Rgb);
+            sum +=
+                (light.irradiance.capacity() + light.unshadowed.capacity() + light.reflected.capacity()) * sizeof(Rgb);
         return sum;
     }
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/view_path.hpp"
+#include "render/pixel_footprint.hpp"
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -18,6 +19,9 @@ static constexpr float least_mirrored = 1.0f / 1024.0f;
 /// A ray on its way.
 struct ViewPath::Follower {
     std::size_t index = 0; ///< Of its camera ray.
+    float spread = 0.0f;   ///< What a pixel covers, per metre of the way.
+    float near_m = 0.0f;   ///< Where the camera's ray began, along it.
+    float width_m = 0.0f;  ///< What it covers where `part` begins.
     Ray part{};            ///< What is left of it.
     Rgb through_surfaces{1.0f}, through_media{1.0f};
     bool has_first_surface = false;
@@ -65,7 +69,15 @@ void ViewPath::show(Follower& follower, const SurfacePoint& point, const Surface
         sample.position = point.shading.position;
     }
     sample.emission += throughput * closures.emission;
-    sample.diffuse_colour += throughput * closures.diffuse_albedo;
+    sample.diffuse_colour += throughput * (closures.diffuse_albedo + closures.translucent);
+}
+
+/// The point as light from behind meets it, with random numbers of its own.
+static SurfacePoint other_side(SurfacePoint point) {
+    point.shading.shading_normal = -point.shading.shading_normal;
+    point.shading.is_backface = !point.shading.is_backface;
+    point.pixel_seed = hash(point.pixel_seed, 1);
+    return point;
 }
 
 Ray ViewPath::mirrored_ray(const SurfacePoint& point, const Ray& ray) {
@@ -85,6 +97,10 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
     for (std::size_t index = 0; index < camera_rays.size(); ++index) {
         followers[index].index = index;
         followers[index].part = camera_rays[index];
+        const PixelFootprint footprint = pixel_footprint(camera_, camera_rays[index].direction);
+        followers[index].spread = footprint.spread;
+        followers[index].near_m = camera_rays[index].near_m;
+        followers[index].width_m = footprint.width_m;
         samples[index] = {};
     }
     std::array<RayDetail, DirectLight::most_points> details; // of camera rays; what mirrors show is met cell by cell
@@ -126,7 +142,9 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
     std::array<Ray, size> next;
     std::array<RayDetail, size> details;
     std::array<Hit, size> hits;
+    thread_local SurfaceWalk behind; // what lights the other sides of a layer's points
     for (std::uint32_t layer = 0; layer < max_layer_count && count > 0; ++layer) {
+        behind.clear();
         for (std::size_t i = 0; i < count; ++i) {
             next[i] = followers[i].part;
             if (has_details)
@@ -147,22 +165,39 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
             }
             const Rgb throughput = follower.throughput();
             const SurfacePoint point = surface_point(scene_, follower.part, hit, rays.pixel_seeds[follower.index]);
+            thread_local std::vector<Lobe> lobes;
+            lobes.clear();
+            Ray asking = follower.part; // transparent surfaces on its way change neither where it began, nor its length
+            asking.near_m = follower.near_m;
+            const float footprint_m = follower.width_m + hit.distance_m * follower.spread;
             const SurfaceClosures closures = scene_.closures(
-                {.ray = follower.part, .kind = is_in_mirror ? RayKind::Mirror : RayKind::Camera}, point.shading, hit);
+                {.ray = asking, .kind = is_in_mirror ? RayKind::Mirror : RayKind::Camera, .footprint_m = footprint_m},
+                point.shading, hit, &lobes);
             show(follower, point, closures, is_in_mirror, sample);
             if (walked != nullptr && rays.targets[follower.index] != nowhere &&
-                (closures.diffuse_albedo != Rgb(0.0f) || config_.lights_black_surfaces ||
+                (closures.diffuse_albedo != Rgb(0.0f) || !lobes.empty() || config_.lights_black_surfaces ||
                  (config_.finds_ambient && !is_in_mirror && closures.transparent != Rgb(1.0f)))) {
                 const Rgb albedo = closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
                 const Rgb seen = is_in_mirror ? Rgb(0.0f) : throughput;
                 walked->points.push_back(point);
                 walked->shades.push_back(
                     {seen, throughput * albedo, seen * (1.0f - closures.transparent), rays.targets[follower.index]});
+                if (!lobes.empty())
+                    walked->push_lobes(lobes, -follower.part.direction, throughput);
+            }
+            if (!lobes.empty() && !is_in_mirror)
+                sample.diffuse_colour += throughput * LobeSet{.lobes = lobes}.diffuse_colour();
+            if (closures.translucent != Rgb(0.0f) && walked != nullptr && rays.targets[follower.index] != nowhere) {
+                behind.points.push_back(other_side(point));
+                behind.shades.push_back({Rgb(0.0f), throughput * closures.translucent * std::numbers::inv_pi_v<float>,
+                                         Rgb(0.0f), rays.targets[follower.index]});
             }
             if (const Rgb weight = throughput * closures.mirrored;
                 mirrored != nullptr && std::max({weight.x, weight.y, weight.z}) >= least_mirrored) {
                 mirrored->push_back(follower);
                 mirrored->back().part = mirrored_ray(point, follower.part);
+                mirrored->back().width_m = footprint_m;
+                mirrored->back().near_m = 0.0f;
                 mirrored->back().through_surfaces *= closures.mirrored;
                 mirrored->back().has_first_surface = true;
             }
@@ -176,6 +211,11 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
         count = going_on;
         if (walked != nullptr)
             walked->end_batch(mirror_count * max_layer_count + layer);
+        if (!behind.points.empty()) {
+            walked->points.insert(walked->points.end(), behind.points.begin(), behind.points.end());
+            walked->shades.insert(walked->shades.end(), behind.shades.begin(), behind.shades.end());
+            walked->end_batch(mirror_count * max_layer_count + layer);
+        }
     }
 }
 
@@ -188,14 +228,20 @@ void ViewPath::ask_lights(const SurfaceWalk& walked, std::uint32_t sample_index,
             light.lights[index].irradiance.resize(walked.points.size());
             light.lights[index].unshadowed.resize(
                 config_.lights_black_surfaces && !light_.is_world(index) ? walked.points.size() : 0);
+            light.lights[index].reflected.resize(walked.lobed.size());
         }
     thread_local std::vector<DirectLight::Irradiance> irradiance;
     irradiance.resize(light_count * DirectLight::most_points);
     std::size_t first = 0;
     for (const auto [end, layer] : walked.batches) {
         const std::size_t count = end - first;
+        const std::span<const SurfaceWalk::LobedPoint> lobed = walked.lobed_of(first, end);
+        const auto first_lobed = static_cast<std::size_t>(lobed.data() - walked.lobed.data());
+        DirectLight::PointLobes lobes;
+        for (const SurfaceWalk::LobedPoint& of : lobed)
+            lobes[of.point - first] = walked.lobes_of(of);
         light_.at(std::span(walked.points).subspan(first, count), {sample_index, 1 + layer * pairs_per_layer}, is_asked,
-                  irradiance);
+                  irradiance, lobed.empty() ? nullptr : &lobes);
         for (std::size_t index = 0; index < light_count; ++index) {
             if (is_asked[index] == 0)
                 continue;
@@ -206,6 +252,8 @@ void ViewPath::ask_lights(const SurfaceWalk& walked, std::uint32_t sample_index,
                 if (!of_light.unshadowed.empty())
                     of_light.unshadowed[first + i] = found.unshadowed;
             }
+            for (std::size_t i = 0; i < lobed.size(); ++i)
+                of_light.reflected[first_lobed + i] = irradiance[index * count + lobed[i].point - first].reflected;
         }
         first = end;
     }
@@ -217,26 +265,41 @@ std::size_t ViewPath::ask_again(const SurfaceWalk& walked, std::uint32_t sample_
     std::array<SurfacePoint, DirectLight::most_points> again;
     std::array<std::uint32_t, DirectLight::most_points> index_of;
     std::array<DirectLight::Irradiance, DirectLight::most_points> irradiance;
+    DirectLight::PointLobes lobes, lobes_again;
+    std::array<std::size_t, DirectLight::most_points> lobed_index;
     std::size_t again_count = 0, first = 0;
     for (const auto [end, layer] : walked.batches) {
         const auto points = std::span(walked.points).subspan(first, end - first);
+        const std::span<const SurfaceWalk::LobedPoint> lobed = walked.lobed_of(first, end);
+        if (!lobed.empty())
+            lobes.fill({});
+        for (std::size_t i = 0; i < lobed.size(); ++i) {
+            lobes[lobed[i].point - first] = walked.lobes_of(lobed[i]);
+            lobed_index[lobed[i].point - first] = static_cast<std::size_t>(&lobed[i] - walked.lobed.data());
+        }
         const PairIndex first_pair{sample_index, 1 + layer * pairs_per_layer};
         for (std::size_t index = 0; index < light_.light_count(); ++index) {
             if (is_asked[index] != 0)
                 continue;
             std::size_t count = 0;
-            for (LaneSet left = light_.may_meet(index, points, first_pair, moved); left != 0; left &= left - 1) {
+            for (LaneSet left = light_.may_meet(index, points, first_pair, moved, lobed.empty() ? nullptr : &lobes);
+                 left != 0; left &= left - 1) {
                 const auto point = static_cast<std::uint32_t>(std::countr_zero(left));
                 again[count] = points[point];
+                lobes_again[count] = lobed.empty() ? LobeSet{} : lobes[point];
                 irradiance[count] = {};
                 index_of[count++] = static_cast<std::uint32_t>(first) + point;
             }
             if (count == 0)
                 continue;
-            light_.add_one(index, std::span(again).first(count), first_pair, irradiance);
+            light_.add_one(index, std::span(again).first(count), first_pair, irradiance,
+                           lobed.empty() ? nullptr : &lobes_again);
             SurfaceLight::OfLight& of_light = light.lights[index];
-            for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t i = 0; i < count; ++i) {
                 of_light.irradiance[index_of[i]] = irradiance[i].sum(); // no occluder changes what is unshadowed
+                if (!lobes_again[i].lobes.empty())
+                    of_light.reflected[lobed_index[index_of[i] - first]] = irradiance[i].reflected;
+            }
             again_count += count;
         }
         first = end;
@@ -264,6 +327,13 @@ void ViewPath::add_light(const SurfaceWalk& walked, const SurfaceLight& light, s
         }
         sample.lit += throughput * from_lights;
         sample.unshadowed += throughput * unshadowed;
+    }
+    for (std::size_t lobed = 0; lobed < walked.lobed.size(); ++lobed) {
+        Rgb reflected(0.0f);
+        for (const SurfaceLight::OfLight& of_light : light.lights)
+            reflected += of_light.reflected[lobed];
+        const SurfaceWalk::LobedPoint& of = walked.lobed[lobed];
+        samples[walked.shades[of.point].sample].radiance += of.throughput * reflected;
     }
 }
 } // namespace tyndall::render

@@ -14,11 +14,11 @@ static constexpr float relative_margin = 1e-5f;
 static bool are_same(const Material& a, const Material& b) {
     const auto all = [](const Material& material) {
         const auto& [name, program, diffuse_register, transparent_register, emission_register, constant, textures,
-                     uv_map_names, tables, gloss, medium_index, has_surface] = material;
-        const auto& [diffuse_albedo, transparent, emission, mirrored] = constant;
+                     uv_map_names, tables, gloss, lobe_sources, medium_index, has_surface] = material;
+        const auto& [diffuse_albedo, transparent, emission, mirrored, translucent] = constant;
         return std::tie(name, program, diffuse_register, transparent_register, emission_register, diffuse_albedo,
-                        transparent, emission, mirrored, textures, uv_map_names, tables, gloss, medium_index,
-                        has_surface);
+                        transparent, emission, mirrored, translucent, textures, uv_map_names, tables, gloss,
+                        lobe_sources, medium_index, has_surface);
     };
     return all(a) == all(b);
 }

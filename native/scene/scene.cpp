@@ -31,6 +31,8 @@ Scene::~Scene() = default;
 
 Scene::Geometry::Geometry(SceneDescription scene, const Progress& progress) : description(std::move(scene)) {
     validate();
+    for (const Material& material : description.materials)
+        transparent_operations.emplace_back(material);
     drop_unusable_instances();
     drop_unusable_volumes();
     attach_instances(progress);

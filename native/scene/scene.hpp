@@ -20,6 +20,7 @@
 #include <vector>
 
 namespace tyndall {
+struct Lobe; // shading/lobes/lobe.hpp
 struct Instance {
     std::uint32_t mesh_index = 0;
     mat4 world_from_object{1.0f}; ///< Affine; may mirror. In the scene's space (relative to its origin).
@@ -33,6 +34,8 @@ struct Instance {
     bool is_mirror_visible = true;
     float random = 0.0f; ///< Its own, [0, 1): what Object Info calls so.
 };
+
+struct TransparentOperations;
 
 struct SceneDescription {
     dvec3 origin_in_world{0.0}; ///< What was subtracted from every position; the scene itself never reads it.
@@ -75,7 +78,7 @@ struct Hit {
 struct AskingRay {
     const Ray& ray;
     RayKind kind = RayKind::Camera;
-    float footprint_m = 0.0f; ///< Half of what a pixel covers at the hit; 0: not known.
+    float footprint_m = 0.0f; ///< What a pixel covers at the hit; 0: not known.
 };
 
 class Scene {
@@ -123,7 +126,9 @@ public:
     [[nodiscard]] ShadingPoint shading_point(const Ray& ray, const Hit& hit) const;
     [[nodiscard]] SurfaceClosures closures(const Ray& ray, const Hit& hit) const;
     /// The same at the hit's own shading point.
-    [[nodiscard]] SurfaceClosures closures(const AskingRay& asking, const ShadingPoint& point, const Hit& hit) const;
+    /// Appends lobes to `lobes`, where there is such a list; see evaluate().
+    [[nodiscard]] SurfaceClosures closures(const AskingRay& asking, const ShadingPoint& point, const Hit& hit,
+                                           std::vector<Lobe>* lobes = nullptr) const;
     /// closures().transparent alone, as shadow rays see it, at less cost.
     [[nodiscard]] Rgb transparency(const Ray& ray, const Hit& hit) const;
 
@@ -172,10 +177,11 @@ private:
         Bounds3 bounds, surface_bounds;
         Statistics statistics;
         RTCScene embree_scene = nullptr;
-        std::vector<Placement> placements; ///< Per instance, then per placed shape.
-        std::vector<float> shape_lengths;  ///< As many: see CellQuery. Of instances 0.
-        bool lets_light_pass = false;      ///< Some shadow-casting instance is transparent, or has holes.
-        bool has_holes = false;            ///< Some instance that is seen has slots without a surface.
+        std::vector<Placement> placements;                         ///< Per instance, then per placed shape.
+        std::vector<float> shape_lengths;                          ///< As many: see CellQuery. Of instances 0.
+        std::vector<TransparentOperations> transparent_operations; ///< Per material.
+        bool lets_light_pass = false; ///< Some shadow-casting instance is transparent, or has holes.
+        bool has_holes = false;       ///< Some instance that is seen has slots without a surface.
 
         Geometry(SceneDescription scene, const Progress& progress);
         Geometry(const Geometry&) = delete;

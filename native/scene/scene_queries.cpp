@@ -2,6 +2,7 @@
 // What a hit asks its scene; ray_queries.cpp finds the hits.
 #include "scene/attribute_pairs.hpp"
 #include "scene/scene.hpp"
+#include "shading/pixel_steps.hpp"
 #include "shading/surface_program.hpp"
 #include <algorithm>
 #include <array>
@@ -30,17 +31,32 @@ static Value interpolate(const Value& a, const Value& b, const Value& c, vec2 ba
 }
 
 /// The values of the material's UV maps and attributes at a hit; what the mesh lacks is (0, 0), as in Cycles.
-static void look_up_uvs(const MeshArrays& mesh, const Material& material, const Hit& hit, std::vector<vec2>& uvs) {
-    uvs.clear();
+static void look_up_uvs(const MeshArrays& mesh, const Material& material, std::uint32_t triangle,
+                        const vec2& barycentrics, std::vector<vec2>& uvs) {
     for (const std::string& name : material.uv_map_names) {
         const MeshArrays::UvMap* map = mesh.uv_map(name);
         if (map == nullptr) {
             uvs.emplace_back(0.0f);
             continue;
         }
-        const vec2* corner = &map->corner_uvs[std::size_t{3} * hit.triangle];
-        uvs.push_back(interpolate(corner[0], corner[1], corner[2], hit.barycentrics));
+        const vec2* corner = &map->corner_uvs[std::size_t{3} * triangle];
+        uvs.push_back(interpolate(corner[0], corner[1], corner[2], barycentrics));
     }
+}
+
+/// What a step in a triangle's plane adds to barycentric coordinates.
+static vec2 barycentric_step(const vec3& first_edge, const vec3& second_edge, const vec3& step) {
+    const float a = glm::dot(first_edge, first_edge), b = glm::dot(first_edge, second_edge),
+                c = glm::dot(second_edge, second_edge), determinant = a * c - b * b;
+    if (!(determinant > 0.0f))
+        return vec2(0.0f);
+    const float along_first = glm::dot(first_edge, step), along_second = glm::dot(second_edge, step);
+    return vec2(c * along_first - b * along_second, a * along_second - b * along_first) / determinant;
+}
+
+/// Some operation of the material wants to know what lies beside the point, as bumps do.
+static bool reads_beside(const Material& material) {
+    return std::ranges::any_of(material.program, [](const SurfaceOp& op) { return op.shift != 0; });
 }
 
 static float view_cosine(const ShadingPoint& point, const Ray& ray) {
@@ -62,7 +78,6 @@ static bool reads_cell_color(const Material& material) {
 static void look_up_uvs(const CellShape& shape, const CellLook& look, const Material& material,
                         std::vector<vec2>& uvs) {
     const std::span<const std::string> channels = shape.channel_names();
-    uvs.clear();
     for (const std::string_view name : material.uv_map_names) {
         const bool is_first = name.starts_with(attribute_pairs::red_green);
         if (!is_first && !name.starts_with(attribute_pairs::blue_alpha)) {
@@ -140,6 +155,14 @@ ShadingPoint Scene::shading_point(const Ray& ray, const Hit& hit) const {
     return point;
 }
 
+/// In the object's space, not of unit length; zero where the mesh is flat.
+static vec3 smooth_normal(const MeshArrays& mesh, const Hit& hit) {
+    if (mesh.corner_normals.empty())
+        return vec3(0.0f);
+    const vec3* corner = &mesh.corner_normals[std::size_t{3} * hit.triangle];
+    return interpolate(corner[0], corner[1], corner[2], hit.barycentrics);
+}
+
 ProgramPoint Scene::program_point(const AskingRay& asking, const ShadingPoint& point, const Hit& hit) const {
     const PlacedShape* const placed = placed_shape(hit.instance);
     const mat4& object_from_scene = geometry_->placements[hit.instance].object_from_scene;
@@ -147,7 +170,7 @@ ProgramPoint Scene::program_point(const AskingRay& asking, const ShadingPoint& p
     return {.surface = point,
             .ray_kind = asking.kind,
             .incoming = -asking.ray.direction,
-            .ray_length_m = hit.distance_m,
+            .ray_length_m = hit.distance_m - asking.ray.near_m,
             .footprint_m = asking.footprint_m,
             .object_position = vec3(object_from_scene * vec4(point.position, 1.0f)),
             .origin_in_world = vec3(description().origin_in_world),
@@ -156,28 +179,42 @@ ProgramPoint Scene::program_point(const AskingRay& asking, const ShadingPoint& p
                                                 : &description().instances[hit.instance].world_from_object,
                        .object_from_scene = &object_from_scene,
                        .info = infos.empty() ? nullptr : &infos[description().name_index_of(hit.instance)],
-                       .random = placed != nullptr ? 0.0f : description().instances[hit.instance].random}};
+                       .random = placed != nullptr ? 0.0f : description().instances[hit.instance].random},
+            .object_normal = placed != nullptr ? vec3(0.0f) : smooth_normal(mesh_of(hit.instance), hit)};
 }
 
-SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& point, const Hit& hit) const {
+SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& point, const Hit& hit,
+                                std::vector<Lobe>* lobes) const {
     const Material& surface = material(hit.instance, hit.triangle);
     if (!surface.has_surface)
         return {.diffuse_albedo = Rgb(0.0f), .transparent = Rgb(1.0f), .emission = Rgb(0.0f)};
     SurfaceClosures closures = surface.constant;
     const PlacedShape* const placed = placed_shape(hit.instance);
-    if (surface.is_constant() && !surface.gloss) { // most surfaces, without a call
+    if (surface.is_constant() && !surface.gloss && surface.lobe_sources.empty()) { // most surfaces, without a call
         closures.diffuse_albedo *= point.tint;
     } else if (surface.is_constant()) {
-        closures = evaluate(surface, {.surface = point}, {});
+        closures = evaluate(surface, {.surface = point}, {}, lobes);
     } else {
         thread_local std::vector<vec2> uvs;
+        uvs.clear();
+        const ProgramPoint at = program_point(asking, point, hit);
         if (placed != nullptr) {
             const CellShape& shape = description().shapes[placed->shape_index]->shape();
             look_up_uvs(shape, shape.look(hit.cell), surface, uvs);
         } else {
-            look_up_uvs(mesh_of(hit.instance), surface, hit, uvs);
+            const MeshArrays& mesh = mesh_of(hit.instance);
+            look_up_uvs(mesh, surface, hit.triangle, hit.barycentrics, uvs);
+            if (at.footprint_m > 0.0f && reads_beside(surface)) {
+                const uvec3& corners = mesh.triangles[hit.triangle];
+                const mat3 to_scene(description().instances[hit.instance].world_from_object);
+                const vec3 first_edge = to_scene * (mesh.positions[corners.y] - mesh.positions[corners.x]),
+                           second_edge = to_scene * (mesh.positions[corners.z] - mesh.positions[corners.x]);
+                for (const vec3& step : pixel_steps(at))
+                    look_up_uvs(mesh, surface, hit.triangle,
+                                hit.barycentrics + barycentric_step(first_edge, second_edge, step), uvs);
+            }
         }
-        closures = evaluate(surface, program_point(asking, point, hit), uvs);
+        closures = evaluate(surface, at, uvs, lobes);
     }
     if (placed != nullptr)
         closures.transparent = Rgb(0.0f);
@@ -199,12 +236,15 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit) const {
     if (is_opaque_everywhere(surface))
         return Rgb(0.0f);
     thread_local std::vector<vec2> uvs;
-    look_up_uvs(mesh_of(hit.instance), surface, hit, uvs);
+    uvs.clear();
+    look_up_uvs(mesh_of(hit.instance), surface, hit.triangle, hit.barycentrics, uvs);
     Hit with_normal = hit;
     with_normal.geometric_normal =
         glm::normalize(geometry_->placements[hit.instance].scene_from_object_normals * hit.geometric_normal);
     const AskingRay asking{.ray = ray, .kind = RayKind::Shadow};
-    return evaluate_transparent(surface, program_point(asking, shading_point(ray, with_normal), with_normal), uvs);
+    return evaluate_transparent(
+        surface, geometry_->transparent_operations[static_cast<std::size_t>(&surface - description().materials.data())],
+        program_point(asking, shading_point(ray, with_normal), with_normal), uvs);
 }
 
 SpawnPoint Scene::spawn_point(const Hit& hit) const {

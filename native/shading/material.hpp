@@ -3,6 +3,7 @@
 #pragma once
 #include "core/math.hpp"
 #include "image/texture.hpp"
+#include "shading/lobes/lobe_source.hpp"
 #include "shading/surface_op.hpp"
 #include <cstdint>
 #include <memory>
@@ -30,12 +31,13 @@ struct ShadingPoint {
     Rgb tint{1.0f};           ///< Multiplies colours: those of voxels.
 };
 
-/// Closures of one point. Weights already carry mix factors; diffuse + transparent need not add up to 1.
+/// Closures of one point, its lobes aside. Weights already carry mix factors; diffuse + transparent need not add up to 1.
 struct SurfaceClosures {
     Rgb diffuse_albedo{0.0f};
     Rgb transparent{0.0f}; ///< Share that passes straight through.
     Rgb emission{0.0f};    ///< Radiance.
     Rgb mirrored{0.0f};    ///< Share of what comes along the mirrored ray, at the point's view_cosine.
+    Rgb translucent{0.0f}; ///< Diffuse albedo for light on the other side.
 };
 
 /// What mirrors, beside the rest of a surface. Weights already carry mix factors.
@@ -61,7 +63,8 @@ struct Material {
     std::vector<std::shared_ptr<const Texture>> textures = {};
     std::vector<std::string> uv_map_names = {}; ///< An empty name: the active one.
     std::vector<ColorTable> tables = {};
-    std::optional<GlossLayers> gloss = {}; ///< Nothing: it mirrors nothing.
+    std::optional<GlossLayers> gloss = {};     ///< Nothing: it mirrors nothing.
+    std::vector<LobeSource> lobe_sources = {}; ///< What it does beside the results above.
     std::int32_t medium_index = -1; ///< Into SceneDescription::media: the medium inside the closed mesh; -1: none.
     bool has_surface = true;        ///< False: no surface shader; light and view pass (a fog box).
 

@@ -39,8 +39,6 @@ struct SurfaceOp {
         Blend = 23,
         Combine = 24,
         Separate = 25,
-        Blackbody = 26,
-        Wavelength = 27,
         // Of the point and its object: op_inputs.hpp.
         Input = 30,
         Fresnel = 31,

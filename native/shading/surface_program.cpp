@@ -2,8 +2,17 @@
 #include "shading/surface_program.hpp"
 #include "core/errors.hpp"
 #include "shading/fresnel.hpp"
+#include "shading/lobes/lobe_models.hpp"
+#include "shading/op_colour.hpp"
+#include "shading/op_images.hpp"
+#include "shading/op_inputs.hpp"
+#include "shading/op_math.hpp"
+#include "shading/op_normals.hpp"
+#include "shading/op_patterns.hpp"
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 
 namespace tyndall {
 namespace {
@@ -16,36 +25,46 @@ std::uint64_t bit(std::uint16_t index) { return std::uint64_t{1} << index; }
 
 /// The registers that the operation reads.
 std::uint64_t inputs(const SurfaceOp& op) {
-    switch (op.code) {
-    case Code::Multiply:
-    case Code::Add:
-    case Code::Subtract:
-        return bit(op.a) | bit(op.b);
-    case Code::Mix:
-        return bit(op.a) | bit(op.b) | bit(op.c);
-    case Code::Clamp:
-    case Code::Average:
-        return bit(op.a);
-    case Code::Constant:
-    case Code::Texture:
-    case Code::TextureAlpha:
-    case Code::Backfacing:
-    case Code::Uv:
-    default:
-        return 0;
-    }
+    const std::uint16_t operands[] = {op.a, op.b, op.c, op.d, op.e, op.f};
+    std::uint64_t read = 0;
+    for (int operand = 0; operand < operand_count(op); ++operand)
+        read |= bit(operands[operand]);
+    return read;
 }
 
-vec4 texture_value(const SurfaceOp& op, const Material& material, std::span<const vec2> uvs) {
-    const vec3 uv = op.uv_matrix * vec3(uvs[op.texture_uv], 1.0f);
+/// The UV map that the operation reads; half a pixel beside the point where these are known, too.
+vec2 uv_of(const SurfaceOp& op, const Material& material, std::span<const vec2> uvs) {
+    const std::size_t beside = op.shift * material.uv_map_names.size() + op.texture_uv;
+    if (op.shift == 0 || beside >= uvs.size())
+        return uvs[op.texture_uv];
+    return uvs[op.texture_uv] + op.value.x * (uvs[beside] - uvs[op.texture_uv]);
+}
+
+/// What images and UV maps give to an operation; `at` is its first operand.
+vec4 texture_value(const SurfaceOp& op, const Material& material, const ProgramPoint& point, std::span<const vec2> uvs,
+                   const Rgb& at) {
+    switch (op.code) {
+    case Code::ImageAt:
+    case Code::ImageAlphaAt:
+    case Code::EnvironmentAt:
+        return image_at(op, material, point, at);
+    default:
+        break;
+    }
+    const vec3 uv = op.uv_matrix * vec3(uv_of(op, material, uvs), 1.0f);
     if (op.code == Code::Uv)
         return {uv, 1.0f};
     return material.textures[op.texture]->lookup(vec2(uv));
 }
 
+Operands operands_of(const SurfaceOp& op, const Registers& registers) {
+    return {registers[op.a], registers[op.b], registers[op.c], registers[op.d], registers[op.e], registers[op.f]};
+}
+
 /// `image_value` answers for the images and the UV maps that an operation reads.
 template <typename ImageValue>
-Rgb result_of(const SurfaceOp& op, const Registers& registers, bool is_backface, const ImageValue& image_value) {
+Rgb result_of(const SurfaceOp& op, const Registers& registers, std::span<const ColorTable> tables,
+              const ProgramPoint& point, const ImageValue& image_value) {
     const Rgb& a = registers[op.a];
     const Rgb& b = registers[op.b];
     switch (op.code) {
@@ -53,9 +72,12 @@ Rgb result_of(const SurfaceOp& op, const Registers& registers, bool is_backface,
         return op.value;
     case Code::Texture:
     case Code::Uv:
-        return Rgb(image_value(op));
+    case Code::ImageAt:
+    case Code::EnvironmentAt:
+        return Rgb(image_value(op, a));
     case Code::TextureAlpha:
-        return Rgb(image_value(op).w);
+    case Code::ImageAlphaAt:
+        return Rgb(image_value(op, a).w);
     case Code::Multiply:
         return a * b;
     case Code::Add:
@@ -69,24 +91,58 @@ Rgb result_of(const SurfaceOp& op, const Registers& registers, bool is_backface,
     case Code::Average:
         return Rgb(average(a));
     case Code::Backfacing:
-        return Rgb(is_backface ? 1.0f : 0.0f);
+        return Rgb(point.surface.is_backface ? 1.0f : 0.0f);
+    case Code::Math:
+    case Code::VectorMath:
+    case Code::MapRange:
+    case Code::VectorRotate:
+    case Code::Affine:
+        return math_value(op, operands_of(op, registers));
+    case Code::Curve:
+    case Code::HueSaturation:
+    case Code::Gamma:
+    case Code::Blend:
+    case Code::Combine:
+    case Code::Separate:
+        return colour_value(op, operands_of(op, registers), tables);
+    case Code::Noise:
+    case Code::Voronoi:
+    case Code::Wave:
+    case Code::Magic:
+    case Code::Gradient:
+    case Code::Checker:
+    case Code::Brick:
+    case Code::Musgrave:
+    case Code::WhiteNoise:
+    case Code::Gabor:
+        return pattern_value(op, operands_of(op, registers));
+    case Code::Input:
+        return input_value(op, point, operands_of(op, registers));
+    case Code::Fresnel:
+        return Rgb(fresnel_value(point, operands_of(op, registers)));
+    case Code::LayerWeight:
+        return Rgb(layer_weight(op, point, operands_of(op, registers)));
+    case Code::NormalMap:
+        return mapped_normal(op, point, operands_of(op, registers));
+    case Code::Bump:
+        return bumped_normal(op, point, operands_of(op, registers));
     default:
         return Rgb(0.0f);
     }
 }
 
-/// Operations that the registers in `wanted` depend on, as a mask by operation; programs of more than 64 run whole.
-std::uint64_t live_operations(const Material& material, std::uint64_t wanted) {
-    if (material.program.size() > 64)
-        return ~std::uint64_t{0};
-    std::uint64_t live = 0;
+/// Places of the operations that this register's last value depends on, in their order.
+std::vector<std::uint16_t> live_operations(const Material& material, std::uint16_t result) {
+    std::vector<std::uint16_t> live;
+    std::uint64_t wanted = bit(result);
     for (std::size_t index = material.program.size(); index-- > 0;) {
         const SurfaceOp& op = material.program[index];
         if ((wanted & bit(op.out)) == 0)
             continue;
-        live |= std::uint64_t{1} << index;
+        live.push_back(static_cast<std::uint16_t>(index));
         wanted = (wanted & ~bit(op.out)) | inputs(op);
     }
+    std::ranges::reverse(live);
     return live;
 }
 
@@ -95,8 +151,9 @@ Rgb share(const Rgb& value) {
     const auto channel = [](float x) { return x > 0.0f ? std::min(x, 1.0f) : 0.0f; };
     return {channel(value.x), channel(value.y), channel(value.z)};
 }
+/// What a program makes of a division by nearly 0 is no light.
 Rgb non_negative(const Rgb& value) {
-    const auto channel = [](float x) { return x > 0.0f ? x : 0.0f; };
+    const auto channel = [](float x) { return x > 0.0f && x <= std::numeric_limits<float>::max() ? x : 0.0f; };
     return {channel(value.x), channel(value.y), channel(value.z)};
 }
 } // namespace
@@ -124,20 +181,48 @@ void validate(const Material& material) {
                 material.name, "\" has a mirror_ior of ", gloss.mirror_ior, ", neither 0 nor in [1, 1000]");
         require_in(gloss.coat_ior, 1.0f, 1e3f, "coat_ior");
     }
+    for (const LobeSource& source : material.lobe_sources) {
+        const std::size_t count = input_count(source.model);
+        require(count > 0, "material \"", material.name, "\" has a model ", static_cast<int>(source.model),
+                " of lobes, which this version does not know");
+        require(source.constants.size() == count && source.registers.size() == count, "material \"", material.name,
+                "\" has ", source.constants.size(), " inputs of lobes in place of ", count);
+        for (const Rgb& input : source.constants)
+            require(is_finite(input), "material \"", material.name, "\" has a value that is not finite");
+        for (const std::uint16_t index : source.registers)
+            if (index != LobeSource::no_register) {
+                check_register(index);
+                require(!material.program.empty(), "material \"", material.name, "\" has no program for its lobes");
+            }
+    }
     for (const SurfaceOp& op : material.program) {
-        require(op.code <= Code::Uv, "material \"", material.name, "\" has an operation ", static_cast<int>(op.code),
+        const std::optional<OpFacts> facts = facts_of(op);
+        require(facts.has_value(), "material \"", material.name, "\" has an operation ", static_cast<int>(op.code),
                 ", which this version does not know");
         for (const std::uint16_t index : {op.out, op.a, op.b, op.c, op.d, op.e, op.f})
             check_register(index);
         require(is_finite(op.value), "material \"", material.name, "\" has a value that is not finite");
-        if (op.code != Code::Texture && op.code != Code::TextureAlpha && op.code != Code::Uv)
-            continue;
-        require(op.code == Code::Uv ||
+        require((facts->reads & OpReads::image) == 0 ||
                     (op.texture < material.textures.size() && material.textures[op.texture] != nullptr),
                 "material \"", material.name, "\" reads texture ", op.texture, " of ", material.textures.size());
-        require(op.texture_uv < material.uv_map_names.size(), "material \"", material.name, "\" reads UV map ",
-                op.texture_uv, " of ", material.uv_map_names.size());
+        require((facts->reads & OpReads::uv_map) == 0 || op.texture_uv < material.uv_map_names.size(), "material \"",
+                material.name, "\" reads UV map ", op.texture_uv, " of ", material.uv_map_names.size());
+        require((facts->reads & OpReads::table) == 0 ||
+                    (op.table < material.tables.size() && !material.tables[op.table].values.empty()),
+                "material \"", material.name, "\" reads table ", op.table, " of ", material.tables.size());
+        if ((facts->reads & OpReads::table) != 0 && (facts->reads & OpReads::image) != 0)
+            for (const vec4& tile : material.tables[op.table].values)
+                require(tile.z >= 0.0f && tile.z < static_cast<float>(material.textures.size()) &&
+                            material.textures[static_cast<std::size_t>(tile.z)] != nullptr,
+                        "material \"", material.name, "\" reads texture ", tile.z, " of ", material.textures.size(),
+                        " in a tile");
     }
+    require(material.program.size() <= std::numeric_limits<std::uint16_t>::max(), "material \"", material.name,
+            "\" has ", material.program.size(), " operations");
+    for (const ColorTable& table : material.tables)
+        for (const vec4& value : table.values)
+            require(is_finite(vec3(value)) && std::isfinite(value.w), "material \"", material.name,
+                    "\" has a table that is not finite");
 }
 
 /// What the layers of `gloss` mirror at the point's angle, and what the coat lets in of the light on what lies below it.
@@ -150,19 +235,40 @@ static void add_gloss(const GlossLayers& layers, const Gloss& gloss, const Shadi
     closures.diffuse_albedo += point.tint * non_negative(gloss.coated) * (1.0f - by_coat);
 }
 
-SurfaceClosures evaluate(const Material& material, const ProgramPoint& at, std::span<const vec2> uvs) {
+/// The registers are those of the program; a material without one has none.
+static void add_sources(const Material& material, std::span<const Rgb> registers, const ShadingPoint& point,
+                        SurfaceClosures& closures, Lobes* lobes) {
+    for (const LobeSource& source : material.lobe_sources) {
+        LobeInputs inputs;
+        for (std::size_t input = 0; input < source.constants.size(); ++input) {
+            const std::uint16_t index = source.registers[input];
+            inputs[input] = index == LobeSource::no_register ? source.constants[input] : registers[index];
+        }
+        add_lobes(source, inputs, point, closures, lobes);
+    }
+    if (lobes == nullptr) {
+        closures.diffuse_albedo += closures.translucent;
+        closures.translucent = Rgb(0.0f);
+    }
+}
+
+SurfaceClosures evaluate(const Material& material, const ProgramPoint& at, std::span<const vec2> uvs, Lobes* lobes) {
     const ShadingPoint& point = at.surface;
     if (material.is_constant()) {
         SurfaceClosures closures = material.constant;
         closures.diffuse_albedo *= point.tint;
         if (material.gloss)
             add_gloss(*material.gloss, material.gloss->constant, point, closures);
+        if (!material.lobe_sources.empty())
+            add_sources(material, {}, point, closures, lobes);
         return closures;
     }
     Registers registers{};
     for (const SurfaceOp& op : material.program)
-        registers[op.out] = result_of(op, registers, point.is_backface,
-                                      [&](const SurfaceOp& lookup) { return texture_value(lookup, material, uvs); });
+        registers[op.out] =
+            result_of(op, registers, material.tables, at, [&](const SurfaceOp& lookup, const Rgb& vector) {
+                return texture_value(lookup, material, at, uvs, vector);
+            });
     SurfaceClosures closures{.diffuse_albedo = point.tint * non_negative(registers[material.diffuse_register]),
                              .transparent = share(registers[material.transparent_register]),
                              .emission = non_negative(registers[material.emission_register])};
@@ -173,55 +279,80 @@ SurfaceClosures evaluate(const Material& material, const ProgramPoint& at, std::
                    .coat = registers[gloss->coat_register],
                    .coated = registers[gloss->coated_register]},
                   point, closures);
+    if (!material.lobe_sources.empty())
+        add_sources(material, registers, point, closures, lobes);
     return closures;
 }
 
-/// Those that SurfaceClosures::transparent depends on, in their order.
-template <typename Visit>
-static void for_each_of_transparent(const Material& material, const Visit& visit) {
-    std::uint64_t live = live_operations(material, bit(material.transparent_register));
-    for (const SurfaceOp& op : material.program) {
-        if ((live & 1) != 0)
-            visit(op);
-        live = (live >> 1) | (std::uint64_t{1} << 63); // Past 64 operations all run.
-    }
+TransparentOperations::TransparentOperations(const Material& material)
+    : places(live_operations(material, material.transparent_register)) {
+    for (const std::uint16_t place : places)
+        reads |= facts_of(material.program[place]).value_or(OpFacts{}).reads;
 }
 
 template <typename ImageValue>
-static Rgb transparent_by(const Material& material, bool is_backface, const ImageValue& image_value) {
+static Rgb transparent_by(const Material& material, const TransparentOperations& operations, const ProgramPoint& point,
+                          const ImageValue& image_value) {
     if (material.is_constant())
         return material.constant.transparent;
     Registers registers{};
-    for_each_of_transparent(
-        material, [&](const SurfaceOp& op) { registers[op.out] = result_of(op, registers, is_backface, image_value); });
+    for (const std::uint16_t place : operations.places) {
+        const SurfaceOp& op = material.program[place];
+        registers[op.out] = result_of(op, registers, material.tables, point, image_value);
+    }
     return share(registers[material.transparent_register]);
 }
 
-Rgb evaluate_transparent(const Material& material, const ProgramPoint& point, std::span<const vec2> uvs) {
-    return transparent_by(material, point.surface.is_backface,
-                          [&](const SurfaceOp& lookup) { return texture_value(lookup, material, uvs); });
+Rgb evaluate_transparent(const Material& material, const TransparentOperations& operations, const ProgramPoint& point,
+                         std::span<const vec2> uvs) {
+    return transparent_by(material, operations, point, [&](const SurfaceOp& lookup, const Rgb& vector) {
+        return texture_value(lookup, material, point, uvs, vector);
+    });
 }
 
-Rgb evaluate_transparent(const Material& material, const vec4& image_value, bool is_backface) {
-    return transparent_by(material, is_backface, [&](const SurfaceOp&) { return image_value; });
+Rgb evaluate_transparent(const Material& material, const TransparentOperations& operations, const vec4& image_value,
+                         bool is_backface) {
+    return transparent_by(material, operations, {.surface = {.is_backface = is_backface}},
+                          [&](const SurfaceOp&, const Rgb&) { return image_value; });
 }
 
-std::vector<const SurfaceOp*> operations_of_transparent(const Material& material) {
-    std::vector<const SurfaceOp*> operations;
-    for_each_of_transparent(material, [&](const SurfaceOp& op) { operations.push_back(&op); });
-    return operations;
+void run_on_answers(const Material& material, std::uint16_t result, std::span<const Answer> answers,
+                    std::span<Rgb> values) {
+    std::vector<const Answer*> answer_of(material.program.size(), nullptr);
+    for (const Answer& answer : answers) {
+        require(answer.place < answer_of.size() && answer.values.size() == values.size(), "material \"", material.name,
+                "\" has an answer to operation ", answer.place, " of ", answer_of.size());
+        answer_of[answer.place] = &answer;
+    }
+    for (std::size_t place = 0; place < answer_of.size(); ++place) {
+        const SurfaceOp& op = material.program[place];
+        require(answer_of[place] != nullptr || (facts_of(op).value_or(OpFacts{}).reads & ~OpReads::table) == 0,
+                "material \"", material.name, "\" reads more than its operands in operation ",
+                static_cast<int>(op.code));
+    }
+    for (std::size_t point = 0; point < values.size(); ++point) {
+        Registers registers{};
+        for (std::size_t place = 0; place < answer_of.size(); ++place) {
+            const SurfaceOp& op = material.program[place];
+            registers[op.out] = answer_of[place] != nullptr
+                                    ? answer_of[place]->values[point]
+                                    : result_of(op, registers, material.tables, {},
+                                                [](const SurfaceOp&, const Rgb&) { return vec4(0.0f); });
+        }
+        values[point] = registers[result];
+    }
 }
 
 bool has_coloured_transparency(const Material& material) {
-    const auto is_grey = [](const Rgb& value) { return value.x == value.y && value.y == value.z; };
-    if (!material.has_surface || material.is_constant())
-        return material.has_surface && !is_grey(material.constant.transparent);
+    if (!material.has_surface || material.is_constant()) {
+        const Rgb& all = material.constant.transparent;
+        return material.has_surface && (all.x != all.y || all.y != all.z);
+    }
     std::uint64_t coloured = 0; // registers
     for (const SurfaceOp& op : material.program) {
-        const bool reads_colour = (inputs(op) & coloured) != 0;
-        const bool is_coloured = op.code == Code::Texture || op.code == Code::Uv ||
-                                 (op.code == Code::Constant && !is_grey(op.value)) ||
-                                 (reads_colour && op.code != Code::Average);
+        const Channels channels = facts_of(op).value_or(OpFacts{}).channels;
+        const bool is_coloured =
+            channels == Channels::Own || (channels == Channels::AsOperands && (inputs(op) & coloured) != 0);
         coloured = is_coloured ? coloured | bit(op.out) : coloured & ~bit(op.out);
     }
     return (coloured & bit(material.transparent_register)) != 0;
@@ -250,6 +381,10 @@ bool is_transparent_everywhere(const Material& material) {
 bool glows_nowhere(const Material& material) {
     if (!material.has_surface)
         return true;
+    for (const LobeSource& source : material.lobe_sources)
+        if (source.model == LobeModel::Principled && // its layers dim what glows below them
+            (source.registers.back() != LobeSource::no_register || source.constants.back() != Rgb(0.0f)))
+            return false;
     return material.is_constant() ? material.constant.emission == Rgb(0.0f)
                                   : ends_as_zero(material, material.emission_register);
 }

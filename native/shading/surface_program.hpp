@@ -2,25 +2,39 @@
 // Evaluation of a material's surface program at a point: a short list of operations on colour registers.
 #pragma once
 #include "shading/program_point.hpp"
+#include "shading/transparent_operations.hpp"
 #include <span>
 
 namespace tyndall {
+struct Lobe; // lobes/lobe.hpp
 /// Registers a program may name: 0 to 63, so that the live ones fit into one word.
 inline constexpr std::size_t surface_register_count = 64;
 
 /// Throws InvalidInput that names the material: a register, texture or UV map out of range, a non-finite constant.
 void validate(const Material& material);
 
-/// The closures of a validated material. uvs[i] is the value of material.uv_map_names[i] at the point.
-[[nodiscard]] SurfaceClosures evaluate(const Material& material, const ProgramPoint& point, std::span<const vec2> uvs);
+/// The closures of a validated material. uvs[i] is the value of material.uv_map_names[i] at the point. Appends its lobes
+/// to `lobes`; without such a list they count as diffuse, as what is translucent does.
+[[nodiscard]] SurfaceClosures evaluate(const Material& material, const ProgramPoint& point, std::span<const vec2> uvs,
+                                       std::vector<Lobe>* lobes = nullptr);
 
-/// SurfaceClosures::transparent alone: runs only the operations that it depends on, for shadow rays.
-[[nodiscard]] Rgb evaluate_transparent(const Material& material, const ProgramPoint& point, std::span<const vec2> uvs);
+/// SurfaceClosures::transparent alone. `operations` are the same material's.
+[[nodiscard]] Rgb evaluate_transparent(const Material& material, const TransparentOperations& operations,
+                                       const ProgramPoint& point, std::span<const vec2> uvs);
+/// The same where every image has this value, and nothing but images and the facing is read.
+[[nodiscard]] Rgb evaluate_transparent(const Material& material, const TransparentOperations& operations,
+                                       const vec4& image_value, bool is_backface);
 
-/// The same where every image has this value.
-[[nodiscard]] Rgb evaluate_transparent(const Material& material, const vec4& image_value, bool is_backface);
-/// Operations of the program that SurfaceClosures::transparent depends on, in their order.
-[[nodiscard]] std::vector<const SurfaceOp*> operations_of_transparent(const Material& material);
+/// What an operation reads of images, UV maps or its point, at each of several points.
+struct Answer {
+    std::uint16_t place = 0; ///< In Material::program.
+    std::span<const Rgb> values;
+};
+/// What a register holds in the end at each of several points; throws InvalidInput where an operation reads more than
+/// operands and tables, and has no answer, or one for another number of points.
+void run_on_answers(const Material& material, std::uint16_t result, std::span<const Answer> answers,
+                    std::span<Rgb> values);
+
 /// SurfaceClosures::transparent may differ between channels; false only if it never does.
 [[nodiscard]] bool has_coloured_transparency(const Material& material);
 

@@ -32,6 +32,7 @@ from .scene_description import (
     TextureUse,
     World,
 )
+from .surface_operations import build_op
 
 #: Radiances and coefficients beyond it would overflow where they are summed; Blender makes 3.4e38 of infinite ones.
 _LARGEST_VALUE = 1e30
@@ -352,27 +353,7 @@ def _build_material(material: Material, textures: list[_native.Texture]) -> _nat
         diffuse=material.diffuse,
         transparent=material.transparent,
         emission=material.emission,
-        program=[
-            _native.SurfaceOp(
-                code=int(op.code),
-                out=op.out,
-                a=op.a,
-                b=op.b,
-                c=op.c,
-                d=op.d,
-                e=op.e,
-                f=op.f,
-                option=op.option,
-                selector=op.selector,
-                texture=op.texture,
-                uv_map=op.uv_map,
-                table=op.table,
-                shift=op.shift,
-                value=op.value,
-                uv_matrix=op.uv_matrix,
-            )
-            for op in material.program
-        ],
+        program=[build_op(op) for op in material.program],
         diffuse_register=material.diffuse_register,
         transparent_register=material.transparent_register,
         emission_register=material.emission_register,
@@ -380,6 +361,15 @@ def _build_material(material: Material, textures: list[_native.Texture]) -> _nat
         uv_maps=material.uv_maps,
         tables=material.tables,
         gloss=None if material.gloss is None else _build_gloss(material.gloss),
+        lobes=[
+            _native.Lobes(
+                model=int(lobes.model),
+                preserves_energy=lobes.preserves_energy,
+                constants=lobes.inputs,
+                registers=lobes.registers,
+            )
+            for lobes in material.lobes
+        ],
         medium=material.medium,
     )
 

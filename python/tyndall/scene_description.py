@@ -108,6 +108,7 @@ class Interpolation(IntEnum):
 
     CLOSEST = 0
     LINEAR = 1
+    CUBIC = 2  #: B-spline, Blender's Smart too.
 
 
 class Code(IntEnum):
@@ -135,8 +136,6 @@ class Code(IntEnum):
     BLEND = 23
     COMBINE = 24
     SEPARATE = 25
-    BLACKBODY = 26
-    WAVELENGTH = 27
     INPUT = 30
     FRESNEL = 31
     LAYER_WEIGHT = 32
@@ -201,6 +200,35 @@ class Gloss:
     coat_ior: float = 1.5  #: Of the clear layer, at least 1.
 
 
+class LobeModel(IntEnum):
+    """A shader that is more than a diffuse share; its inputs are listed in native/shading/lobes/lobe_source.hpp."""
+
+    OREN_NAYAR_3 = 0
+    OREN_NAYAR = 1
+    TRANSLUCENT = 2
+    GLOSSY_3 = 3
+    GLOSSY = 4
+    METAL_F82 = 5
+    CONDUCTOR = 6
+    GLASS_3 = 7
+    GLASS = 8
+    VELVET = 9
+    DIFFUSE_TOON = 10
+    GLOSSY_TOON = 11
+    PRINCIPLED_3 = 12
+    PRINCIPLED = 13
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Lobes:
+    """What one shader of a surface does beside Material's results. The first input is its share of the surface."""
+
+    model: LobeModel
+    inputs: tuple[Rgb, ...]  #: Numbers have three equal channels.
+    registers: tuple[int, ...]  #: Of each input; below 0 the input itself counts.
+    preserves_energy: bool = False  #: What microfacets hide from one another comes back, too.
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Material:
     """A surface program with three results, or three constants; and the medium inside, if any."""
@@ -218,6 +246,7 @@ class Material:
     uv_maps: tuple[str, ...] = ()  #: Names the program reads; "" is the active one.
     tables: tuple[NDArray[np.float32], ...] = ()  #: (steps, 4) each, RGBA over [0, 1].
     gloss: Gloss | None = None  #: What it mirrors; None: nothing.
+    lobes: tuple[Lobes, ...] = ()
     medium: int = -1  #: Into SceneDescription.media; -1: none.
 
 

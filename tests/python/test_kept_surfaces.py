@@ -21,6 +21,8 @@ from tyndall.scene_description import (
     Light,
     LightKind,
     LightTexture,
+    LobeModel,
+    Lobes,
     Material,
     Medium,
     OccluderEdit,
@@ -204,6 +206,24 @@ def test_no_picture_with_indirect_light_can_tell_either(change: str, kind: str) 
     for state, expected in ((before, alone[0]), (after, alone[1]), (before, alone[0])):
         assert_same(state.picture(session), expected)
     assert counts(before.picture(session))["passes walked"] == 0  # but where nothing did, all of it is
+
+
+@pytest.mark.parametrize("capacity_bytes", [ROOM_BYTES, NO_ROOM_FOR_POINTS_BYTES], ids=["points", "samples"])
+@pytest.mark.parametrize(
+    "change",
+    ["edit", "sun turned", "sun larger", "lamp gone", "lamp before the sun", "world", "object moved", "bounce"],
+)
+def test_no_picture_of_lobes_can_tell_either(change: str, capacity_bytes: int) -> None:
+    """What lobes reflect is kept light by light, as what is diffuse is."""
+    glossy = Lobes(model=LobeModel.GLOSSY, inputs=((0.6,) * 3, (0.9, 0.7, 0.4), (0.4,) * 3), registers=(-1,) * 3)
+    leaf = Lobes(model=LobeModel.TRANSLUCENT, inputs=((0.5,) * 3, (0.2, 0.7, 0.1)), registers=(-1,) * 2)
+    before = State(floor=Material(name="glossy", lobes=(glossy,)), pane=Material(name="leaf", lobes=(leaf, glossy)))
+    after = (OF_THE_AIR | OF_LIGHTS | OF_THE_SCENE)[change](before)
+    session = Session(kept_surfaces_bytes=capacity_bytes, kept_maps_bytes=ROOM_BYTES)
+    alone = before.picture(Session()), after.picture(Session())
+    assert np.abs(alone[0].planes["Combined"] - State().picture(Session()).planes["Combined"]).max() > 0.01
+    for state, expected in ((before, alone[0]), (after, alone[1]), (before, alone[0]), (after, alone[1])):
+        assert_same(state.picture(session), expected)
 
 
 @pytest.mark.parametrize("capacity_bytes", [ROOM_BYTES, NO_ROOM_FOR_POINTS_BYTES], ids=["points", "samples"])

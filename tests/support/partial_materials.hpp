@@ -2,6 +2,10 @@
 // Materials that let a part of the light pass: by an image's alpha, everywhere the same, or by the side they are seen from.
 #pragma once
 #include "shading/material.hpp"
+#include "shading/op_images.hpp"
+#include "shading/op_inputs.hpp"
+#include "shading/op_math.hpp"
+#include <numbers>
 
 namespace tyndall::support {
 /// Transparent where the image's alpha is 0.
@@ -49,6 +53,50 @@ inline Material gradient_alpha() {
     Texture texture = alpha_image("gradient", 32, [](float u, float) { return u; });
     texture.extension = TextureExtension::Extend;
     return alpha_of(std::move(texture));
+}
+/// Transparent in stripes of the object's own space, 0.3 apart: of a surface without any image.
+inline Material striped(const vec3& across = vec3(1.0f, 0.6f, 0.0f)) {
+    Material material{.name = "striped"};
+    const auto sine = static_cast<std::uint8_t>(MathOperation::Sine);
+    const auto is_less = static_cast<std::uint8_t>(MathOperation::LessThan);
+    const auto dot = static_cast<std::uint8_t>(VectorOperation::DotProduct);
+    material.program = {
+        {.code = SurfaceOp::Code::Input, .option = static_cast<std::uint8_t>(PointInput::ObjectPosition), .out = 0},
+        {.code = SurfaceOp::Code::Constant, .out = 1, .value = (2.0f * std::numbers::pi_v<float> / 0.6f) * across},
+        {.code = SurfaceOp::Code::VectorMath, .option = dot, .out = 2, .a = 0, .b = 1},
+        {.code = SurfaceOp::Code::Math, .option = sine, .out = 3, .a = 2},
+        {.code = SurfaceOp::Code::Constant, .out = 4, .value = Rgb(0.2f)},
+        {.code = SurfaceOp::Code::Math, .option = is_less, .out = 5, .a = 3, .b = 4}};
+    material.transparent_register = 5, material.diffuse_register = 6, material.emission_register = 6;
+    return material;
+}
+/// An alpha image on the sides of a box around the object, by its normal.
+inline Material boxed(Texture texture) {
+    Material material = alpha_of(std::move(texture));
+    material.program[0] = {.code = SurfaceOp::Code::ImageAlphaAt,
+                           .option = static_cast<std::uint8_t>(ImageProjection::Box),
+                           .out = 0,
+                           .a = 3};
+    material.program.insert(
+        material.program.begin(),
+        {.code = SurfaceOp::Code::Input, .option = static_cast<std::uint8_t>(PointInput::ObjectPosition), .out = 3});
+    material.emission_register = 4;
+    return material;
+}
+/// Transparent to rays that graze it.
+inline Material transparent_at_edges() {
+    Material material{.name = "edges"};
+    material.program = {
+        {.code = SurfaceOp::Code::Input, .option = static_cast<std::uint8_t>(PointInput::Normal), .out = 0},
+        {.code = SurfaceOp::Code::Constant, .out = 1, .value = Rgb(0.5f)},
+        {.code = SurfaceOp::Code::LayerWeight, .option = 1, .out = 2, .a = 1, .b = 0},
+        {.code = SurfaceOp::Code::Math,
+         .option = static_cast<std::uint8_t>(MathOperation::GreaterThan),
+         .out = 2,
+         .a = 2,
+         .b = 1}};
+    material.transparent_register = 2, material.diffuse_register = 3, material.emission_register = 3;
+    return material;
 }
 inline Material pane(const Rgb& transparent) {
     Material material{.name = "pane"};

@@ -117,6 +117,19 @@ TEST_CASE("alpha that is 0 or 1: rows and maps converge to EXACT, whatever the i
     }
 }
 
+TEST_CASE("surfaces that read their points: where they lie, how they are seen, images on a box around them") {
+    // EXACT cuts a triangle into 32 pieces where no texels tell where its transparency changes.
+    const Expected stepped{.most_error = 0.03, .most_share = 0.6};
+    SUBCASE("stripes") { check_convergence(cards(striped()), stepped); }
+    SUBCASE("an image on a box") {
+        Texture texture = alpha_image("disc", 64, [](float u, float v) {
+            return (u - 0.35f) * (u - 0.35f) + 0.5f * (v - 0.6f) * (v - 0.6f) < 0.09f ? 1.0f : 0.0f;
+        });
+        check_convergence(cards(boxed(std::move(texture))), stepped);
+    }
+    SUBCASE("seen at an angle") { check_convergence(cards(transparent_at_edges()), stepped); }
+}
+
 TEST_CASE("what passes in part is right on average, and its noise falls with the resolution") {
     const Expected noisy{.most_error = 0.06, .most_share = 0.6};
     SUBCASE("alpha that rises along u") { check_convergence(cards(gradient_alpha()), noisy); }

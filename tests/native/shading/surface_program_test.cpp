@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A surface program is a calculator on colours: each operation is checked against what its name says.
 #include "core/errors.hpp"
+#include "shading/op_colour.hpp"
+#include "shading/op_math.hpp"
 #include "shading/surface_program.hpp"
 #include <array>
 #include <doctest/doctest.h>
@@ -9,6 +11,7 @@
 using tyndall::Material;
 using tyndall::ProgramPoint;
 using tyndall::Rgb;
+using tyndall::ShadingPoint;
 using tyndall::SurfaceOp;
 using tyndall::vec2;
 using Code = tyndall::SurfaceOp::Code;
@@ -87,7 +90,7 @@ TEST_CASE("an image's colour and alpha arrive in their registers, and a shadow r
     CHECK(closures.transparent == Rgb(0.5f));
     CHECK(closures.diffuse_albedo == Rgb(0.125f, 0.25f, 0.375f));
     CHECK(closures.emission == Rgb(0.0f));
-    CHECK(evaluate_transparent(leaf, {}, uvs) == closures.transparent);
+    CHECK(evaluate_transparent(leaf, tyndall::TransparentOperations(leaf), {}, uvs) == closures.transparent);
 }
 
 TEST_CASE("UV maps are values, too, through their matrix") {
@@ -109,9 +112,85 @@ TEST_CASE("programs of any length give shadow rays the transparency of the full 
         for (int step = 0; step < length; ++step)
             material.program.push_back({.code = Code::Add, .out = 0, .a = 0, .b = 1});
         material.transparent_register = 0;
-        CHECK(evaluate_transparent(material, {}, {}) == Rgb(static_cast<float>(length) / 256.0f));
+        CHECK(evaluate_transparent(material, tyndall::TransparentOperations(material), {}, {}) ==
+              Rgb(static_cast<float>(length) / 256.0f));
         CHECK(evaluate(material, {}, {}).transparent == Rgb(static_cast<float>(length) / 256.0f));
     }
+}
+
+TEST_CASE("shadow rays run what transparency depends on, and know what that reads") {
+    Material leaf{.name = "leaf"};
+    leaf.program = {constant(0, Rgb(1.0f)),
+                    {.code = Code::Texture, .out = 1}, // of the diffuse colour
+                    {.code = Code::TextureAlpha, .out = 2},
+                    {.code = Code::Multiply, .out = 1, .a = 1, .b = 2},
+                    {.code = Code::Subtract, .out = 3, .a = 0, .b = 2},
+                    {.code = Code::Backfacing, .out = 0}}; // its register had another value before
+    leaf.transparent_register = 3;
+    leaf.diffuse_register = 1;
+    const tyndall::TransparentOperations operations(leaf);
+    CHECK(operations.places == std::vector<std::uint16_t>{0, 2, 4});
+    CHECK(operations.reads == (tyndall::OpReads::image | tyndall::OpReads::uv_map));
+    leaf.transparent_register = 0;
+    CHECK(tyndall::TransparentOperations(leaf).reads == tyndall::OpReads::facing);
+}
+
+TEST_CASE("transparency is coloured only where an operation can make colours") {
+    Material material{.name = "curtain"};
+    const auto is_coloured = [&](SurfaceOp last, const Rgb& from = Rgb(0.5f)) {
+        last.out = 1;
+        material.program = {constant(0, from), last};
+        material.transparent_register = 1;
+        return has_coloured_transparency(material);
+    };
+    const auto option = [](auto kind) { return static_cast<std::uint8_t>(kind); };
+    const Rgb colour(0.5f, 0.4f, 0.3f);
+    CHECK_FALSE(is_coloured({.code = Code::Math}, colour));
+    CHECK_FALSE(is_coloured({.code = Code::VectorMath, .option = option(tyndall::VectorOperation::Length)}, colour));
+    CHECK(is_coloured({.code = Code::VectorMath, .option = option(tyndall::VectorOperation::Floor)}));
+    CHECK_FALSE(is_coloured({.code = Code::Gamma}));
+    CHECK(is_coloured({.code = Code::Gamma}, colour));
+    CHECK_FALSE(is_coloured({.code = Code::Separate}, colour));
+    CHECK(is_coloured({.code = Code::Combine}));
+    CHECK(is_coloured({.code = Code::Curve}));
+    CHECK_FALSE(is_coloured({.code = Code::Curve, .selector = option(tyndall::CurveOf::Alpha)}));
+    CHECK_FALSE(is_coloured({.code = Code::TextureAlpha}));
+}
+
+TEST_CASE("answers stand for what operations read, point by point, and one that is missing is named") {
+    Material material{.name = "painted"};
+    material.program = {
+        {.code = Code::Texture, .out = 0}, constant(1, Rgb(2.0f)), {.code = Code::Multiply, .out = 0, .a = 0, .b = 1}};
+    const std::array<Rgb, 2> texels = {Rgb(0.1f, 0.2f, 0.3f), Rgb(-1.0f, 0.0f, 9.0f)};
+    const std::array<tyndall::Answer, 1> answers = {tyndall::Answer{0, texels}};
+    std::array<Rgb, 2> values;
+    run_on_answers(material, 0, answers, values);
+    CHECK(values[0] == 2.0f * texels[0]);
+    CHECK(values[1] == 2.0f * texels[1]); // neither clamped nor cut off at 0
+    CHECK_THROWS_WITH_AS(run_on_answers(material, 0, {}, values),
+                         "material \"painted\" reads more than its operands in operation 1", tyndall::InvalidInput);
+}
+
+TEST_CASE("operations that this version does not know, and kinds that there are none of, are refused") {
+    const auto is_refused = [](const SurfaceOp& op) {
+        Material material{.name = "new"};
+        material.tables = {{{tyndall::vec4(1.0f)}}};
+        material.program = {op};
+        try {
+            validate(material);
+        } catch (const tyndall::InvalidInput&) {
+            return true;
+        }
+        return false;
+    };
+    CHECK(is_refused({.code = static_cast<Code>(200)}));
+    for (const Code code : {Code::Math, Code::VectorMath, Code::MapRange, Code::VectorRotate, Code::Curve, Code::Blend,
+                            Code::Combine, Code::Separate}) {
+        CAPTURE(static_cast<int>(code));
+        CHECK_FALSE(is_refused({.code = code}));
+        CHECK(is_refused({.code = code, .option = 100}));
+    }
+    CHECK(is_refused({.code = Code::Curve, .table = 1}));
 }
 
 TEST_CASE("a surface is opaque everywhere only if no point can disagree") {

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures that Blender holds no pixels of: frames of sequences, and tiles, read from their files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_FIRST_TILE, _TILES_PER_ROW = 1001, 10
+#: Formats of linear colours, that are multiplied with alpha.
+_OF_FLOATS = {".exr", ".hdr", ".pfm"}
+
+
+def frame_file(image: bpy.types.Image, user: bpy.types.ImageUser) -> Path:
+    """Of a sequence, at the frame that its user shows now."""
+    return Path(bpy.path.abspath(image.filepath_from_user(image_user=user), library=image.library))
+
+
+def tile_files(image: bpy.types.Image) -> dict[tuple[int, int], Path]:
+    """Column and row of each tile, and its file, which may be missing."""
+    files = {}
+    for tile in image.tiles:
+        row, column = divmod(tile.number - _FIRST_TILE, _TILES_PER_ROW)
+        name = image.filepath.replace("<UDIM>", str(tile.number)).replace("<UVTILE>", f"u{column + 1}_v{row + 1}")
+        files[column, row] = Path(bpy.path.abspath(name, library=image.library))
+    return files
+
+
+def is_of_floats(path: Path) -> bool:
+    return path.suffix.lower() in _OF_FLOATS
+
+
+def read_file(path: Path) -> NDArray[np.float32]:
+    """(height, width, 4) as the file has it. Raises OSError."""
+    from tyndall import _image_io
+
+    stored, names, _ = _image_io.read(path)
+    stored = np.asarray(stored, np.float32).reshape(*stored.shape[:2], -1)
+    pixels = np.ones((*stored.shape[:2], 4), np.float32)
+    is_grey = len(names) <= 2  # noqa: PLR2004  and its alpha
+    pixels[..., :3] = stored[..., :1] if is_grey else stored[..., :3]
+    if len(names) in {2, 4}:
+        pixels[..., 3] = stored[..., -1]
+    return pixels

@@ -1,0 +1,297 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Nodes that give what a point, its object or the asking ray has of itself."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+
+from tyndall.surface_inputs import PointInput, RayBit
+
+from . import coordinates
+from .coordinates import point_input
+from .domains import MID_GREY, Domain
+from .math_nodes import vector_operation
+from .mesh_attributes import tangent_of
+from .program import BLACK, WHITE, Value, grey
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .node_graph import Socket
+    from .program import Program
+    from .value_nodes import ValueReader
+
+    Evaluate = Callable[[ValueReader, Socket], Value]
+
+_GLOSSY = RayBit.GLOSSY | RayBit.MIRROR
+#: Which rays a question of Light Path is true of; of depths, which have one bounce behind them.
+_RAYS = {
+    "Is Camera Ray": RayBit.CAMERA,
+    "Is Shadow Ray": RayBit.SHADOW,
+    "Is Diffuse Ray": RayBit.DIFFUSE,
+    "Is Glossy Ray": _GLOSSY,
+    "Is Singular Ray": RayBit.MIRROR,
+    "Is Reflection Ray": RayBit.DIFFUSE | _GLOSSY,
+    "Is Transmission Ray": RayBit.TRANSMISSION,
+    "Is Volume Scatter Ray": 0,
+    "Ray Depth": RayBit.SHADOW | RayBit.DIFFUSE | _GLOSSY | RayBit.TRANSMISSION,
+    "Diffuse Depth": RayBit.DIFFUSE,
+    "Glossy Depth": _GLOSSY,
+    "Transmission Depth": RayBit.TRANSMISSION,
+    "Portal Depth": 0,
+}
+_GEOMETRY = {
+    "Position": PointInput.POSITION,
+    "Normal": PointInput.NORMAL,
+    "True Normal": PointInput.TRUE_NORMAL,
+    "Incoming": PointInput.INCOMING,
+    "Parametric": PointInput.PARAMETRIC,
+}
+_OBJECT = {
+    "Location": PointInput.OBJECT_LOCATION,
+    "Color": PointInput.OBJECT_COLOR,
+    "Alpha": PointInput.OBJECT_ALPHA,
+    "Object Index": PointInput.OBJECT_INDEX,
+    "Random": PointInput.OBJECT_RANDOM,
+}
+#: From and to, for points, vectors and normals; camera space is joined to the world's.
+_TO_WORLD = {
+    "POINT": PointInput.POINT_TO_WORLD,
+    "VECTOR": PointInput.DIRECTION_TO_WORLD,
+    "NORMAL": PointInput.NORMAL_TO_WORLD,
+}
+_TO_OBJECT = {
+    "POINT": PointInput.POINT_TO_OBJECT,
+    "VECTOR": PointInput.DIRECTION_TO_OBJECT,
+    "NORMAL": PointInput.NORMAL_TO_OBJECT,
+}
+
+
+def _on_surfaces(evaluate: Evaluate) -> Evaluate:
+    """Elsewhere the node is mid grey, with a note."""
+
+    def guarded(reader: ValueReader, at: Socket) -> Value:
+        if reader.domain is Domain.SURFACE:
+            return evaluate(reader, at)
+        reader.unsupported(at, "is not supported: read as mid grey")
+        return MID_GREY
+
+    return guarded
+
+
+def _attribute(reader: ValueReader, at: Socket) -> Value:
+    """Of meshes all that corners, points or faces have, of voxels all that they carry."""
+    node = at.node
+    is_colour_node = node.type == "VERTEX_COLOR"
+    if reader.domain is not Domain.SURFACE or not (is_colour_node or node.attribute_type == "GEOMETRY"):
+        reader.unsupported(at, "is not supported here: read as mid grey")
+        return MID_GREY
+    name = node.layer_name if is_colour_node else node.attribute_name
+    value = reader.program.attribute(name, alpha=at.socket.identifier == "Alpha")
+    return reader.program.average(value) if at.socket.identifier == "Fac" else value
+
+
+def _uv_map(reader: ValueReader, at: Socket) -> Value:
+    if at.node.from_instancer:
+        return _of_instancer(reader, at)
+    return coordinates.uv(reader.program, at.node.uv_map)
+
+
+def _of_instancer(reader: ValueReader, at: Socket) -> Value:
+    reader.unsupported(at, "of the instancer is read as 0")
+    return BLACK
+
+
+def _texture_coordinate(reader: ValueReader, at: Socket) -> Value:
+    output = at.socket.identifier
+    if at.node.from_instancer and output in {"Generated", "UV"}:
+        return _of_instancer(reader, at)
+    return _COORDINATES[output](reader, at)
+
+
+def _in_object(reader: ValueReader, at: Socket) -> Value:
+    """In the object's space, or in that of the one chosen."""
+    program = reader.program
+    if at.node.object is None:
+        return point_input(program, PointInput.OBJECT_POSITION)
+    from_world = at.node.object.matrix_world.inverted_safe()
+    return coordinates.transformed(program, point_input(program, PointInput.POSITION), from_world)
+
+
+def _in_camera(reader: ValueReader, at: Socket) -> Value:
+    camera = reader.camera
+    if camera is None:
+        reader.unsupported(at, "has no camera: read as 0")
+        return BLACK
+    position = point_input(reader.program, PointInput.POSITION)
+    return coordinates.transformed(reader.program, position, camera.from_world)
+
+
+def _in_window(reader: ValueReader, at: Socket) -> Value:
+    """From 0 to 1 over the picture."""
+    program, camera = reader.program, reader.camera
+    seen = _in_camera(reader, at)
+    if camera is None:
+        return seen
+    on_plane = seen
+    if camera.is_perspective:
+        depth = program.channel(seen, 2)
+        on_plane = vector_operation(program, "DIVIDE", seen, depth)
+    width, height = camera.right - camera.left, camera.top - camera.bottom
+    scale = (1.0 / width, 1.0 / height, 0.0) if width and height else BLACK
+    return program.multiply(program.subtract(on_plane, (camera.left, camera.bottom, 0.0)), scale)
+
+
+def _camera_data(reader: ValueReader, at: Socket) -> Value:
+    program, seen = reader.program, _in_camera(reader, at)
+    if at.socket.identifier == "View Z Depth":
+        return program.channel(seen, 2)
+    operation = "NORMALIZE" if at.socket.identifier == "View Vector" else "LENGTH"
+    return vector_operation(program, operation, seen)
+
+
+def _geometry(reader: ValueReader, at: Socket) -> Value:
+    program, output = reader.program, at.socket.identifier
+    if reader.domain is not Domain.SURFACE:
+        reader.unsupported(at, f"{at.socket.name} is read as 0")
+        return BLACK
+    if output == "Backfacing":
+        return program.backfacing()
+    if output in _GEOMETRY:
+        return point_input(program, _GEOMETRY[output])
+    if output == "Tangent":
+        return _radial_tangent(program, "Z")
+    fallback = 0.5 if output == "Pointiness" else 0.0
+    reader.unsupported(at, f"{at.socket.name} is read as {fallback:g}")
+    return grey(fallback)
+
+
+def _radial_tangent(program: Program, axis: str) -> Value:
+    """Around an axis of the texture space."""
+    rows = {"X": (0, 0, 0, 0, 0, -1, 0, 1, 0), "Y": (0, 0, -1, 0, 0, 0, 1, 0, 0), "Z": (0, -1, 0, 1, 0, 0, 0, 0, 0)}
+    from_middle = program.subtract(coordinates.generated(program), grey(0.5))
+    around = _linear(program, from_middle, rows[axis])
+    return point_input(program, PointInput.TANGENT, around)
+
+
+def _linear(program: Program, vector: Value, rows: tuple[int, ...]) -> Value:
+    from mathutils import Matrix
+
+    matrix = Matrix((rows[:3], rows[3:6], rows[6:])).to_4x4()
+    return coordinates.transformed(program, vector, matrix, is_direction=True)
+
+
+def _tangent(reader: ValueReader, at: Socket) -> Value:
+    program, node = reader.program, at.node
+    if node.direction_type == "RADIAL":
+        return _radial_tangent(program, node.axis)
+    return point_input(program, PointInput.TANGENT, coordinates.made(program, tangent_of(node.uv_map)))
+
+
+def _object_info(reader: ValueReader, at: Socket) -> Value:
+    output = at.socket.identifier
+    if output == "Material Index":
+        return grey(float(reader.material_index))
+    return point_input(reader.program, _OBJECT[output])
+
+
+def _light_path(reader: ValueReader, at: Socket) -> Value:
+    output, program = at.socket.identifier, reader.program
+    if output == "Ray Length":
+        return point_input(program, PointInput.RAY_LENGTH)
+    if output == "Transparent Depth":
+        reader.unsupported(at, "Transparent Depth is read as 0")
+        return BLACK
+    rays = int(_RAYS.get(output, 0))
+    return point_input(program, PointInput.IS_RAY, selector=rays) if rays else BLACK
+
+
+def _light_path_elsewhere(reader: ValueReader, at: Socket) -> Value:
+    """What the camera sees counts: its rays answer 1, all other questions 0."""
+    if reader.domain is Domain.SURFACE:
+        return _light_path(reader, at)
+    reader.unsupported(at, "answers for camera rays only")
+    return WHITE if at.socket.identifier == "Is Camera Ray" else BLACK
+
+
+def _vector_transform(reader: ValueReader, at: Socket) -> Value:
+    program, node, vector = reader.program, at.node, reader.colour(at.input("Vector"))
+    kind, source, target = node.vector_type, node.convert_from, node.convert_to
+    if source == target:
+        return vector
+    if kind == "NORMAL" and bpy.app.version < (4, 0, 0):  # up to 3.x normals are turned as vectors are
+        return vector_operation(program, "NORMALIZE", _moved_between(reader, at, vector, "VECTOR"))
+    return _moved_between(reader, at, vector, kind)
+
+
+def _moved_between(reader: ValueReader, at: Socket, vector: Value, kind: str) -> Value:
+    program, source, target = reader.program, at.node.convert_from, at.node.convert_to
+    if source == "OBJECT":
+        vector = point_input(program, _TO_WORLD[kind], vector)
+    elif source == "CAMERA":
+        vector = _through_camera(reader, at, vector, kind, is_into=False)
+    if target == "OBJECT":
+        return point_input(program, _TO_OBJECT[kind], vector)
+    return _through_camera(reader, at, vector, kind, is_into=True) if target == "CAMERA" else vector
+
+
+def _through_camera(reader: ValueReader, at: Socket, vector: Value, kind: str, *, is_into: bool) -> Value:
+    program, camera = reader.program, reader.camera
+    if camera is None:
+        reader.unsupported(at, "has no camera: its vector is passed on")
+        return vector
+    matrix = camera.from_world if is_into else camera.from_world.inverted()
+    moved = coordinates.transformed(program, vector, matrix, is_direction=kind != "POINT")  # it has no scale
+    return vector_operation(program, "NORMALIZE", moved) if kind == "NORMAL" else moved
+
+
+def _particle_info(reader: ValueReader, at: Socket) -> Value:
+    reader.unsupported(at, "is read as 0: particles are not told apart")
+    return BLACK
+
+
+def _nothing(reader: ValueReader, at: Socket) -> Value:
+    reader.unsupported(at, "is read as 0")
+    return BLACK
+
+
+def _generated(reader: ValueReader, _: Socket) -> Value:
+    return coordinates.generated(reader.program)
+
+
+def _active_uv(reader: ValueReader, _: Socket) -> Value:
+    return coordinates.uv(reader.program)
+
+
+def _by_shading_normal(reader: ValueReader, at: Socket) -> Value:
+    kind = PointInput.OBJECT_NORMAL if at.socket.identifier == "Normal" else PointInput.REFLECTION
+    return point_input(reader.program, kind)
+
+
+_COORDINATES: dict[str, Evaluate] = {
+    "Generated": _generated,
+    "Normal": _by_shading_normal,
+    "UV": _active_uv,
+    "Object": _in_object,
+    "Camera": _in_camera,
+    "Window": _in_window,
+    "Reflection": _by_shading_normal,
+}
+
+NODES: dict[str, Evaluate] = {
+    "VERTEX_COLOR": _attribute,
+    "ATTRIBUTE": _attribute,
+    "UVMAP": _on_surfaces(_uv_map),
+    "TEX_COORD": _on_surfaces(_texture_coordinate),
+    "CAMERA": _on_surfaces(_camera_data),
+    "NEW_GEOMETRY": _geometry,
+    "TANGENT": _on_surfaces(_tangent),
+    "OBJECT_INFO": _on_surfaces(_object_info),
+    "LIGHT_PATH": _light_path_elsewhere,
+    "VECT_TRANSFORM": _on_surfaces(_vector_transform),
+    "PARTICLE_INFO": _particle_info,
+    "HAIR_INFO": _nothing,
+    "WIREFRAME": _nothing,
+}

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surface shaders that are more than a diffuse share, as lobes: see native/shading/lobes/lobe_source.hpp."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+
+from tyndall.scene_description import LobeModel
+
+from .program import BLACK, WHITE, LobeValues, Term, Value, grey
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .node_graph import Socket
+    from .surface_nodes import Shares
+    from .value_nodes import ValueReader
+
+_GREY = grey(0.8)
+_SHARP = 0.05  #: Roughness.
+
+
+def add_lobes(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
+    """Whether the shader is one of those; then what it does is added to the shares."""
+    read = _SHADERS.get(at.node.type)
+    return read is not None and read(reader, at, weight, shares)
+
+
+def _is_old() -> bool:
+    """Up to 3.x, shaders have other formulas."""
+    return bool(bpy.app.version < (4, 0, 0))
+
+
+def _push(shares: Shares, model: LobeModel, *inputs: Value, preserves_energy: bool = False) -> bool:
+    if shares.lobes is None:
+        return False
+    shares.lobes.append(LobeValues(model, inputs, preserves_energy))
+    return True
+
+
+def _note_sharpness(reader: ValueReader, shares: Shares, roughness: Value) -> None:
+    if shares.mirror_roughness is None and not isinstance(roughness, Term) and roughness[0] <= _SHARP:
+        reader.note("what is as sharp as a mirror shows lamps and the world alone, as mirrors are not followed")
+
+
+def _is_multiple(at: Socket) -> bool:
+    return getattr(at.node, "distribution", "") in {"MULTI_GGX", "MULTIPLE"}
+
+
+def _note_direction(reader: ValueReader, at: Socket) -> None:
+    if reader.number(at.input("Anisotropy") or at.input("Anisotropic")) != BLACK:
+        reader.note("anisotropic reflections are drawn as wide along as across")
+
+
+def _note_distribution(reader: ValueReader, at: Socket) -> None:
+    if (kind := getattr(at.node, "distribution", "")) in {"BECKMANN", "ASHIKHMIN_SHIRLEY"}:
+        reader.note(f"{at.node.bl_label}'s distribution {kind} is drawn as GGX")
+
+
+def _diffuse(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
+    roughness = reader.number(at.input("Roughness"))
+    if roughness == BLACK:
+        return False
+    model = LobeModel.OREN_NAYAR_3 if _is_old() else LobeModel.OREN_NAYAR
+    return _push(shares, model, weight, reader.colour(at.input("Color"), _GREY), roughness)
+
+
+def _translucent(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
+    return _push(shares, LobeModel.TRANSLUCENT, weight, reader.colour(at.input("Color"), _GREY))
+
+
+def _glossy(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
+    _note_direction(reader, at)
+    _note_distribution(reader, at)
+    is_sharp = getattr(at.node, "distribution", "") == "SHARP"
+    model = LobeModel.GLOSSY_3 if _is_old() else LobeModel.GLOSSY
+    roughness = BLACK if is_sharp else reader.number(at.input("Roughness"), 0.5)
+    _note_sharpness(reader, shares, roughness)
+    colour = reader.colour(at.input("Color"), _GREY)
+    return _push(shares, model, weight, colour, roughness, preserves_energy=_is_multiple(at))
+
+
+def _metallic(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
+    _note_direction(reader, at)
+    _note_distribution(reader, at)
+    roughness = reader.number(at.input("Roughness"), 0.5)
+    _note_sharpness(reader, shares, roughness)
+    if getattr(at.node, "fresnel_type", "F82") == "F82":
+        model, names = LobeModel.METAL_F82, ("Base Color", "Edge Tint")
+    else:
+        model, names = LobeModel.CONDUCTOR, ("IOR", "Extinction")
+    first, second = (reader.colour(at.input(name), WHITE) for name in names)
+    return _push(shares, model, weight, first, roughness, second, preserves_energy=_is_multiple(at))
+
+
+def _glass(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
+    reader.unsupported(at, "is drawn as transparent in its colour, with its reflections")
+    _note_distribution(reader, at)
+    program = reader.program
+    colour = reader.colour(at.input("Color"), WHITE)
+    shares.transparent = program.add(shares.transparent, program.multiply(weight, colour))
+    is_sharp = getattr(at.node, "distribution", "") == "SHARP"
+    model = LobeModel.GLASS_3 if _is_old() else LobeModel.GLASS
+    roughness = BLACK if is_sharp else reader.number(at.input("Roughness"))
+    return _push(shares, model, weight, colour, roughness, reader.number(at.input("IOR"), 1.45))
+
+
+def _velvet(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
+    if at.node.type == "BSDF_SHEEN" and getattr(at.node, "distribution", "ASHIKHMIN") != "ASHIKHMIN":
+        return False
+    sigma = reader.number(at.input("Sigma") or at.input("Roughness"), 1.0)
+    return _push(shares, LobeModel.VELVET, weight, reader.colour(at.input("Color"), _GREY), sigma)
+
+
+def _toon(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
+    model = LobeModel.GLOSSY_TOON if getattr(at.node, "component", "") == "GLOSSY" else LobeModel.DIFFUSE_TOON
+    size, smooth = (reader.number(at.input(name)) for name in ("Size", "Smooth"))
+    return _push(shares, model, weight, reader.colour(at.input("Color"), _GREY), size, smooth)
+
+
+def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
+    program = reader.program
+    specular = reader.number(at.input("Specular IOR Level") or at.input("Specular"), 0.5)
+    metallic, roughness = reader.number(at.input("Metallic")), reader.number(at.input("Roughness"), 0.5)
+    transmission = reader.number(at.input("Transmission Weight") or at.input("Transmission"))
+    coat = reader.number(at.input("Coat Weight") or at.input("Clearcoat"))
+    sheen = reader.number(at.input("Sheen Weight") or at.input("Sheen"))
+    diffuse_roughness = reader.number(at.input("Diffuse Roughness"))
+    rough = (specular, metallic, transmission, coat, diffuse_roughness)
+    if not _is_old() and all(value == BLACK for value in rough):
+        return False
+    _note_direction(reader, at)
+    alpha = program.clamp(reader.number(at.input("Alpha"), 1.0))
+    shares.transparent = program.add(shares.transparent, program.multiply(weight, program.complement(alpha)))
+    weight = program.multiply(weight, alpha)
+
+    emission = at.input("Emission Color") or at.input("Emission")  # renamed in 4.0
+    radiance = program.multiply(reader.colour(emission), reader.number(at.input("Emission Strength"), 1.0))
+    if _is_old() or coat == BLACK:  # else it shines through the coat
+        shares.emission = program.add(shares.emission, program.multiply(weight, radiance))
+        radiance = BLACK
+
+    _note_sharpness(reader, shares, roughness)
+    base = reader.colour(at.input("Base Color"), _GREY)
+    subsurface = program.clamp(reader.number(at.input("Subsurface Weight") or at.input("Subsurface")))
+    if subsurface != BLACK:
+        reader.note("subsurface scattering is drawn as diffuse")
+        if _is_old():
+            base = program.mix(base, reader.colour(at.input("Subsurface Color")), subsurface)
+    if transmission != BLACK:
+        reader.note("transmission is drawn as transparent in its colour, with its reflections")
+        passing = program.multiply(program.clamp(transmission), program.complement(program.clamp(metallic)))
+        passing = program.multiply(program.multiply(weight, passing), base)
+        shares.transparent = program.add(shares.transparent, passing)
+    coat_roughness = reader.number(at.input("Coat Roughness") or at.input("Clearcoat Roughness"), 0.03)
+    ior, is_multiple = reader.number(at.input("IOR"), 1.45), _is_multiple(at)
+    if _is_old():
+        tint, sheen_tint = (reader.number(at.input(name)) for name in ("Specular Tint", "Sheen Tint"))
+        inputs = [specular, tint, sheen, sheen_tint, coat, coat_roughness, transmission, ior]
+        model = LobeModel.PRINCIPLED_3
+    else:
+        if sheen != BLACK:
+            reader.note("sheen is not drawn")
+        if reader.number(at.input("Thin Film Thickness")) != BLACK:
+            reader.note("thin films are not drawn")
+        coat_ior, coat_tint = reader.number(at.input("Coat IOR"), 1.5), reader.colour(at.input("Coat Tint"), WHITE)
+        tint = reader.colour(at.input("Specular Tint"), WHITE)
+        inputs = [specular, tint, transmission, ior, coat, coat_roughness, coat_ior, coat_tint]
+        inputs += [diffuse_roughness, radiance]
+        model = LobeModel.PRINCIPLED
+    return _push(shares, model, weight, base, metallic, roughness, *inputs, preserves_energy=is_multiple)
+
+
+_SHADERS: dict[str, Callable[[ValueReader, Socket, Value, Shares], bool]] = {
+    "BSDF_DIFFUSE": _diffuse,
+    "BSDF_TRANSLUCENT": _translucent,
+    "BSDF_GLOSSY": _glossy,
+    "BSDF_ANISOTROPIC": _glossy,
+    "BSDF_METALLIC": _metallic,
+    "BSDF_GLASS": _glass,
+    "BSDF_VELVET": _velvet,
+    "BSDF_SHEEN": _velvet,
+    "BSDF_TOON": _toon,
+    "BSDF_PRINCIPLED": _principled,
+}

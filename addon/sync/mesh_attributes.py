@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What meshes have for the materials that ask: texture space, tangents, and attributes of any kind.
+
+Four numbers at each corner each, as two UV maps under names that no UV map and no attribute has.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tyndall.scene_description import ATTRIBUTE_MARK, attribute_maps
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    import bpy
+    from numpy.typing import NDArray
+
+    from tyndall.scene_description import Material
+
+GENERATED = "generated"
+_TANGENT = "tangent "  #: And the name of a UV map.
+_OF_COLOURS = attribute_maps("")[0]
+#: Properties of an attribute's elements, and how many numbers they are; a fourth number is 1.
+_VALUES = {
+    "FLOAT": ("value", 1),
+    "INT": ("value", 1),
+    "INT8": ("value", 1),
+    "BOOLEAN": ("value", 1),
+    "FLOAT2": ("vector", 2),
+    "FLOAT_VECTOR": ("vector", 3),
+    "FLOAT_COLOR": ("color", 4),
+    "BYTE_COLOR": ("color", 4),
+}
+
+
+def made_maps(name: str) -> tuple[str, str]:
+    """Names of the two UV maps that hold x and y, and z and w."""
+    return f"{ATTRIBUTE_MARK}xy {name}", f"{ATTRIBUTE_MARK}zw {name}"
+
+
+def tangent_of(uv_map: str) -> str:
+    """What to ask for: the tangent along u of a UV map, "" the active one, and on which side v lies."""
+    return _TANGENT + uv_map
+
+
+def asked_of_meshes(materials: Iterable[Material]) -> frozenset[str]:
+    """What materials read beside UV maps: the first names of pairs."""
+    firsts = made_maps("")[0], _OF_COLOURS
+    return frozenset(name for material in materials for name in material.uv_maps if name.startswith(firsts))
+
+
+def what_is_missing(asked: Iterable[str], has: Iterable[str]) -> list[str]:
+    """In words, of what only this file makes."""
+    first, known = made_maps("")[0], set(has)
+    missing = []
+    for name in asked:
+        if not name.startswith(first) or name in known:
+            continue
+        made = name[len(first) :]
+        uv_map = made[len(_TANGENT) :]
+        of_map = f'of UV map "{uv_map}" ' if uv_map else ""
+        missing.append(
+            f"tangents {of_map}(a UV map and faces of three or four corners)"
+            if made.startswith(_TANGENT)
+            else "texture space"
+        )
+    return missing
+
+
+def read_asked(
+    mesh: bpy.types.Mesh, asked: Iterable[str], known: Iterable[str], vertex_of_corner: NDArray[np.uint32]
+) -> tuple[tuple[str, NDArray[np.float32]], ...]:
+    """Of the names asked for those that are not known and that the mesh can have: (corners, 2) each."""
+    maps: list[tuple[str, NDArray[np.float32]]] = []
+    has = set(known)
+    for name in sorted(asked):
+        if name in has:
+            continue
+        if name.startswith(_OF_COLOURS):
+            attribute = name[len(_OF_COLOURS) :]
+            values, pair = _any_attribute(mesh, attribute, vertex_of_corner), attribute_maps(attribute)
+        else:
+            made = name[len(made_maps("")[0]) :]
+            values, pair = _made(mesh, made, vertex_of_corner), made_maps(made)
+        if values is not None:
+            maps += [(pair[0], values[:, :2]), (pair[1], values[:, 2:])]
+    return tuple(maps)
+
+
+def _made(mesh: bpy.types.Mesh, name: str, vertex_of_corner: NDArray[np.uint32]) -> NDArray[np.float32] | None:
+    if name == GENERATED:
+        return _with_one(_generated(mesh).take(vertex_of_corner.astype(np.intp), axis=0))
+    return _tangents(mesh, name[len(_TANGENT) :]) if name.startswith(_TANGENT) else None
+
+
+def _generated(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
+    """(vertices, 3), as Cycles scales them."""
+    undeformed = np.empty((len(mesh.vertices), 3), np.float32)
+    mesh.vertices.foreach_get("undeformed_co", undeformed.reshape(-1))
+    location, size = (np.array(value, np.float32) for value in (mesh.texspace_location, mesh.texspace_size))
+    per_metre = np.divide(np.float32(0.5), size, out=np.zeros(3, np.float32), where=size != 0.0)
+    scaled: NDArray[np.float32] = (undeformed - location) * per_metre + np.float32(0.5)
+    return scaled
+
+
+def _tangents(mesh: bpy.types.Mesh, uv_map: str) -> NDArray[np.float32] | None:
+    layers = mesh.uv_layers
+    if not uv_map:
+        uv_map = next((layer.name for layer in layers if layer.active_render), "")
+    if uv_map not in layers:
+        return None
+    try:
+        mesh.calc_tangents(uvmap=uv_map)
+    except RuntimeError:  # of polygons with more than four corners
+        return None
+    values = np.empty((len(mesh.loops), 4), np.float32)
+    tangents = np.empty((len(mesh.loops), 3), np.float32)
+    signs = np.empty(len(mesh.loops), np.float32)
+    mesh.loops.foreach_get("tangent", tangents.reshape(-1))
+    mesh.loops.foreach_get("bitangent_sign", signs)
+    values[:, :3], values[:, 3] = tangents, signs
+    mesh.free_tangents()
+    return values
+
+
+def _any_attribute(mesh: bpy.types.Mesh, name: str, vertex_of_corner: NDArray[np.uint32]) -> NDArray[np.float32] | None:
+    """A number is a grey colour; what is neither of points, corners nor faces is not known."""
+    if name in mesh.uv_layers:
+        layer = mesh.uv_layers[name]
+        uvs = np.empty((len(mesh.loops), 2), np.float32)
+        layer.data.foreach_get("uv", uvs.reshape(-1))
+        return _with_one(np.column_stack([uvs, np.zeros(len(uvs), np.float32)]))
+    attribute = mesh.attributes.get(name) if name else None
+    if attribute is None or attribute.data_type not in _VALUES:
+        return None
+    field, channels = _VALUES[attribute.data_type]
+    stored = _stored(attribute.data, field, channels)
+    if attribute.domain == "POINT":
+        stored = stored.take(vertex_of_corner.astype(np.intp), axis=0)
+    elif attribute.domain == "FACE":
+        counts = np.empty(len(mesh.polygons), np.int32)
+        mesh.polygons.foreach_get("loop_total", counts)
+        stored = np.repeat(stored, counts, axis=0)
+    elif attribute.domain != "CORNER":
+        return None
+    if len(stored) != len(mesh.loops):
+        return None
+    if channels == 1:
+        stored = np.repeat(stored, 3, axis=1)
+    elif channels == 2:  # noqa: PLR2004  x and y
+        stored = np.column_stack([stored, np.zeros(len(stored), np.float32)])
+    return stored if stored.shape[1] == 4 else _with_one(stored)  # noqa: PLR2004
+
+
+def _stored(elements: Any, field: str, channels: int) -> NDArray[np.float32]:  # noqa: ANN401  any bpy_prop_collection
+    values = np.empty(len(elements) * channels, np.float32)
+    elements.foreach_get(field, values)
+    return values.reshape(-1, channels)
+
+
+def _with_one(vectors: NDArray[np.float32]) -> NDArray[np.float32]:
+    ones = np.ones((len(vectors), 1), np.float32)
+    with_one: NDArray[np.float32] = np.concatenate([vectors.astype(np.float32), ones], axis=1)
+    return with_one

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Nodes of normals: Fresnel, Layer Weight, Normal Map and Bump, and what closures are given.
+
+A bump's height is read three times, as Cycles compiles it: at the point and at two places beside it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+
+from tyndall.scene_description import Code
+from tyndall.surface_inputs import (
+    BUMP_IS_INVERTED,
+    BUMP_IS_VALID_SPECULAR,
+    STRENGTH_MIXES_NORMALS,
+    NormalSpace,
+    PointInput,
+)
+
+from . import coordinates
+from .domains import MID_GREY, Domain
+from .mesh_attributes import tangent_of
+from .program import BLACK, Value, grey
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .node_graph import Socket
+    from .value_nodes import ValueReader
+
+_IS_3 = bpy.app.version < (4, 0, 0)
+_CLAMPS_ALL = bpy.app.version < (3, 6, 0)  #: Up to 3.5 every normal of a closure is one that a mirror could have.
+_SPACES = {
+    "TANGENT": NormalSpace.TANGENT,
+    "OBJECT": NormalSpace.OBJECT,
+    "WORLD": NormalSpace.WORLD,
+    "BLENDER_OBJECT": NormalSpace.BLENDER_OBJECT,
+    "BLENDER_WORLD": NormalSpace.BLENDER_WORLD,
+}
+
+
+def closure_normal(reader: ValueReader, at: Socket | None, *, is_specular: bool = False) -> Value | None:
+    """The unit normal of a shader's input as its closure uses it; None where it is the point's own.
+
+    ``is_specular``: of closures for which Cycles turns a normal until a mirror would not look into the surface.
+    """
+    normal = own_or_linked(reader, at)
+    if normal is None:
+        return None
+    is_clamped = is_specular or _CLAMPS_ALL
+    space = NormalSpace.VALID_SPECULAR if is_clamped else NormalSpace.UNIT
+    return reader.program.operation(Code.NORMAL_MAP, normal, BLACK, BLACK, BLACK, option=int(space))
+
+
+def own_or_linked(reader: ValueReader, at: Socket | None) -> Value | None:
+    """What is linked to a Normal input, as it comes; None where nothing is."""
+    if at is None or reader.domain is not Domain.SURFACE or not at.is_connected():
+        return None
+    return reader.colour(at)
+
+
+def _normal_input(reader: ValueReader, at: Socket) -> Value:
+    linked = own_or_linked(reader, at.input("Normal"))
+    return coordinates.point_input(reader.program, PointInput.NORMAL) if linked is None else linked
+
+
+def _fresnel(reader: ValueReader, at: Socket) -> Value:
+    return reader.program.operation(Code.FRESNEL, reader.number(at.input("IOR"), 1.45), _normal_input(reader, at))
+
+
+def _layer_weight(reader: ValueReader, at: Socket) -> Value:
+    is_facing = at.socket.identifier == "Facing"
+    blend, normal = reader.number(at.input("Blend"), 0.5), _normal_input(reader, at)
+    return reader.program.operation(Code.LAYER_WEIGHT, blend, normal, option=int(is_facing))
+
+
+def _normal_map(reader: ValueReader, at: Socket) -> Value:
+    program, node = reader.program, at.node
+    colour, strength = reader.colour(at.input("Color")), reader.number(at.input("Strength"), 1.0)
+    if getattr(node, "convention", "OPENGL") == "DIRECTX":
+        reader.note("a DirectX normal map is read as one of OpenGL, upside down")
+    space = _SPACES[node.space]
+    tangent: Value = BLACK
+    sign: Value = BLACK
+    if space is NormalSpace.TANGENT:
+        asked = tangent_of(node.uv_map)
+        tangent, sign = coordinates.made(program, asked), coordinates.made_fourth(program, asked)
+    selector = STRENGTH_MIXES_NORMALS if _IS_3 else 0
+    return program.operation(Code.NORMAL_MAP, colour, strength, tangent, sign, option=int(space), selector=selector)
+
+
+def _bump(reader: ValueReader, at: Socket) -> Value:
+    """Within the height of another bump it is as it is at the point."""
+    program = reader.program
+    width = reader.constant(at.input("Filter Width"), 1.0) if at.input("Filter Width") else 1.0
+    height = at.input("Height")
+    normal = _normal_input(reader, at)
+    if height is None or not height.is_connected():
+        return normal
+    width = max(width, 1e-5)
+    heights = []
+    outer = program.beside
+    for shift in range(3):
+        program.beside = (shift, width) if shift else None
+        heights.append(reader.number(height))
+    program.beside = outer
+    strength, distance = reader.number(at.input("Strength"), 1.0), reader.number(at.input("Distance"), 1.0)
+    selector = BUMP_IS_INVERTED if at.node.invert else 0
+    if _CLAMPS_ALL:
+        selector |= BUMP_IS_VALID_SPECULAR
+    return program.operation(
+        Code.BUMP, *heights, strength, distance, normal, selector=selector, value=(width, 0.0, 0.0)
+    )
+
+
+def _on_surfaces(evaluate: Callable[[ValueReader, Socket], Value]) -> Callable[[ValueReader, Socket], Value]:
+    def guarded(reader: ValueReader, at: Socket) -> Value:
+        if reader.domain is Domain.SURFACE:
+            return evaluate(reader, at)
+        reader.unsupported(at, "is not supported: read as mid grey")
+        return MID_GREY
+
+    return guarded
+
+
+def _bevel(reader: ValueReader, at: Socket) -> Value:
+    reader.unsupported(at, "passes its normal on")
+    return _normal_input(reader, at)
+
+
+def _ambient_occlusion(reader: ValueReader, at: Socket) -> Value:
+    reader.unsupported(at, "is read as fully open")
+    return reader.colour(at.input("Color")) if at.socket.identifier == "Color" else grey(1.0)
+
+
+NODES: dict[str, Callable[[ValueReader, Socket], Value]] = {
+    "FRESNEL": _on_surfaces(_fresnel),
+    "LAYER_WEIGHT": _on_surfaces(_layer_weight),
+    "NORMAL_MAP": _on_surfaces(_normal_map),
+    "BUMP": _on_surfaces(_bump),
+    "BEVEL": _on_surfaces(_bevel),
+    "AMBIENT_OCCLUSION": _on_surfaces(_ambient_occlusion),
+}

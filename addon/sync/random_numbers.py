@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The number that Object Info calls random: an instance has its own, an object one that its name decides.
+
+Based on: Jenkins, lookup3.c, 2006 (public domain), as blender/cycles v4.5.0, src/util/hash.h hashes two numbers; and on
+blender v4.5.0, intern/cycles/blender/object.cpp, for what it hashes.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+_BITS = 0xFFFFFFFF
+
+
+def random_number_of(name: str) -> int:
+    """32 bits."""
+    sum_of_bytes = 0
+    for byte in name.encode():
+        signed = byte - 256 if byte > 127 else byte  # noqa: PLR2004  as a char
+        sum_of_bytes = (sum_of_bytes * 37 + signed) & _BITS
+    return _hash_of_two(sum_of_bytes, 0)
+
+
+def as_unit_floats(numbers: Sequence[int]) -> NDArray[np.float32]:
+    """From 0 to 1, as Cycles rounds them."""
+    return np.array(numbers, np.uint32).astype(np.float32) * np.float32(1.0 / _BITS)
+
+
+def _hash_of_two(first: int, second: int) -> int:
+    c = (0xDEADBEEF + (2 << 2) + 13) & _BITS
+    a, b = (c + first) & _BITS, (c + second) & _BITS
+    # The last rounds of lookup3: each mixes one of the three by the one before it.
+    state = [a, b, c]
+    for target, source, turn in ((2, 1, 14), (0, 2, 11), (1, 0, 25), (2, 1, 16), (0, 2, 4), (1, 0, 14), (2, 1, 24)):
+        state[target] = ((state[target] ^ state[source]) - _rotated(state[source], turn)) & _BITS
+    return state[2]
+
+
+def _rotated(number: int, bits: int) -> int:
+    return ((number << bits) | (number >> (32 - bits))) & _BITS

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a ray that was not aimed at a lamp finds of it: the other half of light_aim.hpp, for what lobes mirror.
+#pragma once
+#include "render/light_aim.hpp"
+
+namespace tyndall::render {
+struct LampHit {
+    float far_m = 0.0f;                 ///< Infinite towards a sun.
+    float pdf_per_sr = 0.0f;            ///< With which LightAim::aim takes this direction; 0: the ray misses the lamp.
+    float radiance_per_strength = 0.0f; ///< Without a spot's cone, 1/(m^2 sr), of a sun 1/sr.
+};
+/// From a point, in a unit direction; a lamp without a size, one that the point is inside of, and an area light are never
+/// hit: aimed rays alone tell what lobes mirror of these.
+[[nodiscard]] LampHit lamp_hit(const LightAim::Form& form, const vec3& position, const vec3& direction);
+} // namespace tyndall::render

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "shading/lobes/lobe_models.hpp"
+#include "shading/lobes/diffuse_lobes.hpp"
+#include "shading/lobes/fresnel_colours.hpp"
+#include "shading/lobes/ggx_energy.hpp"
+#include "shading/lobes/lobe_set.hpp"
+#include "shading/material.hpp"
+
+namespace tyndall {
+using Model = LobeModel;
+
+std::size_t input_count(Model model) {
+    switch (model) {
+    case Model::Translucent:
+        return 2;
+    case Model::OrenNayar3:
+    case Model::OrenNayar:
+    case Model::Glossy3:
+    case Model::Glossy:
+    case Model::Velvet:
+        return 3;
+    case Model::Principled3:
+        return 12;
+    case Model::Principled:
+        return 14;
+    case Model::MetalF82:
+    case Model::Conductor:
+    case Model::Glass3:
+    case Model::Glass:
+    case Model::DiffuseToon:
+    case Model::GlossyToon:
+        return 4;
+    }
+    return 0;
+}
+
+namespace {
+/// Shares below do not count.
+constexpr float least_share = 1e-5f;
+
+float largest(const Rgb& value) { return std::max({value.x, value.y, value.z}); }
+float clamped(float x) { return x > 0.0f ? std::min(x, 1.0f) : 0.0f; }
+Rgb clamped(const Rgb& value) { return {clamped(value.x), clamped(value.y), clamped(value.z)}; }
+Rgb non_negative(const Rgb& value) {
+    return {value.x > 0.0f ? value.x : 0.0f, value.y > 0.0f ? value.y : 0.0f, value.z > 0.0f ? value.z : 0.0f};
+}
+
+/// One shader at one point.
+class Builder {
+public:
+    Builder(const LobeSource& source, const LobeInputs& inputs, const ShadingPoint& point, SurfaceClosures& closures,
+            Lobes* lobes)
+        : source_(source), inputs_(inputs), point_(point), closures_(closures), lobes_(lobes),
+          cosine_(point.view_cosine), weight_(non_negative(inputs[0])) {}
+
+    void build() {
+        if (largest(weight_) <= least_share)
+            return;
+        switch (source_.model) {
+        case Model::OrenNayar3:
+            return rough_diffuse(weight_ * colour(1), clamped(colour(1)), clamped(number(2)), true);
+        case Model::OrenNayar:
+            return rough_diffuse(weight_ * colour(1), clamped(colour(1)), clamped(number(2)), false);
+        case Model::Translucent:
+            closures_.translucent += weight_ * colour(1);
+            return;
+        case Model::Glossy3:
+        case Model::Glossy:
+            return glossy();
+        case Model::MetalF82:
+            return metal(weight_, clamped(colour(1)), f82_dark(clamped(colour(1)), clamped(non_negative(inputs_[3]))),
+                         clamped(number(2)));
+        case Model::Conductor:
+            return conductor();
+        case Model::Glass3:
+            return glass(weight_ * colour(1), weight_ * colour(1), weight_ * colour(1), Rgb(1.0f), number(2), number(3),
+                         true);
+        case Model::Glass:
+            return glass(weight_ * colour(1), weight_ * colour(1), weight_ * colour(1), Rgb(straight_share(index(3))),
+                         number(2), number(3), false);
+        case Model::Velvet:
+            return velvet();
+        case Model::DiffuseToon:
+        case Model::GlossyToon:
+            return toon();
+        case Model::Principled3:
+            return principled_of_blender3();
+        case Model::Principled:
+            return principled();
+        }
+    }
+
+private:
+    [[nodiscard]] float number(std::size_t input) const { return inputs_[input].x; }
+    [[nodiscard]] float index(std::size_t input) const { return std::max(number(input), 1e-5f); }
+    /// The surface's own colour.
+    [[nodiscard]] Rgb colour(std::size_t input) const { return point_.tint * non_negative(inputs_[input]); }
+
+    /// `sampling`: how much it shines, of light from all around.
+    void add(Lobe lobe) {
+        if (!(largest(lobe.weight) > least_share))
+            return;
+        if (lobes_ == nullptr) { // as if it were Lambert's
+            closures_.diffuse_albedo += lobe.weight * (lobe.is_diffuse() ? Rgb(1.0f) : facet_colour(lobe, cosine_));
+            return;
+        }
+        if (lobe.kind >= Lobe::Kind::Ggx)
+            lobe.sampling = std::max(average(lobe.weight * facet_colour(lobe, cosine_)), 1e-3f * average(lobe.weight));
+        lobes_->push_back(lobe);
+    }
+    [[nodiscard]] static Lobe facets(float roughness, const Rgb& weight) {
+        const float alpha = clamped(roughness) * clamped(roughness);
+        return {.kind = Lobe::Kind::Ggx, .alpha = std::max(alpha, least_alpha), .weight = weight};
+    }
+    /// Facets as they are with what they hide from one another, of which the mean of their colour is `mean`. The share of
+    /// the weight that counts as their albedo.
+    Rgb preserve_energy(Lobe& lobe, const Rgb& mean, float roughness) const {
+        if (!source_.preserves_energy)
+            return Rgb(1.0f);
+        const float seen = ggx::albedo(roughness, cosine_), all = ggx::mean_albedo(roughness);
+        const float missing = (1.0f - seen) / seen;
+        const Rgb factor = 1.0f + mean * all / (1.0f - mean * (1.0f - all)) * missing;
+        lobe.weight *= factor;
+        return factor / (1.0f + missing);
+    }
+    /// What a layer of this albedo leaves of the weight below.
+    [[nodiscard]] static Rgb below(const Rgb& albedo, const Rgb& weight) {
+        const auto share = [&](int channel) {
+            return weight[channel] > 0.0f ? albedo[channel] / weight[channel] : 0.0f;
+        };
+        return weight * clamped(1.0f - std::max({share(0), share(1), share(2)}));
+    }
+
+    void rough_diffuse(const Rgb& weight, const Rgb& albedo, float roughness, bool is_of_blender3) {
+        if (roughness < least_share) {
+            closures_.diffuse_albedo += weight;
+            return;
+        }
+        const auto of =
+            is_of_blender3 ? oren_nayar::coefficients_of_blender3(roughness) : oren_nayar::coefficients(roughness);
+        add({.kind = Lobe::Kind::OrenNayar,
+             .alpha = of.a,
+             .ior = of.b,
+             .weight = weight,
+             .b = is_of_blender3 ? Rgb(0.0f) : oren_nayar::further(of, albedo, cosine_)});
+    }
+
+    void glossy() {
+        Lobe lobe = facets(number(2), weight_ * colour(1));
+        lobe.is_separable = source_.model == Model::Glossy3;
+        preserve_energy(lobe, clamped(colour(1)), clamped(number(2)));
+        add(lobe);
+    }
+
+    void metal(const Rgb& weight, const Rgb& straight, const Rgb& dark, float roughness) {
+        Lobe lobe = facets(roughness, weight);
+        lobe.fresnel = Lobe::Fresnel::F82;
+        lobe.a = straight;
+        lobe.b = dark;
+        preserve_energy(lobe, mean_f82(straight, dark), roughness);
+        add(lobe);
+    }
+
+    void conductor() {
+        const Rgb n = non_negative(inputs_[1]), k = non_negative(inputs_[3]);
+        Lobe lobe = facets(number(2), weight_);
+        lobe.fresnel = Lobe::Fresnel::Conductor;
+        lobe.a = n;
+        lobe.b = k;
+        // Its mean by the metal of fresnel_f82 that reflects as much straight and at 82 degrees.
+        const Rgb straight = fresnel_conductor(1.0f, n, k), edge = fresnel_conductor(1.0f / 7.0f, n, k);
+        constexpr float rest = 6.0f / 7.0f, rest5 = rest * rest * rest * rest * rest;
+        const Rgb dark = (glm::mix(straight, Rgb(1.0f), rest5) - edge) * (7.0f / (rest5 * rest));
+        preserve_energy(lobe, clamped(mean_f82(straight, dark)), clamped(number(2)));
+        add(lobe);
+    }
+
+    /// Reflects `reflecting` times what rises from `straight` to 1; of `passing`, already among what is transparent, the
+    /// rest stays. Up to Blender 3.x the whole lobe has the share of the surface's own cosine.
+    void glass(const Rgb& reflecting, const Rgb& passing, const Rgb& of_blender3, const Rgb& straight, float roughness,
+               float from_outside, bool is_of_blender3) {
+        const float outside = std::max(from_outside, 1e-5f), ior = point_.is_backface ? 1.0f / outside : outside;
+        const float share = fresnel_of_any_index(cosine_, ior);
+        closures_.transparent = glm::max(closures_.transparent - passing * share, Rgb(0.0f));
+        Lobe lobe = facets(roughness, is_of_blender3 ? of_blender3 * share : reflecting);
+        lobe.is_separable = is_of_blender3;
+        if (!is_of_blender3 || straight != Rgb(1.0f)) {
+            lobe.fresnel = Lobe::Fresnel::Dielectric;
+            lobe.a = straight;
+            lobe.ior = ior;
+        }
+        add(lobe);
+    }
+
+    void velvet() {
+        const float sigma = std::max(clamped(number(2)), 0.01f);
+        add({.kind = Lobe::Kind::Velvet, .alpha = 1.0f / (sigma * sigma), .weight = weight_ * colour(1)});
+    }
+
+    void toon() {
+        constexpr float quarter_turn = 1.57079633f;
+        add({.kind = source_.model == Model::DiffuseToon ? Lobe::Kind::DiffuseToon : Lobe::Kind::GlossyToon,
+             .alpha = quarter_turn * clamped(number(2)),
+             .ior = quarter_turn * clamped(number(3)),
+             .weight = weight_ * colour(1)});
+    }
+
+    void principled_of_blender3() {
+        const Rgb base = colour(1);
+        const float metallic = clamped(number(2)), roughness = clamped(number(3)), specular = number(4),
+                    specular_tint = clamped(number(5)), transmission = clamped(number(10));
+        const Rgb diffuse = weight_ * ((1.0f - metallic) * (1.0f - transmission));
+        add({.kind = Lobe::Kind::Burley, .alpha = roughness, .weight = diffuse * base});
+        const auto hue = [&](const Rgb& luminance) {
+            const float light = glm::dot(base, luminance);
+            return light > 0.0f ? base / light : Rgb(1.0f);
+        };
+        const Rgb sheen_colour = glm::mix(Rgb(1.0f), hue({0.2126729f, 0.7151522f, 0.0721750f}), clamped(number(7)));
+        add({.kind = Lobe::Kind::BurleySheen, .weight = diffuse * sheen_colour * std::max(number(6), 0.0f)});
+        const float passing = transmission * (1.0f - metallic);
+        if (specular > least_share || metallic > least_share) {
+            const Rgb tinted = glm::mix(Rgb(1.0f), hue({0.3f, 0.6f, 0.1f}), specular_tint);
+            Lobe lobe = facets(roughness, weight_ * (1.0f - passing));
+            lobe.is_separable = true;
+            lobe.fresnel = Lobe::Fresnel::Dielectric;
+            lobe.ior = ior_of_straight_share(0.08f * specular);
+            lobe.a = clamped(0.08f * specular * tinted * (1.0f - metallic) + base * metallic);
+            preserve_energy(lobe, glm::mix(lobe.a, Rgb(1.0f), mean_rise_of(lobe.ior)), roughness);
+            add(lobe);
+        }
+        if (passing > least_share)
+            glass(weight_ * passing, weight_ * base * passing, weight_ * passing,
+                  clamped(glm::mix(Rgb(1.0f), base, specular_tint)), roughness, number(11), true);
+        Lobe coat = facets(number(9), weight_ * (0.25f * std::max(number(8), 0.0f)));
+        coat.kind = Lobe::Kind::Clearcoat;
+        coat.fresnel = Lobe::Fresnel::Dielectric;
+        coat.a = Rgb(0.04f);
+        add(coat);
+    }
+
+    void principled() {
+        const Rgb base = colour(1);
+        const float metallic = clamped(number(2)), roughness = clamped(number(3)), transmission = clamped(number(6));
+        const Rgb tint = non_negative(inputs_[5]);
+        Rgb weight = weight_;
+        if (const float coat = std::max(number(8), 0.0f); coat > least_share)
+            weight = below_coat(weight, coat);
+        closures_.emission += weight * non_negative(inputs_[13]);
+        if (metallic > least_share) {
+            const Rgb straight = clamped(base);
+            metal(weight * metallic, straight, f82_dark(straight, glm::min(tint, Rgb(1.0f))), roughness);
+            weight *= 1.0f - metallic;
+        }
+        const float ior = index(7);
+        if (transmission > least_share) {
+            const Rgb share = weight_ * ((1.0f - metallic) * transmission);
+            glass(weight * transmission, share * base, weight * transmission, clamped(straight_share(ior) * tint),
+                  roughness, ior, false);
+            weight *= 1.0f - transmission;
+        }
+        const float level = std::max(number(4), 0.0f);
+        float straight = straight_share(ior), eta = ior;
+        if (level != 0.5f) {
+            straight *= 2.0f * level;
+            eta = ior_of_straight_share(straight);
+            if (ior < 1.0f)
+                eta = 1.0f / eta;
+        }
+        if (eta != 1.0f) {
+            Lobe lobe = facets(roughness, weight);
+            lobe.fresnel = Lobe::Fresnel::Dielectric;
+            lobe.ior = eta;
+            lobe.a = clamped(straight * tint);
+            const Rgb mean = glm::mix(lobe.a, Rgb(1.0f), mean_rise_of(eta));
+            const Rgb share = preserve_energy(lobe, mean, roughness);
+            add(lobe);
+            const Rgb albedo = glm::mix(lobe.a, Rgb(1.0f), ggx::mean_rise(roughness, cosine_, eta));
+            weight = below(weight * share * albedo, weight);
+        }
+        rough_diffuse(weight * base, clamped(base), clamped(number(12)), false);
+    }
+
+    /// Of fresnel_rise_of_any_index, over the hemisphere by the cosine.
+    [[nodiscard]] static float mean_rise_of(float ior) {
+        const float straight = straight_share(ior);
+        return clamped((mean_fresnel(ior) - straight) / (1.0f - straight));
+    }
+
+    Rgb below_coat(const Rgb& weight, float coat) {
+        const float ior = std::max(number(10), 1.0f), roughness = clamped(number(9));
+        Lobe lobe = facets(roughness, weight * coat);
+        lobe.fresnel = Lobe::Fresnel::Dielectric;
+        lobe.ior = ior;
+        lobe.a = Rgb(straight_share(ior));
+        const float seen = ggx::albedo(roughness, cosine_), all = ggx::mean_albedo(roughness);
+        const float mean = mean_fresnel(ior), missing = (1.0f - seen) / seen;
+        const float factor = 1.0f + mean * all / (1.0f - mean * (1.0f - all)) * missing;
+        lobe.weight *= factor;
+        add(lobe);
+        const Rgb albedo = glm::mix(lobe.a, Rgb(1.0f), ggx::mean_rise(roughness, cosine_, ior));
+        const Rgb left = below(weight * coat * (factor / (1.0f + missing)) * albedo, weight);
+        // Beer's law along the refracted way; the tint is that of the way straight through.
+        const float inner = std::sqrt(std::max(0.0f, 1.0f - (1.0f - cosine_ * cosine_) / (ior * ior)));
+        const Rgb through = glm::pow(non_negative(inputs_[11]), Rgb(1.0f / std::max(inner, 1e-3f)));
+        return left * glm::mix(Rgb(1.0f), through, coat);
+    }
+
+    const LobeSource& source_;
+    const LobeInputs& inputs_;
+    const ShadingPoint& point_;
+    SurfaceClosures& closures_;
+    Lobes* lobes_;
+    float cosine_;
+    Rgb weight_;
+};
+} // namespace
+
+void add_lobes(const LobeSource& source, const LobeInputs& inputs, const ShadingPoint& point, SurfaceClosures& closures,
+               Lobes* lobes) {
+    Builder(source, inputs, point, closures, lobes).build();
+}
+} // namespace tyndall

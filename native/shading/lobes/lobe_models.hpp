@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Shaders made into lobes, Lambert's share, and what passes, for one direction of view.
+// Based on: Burley, Physically Based Shading at Disney, SIGGRAPH 2012 course notes (the principled shader up to Blender
+//           3.x); from 4.0 on its layers: each leaves to those below what its albedo is short of 1; Kulla and Conty,
+//           SIGGRAPH 2017 course notes (what facets hide from one another).
+// Differs:  anisotropic facets are as wide along as across; glass is what it reflects, and for the rest transparent.
+#pragma once
+#include "shading/lobes/lobe.hpp"
+#include "shading/lobes/lobe_source.hpp"
+#include <array>
+
+namespace tyndall {
+struct ShadingPoint;
+struct SurfaceClosures;
+
+/// Each with its inputs after the first, which is the share of the surface that it has; numbers have three equal
+/// channels.
+enum class LobeModel : std::uint8_t {
+    OrenNayar3 = 0,   ///< Up to Blender 3.x: colour, roughness.
+    OrenNayar = 1,    ///< colour, roughness.
+    Translucent = 2,  ///< colour.
+    Glossy3 = 3,      ///< Shadowing and masking apart: colour, roughness.
+    Glossy = 4,       ///< colour, roughness.
+    MetalF82 = 5,     ///< straight, roughness, edge tint.
+    Conductor = 6,    ///< n, roughness, k.
+    Glass3 = 7,       ///< What it reflects, and less of what is transparent: colour, roughness, index.
+    Glass = 8,        ///< colour, roughness, index.
+    Velvet = 9,       ///< colour, sigma.
+    DiffuseToon = 10, ///< colour, size, smooth.
+    GlossyToon = 11,  ///< colour, size, smooth.
+    /// base, metallic, roughness, specular, specular tint, sheen, sheen tint, clearcoat, clearcoat roughness,
+    /// transmission, index.
+    Principled3 = 12,
+    /// base, metallic, roughness, specular level, specular tint, transmission, index, coat, coat roughness, coat index,
+    /// coat tint, diffuse roughness, emission.
+    Principled = 13,
+};
+inline constexpr std::size_t most_lobe_inputs = 16;
+using LobeInputs = std::array<Rgb, most_lobe_inputs>;
+/// How many inputs a model has, its share included; 0: there is no such model.
+[[nodiscard]] std::size_t input_count(LobeModel model);
+
+/// Adds what a shader does to the closures; its lobes to `lobes`, or, where there is no such list, to Lambert's share.
+void add_lobes(const LobeSource& source, const LobeInputs& inputs, const ShadingPoint& point, SurfaceClosures& closures,
+               Lobes* lobes);
+} // namespace tyndall

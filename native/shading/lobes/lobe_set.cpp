@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "shading/lobes/lobe_set.hpp"
+#include "shading/lobes/clearcoat.hpp"
+#include "shading/lobes/diffuse_lobes.hpp"
+#include "shading/lobes/fresnel_colours.hpp"
+#include "shading/lobes/ggx.hpp"
+
+namespace tyndall {
+namespace {
+/// What lobes ask of two directions, once for all of them.
+struct Angles {
+    float view, light, between;     ///< Cosines.
+    float normal_half2 = 0.0f;      ///< Squared cosine of normal and half vector.
+    float normal_half_sine2 = 0.0f; ///< And squared sine.
+    float view_half = 0.0f;         ///< Cosine of view and half vector.
+
+    Angles(const LobeSet& set, const vec3& incoming)
+        : view(glm::dot(set.normal, set.outgoing)), light(glm::dot(set.normal, incoming)),
+          between(glm::dot(set.outgoing, incoming)) {
+        const vec3 sum = set.outgoing + incoming;
+        const float length2 = glm::dot(sum, sum);
+        if (length2 <= 0.0f)
+            return;
+        const vec3 half = sum / std::sqrt(length2), across = glm::cross(set.normal, half);
+        const float cosine = glm::dot(set.normal, half);
+        normal_half2 = cosine * cosine;
+        normal_half_sine2 = glm::dot(across, across);
+        view_half = glm::dot(half, set.outgoing);
+    }
+};
+
+Rgb reflected(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const Angles& angles) {
+    switch (lobe.kind) {
+    case Lobe::Kind::OrenNayar: {
+        const oren_nayar::Coefficients of{lobe.alpha, lobe.ior};
+        const float once = oren_nayar::once(of, angles.light, angles.view, angles.between);
+        return Rgb(once) + (lobe.b == Rgb(0.0f) ? lobe.b : lobe.b * (1.0f - oren_nayar::once_albedo(of, angles.light)));
+    }
+    case Lobe::Kind::Burley:
+        return Rgb(burley::diffuse(lobe.alpha, angles.light, angles.view, angles.between));
+    case Lobe::Kind::BurleySheen:
+        return Rgb(burley::sheen(angles.view_half));
+    case Lobe::Kind::Velvet:
+        return Rgb(velvet(lobe.alpha, angles.light, angles.view, std::sqrt(angles.normal_half2), angles.view_half));
+    case Lobe::Kind::DiffuseToon:
+        return Rgb(toon(lobe.alpha, lobe.ior, angles.light) / angles.light);
+    case Lobe::Kind::GlossyToon: {
+        const float mirrored = glm::dot(2.0f * angles.view * set.normal - set.outgoing, incoming);
+        return Rgb(toon(lobe.alpha, lobe.ior, mirrored) / angles.light);
+    }
+    case Lobe::Kind::Clearcoat:
+        return facet_colour(lobe, angles.view_half) *
+               (clearcoat::distribution(lobe.alpha, angles.normal_half2) *
+                ggx::masking_and_shadowing(clearcoat::masking_alpha, angles.view, angles.light, true) /
+                (4.0f * angles.view * angles.light));
+    case Lobe::Kind::Ggx:
+        break;
+    }
+    return facet_colour(lobe, angles.view_half) *
+           (ggx::distribution(lobe.alpha, angles.normal_half_sine2, angles.normal_half2) *
+            ggx::masking_and_shadowing(lobe.alpha, angles.view, angles.light, lobe.is_separable) /
+            (4.0f * angles.view * angles.light));
+}
+
+float pdf_of(const Lobe& lobe, const Angles& angles) {
+    if (lobe.kind == Lobe::Kind::Clearcoat)
+        return clearcoat::distribution(lobe.alpha, angles.normal_half2) * std::sqrt(angles.normal_half2) /
+               (4.0f * std::max(angles.view_half, 1e-6f));
+    return ggx::reflected_pdf_per_sr(lobe.alpha, angles.view, angles.normal_half_sine2, angles.normal_half2);
+}
+
+float sum_of_sampling(std::span<const Lobe> lobes) {
+    float sum = 0.0f;
+    for (const Lobe& lobe : lobes)
+        sum += lobe.sampling;
+    return sum;
+}
+} // namespace
+
+Rgb facet_colour(const Lobe& lobe, float cosine) {
+    switch (lobe.fresnel) {
+    case Lobe::Fresnel::Dielectric:
+        return glm::mix(lobe.a, lobe.b, fresnel_rise_of_any_index(cosine, lobe.ior));
+    case Lobe::Fresnel::F82:
+        return fresnel_f82(cosine, lobe.a, lobe.b);
+    case Lobe::Fresnel::Conductor:
+        return fresnel_conductor(cosine, lobe.a, lobe.b);
+    case Lobe::Fresnel::None:
+        break;
+    }
+    return Rgb(1.0f);
+}
+
+Rgb LobeSet::per_irradiance(const vec3& incoming, float sharpest) const {
+    const Angles angles(*this, incoming);
+    Rgb sum(0.0f);
+    if (angles.view <= 0.0f || angles.light <= 0.0f)
+        return sum;
+    for (const Lobe& lobe : lobes)
+        if (lobe.kind < Lobe::Kind::Ggx || lobe.alpha > sharpest)
+            sum += lobe.weight * reflected(lobe, *this, incoming, angles);
+    return sum;
+}
+
+bool LobeSet::has_directions() const { return sum_of_sampling(lobes) > 0.0f; }
+
+vec3 LobeSet::sample(vec2 u) const {
+    float left = u.x * sum_of_sampling(lobes);
+    const Lobe* drawn = nullptr;
+    for (const Lobe& lobe : lobes) {
+        if (lobe.sampling <= 0.0f)
+            continue;
+        drawn = &lobe;
+        if (left < lobe.sampling)
+            break;
+        left -= lobe.sampling;
+    }
+    u.x = std::min(left / drawn->sampling, 0.99999994f); // what chose a lobe is even again within it
+    const auto [tangent, bitangent] = orthonormal_basis(normal);
+    const vec3 view(glm::dot(outgoing, tangent), glm::dot(outgoing, bitangent), glm::dot(outgoing, normal));
+    const vec3 facet = drawn->kind == Lobe::Kind::Clearcoat ? clearcoat::sample_normal(drawn->alpha, u)
+                                                            : ggx::sample_visible_normal(view, drawn->alpha, u);
+    const vec3 half = facet.x * tangent + facet.y * bitangent + facet.z * normal;
+    return glm::normalize(2.0f * glm::dot(outgoing, half) * half - outgoing);
+}
+
+float LobeSet::pdf_per_sr(const vec3& incoming) const {
+    const Angles angles(*this, incoming);
+    const float all = sum_of_sampling(lobes);
+    if (angles.view <= 0.0f || angles.view_half <= 0.0f || all <= 0.0f)
+        return 0.0f;
+    float sum = 0.0f;
+    for (const Lobe& lobe : lobes)
+        if (lobe.sampling > 0.0f)
+            sum += lobe.sampling * pdf_of(lobe, angles);
+    return sum / all;
+}
+
+Rgb LobeSet::albedo() const {
+    const float cosine = glm::dot(normal, outgoing);
+    Rgb sum(0.0f);
+    for (const Lobe& lobe : lobes)
+        sum += lobe.weight * facet_colour(lobe, std::max(cosine, 0.0f));
+    return sum;
+}
+
+Rgb LobeSet::diffuse_colour() const {
+    Rgb sum(0.0f);
+    for (const Lobe& lobe : lobes)
+        sum += lobe.is_diffuse() ? lobe.weight : Rgb(0.0f);
+    return sum;
+}
+} // namespace tyndall

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The lobes of one point together: what they send back, and directions drawn as often as they shine there.
+// Based on: Veach, dissertation, Stanford 1997, section 9.2: one of the lobes is drawn from, the density is that of all.
+// Differs:  broad lobes have no directions of their own: those by the cosine serve them.
+// Bound:    10 to 30 ns a lobe and direction.
+#pragma once
+#include "shading/lobes/lobe.hpp"
+#include <span>
+
+namespace tyndall {
+/// Facets that are no wider are taken for as wide: floats have no digits for less.
+inline constexpr float least_alpha = 1e-3f;
+
+/// Unit vectors: normal, and to the viewer; lobes of one point.
+struct LobeSet {
+    std::span<const Lobe> lobes;
+    vec3 normal{0, 0, 1}, outgoing{0, 0, 1};
+
+    /// Radiance towards the viewer per irradiance from a unit direction, 1/sr. Lobes no wider than `sharpest` are left out:
+    /// of a light without a size a mirror shows nothing.
+    [[nodiscard]] Rgb per_irradiance(const vec3& incoming, float sharpest = 0.0f) const;
+    /// False: no lobe has directions of its own.
+    [[nodiscard]] bool has_directions() const;
+    /// A unit direction, which may lie below the horizon.
+    [[nodiscard]] vec3 sample(vec2 u) const;
+    [[nodiscard]] float pdf_per_sr(const vec3& incoming) const;
+    /// Share of even light from all around that they send back, roughly, and what of it Cycles counts as diffuse colour.
+    [[nodiscard]] Rgb albedo() const;
+    [[nodiscard]] Rgb diffuse_colour() const;
+};
+/// What facets of the lobe reflect at this cosine, without the lobe's weight.
+[[nodiscard]] Rgb facet_colour(const Lobe& lobe, float cosine);
+} // namespace tyndall

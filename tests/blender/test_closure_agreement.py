@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surface shaders reflect light as Cycles' do, each on a faceted ball that shows every angle.
+
+Under a sun without a size neither engine has any noise: what differs is the formula. Lamps with a size and the
+world are noisy in both.
+"""
+
+from __future__ import annotations
+
+import bpy
+import pytest
+
+from support.closure_scenes import IS_OLD, errors, lamp, scene_of, shader, sun, world
+from support.engine_pictures import cycles_pixels, tyndall_pixels
+from support.small_scenes import Build, empty_scene, material, plane
+
+GOLD, RED = (0.9, 0.6, 0.2, 1.0), (0.8, 0.2, 0.1, 1.0)
+#: What the product promises: mean and median block within 1 %.
+BOUND = 0.01
+TILT = 50.0
+HAS_METALLIC = hasattr(bpy.types, "ShaderNodeBsdfMetallic")
+GLOSSY = "ShaderNodeBsdfGlossy" if IS_OLD else "ShaderNodeBsdfAnisotropic"
+
+
+def principled(**inputs: object) -> Build:
+    values: dict[str, object] = {"Base_Color": RED, "Roughness": 0.4, **inputs}
+    names = {"Specular": "Specular" if IS_OLD else "Specular_IOR_Level"}
+    if not IS_OLD:
+        names |= {"Clearcoat": "Coat_Weight", "Clearcoat_Roughness": "Coat_Roughness"}
+        names |= {"Transmission": "Transmission_Weight"}
+    single = {} if "node_distribution" in values else {"node_distribution": "GGX"}
+    named = {names.get(name, name): value for name, value in values.items()}
+    return shader("ShaderNodeBsdfPrincipled", **named, **single)
+
+
+SHADERS: dict[str, Build] = {
+    "rough diffuse": shader("ShaderNodeBsdfDiffuse", Color=RED, Roughness=0.7),
+    "glossy 0.2": shader(GLOSSY, Color=GOLD, Roughness=0.2, node_distribution="GGX"),
+    "glossy 0.6": shader(GLOSSY, Color=GOLD, Roughness=0.6, node_distribution="GGX"),
+    "principled": principled(),
+    "principled, rough": principled(Roughness=0.9),
+    "principled, strong specular": principled(Specular=1.0, Roughness=0.3),
+    "metal": principled(Base_Color=GOLD, Metallic=1.0),
+    "half metal": principled(Base_Color=GOLD, Metallic=0.5, Roughness=0.6),
+    "coat": principled(Clearcoat=0.8, Clearcoat_Roughness=0.3),
+}
+if IS_OLD:
+    SHADERS |= {
+        "velvet": shader("ShaderNodeBsdfVelvet", Color=RED, Sigma=0.6),
+        "specular tint": principled(Specular_Tint=0.8, Specular=1.0),
+        "sheen": principled(Sheen=1.0, Sheen_Tint=0.5),
+    }
+else:
+    SHADERS |= {
+        "glossy 0.6, multiple": shader(GLOSSY, Color=GOLD, Roughness=0.6, node_distribution="MULTI_GGX"),
+        "principled, multiple": principled(Roughness=0.8, node_distribution="MULTI_GGX"),
+        "metal, multiple": principled(Base_Color=GOLD, Metallic=1.0, Roughness=0.8, node_distribution="MULTI_GGX"),
+        "metal, tinted": principled(Base_Color=GOLD, Metallic=1.0, Specular_Tint=(0.5, 0.8, 1.0, 1.0)),
+        "specular tint": principled(Specular_Tint=(1.0, 0.3, 0.2, 1.0), Specular=0.9),
+        "tinted coat": principled(Clearcoat=1.0, Coat_Tint=(0.7, 0.8, 0.4, 1.0), Coat_IOR=1.7),
+        "velvet": shader("ShaderNodeBsdfSheen", Color=RED, Roughness=0.6, node_distribution="ASHIKHMIN"),
+    }
+if HAS_METALLIC:
+    SHADERS |= {
+        "metallic": shader("ShaderNodeBsdfMetallic", Base_Color=GOLD, Edge_Tint=(0.6, 0.8, 1.0, 1.0), Roughness=0.5),
+        "conductor": shader("ShaderNodeBsdfMetallic", Roughness=0.4, node_fresnel_type="PHYSICAL_CONDUCTOR"),
+        "rough principled": principled(Diffuse_Roughness=0.8),
+    }
+LONG: dict[str, Build] = {
+    "diffuse toon": shader("ShaderNodeBsdfToon", Color=RED, Size=0.5, Smooth=0.3),
+    "glossy toon": shader("ShaderNodeBsdfToon", Color=RED, Size=0.3, Smooth=0.2, node_component="GLOSSY"),
+    **{
+        f"rough diffuse {roughness}": shader("ShaderNodeBsdfDiffuse", Color=RED, Roughness=roughness)
+        for roughness in (0.1, 0.4, 1.0)
+    },
+    **{
+        f"principled {roughness} {metallic}": principled(Roughness=roughness, Metallic=metallic)
+        for roughness in (0.15, 0.3, 0.7, 1.0)
+        for metallic in (0.0, 1.0)
+    },
+}
+
+
+def check(build: Build, light_it: object, samples: int = 1, cycles_samples: int = 2) -> None:
+    scene = scene_of(build, light_it)
+    ours, cycles = tyndall_pixels(scene, samples), cycles_pixels(scene, cycles_samples, seed=1)
+    mean, median = errors(ours, cycles)
+    print(f"mean {mean:.4f}, median block {median:.4f}")
+    assert mean <= BOUND
+    assert median <= BOUND
+
+
+@pytest.mark.parametrize("name", SHADERS)
+def test_a_shader_under_a_sun(name: str) -> None:
+    check(SHADERS[name], sun(TILT))
+
+
+@pytest.mark.parametrize("name", ["principled", "glossy 0.2"])
+@pytest.mark.parametrize("light_it", [lamp(0.3), world()], ids=["lamp", "world"])
+def test_lights_with_a_size(name: str, light_it: object) -> None:
+    check(SHADERS[name], light_it, 64, 256)
+
+
+@pytest.mark.parametrize("tilt", [150.0, 100.0])
+def test_translucent_surfaces_are_lit_from_behind(tilt: float) -> None:
+    scene = empty_scene(8)
+    plane(0.0, material("Leaf", shader("ShaderNodeBsdfTranslucent", Color=RED)))
+    scene.camera.location.x = 0.3  # not above the diagonal, where Cycles' rays leave through the other triangle
+    sun(tilt)(scene)
+    ours, cycles = tyndall_pixels(scene), cycles_pixels(scene, 2, seed=1)
+    assert cycles.mean() > 0.01
+    assert ours == pytest.approx(cycles, rel=1e-4)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("tilt", [0.0, 30.0, 70.0, 110.0])
+@pytest.mark.parametrize("name", [*SHADERS, *LONG])
+def test_a_shader_under_suns_of_all_heights(name: str, tilt: float) -> None:
+    check((SHADERS | LONG)[name], sun(tilt))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("light_it", [lamp(0.05), lamp(0.5), world(), sun(TILT, angle=10.0)])
+@pytest.mark.parametrize("name", SHADERS)
+def test_every_shader_under_lights_with_a_size(name: str, light_it: object) -> None:
+    check(SHADERS[name], light_it, 256, 1024)
