@@ -98,7 +98,7 @@ def test_a_shader_under_a_sun(name: str) -> None:
 @pytest.mark.parametrize("name", ["principled", "glossy 0.2"])
 @pytest.mark.parametrize("light_it", [lamp(0.3), world()], ids=["lamp", "world"])
 def test_lights_with_a_size(name: str, light_it: object) -> None:
-    check(SHADERS[name], light_it, 64, 256)
+    check(SHADERS[name], light_it, 256, 1024)
 
 
 @pytest.mark.parametrize("tilt", [150.0, 100.0])
