@@ -4,8 +4,17 @@
 from __future__ import annotations
 
 from enum import Enum, auto
+from typing import TYPE_CHECKING
 
 from .program import Value, grey
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .node_graph import Socket
+    from .value_nodes import ValueReader
+
+    Evaluate = Callable[[ValueReader, Socket], Value]
 
 MID_GREY: Value = grey(0.5)  #: Stands for what cannot be evaluated.
 
@@ -17,3 +26,15 @@ class Domain(Enum):
     WORLD = auto()  #: Directions, and only through an environment texture.
     LIGHT = auto()  #: Directions, through images.
     CONSTANT = auto()  #: Media.
+
+
+def on_surfaces(evaluate: Evaluate) -> Evaluate:
+    """Elsewhere the node is mid grey, with a note."""
+
+    def guarded(reader: ValueReader, at: Socket) -> Value:
+        if reader.domain is Domain.SURFACE:
+            return evaluate(reader, at)
+        reader.unsupported(at, "is not supported: read as mid grey")
+        return MID_GREY
+
+    return guarded

@@ -11,19 +11,16 @@ from tyndall.surface_inputs import PointInput, RayBit
 
 from . import coordinates
 from .coordinates import point_input
-from .domains import MID_GREY, Domain
+from .domains import MID_GREY, Domain, on_surfaces
 from .math_nodes import vector_operation
 from .mesh_attributes import tangent_of
 from .program import BLACK, WHITE, Value, grey
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
+    from .domains import Evaluate
     from .node_graph import Socket
     from .program import Program
     from .value_nodes import ValueReader
-
-    Evaluate = Callable[[ValueReader, Socket], Value]
 
 _GLOSSY = RayBit.GLOSSY | RayBit.MIRROR
 #: Which rays a question of Light Path is true of; of depths, which have one bounce behind them.
@@ -67,18 +64,6 @@ _TO_OBJECT = {
     "VECTOR": PointInput.DIRECTION_TO_OBJECT,
     "NORMAL": PointInput.NORMAL_TO_OBJECT,
 }
-
-
-def _on_surfaces(evaluate: Evaluate) -> Evaluate:
-    """Elsewhere the node is mid grey, with a note."""
-
-    def guarded(reader: ValueReader, at: Socket) -> Value:
-        if reader.domain is Domain.SURFACE:
-            return evaluate(reader, at)
-        reader.unsupported(at, "is not supported: read as mid grey")
-        return MID_GREY
-
-    return guarded
 
 
 def _attribute(reader: ValueReader, at: Socket) -> Value:
@@ -283,14 +268,14 @@ _COORDINATES: dict[str, Evaluate] = {
 NODES: dict[str, Evaluate] = {
     "VERTEX_COLOR": _attribute,
     "ATTRIBUTE": _attribute,
-    "UVMAP": _on_surfaces(_uv_map),
-    "TEX_COORD": _on_surfaces(_texture_coordinate),
-    "CAMERA": _on_surfaces(_camera_data),
+    "UVMAP": on_surfaces(_uv_map),
+    "TEX_COORD": on_surfaces(_texture_coordinate),
+    "CAMERA": on_surfaces(_camera_data),
     "NEW_GEOMETRY": _geometry,
-    "TANGENT": _on_surfaces(_tangent),
-    "OBJECT_INFO": _on_surfaces(_object_info),
+    "TANGENT": on_surfaces(_tangent),
+    "OBJECT_INFO": on_surfaces(_object_info),
     "LIGHT_PATH": _light_path_elsewhere,
-    "VECT_TRANSFORM": _on_surfaces(_vector_transform),
+    "VECT_TRANSFORM": on_surfaces(_vector_transform),
     "PARTICLE_INFO": _particle_info,
     "HAIR_INFO": _nothing,
     "WIREFRAME": _nothing,

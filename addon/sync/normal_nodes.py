@@ -20,7 +20,7 @@ from tyndall.surface_inputs import (
 )
 
 from . import coordinates
-from .domains import MID_GREY, Domain
+from .domains import Domain, on_surfaces
 from .mesh_attributes import tangent_of
 from .program import BLACK, Value, grey
 
@@ -115,16 +115,6 @@ def _bump(reader: ValueReader, at: Socket) -> Value:
     )
 
 
-def _on_surfaces(evaluate: Callable[[ValueReader, Socket], Value]) -> Callable[[ValueReader, Socket], Value]:
-    def guarded(reader: ValueReader, at: Socket) -> Value:
-        if reader.domain is Domain.SURFACE:
-            return evaluate(reader, at)
-        reader.unsupported(at, "is not supported: read as mid grey")
-        return MID_GREY
-
-    return guarded
-
-
 def _bevel(reader: ValueReader, at: Socket) -> Value:
     reader.unsupported(at, "passes its normal on")
     return _normal_input(reader, at)
@@ -136,10 +126,10 @@ def _ambient_occlusion(reader: ValueReader, at: Socket) -> Value:
 
 
 NODES: dict[str, Callable[[ValueReader, Socket], Value]] = {
-    "FRESNEL": _on_surfaces(_fresnel),
-    "LAYER_WEIGHT": _on_surfaces(_layer_weight),
-    "NORMAL_MAP": _on_surfaces(_normal_map),
-    "BUMP": _on_surfaces(_bump),
-    "BEVEL": _on_surfaces(_bevel),
-    "AMBIENT_OCCLUSION": _on_surfaces(_ambient_occlusion),
+    "FRESNEL": on_surfaces(_fresnel),
+    "LAYER_WEIGHT": on_surfaces(_layer_weight),
+    "NORMAL_MAP": on_surfaces(_normal_map),
+    "BUMP": on_surfaces(_bump),
+    "BEVEL": on_surfaces(_bevel),
+    "AMBIENT_OCCLUSION": on_surfaces(_ambient_occlusion),
 }
