@@ -268,6 +268,10 @@ LaneSet DirectLight::may_meet(std::size_t light, std::span<const SurfacePoint> p
         if (!is_world(light)) {
             aim(lights_[light], points, lanes, pair, 1.0f, shadow);
             test();
+            if (lobes != nullptr && lights_[light].aim.has_size()) {
+                aim_by_lobes(lights_[light], surface, pair, 1.0f, shadow);
+                test();
+            }
             continue;
         }
         aim_at_world(surface, pair, 1.0f, shadow);

@@ -21,6 +21,8 @@ from tyndall.scene_description import (
     Image,
     Light,
     LightKind,
+    LobeModel,
+    Lobes,
     Material,
     Medium,
     OccluderEdit,
@@ -84,7 +86,7 @@ def view(kind: CameraKind = CameraKind.PERSPECTIVE) -> Camera:
     )
 
 
-def lights(*, edited: bool = False) -> tuple[Light, ...]:
+def lights(*, edited: bool = False, size: float = 1.0) -> tuple[Light, ...]:
     slanted = np.eye(4)
     slanted[:3, :3] = np.array([[0.8, 0, 0.6], [0, 1, 0], [-0.6, 0, 0.8]])
     holes = OccluderEdit(
@@ -97,7 +99,7 @@ def lights(*, edited: bool = False) -> tuple[Light, ...]:
             kind=LightKind.SUN,
             strength=(1.0,) * 3,
             world_from_light=slanted,
-            half_angle_rad=0.1,
+            half_angle_rad=0.1 * size,
             occluder_edits=(holes, close) if edited else (),
         ),
         Light(
@@ -105,7 +107,7 @@ def lights(*, edited: bool = False) -> tuple[Light, ...]:
             kind=LightKind.POINT,
             strength=(9.0,) * 3,
             world_from_light=translation(-2.0, 1.0, 3.0),
-            radius_m=0.2,
+            radius_m=0.2 * size,
         ),
     )
 
@@ -121,6 +123,7 @@ class State:
     camera: Camera
     config: RenderConfig
     lights: tuple[Light, ...]
+    floor: Material = MATERIALS[0]
 
     def description(self) -> SceneDescription:
         return SceneDescription(
@@ -131,7 +134,7 @@ class State:
                 placed(square("leaf"), *self.leaves, materials=(3,)),
                 placed(replace(unit_cube(), key="fog"), self.fog, materials=(1,)),
             ),
-            materials=MATERIALS,
+            materials=(self.floor, *MATERIALS[1:]),
             media=(Medium(name="fog", lobes=(ScatterLobe(sigma_s_per_m=(0.05,) * 3),)),),
             lights=self.lights,
             world=World(radiance=(0.3, 0.4, 0.5)),
@@ -195,6 +198,8 @@ def counts(film: Film) -> dict[str, int]:
     }
 
 
+OF_STATE = {"camera", "lights", "floor"}  #: The others are of its config.
+GLOSSY = Lobes(model=LobeModel.GLOSSY, inputs=((1.0,) * 3, (0.9, 0.7, 0.4), (0.25,) * 3), registers=(-1,) * 3)
 VARIANTS: dict[str, dict[str, object]] = {
     "plain": {},
     "orthographic": {"camera": view(CameraKind.ORTHOGRAPHIC)},
@@ -203,6 +208,7 @@ VARIANTS: dict[str, dict[str, object]] = {
     "centres": {"pixel_samples": 1},
     "region": {"region_px": (30, 3, 131, 19)},
     "transparent film": {"film_transparent": True},
+    "glossy": {"floor": Material(name="glossy", lobes=(GLOSSY,)), "lights": lights(size=5.0)},
 }
 
 
@@ -215,8 +221,8 @@ def test_no_picture_can_tell_what_moved_before(variant: str, *, keeps_points: bo
     """
     rng = np.random.default_rng(list(VARIANTS).index(variant))
     changes = VARIANTS[variant]
-    state = start(rng, **{name: change for name, change in changes.items() if name in ("camera", "lights")})
-    of_config = {name: change for name, change in changes.items() if name not in ("camera", "lights")}
+    state = start(rng, **{name: change for name, change in changes.items() if name in OF_STATE})
+    of_config = {name: change for name, change in changes.items() if name not in OF_STATE}
     state = replace(state, config=replace(state.config, **of_config))
     x0, y0, x1, y1 = state.config.region_px or (0, 0, *SIZE_PX)
     room_bytes = ROOM_BYTES if keeps_points else NO_ROOM_FOR_POINTS_BYTES_PER_PX * (x1 - x0) * (y1 - y0)
