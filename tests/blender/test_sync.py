@@ -260,6 +260,26 @@ def test_the_last_subdivision_counts_though_a_window_may_leave_it_to_its_graphic
     assert len(read().instances[0].mesh.triangles) == 6 * 4**2 * 2
 
 
+def test_a_mesh_that_is_being_edited_is_read_whole() -> None:
+    """A file may be saved in Edit Mode, and a window shows what is edited: counts are there, attributes are not."""
+    empty_scene()
+    thing = cube("Edited")
+    thing.data.uv_layers.new(name="Map")
+    thing.data.color_attributes.new("Tint", "BYTE_COLOR", "CORNER")
+    thing.data.polygons.foreach_set("use_smooth", [True] * 6)
+    bpy.context.view_layer.objects.active = thing
+    (expected,) = placements(read(), "Edited")
+    bpy.ops.object.mode_set(mode="EDIT")
+    for is_live in (False, True):
+        (found,) = placements(read(is_live=is_live), "Edited")
+        assert [name for name, _ in found.mesh.uv_maps] == [name for name, _ in expected.mesh.uv_maps]
+        for (_, values), (_, whole) in zip(found.mesh.uv_maps, expected.mesh.uv_maps, strict=True):
+            assert np.array_equal(values, whole)
+        assert np.array_equal(found.mesh.positions, expected.mesh.positions)
+        assert np.allclose(found.mesh.corner_normals, expected.mesh.corner_normals, atol=1e-6)
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
 def test_damaged_meshes_do_no_harm() -> None:
     """NaN goes through, for the native side to drop and count; a mesh without a face is not drawn."""
     empty_scene()
