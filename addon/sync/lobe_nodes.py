@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from tyndall.scene_description import LobeModel
+from tyndall.scene_description import BumpShadowing, LobeModel
 
-from .program import BLACK, WHITE, LobeValues, Term, Value, grey
+from .program import BLACK, WHITE, LobeNormals, LobeValues, Term, Value, grey
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,11 +33,29 @@ def _is_old() -> bool:
     return bool(bpy.app.version < (4, 0, 0))
 
 
-def _push(shares: Shares, model: LobeModel, *inputs: Value, preserves_energy: bool = False) -> bool:
+def _push(
+    shares: Shares,
+    model: LobeModel,
+    *inputs: Value,
+    preserves_energy: bool = False,
+    normals: LobeNormals | None = None,
+) -> bool:
     if shares.lobes is None:
         return False
-    shares.lobes.append(LobeValues(model, inputs, preserves_energy))
+    shares.lobes.append(LobeValues(model, inputs, preserves_energy, normals or LobeNormals()))
     return True
+
+
+def _normals(reader: ValueReader, at: Socket) -> LobeNormals:
+    """Of what is diffuse, and turned so that a mirror could have them, of facets."""
+    shadowing = BumpShadowing.SMOOTH if _is_old() else BumpShadowing.FACETS
+    normal, coat = at.input("Normal"), at.input("Coat Normal") or at.input("Clearcoat Normal")
+    return LobeNormals(
+        diffuse=reader.normal(normal),
+        facets=reader.normal(normal, is_specular=True),
+        coat=reader.normal(coat, is_specular=True),
+        bump_shadowing=shadowing if reader.corrects_bumps else BumpShadowing.NONE,
+    )
 
 
 def _note_sharpness(reader: ValueReader, shares: Shares, roughness: Value) -> None:
@@ -60,14 +78,17 @@ def _note_distribution(reader: ValueReader, at: Socket) -> None:
 
 
 def _diffuse(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
-    roughness = reader.number(at.input("Roughness"))
+    roughness, normals = reader.number(at.input("Roughness")), _normals(reader, at)
+    colour = reader.colour(at.input("Color"), _GREY)
     if roughness == BLACK:
-        return False
+        return normals.diffuse is not None and _push(shares, LobeModel.LAMBERT, weight, colour, normals=normals)
     model = LobeModel.OREN_NAYAR_3 if _is_old() else LobeModel.OREN_NAYAR
-    return _push(shares, model, weight, reader.colour(at.input("Color"), _GREY), roughness)
+    return _push(shares, model, weight, colour, roughness, normals=normals)
 
 
 def _translucent(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
+    if reader.normal(at.input("Normal")) is not None:
+        reader.note("normal maps and bumps of translucent surfaces are not drawn")
     return _push(shares, LobeModel.TRANSLUCENT, weight, reader.colour(at.input("Color"), _GREY))
 
 
@@ -79,7 +100,8 @@ def _glossy(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> b
     roughness = BLACK if is_sharp else reader.number(at.input("Roughness"), 0.5)
     _note_sharpness(reader, shares, roughness)
     colour = reader.colour(at.input("Color"), _GREY)
-    return _push(shares, model, weight, colour, roughness, preserves_energy=_is_multiple(at))
+    normals = _normals(reader, at)
+    return _push(shares, model, weight, colour, roughness, preserves_energy=_is_multiple(at), normals=normals)
 
 
 def _metallic(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
@@ -92,7 +114,8 @@ def _metallic(reader: ValueReader, at: Socket, weight: Value, shares: Shares) ->
     else:
         model, names = LobeModel.CONDUCTOR, ("IOR", "Extinction")
     first, second = (reader.colour(at.input(name), WHITE) for name in names)
-    return _push(shares, model, weight, first, roughness, second, preserves_energy=_is_multiple(at))
+    inputs, normals = (weight, first, roughness, second), _normals(reader, at)
+    return _push(shares, model, *inputs, preserves_energy=_is_multiple(at), normals=normals)
 
 
 def _glass(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
@@ -104,20 +127,23 @@ def _glass(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bo
     is_sharp = getattr(at.node, "distribution", "") == "SHARP"
     model = LobeModel.GLASS_3 if _is_old() else LobeModel.GLASS
     roughness = BLACK if is_sharp else reader.number(at.input("Roughness"))
-    return _push(shares, model, weight, colour, roughness, reader.number(at.input("IOR"), 1.45))
+    inputs = weight, colour, roughness, reader.number(at.input("IOR"), 1.45)
+    return _push(shares, model, *inputs, normals=_normals(reader, at))
 
 
 def _velvet(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
     if at.node.type == "BSDF_SHEEN" and getattr(at.node, "distribution", "ASHIKHMIN") != "ASHIKHMIN":
         return False
     sigma = reader.number(at.input("Sigma") or at.input("Roughness"), 1.0)
-    return _push(shares, LobeModel.VELVET, weight, reader.colour(at.input("Color"), _GREY), sigma)
+    colour = reader.colour(at.input("Color"), _GREY)
+    return _push(shares, LobeModel.VELVET, weight, colour, sigma, normals=_normals(reader, at))
 
 
 def _toon(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
     model = LobeModel.GLOSSY_TOON if getattr(at.node, "component", "") == "GLOSSY" else LobeModel.DIFFUSE_TOON
     size, smooth = (reader.number(at.input(name)) for name in ("Size", "Smooth"))
-    return _push(shares, model, weight, reader.colour(at.input("Color"), _GREY), size, smooth)
+    colour = reader.colour(at.input("Color"), _GREY)
+    return _push(shares, model, weight, colour, size, smooth, normals=_normals(reader, at))
 
 
 def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
@@ -128,8 +154,8 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
     coat = reader.number(at.input("Coat Weight") or at.input("Clearcoat"))
     sheen = reader.number(at.input("Sheen Weight") or at.input("Sheen"))
     diffuse_roughness = reader.number(at.input("Diffuse Roughness"))
-    rough = (specular, metallic, transmission, coat, diffuse_roughness)
-    if not _is_old() and all(value == BLACK for value in rough):
+    rough, normals = (specular, metallic, transmission, coat, diffuse_roughness), _normals(reader, at)
+    if not _is_old() and normals.diffuse is None and all(value == BLACK for value in rough):
         return False
     _note_direction(reader, at)
     alpha = program.clamp(reader.number(at.input("Alpha"), 1.0))
@@ -170,7 +196,8 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
         inputs = [specular, tint, transmission, ior, coat, coat_roughness, coat_ior, coat_tint]
         inputs += [diffuse_roughness, radiance]
         model = LobeModel.PRINCIPLED
-    return _push(shares, model, weight, base, metallic, roughness, *inputs, preserves_energy=is_multiple)
+    inputs = [weight, base, metallic, roughness, *inputs]
+    return _push(shares, model, *inputs, preserves_energy=is_multiple, normals=normals)
 
 
 _SHADERS: dict[str, Callable[[ValueReader, Socket, Value, Shares], bool]] = {

@@ -138,6 +138,8 @@ class MaterialReader:
         reports = self._reports if is_seen else Reports()  # nobody misses the gloss of black surfaces
         reader = ValueReader(f'Material "{material.name}"', reports, self._images, domain)
         reader.camera, reader.material_index = self._camera, material.pass_index
+        of_cycles = getattr(material, "cycles", None)  # where its add-on is on
+        reader.corrects_bumps = getattr(of_cycles, "use_bump_map_correction", True)
         return reader
 
 

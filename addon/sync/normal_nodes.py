@@ -49,7 +49,7 @@ def closure_normal(reader: ValueReader, at: Socket | None, *, is_specular: bool 
     normal = own_or_linked(reader, at)
     if normal is None:
         return None
-    is_clamped = is_specular or _CLAMPS_ALL
+    is_clamped = _CLAMPS_ALL or (is_specular and reader.corrects_bumps)
     space = NormalSpace.VALID_SPECULAR if is_clamped else NormalSpace.UNIT
     return reader.program.operation(Code.NORMAL_MAP, normal, BLACK, BLACK, BLACK, option=int(space))
 

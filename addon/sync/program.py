@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from tyndall.scene_description import (
+    BumpShadowing,
     Code,
     Gloss,
     LobeModel,
@@ -59,19 +60,42 @@ class GlossValues:
 
 
 @dataclass(frozen=True)
+class LobeNormals:
+    """Unit normals of a shader's lobes; None: the point's own."""
+
+    diffuse: Value | None = None
+    facets: Value | None = None
+    coat: Value | None = None
+    bump_shadowing: BumpShadowing = BumpShadowing.NONE
+
+    def all(self) -> tuple[Value | None, Value | None, Value | None]:
+        return self.diffuse, self.facets, self.coat
+
+
+@dataclass(frozen=True)
 class LobeValues:
     """A shader with lobes, see tyndall.scene_description.Lobes."""
 
     model: LobeModel
     inputs: tuple[Value, ...]
     preserves_energy: bool = False
+    normals: LobeNormals = LobeNormals()
+
+    def terms(self) -> list[Term]:
+        return [value for value in (*self.inputs, *self.normals.all()) if isinstance(value, Term)]
 
     def constant(self, register_of: Callable[[Term], int]) -> Lobes:
+        def normal(value: Value | None) -> int:
+            return register_of(value) if isinstance(value, Term) else -1
+
+        diffuse, facets, coat = self.normals.all()
         return Lobes(
             model=self.model,
             inputs=tuple(BLACK if isinstance(value, Term) else value for value in self.inputs),
             registers=tuple(register_of(value) if isinstance(value, Term) else -1 for value in self.inputs),
             preserves_energy=self.preserves_energy,
+            normals=(normal(diffuse), normal(facets), normal(coat)),
+            bump_shadowing=self.normals.bump_shadowing,
         )
 
 
@@ -224,7 +248,7 @@ class Program:
         """``results`` are diffuse, transparent and emission; constants if all are known now, lobes included."""
         diffuse, transparent, emission = results
         layers = () if gloss is None else (gloss.facing, gloss.edge, gloss.coat, gloss.coated)
-        read = [value for of in lobes for value in of.inputs if isinstance(value, Term)]
+        read = [term for of in lobes for term in of.terms()]
         if not read and not any(isinstance(result, Term) for result in (*results, *layers)):
             constant = gloss and Gloss(
                 **dict(zip(("facing", "edge", "coat", "coated"), layers, strict=True)), **gloss.indices

@@ -87,7 +87,7 @@ def _add(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None
     if (
         shares.lobes is not None
         and not _is_mirror(reader, source, shares)
-        and _note_and_add(reader, source, weight, shares)
+        and add_lobes(reader, source, weight, shares)
     ):
         return
     if node_type in _SHADERS:
@@ -110,13 +110,6 @@ def _is_mirror(reader: ValueReader, at: Socket, shares: Shares) -> bool:
     return at.node.type in _CAN_MIRROR and _mirrors(reader, at, shares)
 
 
-def _note_and_add(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
-    if not add_lobes(reader, at, weight, shares):
-        return False
-    _note_bumps(reader, at)
-    return True
-
-
 def _colour_of(reader: ValueReader, at: Socket) -> Value:
     return reader.colour(at.input("Color") or at.input("Base Color"), (0.8, 0.8, 0.8))
 
@@ -124,7 +117,7 @@ def _colour_of(reader: ValueReader, at: Socket) -> Value:
 def _note_bumps(reader: ValueReader, at: Socket) -> None:
     normal = at.input("Normal")
     if normal is not None and normal.is_connected():
-        reader.note("normal maps and bumps are not drawn")
+        reader.note(f"normal maps and bumps of {at.node.bl_label} are not drawn here")
 
 
 def _add_finish(

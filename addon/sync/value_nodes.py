@@ -47,6 +47,7 @@ class ValueReader:
         self.environment: tuple[Image, NDArray[np.float64]] | None = None  #: Of a world: image and its rotation.
         self.camera: SeenCamera | None = None  #: What surfaces may ask for.
         self.material_index = 0  #: Its pass index.
+        self.corrects_bumps = True  #: Cycles' setting of the material, from 4.0 on.
 
     def grid_value(self, _name: str) -> float | None:
         """Of a volume object's grid, at the place for which the reader answers; None: it has no such grid."""

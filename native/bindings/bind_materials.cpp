@@ -67,12 +67,20 @@ static GlossLayers make_gloss(const std::array<Triple, 4>& constant, const std::
 }
 
 static LobeSource make_lobes(int model, bool preserves_energy, const std::vector<Triple>& constants,
-                             const std::vector<int>& registers) {
-    LobeSource source{.model = static_cast<LobeModel>(model), .preserves_energy = preserves_energy};
+                             const std::vector<int>& registers, const std::array<int, 3>& normals, int bump_shadowing) {
+    const auto register_of = [](int index) {
+        return index < 0 ? LobeSource::no_register : static_cast<std::uint16_t>(index);
+    };
+    LobeSource source{.model = static_cast<LobeModel>(model),
+                      .preserves_energy = preserves_energy,
+                      .diffuse_normal = register_of(normals[0]),
+                      .facet_normal = register_of(normals[1]),
+                      .coat_normal = register_of(normals[2]),
+                      .bump_shadowing = static_cast<BumpShadowing>(bump_shadowing)};
     for (const Triple& constant : constants)
         source.constants.push_back(to_vec3(constant));
     for (const int index : registers)
-        source.registers.push_back(index < 0 ? LobeSource::no_register : static_cast<std::uint16_t>(index));
+        source.registers.push_back(register_of(index));
     return source;
 }
 
@@ -158,8 +166,11 @@ void bind_materials(py::module_& native) {
         .def(py::init(&make_gloss), "constant"_a, "registers"_a, "mirror_ior"_a, "coat_ior"_a,
              "Four colours, and four registers: facing, edge, coat, coated.");
     py::class_<LobeSource>(native, "Lobes")
-        .def(py::init(&make_lobes), "model"_a, "preserves_energy"_a, "constants"_a, "registers"_a,
-             "Of one shader: its inputs, each a colour, or, where it is not below 0, a register.");
+        .def(
+            py::init(&make_lobes), "model"_a, "preserves_energy"_a, "constants"_a, "registers"_a, "normals"_a,
+            "bump_shadowing"_a,
+            "Of one shader: its inputs, each a colour, or, where it is not below 0, a register; and three registers of "
+            "normals, below 0 the point's own: of what is diffuse, of facets, of a coat.");
     py::class_<Material>(native, "Material")
         .def(py::init(&make_material), "name"_a, "has_surface"_a, "diffuse"_a, "transparent"_a, "emission"_a,
              "program"_a, "diffuse_register"_a, "transparent_register"_a, "emission_register"_a, "textures"_a,

@@ -168,6 +168,12 @@ void DirectLight::aim(const AimedLight& aimed, std::span<const SurfacePoint> poi
     }
 }
 
+vec3 DirectLight::towards_lamp(const Light& light, const SurfacePoint& point, const Ray& ray) {
+    if (!point.is_smooth || light.kind == LightKind::Sun)
+        return ray.direction;
+    return glm::normalize(ray.origin + ray.far_m * ray.direction - point.spawn.towards(ray.direction));
+}
+
 void DirectLight::let_pass(const AimedLight& aimed, const LitSurface& surface, ShadowRays& shadow) const {
     if (scene_.lights()[aimed.index].casts_shadow && aimed.holes)
         aimed.holes->shadow_transmittances(shadow.all(), shadow.passing);
@@ -191,9 +197,10 @@ void DirectLight::add_light(const AimedLight& aimed, const LitSurface& surface, 
     const float sharpest = aimed.aim.has_size() ? 0.0f : least_alpha;
     for (std::size_t index = 0; surface.lobes != nullptr && index < shadow.count; ++index) {
         const LobeSet& lobes = (*surface.lobes)[shadow.points[index]];
-        const vec3& direction = shadow.rays[index].direction;
         if (lobes.lobes.empty())
             continue;
+        const vec3 direction =
+            towards_lamp(scene_.lights()[aimed.index], surface.points[shadow.points[index]], shadow.rays[index]);
         float weight = 1.0f;
         if (aimed.aim.has_size() && lobes.has_directions()) {
             const vec3& position = surface.points[shadow.points[index]].shading.position;

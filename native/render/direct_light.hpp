@@ -105,6 +105,8 @@ private:
              const PairIndex& pair, float share, ShadowRays& shadow) const;
     /// What the lanes leave out: a spot's cone, a texture, the lift off a smooth surface's terminator.
     void finish(const Light& light, const SurfacePoint& point, Ray& ray, Rgb& arriving) const;
+    /// From the point itself, which a ray may leave from above.
+    [[nodiscard]] static vec3 towards_lamp(const Light& light, const SurfacePoint& point, const Ray& ray);
     /// What a lamp with a size adds to lobes, in their own directions.
     void aim_by_lobes(const AimedLight& aimed, const LitSurface& surface, const PairIndex& pair, float share,
                       ShadowRays& shadow) const;

@@ -9,7 +9,7 @@ static constexpr std::size_t kept_counts = 8;
 /// Per pixel; of a few more than one surface point.
 static constexpr std::size_t sample_bytes = 100, point_bytes = 300, point_bytes_per_light = 16;
 /// And of its lobes.
-static constexpr std::size_t lobes_bytes = 150, lobes_bytes_per_light = 12;
+static constexpr std::size_t lobes_bytes = 175, lobes_bytes_per_light = 12;
 
 bool SurfaceKey::operator==(const SurfaceKey& other) const {
     return geometry == other.geometry && world.shines_as(other.world) && camera == other.camera &&

@@ -182,18 +182,11 @@ void validate(const Material& material) {
         require_in(gloss.coat_ior, 1.0f, 1e3f, "coat_ior");
     }
     for (const LobeSource& source : material.lobe_sources) {
-        const std::size_t count = input_count(source.model);
-        require(count > 0, "material \"", material.name, "\" has a model ", static_cast<int>(source.model),
-                " of lobes, which this version does not know");
-        require(source.constants.size() == count && source.registers.size() == count, "material \"", material.name,
-                "\" has ", source.constants.size(), " inputs of lobes in place of ", count);
-        for (const Rgb& input : source.constants)
-            require(is_finite(input), "material \"", material.name, "\" has a value that is not finite");
-        for (const std::uint16_t index : source.registers)
-            if (index != LobeSource::no_register) {
-                check_register(index);
-                require(!material.program.empty(), "material \"", material.name, "\" has no program for its lobes");
-            }
+        validate(source, material.name);
+        for (const std::uint16_t index : registers_of(source)) {
+            check_register(index);
+            require(!material.program.empty(), "material \"", material.name, "\" has no program for its lobes");
+        }
     }
     for (const SurfaceOp& op : material.program) {
         const std::optional<OpFacts> facts = facts_of(op);
@@ -235,16 +228,29 @@ static void add_gloss(const GlossLayers& layers, const Gloss& gloss, const Shadi
     closures.diffuse_albedo += point.tint * non_negative(gloss.coated) * (1.0f - by_coat);
 }
 
+/// Zero, too, where it is the point's own, or no direction.
+static vec3 own_normal(std::uint16_t index, std::span<const Rgb> registers, const ShadingPoint& point) {
+    if (index == LobeSource::no_register || registers[index] == point.shading_normal)
+        return vec3(0.0f);
+    const vec3& normal = registers[index];
+    return std::abs(glm::dot(normal, normal) - 1.0f) < 1e-3f ? normal : vec3(0.0f);
+}
+
 /// The registers are those of the program; a material without one has none.
-static void add_sources(const Material& material, std::span<const Rgb> registers, const ShadingPoint& point,
+static void add_sources(const Material& material, std::span<const Rgb> registers, const ProgramPoint& at,
                         SurfaceClosures& closures, Lobes* lobes) {
+    const ShadingPoint& point = at.surface;
     for (const LobeSource& source : material.lobe_sources) {
         LobeInputs inputs;
         for (std::size_t input = 0; input < source.constants.size(); ++input) {
             const std::uint16_t index = source.registers[input];
             inputs[input] = index == LobeSource::no_register ? source.constants[input] : registers[index];
         }
-        add_lobes(source, inputs, point, closures, lobes);
+        add_lobes(source, inputs, point, closures, lobes,
+                  {.diffuse = own_normal(source.diffuse_normal, registers, point),
+                   .facets = own_normal(source.facet_normal, registers, point),
+                   .coat = own_normal(source.coat_normal, registers, point),
+                   .outgoing = at.incoming});
     }
     if (lobes == nullptr) {
         closures.diffuse_albedo += closures.translucent;
@@ -260,7 +266,7 @@ SurfaceClosures evaluate(const Material& material, const ProgramPoint& at, std::
         if (material.gloss)
             add_gloss(*material.gloss, material.gloss->constant, point, closures);
         if (!material.lobe_sources.empty())
-            add_sources(material, {}, point, closures, lobes);
+            add_sources(material, {}, at, closures, lobes);
         return closures;
     }
     Registers registers{};
@@ -280,7 +286,7 @@ SurfaceClosures evaluate(const Material& material, const ProgramPoint& at, std::
                    .coated = registers[gloss->coated_register]},
                   point, closures);
     if (!material.lobe_sources.empty())
-        add_sources(material, registers, point, closures, lobes);
+        add_sources(material, registers, at, closures, lobes);
     return closures;
 }
 

@@ -367,6 +367,8 @@ def _build_material(material: Material, textures: list[_native.Texture]) -> _nat
                 preserves_energy=lobes.preserves_energy,
                 constants=lobes.inputs,
                 registers=lobes.registers,
+                normals=lobes.normals,
+                bump_shadowing=int(lobes.bump_shadowing),
             )
             for lobes in material.lobes
         ],

@@ -217,6 +217,15 @@ class LobeModel(IntEnum):
     GLOSSY_TOON = 11
     PRINCIPLED_3 = 12
     PRINCIPLED = 13
+    LAMBERT = 14
+
+
+class BumpShadowing(IntEnum):
+    """What bumps take from light that comes in flat; see native/shading/lobes/bump_shadowing.hpp."""
+
+    NONE = 0
+    SMOOTH = 1
+    FACETS = 2
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -227,6 +236,9 @@ class Lobes:
     inputs: tuple[Rgb, ...]  #: Numbers have three equal channels.
     registers: tuple[int, ...]  #: Of each input; below 0 the input itself counts.
     preserves_energy: bool = False  #: What microfacets hide from one another comes back, too.
+    #: Registers of unit normals: of what is diffuse, of microfacets, of a coat; below 0 the point's own.
+    normals: tuple[int, int, int] = (-1, -1, -1)
+    bump_shadowing: BumpShadowing = BumpShadowing.NONE  #: Of what is diffuse around such a normal.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

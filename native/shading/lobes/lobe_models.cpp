@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "shading/lobes/lobe_models.hpp"
+#include "core/errors.hpp"
 #include "shading/lobes/diffuse_lobes.hpp"
 #include "shading/lobes/fresnel_colours.hpp"
 #include "shading/lobes/ggx_energy.hpp"
@@ -12,6 +13,7 @@ using Model = LobeModel;
 std::size_t input_count(Model model) {
     switch (model) {
     case Model::Translucent:
+    case Model::Lambert:
         return 2;
     case Model::OrenNayar3:
     case Model::OrenNayar:
@@ -34,6 +36,26 @@ std::size_t input_count(Model model) {
     return 0;
 }
 
+void validate(const LobeSource& source, const std::string& material_name) {
+    const std::size_t count = input_count(source.model);
+    require(count > 0, "material \"", material_name, "\" has a model ", static_cast<int>(source.model),
+            " of lobes, which this version does not know");
+    require(source.constants.size() == count && source.registers.size() == count, "material \"", material_name,
+            "\" has ", source.constants.size(), " inputs of lobes in place of ", count);
+    for (const Rgb& input : source.constants)
+        require(std::isfinite(input.x) && std::isfinite(input.y) && std::isfinite(input.z), "material \"",
+                material_name, "\" has a value that is not finite");
+    require(source.bump_shadowing < BumpShadowing::Count, "material \"", material_name, "\" has a shadowing of bumps ",
+            static_cast<int>(source.bump_shadowing), ", which this version does not know");
+}
+
+std::vector<std::uint16_t> registers_of(const LobeSource& source) {
+    std::vector<std::uint16_t> all = source.registers;
+    all.insert(all.end(), {source.diffuse_normal, source.facet_normal, source.coat_normal});
+    std::erase(all, LobeSource::no_register);
+    return all;
+}
+
 namespace {
 /// Shares below do not count.
 constexpr float least_share = 1e-5f;
@@ -49,9 +71,10 @@ Rgb non_negative(const Rgb& value) {
 class Builder {
 public:
     Builder(const LobeSource& source, const LobeInputs& inputs, const ShadingPoint& point, SurfaceClosures& closures,
-            Lobes* lobes)
-        : source_(source), inputs_(inputs), point_(point), closures_(closures), lobes_(lobes),
-          cosine_(point.view_cosine), weight_(non_negative(inputs[0])) {}
+            Lobes* lobes, const LobeNormals& normals)
+        : source_(source), inputs_(inputs), point_(point), closures_(closures), lobes_(lobes), normals_(normals),
+          diffuse_cosine_(cosine_around(normals.diffuse)), cosine_(cosine_around(normals.facets)),
+          coat_cosine_(cosine_around(normals.coat)), weight_(non_negative(inputs[0])) {}
 
     void build() {
         if (largest(weight_) <= least_share)
@@ -61,6 +84,8 @@ public:
             return rough_diffuse(weight_ * colour(1), clamped(colour(1)), clamped(number(2)), true);
         case Model::OrenNayar:
             return rough_diffuse(weight_ * colour(1), clamped(colour(1)), clamped(number(2)), false);
+        case Model::Lambert:
+            return lambert(weight_ * colour(1));
         case Model::Translucent:
             closures_.translucent += weight_ * colour(1);
             return;
@@ -96,21 +121,32 @@ private:
     /// The surface's own colour.
     [[nodiscard]] Rgb colour(std::size_t input) const { return point_.tint * non_negative(inputs_[input]); }
 
+    /// Of the way to the viewer.
+    [[nodiscard]] float cosine_around(const vec3& normal) const {
+        return normal == vec3(0.0f) ? point_.view_cosine : std::max(glm::dot(normal, normals_.outgoing), 0.0f);
+    }
+
     /// `sampling`: how much it shines, of light from all around.
     void add(Lobe lobe) {
-        if (!(largest(lobe.weight) > least_share))
+        const float cosine = cosine_around(lobe.normal);
+        if (!(largest(lobe.weight) > least_share) || (lobe.has_own_normal() && !lobe.is_matte() && cosine <= 0.0f))
             return;
+        if (lobe.has_own_normal() && lobe.is_matte())
+            lobe.bump_shadowing = source_.bump_shadowing;
         if (lobes_ == nullptr) { // as if it were Lambert's
-            closures_.diffuse_albedo += lobe.weight * (lobe.is_diffuse() ? Rgb(1.0f) : facet_colour(lobe, cosine_));
+            closures_.diffuse_albedo += lobe.weight * (lobe.is_diffuse() ? Rgb(1.0f) : facet_colour(lobe, cosine));
             return;
         }
         if (lobe.kind >= Lobe::Kind::Ggx)
-            lobe.sampling = std::max(average(lobe.weight * facet_colour(lobe, cosine_)), 1e-3f * average(lobe.weight));
+            lobe.sampling = std::max(average(lobe.weight * facet_colour(lobe, cosine)), 1e-3f * average(lobe.weight));
         lobes_->push_back(lobe);
     }
-    [[nodiscard]] static Lobe facets(float roughness, const Rgb& weight) {
+    [[nodiscard]] Lobe facets(float roughness, const Rgb& weight) const {
         const float alpha = clamped(roughness) * clamped(roughness);
-        return {.kind = Lobe::Kind::Ggx, .alpha = std::max(alpha, least_alpha), .weight = weight};
+        return {.kind = Lobe::Kind::Ggx,
+                .alpha = std::max(alpha, least_alpha),
+                .weight = weight,
+                .normal = normals_.facets};
     }
     /// Facets as they are with what they hide from one another, of which the mean of their colour is `mean`. The share of
     /// the weight that counts as their albedo.
@@ -131,18 +167,24 @@ private:
         return weight * clamped(1.0f - std::max({share(0), share(1), share(2)}));
     }
 
-    void rough_diffuse(const Rgb& weight, const Rgb& albedo, float roughness, bool is_of_blender3) {
-        if (roughness < least_share) {
+    void lambert(const Rgb& weight) {
+        if (normals_.diffuse == vec3(0.0f))
             closures_.diffuse_albedo += weight;
-            return;
-        }
+        else
+            add({.kind = Lobe::Kind::Lambert, .weight = weight, .normal = normals_.diffuse});
+    }
+
+    void rough_diffuse(const Rgb& weight, const Rgb& albedo, float roughness, bool is_of_blender3) {
+        if (roughness < least_share)
+            return lambert(weight);
         const auto of =
             is_of_blender3 ? oren_nayar::coefficients_of_blender3(roughness) : oren_nayar::coefficients(roughness);
         add({.kind = Lobe::Kind::OrenNayar,
              .alpha = of.a,
              .ior = of.b,
              .weight = weight,
-             .b = is_of_blender3 ? Rgb(0.0f) : oren_nayar::further(of, albedo, cosine_)});
+             .b = is_of_blender3 ? Rgb(0.0f) : oren_nayar::further(of, albedo, diffuse_cosine_),
+             .normal = normals_.diffuse});
     }
 
     void glossy() {
@@ -194,7 +236,10 @@ private:
 
     void velvet() {
         const float sigma = std::max(clamped(number(2)), 0.01f);
-        add({.kind = Lobe::Kind::Velvet, .alpha = 1.0f / (sigma * sigma), .weight = weight_ * colour(1)});
+        add({.kind = Lobe::Kind::Velvet,
+             .alpha = 1.0f / (sigma * sigma),
+             .weight = weight_ * colour(1),
+             .normal = normals_.diffuse});
     }
 
     void toon() {
@@ -202,7 +247,8 @@ private:
         add({.kind = source_.model == Model::DiffuseToon ? Lobe::Kind::DiffuseToon : Lobe::Kind::GlossyToon,
              .alpha = quarter_turn * clamped(number(2)),
              .ior = quarter_turn * clamped(number(3)),
-             .weight = weight_ * colour(1)});
+             .weight = weight_ * colour(1),
+             .normal = normals_.diffuse});
     }
 
     void principled_of_blender3() {
@@ -210,13 +256,15 @@ private:
         const float metallic = clamped(number(2)), roughness = clamped(number(3)), specular = number(4),
                     specular_tint = clamped(number(5)), transmission = clamped(number(10));
         const Rgb diffuse = weight_ * ((1.0f - metallic) * (1.0f - transmission));
-        add({.kind = Lobe::Kind::Burley, .alpha = roughness, .weight = diffuse * base});
+        add({.kind = Lobe::Kind::Burley, .alpha = roughness, .weight = diffuse * base, .normal = normals_.diffuse});
         const auto hue = [&](const Rgb& luminance) {
             const float light = glm::dot(base, luminance);
             return light > 0.0f ? base / light : Rgb(1.0f);
         };
         const Rgb sheen_colour = glm::mix(Rgb(1.0f), hue({0.2126729f, 0.7151522f, 0.0721750f}), clamped(number(7)));
-        add({.kind = Lobe::Kind::BurleySheen, .weight = diffuse * sheen_colour * std::max(number(6), 0.0f)});
+        add({.kind = Lobe::Kind::BurleySheen,
+             .weight = diffuse * sheen_colour * std::max(number(6), 0.0f),
+             .normal = normals_.diffuse});
         const float passing = transmission * (1.0f - metallic);
         if (specular > least_share || metallic > least_share) {
             const Rgb tinted = glm::mix(Rgb(1.0f), hue({0.3f, 0.6f, 0.1f}), specular_tint);
@@ -233,6 +281,7 @@ private:
                   clamped(glm::mix(Rgb(1.0f), base, specular_tint)), roughness, number(11), true);
         Lobe coat = facets(number(9), weight_ * (0.25f * std::max(number(8), 0.0f)));
         coat.kind = Lobe::Kind::Clearcoat;
+        coat.normal = normals_.coat;
         coat.fresnel = Lobe::Fresnel::Dielectric;
         coat.a = Rgb(0.04f);
         add(coat);
@@ -289,18 +338,19 @@ private:
     Rgb below_coat(const Rgb& weight, float coat) {
         const float ior = std::max(number(10), 1.0f), roughness = clamped(number(9));
         Lobe lobe = facets(roughness, weight * coat);
+        lobe.normal = normals_.coat;
         lobe.fresnel = Lobe::Fresnel::Dielectric;
         lobe.ior = ior;
         lobe.a = Rgb(straight_share(ior));
-        const float seen = ggx::albedo(roughness, cosine_), all = ggx::mean_albedo(roughness);
+        const float seen = ggx::albedo(roughness, coat_cosine_), all = ggx::mean_albedo(roughness);
         const float mean = mean_fresnel(ior), missing = (1.0f - seen) / seen;
         const float factor = 1.0f + mean * all / (1.0f - mean * (1.0f - all)) * missing;
         lobe.weight *= factor;
         add(lobe);
-        const Rgb albedo = glm::mix(lobe.a, Rgb(1.0f), ggx::mean_rise(roughness, cosine_, ior));
+        const Rgb albedo = glm::mix(lobe.a, Rgb(1.0f), ggx::mean_rise(roughness, coat_cosine_, ior));
         const Rgb left = below(weight * coat * (factor / (1.0f + missing)) * albedo, weight);
         // Beer's law along the refracted way; the tint is that of the way straight through.
-        const float inner = std::sqrt(std::max(0.0f, 1.0f - (1.0f - cosine_ * cosine_) / (ior * ior)));
+        const float inner = std::sqrt(std::max(0.0f, 1.0f - (1.0f - coat_cosine_ * coat_cosine_) / (ior * ior)));
         const Rgb through = glm::pow(non_negative(inputs_[11]), Rgb(1.0f / std::max(inner, 1e-3f)));
         return left * glm::mix(Rgb(1.0f), through, coat);
     }
@@ -310,13 +360,14 @@ private:
     const ShadingPoint& point_;
     SurfaceClosures& closures_;
     Lobes* lobes_;
-    float cosine_;
+    const LobeNormals& normals_;
+    float diffuse_cosine_, cosine_, coat_cosine_; ///< Of the way to the viewer; the second around the facets' normal.
     Rgb weight_;
 };
 } // namespace
 
 void add_lobes(const LobeSource& source, const LobeInputs& inputs, const ShadingPoint& point, SurfaceClosures& closures,
-               Lobes* lobes) {
-    Builder(source, inputs, point, closures, lobes).build();
+               Lobes* lobes, const LobeNormals& normals) {
+    Builder(source, inputs, point, closures, lobes, normals).build();
 }
 } // namespace tyndall

@@ -8,6 +8,7 @@
 #include "shading/lobes/lobe.hpp"
 #include "shading/lobes/lobe_source.hpp"
 #include <array>
+#include <string>
 
 namespace tyndall {
 struct ShadingPoint;
@@ -34,13 +35,23 @@ enum class LobeModel : std::uint8_t {
     /// base, metallic, roughness, specular level, specular tint, transmission, index, coat, coat roughness, coat index,
     /// coat tint, diffuse roughness, emission.
     Principled = 13,
+    Lambert = 14, ///< Around a normal of its own: colour.
 };
 inline constexpr std::size_t most_lobe_inputs = 16;
 using LobeInputs = std::array<Rgb, most_lobe_inputs>;
+/// Unit normals of a shader's lobes at a point; zero: the point's own.
+struct LobeNormals {
+    vec3 diffuse{0.0f}, facets{0.0f}, coat{0.0f};
+    vec3 outgoing{0, 0, 1}; ///< Unit, to the viewer: what own normals are seen at.
+};
 /// How many inputs a model has, its share included; 0: there is no such model.
 [[nodiscard]] std::size_t input_count(LobeModel model);
+/// Throws InvalidInput that names the material; which registers there are is not looked at.
+void validate(const LobeSource& source, const std::string& material_name);
+/// Those that a shader reads, for inputs and normals.
+[[nodiscard]] std::vector<std::uint16_t> registers_of(const LobeSource& source);
 
 /// Adds what a shader does to the closures; its lobes to `lobes`, or, where there is no such list, to Lambert's share.
 void add_lobes(const LobeSource& source, const LobeInputs& inputs, const ShadingPoint& point, SurfaceClosures& closures,
-               Lobes* lobes);
+               Lobes* lobes, const LobeNormals& normals = {});
 } // namespace tyndall

@@ -10,27 +10,31 @@ namespace {
 /// What lobes ask of two directions, once for all of them.
 struct Angles {
     float view, light, between;     ///< Cosines.
+    float normal_half = 0.0f;       ///<
     float normal_half2 = 0.0f;      ///< Squared cosine of normal and half vector.
     float normal_half_sine2 = 0.0f; ///< And squared sine.
     float view_half = 0.0f;         ///< Cosine of view and half vector.
 
-    Angles(const LobeSet& set, const vec3& incoming)
-        : view(glm::dot(set.normal, set.outgoing)), light(glm::dot(set.normal, incoming)),
-          between(glm::dot(set.outgoing, incoming)) {
-        const vec3 sum = set.outgoing + incoming;
+    Angles(const vec3& normal, const vec3& outgoing, const vec3& incoming)
+        : view(glm::dot(normal, outgoing)), light(glm::dot(normal, incoming)), between(glm::dot(outgoing, incoming)) {
+        const vec3 sum = outgoing + incoming;
         const float length2 = glm::dot(sum, sum);
         if (length2 <= 0.0f)
             return;
-        const vec3 half = sum / std::sqrt(length2), across = glm::cross(set.normal, half);
-        const float cosine = glm::dot(set.normal, half);
-        normal_half2 = cosine * cosine;
+        const vec3 half = sum / std::sqrt(length2), across = glm::cross(normal, half);
+        normal_half = glm::dot(normal, half);
+        normal_half2 = normal_half * normal_half;
         normal_half_sine2 = glm::dot(across, across);
-        view_half = glm::dot(half, set.outgoing);
+        view_half = glm::dot(half, outgoing);
     }
 };
 
+const vec3& normal_of(const Lobe& lobe, const LobeSet& set) { return lobe.has_own_normal() ? lobe.normal : set.normal; }
+
 Rgb reflected(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const Angles& angles) {
     switch (lobe.kind) {
+    case Lobe::Kind::Lambert:
+        return Rgb(std::numbers::inv_pi_v<float>);
     case Lobe::Kind::OrenNayar: {
         const oren_nayar::Coefficients of{lobe.alpha, lobe.ior};
         const float once = oren_nayar::once(of, angles.light, angles.view, angles.between);
@@ -45,7 +49,7 @@ Rgb reflected(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const 
     case Lobe::Kind::DiffuseToon:
         return Rgb(toon(lobe.alpha, lobe.ior, angles.light) / angles.light);
     case Lobe::Kind::GlossyToon: {
-        const float mirrored = glm::dot(2.0f * angles.view * set.normal - set.outgoing, incoming);
+        const float mirrored = glm::dot(2.0f * angles.view * normal_of(lobe, set) - set.outgoing, incoming);
         return Rgb(toon(lobe.alpha, lobe.ior, mirrored) / angles.light);
     }
     case Lobe::Kind::Clearcoat:
@@ -62,10 +66,26 @@ Rgb reflected(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const 
             (4.0f * angles.view * angles.light));
 }
 
+/// The same around the lobe's own normal; `light`: the cosine that is in the irradiance.
+Rgb reflected_around_own(const Lobe& lobe, const LobeSet& set, const vec3& incoming, float light) {
+    constexpr float least_light = 1e-6f; // a quotient that is finite
+    Angles angles(lobe.normal, set.outgoing, incoming);
+    const float between = glm::dot(set.normal, lobe.normal);
+    if (angles.light <= 0.0f || between <= 0.0f || (angles.view <= 0.0f && !lobe.is_matte()))
+        return Rgb(0.0f);
+    angles.view = std::max(angles.view, 0.0f);
+    const float left = unshadowed_by_bumps(lobe.bump_shadowing, light, angles.light, between);
+    return reflected(lobe, set, incoming, angles) * (left * angles.light / std::max(light, least_light));
+}
+
 float pdf_of(const Lobe& lobe, const Angles& angles) {
+    if (angles.view <= 0.0f)
+        return 0.0f;
     if (lobe.kind == Lobe::Kind::Clearcoat)
         return clearcoat::distribution(lobe.alpha, angles.normal_half2) * std::sqrt(angles.normal_half2) /
                (4.0f * std::max(angles.view_half, 1e-6f));
+    if (angles.normal_half <= 0.0f) // no facet that is seen sends light there
+        return 0.0f;
     return ggx::reflected_pdf_per_sr(lobe.alpha, angles.view, angles.normal_half_sine2, angles.normal_half2);
 }
 
@@ -92,13 +112,18 @@ Rgb facet_colour(const Lobe& lobe, float cosine) {
 }
 
 Rgb LobeSet::per_irradiance(const vec3& incoming, float sharpest) const {
-    const Angles angles(*this, incoming);
+    const Angles angles(normal, outgoing, incoming);
     Rgb sum(0.0f);
-    if (angles.view <= 0.0f || angles.light <= 0.0f)
+    if (angles.light <= 0.0f)
         return sum;
-    for (const Lobe& lobe : lobes)
-        if (lobe.kind < Lobe::Kind::Ggx || lobe.alpha > sharpest)
+    for (const Lobe& lobe : lobes) {
+        if (lobe.kind >= Lobe::Kind::Ggx && lobe.alpha <= sharpest)
+            continue;
+        if (lobe.has_own_normal())
+            sum += lobe.weight * reflected_around_own(lobe, *this, incoming, angles.light);
+        else if (angles.view > 0.0f)
             sum += lobe.weight * reflected(lobe, *this, incoming, angles);
+    }
     return sum;
 }
 
@@ -116,31 +141,32 @@ vec3 LobeSet::sample(vec2 u) const {
         left -= lobe.sampling;
     }
     u.x = std::min(left / drawn->sampling, 0.99999994f); // what chose a lobe is even again within it
-    const auto [tangent, bitangent] = orthonormal_basis(normal);
-    const vec3 view(glm::dot(outgoing, tangent), glm::dot(outgoing, bitangent), glm::dot(outgoing, normal));
+    const vec3& around = normal_of(*drawn, *this);
+    const auto [tangent, bitangent] = orthonormal_basis(around);
+    const vec3 view(glm::dot(outgoing, tangent), glm::dot(outgoing, bitangent), glm::dot(outgoing, around));
     const vec3 facet = drawn->kind == Lobe::Kind::Clearcoat ? clearcoat::sample_normal(drawn->alpha, u)
                                                             : ggx::sample_visible_normal(view, drawn->alpha, u);
-    const vec3 half = facet.x * tangent + facet.y * bitangent + facet.z * normal;
+    const vec3 half = facet.x * tangent + facet.y * bitangent + facet.z * around;
     return glm::normalize(2.0f * glm::dot(outgoing, half) * half - outgoing);
 }
 
 float LobeSet::pdf_per_sr(const vec3& incoming) const {
-    const Angles angles(*this, incoming);
+    const Angles angles(normal, outgoing, incoming);
     const float all = sum_of_sampling(lobes);
-    if (angles.view <= 0.0f || angles.view_half <= 0.0f || all <= 0.0f)
+    if (angles.view_half <= 0.0f || all <= 0.0f)
         return 0.0f;
     float sum = 0.0f;
     for (const Lobe& lobe : lobes)
         if (lobe.sampling > 0.0f)
-            sum += lobe.sampling * pdf_of(lobe, angles);
+            sum +=
+                lobe.sampling * pdf_of(lobe, lobe.has_own_normal() ? Angles(lobe.normal, outgoing, incoming) : angles);
     return sum / all;
 }
 
 Rgb LobeSet::albedo() const {
-    const float cosine = glm::dot(normal, outgoing);
     Rgb sum(0.0f);
     for (const Lobe& lobe : lobes)
-        sum += lobe.weight * facet_colour(lobe, std::max(cosine, 0.0f));
+        sum += lobe.weight * facet_colour(lobe, std::max(glm::dot(normal_of(lobe, *this), outgoing), 0.0f));
     return sum;
 }
 

@@ -2,6 +2,8 @@
 // The lobes of one point together: what they send back, and directions drawn as often as they shine there.
 // Based on: Veach, dissertation, Stanford 1997, section 9.2: one of the lobes is drawn from, the density is that of all.
 // Differs:  broad lobes have no directions of their own: those by the cosine serve them.
+//           A lobe's own normal changes its cosine, too: irradiance is that around the point's normal, so that what the lobe
+//           sends back is scaled by the quotient of the cosines.
 // Bound:    10 to 30 ns a lobe and direction.
 #pragma once
 #include "shading/lobes/lobe.hpp"
@@ -11,13 +13,13 @@ namespace tyndall {
 /// Facets that are no wider are taken for as wide: floats have no digits for less.
 inline constexpr float least_alpha = 1e-3f;
 
-/// Unit vectors: normal, and to the viewer; lobes of one point.
+/// Unit vectors: the point's normal, and to the viewer; lobes of one point.
 struct LobeSet {
     std::span<const Lobe> lobes;
     vec3 normal{0, 0, 1}, outgoing{0, 0, 1};
 
     /// Radiance towards the viewer per irradiance from a unit direction, 1/sr. Lobes no wider than `sharpest` are left out:
-    /// of a light without a size a mirror shows nothing.
+    /// of a light without a size a mirror shows nothing. Nothing comes back of light behind the point's normal.
     [[nodiscard]] Rgb per_irradiance(const vec3& incoming, float sharpest = 0.0f) const;
     /// False: no lobe has directions of its own.
     [[nodiscard]] bool has_directions() const;

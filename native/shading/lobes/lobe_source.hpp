@@ -2,6 +2,7 @@
 // A shader that becomes lobes at a point: which it is, and where its inputs come from.
 #pragma once
 #include "core/math.hpp"
+#include "shading/lobes/bump_shadowing.hpp"
 #include <cstdint>
 #include <vector>
 
@@ -14,6 +15,9 @@ struct LobeSource {
     bool preserves_energy = false; ///< What facets hide from one another comes back, too.
     std::vector<Rgb> constants = {};
     std::vector<std::uint16_t> registers = {}; ///< As many.
+    /// Where the unit normals are of what is diffuse, of facets, and of a coat; no_register: the point's own.
+    std::uint16_t diffuse_normal = no_register, facet_normal = no_register, coat_normal = no_register;
+    BumpShadowing bump_shadowing = BumpShadowing::None; ///< Of what is diffuse around such a normal.
     bool operator==(const LobeSource&) const = default;
 };
 } // namespace tyndall

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shaders around normals that maps and bumps bend reflect light as Cycles' do, each on a ball of every angle."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+import pytest
+
+from addon import last_render
+from support.closure_scenes import IS_OLD, ball, errors, lamp, shader, sun, world
+from support.engine_pictures import cycles_pixels, tyndall_pixels
+from support.small_scenes import Build, empty_scene, material, node
+
+GOLD, RED = (0.9, 0.6, 0.2, 1.0), (0.8, 0.2, 0.1, 1.0)
+BOUND = 0.01
+GLOSSY = "ShaderNodeBsdfGlossy" if IS_OLD else "ShaderNodeBsdfAnisotropic"
+COAT = "Clearcoat" if IS_OLD else "Coat"
+New, Link = Callable[[str], bpy.types.Node], Callable[..., object]
+
+
+def combined(new: New, link: Link, operation: str, a: object, b: object, c: object = None) -> bpy.types.NodeSocket:
+    """A Vector Math node of sockets and values."""
+    created = new("ShaderNodeVectorMath")
+    created.operation = operation
+    for place, value in enumerate((a, b, c)):
+        if isinstance(value, bpy.types.NodeSocket):
+            link(value, created.inputs[place])
+        elif value is not None:
+            created.inputs[place].default_value = value
+    return created.outputs["Vector"]
+
+
+def waves(new: New, link: Link) -> bpy.types.NodeSocket:
+    """Three of the position, in [-1, 1]."""
+    at = new("ShaderNodeNewGeometry").outputs["Position"]
+    return combined(new, link, "SINE", combined(new, link, "MULTIPLY", at, (7.0, 6.0, 5.0)), None)
+
+
+def tangent_map(new: New, link: Link) -> bpy.types.NodeSocket:
+    mapped = node(new, "ShaderNodeNormalMap", Strength=0.8)
+    link(combined(new, link, "MULTIPLY_ADD", waves(new, link), (0.25, 0.2, 0.05), (0.5, 0.5, 0.9)), mapped.inputs[1])
+    return mapped.outputs["Normal"]
+
+
+def map_in(space: str, strength: float) -> Build:
+    """The surface's own normal with waves."""
+
+    def build(new: New, link: Link) -> bpy.types.NodeSocket:
+        mapped = node(new, "ShaderNodeNormalMap", Strength=strength)
+        mapped.space = space
+        kind = "ShaderNodeTexCoord" if space == "OBJECT" else "ShaderNodeNewGeometry"
+        bent = combined(new, link, "MULTIPLY_ADD", waves(new, link), (0.4, 0.3, 0.2), new(kind).outputs["Normal"])
+        link(combined(new, link, "MULTIPLY_ADD", bent, (0.5, 0.5, 0.5), (0.5, 0.5, 0.5)), mapped.inputs["Color"])
+        return mapped.outputs["Normal"]
+
+    return build
+
+
+def bump(strength: float = 0.8) -> Build:
+    def build(new: New, link: Link) -> bpy.types.NodeSocket:
+        created = node(new, "ShaderNodeBump", Strength=strength, Distance=0.08)
+        link(waves(new, link), created.inputs["Height"])
+        return created.outputs["Normal"]
+
+    return build
+
+
+NORMALS: dict[str, Build] = {
+    "tangent": tangent_map,
+    "object": map_in("OBJECT", 1.0),
+    "world": map_in("WORLD", 0.7),
+    "bump": bump(),
+}
+
+
+def around(build: Build, normal: Build, socket: str = "Normal") -> Build:
+    def made(new: New, link: Link) -> bpy.types.NodeSocket:
+        surface = build(new, link)
+        link(normal(new, link), surface.node.inputs[socket])
+        return surface
+
+    return made
+
+
+def principled(**inputs: object) -> Build:
+    return shader("ShaderNodeBsdfPrincipled", **{"Base_Color": RED, "Roughness": 0.4, **inputs})
+
+
+COATED = principled(**{"Clearcoat" if IS_OLD else "Coat_Weight": 1.0, f"{COAT}_Roughness": 0.3})
+SHADERS: dict[str, Build] = {
+    "diffuse": shader("ShaderNodeBsdfDiffuse", Color=RED),
+    "glossy": shader(GLOSSY, Color=GOLD, Roughness=0.4, node_distribution="GGX"),
+    "principled": principled(node_distribution="GGX"),
+}
+MORE: dict[str, Build] = {
+    "rough diffuse": shader("ShaderNodeBsdfDiffuse", Color=RED, Roughness=0.7),
+    "metal": principled(Base_Color=GOLD, Metallic=1.0, node_distribution="GGX"),
+    "no specular": principled(**{"Specular" if IS_OLD else "Specular_IOR_Level": 0.0}),
+    "toon": shader("ShaderNodeBsdfToon", Color=RED, Size=0.5, Smooth=0.3),
+    "velvet": shader("ShaderNodeBsdfVelvet", Color=RED, Sigma=0.6)
+    if IS_OLD
+    else shader("ShaderNodeBsdfSheen", Color=RED, Roughness=0.6, node_distribution="ASHIKHMIN"),
+}
+
+
+def scene_of(build: Build, light_it: Callable[[bpy.types.Scene], object], *, is_smooth: bool) -> bpy.types.Scene:
+    scene = empty_scene(64)
+    scene.camera.data.ortho_scale = 2.1
+    data = ball(material("Shown", build), is_smooth=is_smooth).data
+    places = np.array([data.vertices[loop.vertex_index].co for loop in data.loops])
+    layer = data.uv_layers.new(name="UV")
+    layer.data.foreach_set("uv", (0.5 + 0.5 * places[:, :2]).ravel())
+    light_it(scene)
+    return scene
+
+
+def check(
+    build: Build,
+    light_it: Callable[[bpy.types.Scene], object],
+    samples: int = 4,
+    cycles_samples: int = 8,
+    *,
+    is_smooth: bool = False,
+) -> None:
+    scene = scene_of(build, light_it, is_smooth=is_smooth)
+    ours, cycles = tyndall_pixels(scene, samples), cycles_pixels(scene, cycles_samples, seed=1)
+    mean, median = errors(ours, cycles)
+    print(f"mean {mean:.4f}, median block {median:.4f}")
+    assert mean <= BOUND
+    assert median <= BOUND
+
+
+# Seen to fail: all around the surface's own normal; half of them without what bumps shadow.
+@pytest.mark.parametrize("tilt", [40.0, 80.0])
+@pytest.mark.parametrize("normal", NORMALS)
+@pytest.mark.parametrize("name", SHADERS)
+def test_a_shader_around_a_normal(name: str, normal: str, tilt: float) -> None:
+    check(around(SHADERS[name], NORMALS[normal]), sun(tilt))
+
+
+@pytest.mark.parametrize("name", MORE)
+def test_other_shaders_around_a_bump(name: str) -> None:
+    check(around(MORE[name], bump()), sun(60.0))
+
+
+@pytest.mark.parametrize("sockets", [("Normal",), (f"{COAT} Normal",), ("Normal", f"{COAT} Normal")])
+def test_a_coat_has_a_normal_of_its_own(sockets: tuple[str, ...]) -> None:
+    build = COATED
+    for socket, normal in zip(sockets, (bump(), NORMALS["object"]), strict=False):
+        build = around(build, normal, socket)
+    check(build, sun(50.0))
+
+
+@pytest.mark.parametrize("name", SHADERS)
+@pytest.mark.parametrize("light_it", [lamp(0.3), world()], ids=["lamp", "world"])
+def test_lights_with_a_size_on_bumps(name: str, light_it: Callable[[bpy.types.Scene], object]) -> None:
+    check(around(SHADERS[name], bump()), light_it, 256, 1024)
+
+
+@pytest.mark.parametrize("name", SHADERS)
+def test_a_smooth_ball_with_bumps_under_a_lamp(name: str) -> None:
+    check(around(SHADERS[name], bump()), lamp(0.0), is_smooth=True)
+
+
+@pytest.mark.skipif(IS_OLD, reason="a setting of 4.0")
+@pytest.mark.parametrize("name", SHADERS)
+def test_a_material_may_leave_bumps_uncorrected(name: str) -> None:
+    scene = scene_of(around(SHADERS[name], tangent_map), sun(80.0), is_smooth=False)
+    corrected = tyndall_pixels(scene, 4)
+    bpy.data.materials["Shown"].cycles.use_bump_map_correction = False
+    ours, cycles = tyndall_pixels(scene, 4), cycles_pixels(scene, 8, seed=1)
+    assert max(errors(ours, cycles)) <= BOUND
+    assert name != "diffuse" or ours.mean() > 1.02 * corrected.mean()
+
+
+def test_what_ignores_its_normal_says_so() -> None:
+    leaf = around(shader("ShaderNodeBsdfTranslucent", Color=RED), bump())
+    scene = scene_of(leaf, sun(40.0), is_smooth=False)
+    tyndall_pixels(scene)
+    reports = last_render.statistics_of("Scene")["reports"]
+    assert any("translucent" in line and "Shown" in line for line in reports)
