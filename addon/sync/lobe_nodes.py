@@ -28,6 +28,13 @@ def add_lobes(reader: ValueReader, at: Socket, weight: Value, shares: Shares) ->
     return read is not None and read(reader, at, weight, shares)
 
 
+def plain_principled() -> LobeValues:
+    """The Principled BSDF as it is when it is added: what has no material, from 5.0 on."""
+    specular, ior, coat_roughness = grey(0.5), grey(1.5), grey(0.03)
+    inputs = (WHITE, _GREY, BLACK, grey(0.5), specular, WHITE, BLACK, ior, BLACK, coat_roughness, grey(1.5), WHITE)
+    return LobeValues(LobeModel.PRINCIPLED, (*inputs, BLACK, BLACK), preserves_energy=True)
+
+
 def _is_old() -> bool:
     """Up to 3.x, shaders have other formulas."""
     return bool(bpy.app.version < (4, 0, 0))

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from tyndall.scene_description import Material, Medium, attribute_maps
 
-from ..shader_nodes import shader_tree
+from ..shader_nodes import ALWAYS_HAS_NODES, shader_tree
+from .lobe_nodes import plain_principled
 from .mesh_attributes import what_is_missing
 from .node_graph import output_input
 from .program import BLACK, WHITE, grey
@@ -67,7 +68,7 @@ class MaterialReader:
         self._index_of: dict[bpy.types.Material | None, int] = {}
 
     def index(self, material: bpy.types.Material | None) -> int:
-        """None is an empty slot: Blender's default grey."""
+        """None is an empty slot: Blender's default, which is grey and diffuse before 5.0."""
         material = self.shader_of(material)
         if material not in self._index_of:
             self._index_of[material] = len(self.materials)
@@ -88,7 +89,11 @@ class MaterialReader:
     def _read(self, material: bpy.types.Material | None) -> Material:
         if material is None:
             self.channels[-1] = {"roughness": Material(name="no material", diffuse=WHITE, transparent=WHITE)}
-            return Material(name="no material") if self._is_lit else Material(name="no material", diffuse=BLACK)
+            if not self._is_lit:
+                return Material(name="no material", diffuse=BLACK)
+            if ALWAYS_HAS_NODES and self._has_lobes:
+                return Material(name="no material", diffuse=BLACK, lobes=(plain_principled().constant(lambda _: -1),))
+            return Material(name="no material")
         tree = shader_tree(material)
         if tree is None:
             colour = material.diffuse_color

@@ -95,6 +95,17 @@ def test_a_shader_under_a_sun(name: str) -> None:
     check(SHADERS[name], sun(TILT))
 
 
+@pytest.mark.parametrize("tilt", [0.0, TILT])
+def test_what_has_no_material(tilt: float) -> None:
+    """Grey and diffuse; from 5.0 on it is a Principled BSDF."""
+    scene = scene_of(SHADERS["rough diffuse"], sun(tilt))
+    bpy.data.objects["Ball"].data.materials.clear()
+    ours, cycles = tyndall_pixels(scene, 1), cycles_pixels(scene, 2, seed=1)
+    mean, median = errors(ours, cycles)
+    assert mean <= BOUND / 5
+    assert median <= BOUND / 5
+
+
 @pytest.mark.parametrize("name", ["principled", "glossy 0.2"])
 @pytest.mark.parametrize("light_it", [lamp(0.3), world()], ids=["lamp", "world"])
 def test_lights_with_a_size(name: str, light_it: object) -> None:
