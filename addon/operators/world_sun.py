@@ -50,6 +50,8 @@ class TYNDALL_OT_sun_from_world(Operator):
 
     def execute(self, context: Context) -> set[str]:
         # All panels register where the native core does not load; only what computes needs it.
+        import numpy as np
+
         from tyndall.environment_suns import NoDominantLightError
 
         from ..sync.images import ImageReader
@@ -60,17 +62,23 @@ class TYNDALL_OT_sun_from_world(Operator):
         world = world_of(context)
         reports = Reports()
         evaluated = world.evaluated_get(context.evaluated_depsgraph_get())
-        read, _ = read_world(evaluated, reports, ImageReader())
+        read_all = read_world(evaluated, reports, ImageReader())
+        read = read_all.world
         if read.image is None:
             why = "; ".join(reports.lines()) or f'World "{world.name}" has no environment image'
             self.report({"ERROR"}, why)
             return {"CANCELLED"}
-        try:
-            found, _ = WorldSuns().find(read.image, world.tyndall.sun_threshold)
-        except NoDominantLightError as reason:
-            self.report({"ERROR"}, f'Image "{read.image.name}" has no dominant light: {reason}')
-            return {"CANCELLED"}
-        irradiance = (found.irradiance * read.radiance).clip(min=0.0)
+        if read_all.suns:  # of a sky texture
+            sun = read_all.suns[0]
+            irradiance, half_angle_rad, towards = np.array(sun.irradiance), sun.half_angle_rad, Vector(sun.towards)
+        else:
+            try:
+                found, _ = WorldSuns().find(read.image, world.tyndall.sun_threshold)
+            except NoDominantLightError as reason:
+                self.report({"ERROR"}, f'Image "{read.image.name}" has no dominant light: {reason}')
+                return {"CANCELLED"}
+            irradiance = (found.irradiance * read.radiance).clip(min=0.0)
+            half_angle_rad, towards = found.half_angle_rad, Vector(direction_in_world(found, read))
         if not irradiance.max() > 0.0:
             self.report({"ERROR"}, f'World "{world.name}" gives no light')
             return {"CANCELLED"}
@@ -80,12 +88,11 @@ class TYNDALL_OT_sun_from_world(Operator):
             return {"CANCELLED"}
         if thing is None or thing.name not in context.view_layer.objects:
             thing = _new_sun(context, world)
-        towards = Vector(direction_in_world(found, read))
         _turn(thing, towards)
-        _shine(thing.data, irradiance, found.half_angle_rad)
+        _shine(thing.data, irradiance, half_angle_rad)
         select_only(context, thing)
         height = math.degrees(math.asin(max(-1.0, min(1.0, towards.z))))
-        width = math.degrees(2 * found.half_angle_rad)
+        width = math.degrees(2 * half_angle_rad)
         self.report(
             {"INFO"}, f'"{thing.name}": {height:.1f} degrees high, {width:.2g} wide, {irradiance.max():.3g} W/m²'
         )

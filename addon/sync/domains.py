@@ -22,8 +22,7 @@ MID_GREY: Value = grey(0.5)  #: Stands for what cannot be evaluated.
 class Domain(Enum):
     """What values may vary over."""
 
-    SURFACE = auto()
-    WORLD = auto()  #: Directions, and only through an environment texture.
+    SURFACE = auto()  #: And directions, of worlds.
     LIGHT = auto()  #: Directions, through images.
     CONSTANT = auto()  #: Media.
 

@@ -16,7 +16,7 @@ from .instances import Placement, shown_kinds
 if TYPE_CHECKING:
     from bpy.types import ID, Depsgraph, SpaceView3D
 
-    from tyndall.scene_description import SceneDescription
+    from tyndall.scene_description import Light, SceneDescription
 
     from .reports import Reports
 
@@ -32,6 +32,7 @@ class ReadScene:
     is_lit: bool
     drawn: frozenset[str]  #: Names of the objects with a mesh.
     lights: tuple[tuple[str, str | None], ...]  #: Names of their objects, and the libraries that these are from.
+    sky_suns: tuple[Light, ...]  #: Of the world, which no object has.
     has_instanced_lights: bool
 
     def serves(self, depsgraph: Depsgraph, viewport: SpaceView3D | None, *, is_lit: bool) -> bool:

@@ -28,7 +28,7 @@ from .volume_sources import is_volume
 from .volumes import VolumeReader
 from .voxel_objects import VoxelReader, without_and_with_voxels
 from .world_suns import WorldSuns
-from .worlds import read_world
+from .worlds import WorldBakes, read_world
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -45,6 +45,7 @@ class SceneReader:
         self._volumes = VolumeReader()
         self._voxels = VoxelReader()
         self._suns = WorldSuns()
+        self._bakes = WorldBakes()
         self._meshes: dict[str, Mesh] = {}
         # By address of the evaluated mesh, while it lives, and by what its materials ask of it.
         self._live: dict[tuple[int, frozenset[str]], tuple[Mesh | None, set[int]]] = {}
@@ -106,15 +107,16 @@ class SceneReader:
         voxel_objects = self._voxels.read(voxels, materials, reports, poll)
         instances = self._instances(meshes, materials, reports, poll, is_viewport=is_viewport)
         shown_world = _world_of(depsgraph)
-        world, medium = read_world(shown_world, reports, self._images)
+        found = read_world(shown_world, reports, self._images, self._bakes)
         if shown_world is not None:
             lights = {one.object_name: one.matrices[0] for one in placements if one.data is None}
-            world = self._suns.take_out(shown_world.original, world, lights, reports)
+            found = self._suns.take_out(shown_world.original, found, lights, reports)
+        sky_suns = tuple(sun.light() for sun in found.suns)
         if depsgraph.mode == "RENDER" and depsgraph.scene_eval.render.use_motion_blur:
             reports.add(f'Scene "{depsgraph.scene_eval.name}"', "motion blur is not drawn")
         poll()
         drawn = frozenset(placement.object_name for placement in drawn_things)
-        world = replace(world, medium=materials.add_medium(medium))
+        world = replace(found.world, medium=materials.add_medium(found.medium))
         read_volumes = self._volumes.read(volumes, materials, self._images, reports, poll)
         of_all_but_lights = Reports()
         of_all_but_lights.include(reports)
@@ -122,7 +124,7 @@ class SceneReader:
         description = SceneDescription(
             instances=instances,
             voxel_objects=voxel_objects,
-            lights=_lights(placements, edits, self._images, reports),
+            lights=(*_lights(placements, edits, self._images, reports), *sky_suns),
             world=world,
             materials=tuple(materials.materials),
             volumes=read_volumes,
@@ -141,6 +143,7 @@ class SceneReader:
                 is_lit=is_lit,
                 drawn=drawn,
                 lights=light_names(placements),
+                sky_suns=sky_suns,
                 has_instanced_lights=any(one.data is None and one.is_instanced for one in placements),
             )
         return description
@@ -152,7 +155,7 @@ class SceneReader:
         reports.include(last.reports)
         edits = OccluderEditReader(depsgraph, last.drawn, self._images, self._masks, reports, poll)
         lights = _lights(last.light_placements(depsgraph), edits, self._images, reports)
-        return replace(last.description, lights=lights, reports=reports.lines())
+        return replace(last.description, lights=(*lights, *last.sky_suns), reports=reports.lines())
 
     def _forget_stale(self, depsgraph: Depsgraph, *, is_live: bool) -> None:
         still_lives = is_live and depsgraph.as_pointer() == self._live_depsgraph

@@ -145,24 +145,6 @@ def _environment_on_surface(reader: ValueReader, at: Socket) -> Value:
     )
 
 
-def environment_value(reader: ValueReader, at: Socket) -> Value:
-    """The one equirectangular image of a world; the reader keeps image and rotation."""
-    image = reader.images.read(at.node.image, reader.reports, reader.culprit)
-    if image is None:
-        return MAGENTA
-    if at.node.projection != "EQUIRECTANGULAR":
-        reader.note(f'image "{image.name}" is read as equirectangular')
-    place = _coordinates(reader, at)
-    if any(place.matrix[row][3] for row in range(3)):
-        reader.note("the location of a Mapping node is ignored")
-    rotation = np.array(place.matrix)[:3, :3]
-    if reader.environment is not None and reader.environment[0].key != image.key:
-        reader.note(f'a second image, "{image.name}", is left out')
-        return WHITE
-    reader.environment = image, rotation
-    return reader.program.texture(TextureUse(image=image), "", (1, 0, 0, 0, 1, 0, 0, 0, 1))
-
-
 @dataclass(frozen=True)
 class _Coordinates:
     uv_map: str  #: "": the active one.
@@ -190,10 +172,6 @@ def _origin(reader: ValueReader, source: Socket) -> str:
     if node.type == "ATTRIBUTE" and node.attribute_type == "GEOMETRY" and output == "Vector":
         return str(node.attribute_name)
     if node.type == "TEX_COORD" and output == "UV":
-        return ""
-    is_direction = node.type == "TEX_COORD" and output in {"Generated", "Object"}
-    is_direction |= node.type == "NEW_GEOMETRY" and output == "Position"
-    if reader.domain is Domain.WORLD and is_direction:
         return ""
     label = node.bl_label if node.type != "TEX_COORD" else f"{source.socket.name} coordinates"
     reader.note(f"{label}: the active UV map is used instead")
@@ -225,10 +203,8 @@ def _environment(reader: ValueReader, at: Socket) -> Value:
         return reader.image(at)
     if reader.domain is Domain.SURFACE:
         return _environment_on_surface(reader, at)
-    if reader.domain is not Domain.WORLD:
-        reader.unsupported(at, "is read as mid grey: it works in worlds only")
-        return MID_GREY
-    return environment_value(reader, at)
+    reader.unsupported(at, "is read as mid grey: it works on surfaces and in worlds only")
+    return MID_GREY
 
 
 NODES: dict[str, Callable[[ValueReader, Socket], Value]] = {

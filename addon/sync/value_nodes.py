@@ -17,11 +17,6 @@ from .program import BLACK, Program, Term, Value, grey
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from tyndall.scene_description import Image
-
     from .images import ImageReader
     from .node_graph import Socket
     from .reports import Reports
@@ -44,7 +39,6 @@ class ValueReader:
         self.reports = reports
         self.domain = domain
         self._known: dict[tuple[object, ...], Value] = {}  #: Of outputs.
-        self.environment: tuple[Image, NDArray[np.float64]] | None = None  #: Of a world: image and its rotation.
         self.camera: SeenCamera | None = None  #: What surfaces may ask for.
         self.material_index = 0  #: Its pass index.
         self.corrects_bumps = True  #: Cycles' setting of the material, from 4.0 on.

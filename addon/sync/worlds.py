@@ -1,49 +1,119 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The world: one radiance, or one equirectangular image of it; and the medium that fills space, if there is one."""
+"""The world: one radiance, an equirectangular image, or a program of directions; and the medium that fills space.
+
+A program is baked into an image, which gives the light; cameras see the program itself. The suns of sky textures are
+lights of their own.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tyndall.scene_description import Code, Material, Medium, SurfaceOp, World
+from tyndall.direction_programs import baked, baked_key
+from tyndall.scene_description import Image, Medium, World
 
 from ..shader_nodes import shader_tree
 from .node_graph import Socket, output_input
 from .program import BLACK, WHITE, Value
+from .sky_suns import SkySun, sky_sun
 from .value_nodes import Domain, ValueReader
 from .volume_nodes import read_volume
+from .world_nodes import WorldReader
+from .world_programs import as_turned_image, image_width, linear_map
 
 if TYPE_CHECKING:
     import bpy
-    from numpy.typing import NDArray
+
+    from tyndall.scene_description import Material
 
     from .images import ImageReader
     from .reports import Reports
 
-    _Register = NDArray[np.float64]
-
-#: Stands for a Sky Texture: the mean radiance of its default without the sun, as a plane in Cycles receives it.
-_CLEAR_SKY: Value = (2.0, 2.6, 3.6)
-_SKIES: dict[str, Value] = {"PREETHAM": (0.37, 0.57, 1.06), "HOSEK_WILKIE": (0.050, 0.085, 0.146)}
+_KEPT_COUNT = 2  #: Of baked images: that of the last frame, and one beside it.
 
 
-def read_world(world: bpy.types.World | None, reports: Reports, images: ImageReader) -> tuple[World, Medium | None]:
-    """A scene without a world is black. The medium's index is left to the caller."""
+@dataclass(frozen=True)
+class ReadWorld:
+    """The world's light without the suns of its sky textures, and these."""
+
+    world: World
+    medium: Medium | None = None  #: Its index in `world` is left to the caller.
+    suns: tuple[SkySun, ...] = ()
+
+
+class WorldBakes:
+    """Keeps the last images: a world that did not change is baked once."""
+
+    def __init__(self) -> None:
+        self._kept: dict[str, Image] = {}
+
+    def image(self, material: Material, width: int) -> Image:
+        height = max(1, width // 2)
+        key = baked_key(material, width, height)
+        image = self._kept.pop(key, None) or baked(material, width, height)
+        self._kept[key] = image
+        while len(self._kept) > _KEPT_COUNT:
+            del self._kept[next(iter(self._kept))]
+        return image
+
+
+def read_world(
+    world: bpy.types.World | None, reports: Reports, images: ImageReader, bakes: WorldBakes | None = None
+) -> ReadWorld:
+    """A scene without a world is black."""
     if world is None:
-        return World(name="no world"), None
+        return ReadWorld(World(name="no world"))
     tree = shader_tree(world)
     if tree is None:
-        return World(name=world.name, radiance=tuple(world.color)), None
-    reader = ValueReader(f'World "{world.name}"', reports, images, Domain.WORLD)
+        return ReadWorld(World(name=world.name, radiance=tuple(world.color)))
+    culprit = f'World "{world.name}"'
     surface, volume = (output_input(tree, name) for name in ("Surface", "Volume"))
-    background = BLACK if surface is None else _background(reader, surface, WHITE)
     medium = None
     if volume is not None:
-        constants = ValueReader(reader.culprit, reports, images, Domain.CONSTANT)
-        medium = read_volume(constants, volume, world.name)
-    return _world(reader, world.name, background), medium
+        medium = read_volume(ValueReader(culprit, reports, images, Domain.CONSTANT), volume, world.name)
+    reader = WorldReader(culprit, reports, images, draws_discs=False)
+    background = BLACK if surface is None else _background(reader, surface, WHITE)
+    material = reader.program.material(world.name, (BLACK, BLACK, background))
+    if not material.program:
+        return ReadWorld(World(name=world.name, radiance=material.emission), medium)
+    turned = as_turned_image(reader.program, background)
+    if turned is not None:
+        image = World(
+            name=world.name, radiance=turned.factor, image=turned.image, image_from_world=turned.image_from_world
+        )
+        return ReadWorld(image, medium)
+    seen, has_sharp_disc = material, False
+    suns: tuple[SkySun, ...] = ()
+    if reader.discs and surface is not None:
+        drawing = WorldReader(culprit, reports, images, draws_discs=True)
+        seen = drawing.program.material(world.name, (BLACK, BLACK, _background(drawing, surface, WHITE)))
+        found = _suns(reader, world.name, seen, material)
+        has_sharp_disc = found is None
+        suns = found or ()
+    width = image_width(reader.program, background, has_sharp_disc=has_sharp_disc)
+    light = (bakes or WorldBakes()).image(seen if has_sharp_disc else material, width)
+    return ReadWorld(World(name=world.name, radiance=WHITE, image=light, seen_program=seen), medium, suns)
+
+
+def _suns(reader: WorldReader, name: str, seen: Material, without: Material) -> tuple[SkySun, ...] | None:
+    """None where a node bends the sky: its discs are part of the image then, as they are in Cycles."""
+    suns: dict[tuple[float, ...], SkySun] = {}
+    for index, disc in enumerate(reader.discs):
+        from_world = linear_map(reader.program, disc.vector)
+        if from_world is None:
+            return None
+        towards = np.linalg.solve(from_world, disc.towards)
+        place = tuple(np.round(towards / np.linalg.norm(towards), 4))
+        if place in suns:
+            continue
+        label = f"Sky sun of {name}" if index == 0 else f"Sky sun {index + 1} of {name}"
+        sun = sky_sun(label, seen, without, towards, disc.half_angle_rad)
+        if sun is not None:
+            suns[place] = sun
+    return tuple(suns.values())
 
 
 def _background(reader: ValueReader, at: Socket, weight: Value) -> Value:
@@ -51,11 +121,11 @@ def _background(reader: ValueReader, at: Socket, weight: Value) -> Value:
     if not source.socket.is_output or weight == BLACK:
         return BLACK
     if source.socket.type != "SHADER":
-        return program.multiply(weight, _colour(reader, at))
+        return program.multiply(weight, reader.colour(at))
     node_type = source.node.type
     if node_type in {"BACKGROUND", "EMISSION"}:
         strength = reader.number(source.input("Strength"), 1.0)
-        return program.multiply(weight, program.multiply(_colour(reader, source.input("Color")), strength))
+        return program.multiply(weight, program.multiply(reader.colour(source.input("Color")), strength))
     if node_type == "ADD_SHADER":
         one, other = (_background(reader, shader, weight) for shader in source.inputs()[:2])
         return program.add(one, other)
@@ -68,55 +138,3 @@ def _background(reader: ValueReader, at: Socket, weight: Value) -> Value:
         )
     reader.unsupported(source, "is no background: black")
     return BLACK
-
-
-def _colour(reader: ValueReader, at: Socket) -> Value:
-    source = at.source()
-    if source.socket.is_output and source.node.type == "TEX_SKY":
-        reader.unsupported(source, "is drawn as one even blue, without its sun: add a Sun light")
-        return _SKIES.get(source.node.sky_type, _CLEAR_SKY)
-    return reader.colour(at)
-
-
-def _world(reader: ValueReader, name: str, background: Value) -> World:
-    """A world is a colour times its image. What a program adds to that is drawn as the mean of black and white."""
-    if reader.environment is None:
-        return World(name=name, radiance=_evaluate(reader, background, 0.5))
-    image, image_from_world = reader.environment
-    dark, grey, light = (np.array(_evaluate(reader, background, texel)) for texel in (0.0, 0.5, 1.0))
-    if dark.any() or not np.allclose(grey, light / 2):
-        reader.note("only a colour times an image is supported: other arithmetic on the image is left out")
-    return World(name=name, radiance=tuple(light - dark), image=image, image_from_world=image_from_world)
-
-
-def _evaluate(reader: ValueReader, value: Value, texel: float) -> tuple[float, float, float]:
-    """The value where every texture shows a grey ``texel``."""
-    material = reader.program.material("", (value, BLACK, BLACK))
-    if not material.program:
-        return material.diffuse
-    return _run(material, texel)
-
-
-def _run(material: Material, texel: float) -> tuple[float, float, float]:
-    registers: dict[int, NDArray[np.float64]] = {}
-    for op in material.program:
-        a, b, c = (registers.get(register, np.zeros(3)) for register in (op.a, op.b, op.c))
-        registers[op.out] = _result(op, a, b, c, np.full(3, texel))
-    red, green, blue = registers[material.diffuse_register]
-    return float(red), float(green), float(blue)
-
-
-def _result(op: SurfaceOp, a: _Register, b: _Register, c: _Register, texel: _Register) -> _Register:
-    """What native/shading computes, here for the few operations of a world."""
-    return {
-        Code.CONSTANT: np.array(op.value),
-        Code.TEXTURE: texel,
-        Code.TEXTURE_ALPHA: np.ones(3),
-        Code.MULTIPLY: a * b,
-        Code.ADD: a + b,
-        Code.SUBTRACT: a - b,
-        Code.MIX: a + (b - a) * np.clip(c, 0, 1),
-        Code.CLAMP: np.clip(a, 0, 1),
-        Code.AVERAGE: np.full(3, a.mean()),
-        Code.BACKFACING: np.zeros(3),
-    }[op.code]

@@ -33,6 +33,7 @@ void bind_occluder_edits(py::module_& native);
 void bind_light_textures(py::module_& native);
 void bind_volumes(py::module_& native);
 void bind_scene(py::module_& native);
+void bind_sky(py::module_& native);
 void bind_transfer_functions(py::module_& native);
 void bind_heterogeneity(py::module_& native);
 void bind_render(py::module_& native);

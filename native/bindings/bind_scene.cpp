@@ -70,12 +70,14 @@ environment_image(const std::string& name, const std::optional<py::array>& pixel
 }
 
 static World make_world(std::string name, const Triple& radiance, const std::optional<py::array>& pixels,
-                        const py::array& image_from_world, const std::optional<py::array>& seen_pixels) {
-    auto image = environment_image(name, pixels, "pixels"),
-         seen_image = environment_image(name, seen_pixels, "seen_pixels");
+                        const py::array& image_from_world, const std::optional<py::array>& seen_pixels,
+                        const std::optional<std::shared_ptr<DirectionProgram>>& seen_program) {
+    auto image = environment_image(name, pixels, "pixels");
+    SeenWorld seen{.image = environment_image(name, seen_pixels, "seen_pixels"),
+                   .program = seen_program.value_or(nullptr)};
     const mat3 rotation = to_matrix<mat3, 3>(image_from_world, "image_from_world");
     return without_gil(
-        [&] { return World(std::move(name), to_vec3(radiance), std::move(image), rotation, std::move(seen_image)); });
+        [&] { return World(std::move(name), to_vec3(radiance), std::move(image), rotation, std::move(seen)); });
 }
 
 namespace {
@@ -192,9 +194,9 @@ TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
              "position: relative to the scene's origin; axis: unit vector along which the light shines.");
     py::class_<World>(native, "World")
         .def(py::init(&make_world), "name"_a, "radiance"_a, "pixels"_a, "image_from_world"_a,
-             "seen_pixels"_a = py::none(),
+             "seen_pixels"_a = py::none(), "seen_program"_a = py::none(),
              "pixels: float32 (height, width, 3), rows bottom to top, or None; image_from_world: float32 (3, 3); "
-             "seen_pixels: as pixels, what cameras see instead of them.");
+             "seen_pixels: as pixels, what cameras see instead of them; seen_program: the radiance that they see.");
     py::class_<CellGeometry, std::shared_ptr<CellGeometry>>(native, "VoxelShape", "A voxel DAG that scenes can place.")
         .def(py::init([](const std::shared_ptr<voxel_dag::PlacedDag>& dag, std::string name) {
                  return without_gil(

@@ -14,6 +14,7 @@ PYBIND11_MODULE(_native, native) {
     bind_occluder_edits(native);
     bind_light_textures(native);
     bind_volumes(native);
+    bind_sky(native);
     bind_scene(native);
     bind_transfer_functions(native);
     bind_heterogeneity(native);

@@ -75,12 +75,12 @@ static PiecewiseConstant2d importance_of(const EnvironmentImage& image) {
 }
 
 World::World(std::string name, Rgb radiance, std::shared_ptr<const EnvironmentImage> image, mat3 image_from_world,
-             std::shared_ptr<const EnvironmentImage> seen_image)
-    : name_(std::move(name)), radiance_(radiance), image_(std::move(image)), seen_image_(std::move(seen_image)),
+             SeenWorld seen)
+    : name_(std::move(name)), radiance_(radiance), image_(std::move(image)), seen_(std::move(seen)),
       image_from_world_(image_from_world) {
     is_black_ = radiance_ == Rgb(0.0f);
     require(is_finite(radiance_), "world '", name_, "': its radiance is not finite");
-    for (std::shared_ptr<const EnvironmentImage>* given : {&image_, &seen_image_}) {
+    for (std::shared_ptr<const EnvironmentImage>* given : {&image_, &seen_.image}) {
         if (*given == nullptr)
             continue;
         const EnvironmentImage& one = **given;
@@ -125,9 +125,11 @@ Rgb World::radiance(const vec3& unit_direction) const {
 }
 
 Rgb World::seen_radiance(const vec3& unit_direction) const {
-    if (seen_image_ == nullptr)
+    if (seen_.program != nullptr)
+        return seen_.program->radiance(unit_direction, RayKind::Camera);
+    if (seen_.image == nullptr)
         return radiance(unit_direction);
-    return radiance_ * bilinear(*seen_image_, uv_of(image_from_world_ * unit_direction));
+    return radiance_ * bilinear(*seen_.image, uv_of(image_from_world_ * unit_direction));
 }
 
 World::DirectionSample World::sample(vec2 u) const {

@@ -3,6 +3,7 @@
 #pragma once
 #include "core/math.hpp"
 #include "core/piecewise_constant.hpp"
+#include "shading/direction_program.hpp"
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,15 +16,22 @@ struct EnvironmentImage {
     std::vector<Rgb> pixels = {}; ///< width * height, scene-linear.
 };
 
+/// What cameras see in place of the light; either may be missing.
+struct SeenWorld {
+    std::shared_ptr<const EnvironmentImage> image = nullptr;   ///< Turned and multiplied as the world's own.
+    std::shared_ptr<const DirectionProgram> program = nullptr; ///< The radiance itself; before an image.
+    bool operator==(const SeenWorld&) const = default;
+};
+
 /// Copies share the image and its tables.
 class World {
 public:
     World() = default;
     /// Radiance is `radiance` times the image, if there is one. Pixels that are not finite are black, as in Cycles.
-    /// Cameras see `seen_image`, which gives no light; nothing: they see the image. Throws InvalidInput that names the
+    /// Cameras see `seen`, which gives no light; nothing: they see the image. Throws InvalidInput that names the
     /// world: a radiance that is not finite, an image of another size than it says.
     World(std::string name, Rgb radiance, std::shared_ptr<const EnvironmentImage> image = nullptr,
-          mat3 image_from_world = mat3(1.0f), std::shared_ptr<const EnvironmentImage> seen_image = nullptr);
+          mat3 image_from_world = mat3(1.0f), SeenWorld seen = {});
 
     [[nodiscard]] bool is_black() const { return is_black_; }
     [[nodiscard]] bool has_image() const { return image_ != nullptr; }
@@ -40,14 +48,15 @@ public:
     [[nodiscard]] const std::string& name() const { return name_; }
     /// The same radiance of the same image, not of an equal one; names do not count.
     [[nodiscard]] bool shines_as(const World& other) const {
-        return radiance_ == other.radiance_ && image_ == other.image_ && seen_image_ == other.seen_image_ &&
+        return radiance_ == other.radiance_ && image_ == other.image_ && seen_ == other.seen_ &&
                image_from_world_ == other.image_from_world_;
     }
 
 private:
     std::string name_;
     Rgb radiance_{0.0f};
-    std::shared_ptr<const EnvironmentImage> image_, seen_image_;
+    std::shared_ptr<const EnvironmentImage> image_;
+    SeenWorld seen_;
     mat3 image_from_world_{1.0f};
     bool is_black_ = true;
     std::shared_ptr<const PiecewiseConstant2d> importance_; ///< Of the image's texels; nothing without an image.

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from tyndall.closed_meshes import open_edge_count
 
 from . import _native
+from .direction_programs import build_direction_program
 from .fingerprints import fingerprint
 from .light_textures import build_light_textures
 from .linear_colours import linear_colours
@@ -410,4 +411,5 @@ def _make_world(world: World) -> _native.World:
         pixels=None if world.image is None else linear_colours(world.image),
         image_from_world=world.image_from_world.astype(np.float32, order="C"),
         seen_pixels=None if world.seen_image is None else linear_colours(world.seen_image),
+        seen_program=None if world.seen_program is None else build_direction_program(world.seen_program),
     )

@@ -447,6 +447,7 @@ class World:
     image: Image | None = None
     image_from_world: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))  #: (3, 3) rotation.
     seen_image: Image | None = None  #: What cameras see in place of the image, without its light.
+    seen_program: Material | None = None  #: Or the emission of this: its points are directions.
     medium: int = -1  #: Into SceneDescription.media: fills all space; -1: none.
 
 

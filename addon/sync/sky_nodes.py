@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sky textures as values of a world's program: a picture of half the sky around the sun, or Preetham's formula.
+
+Based on: Preetham, Shirley and Smits 1999, A Practical Analytic Model for Daylight; how blender/cycles v3.4.0, v4.5.0
+          and v5.0.0, kernel/svm/sky.h, look a direction up and draw the sun's disc.
+Differs:  Hosek and Wilkie's model is Preetham's, made as dark: their measured data set is not part of this program.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+from tyndall.scene_description import Code, Extension, Image, TextureUse
+from tyndall.skies import Air, SkyModel, sky_picture, sun_irradiance_xyz
+from tyndall.surface_inputs import ImageProjection, PointInput
+
+from .coordinates import point_input
+from .math_nodes import math_operation, vector_operation
+from .program import BLACK, Program, Value, grey
+from .texture_mapping import mapped
+from .working_space import rgb_from_xyz
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from .node_graph import Socket
+    from .world_nodes import WorldReader
+
+_IS_BLENDER_5 = bpy.app.version >= (5, 0, 0)
+_MODELS = {
+    "NISHITA": SkyModel.SINGLE_SCATTERING_3,
+    "SINGLE_SCATTERING": SkyModel.SINGLE_SCATTERING,
+    "MULTIPLE_SCATTERING": SkyModel.MULTIPLE_SCATTERING,
+}
+_LEAST_SUN_RAD = 0.0005  #: Cycles draws no smaller one.
+_EARTH_RADIUS_M = {SkyModel.SINGLE_SCATTERING: 6371e3, SkyModel.MULTIPLE_SCATTERING: 6371e3}
+#: What Hosek and Wilkie's sky is of Preetham's: Cycles gives one in W/m^2, the other in 1/16 of kcd/m^2.
+_HOSEK_SHARE = 0.14
+_LOWEST_PREETHAM_RAD = 0.5 * math.pi - 0.001
+#: Perez' five coefficients of luminance and of chromaticities x and y: per turbidity, and without.
+_PEREZ = np.array(
+    [
+        [[0.1787, -1.4630], [-0.3554, 0.4275], [-0.0227, 5.3251], [0.1206, -2.5771], [-0.0670, 0.3703]],
+        [[-0.0193, -0.2592], [-0.0665, 0.0008], [-0.0004, 0.2125], [-0.0641, -0.8989], [-0.0033, 0.0452]],
+        [[-0.0167, -0.2608], [-0.0950, 0.0092], [-0.0079, 0.2102], [-0.0441, -1.6537], [-0.0109, 0.0529]],
+    ]
+)
+#: Chromaticities at the zenith: rows by powers 2, 1, 0 of the turbidity, columns by powers 3 to 0 of the sun's angle.
+_ZENITH_X = np.array(
+    [[0.00166, -0.00375, 0.00209, 0.0], [-0.02903, 0.06377, -0.03202, 0.00394], [0.11693, -0.21196, 0.06052, 0.25886]]
+)
+_ZENITH_Y = np.array(
+    [[0.00275, -0.00610, 0.00317, 0.0], [-0.04214, 0.08970, -0.04153, 0.00516], [0.15346, -0.26756, 0.06670, 0.26688]]
+)
+
+
+@dataclass(frozen=True)
+class SunDisc:
+    """Of one node: where its Vector input has to point."""
+
+    vector: Value
+    towards: tuple[float, float, float]  #: Unit.
+    half_angle_rad: float
+
+
+def sky_value(reader: WorldReader, at: Socket) -> Value:
+    node, program = at.node, reader.program
+    place = at.input("Vector")
+    is_linked = place is not None and place.is_connected()  # it is of use to some models only
+    vector = reader.colour(place) if is_linked else point_input(program, PointInput.POSITION)
+    vector = mapped(reader, at, vector)
+    if node.sky_type in _MODELS:
+        return _scattered(reader, at, vector)
+    sky = _preetham(program, vector, node.sun_direction, node.turbidity)
+    if node.sky_type != "HOSEK_WILKIE":
+        return sky
+    reader.note("its Hosek / Wilkie sky is drawn as a Preetham sky of the same sun and turbidity, made as dark")
+    return program.multiply(sky, grey(_HOSEK_SHARE))
+
+
+def _scattered(reader: WorldReader, at: Socket, vector: Value) -> Value:
+    node, program, model = at.node, reader.program, _MODELS[at.node.sky_type]
+    air = Air(
+        altitude_m=node.altitude,
+        molecules=node.air_density,
+        aerosols=node.aerosol_density if _IS_BLENDER_5 else node.dust_density,
+        ozone=node.ozone_density,
+    )
+    elevation_rad, rotation_rad = _sun_angles(node)
+    sine, cosine = math.sin(rotation_rad), math.cos(rotation_rad)
+    # Along the sun's azimuth, across it, and up.
+    local = program.operation(Code.AFFINE, vector, uv_matrix=(sine, cosine, 0.0, cosine, -sine, 0.0, 0.0, 0.0, 1.0))
+    along, across, up = (program.channel(local, axis) for axis in range(3))
+    elevation = math_operation(program, "ARCSINE", up)
+    u = program.multiply(math_operation(program, "ARCTAN2", across, along), grey(0.5 / math.pi))
+    root = math_operation(
+        program, "SQRT", program.multiply(math_operation(program, "ABSOLUTE", elevation), grey(2.0 / math.pi))
+    )
+    v = program.multiply(program.multiply(math_operation(program, "SIGN", elevation), root), grey(0.5))
+    place = program.add(program.combine([u, v, BLACK]), (0.5, 0.5, 0.0))
+    use = TextureUse(image=_picture(model, air, elevation_rad), extension=Extension.EXTEND)
+    sky = program.operation(Code.IMAGE_AT, place, option=int(ImageProjection.FLAT), texture=program.texture_index(use))
+    size_rad = max(node.sun_size, _LEAST_SUN_RAD)
+    if node.sun_disc and (elevation_rad + 0.5 * size_rad > 0.0 or model is SkyModel.MULTIPLE_SCATTERING):
+        flat = math.cos(elevation_rad)
+        towards = (sine * flat, cosine * flat, math.sin(elevation_rad))
+        reader.discs.append(SunDisc(vector, towards, 0.5 * size_rad))
+        if reader.draws_discs:
+            angle = _angle_between(program, vector, towards)
+            sky = _with_disc(program, sky, elevation, angle, _Disc(model, air, elevation_rad, size_rad, node))
+    return vector_operation(program, "MAXIMUM", sky, BLACK)
+
+
+def _sun_angles(node: bpy.types.Node) -> tuple[float, float]:
+    """Elevation, between -90 and 90 degrees, and rotation."""
+    elevation = math.remainder(node.sun_elevation, 2.0 * math.pi)
+    if abs(elevation) < 0.5 * math.pi:
+        return elevation, node.sun_rotation
+    return math.copysign(math.pi, elevation) - elevation, node.sun_rotation + math.pi
+
+
+@lru_cache(maxsize=8)
+def _picture(model: SkyModel, air: Air, sun_elevation_rad: float) -> Image:
+    """2 MiB each: turning the sun, or the strength of its disc, takes no new one."""
+    xyz = sky_picture(model, air, sun_elevation_rad)
+    pixels = np.ones((*xyz.shape[:2], 4), np.float32)
+    pixels[..., :3] = xyz @ rgb_from_xyz().T
+    return Image(key=f"sky {model!r} {air!r} {sun_elevation_rad!r}", name="Sky Texture", pixels=pixels, is_srgb=False)
+
+
+def _angle_between(program: Program, vector: Value, towards: tuple[float, float, float]) -> Value:
+    """By the chord: a cosine would not tell small angles apart."""
+    chord = vector_operation(program, "DISTANCE", vector_operation(program, "NORMALIZE", vector), towards)
+    half = math_operation(program, "ARCSINE", program.multiply(chord, grey(0.5)))
+    return program.multiply(half, grey(2.0))
+
+
+class _Disc:
+    """What Cycles draws it by: colours at its upper and lower end."""
+
+    def __init__(self, model: SkyModel, air: Air, elevation_rad: float, size_rad: float, node: bpy.types.Node) -> None:
+        half_rad = 0.5 * size_rad
+        self.size_rad, self.is_added = size_rad, model is not SkyModel.SINGLE_SCATTERING_3
+        ends = np.array([elevation_rad - half_rad, elevation_rad + half_rad])
+        if model is not SkyModel.MULTIPLE_SCATTERING:
+            ends = np.maximum(ends, 0.0)
+        solid_angle_sr = 2.0 * math.pi * (1.0 - math.cos(half_rad))
+        lower, upper = (
+            rgb_from_xyz() @ sun_irradiance_xyz(model, air, float(end)) * node.sun_intensity / solid_angle_sr
+            for end in ends
+        )
+        self.lower, self.difference = _rgb(lower), _rgb(upper - lower)
+        self.low_rad = elevation_rad - half_rad
+        self.span_rad = size_rad
+        self.horizon_rad = 0.0
+        if model in _EARTH_RADIUS_M:
+            radius_m = _EARTH_RADIUS_M[model]
+            self.horizon_rad = math.asin(radius_m / (radius_m + air.altitude_m)) - 0.5 * math.pi
+        elif self.low_rad <= 0.0:
+            self.low_rad, self.span_rad = 0.0, elevation_rad + half_rad
+
+
+def _with_disc(program: Program, sky: Value, elevation: Value, angle: Value, disc: _Disc) -> Value:
+    share = program.multiply(program.subtract(elevation, grey(disc.low_rad)), grey(1.0 / disc.span_rad))
+    colour = program.add(disc.lower, program.multiply(share, disc.difference))
+    across = program.multiply(angle, grey(2.0 / disc.size_rad))
+    inward = program.subtract(grey(1.0), program.multiply(across, across))
+    rim = math_operation(program, "SQRT", math_operation(program, "MAXIMUM", inward, BLACK))
+    colour = program.multiply(colour, program.add(program.multiply(rim, grey(0.6)), grey(0.4)))  # a darker limb
+    inside = program.multiply(
+        math_operation(program, "LESS_THAN", angle, grey(0.5 * disc.size_rad)),
+        program.complement(math_operation(program, "LESS_THAN", elevation, grey(disc.horizon_rad))),
+    )
+    if disc.is_added:
+        return program.add(sky, program.multiply(inside, colour))
+    return program.mix(sky, colour, inside)
+
+
+def _preetham(program: Program, vector: Value, sun_direction: tuple[float, float, float], turbidity: float) -> Value:
+    """In 1/16 of kcd/m^2 and thereabouts, as Cycles scales it."""
+    towards = np.array(sun_direction, np.float64)
+    towards /= np.linalg.norm(towards) or 1.0
+    sun_rad = math.acos(min(1.0, max(-1.0, float(towards[2]))))
+    of_sky = _PEREZ @ (turbidity, 1.0)  # (3, 5)
+    scale = _zenith(turbidity, sun_rad) / _perez(of_sky, 1.0, sun_rad)
+    # Towards the horizon and below it the sky stays as it is just above.
+    up = vector_operation(program, "NORMALIZE", vector)
+    cosine = math_operation(program, "MAXIMUM", program.channel(up, 2), grey(math.cos(_LOWEST_PREETHAM_RAD)))
+    angle = _angle_between(program, vector, _rgb(towards))
+    sun_cosine = math_operation(program, "COSINE", angle)
+    a, b, c, d, e = (_rgb(of_sky[:, column]) for column in range(5))
+    one_by_cosine = math_operation(program, "DIVIDE", grey(1.0), cosine)
+    by_height = program.add(grey(1.0), program.multiply(a, _exp(program, program.multiply(one_by_cosine, b))))
+    by_sun = program.add(program.multiply(c, _exp(program, program.multiply(angle, d))), grey(1.0))
+    by_sun = program.add(by_sun, program.multiply(e, program.multiply(sun_cosine, sun_cosine)))
+    luminance_x_y = program.multiply(program.multiply(by_height, by_sun), _rgb(scale))
+    luminance, x, y = (program.channel(luminance_x_y, index) for index in range(3))
+    per_y = math_operation(program, "DIVIDE", luminance, y)
+    z = program.subtract(program.complement(x), y)
+    xyz = program.combine([program.multiply(x, per_y), luminance, program.multiply(z, per_y)])
+    rows = tuple(float(number) for number in rgb_from_xyz().ravel())
+    return vector_operation(program, "MAXIMUM", program.operation(Code.AFFINE, xyz, uv_matrix=rows), BLACK)
+
+
+def _zenith(turbidity: float, sun_rad: float) -> NDArray[np.float64]:
+    """Luminance and chromaticities there."""
+    chi = (4.0 / 9.0 - turbidity / 120.0) * (math.pi - 2.0 * sun_rad)
+    luminance = 0.06 * ((4.0453 * turbidity - 4.9710) * math.tan(chi) - 0.2155 * turbidity + 2.4192)
+    turbidities, angles = turbidity ** np.arange(2, -1, -1), sun_rad ** np.arange(3, -1, -1)
+    return np.array([luminance, turbidities @ _ZENITH_X @ angles, turbidities @ _ZENITH_Y @ angles])
+
+
+def _perez(of_sky: NDArray[np.float64], cosine: float, sun_rad: float) -> NDArray[np.float64]:
+    a, b, c, d, e = of_sky.T
+    values: NDArray[np.float64] = (1.0 + a * np.exp(b / cosine)) * (
+        1.0 + c * np.exp(d * sun_rad) + e * math.cos(sun_rad) ** 2
+    )
+    return values
+
+
+def _exp(program: Program, exponents: Value) -> Value:
+    each = [math_operation(program, "EXPONENT", program.channel(exponents, index)) for index in range(3)]
+    return program.combine(each)
+
+
+def _rgb(values: NDArray[np.float64]) -> tuple[float, float, float]:
+    return float(values[0]), float(values[1]), float(values[2])
