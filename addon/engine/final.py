@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import resource
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +20,7 @@ from ..sync.cameras import read_camera
 from ..sync.heterogeneity import read_heterogeneity
 from ..sync.reports import Reports
 from ..sync.transfer_functions import read_transfer_functions
-from . import failures, over_engine, passes
+from . import failures, film_parts, over_engine, passes
 from .native_call import NativeCall
 from .sessions import kept_frame
 from .settings import FrameWindow, frame_window, render_config
@@ -86,6 +86,13 @@ class _Frame:
         if is_over_engine and scene.render.engine == self.engine.bl_idname:
             passes.write(self.result.layers[0], over_engine.nothing(*self.window.region_size_px))
             return  # that scene has its light shafts already
+        if (given := film_parts.given_for(scene.name)) is not None and not is_over_engine:
+            passes.write(self.result.layers[0], given.planes(view_layer.name, self.engine.active_view_get()))
+            last_render.record(scene.name, given.statistics)
+            return
+        taken = None if is_over_engine else film_parts.taken_of(scene.name)
+        if taken is not None and taken.layer_name != view_layer.name:
+            return  # another job's
         # Of a still, nothing is asked for twice.
         keeps_maps = self.engine.is_animation or scene.render.use_persistent_data
         kept = kept_frame(scene.name, view_layer.name, keeps_maps=keeps_maps)
@@ -100,15 +107,21 @@ class _Frame:
         config = render_config(scene, view_layer, self.window, functions, heterogeneity)
         if is_over_engine:
             config = over_engine.air_config(config)
+        if taken is not None:
+            region_px = taken.tile.region_px(self.window)
+            config = replace(config, region_px=region_px, is_tile=not taken.tile.is_all)
 
         def work(progress: Progress, show: Callable[[Film], None]) -> Film:
             kept.session.update(description, progress)
-            return kept.session.render(camera, config, progress, show)
+            return kept.session.render(camera, config, progress, show if taken is None else None)
 
         film = NativeCall(work).watch(is_cancelled=lambda: is_esc_pressed(self.engine), tick=self._tick)
         if is_over_engine:
             film = over_engine.marked_as_rendered(film)
-        self._show(film)
+        if taken is not None:
+            taken.films[self.engine.active_view_get()] = film.planes
+        else:
+            self._show(film)
         last_render.record(scene.name, _statistics(film, description, read_s))
         for line in description.reports:
             self.engine.report({"WARNING"}, f"Tyndall: {line}")

@@ -34,8 +34,8 @@ static std::unique_ptr<ForcedSimdTarget> force_simd_target(const std::string& na
 void bind_core(py::module_& native) {
     py::class_<ForcedSimdTarget>(
         native, "ForcedSimdTarget",
-        "While it lives, kernels run on \"SSE4\", \"AVX2\" or \"AVX-512\"; for benchmarks, one at a "
-        "time. InvalidInput: the CPU lacks it.")
+        "While it lives, kernels run on \"SSE4\", \"AVX2\" or \"AVX-512\", one at a time; Embree, too, if there "
+        "was no scene before. InvalidInput: the CPU lacks it.")
         .def(py::init(&force_simd_target), "name"_a);
     py::class_<Progress>(native, "Progress", "What a long call tells its caller, and how any thread stops it.")
         .def(py::init<>())

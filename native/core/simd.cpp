@@ -9,6 +9,8 @@ namespace tyndall {
 static constexpr std::array<std::int64_t, 3> targets_of{HWY_SSE4, HWY_AVX2, HWY_AVX3 | HWY_AVX3_DL};
 static constexpr std::array<const char*, 3> names{"SSE4", "AVX2", "AVX-512"};
 
+static bool is_forced = false;
+
 /// Lets the next dispatch choose among these; 0: among all.
 static void restrict_to(std::int64_t targets) {
     hwy::SetSupportedTargetsForTest(targets);
@@ -28,12 +30,18 @@ std::string simd_target_name() {
     return available.empty() ? "SSE2" : names[static_cast<std::size_t>(available.back())];
 }
 
+bool is_simd_target_forced() { return is_forced; }
+
 ForcedSimdTarget::ForcedSimdTarget(SimdTarget target) {
     const auto index = static_cast<std::size_t>(target);
     const std::int64_t present = hwy::SupportedTargets() & targets_of[index];
     require(present != 0, "this CPU has no ", names[index]);
     restrict_to(present);
+    is_forced = true;
 }
 
-ForcedSimdTarget::~ForcedSimdTarget() { restrict_to(0); }
+ForcedSimdTarget::~ForcedSimdTarget() {
+    restrict_to(0);
+    is_forced = false;
+}
 } // namespace tyndall

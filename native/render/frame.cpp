@@ -6,6 +6,7 @@
 #include "render/frame_surfaces.hpp"
 #include "render/pixel_noise.hpp"
 #include "render/surface_pass.hpp"
+#include "render/tile.hpp"
 #include <algorithm>
 #include <chrono>
 #include <optional>
@@ -164,13 +165,27 @@ private:
         }
     }
 
+    /// The parts of all rays of the first sample, which a render of the full frame prepares its lights for.
+    [[nodiscard]] WaitingParts parts_of_frame() const {
+        WaitingParts parts;
+        if (!config_.is_tile)
+            return parts;
+        const ViewPath path = surfaces_.view_path();
+        const Region frame{0, 0, camera_.width_px, camera_.height_px};
+        SurfacePass(path, camera_, frame, surfaces_.filter(), surfaces_.pass_config())
+            .find_parts({.sample_index = 0, .first_row = 0, .end_row = camera_.height_px}, parts, progress_);
+        return parts;
+    }
+
     void prepare_shafts() {
         const StageTimer timer(statistics_, "light shafts: prepare");
+        const WaitingParts of_frame = parts_of_frame();
         FrameShafts::Config config{.shafts = config_.shafts,
                                    .round_samples = round_samples_,
                                    .wants_visibility = sums_.wants(Pass::ShaftsVisibility) ||
                                                        asks_for(transfer_functions::Axis::AverageVisibility),
                                    .wants_lit_moments = asks_for(transfer_functions::Axis::MeanLitPosition),
+                                   .of_frame = config_.is_tile ? &of_frame : nullptr,
                                    .air = air_ ? &*air_ : nullptr};
         if (style_)
             config.shafts.visibility_light = style_->parameters().visibility_light();
@@ -304,8 +319,13 @@ private:
 Film render(const Scene& scene, const Media& media, const Camera& camera, const FrameConfig& config, Progress& progress,
             const OnUpdate& on_update) {
     require_usable(camera);
-    return with_threads(config.thread_count,
-                        [&] { return FrameRenderer(scene, media, camera, config, progress, on_update).render(); });
+    return with_threads(config.thread_count, [&] {
+        if (!config.is_tile)
+            return FrameRenderer(scene, media, camera, config, progress, on_update).render();
+        const Region tile = checked_region(camera, config);
+        const FrameConfig grown = grown_tile(config, tile, camera);
+        return cropped(FrameRenderer(scene, media, camera, grown, progress, {}).render(), *grown.region, tile);
+    });
 }
 
 Film render(const Scene& scene, const Camera& camera, const FrameConfig& config, Progress& progress,

@@ -27,6 +27,9 @@ struct FrameConfig {
     float noise_threshold = 0.0f;
     /// None: the full frame. A region's pixels have the full frame's values, but for what pixels share at its border.
     std::optional<Region> region;
+    /// The region is a tile of a frame that others put together: its pixels are those of the full frame in what pixels
+    /// share and in what is laid out for all rays, too, bit for bit. Costs the camera rays of the frame's first sample.
+    bool is_tile = false;
     /// Camera rays meet cubes of voxels no wider than this, as so many of them as the voxels would stop, with the means of
     /// their colours and normals; [0, 64], 0: every voxel is met. Other rays meet every voxel.
     float voxel_detail_px = 0.0f;
@@ -48,7 +51,7 @@ struct FrameConfig {
     int thread_count = 0; ///< 0: all.
 };
 
-/// Called with the picture so far: after its first band, then about twice a second.
+/// Called with the picture so far: after its first band, then about twice a second. Of a tile, never.
 using OnUpdate = std::function<void(Film)>;
 
 /// Throws InvalidInput, which names the culprit, and Cancelled. The film's bits do not depend on the number of threads.

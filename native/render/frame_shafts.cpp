@@ -6,8 +6,11 @@
 
 namespace tyndall::render {
 /// Those of the region, and those beside it that the air's texture is carried over from; `all` lives as long as the call.
-static std::span<const light_shafts::ViewRay> rays_to_prepare(const WaitingParts& waiting, const FrameAir* air,
+static std::span<const light_shafts::ViewRay> rays_to_prepare(const WaitingParts& waiting, const WaitingParts* of_frame,
+                                                              const FrameAir* air,
                                                               std::vector<light_shafts::ViewRay>&& all = {}) {
+    if (of_frame != nullptr)
+        return of_frame->rays;
     if (!air || !air->sees_beside())
         return waiting.rays;
     all = waiting.rays;
@@ -18,8 +21,8 @@ static std::span<const light_shafts::ViewRay> rays_to_prepare(const WaitingParts
 FrameShafts::FrameShafts(const Scene& scene, const Media& media, const Camera& camera, const Region& region,
                          const WaitingParts& waiting, const Config& config, Progress& progress)
     : camera_(camera), waiting_(waiting), region_(region), config_(config),
-      shafts_(scene, media, light_shafts::view_of(camera), rays_to_prepare(waiting, config.air), config.shafts,
-              progress) {}
+      shafts_(scene, media, light_shafts::view_of(camera), rays_to_prepare(waiting, config.of_frame, config.air),
+              config.shafts, progress) {}
 
 /// Between neighbouring rays in the picture's middle: radians, or metres of an orthographic camera.
 static float pixel_spacing(const Camera& camera) {

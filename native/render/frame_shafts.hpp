@@ -26,6 +26,8 @@ public:
         light_shafts::Config shafts;
         std::uint32_t round_samples = 1; ///< The strata of lights with a size are dealt out to so many passes.
         bool wants_visibility = false, wants_lit_moments = false;
+        /// Of the first pass of the full frame, which the lights are prepared for; nothing: those that wait.
+        const WaitingParts* of_frame = nullptr;
         FrameAir* air = nullptr; ///< Whose texture the light gets; must outlive this. None: even air.
     };
     /// For the parts of the first pass. The references must outlive this; `waiting` may change between passes. Throws

@@ -1,14 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/embree.hpp"
 #include "core/errors.hpp"
+#include "core/simd.hpp"
 #include <string>
 
 namespace tyndall {
 // Embree reports on the thread that made the call, also where a worker failed.
 static thread_local std::string last_message;
 
+/// Embree's choice, or the instruction set that is forced.
+static const char* device_settings() {
+    if (!is_simd_target_forced())
+        return nullptr;
+    switch (available_simd_targets().back()) {
+    case SimdTarget::Sse4:
+        return "isa=sse42";
+    case SimdTarget::Avx2:
+        return "isa=avx2";
+    case SimdTarget::Avx512:
+        return "isa=avx512";
+    }
+    return nullptr;
+}
+
 static RTCDevice new_device() {
-    const RTCDevice device = rtcNewDevice(nullptr);
+    const RTCDevice device = rtcNewDevice(device_settings());
     if (device == nullptr)
         throw Error("Embree did not start, error " + std::to_string(rtcGetDeviceError(nullptr)));
     rtcSetDeviceErrorFunction(

@@ -15,13 +15,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
-from . import voxelize_command
+from . import farm, voxelize_command
 from .frame_files import completed, frame_file, parse_frames, require_writable
 
 SUCCESS, RENDER_FAILED, BAD_USAGE, BAD_OUTPUT, INTERRUPTED = 0, 1, 2, 3, 130
 _EPILOG = """exit codes: 0 all frames are there; 1 a frame failed; 2 the arguments, the file or Blender's module are at
 fault; 3 the output cannot be written; 130 interrupted. Frames whose file exists are skipped: run the same command again
-to resume. A file has its name only when it is complete."""
+to resume. A file has its name only when it is complete. With --scheduler, --processes, --tiles, --view-layers or --simd
+each frame, tile or view layer is a process of Blender's own, and the files to be overwritten are removed first."""
 _SUFFIXES = (".exr", ".png", ".tif", ".tiff", ".jpg", ".jpeg", ".hdr", ".webp")
 
 
@@ -68,7 +69,7 @@ def main(arguments: Sequence[str] | None = None, open_blend: Callable[..., Blend
     try:
         if options.command == "voxelize":
             return _voxelize(options)
-        return _render(options, open_blend or _blender("OpenBlendFile"))
+        return _render(options, open_blend)
     except KeyboardInterrupt:
         return _failed("interrupted", INTERRUPTED)
     except _UsageError as error:
@@ -108,7 +109,7 @@ def _blender(name: str) -> Callable[..., Any]:
     return part
 
 
-def _render(options: argparse.Namespace, open_blend: Callable[..., BlendFile]) -> int:
+def _render(options: argparse.Namespace, open_blend: Callable[..., BlendFile] | None) -> int:
     if not options.file.is_file():
         raise _UsageError(f"there is no file {options.file}")
     output = options.output.absolute()
@@ -124,12 +125,19 @@ def _render(options: argparse.Namespace, open_blend: Callable[..., BlendFile]) -
         threads=options.threads,
         multilayer=options.multilayer,
     )
+    log = _Log(path=options.statistics and options.statistics.absolute(), file=str(options.file))
+    if farm.is_asked_for(options):
+        try:
+            return RENDER_FAILED if farm.render(options, settings, output, log.add, _say) else SUCCESS
+        except OSError:
+            raise
+        except (RuntimeError, ValueError) as error:
+            raise _UsageError(str(error)) from error
     try:
-        blend = open_blend(options.file.absolute(), settings)
+        blend = (open_blend or _blender("OpenBlendFile"))(options.file.absolute(), settings)
     except (RuntimeError, ValueError) as error:
         raise _UsageError(str(error)) from error
     frames = options.frames or blend.frames
-    log = _Log(path=options.statistics and options.statistics.absolute(), file=str(options.file))
     return max((_frame(blend, frame, output, options, log, len(frames)) for frame in frames), default=SUCCESS)
 
 
@@ -202,4 +210,5 @@ def _parser() -> argparse.ArgumentParser:
     add("--multilayer", action="store_true", help="one EXR with all view layers and passes")
     add("--statistics", type=Path, help="a JSON file: seconds, counts, reports and what was skipped, by frame")
     add("--overwrite", action="store_true", help="render frames whose file exists, too")
+    farm.add_arguments(render, _at_least)
     return parser

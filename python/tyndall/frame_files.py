@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import re
+import socket
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -53,7 +54,8 @@ def completed(path: Path) -> Iterator[Path]:
 
     Raises OSError if nothing was written.
     """
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    # Several machines may write to one folder; one whose job was given to another may still be at work.
+    temporary = path.with_name(f".{path.stem}.{socket.gethostname()}.{os.getpid()}.part{path.suffix}")
     try:
         yield temporary
         if not temporary.is_file() or temporary.stat().st_size == 0:

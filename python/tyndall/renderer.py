@@ -83,6 +83,8 @@ class RenderConfig:
     #: Cycles; [0, 1], 0: all of them take all samples.
     noise_threshold: float = 0.0
     region_px: tuple[int, int, int, int] | None = None  #: x0, y0, x1, y1 in the full frame, y up; None: all of it.
+    #: The region is a tile of a frame that others put together: bit for bit what the full frame has there.
+    is_tile: bool = False
     #: Camera rays meet cubes of voxels no wider than so many pixels, as many of them as the voxels would stop, with the
     #: means of colours and normals; [0, 64], 0: they meet every voxel.
     voxel_detail_px: float = 0.5
@@ -257,6 +259,7 @@ class Session:
             filter_width_px=config.filter_width_px,
             noise_threshold=config.noise_threshold,
             region_px=config.region_px,
+            is_tile=config.is_tile,
             voxel_detail_px=config.voxel_detail_px,
             film_transparent=config.film_transparent,
             passes=sorted(config.passes),

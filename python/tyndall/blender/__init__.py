@@ -65,6 +65,16 @@ def last_statistics(scene_name: str) -> dict[str, Any] | None:
     return statistics
 
 
+def version() -> str:
+    """Blender's, such as "4.5.15"."""
+    return str(bpy.app.version_string)
+
+
+def film_parts() -> ModuleType:
+    """How parts of frames leave the engine and come back: its module ``film_parts``."""
+    return _part(".engine.film_parts")
+
+
 def _part(name: str) -> ModuleType:
     addon = _registered_addon()
     if addon is None:

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from . import ENGINE, enable, last_statistics, was_interrupted
+from . import ENGINE, enable, film_parts, last_statistics, was_interrupted
+from .part_files import read_parts, write_part
 from .voxel_meshes import gather, surface_of
 
 if TYPE_CHECKING:
@@ -55,8 +57,52 @@ class OpenBlendFile:
         _set_format(self._scene.render.image_settings, path.suffix.lower(), multilayer=self._multilayer)
         self._scene.render.use_file_extension = False
         self._scene.render.filepath = str(path)
+        return self._rendered(writes=True)
+
+    def render_part(self, frame: int, layer_name: str, tile: tuple[int, int, int, int], path: Path) -> dict[str, Any]:
+        """Write the planes of a view layer's tile (column, row, columns, rows) as .npz, and return the statistics."""
+        self._scene.frame_set(frame)
+        self._scene.render.use_compositing = False  # that is for the whole frame
+        parts = film_parts()
+        with parts.taking(parts.Taking(self._scene.name, layer_name, parts.Tile(*tile))) as part:
+            statistics = self._rendered(writes=False)
+        write_part(path, part.films, statistics)
+        return statistics
+
+    def assemble(self, frame: int, tiles: Mapping[str, Sequence[Sequence[Path]]], path: Path) -> dict[str, Any]:
+        """Write what the tiles of each view layer, row by row from below, are together: bit for bit as ``render``."""
+        films, of_parts = read_parts(tiles)
+        parts = film_parts()
+        with parts.giving(parts.Giving(self._scene.name, films, {"parts": of_parts})):
+            return self.render(frame, path)
+
+    @property
+    def layer_names(self) -> list[str]:
+        """Of the view layers that render."""
+        return [layer.name for layer in self._scene.view_layers if layer.use]
+
+    def why_not_in_parts(self, *, has_tiles: bool) -> str | None:
+        """What keeps the scene from being put together of view layers, and of tiles; None: nothing."""
+        render, name = self._scene.render, self._scene.name
+        editor = self._scene.sequence_editor
+        if render.use_sequencer and editor is not None and len(_strips(editor)) > 0:
+            return (
+                f'scene "{name}" renders its video sequence, which has no parts: turn Sequencer off in Post Processing'
+            )
+        if not has_tiles:
+            return None
+        if render.use_border:
+            return (
+                f'scene "{name}" renders a region of its frame: its light shafts are laid out for that, not for tiles'
+            )
+        air = self._scene.tyndall.heterogeneity
+        if air.is_enabled and int(air.upsampling) > 1:
+            return f'scene "{name}": the texture of its air is carried over the whole frame; set its upsampling to 1'
+        return None
+
+    def _rendered(self, *, writes: bool) -> dict[str, Any]:
         try:
-            outcome = bpy.ops.render.render(write_still=True, scene=self._scene.name)
+            outcome = bpy.ops.render.render(write_still=writes, scene=self._scene.name)
         except RuntimeError:
             if was_interrupted():
                 raise KeyboardInterrupt from None
@@ -64,6 +110,10 @@ class OpenBlendFile:
         if "FINISHED" not in outcome:
             raise KeyboardInterrupt
         return last_statistics(self._scene.name) or {}
+
+
+def _strips(editor: Any) -> Any:  # noqa: ANN401  named anew in 4.4
+    return editor.strips if hasattr(editor, "strips") else editor.sequences
 
 
 def read_triangles(path: Path, scene_name: str | None, *, with_colors: bool, with_normals: bool) -> Any:  # noqa: ANN401
