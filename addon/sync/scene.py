@@ -218,8 +218,8 @@ class SceneReader:
         is_subdivided_late = is_viewport and source.modifiers and source.modifiers[-1].type == "SUBSURF"
         if not (is_subdivided_late or placement.data.is_editmode):
             return read_mesh(placement.data, reports, self._meshes, poll, asked)
-        # A window may leave the last subdivision to its graphics card: `data` is the coarse mesh, `to_mesh` is not. While
-        # it is edited, `data` has counts, but no attributes.
+        # A window may leave the last subdivision to its graphics card: `data` is the coarse mesh, `to_mesh` is not.
+        # While it is edited, `data` has counts, but no attributes.
         try:
             return read_mesh(source.to_mesh(), reports, self._meshes, poll, asked)
         finally:
