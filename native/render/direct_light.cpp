@@ -30,23 +30,46 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
                               "\" is infinitely far away in the world's endless medium, which lets nothing of it "
                               "through: bound the fog with a fog box");
     }
-    // Seen by the camera, as it should be; what it would send to other surfaces is left out, and said.
-    std::vector<bool> is_used(scene.description().materials.size());
-    for (const Instance& instance : scene.description().instances)
-        for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot)
-            is_used[scene.description().slot_materials[instance.first_slot_material + slot]] = true;
-    for (const PlacedShape& placed : scene.description().placed_shapes)
-        is_used[placed.material_index] = true;
-    for (std::size_t index = 0; index < is_used.size(); ++index)
-        if (const Material& material = scene.description().materials[index]; is_used[index] && !glows_nowhere(material))
-            statistics.report("Material \"" + material.name + "\" glows, but lights no " +
-                              (indirect.has_bounce ? "fog, and other surfaces by rays that meet it by chance"
-                                                   : "other surface and no fog"));
+    const auto is_drawn = [&](const AimedLight& aimed) {
+        const Light& light = scene.lights()[aimed.index];
+        return light.kind != LightKind::Sun && !aimed.holes && !SurfaceShadows::are_cast_by(light);
+    };
+    std::vector<std::uint32_t> drawn;
+    if (static_cast<std::size_t>(std::ranges::count_if(lights_, is_drawn)) > ManyLights::most_asked_each) {
+        for (const AimedLight& aimed : lights_)
+            if (is_drawn(aimed))
+                drawn.push_back(aimed.index);
+        std::erase_if(lights_, is_drawn);
+    }
+    if (auto many = std::make_unique<const ManyLights>(scene, std::move(drawn)); !many->is_empty())
+        many_ = std::move(many);
+    report_glow(statistics, indirect);
     if (has_world_light_ && media.fills_world())
         statistics.report("World \"" + scene.world().name() +
                           "\" shines through its own endless medium, which lets nothing through: bound the fog with a "
                           "fog box");
     ray_counts_.assign(light_count(), 1);
+}
+
+void DirectLight::report_glow(Statistics& statistics, const IndirectConfig& indirect) const {
+    const SceneDescription& description = scene_.description();
+    std::vector<bool> is_on_mesh(description.materials.size()), is_on_voxels(description.materials.size());
+    for (const Instance& instance : description.instances)
+        for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot)
+            is_on_mesh[description.slot_materials[instance.first_slot_material + slot]] = true;
+    for (const PlacedShape& placed : description.placed_shapes)
+        is_on_voxels[placed.material_index] = true;
+    for (std::size_t index = 0; index < description.materials.size(); ++index) {
+        const Material& material = description.materials[index];
+        if (glows_nowhere(material))
+            continue;
+        if (is_on_voxels[index])
+            statistics.report("Material \"" + material.name + "\" glows, but from voxels lights no " +
+                              (indirect.has_bounce ? "fog, and other surfaces by rays that meet it by chance"
+                                                   : "other surface and no fog"));
+        if (is_on_mesh[index] && has_media_)
+            statistics.report("Material \"" + material.name + "\" glows, but lights no fog");
+    }
 }
 
 void DirectLight::prepare_edits(std::span<const std::uint8_t> is_asked, const Camera& camera,
@@ -86,7 +109,9 @@ LitPoints lanes_of(std::span<const SurfacePoint> points) {
     return lanes;
 }
 
-bool DirectLight::has_strata(std::size_t light) const { return is_world(light) || lights_[light].aim.has_size(); }
+bool DirectLight::has_strata(std::size_t light) const {
+    return light >= lights_.size() || lights_[light].aim.has_size();
+}
 
 void DirectLight::at(std::span<const SurfacePoint> points, const PairIndex& first_pair,
                      std::span<const std::uint8_t> is_asked, std::span<Irradiance> irradiance,
@@ -115,13 +140,15 @@ void DirectLight::add_all_once(std::span<const SurfacePoint> points, const PairI
 
 void DirectLight::add(std::size_t light, std::uint32_t ray_count, const LitSurface& surface,
                       const PairIndex& first_pair, std::span<Irradiance> irradiance) const {
-    if (!is_world(light) && lights_[light].aim.may_light(surface.lanes) == 0)
+    if (light < lights_.size() && lights_[light].aim.may_light(surface.lanes) == 0)
         return;
     const float share = 1.0f / static_cast<float>(ray_count);
     for (std::uint32_t ray = 0; ray < ray_count; ++ray) {
         const PairIndex pair = pair_of(light, ray, ray_count, first_pair);
         if (is_world(light))
             add_world(surface, pair, share, irradiance);
+        else if (is_many(light))
+            add_many(surface, pair, share, irradiance);
         else
             add_light(lights_[light], surface, pair, share, irradiance);
     }
@@ -140,15 +167,18 @@ void DirectLight::finish(const Light& light, const SurfacePoint& point, Ray& ray
         const vec3 emitter = light.kind == LightKind::Sun ? light.position : ray.origin + ray.far_m * ray.direction;
         arriving *= texture_colour(light, emitter, point.shading.position);
     }
-    if (!point.is_smooth)
-        return;
-    const vec3 lift = terminator_lift(scene_, point.hit, point.shading, ray.direction);
-    if (lift == vec3(0.0f))
+    if (light.kind != LightKind::Sun)
+        return lift(point, ray);
+    if (point.is_smooth)
+        ray.origin += terminator_lift(scene_, point.hit, point.shading, ray.direction);
+}
+
+void DirectLight::lift(const SurfacePoint& point, Ray& ray) const {
+    const vec3 by = point.is_smooth ? terminator_lift(scene_, point.hit, point.shading, ray.direction) : vec3(0.0f);
+    if (by == vec3(0.0f))
         return;
     const vec3 target = ray.origin + ray.far_m * ray.direction;
-    ray.origin += lift;
-    if (light.kind == LightKind::Sun)
-        return;
+    ray.origin += by;
     const vec3 to_light = target - ray.origin;
     ray.far_m = glm::length(to_light);
     ray.direction = to_light / ray.far_m;
@@ -256,10 +286,10 @@ void DirectLight::aim_by_lobes(const AimedLight& aimed, const LitSurface& surfac
 
 LaneSet DirectLight::may_meet(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,
                               const MovedBoxes& boxes, const PointLobes* lobes) const {
-    if (!is_world(light) && !scene_.lights()[lights_[light].index].casts_shadow)
+    if (light < lights_.size() && !scene_.lights()[lights_[light].index].casts_shadow)
         return 0;
     const LitPoints lanes = lanes_of(points);
-    if (!is_world(light) && lights_[light].aim.may_light(lanes) == 0)
+    if (light < lights_.size() && lights_[light].aim.may_light(lanes) == 0)
         return 0;
     const LitSurface surface{points, lanes, lobes};
     LaneSet found = 0;
@@ -272,6 +302,11 @@ LaneSet DirectLight::may_meet(std::size_t light, std::span<const SurfacePoint> p
     };
     for (std::uint32_t ray = 0; ray < ray_counts_[light]; ++ray) {
         const PairIndex pair = pair_of(light, ray, ray_counts_[light], first_pair);
+        if (is_many(light)) {
+            aim_at_many(surface, pair, 1.0f, shadow);
+            test();
+            continue;
+        }
         if (!is_world(light)) {
             aim(lights_[light], points, lanes, pair, 1.0f, shadow);
             test();
@@ -296,6 +331,8 @@ LaneSet DirectLight::may_meet(std::size_t light, std::span<const SurfacePoint> p
 }
 
 bool DirectLight::is_told_by_rays(std::size_t light) const {
+    if (is_many(light)) // where a light stands, no ray to where it is now tells
+        return !many_->has_triangles();
     return is_world(light) || std::ranges::none_of(scene_.lights()[index_of(light)].occluder_edits,
                                                    [](const OccluderEdit& edit) { return edit.affects_surfaces; });
 }

@@ -2,8 +2,9 @@
 // Light that reaches a diffuse surface straight from the scene's lights and world, through what lies between.
 // Based on: next event estimation; the world's light by multiple importance sampling, Veach, dissertation, Stanford
 //           1997, section 9.2 (power heuristic), between the cosine and the image.
-// Differs:  every light is asked at every point, not one picked at random: no noise from the choice. In packets a shadow
-//           ray costs less than to learn what its light contributes, which a choice has to know of all of them.
+// Differs:  up to 32 lights are asked at every point, not one picked at random: no noise from the choice. In packets a
+//           shadow ray costs less than to learn what its light contributes. Where lamps are more, and of meshes that glow,
+//           a few are drawn (many_lights.hpp), which together count as one light.
 //           Light on lobes by one more strategy, their own directions, beside the shadow rays of Lambert's share.
 // Bound:    a shadow ray per light that may reach the point, in packets of 16 points; one of its own for the world, two
 //           for an image of it, one more where it meets lobes, and one where a lamp's mirror image does; times a light's
@@ -13,6 +14,7 @@
 #include "light_shafts/surface_shadows.hpp"
 #include "render/indirect_config.hpp"
 #include "render/light_aim.hpp"
+#include "render/many_lights.hpp"
 #include "render/pixel_samples.hpp"
 #include "render/surface_point.hpp"
 #include "scene/media.hpp"
@@ -57,15 +59,23 @@ public:
     void at(std::span<const SurfacePoint> points, const PairIndex& first_pair, std::span<const std::uint8_t> is_asked,
             std::span<Irradiance> irradiance, const PointLobes* lobes = nullptr) const;
 
-    /// Those that light surfaces, the world's light last; index_of: into Scene::lights, of those before it.
-    [[nodiscard]] std::size_t light_count() const { return lights_.size() + (has_world_light_ ? 1 : 0); }
+    /// Those that light surfaces: those that are asked each, the many as one, the world's light last. index_of: into
+    /// Scene::lights, of the first of these.
+    [[nodiscard]] std::size_t light_count() const {
+        return lights_.size() + (many_ ? 1 : 0) + (has_world_light_ ? 1 : 0);
+    }
+    [[nodiscard]] bool is_many(std::size_t light) const { return many_ && light == lights_.size(); }
+    /// Into Scene::lights: the lamps among the many.
+    [[nodiscard]] std::span<const std::uint32_t> many_lamps() const { return many_->lamps(); }
+    /// What glows there is one of the lights: who meets it by chance must not count it again.
+    [[nodiscard]] bool is_light(const Hit& hit) const { return many_ && many_->has(hit); }
     [[nodiscard]] std::uint32_t index_of(std::size_t light) const { return lights_[light].index; }
     [[nodiscard]] std::uint32_t ray_count(std::size_t light) const { return ray_counts_[light]; }
     /// False: one shadow ray of a point tells all that there is to know.
     [[nodiscard]] bool has_strata(std::size_t light) const;
     /// Shadow rays per point, to as many strata of a light; 1 before. Powers of two keep them well spread.
     void set_ray_counts(std::vector<std::uint32_t> per_light) { ray_counts_ = std::move(per_light); }
-    [[nodiscard]] bool is_world(std::size_t light) const { return light >= lights_.size(); }
+    [[nodiscard]] bool is_world(std::size_t light) const { return light >= lights_.size() + (many_ ? 1 : 0); }
     /// Of all lights, with one shadow ray each: what a point that few will see is worth.
     void add_all_once(std::span<const SurfacePoint> points, const PairIndex& first_pair,
                       std::span<Irradiance> irradiance) const;
@@ -107,6 +117,14 @@ private:
     void finish(const Light& light, const SurfacePoint& point, Ray& ray, Rgb& arriving) const;
     /// From the point itself, which a ray may leave from above.
     [[nodiscard]] static vec3 towards_lamp(const Light& light, const SurfacePoint& point, const Ray& ray);
+    /// Off a smooth surface's terminator: a ray that ends at its far_m.
+    void lift(const SurfacePoint& point, Ray& ray) const;
+    void aim_at_many(const LitSurface& surface, const PairIndex& pair, float share, ShadowRays& shadow) const;
+    void add_many(const LitSurface& surface, const PairIndex& pair, float share,
+                  std::span<Irradiance> irradiance) const;
+    /// Irradiance from triangles that a ray in a direction drawn with that density meets; the share of that strategy.
+    [[nodiscard]] Rgb of_triangles(const SurfacePoint& point, const vec3& direction, float pdf_per_sr) const;
+    void report_glow(Statistics& statistics, const IndirectConfig& indirect) const;
     /// What a lamp with a size adds to lobes, in their own directions.
     void aim_by_lobes(const AimedLight& aimed, const LitSurface& surface, const PairIndex& pair, float share,
                       ShadowRays& shadow) const;
@@ -130,8 +148,9 @@ private:
 
     const Scene& scene_;
     const Media& media_;
-    std::vector<AimedLight> lights_;        ///< Those that light surfaces.
-    std::vector<std::uint32_t> ray_counts_; ///< Per light_count.
+    std::vector<AimedLight> lights_;         ///< Those that light surfaces.
+    std::unique_ptr<const ManyLights> many_; ///< Nothing: all are asked each.
+    std::vector<std::uint32_t> ray_counts_;  ///< Per light_count.
     bool has_media_, has_world_light_;
     float world_reach_m_;
 };

@@ -103,7 +103,10 @@ std::vector<KeptLight> FrameSurfaces::lights_now() const {
     for (std::size_t light = 0; light < light_.light_count(); ++light) {
         KeptLight now;
         now.ray_count = light_.ray_count(light);
-        if (!light_.is_world(light)) {
+        if (light_.is_many(light)) {
+            for (const std::uint32_t lamp : light_.many_lamps())
+                now.many.push_back(scene_.lights()[lamp]);
+        } else if (!light_.is_world(light)) {
             now.light = scene_.lights()[light_.index_of(light)];
             now.edited_shadows = edited_shadows({&now.light, 1});
         }

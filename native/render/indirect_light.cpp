@@ -134,7 +134,8 @@ void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vecto
             continue; // the world's light comes straight
         const SurfacePoint surface = surface_point(scene_, part, hit, points[point].pixel_seed);
         const SurfaceClosures closures = scene_.closures({.ray = part, .kind = RayKind::Diffuse}, surface.shading, hit);
-        irradiance[point] += weight * closures.emission;
+        if (!light_.is_light(hit))
+            irradiance[point] += weight * closures.emission;
         if (closures.diffuse_albedo != Rgb(0.0f)) {
             met[met_count] = surface;
             weights[met_count] = weight * closures.diffuse_albedo * std::numbers::inv_pi_v<float>;

@@ -16,6 +16,7 @@
 #include "scene/camera.hpp"
 #include "scene/moved_instances.hpp"
 #include "scene/scene.hpp"
+#include <algorithm>
 #include <list>
 #include <memory>
 #include <optional>
@@ -41,12 +42,13 @@ struct SurfaceKey {
 /// A light as surfaces see it. The world's has no more than its ray count: the rest is part of SurfaceKey.
 struct KeptLight {
     Light light;
-    std::uint32_t ray_count = 0; ///< Shadow rays per point; 0: its light has to be asked for.
+    std::vector<Light> many = {}; ///< Lamps that are drawn: all together are one light.
+    std::uint32_t ray_count = 0;  ///< Shadow rays per point; 0: its light has to be asked for.
     /// Where edits of its occluders cast shadows.
     std::optional<light_shafts::SurfaceShadows::Config> edited_shadows = {};
     [[nodiscard]] bool operator==(const KeptLight& other) const {
         return ray_count == other.ray_count && edited_shadows == other.edited_shadows &&
-               lights_surfaces_alike(light, other.light);
+               lights_surfaces_alike(light, other.light) && std::ranges::equal(many, other.many, lights_surfaces_alike);
     }
 };
 

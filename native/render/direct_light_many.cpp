@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The part of direct_light.hpp of lights that are drawn, not asked each: by the tree, and of triangles by the cosine and by
+// lobes' own directions, too.
+// Based on: Veach, dissertation, Stanford 1997, section 9.2 (power heuristic): a wide plate nearby is met by chance.
+#include "core/sampling.hpp"
+#include "render/direct_light.hpp"
+#include "render/shadow_rays.hpp"
+
+namespace tyndall::render {
+static constexpr std::uint32_t place_pairs = 0x0800'0000, lobe_pairs = 0x1000'0000,
+                               cosine_pairs = 0x1800'0000; // far behind those of strata
+/// Surfaces that let light through, on a lobe's ray.
+static constexpr int most_surfaces_passed = 16;
+
+void DirectLight::aim_at_many(const LitSurface& surface, const PairIndex& pair, float share, ShadowRays& shadow) const {
+    for (std::size_t index = 0; index < surface.points.size(); ++index) {
+        const SurfacePoint& point = surface.points[index];
+        const float choice = pixel_pair(point.pixel_seed, pair.sample_index, pair.pair_index).x;
+        const vec2 place = pixel_pair(point.pixel_seed, pair.sample_index, place_pairs + pair.pair_index);
+        std::optional<ManyLights::Aimed> aimed = many_->aim(point, choice, place);
+        if (!aimed)
+            continue;
+        if (aimed->lamp != nullptr)
+            finish(*aimed->lamp, point, aimed->ray, aimed->arriving);
+        else
+            lift(point, aimed->ray);
+        const Rgb arriving = share * aimed->arriving;
+        if (arriving == Rgb(0.0f))
+            continue;
+        const bool is_a_point =
+            aimed->lamp != nullptr && aimed->lamp->kind != LightKind::Area && !(aimed->lamp->radius_m > 0.0f);
+        Rgb reflected(0.0f);
+        if (surface.lobes != nullptr && !(*surface.lobes)[index].lobes.empty()) {
+            const LobeSet& lobes = (*surface.lobes)[index];
+            float weight = 1.0f;
+            if (aimed->lamp == nullptr && lobes.has_directions())
+                weight = power_share(aimed->pdf_per_sr, lobes.pdf_per_sr(aimed->ray.direction));
+            reflected = arriving * lobes.per_irradiance(aimed->ray.direction, is_a_point ? least_alpha : 0.0f) * weight;
+        }
+        shadow.push(aimed->ray, arriving, index, reflected);
+        const float cosine = glm::dot(point.shading.shading_normal, aimed->ray.direction);
+        shadow.shares[shadow.count - 1] =
+            aimed->lamp != nullptr ? 1.0f : power_share(aimed->pdf_per_sr, cosine_hemisphere_pdf_per_sr(cosine));
+        shadow.casts[shadow.count - 1] = aimed->lamp == nullptr || aimed->lamp->casts_shadow;
+    }
+}
+
+/// One ray at a time: they go to different lights.
+void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, float share,
+                           std::span<Irradiance> irradiance) const {
+    ShadowRays shadow;
+    aim_at_many(surface, pair, share, shadow);
+    for (std::size_t index = 0; index < shadow.count; ++index)
+        shadow.passing[index] = shadow.casts[index] ? scene_.shadow_transmittance(shadow.rays[index]) : Rgb(1.0f);
+    if (has_media_)
+        media_.attenuate(shadow.all(), shadow.passing);
+    for (std::size_t index = 0; index < shadow.count; ++index) {
+        Irradiance& sum = irradiance[shadow.points[index]];
+        sum.unshadowed += shadow.arriving[index];
+        sum.from_lights += shadow.arriving[index] * shadow.passing[index] * shadow.shares[index];
+        sum.reflected += shadow.reflected[index] * shadow.passing[index];
+    }
+    for (std::size_t index = 0; many_->has_triangles() && index < surface.points.size(); ++index) {
+        const SurfacePoint& point = surface.points[index];
+        const vec2 u = pixel_pair(point.pixel_seed, pair.sample_index, cosine_pairs + pair.pair_index);
+        const vec3 direction = from_frame(point.shading.shading_normal, sample_cosine_hemisphere(u));
+        const float cosine = glm::dot(point.shading.shading_normal, direction);
+        irradiance[index].from_lights += share * of_triangles(point, direction, cosine_hemisphere_pdf_per_sr(cosine));
+        if (surface.lobes == nullptr || !(*surface.lobes)[index].has_directions())
+            continue;
+        const LobeSet& lobes = (*surface.lobes)[index];
+        const vec3 mirrored =
+            lobes.sample(pixel_pair(point.pixel_seed, pair.sample_index, lobe_pairs + pair.pair_index));
+        irradiance[index].reflected +=
+            share * of_triangles(point, mirrored, lobes.pdf_per_sr(mirrored)) * lobes.per_irradiance(mirrored);
+    }
+}
+
+Rgb DirectLight::of_triangles(const SurfacePoint& point, const vec3& direction, float pdf_per_sr) const {
+    const float cosine = glm::dot(point.shading.shading_normal, direction);
+    Rgb sum(0.0f);
+    if (!(cosine > 0.0f) || !(pdf_per_sr > 0.0f))
+        return sum;
+    Ray ray = shadow_ray(point, direction);
+    for (int passed = 0; passed < most_surfaces_passed; ++passed) {
+        const Hit hit = scene_.closest_hit(ray, bounce_mask);
+        if (!hit.is_hit())
+            break;
+        if (const std::optional<ManyLights::Aimed> met = many_->met(point, ray, hit)) {
+            std::array<Rgb, 1> passing{scene_.shadow_transmittance(met->ray)};
+            if (has_media_)
+                media_.attenuate({&met->ray, 1}, passing);
+            sum += met->arriving * passing[0] * (power_share(pdf_per_sr, met->pdf_per_sr) * cosine / pdf_per_sr);
+        }
+        if (scene_.transparency(ray, hit) == Rgb(0.0f))
+            break;
+        ray.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), ray.far_m);
+    }
+    return sum;
+}
+} // namespace tyndall::render

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One of many lights for a point, drawn about as often as it is bright there.
+// Based on: Conty Estevez and Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting, HPG 2018: boxes and
+//           cones around lights, their surface area orientation heuristic, and what a cluster may send to a point.
+// Differs:  eight children a node, asked side by side: a third of the levels, each of which chooses among more. A leaf is one
+//           light. Cones have a back, too: what glows on both sides need not count as shining all around. Nothing is split:
+//           a pixel's draws are one low-discrepancy sequence, which deals them to the lights as splitting would.
+// Bound:    some 90 ns a draw of 10,000 lights; 60 bytes a light.
+#pragma once
+#include "core/math.hpp"
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace tyndall::render {
+/// Where lights are and where they shine to. Its light leaves within `reach_rad` of directions that lie within `spread_rad`
+/// of the axis, and falls with the cosine of how far it is from these.
+struct LightBounds {
+    Bounds3 box;
+    vec3 axis{0, 0, 1};      ///< Unit.
+    float spread_rad = 0.0f; ///< [0, pi]
+    float reach_rad = 0.0f;  ///< [0, pi / 2]
+    float power = 0.0f;      ///< Intensity in the best direction, W/sr: of several lights together.
+    float back = 0.0f;       ///< The same around -axis, times this: [0, 1].
+};
+/// Around both.
+[[nodiscard]] LightBounds united(const LightBounds& a, const LightBounds& b);
+
+class LightTree {
+public:
+    LightTree() = default;
+    /// Those without power are never chosen.
+    explicit LightTree(std::span<const LightBounds> lights);
+
+    struct Choice {
+        std::uint32_t light = none;
+        float probability = 0.0f;
+    };
+    static constexpr std::uint32_t none = ~0u;
+    /// A light that may shine on a surface there with that unit normal, by a number in [0, 1). Nothing: none does.
+    [[nodiscard]] Choice choose(const vec3& point, const vec3& normal, float u) const;
+    /// With which choose() returns that light.
+    [[nodiscard]] float probability(std::uint32_t light, const vec3& point, const vec3& normal) const;
+    [[nodiscard]] bool is_empty() const { return nodes_.empty(); }
+
+    static constexpr std::size_t width = 8;
+    using Row = std::array<float, width>;
+    struct alignas(32) Node {
+        Row x{}, y{}, z{};       ///< Centre of the children's spheres.
+        Row radius2{}, floor2{}; ///< Of these; squared distance nearer than which nothing counts as.
+        Row axis_x{}, axis_y{}, axis_z{};
+        Row cos_spread{}, sin_spread{}, cos_reach{};
+        Row power{}; ///< 0: no child.
+        Row back{};
+        std::array<std::uint32_t, width> child{}; ///< Index of a node; with is_light, of a light.
+    };
+    static constexpr std::uint32_t is_light = 0x8000'0000u;
+
+private:
+    std::uint32_t build(std::span<const LightBounds> lights, std::span<std::uint32_t> members);
+    /// Into nodes_, and which of its children.
+    struct Place {
+        std::uint32_t node = none, slot = 0;
+    };
+    std::vector<Node> nodes_; ///< The root first.
+    std::vector<Place> place_of_light_, place_of_node_;
+};
+} // namespace tyndall::render

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Lights of which each point asks a few, drawn from a tree: lamps beyond a number, and triangles that glow.
+// Based on: next event estimation; light_tree.hpp chooses, scene/light.hpp and mesh_emitters.hpp place.
+#pragma once
+#include "render/mesh_emitters.hpp"
+#include "render/surface_point.hpp"
+#include <optional>
+
+namespace tyndall::render {
+/// What a lamp with a place is to a light tree.
+[[nodiscard]] LightBounds bounds_of(const Light& lamp);
+
+class ManyLights {
+public:
+    /// Up to so many lamps are asked one by one: that has no noise, and takes no longer than a few draws.
+    static constexpr std::size_t most_asked_each = 32;
+
+    /// `lamps`: into Scene::lights. The scene must outlive this.
+    ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps);
+    [[nodiscard]] bool is_empty() const { return tree_.is_empty(); }
+    [[nodiscard]] std::span<const std::uint32_t> lamps() const { return lamps_; }
+    [[nodiscard]] bool has_triangles() const { return !emitters_.triangles().empty(); }
+    /// Whether what glows there is one of these lights.
+    [[nodiscard]] bool has(const Hit& hit) const { return emitters_.index_of(hit) != LightTree::none; }
+
+    struct Aimed {
+        Ray ray;      ///< Up to the light.
+        Rgb arriving; ///< Irradiance over the probability of the choice; of a lamp without a spot's cone.
+        const Light* lamp = nullptr; ///< Nothing: a triangle.
+        float pdf_per_sr = 0.0f;     ///< Of a triangle, with the choice.
+    };
+    /// By numbers in [0, 1). Nothing: no light comes from there.
+    [[nodiscard]] std::optional<Aimed> aim(const SurfacePoint& point, float u_choice, vec2 u_place) const;
+    /// A ray from the point that met a triangle: what it brings, and with which density aim() takes it; else nothing.
+    [[nodiscard]] std::optional<Aimed> met(const SurfacePoint& point, const Ray& ray, const Hit& hit) const;
+
+private:
+    [[nodiscard]] std::optional<Aimed> aim_at_lamp(const SurfacePoint& point, std::uint32_t lamp, vec2 u) const;
+    [[nodiscard]] std::optional<Aimed> aim_at_triangle(const SurfacePoint& point, const EmissiveTriangle& triangle,
+                                                       vec2 u) const;
+    /// From where rays leave the point to just before a hit.
+    [[nodiscard]] Ray ray_to(const SurfacePoint& point, const Hit& hit, const vec3& direction) const;
+
+    const Scene& scene_;
+    std::vector<std::uint32_t> lamps_;
+    MeshEmitters emitters_;
+    LightTree tree_; ///< Lamps first.
+};
+} // namespace tyndall::render

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Triangles of meshes that glow, as lights: which they are, how bright, and places on them for one point.
+// Based on: Arvo, Stratified Sampling of Spherical Triangles, SIGGRAPH 1995, for those that are wide as seen from the point.
+// Differs:  others are sampled by area. How bright a triangle is that a program colours is asked at a few of its places;
+//           those that seem dark there are drawn seldom, not never.
+// Bound:    100 bytes a triangle.
+#pragma once
+#include "render/light_tree.hpp"
+#include "scene/scene.hpp"
+#include <vector>
+
+namespace tyndall::render {
+struct EmissiveTriangle {
+    std::uint32_t instance, triangle;
+    std::array<vec3, 3> corners;
+    vec3 normal; ///< Unit, as a Hit has it.
+    float area_m2;
+    float radiance;   ///< Mean of its channels, about.
+    bool is_constant; ///< Its material emits the same everywhere.
+    float back;       ///< How likely its back is seen: less of a closed mesh.
+};
+
+/// A place on a triangle, seen from a point.
+struct TrianglePoint {
+    vec3 position{0.0f};
+    vec2 barycentrics{0.0f};
+    float pdf_per_sr = 0.0f; ///< 0: there is none.
+};
+
+class MeshEmitters {
+public:
+    MeshEmitters() = default;
+    explicit MeshEmitters(const Scene& scene);
+
+    [[nodiscard]] std::span<const EmissiveTriangle> triangles() const { return triangles_; }
+    [[nodiscard]] LightBounds bounds_of(const EmissiveTriangle& triangle) const;
+    /// Index of a hit's triangle; LightTree::none where it is no light.
+    [[nodiscard]] std::uint32_t index_of(const Hit& hit) const;
+    /// Radiance that leaves the triangle towards where the ray comes from.
+    [[nodiscard]] static Rgb radiance(const Scene& scene, const EmissiveTriangle& triangle, const Ray& ray,
+                                      const Hit& hit);
+
+private:
+    std::vector<EmissiveTriangle> triangles_;
+    std::vector<std::uint32_t> first_of_instance_; ///< Into index_of_triangle_; none: it does not glow.
+    std::vector<std::uint32_t> index_of_triangle_;
+};
+/// Uniform in the solid angle where that is wide, else in the area.
+[[nodiscard]] TrianglePoint triangle_point(const std::array<vec3, 3>& corners, const vec3& from, vec2 u);
+/// Per steradian, with which triangle_point() takes the direction in which a place on it lies.
+[[nodiscard]] float triangle_pdf_per_sr(const std::array<vec3, 3>& corners, const vec3& from, const vec3& place);
+} // namespace tyndall::render

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes that glow and many lamps light surfaces as in Cycles, with direct light alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+import pytest
+
+from support.cycles_reference import agreement, cycles_pixels, pixels_on_edges, save_side_by_side, tyndall_pixels
+from support.many_light_scenes import LIT_BY, build_lit_by
+
+PICTURES = Path(__file__).parents[2] / "out" / "many_lights"
+SAMPLES = 256
+
+
+@pytest.mark.parametrize("light", [light for light in LIT_BY if "points" not in light])
+def test_equals_cycles(light: str) -> None:
+    """The mean within 1 %, as is the median block, beyond what is noise."""
+    scene = build_lit_by(light)
+    samples = 4 * SAMPLES
+    cycles = cycles_pixels(scene, samples, seed=1), cycles_pixels(scene, samples, seed=2)
+    on_edges = pixels_on_edges(scene)
+    ours = [tyndall_pixels(scene, ("EXACT",), surface_samples=SAMPLES, seed=seed)[0] for seed in (0, 1)]
+    verdict = agreement((ours[0], ours[1]), cycles, on_edges, samples)
+    print(f"{light}: {verdict}")
+    name = f"{bpy.app.version_string} {light}".replace(" ", "_")
+    save_side_by_side(PICTURES / f"{name}.png", (ours[0] + ours[1]) / 2, (cycles[0] + cycles[1]) / 2)
+    assert abs(verdict.mean_error) <= 0.01 + 3 * verdict.mean_sigma
+    assert verdict.median_error <= 0.01 + 2 * verdict.median_sigma
