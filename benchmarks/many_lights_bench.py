@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Noise of 10,000 point lights at equal time: ours and Cycles' light tree, and what they cost beside 10.
 
-Run in Blender 4.5 or 5.0: python benchmarks/many_lights_bench.py OUT.json. Times are the process's CPU time, of a
+scripts/python benchmarks/many_lights_bench.py --context FILE --output FILE. Times are the process's CPU time, of a
 render less that of the same render with one sample per pixel: what both need for the 10,000 objects. Error: RMS
 over pixels of the relative error of a pixel's mean channel, against ours with many samples and another seed
 (tests/blender/test_many_lights.py: both engines converge to one picture; Cycles would take half an hour). It falls
@@ -10,7 +10,6 @@ with the root of the time, which makes one figure of both: error times root of C
 
 from __future__ import annotations
 
-import json
 import sys
 import time
 from pathlib import Path
@@ -18,9 +17,12 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parents[1] / "tests")]
-from support.cycles_reference import _prepare_tyndall, prepare_cycles, rendered_pixels  # noqa: E402
-from support.many_light_scenes import build_lit_by  # noqa: E402
+import tyndall.blender
+from report import Row, argument_parser, row, write_report
+
+sys.path.append(str(Path(__file__).parents[1] / "tests"))
+from support.cycles_reference import _prepare_tyndall, prepare_cycles, rendered_pixels
+from support.many_light_scenes import build_lit_by
 
 SIZE_PX = 96, 54
 REFERENCE_SAMPLES = 1024
@@ -43,9 +45,9 @@ def measured(scene: bpy.types.Scene, engine: str, samples: int, seed: int) -> tu
     return picture, time.process_time() - begin
 
 
-def run() -> dict[str, object]:
+def run() -> list[Row]:
     """Measure both engines with 10 and with 10,000 lights."""
-    found: dict[str, object] = {"blender": bpy.app.version_string, "size_px": SIZE_PX, "samples": SAMPLES}
+    rows = []
     for lights in ("10 points", "10000 points"):
         scene = build_lit_by(lights, *SIZE_PX)
         reference, _ = measured(scene, "tyndall", REFERENCE_SAMPLES, 99)
@@ -57,19 +59,22 @@ def run() -> dict[str, object]:
             cpu_s = max(all_s - of_setup_s, 1e-3) * samples / (samples - 1)
             error = (picture.mean(axis=2) - level)[is_lit] / level[is_lit]
             rms = float(np.sqrt((error**2).mean()))
-            found[f"{lights}, {engine}"] = {
-                "cpu_s": cpu_s,
-                "setup_cpu_s": of_setup_s,
-                "rms_error": rms,
-                "median_error": float(np.median(np.abs(error))),
-                "error_times_root_s": rms * cpu_s**0.5,
-            }
-            print(lights, engine, found[f"{lights}, {engine}"], flush=True)
-    return found
+            rows.append(
+                row(
+                    f"{lights}, {engine}",
+                    cpu_s,
+                    samples=samples,
+                    setup_cpu_s=of_setup_s,
+                    rms_error=rms,
+                    median_error=float(np.median(np.abs(error))),
+                    error_times_root_s=rms * cpu_s**0.5,
+                )
+            )
+            print(rows[-1], flush=True)
+    return rows
 
 
 if __name__ == "__main__":
-    import addon
-
-    addon.register()
-    Path(sys.argv[-1]).write_text(json.dumps(run(), indent=1), encoding="utf-8")
+    arguments = argument_parser(__doc__).parse_args()
+    tyndall.blender.enable()
+    write_report(run(), arguments)

@@ -20,6 +20,7 @@ void DirectLight::aim_at_many(const LitSurface& surface, const PairIndex& pair, 
         std::optional<ManyLights::Aimed> aimed = many_->aim(point, choice, place);
         if (!aimed)
             continue;
+        const vec3 towards = aimed->ray.direction; // before a smooth surface's terminator lifts the ray
         if (aimed->lamp != nullptr)
             finish(*aimed->lamp, point, aimed->ray, aimed->arriving);
         else
@@ -34,11 +35,11 @@ void DirectLight::aim_at_many(const LitSurface& surface, const PairIndex& pair, 
             const LobeSet& lobes = (*surface.lobes)[index];
             float weight = 1.0f;
             if (aimed->lamp == nullptr && lobes.has_directions())
-                weight = power_share(aimed->pdf_per_sr, lobes.pdf_per_sr(aimed->ray.direction));
-            reflected = arriving * lobes.per_irradiance(aimed->ray.direction, is_a_point ? least_alpha : 0.0f) * weight;
+                weight = power_share(aimed->pdf_per_sr, lobes.pdf_per_sr(towards));
+            reflected = arriving * lobes.per_irradiance(towards, is_a_point ? least_alpha : 0.0f) * weight;
         }
         shadow.push(aimed->ray, arriving, index, reflected);
-        const float cosine = glm::dot(point.shading.shading_normal, aimed->ray.direction);
+        const float cosine = glm::dot(point.shading.shading_normal, towards);
         shadow.shares[shadow.count - 1] =
             aimed->lamp != nullptr ? 1.0f : power_share(aimed->pdf_per_sr, cosine_hemisphere_pdf_per_sr(cosine));
         shadow.casts[shadow.count - 1] = aimed->lamp == nullptr || aimed->lamp->casts_shadow;

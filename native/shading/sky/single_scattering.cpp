@@ -4,7 +4,7 @@
 // Differs:  the sun is Planck's law at 5778 K and molecules scatter with the inverse fourth power of the wavelength,
 //           which is what Cycles' tables hold; light towards the sun is found by the same 8 points of Gauss-Laguerre,
 //           but a direction's 32 steps share them between wavelengths and densities.
-// Bound:    32 steps along a ray; 0.3 % of the radiance at the horizon beside 256.
+// Bound:    32 steps along a ray.
 #include "core/parallel.hpp"
 #include "shading/sky/sky_model.hpp"
 #include <algorithm>
