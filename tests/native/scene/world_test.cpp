@@ -123,7 +123,7 @@ TEST_CASE("pixels that are not finite are black; a world that cannot be is named
 
 TEST_CASE("cameras may see another image than the one that gives light") {
     const std::shared_ptr<EnvironmentImage> lit = sky(), seen = sky(8, 4);
-    const World world("world", Rgb(2.0f), lit, turn, seen), as_lit("lit", Rgb(2.0f), lit, turn),
+    const World world("world", Rgb(2.0f), lit, turn, {.image = seen}), as_lit("lit", Rgb(2.0f), lit, turn),
         as_seen("seen", Rgb(2.0f), seen, turn);
     for (const vec3& direction : {vec3(1, 0, 0), vec3(0, 0, 1), glm::normalize(vec3(-1, 2, 0.5f))}) {
         CHECK(world.radiance(direction) == as_lit.radiance(direction));
@@ -133,5 +133,5 @@ TEST_CASE("cameras may see another image than the one that gives light") {
     }
     CHECK(!world.shines_as(as_lit));
     seen->pixels.pop_back();
-    CHECK_THROWS_AS(World("world", Rgb(1.0f), lit, turn, seen), InvalidInput);
+    CHECK_THROWS_AS(World("world", Rgb(1.0f), lit, turn, SeenWorld{.image = seen}), InvalidInput);
 }
