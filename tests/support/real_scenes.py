@@ -47,7 +47,7 @@ def _sun(scene: bpy.types.Scene, energy: float = 3.0) -> None:
 
 
 def _hall(scene: bpy.types.Scene) -> None:
-    look(scene, (0.0, -70.0, 3.0), (0.0, 0.0, 8.0), 20.0)
+    scene.camera.data.type, scene.camera.data.lens = "PERSP", 18.0
 
 
 def _bedroom(_scene: bpy.types.Scene) -> None:
@@ -118,7 +118,12 @@ class RealScene:
 
 REAL_SCENES = (
     RealScene("engineer_room/bedroom.blend", "Mark Raynsford, CC BY 4.0", "with its light blocker hidden", _bedroom),
-    RealScene("baked_hall/scene.blend", "Bevy-BakedGI-Demo, MIT or Apache-2.0", "with a camera in perspective", _hall),
+    RealScene(
+        "baked_hall/scene.blend",
+        "Bevy-BakedGI-Demo, MIT or Apache-2.0",
+        "with its panoramic camera in perspective",
+        _hall,
+    ),
     RealScene("dino_forest/vr_dino.blend", "armory_examples, zlib"),
     RealScene("race_track/race_track.blend", "armory_templates, zlib"),
     RealScene("displaced_terrain/mesh_terrain.blend", "armory_examples, zlib"),
