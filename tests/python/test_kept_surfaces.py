@@ -227,6 +227,36 @@ def test_no_picture_of_lobes_can_tell_either(change: str, capacity_bytes: int) -
 
 
 @pytest.mark.parametrize("capacity_bytes", [ROOM_BYTES, NO_ROOM_FOR_POINTS_BYTES], ids=["points", "samples"])
+@pytest.mark.parametrize(
+    "change",
+    ["edit", "sun turned", "lamp gone", "a drawn lamp moved", "fewer lamps", "glow", "world", "object moved", "bounce"],
+)
+def test_no_picture_of_drawn_lights_can_tell_either(change: str, capacity_bytes: int) -> None:
+    """Lamps beyond a number and triangles that glow are one light, drawn from a tree."""
+    few = tuple(
+        replace(
+            LAMP, name=f"Lamp {index}", strength=(0.5,) * 3, world_from_light=translation(index % 7 - 3, index / 9, 2)
+        )
+        for index in range(40)
+    )
+    glowing = Material(name="pane", transparent=(0.5,) * 3, emission=(0.9, 0.5, 0.2))
+    before = State(lights=(State().lights[0], LAMP, *few), pane=glowing)
+    moved = replace(few[3], world_from_light=translation(0.0, 0.5, 1.0))
+    of_drawn: dict[str, Change] = {
+        "a drawn lamp moved": lambda state: replace(state, lights=(*state.lights[:5], moved, *state.lights[6:])),
+        "fewer lamps": lambda state: replace(state, lights=state.lights[:12]),
+        "glow": lambda state: replace(state, pane=replace(state.pane, emission=(0.1, 0.9, 0.3))),
+    }
+    after = (OF_THE_AIR | OF_LIGHTS | OF_THE_SCENE | of_drawn)[change](before)
+    session = Session(kept_surfaces_bytes=capacity_bytes, kept_maps_bytes=ROOM_BYTES)
+    alone = before.picture(Session()), after.picture(Session())
+    if change != "edit":  # which is seen in the air alone
+        assert np.abs(alone[0].planes["Combined"] - alone[1].planes["Combined"]).max() > 1e-3
+    for state, expected in ((before, alone[0]), (after, alone[1]), (before, alone[0]), (after, alone[1])):
+        assert_same(state.picture(session), expected)
+
+
+@pytest.mark.parametrize("capacity_bytes", [ROOM_BYTES, NO_ROOM_FOR_POINTS_BYTES], ids=["points", "samples"])
 @pytest.mark.parametrize("change", OF_THE_AIR)
 def test_changed_shafts_trace_no_ray(change: str, capacity_bytes: int) -> None:
     """Neither from the camera nor towards a light."""

@@ -112,6 +112,15 @@ def lights(*, edited: bool = False, size: float = 1.0) -> tuple[Light, ...]:
     )
 
 
+def lamps(count: int) -> tuple[Light, ...]:
+    """More than are asked each."""
+    places = np.random.default_rng(5).uniform((-6, -6, 0.5), (6, 9, 4.0), (count, 3))
+    return tuple(
+        Light(name=f"Lamp {index}", kind=LightKind.POINT, strength=(1.0,) * 3, world_from_light=translation(*place))
+        for index, place in enumerate(places)
+    )
+
+
 @dataclass(frozen=True, kw_only=True)
 class State:
     """A floor in fog; boxes, a pane and leaves, each of which may move."""
@@ -209,6 +218,8 @@ VARIANTS: dict[str, dict[str, object]] = {
     "region": {"region_px": (30, 3, 131, 19)},
     "transparent film": {"film_transparent": True},
     "glossy": {"floor": Material(name="glossy", lobes=(GLOSSY,)), "lights": lights(size=5.0)},
+    "glowing": {"floor": Material(name="glowing", emission=(0.3, 0.2, 0.1))},
+    "many lamps": {"lights": (*lights(), *lamps(40))},
 }
 
 
