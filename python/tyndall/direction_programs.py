@@ -10,10 +10,10 @@ import numpy as np
 
 from . import _native
 from .fingerprints import fingerprint
+from .native_materials import build_material
 from .native_textures import build_texture
 from .scene_description import Image, Material
 from .surface_inputs import RayBit
-from .surface_operations import build_op
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,25 +25,8 @@ _built: WeakKeyDictionary[Material, _native.DirectionProgram] = WeakKeyDictionar
 def build_direction_program(material: Material) -> _native.DirectionProgram:
     """The same description gives the same native program. Raises InvalidInput, naming it."""
     if material not in _built:
-        _built[material] = _native.DirectionProgram(
-            _native.Material(
-                name=material.name,
-                has_surface=True,
-                diffuse=material.diffuse,
-                transparent=material.transparent,
-                emission=material.emission,
-                program=[build_op(op) for op in material.program],
-                diffuse_register=material.diffuse_register,
-                transparent_register=material.transparent_register,
-                emission_register=material.emission_register,
-                textures=[build_texture(use, []) for use in material.textures],
-                uv_maps=material.uv_maps,
-                tables=material.tables,
-                gloss=None,
-                lobes=[],
-                medium=-1,
-            )
-        )
+        textures = [build_texture(use, []) for use in material.textures]
+        _built[material] = _native.DirectionProgram(build_material(material, textures))
     return _built[material]
 
 

@@ -18,11 +18,11 @@ from .fingerprints import fingerprint
 from .light_textures import build_light_textures
 from .linear_colours import linear_colours
 from .native_lights import build_light
+from .native_materials import build_material
 from .native_textures import build_texture
 from .native_volumes import build_volumes
 from .native_voxels import build_voxels, relative_matrices, shows_to
 from .scene_description import (
-    Gloss,
     Image,
     Instances,
     LightTexture,
@@ -33,7 +33,6 @@ from .scene_description import (
     TextureUse,
     World,
 )
-from .surface_operations import build_op
 
 #: Radiances and coefficients beyond it would overflow where they are summed; Blender makes 3.4e38 of infinite ones.
 _LARGEST_VALUE = 1e30
@@ -163,7 +162,7 @@ def _build_geometry(
     origin = _origin_in_world(groups, description)
     materials = _build_materials(description.materials, parts, reports)
     default_material = len(materials)
-    materials.append(_build_material(_DEFAULT_MATERIAL, []))
+    materials.append(build_material(_DEFAULT_MATERIAL, []))
     slots = [group.materials or (default_material,) for group in groups]
     first_slots = np.cumsum([0, *map(len, slots)])[:-1]
     voxels = build_voxels(description.voxel_objects, parts, origin, default_material)
@@ -339,51 +338,12 @@ def _build_materials(materials: tuple[Material, ...], parts: NativeParts, report
     result = []
     for material in materials:
         try:
-            result.append(_build_material(material, [texture(use) for use in material.textures]))
+            result.append(build_material(material, [texture(use) for use in material.textures]))
         except _native.InvalidInput as error:
             reports.append(f'Material "{material.name}" is drawn grey: {error}')
-            result.append(_build_material(replace(_DEFAULT_MATERIAL, name=material.name, medium=material.medium), []))
+            result.append(build_material(replace(_DEFAULT_MATERIAL, name=material.name, medium=material.medium), []))
     parts.textures = kept
     return result
-
-
-def _build_material(material: Material, textures: list[_native.Texture]) -> _native.Material:
-    return _native.Material(
-        name=material.name,
-        has_surface=material.has_surface,
-        diffuse=material.diffuse,
-        transparent=material.transparent,
-        emission=material.emission,
-        program=[build_op(op) for op in material.program],
-        diffuse_register=material.diffuse_register,
-        transparent_register=material.transparent_register,
-        emission_register=material.emission_register,
-        textures=textures,
-        uv_maps=material.uv_maps,
-        tables=material.tables,
-        gloss=None if material.gloss is None else _build_gloss(material.gloss),
-        lobes=[
-            _native.Lobes(
-                model=int(lobes.model),
-                preserves_energy=lobes.preserves_energy,
-                constants=lobes.inputs,
-                registers=lobes.registers,
-                normals=lobes.normals,
-                bump_shadowing=int(lobes.bump_shadowing),
-            )
-            for lobes in material.lobes
-        ],
-        medium=material.medium,
-    )
-
-
-def _build_gloss(gloss: Gloss) -> _native.Gloss:
-    return _native.Gloss(
-        constant=(gloss.facing, gloss.edge, gloss.coat, gloss.coated),
-        registers=gloss.registers,
-        mirror_ior=gloss.mirror_ior,
-        coat_ior=gloss.coat_ior,
-    )
 
 
 def _build_medium(medium: Medium) -> _native.Medium:
