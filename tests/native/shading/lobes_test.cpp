@@ -9,20 +9,17 @@
 #include "shading/lobes/lobe_models.hpp"
 #include "shading/lobes/lobe_set.hpp"
 #include "shading/material.hpp"
+#include "support/angles.hpp"
 #include "support/chi_square.hpp"
 #include <doctest/doctest.h>
 #include <functional>
 #include <numbers>
 
 using namespace tyndall;
+using support::at_angle;
 
 namespace {
 constexpr float pi = std::numbers::pi_v<float>;
-
-vec3 at_angle(float degrees, float around = 0.0f) {
-    const float angle = degrees * pi / 180.0f;
-    return {std::sin(angle) * std::cos(around), std::sin(angle) * std::sin(around), std::cos(angle)};
-}
 
 vec2 number(std::uint32_t index) {
     const auto unit = [](std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; };

@@ -5,19 +5,16 @@
 #include "shading/lobes/lobe_set.hpp"
 #include "shading/material.hpp"
 #include "shading/surface_program.hpp"
+#include "support/angles.hpp"
 #include <doctest/doctest.h>
 #include <functional>
 #include <numbers>
 
 using namespace tyndall;
+using support::at_angle;
 
 namespace {
 constexpr float pi = std::numbers::pi_v<float>;
-
-vec3 at_angle(float degrees, float around = 0.0f) {
-    const float angle = degrees * pi / 180.0f;
-    return {std::sin(angle) * std::cos(around), std::sin(angle) * std::sin(around), std::cos(angle)};
-}
 
 /// Over all directions, by an even grid in height and azimuth.
 double over_sphere(const std::function<double(const vec3&)>& value, int side = 600) {
