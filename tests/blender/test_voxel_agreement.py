@@ -113,6 +113,8 @@ def test_voxels_with_normals_look_smooth(tmp_path: Path) -> None:
     bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48)
     ball = bpy.context.object
     bpy.ops.object.shade_smooth()
+    # What has no material is glossy in 5.0.
+    ball.data.materials.append(material("matt", lambda new, _: node(new, "ShaderNodeBsdfDiffuse").outputs[0]))
     before = rendered_pixels(scene)
     settings = scene.tyndall.voxelize
     settings.resolution, settings.has_normals, settings.path = "256", True, str(tmp_path / "ball.tdag")

@@ -36,6 +36,8 @@ STRAY_SHARE = 0.03
 def rendered_pixels(scene: bpy.types.Scene) -> FloatArray:
     """Render Combined and read it back, scene-linear (height, width, 3), rows bottom to top."""
     settings = scene.render
+    if bpy.app.version >= (5, 0, 0):
+        settings.image_settings.media_type = "IMAGE"  # files of others may write films
     settings.image_settings.file_format = "OPEN_EXR"
     settings.image_settings.color_mode = "RGB"
     settings.image_settings.color_depth = "32"
