@@ -144,6 +144,8 @@ def _geometry(reader: ValueReader, at: Socket) -> Value:
         return BLACK
     if output == "Backfacing":
         return program.backfacing()
+    if output == "Normal" and reader.displaced_normal is not None:
+        return reader.displaced_normal
     if output in _GEOMETRY:
         return point_input(program, _GEOMETRY[output])
     if output == "Tangent":
@@ -251,8 +253,13 @@ def _active_uv(reader: ValueReader, _: Socket) -> Value:
 
 
 def _by_shading_normal(reader: ValueReader, at: Socket) -> Value:
-    kind = PointInput.OBJECT_NORMAL if at.socket.identifier == "Normal" else PointInput.REFLECTION
-    return point_input(reader.program, kind)
+    program, normal, is_normal = reader.program, reader.displaced_normal, at.socket.identifier == "Normal"
+    if normal is None:
+        return point_input(program, PointInput.OBJECT_NORMAL if is_normal else PointInput.REFLECTION)
+    if is_normal:
+        return point_input(program, PointInput.NORMAL_TO_OBJECT, normal)
+    outgoing = program.subtract(BLACK, point_input(program, PointInput.INCOMING))
+    return vector_operation(program, "REFLECT", outgoing, normal)
 
 
 _COORDINATES: dict[str, Evaluate] = {

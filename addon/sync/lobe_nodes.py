@@ -57,11 +57,13 @@ def _normals(reader: ValueReader, at: Socket) -> LobeNormals:
     """Of what is diffuse, and turned so that a mirror could have them, of facets."""
     shadowing = BumpShadowing.SMOOTH if _is_old() else BumpShadowing.FACETS
     normal, coat = at.input("Normal"), at.input("Coat Normal") or at.input("Clearcoat Normal")
+    # What displacement bends is the surface's normal, not a bump of its closures: Cycles lets it shadow nothing.
+    has_bump = reader.displaced_normal is None or (normal is not None and normal.is_connected())
     return LobeNormals(
         diffuse=reader.normal(normal),
         facets=reader.normal(normal, is_specular=True),
         coat=reader.normal(coat, is_specular=True),
-        bump_shadowing=shadowing if reader.corrects_bumps else BumpShadowing.NONE,
+        bump_shadowing=shadowing if reader.corrects_bumps and has_bump else BumpShadowing.NONE,
     )
 
 

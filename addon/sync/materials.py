@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from tyndall.scene_description import Material, Medium, attribute_maps
 
 from ..shader_nodes import ALWAYS_HAS_NODES, shader_tree
+from .displacement_nodes import displaced_normal
 from .lobe_nodes import plain_principled
 from .mesh_attributes import what_is_missing
 from .node_graph import output_input
@@ -118,10 +119,10 @@ class MaterialReader:
         # Without an output it is black, as in Cycles.
         shares = Shares()
         if surface is not None:
+            values.displaced_normal = displaced_normal(values, material, output_input(tree, "Displacement"))
             shares = read_surface(
                 values, surface, self._mirror_roughness, with_finish=self._with_channels, has_lobes=self._has_lobes
             )
-        _note_displacement(tree, values)
         if not self._is_lit:
             shares.diffuse = shares.emission = BLACK
         if (finish := shares.finish) is not None:
@@ -162,9 +163,3 @@ def note_missing_attributes(
             if mark and not any(known == name if attribute else known.startswith(name) for known, _ in mesh.uv_maps):
                 wanted = f'colour attribute "{attribute}"' if attribute else "colour attribute"
                 reports.add(f'Object "{object_name}"', f"has no {wanted}, which its material reads: black")
-
-
-def _note_displacement(tree: bpy.types.NodeTree, values: ValueReader) -> None:
-    displacement = output_input(tree, "Displacement")
-    if displacement is not None and displacement.is_connected():
-        values.note("displacement is not drawn")

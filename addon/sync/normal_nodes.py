@@ -22,12 +22,13 @@ from tyndall.surface_inputs import (
 from . import coordinates
 from .domains import Domain, on_surfaces
 from .mesh_attributes import tangent_of
-from .program import BLACK, Value, grey
+from .program import BLACK, WHITE, Value, grey
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from .node_graph import Socket
+    from .program import Program
     from .value_nodes import ValueReader
 
 _IS_3 = bpy.app.version < (4, 0, 0)
@@ -47,7 +48,7 @@ def closure_normal(reader: ValueReader, at: Socket | None, *, is_specular: bool 
     ``is_specular``: of closures for which Cycles turns a normal until a mirror would not look into the surface.
     """
     normal = own_or_linked(reader, at)
-    if normal is None:
+    if normal is None or normal == coordinates.point_input(reader.program, PointInput.NORMAL):
         return None
     is_clamped = _CLAMPS_ALL or (is_specular and reader.corrects_bumps)
     space = NormalSpace.VALID_SPECULAR if is_clamped else NormalSpace.UNIT
@@ -55,10 +56,10 @@ def closure_normal(reader: ValueReader, at: Socket | None, *, is_specular: bool 
 
 
 def own_or_linked(reader: ValueReader, at: Socket | None) -> Value | None:
-    """What is linked to a Normal input, as it comes; None where nothing is."""
-    if at is None or reader.domain is not Domain.SURFACE or not at.is_connected():
+    """What is linked to a Normal input, as it comes, or what displacement makes of the surface's; None: its own."""
+    if at is None or reader.domain is not Domain.SURFACE:
         return None
-    return reader.colour(at)
+    return reader.colour(at) if at.is_connected() else reader.displaced_normal
 
 
 def _normal_input(reader: ValueReader, at: Socket) -> Value:
@@ -91,28 +92,56 @@ def _normal_map(reader: ValueReader, at: Socket) -> Value:
     return program.operation(Code.NORMAL_MAP, colour, strength, tangent, sign, option=int(space), selector=selector)
 
 
+def read_at_three_places(reader: ValueReader, width: float, read: Callable[[], Value]) -> list[Value]:
+    """At the point, and as wide a part of a pixel beside it to the right and above."""
+    heights = []
+    outer = reader.program.beside
+    for shift in range(3):
+        reader.program.beside = (shift, width) if shift else None
+        heights.append(read())
+    reader.program.beside = outer
+    return heights
+
+
+def is_flat(heights: list[Value]) -> bool:
+    """What is as high at all places bends no normal."""
+    return all(height == heights[0] for height in heights)
+
+
+def bumped(
+    program: Program,
+    heights: list[Value],
+    strength: Value = WHITE,
+    distance: Value = WHITE,
+    normal: Value | None = None,
+    *,
+    width: float,
+    is_inverted: bool = False,
+) -> Value:
+    """A normal, the point's own without another, on what is so high at three places."""
+    selector = BUMP_IS_INVERTED if is_inverted else 0
+    if _CLAMPS_ALL:
+        selector |= BUMP_IS_VALID_SPECULAR
+    if normal is None:
+        normal = coordinates.point_input(program, PointInput.NORMAL)
+    return program.operation(
+        Code.BUMP, *heights, strength, distance, normal, selector=selector, value=(width, 0.0, 0.0)
+    )
+
+
 def _bump(reader: ValueReader, at: Socket) -> Value:
     """Within the height of another bump it is as it is at the point."""
-    program = reader.program
     width = reader.constant(at.input("Filter Width"), 1.0) if at.input("Filter Width") else 1.0
     height = at.input("Height")
     normal = _normal_input(reader, at)
     if height is None or not height.is_connected():
         return normal
     width = max(width, 1e-5)
-    heights = []
-    outer = program.beside
-    for shift in range(3):
-        program.beside = (shift, width) if shift else None
-        heights.append(reader.number(height))
-    program.beside = outer
+    heights = read_at_three_places(reader, width, lambda: reader.number(height))
     strength, distance = reader.number(at.input("Strength"), 1.0), reader.number(at.input("Distance"), 1.0)
-    selector = BUMP_IS_INVERTED if at.node.invert else 0
-    if _CLAMPS_ALL:
-        selector |= BUMP_IS_VALID_SPECULAR
-    return program.operation(
-        Code.BUMP, *heights, strength, distance, normal, selector=selector, value=(width, 0.0, 0.0)
-    )
+    if is_flat(heights):
+        return normal
+    return bumped(reader.program, heights, strength, distance, normal, width=width, is_inverted=at.node.invert)
 
 
 def _bevel(reader: ValueReader, at: Socket) -> Value:

@@ -32,12 +32,14 @@ std::uint64_t inputs(const SurfaceOp& op) {
     return read;
 }
 
-/// The UV map that the operation reads; half a pixel beside the point where these are known, too.
-vec2 uv_of(const SurfaceOp& op, const Material& material, std::span<const vec2> uvs) {
+/// The UV map that the operation reads; half a pixel beside the point where these are known, too. On back faces Cycles
+/// turns the triangle's axes around, and with them which side is beside.
+vec2 uv_of(const SurfaceOp& op, const Material& material, const ProgramPoint& point, std::span<const vec2> uvs) {
     const std::size_t beside = op.shift * material.uv_map_names.size() + op.texture_uv;
     if (op.shift == 0 || beside >= uvs.size())
         return uvs[op.texture_uv];
-    return uvs[op.texture_uv] + op.value.x * (uvs[beside] - uvs[op.texture_uv]);
+    const float share = point.surface.is_backface ? -op.value.x : op.value.x;
+    return uvs[op.texture_uv] + share * (uvs[beside] - uvs[op.texture_uv]);
 }
 
 /// What images and UV maps give to an operation; `at` is its first operand.
@@ -51,7 +53,7 @@ vec4 texture_value(const SurfaceOp& op, const Material& material, const ProgramP
     default:
         break;
     }
-    const vec3 uv = op.uv_matrix * vec3(uv_of(op, material, uvs), 1.0f);
+    const vec3 uv = op.uv_matrix * vec3(uv_of(op, material, point, uvs), 1.0f);
     if (op.code == Code::Uv)
         return {uv, 1.0f};
     return material.textures[op.texture]->lookup(vec2(uv));

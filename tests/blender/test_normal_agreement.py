@@ -176,6 +176,135 @@ def test_a_material_may_leave_bumps_uncorrected(name: str) -> None:
     assert name != "diffuse" or ours.mean() > 1.02 * corrected.mean()
 
 
+def bump_of(output: str) -> Build:
+    """Waves of a texture coordinate."""
+
+    def build(new: New, link: Link) -> bpy.types.NodeSocket:
+        created = node(new, "ShaderNodeBump", Strength=0.8, Distance=0.08)
+        scaled = combined(new, link, "MULTIPLY", new("ShaderNodeTexCoord").outputs[output], (14.0, 12.0, 10.0))
+        link(combined(new, link, "SINE", scaled, None), created.inputs["Height"])
+        return created.outputs["Normal"]
+
+    return build
+
+
+@pytest.mark.parametrize("coordinate", ["UV", "Generated", "Object"])
+@pytest.mark.parametrize("is_flipped", [False, True], ids=["front", "back"])
+def test_bumps_on_back_faces_go_the_way_that_they_go_in_cycles(coordinate: str, *, is_flipped: bool) -> None:
+    """It turns them around where a coordinate belongs to triangles."""
+    scene = scene_of(around(SHADERS["glossy"], bump_of(coordinate)), sun(50.0), is_smooth=False)
+    if is_flipped:
+        next(each for each in scene.objects if each.type == "MESH").data.flip_normals()
+    ours, cycles = tyndall_pixels(scene, 4), cycles_pixels(scene, 8, seed=1)
+    assert max(errors(ours, cycles)) <= BOUND
+
+
+def displacement(space: str) -> Build:
+    def build(new: New, link: Link) -> bpy.types.NodeSocket:
+        created = node(new, "ShaderNodeDisplacement", Midlevel=0.3, Scale=0.1)
+        created.space = space
+        link(waves(new, link), created.inputs["Height"])
+        return created.outputs["Displacement"]
+
+    return build
+
+
+def vector_displacement(space: str) -> Build:
+    def build(new: New, link: Link) -> bpy.types.NodeSocket:
+        created = node(new, "ShaderNodeVectorDisplacement", Scale=0.1)
+        created.space = space
+        link(waves(new, link), created.inputs["Vector"])
+        return created.outputs["Displacement"]
+
+    return build
+
+
+def bare_vector(new: New, link: Link) -> bpy.types.NodeSocket:
+    return combined(new, link, "MULTIPLY", waves(new, link), (0.05, 0.1, 0.08))
+
+
+DISPLACEMENTS: dict[str, Build] = {
+    "world": displacement("WORLD"),
+    "object": displacement("OBJECT"),
+    "vector in world": vector_displacement("WORLD"),
+    "vector in object": vector_displacement("OBJECT"),
+    "vector in tangent": vector_displacement("TANGENT"),
+    "any vector": bare_vector,
+}
+
+
+def fresnel_glow(new: New, link: Link) -> bpy.types.NodeSocket:
+    """Of all that asks for the surface's normal by itself."""
+    glow = node(new, "ShaderNodeEmission")
+    seen = combined(new, link, "ADD", new("ShaderNodeNewGeometry").outputs["Normal"], (4.0, 4.0, 4.0))
+    for name in ("Normal", "Reflection"):
+        seen = combined(new, link, "ADD", seen, new("ShaderNodeTexCoord").outputs[name])
+    link(combined(new, link, "ADD", seen, new("ShaderNodeFresnel").outputs[0]), glow.inputs["Color"])
+    return glow.outputs["Emission"]
+
+
+def displaced_scene(surface: Build, moved: Build, method: str = "BUMP") -> bpy.types.Scene:
+    scene = scene_of(surface, sun(50.0), is_smooth=True)
+    thing = next(each for each in scene.objects if each.type == "MESH")
+    thing.scale = (1.0, 0.8, 0.7)  # spaces differ
+    shown = bpy.data.materials["Shown"]
+    if bpy.app.version >= (4, 1, 0):
+        shown.displacement_method = method
+    else:
+        shown.cycles.displacement_method = method
+    tree = shown.node_tree
+    output = next(each for each in tree.nodes if each.type == "OUTPUT_MATERIAL")
+    tree.links.new(moved(tree.nodes.new, tree.links.new), output.inputs["Displacement"])
+    return scene
+
+
+# Seen to fail: without the spaces' scales, without the middle's height, around the surface's own normal.
+@pytest.mark.parametrize("moved", DISPLACEMENTS)
+@pytest.mark.parametrize("name", ["diffuse", "principled"])
+def test_displacement_is_a_bump(name: str, moved: str) -> None:
+    scene = displaced_scene(SHADERS[name], DISPLACEMENTS[moved])
+    ours, cycles = tyndall_pixels(scene, 4), cycles_pixels(scene, 8, seed=1)
+    assert max(errors(ours, cycles)) <= BOUND
+
+
+def test_all_that_asks_for_the_normal_finds_the_displaced_one() -> None:
+    scene = displaced_scene(fresnel_glow, DISPLACEMENTS["object"])
+    ours, cycles = tyndall_pixels(scene, 4), cycles_pixels(scene, 8, seed=1)
+    assert max(errors(ours, cycles)) <= BOUND
+
+
+def test_a_bump_lies_on_the_displaced_surface() -> None:
+    """What the bump shadows is measured from the mesh's own normal, which is off in the last degrees before dark."""
+    scene = displaced_scene(around(SHADERS["diffuse"], bump()), DISPLACEMENTS["world"])
+    mean, median = errors(tyndall_pixels(scene, 4), cycles_pixels(scene, 8, seed=1))
+    assert median <= BOUND
+    assert mean <= (0.07 if IS_OLD else 0.03)
+
+
+def test_a_mesh_that_ought_to_move_is_bumped_and_says_so() -> None:
+    scene = displaced_scene(SHADERS["diffuse"], DISPLACEMENTS["world"])
+    bumped = tyndall_pixels(scene, 1)
+    scene = displaced_scene(SHADERS["diffuse"], DISPLACEMENTS["world"], "DISPLACEMENT")
+    assert (tyndall_pixels(scene, 1) == bumped).all()
+    reports = last_render.statistics_of("Scene")["reports"]
+    assert any("its mesh stays where it is" in line for line in reports)
+
+
+def test_what_is_as_high_everywhere_costs_nothing() -> None:
+    """The same bits as without it."""
+
+    def flat(new: New, _: Link) -> bpy.types.NodeSocket:
+        created = node(new, "ShaderNodeDisplacement", Height=2.0)
+        created.space = "WORLD"
+        return created.outputs["Displacement"]
+
+    scene = displaced_scene(SHADERS["diffuse"], flat)
+    displaced = tyndall_pixels(scene, 1)
+    tree = bpy.data.materials["Shown"].node_tree
+    tree.links.remove(next(link for link in tree.links if link.to_socket.name == "Displacement"))
+    assert (tyndall_pixels(scene, 1) == displaced).all()
+
+
 def test_what_ignores_its_normal_says_so() -> None:
     leaf = around(shader("ShaderNodeBsdfTranslucent", Color=RED), bump())
     scene = scene_of(leaf, sun(40.0), is_smooth=False)

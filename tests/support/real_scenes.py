@@ -117,7 +117,13 @@ class RealScene:
 
 
 REAL_SCENES = (
-    RealScene("engineer_room/bedroom.blend", "Mark Raynsford, CC BY 4.0", "with its light blocker hidden", _bedroom),
+    RealScene(
+        "engineer_room/bedroom.blend",
+        "Mark Raynsford, CC BY 4.0",
+        "with its light blocker hidden",
+        _bedroom,
+        differences="One note on the board lies there twice, in the very same place: the two shadow each other in Cycles.",
+    ),
     RealScene(
         "baked_hall/scene.blend",
         "Bevy-BakedGI-Demo, MIT or Apache-2.0",
