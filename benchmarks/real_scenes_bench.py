@@ -109,9 +109,10 @@ def compare(real: RealScene, pictures: Path | None) -> tuple[Row, list[str]]:
 
 HEADER = """# Real scenes
 Files that other people made, with their oddities; none was made for Tyndall. Direct light and emission alone, in
-Blender {blender}, {width} pixels wide, a filter of one pixel: ours at {ours} samples, Cycles at twice {cycles}, 0
-bounces. `scripts/bench.sh real_scenes_bench` makes this page anew where `../shared/data/blend` lies beside the
-repository; each row of pictures is ours, Cycles', and ten times their difference, red where ours is brighter.
+Blender {blender}, {width} pixels wide, a filter of one pixel: ours at {ours} samples, Cycles at {cycles} and once more
+with another seed, 0 bounces; the time of Cycles is that of one. `scripts/bench.sh real_scenes_bench` makes this page
+anew where `../shared/data/blend` lies beside the repository; each row of pictures is ours, Cycles', and ten times their
+difference, red where ours is brighter.
 
 | scene | mean | median block | 9 of 10 blocks | noise of Cycles | processor, ours / Cycles |
 |---|---|---|---|---|---|

@@ -122,7 +122,7 @@ REAL_SCENES = (
         "Mark Raynsford, CC BY 4.0",
         "with its light blocker hidden",
         _bedroom,
-        differences="One note on the board lies there twice, at the very same place: in Cycles the two shadow each other.",
+        differences="A note on the board lies there twice, at one place: in Cycles the two shadow each other.",
     ),
     RealScene(
         "baked_hall/scene.blend",
