@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sky textures as values of a world's program: a picture of half the sky around the sun, or Preetham's formula.
+"""Sky textures as values of a world's program: a picture of half the sky around the sun, or a formula.
 
-Based on: Preetham, Shirley and Smits 1999, A Practical Analytic Model for Daylight; how blender/cycles v3.4.0, v4.5.0
-          and v5.0.0, kernel/svm/sky.h, look a direction up and draw the sun's disc.
-Differs:  Hosek and Wilkie's model is Preetham's, made as dark: their measured data set is not part of this program.
+Based on: Preetham, Shirley and Smits 1999, A Practical Analytic Model for Daylight; Hosek and Wilkie 2012, An Analytic
+          Model for Full Spectral Sky-Dome Radiance; how blender/cycles v3.4.0, v4.5.0 and v5.0.0, kernel/svm/sky.h,
+          look a direction up and draw the sun's disc.
+Differs:  angles to the sun are taken from chords.
 """
 
 from __future__ import annotations
@@ -21,13 +22,14 @@ from tyndall.skies import Air, SkyModel, sky_picture, sun_irradiance_xyz
 from tyndall.surface_inputs import ImageProjection, PointInput
 
 from .coordinates import point_input
+from .hosek_sky import LOWEST_COSINE, coefficients
 from .math_nodes import math_operation, vector_operation
 from .program import BLACK, Program, Value, grey
 from .texture_mapping import mapped
 from .working_space import rgb_from_xyz
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from .node_graph import Socket
     from .world_nodes import WorldReader
@@ -40,8 +42,6 @@ _MODELS = {
 }
 _LEAST_SUN_RAD = 0.0005  #: Cycles draws no smaller one.
 _EARTH_RADIUS_M = {SkyModel.SINGLE_SCATTERING: 6371e3, SkyModel.MULTIPLE_SCATTERING: 6371e3}
-#: What Hosek and Wilkie's sky is of Preetham's: Cycles gives one in W/m^2, the other in 1/16 of kcd/m^2.
-_HOSEK_SHARE = 0.14
 _LOWEST_PREETHAM_RAD = 0.5 * math.pi - 0.001
 #: Perez' five coefficients of luminance and of chromaticities x and y: per turbidity, and without.
 _PEREZ = np.array(
@@ -77,11 +77,9 @@ def sky_value(reader: WorldReader, at: Socket) -> Value:
     vector = mapped(reader, at, vector)
     if node.sky_type in _MODELS:
         return _scattered(reader, at, vector)
-    sky = _preetham(program, vector, node.sun_direction, node.turbidity)
-    if node.sky_type != "HOSEK_WILKIE":
-        return sky
-    reader.note("its Hosek / Wilkie sky is drawn as a Preetham sky of the same sun and turbidity, made as dark")
-    return program.multiply(sky, grey(_HOSEK_SHARE))
+    if node.sky_type == "HOSEK_WILKIE":
+        return _hosek(program, vector, node)
+    return _preetham(program, vector, node.sun_direction, node.turbidity)
 
 
 def _scattered(reader: WorldReader, at: Socket, vector: Value) -> Value:
@@ -184,8 +182,7 @@ def _with_disc(program: Program, sky: Value, elevation: Value, angle: Value, dis
 
 def _preetham(program: Program, vector: Value, sun_direction: tuple[float, float, float], turbidity: float) -> Value:
     """In 1/16 of kcd/m^2 and thereabouts, as Cycles scales it."""
-    towards = np.array(sun_direction, np.float64)
-    towards /= np.linalg.norm(towards) or 1.0
+    towards = _unit(sun_direction)
     sun_rad = math.acos(min(1.0, max(-1.0, float(towards[2]))))
     of_sky = _PEREZ @ (turbidity, 1.0)  # (3, 5)
     scale = _zenith(turbidity, sun_rad) / _perez(of_sky, 1.0, sun_rad)
@@ -203,9 +200,44 @@ def _preetham(program: Program, vector: Value, sun_direction: tuple[float, float
     luminance, x, y = (program.channel(luminance_x_y, index) for index in range(3))
     per_y = math_operation(program, "DIVIDE", luminance, y)
     z = program.subtract(program.complement(x), y)
-    xyz = program.combine([program.multiply(x, per_y), luminance, program.multiply(z, per_y)])
+    return _rgb_from_xyz(program, program.combine([program.multiply(x, per_y), luminance, program.multiply(z, per_y)]))
+
+
+def _hosek(program: Program, vector: Value, node: bpy.types.Node) -> Value:
+    """As hosek_sky.sky_xyz, in W/m^2; a sun below the horizon lies on it."""
+    towards = _unit(node.sun_direction)
+    towards[2] = max(towards[2], 0.0)
+    towards = _unit(towards)
+    elevation_deg = math.degrees(math.asin(min(1.0, towards[2])))
+    found = coefficients(node.turbidity, node.ground_albedo, elevation_deg)
+    a, b, c, d, e, f, g, _, i, radiance = (_rgb(row) for row in found)
+    steepness, offset = _rgb(-2.0 * found[7]), _rgb(1.0 + found[7] ** 2)  # of H
+    height = program.channel(vector_operation(program, "NORMALIZE", vector), 2)
+    up = math_operation(program, "MAXIMUM", height, grey(LOWEST_COSINE))
+    angle = _angle_between(program, vector, _rgb(towards))
+    cosine = math_operation(program, "COSINE", angle)
+    square = program.multiply(cosine, cosine)
+    by_height = math_operation(program, "DIVIDE", grey(1.0), program.add(up, grey(0.01)))
+    by_height = program.add(grey(1.0), program.multiply(a, _exp(program, program.multiply(by_height, b))))
+    spread = program.add(offset, program.multiply(cosine, steepness))
+    spread = program.multiply(spread, _each(program, "SQRT", spread))
+    glow = vector_operation(program, "DIVIDE", program.add(grey(1.0), square), spread)
+    shape = program.add(c, program.multiply(d, _exp(program, program.multiply(angle, e))))
+    shape = program.add(shape, program.multiply(f, square))
+    shape = program.add(shape, program.multiply(g, glow))
+    shape = program.add(shape, program.multiply(i, math_operation(program, "SQRT", up)))
+    return _rgb_from_xyz(program, program.multiply(program.multiply(by_height, shape), radiance))
+
+
+def _rgb_from_xyz(program: Program, xyz: Value) -> Value:
     rows = tuple(float(number) for number in rgb_from_xyz().ravel())
     return vector_operation(program, "MAXIMUM", program.operation(Code.AFFINE, xyz, uv_matrix=rows), BLACK)
+
+
+def _unit(direction: ArrayLike) -> NDArray[np.float64]:
+    of_any_length = np.array(direction, np.float64)
+    unit: NDArray[np.float64] = of_any_length / (np.linalg.norm(of_any_length) or 1.0)
+    return unit
 
 
 def _zenith(turbidity: float, sun_rad: float) -> NDArray[np.float64]:
@@ -225,8 +257,11 @@ def _perez(of_sky: NDArray[np.float64], cosine: float, sun_rad: float) -> NDArra
 
 
 def _exp(program: Program, exponents: Value) -> Value:
-    each = [math_operation(program, "EXPONENT", program.channel(exponents, index)) for index in range(3)]
-    return program.combine(each)
+    return _each(program, "EXPONENT", exponents)
+
+
+def _each(program: Program, operation: str, values: Value) -> Value:
+    return program.combine([math_operation(program, operation, program.channel(values, index)) for index in range(3)])
 
 
 def _rgb(values: NDArray[np.float64]) -> tuple[float, float, float]:

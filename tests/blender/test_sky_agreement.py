@@ -8,8 +8,10 @@ import math
 import bpy
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from addon import last_render
+from addon.sync.hosek_sky import coefficients, sky_xyz
 from addon.sync.reports import Reports
 from addon.sync.scene import SceneReader
 from support.engine_pictures import cycles_pixels, tyndall_pixels
@@ -19,6 +21,11 @@ from tyndall.scene_description import LightKind, SceneDescription
 
 BOUND = 0.01
 ELEVATIONS_DEG = [60.0, 14.0, 2.0, -3.0]
+#: Turbidity, albedo of the ground, elevation.
+HOSEK_SKIES = [
+    (1.0, 0.0, 60.0), (2.2, 0.3, 40.0), (3.5, 0.5, 14.0), (5.7, 1.0, 2.0), (7.4, 0.2, 0.5), (9.6, 0.7, 75.0),
+    (10.0, 1.0, 25.0), (2.2, 0.3, 90.0), (2.2, 0.3, -3.0),
+]  # fmt: skip
 
 
 def read_with(reader: SceneReader) -> SceneDescription:
@@ -79,13 +86,53 @@ def test_the_sun_of_a_sky_is_one_light_and_an_object_may_stand_for_it(model: str
     assert [one.name for one in sent().lights] == [made.name]
 
 
-def test_a_hosek_wilkie_sky_says_what_is_drawn_in_its_place() -> None:
-    scene = under(sky("HOSEK_WILKIE", 40.0))
-    ours, cycles = tyndall_pixels(scene, 16), cycles_pixels(scene, 64, seed=1)
-    scene.render.engine = "TYNDALL"
-    tyndall_pixels(scene)
-    assert ours.mean() == pytest.approx(cycles.mean(), rel=0.5)
-    assert any("Preetham" in line for line in last_render.statistics_of("Scene")["reports"])
+@pytest.mark.parametrize(("turbidity", "albedo", "elevation_deg"), HOSEK_SKIES)
+def test_every_direction_of_a_hosek_wilkie_sky_is_seen_as_in_cycles(
+    turbidity: float, albedo: float, elevation_deg: float
+) -> None:
+    scene = under(sky("HOSEK_WILKIE", elevation_deg, turbidity=turbidity, ground_albedo=albedo), has_things=False)
+    ours, cycles = tyndall_pixels(scene), cycles_pixels(scene, 1, seed=1)
+    assert ours == pytest.approx(cycles, rel=2e-3, abs=5e-3 * float(cycles.mean()))
+    assert "HOSEK" not in " ".join(last_render.statistics_of("Scene")["reports"]).upper()
+
+
+@pytest.mark.parametrize("elevation_deg", [60.0, 14.0, 2.0])
+def test_a_plane_below_a_hosek_wilkie_sky_is_lit_as_in_cycles(elevation_deg: float) -> None:
+    """It has no sun of its own: the light is the sky's."""
+    scene = under(sky("HOSEK_WILKIE", elevation_deg, turbidity=3.3, ground_albedo=0.4))
+    assert not sent().lights
+    mean, median = errors(tyndall_pixels(scene, 64), cycles_pixels(scene, 256, seed=1))
+    print(f"mean {mean:.4f}, median block {median:.4f}")
+    assert mean <= BOUND
+    assert median <= BOUND
+
+
+def test_a_ground_that_throws_light_back_makes_a_hosek_wilkie_sky_brighter() -> None:
+    """A sky of half the albedo lies nearly in the middle. Haze whitens it."""
+    dark, half, bright = (found_sky(4.0, albedo) for albedo in (0.0, 0.5, 1.0))
+    assert (bright > dark).all()
+    assert half == pytest.approx(0.5 * (dark + bright), rel=0.1)
+    clear, hazy = found_sky(2.0, 0.3), found_sky(9.0, 0.3)
+    assert (clear[..., 2] / clear[..., 0]).mean() > 1.2 * (hazy[..., 2] / hazy[..., 0]).mean()
+
+
+def test_a_hosek_wilkie_sky_has_no_steps_and_is_positive() -> None:
+    """Between whole turbidities, and to a sun overhead. On the horizon, one opposite is a little below black."""
+    for albedo in (0.0, 0.6, 1.0):
+        for elevation_deg in (0.5, 3.0, 30.0, 90.0):
+            assert (found_sky(2.6, albedo, elevation_deg) > 0.0).all()
+    for turbidity in range(2, 10):
+        below, above = (found_sky(turbidity + step, 0.3) for step in (-1e-4, 1e-4))
+        assert below == pytest.approx(above, rel=1e-2)
+    assert found_sky(11.0, 0.3) == pytest.approx(found_sky(10.0, 0.3))
+
+
+def found_sky(turbidity: float, albedo: float, elevation_deg: float = 35.0) -> NDArray[np.float64]:
+    """XYZ in directions all over the sky."""
+    height, azimuth = np.meshgrid(np.linspace(0.0, 1.0, 9), np.linspace(0.0, math.pi, 17))
+    sun = math.radians(elevation_deg)
+    cosine = height * math.sin(sun) + np.sqrt(1.0 - height**2) * np.cos(azimuth) * math.cos(sun)
+    return sky_xyz(coefficients(turbidity, albedo, elevation_deg), height, np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
 def test_a_sky_that_did_not_change_is_baked_once() -> None:
