@@ -2,6 +2,7 @@
 #include "light_shafts/scatter_pieces.hpp"
 #include "light_shafts/light_side_depth.hpp"
 #include <algorithm>
+#include <cmath>
 
 namespace tyndall::light_shafts {
 float mean_transmittance(float optical_depth) {
@@ -97,6 +98,22 @@ private:
     std::size_t begun_ = 0, ended_ = 0;
 };
 
+/// Where light all but runs along a boundary, its way grows by metres within less than a float tells apart: a piece whose
+/// ends rounding moved keeps the depths that it had there.
+ScatterPiece piece_between(double near_m, double far_m, const Rgb& source_per_m, const dvec3& depth_at_near,
+                           const dvec3& depth_per_m) {
+    ScatterPiece piece{.near_m = static_cast<float>(near_m),
+                       .far_m = static_cast<float>(far_m),
+                       .source_per_m = source_per_m,
+                       .depth_at_near = Rgb(depth_at_near),
+                       .depth_per_m = Rgb(depth_per_m)};
+    constexpr double negligible = 1e-3;
+    const double length_m = double{piece.far_m} - piece.near_m, exact_m = far_m - near_m;
+    if (length_m > 0.0 && std::abs(length_m - exact_m) > negligible * length_m)
+        piece.depth_per_m = Rgb(depth_per_m * (exact_m / length_m));
+    return piece;
+}
+
 /// Of one thread: begun for a ray.
 LightSideSweep& begin_sweep(const Media& media, const ViewRay& ray, std::span<const MediumSegment> segments,
                             const vec3& towards_light, bool attenuates_light) {
@@ -128,11 +145,8 @@ void DirectionalScatter::append_pieces(const ViewRay& ray, std::span<const Mediu
         const dvec3 sigma_t(media_.sigma_t_per_m(segment.set));
         sweep.visit(segment.near_m, segment.far_m, [&](double from, double to, const LightSide& light_side) {
             const dvec3 light_depth = light_side.depth_at_zero + from * light_side.depth_per_m;
-            pieces.push_back({.near_m = static_cast<float>(from),
-                              .far_m = static_cast<float>(to),
-                              .source_per_m = source,
-                              .depth_at_near = Rgb(camera_depth + glm::max(light_depth, dvec3(0.0))),
-                              .depth_per_m = Rgb(sigma_t + light_side.depth_per_m)});
+            pieces.push_back(piece_between(from, to, source, camera_depth + glm::max(light_depth, dvec3(0.0)),
+                                           sigma_t + light_side.depth_per_m));
             camera_depth += sigma_t * (to - from);
         });
     }
@@ -188,11 +202,7 @@ void DirectionalScatter::append_grid_pieces(const ViewRay& ray, std::span<const 
                         light_depth += at_near;
                         depth_per_m += (grid_depth_at(to) - at_near) / (to - at);
                     }
-                    pieces.push_back({.near_m = static_cast<float>(at),
-                                      .far_m = static_cast<float>(to),
-                                      .source_per_m = source,
-                                      .depth_at_near = Rgb(camera_depth + light_depth),
-                                      .depth_per_m = Rgb(depth_per_m)});
+                    pieces.push_back(piece_between(at, to, source, camera_depth + light_depth, depth_per_m));
                     camera_depth += sigma_t * (to - at);
                     at = to;
                 }
