@@ -99,7 +99,7 @@ TABLES = (
         "Optical depth of the fog",
         DEPTHS,
         shafts_by(lambda _: Place(), lambda depth: depth),
-        "Integrals by expm1, from the end of a piece that loses less; a piece whose ends rounding moved keeps its depths "
+        "Integrals by expm1, from the end of a piece that loses less; a piece whose ends were rounded keeps its depths "
         "there (`scatter_pieces.cpp`): where light ran along a face of the fog, pixels were 1e9 times too bright.",
     ),
     Table(
