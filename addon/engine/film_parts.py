@@ -54,6 +54,7 @@ class Taking:
     layer_name: str
     tile: Tile
     films: dict[str, Planes] = field(default_factory=dict)
+    stamps: dict[str, str] = field(default_factory=dict)  #: What files say about the picture.
 
 
 @dataclass
@@ -63,6 +64,7 @@ class Giving:
     scene_name: str
     films: dict[tuple[str, str], Planes]
     statistics: dict[str, Any] = field(default_factory=dict)
+    stamps: dict[str, dict[str, str]] = field(default_factory=dict)  #: By layer.
 
     def planes(self, layer_name: str, view_name: str) -> Planes:
         """Raises ValueError for one that is missing: no black layer in its place."""

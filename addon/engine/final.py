@@ -20,7 +20,7 @@ from ..sync.cameras import read_camera
 from ..sync.heterogeneity import read_heterogeneity
 from ..sync.reports import Reports
 from ..sync.transfer_functions import read_transfer_functions
-from . import failures, film_parts, over_engine, passes
+from . import data_passes, failures, film_parts, over_engine, passes
 from .native_call import NativeCall
 from .sessions import kept_frame
 from .settings import FrameWindow, frame_window, render_config
@@ -88,6 +88,7 @@ class _Frame:
             return  # that scene has its light shafts already
         if (given := film_parts.given_for(scene.name)) is not None and not is_over_engine:
             passes.write(self.result.layers[0], given.planes(view_layer.name, self.engine.active_view_get()))
+            self._stamp(given.stamps.get(view_layer.name, {}))
             last_render.record(scene.name, given.statistics)
             return
         taken = None if is_over_engine else film_parts.taken_of(scene.name)
@@ -105,6 +106,8 @@ class _Frame:
         description = kept.reader.read(self.depsgraph, reports, self._poll(), is_lit=not is_over_engine)
         read_s = time.perf_counter() - started
         config = render_config(scene, view_layer, self.window, functions, heterogeneity)
+        config = replace(config, data=data_passes.data_config(self.depsgraph, view_layer))
+        stamps = data_passes.stamps(self.depsgraph, view_layer, description)
         if is_over_engine:
             config = over_engine.air_config(config)
         if taken is not None:
@@ -120,8 +123,10 @@ class _Frame:
             film = over_engine.marked_as_rendered(film)
         if taken is not None:
             taken.films[self.engine.active_view_get()] = film.planes
+            taken.stamps.update(stamps)
         else:
             self._show(film)
+            self._stamp(stamps)
         last_render.record(scene.name, _statistics(film, description, read_s))
         for line in description.reports:
             self.engine.report({"WARNING"}, f"Tyndall: {line}")
@@ -162,6 +167,11 @@ class _Frame:
 
     def _show(self, film: Film) -> None:
         passes.write(self.result.layers[0], film.planes)
+
+    def _stamp(self, fields: dict[str, str]) -> None:
+        """The compositor and files have them with the picture."""
+        for name, text in fields.items():
+            self.engine.get_result().stamp_data_add_field(name, text)
 
 
 def _time_left(progress: Progress) -> str:

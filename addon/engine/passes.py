@@ -32,6 +32,10 @@ _PASSES = (
     _Pass("Depth", "Depth", "Z", "VALUE", "use_pass_z"),
     _Pass("Position", "Position", "XYZ", "VECTOR", "use_pass_position"),
     _Pass("Normal", "Normal", "XYZ", "VECTOR", "use_pass_normal"),
+    _Pass("Mist", "Mist", "Z", "VALUE", "use_pass_mist"),
+    _Pass("UV", "UV", "UVA", "VECTOR", "use_pass_uv"),
+    _Pass("IndexOB", "Object Index" if _HAS_LONG_NAMES else "IndexOB", "X", "VALUE", "use_pass_object_index"),
+    _Pass("IndexMA", "Material Index" if _HAS_LONG_NAMES else "IndexMA", "X", "VALUE", "use_pass_material_index"),
     _Pass("DiffCol", "Diffuse Color" if _HAS_LONG_NAMES else "DiffCol", "RGB", "COLOR", "use_pass_diffuse_color"),
     _Pass("Emit", "Emission" if _HAS_LONG_NAMES else "Emit", "RGB", "COLOR", "use_pass_emit"),
     _Pass("Shadow", "Shadow", "RGB", "COLOR", "use_pass_shadow"),
@@ -39,7 +43,14 @@ _PASSES = (
     _Pass("Shafts", "Shafts", "RGB", "COLOR", "tyndall.use_pass_shafts"),
     _Pass("Shafts Visibility", "Shafts Visibility", "X", "VALUE", "tyndall.use_pass_shafts_visibility"),
     _Pass("Transmittance", "Transmittance", "RGB", "COLOR", "tyndall.use_pass_transmittance"),
+    _Pass("Debug Sample Count", "Debug Sample Count", "X", "VALUE", "tyndall.use_pass_sample_count"),
 )
+#: Mattes by what they tell apart, with the switch of the view layer.
+_MATTES = {
+    "CryptoObject": "use_pass_cryptomatte_object",
+    "CryptoMaterial": "use_pass_cryptomatte_material",
+    "CryptoAsset": "use_pass_cryptomatte_asset",
+}
 _PLANE_OF = {render_pass.name: render_pass.plane for render_pass in _PASSES}
 
 
@@ -51,8 +62,18 @@ def register_passes(engine: RenderEngine, scene: Scene, view_layer: ViewLayer) -
 
 
 def wanted_planes(view_layer: ViewLayer) -> frozenset[str]:
-    """The planes of the film that the view layer's passes show."""
-    return frozenset(render_pass.plane for render_pass in _enabled(view_layer))
+    """The planes of the film that the view layer's passes show; of mattes, all of a kind under its name."""
+    return frozenset(render_pass.plane for render_pass in _switched_on(view_layer)).union(matte_kinds(view_layer))
+
+
+def matte_kinds(view_layer: ViewLayer) -> list[str]:
+    """What the view layer's Cryptomattes tell apart."""
+    return [kind for kind, switch in _MATTES.items() if getattr(view_layer, switch)]
+
+
+def matte_ranks(view_layer: ViewLayer) -> int:
+    """How many names a pixel's mattes tell apart; two have a place in a pass."""
+    return min(16, view_layer.pass_cryptomatte_depth)
 
 
 def write(layer: RenderLayer, planes: Mapping[str, NDArray[np.float32]]) -> None:
@@ -64,7 +85,7 @@ def write(layer: RenderLayer, planes: Mapping[str, NDArray[np.float32]]) -> None
 
 
 def _pixels(render_pass: bpy.types.RenderPass, planes: Mapping[str, NDArray[np.float32]]) -> NDArray[np.float32]:
-    plane = planes.get(_PLANE_OF.get(render_pass.name, ""))
+    plane = planes.get(_PLANE_OF.get(render_pass.name, render_pass.name))
     height, width, _ = planes["Combined"].shape
     if plane is None:  # a pass that another engine left switched on
         return np.zeros(height * width * render_pass.channels, np.float32)
@@ -72,6 +93,14 @@ def _pixels(render_pass: bpy.types.RenderPass, planes: Mapping[str, NDArray[np.f
 
 
 def _enabled(view_layer: ViewLayer) -> list[_Pass]:
+    names = (
+        f"{kind}{index:02d}" for kind in matte_kinds(view_layer) for index in range((matte_ranks(view_layer) + 1) // 2)
+    )
+    # Lower case keeps lossy compression of OpenEXR off: it would break ids.
+    return [*_switched_on(view_layer), *(_Pass(name, name, "rgba", "COLOR", "") for name in names)]
+
+
+def _switched_on(view_layer: ViewLayer) -> list[_Pass]:
     return [render_pass for render_pass in _PASSES if _is_on(view_layer, render_pass.switch)]
 
 

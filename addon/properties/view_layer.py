@@ -30,6 +30,13 @@ class TyndallViewLayerSettings(PropertyGroup):
         update=update_passes,
         override=OVERRIDABLE,
     )
+    use_pass_sample_count: BoolProperty(
+        name="Sample Count",
+        description="Share of the pixel's samples that were taken before its noise fell below the threshold",
+        default=False,
+        update=update_passes,
+        override=OVERRIDABLE,
+    )
     use_pass_transmittance: BoolProperty(
         name="Transmittance",
         description="Share of the light of the surface that media let through to the camera. Costs memory only",

@@ -6,6 +6,7 @@
 #include "render/asked_rays.hpp"
 #include "render/frame.hpp"
 #include "render/kept_surfaces.hpp"
+#include "render/matte_id.hpp"
 #include "render/styled_shafts.hpp"
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
@@ -58,10 +59,26 @@ static render::IndirectConfig make_indirect(bool ambient_occlusion, float ambien
             .mirror_depth = mirror_depth};
 }
 
+static render::DataPassConfig make_data(const std::vector<std::string>& passes, std::uint32_t matte_ranks,
+                                        std::unordered_map<std::string, std::string> asset_of,
+                                        std::unordered_map<std::string, std::string> material_alias,
+                                        std::unordered_map<std::string, float> material_index,
+                                        const std::array<float, 3>& mist) {
+    render::DataPassConfig data{.bits = 0,
+                                .matte_ranks = matte_ranks,
+                                .asset_of = std::move(asset_of),
+                                .material_alias = std::move(material_alias),
+                                .material_index = std::move(material_index),
+                                .mist = {.start_m = mist[0], .depth_m = mist[1], .exponent = mist[2]}};
+    for (const std::string& name : passes)
+        data.add(name);
+    return data;
+}
+
 static render::FrameConfig
 make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px, float noise_threshold,
             const std::optional<std::array<std::uint32_t, 4>>& region_px, float voxel_detail_px, bool film_transparent,
-            const std::vector<std::string>& passes, const light_shafts::Config& shafts,
+            const std::vector<std::string>& passes, render::DataPassConfig data, const light_shafts::Config& shafts,
             std::vector<transfer_functions::WeightedFunction> functions, std::optional<std::uint32_t> reference_light,
             std::optional<Heterogeneity> heterogeneity, const render::IndirectConfig& indirect,
             const std::optional<std::shared_ptr<render::KeptSurfaces>>& kept_surfaces, bool adapts_shadow_rays,
@@ -75,6 +92,7 @@ make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px
                                .voxel_detail_px = voxel_detail_px,
                                .is_film_transparent = film_transparent,
                                .passes = {},
+                               .data = std::move(data),
                                .shafts = shafts,
                                .transfer_functions = std::move(functions),
                                .reference_light = reference_light,
@@ -100,6 +118,9 @@ static py::dict to_planes(render::Film& film) {
         planes[py::str(std::string(layout.name))] =
             to_numpy(std::move(plane.values), {film.height_px, film.width_px, layout.channel_count});
     }
+    for (render::NamedPlane& plane : film.data_planes)
+        planes[py::str(plane.name)] =
+            to_numpy(std::move(plane.values), {film.height_px, film.width_px, plane.channel_count});
     return planes;
 }
 
@@ -166,11 +187,17 @@ void bind_render(py::module_& native) {
     py::class_<render::IndirectConfig>(native, "IndirectConfig")
         .def(py::init(&make_indirect), "ambient_occlusion"_a, "ambient_distance_m"_a, "ambient_samples"_a, "bounce"_a,
              "bounce_samples"_a, "mirror_depth"_a);
+    py::class_<render::DataPassConfig>(native, "DataPasses")
+        .def(py::init(&make_data), "passes"_a, "matte_ranks"_a, "asset_of"_a, "material_alias"_a, "material_index"_a,
+             "mist"_a, "mist: start and depth in metres, and exponent. InvalidInput: a name that is none.");
+    native.def(
+        "matte_hash", [](const std::string& name) { return render::matte_hash(name); }, "name"_a,
+        "32 bits that Cryptomattes know a name by.");
     py::class_<render::FrameConfig>(native, "FrameConfig")
         .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "noise_threshold"_a,
-             "region_px"_a, "voxel_detail_px"_a, "film_transparent"_a, "passes"_a, "shafts"_a, "transfer_functions"_a,
-             "reference_light"_a, "heterogeneity"_a, "indirect"_a, "kept_surfaces"_a, "adapts_shadow_rays"_a,
-             "keeps_unstyled"_a, "seed"_a, "thread_count"_a, "is_tile"_a);
+             "region_px"_a, "voxel_detail_px"_a, "film_transparent"_a, "passes"_a, "data"_a, "shafts"_a,
+             "transfer_functions"_a, "reference_light"_a, "heterogeneity"_a, "indirect"_a, "kept_surfaces"_a,
+             "adapts_shadow_rays"_a, "keeps_unstyled"_a, "seed"_a, "thread_count"_a, "is_tile"_a);
     py::class_<render::UnstyledFilm, std::shared_ptr<render::UnstyledFilm>>(native, "UnstyledFilm");
     native.def(
         "render", &render_film, "scene"_a, "camera"_a, "config"_a, "progress"_a, "on_update"_a = py::none(),

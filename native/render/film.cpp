@@ -95,7 +95,7 @@ float FilmSums::resolved(std::size_t pixel, Pass pass, std::uint32_t channel) co
 }
 
 Film FilmSums::resolve(const Progress& progress) const {
-    Film film{.width_px = width_px_, .height_px = height_px_, .planes = {}, .statistics = {}};
+    Film film{.width_px = width_px_, .height_px = height_px_, .planes = {}, .data_planes = {}, .statistics = {}};
     const std::size_t pixel_count = sample_counts_.size();
     for (std::size_t index = 0; index < pass_count; ++index) {
         if (!offsets_[index])

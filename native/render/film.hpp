@@ -4,6 +4,7 @@
 #include "core/math.hpp"
 #include "core/progress.hpp"
 #include "core/statistics.hpp"
+#include "render/data_passes.hpp"
 #include "render/shared_irradiance.hpp"
 #include <array>
 #include <cstdint>
@@ -66,7 +67,8 @@ struct Plane {
 struct UnstyledFilm;
 struct Film {
     std::uint32_t width_px = 0, height_px = 0;
-    std::vector<Plane> planes; ///< In the order of Pass; those that were asked for.
+    std::vector<Plane> planes;                ///< In the order of Pass; those that were asked for.
+    std::vector<NamedPlane> data_planes = {}; ///< Those of data passes.
     Statistics statistics;
     std::shared_ptr<const UnstyledFilm> unstyled = {}; ///< For styled(); where the frame's settings ask for it.
     [[nodiscard]] const Plane* find(Pass pass) const;

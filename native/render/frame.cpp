@@ -51,6 +51,8 @@ public:
             round_samples_ = samples_per_round(config.pixel_samples);
             noise_.emplace(width(), region_.y1 - region_.y0);
         }
+        if (config.data.is_wanted())
+            data_.emplace(pixel_count(), config.pixel_samples, scene, config.data);
         if (media_.is_empty())
             statistics_.skip("light shafts", "no medium in the scene");
         else if (!config.transfer_functions.empty())
@@ -88,6 +90,8 @@ private:
     /// So far.
     Film picture() {
         Film film = sums_.resolve(progress_);
+        if (data_)
+            film.data_planes = data_->resolve(progress_);
         if (!style_)
             return film;
         const auto start = Clock::now();
@@ -217,8 +221,10 @@ private:
         const auto start = Clock::now();
         surfaces_.trace(
             band.first_row, band.end_row, is_active_,
-            [&](std::size_t pixel, const PathSample& found) {
+            [&](std::size_t pixel, const PathSample& found, const PathData* data) {
                 sums_.add(pixel, found);
+                if (data != nullptr)
+                    data_->add(pixel, *data);
                 if (style_)
                     style_->see(pixel, found);
                 if (noise_)
@@ -300,6 +306,7 @@ private:
     const Media& media_;
     FrameSurfaces surfaces_;
     FilmSums sums_;
+    std::optional<DataSums> data_;        ///< Of data passes; nothing: none is asked for.
     std::optional<PixelNoise> noise_;     ///< None: every pixel takes all samples.
     std::vector<std::uint8_t> is_active_; ///< Per pixel: takes further samples.
     std::size_t active_count_, sample_count_ = 0;

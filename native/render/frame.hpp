@@ -35,6 +35,7 @@ struct FrameConfig {
     float voxel_detail_px = 0.0f;
     bool is_film_transparent = false;
     PassSet passes;
+    DataPassConfig data = {};    ///< With them, nothing is kept of surfaces.
     light_shafts::Config shafts; ///< Neighbours share the world's light on surfaces as they do strata.
     std::vector<transfer_functions::WeightedFunction> transfer_functions; ///< Applied to the light shafts.
     /// Into Scene::lights: whose visibility, lit parts and angle the functions are about. None: the strongest sun's that

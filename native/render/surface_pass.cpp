@@ -26,7 +26,8 @@ struct SurfacePass::Catch {
     std::array<PathSample, rays_per_square * squares_per_block> samples;
     std::array<std::vector<MediumPart>, rays_per_square * squares_per_block> parts;
     std::array<std::vector<MediumPart>, rays_per_square> parts_of_square;
-    SurfaceWalk walk; ///< As is the light: of blocks that do not keep it.
+    std::vector<PathData> data, data_of_square; ///< Of blocks with data, as long as samples and rays of a square.
+    SurfaceWalk walk;                           ///< As is the light: of blocks that do not keep it.
     SurfaceLight light;
 };
 
@@ -71,8 +72,10 @@ void SurfacePass::walk_square(const Call& call, std::uint32_t x0, std::uint32_t 
     std::array<PathSample, rays_per_square> samples;
     for (std::vector<MediumPart>& parts : caught.parts_of_square)
         parts.clear();
+    for (PathData& data : caught.data_of_square)
+        data.clear();
     path_.walk(std::span(rays).first(count), these_seeds, call.sample_index, std::span(targets).first(count), samples,
-               caught.parts_of_square, &walk);
+               caught.parts_of_square, &walk, std::span(caught.data_of_square).first(call.kept.has_data ? count : 0));
     for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t pixel = targets[i];
         if (pixel == ViewPath::nowhere)
@@ -81,11 +84,15 @@ void SurfacePass::walk_square(const Call& call, std::uint32_t x0, std::uint32_t 
         caught.samples[pixel] = samples[i];
         caught.rays[pixel] = rays[i];
         caught.parts[pixel].swap(caught.parts_of_square[i]);
+        if (call.kept.has_data)
+            std::swap(caught.data[pixel], caught.data_of_square[i]);
     }
 }
 
 void SurfacePass::walk_block(const Call& call, SurfaceBlock& block, Catch& caught, SurfaceWalk& walk) const {
     caught.is_caught.fill(0);
+    caught.data.resize(call.kept.has_data ? caught.samples.size() : 0);
+    caught.data_of_square.resize(call.kept.has_data ? rays_per_square : 0);
     for (std::vector<MediumPart>& parts : caught.parts)
         parts.clear();
     walk.clear();
@@ -164,7 +171,7 @@ void SurfacePass::trace_block(const Call& call, SurfaceBlock& block) const {
     for (std::uint32_t y = block.pixels.y0; y < block.pixels.y1; ++y)
         for (std::uint32_t x = block.pixels.x0; x < block.pixels.x1; ++x)
             if (const std::size_t pixel = block.index_of(x, y); caught.is_caught[pixel] != 0)
-                call.deliver(pixel_at(x, y), caught.samples[pixel]);
+                call.deliver(pixel_at(x, y), caught.samples[pixel], call.kept.has_data ? &caught.data[pixel] : nullptr);
 }
 
 std::vector<SurfaceBlock> SurfacePass::blocks_of(const Rows& rows) const {
@@ -222,7 +229,7 @@ void SurfacePass::find_parts(const Rows& rows, WaitingParts& waiting, const Prog
     std::vector<SurfaceBlock> blocks;
     trace(
         rows, is_active, {.form = SurfaceForm::Nothing, .parts = {}, .is_asked = {}, .is_lit = false}, blocks,
-        [](std::size_t, const PathSample&) {}, waiting, progress);
+        [](std::size_t, const PathSample&, const PathData*) {}, waiting, progress);
 }
 
 void SurfacePass::trace(const Rows& rows, std::span<const std::uint8_t> is_active, const Kept& kept,

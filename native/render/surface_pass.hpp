@@ -72,12 +72,14 @@ public:
         PackedSamples::Parts parts;
         /// Lights that have changed. Of what is not walked, all are asked.
         std::span<const std::uint8_t> is_asked;
+        bool has_data = false;                   ///< Samples come with data; nothing is kept.
         bool is_lit = true;                      ///< False: light is not wanted.
         const IndirectLight* indirect = nullptr; ///< Nothing: surfaces see nothing of one another.
         const MovedView* moved = nullptr;        ///< What moved since the rows were walked; nothing: nothing did.
     };
-    /// Takes what a pixel's ray found; the pixel is counted in the region, row by row. Called from any thread.
-    using Deliver = std::function<void(std::size_t pixel, const PathSample& sample)>;
+    /// Takes what a pixel's ray found; the pixel is counted in the region, row by row. Called from any thread. Nothing: no
+    /// data is asked for.
+    using Deliver = std::function<void(std::size_t pixel, const PathSample& sample, const PathData* data)>;
     /// One sample of those pixels of the region's rows that `is_active`: all, where something is kept. `blocks` has what
     /// is kept of the rows, or is empty: then they are walked, and what is to be kept is put there. Appends to `waiting`,
     /// which holds what lies before. Throws Cancelled, after which the light of those that were asked is not complete.

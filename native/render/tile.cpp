@@ -26,19 +26,24 @@ FrameConfig grown_tile(const FrameConfig& config, const Region& tile, const Came
 }
 
 Film cropped(Film film, const Region& from, const Region& to) {
-    Film result{.width_px = to.x1 - to.x0, .height_px = to.y1 - to.y0, .planes = {}, .statistics = {}};
+    Film result{
+        .width_px = to.x1 - to.x0, .height_px = to.y1 - to.y0, .planes = {}, .data_planes = {}, .statistics = {}};
     result.statistics = std::move(film.statistics);
-    for (const Plane& plane : film.planes) {
-        const std::size_t channels = layout(plane.pass).channel_count;
-        Plane& part = result.planes.emplace_back(Plane{.pass = plane.pass, .values = {}});
-        part.values.reserve(std::size_t{result.width_px} * result.height_px * channels);
+    const auto part_of = [&](const std::vector<float>& values, std::size_t channels) {
+        std::vector<float> part;
+        part.reserve(std::size_t{result.width_px} * result.height_px * channels);
         for (std::uint32_t y = to.y0; y < to.y1; ++y) {
             const auto row =
-                plane.values.begin() +
+                values.begin() +
                 static_cast<std::ptrdiff_t>((std::size_t{y - from.y0} * film.width_px + (to.x0 - from.x0)) * channels);
-            part.values.insert(part.values.end(), row, row + static_cast<std::ptrdiff_t>(result.width_px * channels));
+            part.insert(part.end(), row, row + static_cast<std::ptrdiff_t>(result.width_px * channels));
         }
-    }
+        return part;
+    };
+    for (const Plane& plane : film.planes)
+        result.planes.push_back({plane.pass, part_of(plane.values, layout(plane.pass).channel_count)});
+    for (const NamedPlane& plane : film.data_planes)
+        result.data_planes.push_back({plane.name, plane.channel_count, part_of(plane.values, plane.channel_count)});
     return result;
 }
 } // namespace tyndall::render

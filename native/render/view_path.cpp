@@ -92,7 +92,7 @@ Ray ViewPath::mirrored_ray(const SurfacePoint& point, const Ray& ray) {
 
 void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds,
                     std::uint32_t sample_index, std::span<const std::uint32_t> targets, std::span<PathSample> samples,
-                    std::span<std::vector<MediumPart>> parts, SurfaceWalk* walked) const {
+                    std::span<std::vector<MediumPart>> parts, SurfaceWalk* walked, std::span<PathData> data) const {
     std::array<Follower, DirectLight::most_points> followers;
     for (std::size_t index = 0; index < camera_rays.size(); ++index) {
         followers[index].index = index;
@@ -115,7 +115,7 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
             .pixel_seeds = pixel_seeds,
             .targets = targets,
             .details = std::span(details).first(has_details ? camera_rays.size() : 0)},
-           0, samples, parts, depth > 0 ? &mirrored : nullptr, walked);
+           0, samples, parts, data, depth > 0 ? &mirrored : nullptr, walked);
     // What the last mirrors show is not lit any more, as in Cycles: the world, and what glows.
     for (std::uint32_t mirror_count = 1; mirror_count <= depth + 1 && !mirrored.empty(); ++mirror_count) {
         const bool is_past = mirror_count > depth;
@@ -126,14 +126,14 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
             follow({.followers = std::span(following).subspan(first, count),
                     .pixel_seeds = pixel_seeds,
                     .targets = targets},
-                   mirror_count, samples, parts, is_past ? nullptr : &mirrored, is_past ? nullptr : walked);
+                   mirror_count, samples, parts, {}, is_past ? nullptr : &mirrored, is_past ? nullptr : walked);
         }
     }
 }
 
 void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<PathSample> samples,
-                      std::span<std::vector<MediumPart>> parts, std::vector<Follower>* mirrored,
-                      SurfaceWalk* walked) const {
+                      std::span<std::vector<MediumPart>> parts, std::span<PathData> data,
+                      std::vector<Follower>* mirrored, SurfaceWalk* walked) const {
     constexpr std::size_t size = DirectLight::most_points;
     const bool is_in_mirror = mirror_count > 0;
     const std::span<Follower> followers = rays.followers;
@@ -173,7 +173,12 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
             const SurfaceClosures closures = scene_.closures(
                 {.ray = asking, .kind = is_in_mirror ? RayKind::Mirror : RayKind::Camera, .footprint_m = footprint_m},
                 point.shading, hit, &lobes);
+            const bool was_covered = follower.has_first_surface;
             show(follower, point, closures, is_in_mirror, sample);
+            if (!data.empty())
+                see_layer(scene_, camera_, hit, point.shading.position,
+                          average(throughput) * (1.0f - average(closures.transparent)),
+                          follower.has_first_surface && !was_covered, config_.mist, data[follower.index]);
             if (walked != nullptr && rays.targets[follower.index] != nowhere &&
                 (closures.diffuse_albedo != Rgb(0.0f) || !lobes.empty() || config_.lights_black_surfaces ||
                  (config_.finds_ambient && !is_in_mirror && closures.transparent != Rgb(1.0f)))) {

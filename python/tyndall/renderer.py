@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import resource
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from time import perf_counter
 from typing import Any
@@ -16,6 +16,7 @@ from . import _native
 from .fingerprints import fingerprint
 from .heterogeneity import Heterogeneity
 from .kept_pictures import UnstyledPictures
+from .mattes import MATTE_NAMES
 from .native_heterogeneity import KeptAir
 from .native_scene import NativeParts, build_scene
 from .native_transfer_functions import build_weighted_functions
@@ -37,6 +38,17 @@ PASSES = (
     "Shafts Visibility",
     "Transmittance",
     "AO",
+)
+#: Names of planes; those of mattes have a number of two digits behind it.
+DATA_PASSES = (
+    "CryptoObject",
+    "CryptoMaterial",
+    "CryptoAsset",
+    "IndexOB",
+    "IndexMA",
+    "UV",
+    "Mist",
+    "Debug Sample Count",
 )
 
 
@@ -73,6 +85,18 @@ class IndirectConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class DataConfig:
+    """What passes tell that a picture does not need; the native side checks the ranges."""
+
+    matte_ranks: int = 6  #: Names that a pixel's mattes tell apart, [1, 16]; two to a plane.
+    asset_of: Mapping[str, str] = field(default_factory=dict)  #: By an object's name: the one that it belongs to.
+    material_index: Mapping[str, float] = field(default_factory=dict)  #: By name; the others' is 0.
+    mist_start_m: float = 5.0
+    mist_depth_m: float = 25.0  #: 0: all is near.
+    mist_exponent: float = 2.0  #: Of the way from one to the other.
+
+
+@dataclass(frozen=True, kw_only=True)
 class RenderConfig:
     """One frame's settings; the native side checks the ranges and raises ``InvalidInput``."""
 
@@ -89,7 +113,8 @@ class RenderConfig:
     #: means of colours and normals; [0, 64], 0: they meet every voxel.
     voxel_detail_px: float = 0.5
     film_transparent: bool = False
-    passes: frozenset[str] = frozenset()  #: Names in PASSES; Combined is always there.
+    passes: frozenset[str] = frozenset()  #: Names in PASSES and DATA_PASSES; Combined is always there.
+    data: DataConfig = field(default_factory=DataConfig)
     shafts: ShaftConfig = field(default_factory=ShaftConfig)
     transfer_functions: tuple[WeightedFunction, ...] = ()  #: What they make of the light that media scatter.
     #: Name of the light whose visibility, lit parts and angle the functions are about. "": the strongest sun that
@@ -262,7 +287,8 @@ class Session:
             is_tile=config.is_tile,
             voxel_detail_px=config.voxel_detail_px,
             film_transparent=config.film_transparent,
-            passes=sorted(config.passes),
+            passes=sorted(config.passes.difference(DATA_PASSES)),
+            data=_native_data(config),
             shafts=native_shafts(config.shafts, self._kept_maps),
             transfer_functions=functions,
             reference_light=reference_light,
@@ -311,6 +337,18 @@ class Session:
     def native_camera(self, camera: Camera) -> _native.Camera:
         """The camera in the scene as last updated. Raises ``InvalidInput``."""
         return _native_camera(camera, self._origin_in_world)
+
+
+def _native_data(config: RenderConfig) -> _native.DataPasses:
+    data = config.data
+    return _native.DataPasses(
+        passes=sorted(config.passes.intersection(DATA_PASSES)),
+        matte_ranks=data.matte_ranks,
+        asset_of=dict(data.asset_of),
+        material_alias=MATTE_NAMES,
+        material_index=dict(data.material_index),
+        mist=(data.mist_start_m, data.mist_depth_m, data.mist_exponent),
+    )
 
 
 def _merged(*parts: dict[str, Any]) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from support.exr import read_channels
+from support.exr import read_channels, read_stamps
 from tyndall.command_line import BAD_USAGE, RENDER_FAILED, SUCCESS, main
 from tyndall.farm_tasks import TaskError, run_task
 
@@ -34,7 +34,9 @@ bpy.data.lights["Lamp"].shadow_soft_size = 0.2
 scene.tyndall.pixel_samples, scene.tyndall.noise_threshold = 8, 0.02
 scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.3, 0.3, 0.4, 1)
 scene.view_layers[0].use_pass_z = scene.view_layers[0].use_pass_normal = True
-scene.view_layers.new("Other").use_pass_shadow = True
+scene.view_layers[0].use_pass_cryptomatte_object = True
+other = scene.view_layers.new("Other")
+other.use_pass_shadow = other.use_pass_mist = other.use_pass_cryptomatte_material = True
 for frame in (1, 2):
     scene.camera.location.x = 6 + 0.2 * frame
     scene.camera.keyframe_insert("location", frame=frame)
@@ -96,6 +98,7 @@ def pictures(folder: Path) -> dict[str, dict[str, bytes]]:
     """The pixels of the files: what Blender stamps beside them has the time of day."""
     return {
         path.name: {name: plane.tobytes() for name, plane in read_channels(path).items()}
+        | {name: text.encode() for name, text in read_stamps(path).items()}
         for path in folder.glob("*.exr")
     }
 
@@ -107,6 +110,7 @@ def test_a_cluster_that_loses_a_worker_renders_the_frames_of_one_process(
     simd = "SSE4"
     wanted = one_process(blend, tmp_path / "one", simd)
     assert len(wanted) == 2
+    assert sum(name.startswith("cryptomatte/") for name in wanted["f_0001.exr"]) == 2 * 4
 
     def kill_one() -> None:
         deadline = time.monotonic() + 60.0

@@ -40,15 +40,27 @@ def read_channels(path: Path) -> dict[str, NDArray[np.float32]]:
 
 
 def read_planes(path: Path) -> dict[str, NDArray[np.float32]]:
-    """Passes by ``layer.pass``: (height, width, channels) in the order RGBA or XYZ. A plain picture is called ""."""
+    """Passes by ``layer.pass``: (height, width, channels) in the order RGBA, XYZ, UVA. A plain picture is ""."""
     grouped: dict[str, dict[str, NDArray[np.float32]]] = {}
     for name, plane in read_channels(path).items():
         group, _, channel = name.rpartition(".")
         grouped.setdefault(group, {})[channel] = plane
-    order = "RXGYBZAV"
+
+    def place(channel: str) -> int:
+        return "RXUGYVBZA".index(channel.upper())
+
     return {
-        group: np.stack([planes[channel] for channel in sorted(planes, key=order.index)], axis=-1)
+        group: np.stack([planes[channel] for channel in sorted(planes, key=place)], axis=-1)
         for group, planes in grouped.items()
+    }
+
+
+def read_stamps(path: Path) -> dict[str, str]:
+    """What the file says about its picture, in words, by name."""
+    content = path.read_bytes()
+    headers, _ = _headers(content, is_multipart=bool(content[5] & 0x10))
+    return {
+        name: value.decode() for header in headers for name, value in header.items() if name.startswith("cryptomatte/")
     }
 
 

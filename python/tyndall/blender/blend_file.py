@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from . import ENGINE, enable, film_parts, last_statistics, was_interrupted
-from .part_files import read_parts, write_part
+from .part_files import read_parts, read_stamps, write_part
 from .voxel_meshes import gather, surface_of
 
 if TYPE_CHECKING:
@@ -66,14 +66,15 @@ class OpenBlendFile:
         parts = film_parts()
         with parts.taking(parts.Taking(self._scene.name, layer_name, parts.Tile(*tile))) as part:
             statistics = self._rendered(writes=False)
-        write_part(path, part.films, statistics)
+        write_part(path, part.films, statistics, part.stamps)
         return statistics
 
     def assemble(self, frame: int, tiles: Mapping[str, Sequence[Sequence[Path]]], path: Path) -> dict[str, Any]:
         """Write what the tiles of each view layer, row by row from below, are together: bit for bit as ``render``."""
         films, of_parts = read_parts(tiles)
+        stamps = {layer: read_stamps(rows[0][0]) for layer, rows in tiles.items()}
         parts = film_parts()
-        with parts.giving(parts.Giving(self._scene.name, films, {"parts": of_parts})):
+        with parts.giving(parts.Giving(self._scene.name, films, {"parts": of_parts}, stamps)):
             return self.render(frame, path)
 
     @property

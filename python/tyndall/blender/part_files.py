@@ -12,12 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 Planes = dict[str, NDArray[np.float32]]
-_STATISTICS = "statistics"
+_STATISTICS, _STAMPS = "statistics", "stamps"
 
 
-def write_part(path: Path, films: Mapping[str, Planes], statistics: dict[str, Any]) -> None:
-    """``films``: planes, (height, width, channels), by view."""
-    arrays: dict[str, Any] = {_STATISTICS: np.array(json.dumps(statistics))}
+def write_part(
+    path: Path, films: Mapping[str, Planes], statistics: dict[str, Any], stamps: dict[str, str] | None = None
+) -> None:
+    """``films``: planes, (height, width, channels), by view; ``stamps``: what files say about them."""
+    arrays: dict[str, Any] = {
+        _STATISTICS: np.array(json.dumps(statistics)),
+        _STAMPS: np.array(json.dumps(stamps or {})),
+    }
     arrays |= {json.dumps([view, plane]): values for view, planes in films.items() for plane, values in planes.items()}
     with path.open("wb") as file:
         np.savez(file, **arrays)
@@ -40,12 +45,19 @@ def read_parts(
     return films, statistics
 
 
+def read_stamps(path: Path) -> dict[str, str]:
+    """What files say about the picture: all tiles of a layer tell the same."""
+    with np.load(path, allow_pickle=False) as file:
+        stamps: dict[str, str] = json.loads(str(file[_STAMPS]))
+        return stamps
+
+
 def _read(path: Path) -> tuple[dict[str, Planes], dict[str, Any]]:
     """Planes by view, and the statistics."""
     films: dict[str, Planes] = {}
     with np.load(path, allow_pickle=False) as file:
         for key in file.files:
-            if key != _STATISTICS:
+            if key not in (_STATISTICS, _STAMPS):
                 view, plane = json.loads(key)
                 films.setdefault(view, {})[plane] = file[key]
         return films, json.loads(str(file[_STATISTICS]))
