@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All shader nodes of the running Blender: what the compiler says of each, and how far its values are off Cycles'.
+
+scripts/python benchmarks/node_table_bench.py --context FILE --output FILE [--docs FOLDER], for nodes.md.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+
+import bpy
+
+import tyndall.blender
+from report import argument_parser, row, write_report
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.append(str(ROOT / "tests"))
+
+HEADER = """# Nodes
+Every shader node of Blender {blender}: what a render reports where it is not drawn as it is, and the largest deviation
+of its values from the running Cycles' over random inputs, relative where they are above 1, of the {share:.0%} of points
+that agree best (where patterns and texels jump, the last bit of a place decides). The set-ups are tests in 3.4, 4.5 and
+5.0. `scripts/bench.sh node_table_bench` makes this page anew.
+
+| node | state | largest deviation | set-ups |
+|---|---|---|---|
+"""
+
+
+def main() -> None:
+    """Measure all of them."""
+    parser = argument_parser(__doc__)
+    parser.add_argument("--docs", type=Path)
+    arguments = parser.parse_args()
+    tyndall.blender.enable()
+    from support.image_setups import IMAGES, NORMALS  # noqa: PLC0415  they need the add-on
+    from support.input_setups import INPUT_SETUPS  # noqa: PLC0415
+    from support.node_measurements import BEST_SHARE, measured  # noqa: PLC0415
+    from support.node_states import ELSEWHERE, TESTS, node_states  # noqa: PLC0415
+    from support.pattern_setups import setups_of, usual_cases  # noqa: PLC0415
+
+    start = time.process_time()
+    patterns = [setup for setup, _ in setups_of(usual_cases()).values()]
+    found = measured(patterns, {**INPUT_SETUPS, **IMAGES, **NORMALS})
+    rows = []
+    text = HEADER.format(blender=bpy.app.version_string, share=BEST_SHARE)
+    for kind, state in sorted(node_states().items(), key=lambda item: item[1].label):
+        deviation, count = found.get(kind, (-1.0, 0))
+        said = "; ".join(report.removeprefix(f"{state.label} ") for report in state.reports)
+        said = ELSEWHERE.get(kind) or said or "as in Cycles"
+        shown = f"{deviation:.0e}" if count else f"`{TESTS[kind]}`" if kind in TESTS else ""
+        text += f"| {state.label} | {said} | {shown} | {count or ''} |\n"
+        rows.append(row(kind, time.process_time() - start, state=said, deviation=deviation, setups=float(count)))
+        print(rows[-1], flush=True)
+    write_report(rows, arguments)
+    if arguments.docs:
+        part = arguments.docs / "nodes.md.part"
+        part.write_text(text, encoding="utf-8")
+        part.replace(arguments.docs / "nodes.md")
+
+
+if __name__ == "__main__":
+    main()
