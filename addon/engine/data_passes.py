@@ -13,7 +13,7 @@ import bpy
 from tyndall.mattes import MATTE_NAMES, matte_stamps
 from tyndall.renderer import DataConfig
 
-from .passes import matte_kinds, matte_ranks
+from .passes import matte_kinds, matte_ranks, valid_aovs
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -34,6 +34,7 @@ def data_config(depsgraph: Depsgraph, view_layer: ViewLayer) -> DataConfig:
         matte_ranks=matte_ranks(view_layer),
         asset_of=_assets(depsgraph) if view_layer.use_pass_cryptomatte_asset else {},
         material_index=_material_indices(depsgraph) if view_layer.use_pass_material_index else {},
+        aovs=tuple((aov.name, aov.type == "COLOR") for aov in valid_aovs(view_layer)),
         mist_start_m=plain.mist_start_m if mist is None else mist.start,
         mist_depth_m=plain.mist_depth_m if mist is None else mist.depth,
         mist_exponent=plain.mist_exponent if mist is None else _MIST_EXPONENTS[mist.falloff],

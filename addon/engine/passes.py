@@ -12,7 +12,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from bpy.types import RenderEngine, RenderLayer, Scene, ViewLayer
+    from bpy.types import AOV, RenderEngine, RenderLayer, Scene, ViewLayer
     from numpy.typing import NDArray
 
 _HAS_LONG_NAMES = bpy.app.version >= (5, 0, 0)
@@ -71,6 +71,11 @@ def matte_kinds(view_layer: ViewLayer) -> list[str]:
     return [kind for kind, switch in _MATTES.items() if getattr(view_layer, switch)]
 
 
+def valid_aovs(view_layer: ViewLayer) -> list[AOV]:
+    """Those whose names no other pass has."""
+    return [aov for aov in view_layer.aovs if aov.is_valid]
+
+
 def matte_ranks(view_layer: ViewLayer) -> int:
     """How many names a pixel's mattes tell apart; two have a place in a pass."""
     return min(16, view_layer.pass_cryptomatte_depth)
@@ -97,7 +102,12 @@ def _enabled(view_layer: ViewLayer) -> list[_Pass]:
         f"{kind}{index:02d}" for kind in matte_kinds(view_layer) for index in range((matte_ranks(view_layer) + 1) // 2)
     )
     # Lower case keeps lossy compression of OpenEXR off: it would break ids.
-    return [*_switched_on(view_layer), *(_Pass(name, name, "rgba", "COLOR", "") for name in names)]
+    mattes = [_Pass(name, name, "rgba", "COLOR", "") for name in names]
+    aovs = [
+        _Pass(aov.name, aov.name, "RGBA" if aov.type == "COLOR" else "X", aov.type, "")
+        for aov in valid_aovs(view_layer)
+    ]
+    return [*_switched_on(view_layer), *mattes, *aovs]
 
 
 def _switched_on(view_layer: ViewLayer) -> list[_Pass]:

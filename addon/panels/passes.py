@@ -56,4 +56,22 @@ class TYNDALL_PT_passes(PropertiesPanel, Panel):
         column.prop(view_layer, "pass_cryptomatte_depth", text="Levels")
 
 
-CLASSES = (TYNDALL_PT_passes,)
+class TYNDALL_PT_passes_aov(PropertiesPanel, Panel):
+    bl_label = "Shader AOV"
+    bl_context = "view_layer"
+    bl_parent_id = "TYNDALL_PT_passes"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        view_layer = context.view_layer
+        row = self.layout.row()
+        row.template_list("VIEWLAYER_UL_aov", "aovs", view_layer, "aovs", view_layer, "active_aov_index", rows=3)
+        column = row.column(align=True)
+        column.operator("scene.view_layer_add_aov", icon="ADD", text="")
+        column.operator("scene.view_layer_remove_aov", icon="REMOVE", text="")
+        aov = view_layer.active_aov
+        if aov is not None and not aov.is_valid:
+            self.layout.label(text="Conflicts with another render pass with the same name", icon="ERROR")
+
+
+CLASSES = (TYNDALL_PT_passes, TYNDALL_PT_passes_aov)

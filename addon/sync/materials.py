@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tyndall.scene_description import Material, Medium, attribute_maps
 
 from ..shader_nodes import ALWAYS_HAS_NODES, shader_tree
+from .aov_nodes import read_aovs
 from .displacement_nodes import displaced_normal
 from .lobe_nodes import plain_principled
-from .mesh_attributes import what_is_missing
+from .mesh_attributes import uv_maps_of, what_is_missing
 from .node_graph import output_input
 from .program import BLACK, WHITE, grey
 from .reports import Reports
@@ -19,7 +21,7 @@ from .value_nodes import Domain, ValueReader
 from .volume_nodes import read_volume
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     import bpy
 
@@ -54,6 +56,8 @@ class MaterialReader:
         ``camera`` is what surfaces may ask for.
         """
         self.materials: list[Material] = []
+        #: Passes that materials may fill, by name: whether they are colours.
+        self.aovs: Mapping[str, bool] = {}
         #: Of each material, by name: roughness, metallic and reflectance, the diffuse part of a program of which the
         #: transparent part is their weight; and emission, the diffuse part.
         self.channels: list[dict[str, Material]] = []
@@ -74,7 +78,7 @@ class MaterialReader:
         if material not in self._index_of:
             self._index_of[material] = len(self.materials)
             self.channels.append({})
-            self.materials.append(self._read(material))
+            self.materials.append(self._with_aovs(self._read(material), material))
         return self._index_of[material]
 
     def add_medium(self, medium: Medium | None) -> int:
@@ -139,6 +143,12 @@ class MaterialReader:
         lobes = shares.lobes if self._is_lit and shares.lobes is not None else ()
         return values.program.material(material.name, results, shares.gloss, lobes, medium=medium)
 
+    def _with_aovs(self, read: Material, material: bpy.types.Material | None) -> Material:
+        tree = None if material is None or not self.aovs else shader_tree(material)
+        if tree is None:
+            return read
+        return replace(read, aovs=read_aovs(self._values(material, Domain.SURFACE), tree, self.aovs, read.name))
+
     def _values(self, material: bpy.types.Material, domain: Domain) -> ValueReader:
         is_seen = self._is_lit or domain is Domain.CONSTANT
         reports = self._reports if is_seen else Reports()  # nobody misses the gloss of black surfaces
@@ -155,7 +165,7 @@ def note_missing_attributes(
     """Say what its materials read as black, as Cycles does."""
     has = {name for name, _ in mesh.uv_maps}
     for index in indices:
-        asked = materials.materials[index].uv_maps
+        asked = uv_maps_of(materials.materials[index])
         for what in what_is_missing(asked, has):
             reports.add(f'Object "{object_name}"', f"has no {what}, which its material reads")
         for name in asked:

@@ -49,7 +49,12 @@ def tangent_of(uv_map: str) -> str:
 def asked_of_meshes(materials: Iterable[Material]) -> frozenset[str]:
     """What materials read beside UV maps: the first names of pairs."""
     firsts = made_maps("")[0], _OF_COLOURS
-    return frozenset(name for material in materials for name in material.uv_maps if name.startswith(firsts))
+    return frozenset(name for material in materials for name in uv_maps_of(material) if name.startswith(firsts))
+
+
+def uv_maps_of(material: Material) -> tuple[str, ...]:
+    """What it reads, for its passes, too."""
+    return (*material.uv_maps, *(name for _, program in material.aovs for name in program.uv_maps))
 
 
 def what_is_missing(asked: Iterable[str], has: Iterable[str]) -> list[str]:

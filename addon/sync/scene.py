@@ -93,6 +93,7 @@ class SceneReader:
             elif layer.use_solid or placement.data is None:
                 placements.append(placement)
         indirect = depsgraph.scene_eval.tyndall.indirect
+        is_viewport = depsgraph.mode == "VIEWPORT"  # which shows the picture alone
         materials = MaterialReader(
             reports,
             self._images,
@@ -101,7 +102,8 @@ class SceneReader:
             mirror_roughness=indirect.mirror_roughness if indirect.has_mirrors else None,
             camera=seen_camera(depsgraph),
         )
-        is_viewport = depsgraph.mode == "VIEWPORT"
+        if not is_viewport:
+            materials.aovs = {aov.name: aov.type == "COLOR" for aov in layer.aovs if aov.is_valid}
         drawn_things = [placement for placement in placements if placement.data is not None]
         meshes, voxels = without_and_with_voxels(drawn_things)
         voxel_objects = self._voxels.read(voxels, materials, reports, poll)

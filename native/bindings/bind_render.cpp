@@ -59,17 +59,20 @@ static render::IndirectConfig make_indirect(bool ambient_occlusion, float ambien
             .mirror_depth = mirror_depth};
 }
 
-static render::DataPassConfig make_data(const std::vector<std::string>& passes, std::uint32_t matte_ranks,
-                                        std::unordered_map<std::string, std::string> asset_of,
-                                        std::unordered_map<std::string, std::string> material_alias,
-                                        std::unordered_map<std::string, float> material_index,
-                                        const std::array<float, 3>& mist) {
+static render::DataPassConfig
+make_data(const std::vector<std::string>& passes, std::uint32_t matte_ranks,
+          std::unordered_map<std::string, std::string> asset_of,
+          std::unordered_map<std::string, std::string> material_alias,
+          std::unordered_map<std::string, float> material_index, const std::array<float, 3>& mist,
+          const std::vector<std::tuple<std::string, bool, std::unordered_map<std::uint32_t, std::uint32_t>>>& aovs) {
     render::DataPassConfig data{.bits = 0,
                                 .matte_ranks = matte_ranks,
                                 .asset_of = std::move(asset_of),
                                 .material_alias = std::move(material_alias),
                                 .material_index = std::move(material_index),
                                 .mist = {.start_m = mist[0], .depth_m = mist[1], .exponent = mist[2]}};
+    for (const auto& [name, is_colour, program_of] : aovs)
+        data.aovs.push_back({name, is_colour, program_of});
     for (const std::string& name : passes)
         data.add(name);
     return data;
@@ -189,7 +192,9 @@ void bind_render(py::module_& native) {
              "bounce_samples"_a, "mirror_depth"_a);
     py::class_<render::DataPassConfig>(native, "DataPasses")
         .def(py::init(&make_data), "passes"_a, "matte_ranks"_a, "asset_of"_a, "material_alias"_a, "material_index"_a,
-             "mist"_a, "mist: start and depth in metres, and exponent. InvalidInput: a name that is none.");
+             "mist"_a, "aovs"_a,
+             "mist: start and depth in metres, and exponent. aovs: name, whether it is a colour, and by material "
+             "what has its values. InvalidInput: a name that is none.");
     native.def(
         "matte_hash", [](const std::string& name) { return render::matte_hash(name); }, "name"_a,
         "32 bits that Cryptomattes know a name by.");

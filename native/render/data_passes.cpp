@@ -26,6 +26,7 @@ void PathData::clear() {
     layers.clear();
     near_cover = 0.0f;
     has_surface = has_uv = false;
+    aovs.clear();
 }
 
 /// Share of a surface that the mist leaves, as Cycles has it.
@@ -50,6 +51,23 @@ static bool find_uv(const Scene& scene, const Hit& hit, vec2& uv) {
     const vec2 b = hit.barycentrics;
     uv = (1.0f - b.x - b.y) * corners[0] + b.x * corners[1] + b.y * corners[2];
     return true;
+}
+
+void see_aovs(const Scene& scene, const AskingRay& asking, const ShadingPoint& point, const Hit& hit, float reached,
+              std::span<const Aov> aovs, PathData& data) {
+    data.aovs.resize(aovs.size());
+    const std::vector<Material>& materials = scene.description().materials;
+    const auto material_index =
+        static_cast<std::uint32_t>(&scene.material(hit.instance, hit.triangle) - materials.data());
+    AskingRay about = asking;
+    ShadingPoint untinted = point;
+    untinted.tint = Rgb(1.0f);
+    for (std::size_t index = 0; index < aovs.size(); ++index)
+        if (const auto found = aovs[index].program_of.find(material_index); found != aovs[index].program_of.end()) {
+            about.material = &materials[found->second];
+            const SurfaceClosures closures = scene.closures(about, untinted, hit);
+            data.aovs[index] += reached * vec4(closures.emission - closures.diffuse_albedo, 1.0f);
+        }
 }
 
 void see_layer(const Scene& scene, const Camera& camera, const Hit& hit, const vec3& position, float cover,
@@ -105,6 +123,11 @@ DataSums::DataSums(std::size_t pixel_count, std::uint32_t pixel_samples, const S
     material_index_.resize(config.has(DataPass::MaterialIndex) ? pixel_count : 0);
     near_cover_.resize(config.has(DataPass::Mist) ? pixel_count : 0);
     uv_.resize(config.has(DataPass::Uv) ? pixel_count : 0);
+    for (const Aov& aov : config.aovs)
+        for (const auto& [material, program] : aov.program_of)
+            require(material < description.materials.size() && program < description.materials.size(), "AOV \"",
+                    aov.name, "\" names material ", std::max(material, program), " of ", description.materials.size());
+    aovs_.resize(pixel_count * config.aovs.size(), vec4(0.0f));
 }
 
 float DataSums::id_of(std::size_t kind, const PathData::Layer& layer) const {
@@ -131,6 +154,8 @@ void DataSums::add(std::size_t pixel, const PathData& data) {
                 add_matte(&mattes_[kind][pixel * rank_count_], id_of(kind, layer), layer.cover);
     if (!near_cover_.empty())
         near_cover_[pixel] += data.near_cover;
+    for (std::size_t index = 0; index < data.aovs.size(); ++index)
+        aovs_[pixel * config_.aovs.size() + index] += data.aovs[index];
     if (!data.has_surface)
         return;
     if (is_first && !object_index_.empty()) {
@@ -160,6 +185,22 @@ NamedPlane DataSums::matte_plane(std::size_t kind, std::uint32_t plane, const Pr
                 *to++ = ranks[rank].id;
                 *to++ = ranks[rank].cover * scale;
             }
+        },
+        pixels_per_block);
+    return result;
+}
+
+NamedPlane DataSums::aov_plane(std::size_t index, const Progress& progress) const {
+    const Aov& aov = config_.aovs[index];
+    NamedPlane result{.name = aov.name, .channel_count = aov.is_colour ? 4u : 1u, .values = {}};
+    result.values.resize(pixel_count_ * result.channel_count);
+    parallel_for(
+        pixel_count_, progress,
+        [&](std::size_t pixel) {
+            const vec4& sum = aovs_[pixel * config_.aovs.size() + index];
+            const auto count = static_cast<float>(std::max(sample_counts_[pixel], 1u));
+            for (std::uint32_t channel = 0; channel < result.channel_count; ++channel)
+                result.values[pixel * result.channel_count + channel] = sum[static_cast<int>(channel)] / count;
         },
         pixels_per_block);
     return result;
@@ -218,6 +259,8 @@ std::vector<NamedPlane> DataSums::resolve(const Progress& progress) const {
         else
             planes.push_back(plane_of(pass, progress));
     }
+    for (std::size_t index = 0; index < config_.aovs.size(); ++index)
+        planes.push_back(aov_plane(index, progress));
     return planes;
 }
 } // namespace tyndall::render

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Passes that tell what a pixel shows, not how it is lit: Cryptomattes, indices, UV, mist, number of samples.
+// Passes that tell what a pixel shows, not how it is lit: Cryptomattes, indices, UV, mist, number of samples, and what
+// materials put into passes of their own.
 // Based on: Friedman and Jones, Cryptomatte specification 1.2.0, 2016; each pass is what Cycles' is, see the members.
 // Differs:  from Cycles, transparent layers share a sample by what each of them covers, and not at random: a matte behind
 //           glass has no noise. The expected picture is the same.
@@ -9,6 +10,7 @@
 #include "scene/scene.hpp"
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -33,7 +35,15 @@ inline constexpr std::array<std::string_view, data_pass_count> data_pass_names{
 struct MistRange {
     float start_m = 5.0f, depth_m = 25.0f; ///< A depth of 0: all is near.
     float exponent = 2.0f;                 ///< Of the way from one to the other.
-    bool operator==(const MistRange&) const = default;
+};
+
+/// A pass that materials fill by programs of their own: what these emit, less their diffuse albedo, since neither is below
+/// 0; and 0 where a material has none.
+struct Aov {
+    std::string name;
+    bool is_colour = true; ///< Four channels, the last one the share of samples that have it; else one.
+    /// By the surface's material, into SceneDescription::materials.
+    std::unordered_map<std::uint32_t, std::uint32_t> program_of = {};
 };
 
 struct DataPassConfig {
@@ -45,12 +55,13 @@ struct DataPassConfig {
     std::unordered_map<std::string, std::string> material_alias = {};
     std::unordered_map<std::string, float> material_index = {}; ///< By name; the others' is 0.
     MistRange mist = {};
+    std::vector<Aov> aovs = {};
 
     [[nodiscard]] bool has(DataPass pass) const { return (bits >> static_cast<unsigned>(pass) & 1u) != 0; }
     [[nodiscard]] bool has_mattes() const {
         return has(DataPass::ObjectMattes) || has(DataPass::MaterialMattes) || has(DataPass::AssetMattes);
     }
-    [[nodiscard]] bool is_wanted() const { return bits != 0; }
+    [[nodiscard]] bool is_wanted() const { return bits != 0 || !aovs.empty(); }
     /// Throws InvalidInput that lists the names there are.
     void add(std::string_view name);
 };
@@ -67,8 +78,19 @@ struct PathData {
     bool has_surface = false, has_uv = false;
     std::uint32_t name_index = 0, material_index = 0;
     vec2 uv{0.0f};
+    std::vector<vec4> aovs; ///< As many as the settings have; RGB and how much of it there is.
     void clear();
 };
+
+/// What rays find, ray by ray, and what is asked for; empty where nothing is.
+struct DataOfRays {
+    std::span<PathData> each = {};
+    const DataPassConfig* config = nullptr;
+};
+
+/// Adds the values that a surface has for each pass, by how much of the samples come to it.
+void see_aovs(const Scene& scene, const AskingRay& asking, const ShadingPoint& point, const Hit& hit, float reached,
+              std::span<const Aov> aovs, PathData& data);
 
 /// A surface on the way of a camera ray. `cover` is the share of the pixel that it hides; `is_first`: no other before it
 /// covers at least half of what is behind, and it does.
@@ -98,6 +120,7 @@ private:
     [[nodiscard]] float id_of(std::size_t kind, const PathData::Layer& layer) const;
     void add_matte(Rank* ranks, float id, float cover) const;
     [[nodiscard]] NamedPlane matte_plane(std::size_t kind, std::uint32_t plane, const Progress& progress) const;
+    [[nodiscard]] NamedPlane aov_plane(std::size_t index, const Progress& progress) const;
     [[nodiscard]] NamedPlane plane_of(DataPass pass, const Progress& progress) const;
 
     std::size_t pixel_count_;
@@ -110,6 +133,7 @@ private:
     std::vector<float> material_indices_;
     std::vector<float> object_index_, material_index_, near_cover_;
     std::vector<vec3> uv_;
+    std::vector<vec4> aovs_; ///< Pixel by pixel.
     std::vector<std::uint32_t> sample_counts_;
 };
 } // namespace tyndall::render

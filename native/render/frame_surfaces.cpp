@@ -38,7 +38,6 @@ ViewPath FrameSurfaces::view_path(bool collects_parts) const {
              .lights_black_surfaces = config_.passes.has(Pass::Shadow),
              .finds_ambient = config_.passes.has(Pass::AmbientOcclusion),
              .indirect = config_.indirect,
-             .mist = config_.data.mist,
              .voxel_detail_px = has_detail_ ? config_.voxel_detail_px : 0.0f}};
 }
 
@@ -204,7 +203,7 @@ void FrameSurfaces::trace(std::uint32_t first_row, std::uint32_t end_row, std::s
     SurfacePass::Kept kept{.form = SurfaceForm::Nothing, .parts = {}, .is_asked = is_asked_};
     kept.moved = moved_ ? &*moved_ : nullptr;
     kept.indirect = indirect_.is_wanted() ? &indirect_ : nullptr;
-    kept.has_data = config_.data.is_wanted();
+    kept.data = config_.data.is_wanted() ? &config_.data : nullptr;
     std::vector<SurfaceBlock> of_this_pass;
     std::vector<SurfaceBlock>* blocks = &of_this_pass;
     if (pass_) {

@@ -75,7 +75,8 @@ void SurfacePass::walk_square(const Call& call, std::uint32_t x0, std::uint32_t 
     for (PathData& data : caught.data_of_square)
         data.clear();
     path_.walk(std::span(rays).first(count), these_seeds, call.sample_index, std::span(targets).first(count), samples,
-               caught.parts_of_square, &walk, std::span(caught.data_of_square).first(call.kept.has_data ? count : 0));
+               caught.parts_of_square, &walk,
+               {std::span(caught.data_of_square).first(call.kept.data != nullptr ? count : 0), call.kept.data});
     for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t pixel = targets[i];
         if (pixel == ViewPath::nowhere)
@@ -84,15 +85,15 @@ void SurfacePass::walk_square(const Call& call, std::uint32_t x0, std::uint32_t 
         caught.samples[pixel] = samples[i];
         caught.rays[pixel] = rays[i];
         caught.parts[pixel].swap(caught.parts_of_square[i]);
-        if (call.kept.has_data)
+        if (call.kept.data != nullptr)
             std::swap(caught.data[pixel], caught.data_of_square[i]);
     }
 }
 
 void SurfacePass::walk_block(const Call& call, SurfaceBlock& block, Catch& caught, SurfaceWalk& walk) const {
     caught.is_caught.fill(0);
-    caught.data.resize(call.kept.has_data ? caught.samples.size() : 0);
-    caught.data_of_square.resize(call.kept.has_data ? rays_per_square : 0);
+    caught.data.resize(call.kept.data != nullptr ? caught.samples.size() : 0);
+    caught.data_of_square.resize(call.kept.data != nullptr ? rays_per_square : 0);
     for (std::vector<MediumPart>& parts : caught.parts)
         parts.clear();
     walk.clear();
@@ -171,7 +172,8 @@ void SurfacePass::trace_block(const Call& call, SurfaceBlock& block) const {
     for (std::uint32_t y = block.pixels.y0; y < block.pixels.y1; ++y)
         for (std::uint32_t x = block.pixels.x0; x < block.pixels.x1; ++x)
             if (const std::size_t pixel = block.index_of(x, y); caught.is_caught[pixel] != 0)
-                call.deliver(pixel_at(x, y), caught.samples[pixel], call.kept.has_data ? &caught.data[pixel] : nullptr);
+                call.deliver(pixel_at(x, y), caught.samples[pixel],
+                             call.kept.data != nullptr ? &caught.data[pixel] : nullptr);
 }
 
 std::vector<SurfaceBlock> SurfacePass::blocks_of(const Rows& rows) const {

@@ -72,7 +72,7 @@ public:
         PackedSamples::Parts parts;
         /// Lights that have changed. Of what is not walked, all are asked.
         std::span<const std::uint8_t> is_asked;
-        bool has_data = false;                   ///< Samples come with data; nothing is kept.
+        const DataPassConfig* data = nullptr;    ///< Samples come with what this asks for; then nothing is kept.
         bool is_lit = true;                      ///< False: light is not wanted.
         const IndirectLight* indirect = nullptr; ///< Nothing: surfaces see nothing of one another.
         const MovedView* moved = nullptr;        ///< What moved since the rows were walked; nothing: nothing did.

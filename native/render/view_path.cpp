@@ -92,7 +92,7 @@ Ray ViewPath::mirrored_ray(const SurfacePoint& point, const Ray& ray) {
 
 void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds,
                     std::uint32_t sample_index, std::span<const std::uint32_t> targets, std::span<PathSample> samples,
-                    std::span<std::vector<MediumPart>> parts, SurfaceWalk* walked, std::span<PathData> data) const {
+                    std::span<std::vector<MediumPart>> parts, SurfaceWalk* walked, const DataOfRays& data) const {
     std::array<Follower, DirectLight::most_points> followers;
     for (std::size_t index = 0; index < camera_rays.size(); ++index) {
         followers[index].index = index;
@@ -132,8 +132,8 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
 }
 
 void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<PathSample> samples,
-                      std::span<std::vector<MediumPart>> parts, std::span<PathData> data,
-                      std::vector<Follower>* mirrored, SurfaceWalk* walked) const {
+                      std::span<std::vector<MediumPart>> parts, const DataOfRays& data, std::vector<Follower>* mirrored,
+                      SurfaceWalk* walked) const {
     constexpr std::size_t size = DirectLight::most_points;
     const bool is_in_mirror = mirror_count > 0;
     const std::span<Follower> followers = rays.followers;
@@ -170,15 +170,20 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
             Ray asking = follower.part; // transparent surfaces on its way change neither where it began, nor its length
             asking.near_m = follower.near_m;
             const float footprint_m = follower.width_m + hit.distance_m * follower.spread;
-            const SurfaceClosures closures = scene_.closures(
-                {.ray = asking, .kind = is_in_mirror ? RayKind::Mirror : RayKind::Camera, .footprint_m = footprint_m},
-                point.shading, hit, &lobes);
+            const AskingRay asking_ray{
+                .ray = asking, .kind = is_in_mirror ? RayKind::Mirror : RayKind::Camera, .footprint_m = footprint_m};
+            const SurfaceClosures closures = scene_.closures(asking_ray, point.shading, hit, &lobes);
             const bool was_covered = follower.has_first_surface;
             show(follower, point, closures, is_in_mirror, sample);
-            if (!data.empty())
+            if (!data.each.empty()) {
+                PathData& of_ray = data.each[follower.index];
                 see_layer(scene_, camera_, hit, point.shading.position,
                           average(throughput) * (1.0f - average(closures.transparent)),
-                          follower.has_first_surface && !was_covered, config_.mist, data[follower.index]);
+                          follower.has_first_surface && !was_covered, data.config->mist, of_ray);
+                if (!was_covered && !data.config->aovs.empty())
+                    see_aovs(scene_, asking_ray, point.shading, hit, average(follower.through_surfaces),
+                             data.config->aovs, of_ray);
+            }
             if (walked != nullptr && rays.targets[follower.index] != nowhere &&
                 (closures.diffuse_albedo != Rgb(0.0f) || !lobes.empty() || config_.lights_black_surfaces ||
                  (config_.finds_ambient && !is_in_mirror && closures.transparent != Rgb(1.0f)))) {

@@ -29,7 +29,6 @@ struct ViewPathConfig {
     bool lights_black_surfaces = false; ///< The Shadow pass needs light on surfaces that show none.
     bool finds_ambient = false;         ///< The ambient occlusion pass needs a point on all that covers anything.
     IndirectConfig indirect = {};
-    MistRange mist = {};          ///< Of the data that samples bring home.
     float voxel_detail_px = 0.0f; ///< Cubes of voxels no wider are not looked into; 0: every voxel is met.
     bool operator==(const ViewPathConfig&) const = default;
 };
@@ -49,7 +48,7 @@ public:
     /// it gets what they meet.
     void walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds, std::uint32_t sample_index,
               std::span<const std::uint32_t> targets, std::span<PathSample> samples,
-              std::span<std::vector<MediumPart>> parts, SurfaceWalk* walked, std::span<PathData> data = {}) const;
+              std::span<std::vector<MediumPart>> parts, SurfaceWalk* walked, const DataOfRays& data = {}) const;
     /// Overwrites what those lights that `is_asked` give to the points.
     void ask_lights(const SurfaceWalk& walked, std::uint32_t sample_index, std::span<const std::uint8_t> is_asked,
                     SurfaceLight& light) const;
@@ -66,7 +65,7 @@ private:
     struct Rays;
     /// Follows up to most_points rays by their layers; what is mirrored on the way goes to `mirrored`, where there is one.
     void follow(const Rays& rays, std::uint32_t mirror_count, std::span<PathSample> samples,
-                std::span<std::vector<MediumPart>> parts, std::span<PathData> data, std::vector<Follower>* mirrored,
+                std::span<std::vector<MediumPart>> parts, const DataOfRays& data, std::vector<Follower>* mirrored,
                 SurfaceWalk* walked) const;
     /// Light of a surface that is not what lamps and world throw on it; the first one that covers tells what it is.
     void show(Follower& follower, const SurfacePoint& point, const SurfaceClosures& closures, bool is_in_mirror,

@@ -78,7 +78,8 @@ struct Hit {
 struct AskingRay {
     const Ray& ray;
     RayKind kind = RayKind::Camera;
-    float footprint_m = 0.0f; ///< What a pixel covers at the hit; 0: not known.
+    float footprint_m = 0.0f;           ///< What a pixel covers at the hit; 0: not known.
+    const Material* material = nullptr; ///< That is asked in place of the surface's own.
 };
 
 class Scene {

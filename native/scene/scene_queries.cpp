@@ -185,7 +185,7 @@ ProgramPoint Scene::program_point(const AskingRay& asking, const ShadingPoint& p
 
 SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& point, const Hit& hit,
                                 std::vector<Lobe>* lobes) const {
-    const Material& surface = material(hit.instance, hit.triangle);
+    const Material& surface = asking.material != nullptr ? *asking.material : material(hit.instance, hit.triangle);
     if (!surface.has_surface)
         return {.diffuse_albedo = Rgb(0.0f), .transparent = Rgb(1.0f), .emission = Rgb(0.0f)};
     SurfaceClosures closures = surface.constant;

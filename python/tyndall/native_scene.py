@@ -49,6 +49,7 @@ class KeptGeometry:
     scene: _native.Scene
     origin_in_world: NDArray[np.float64]
     object_names: list[str]  #: Per native instance.
+    aov_programs: dict[str, dict[int, int]]  #: By name, of native materials: those that emit their values.
     reports: list[str]  #: About its parts.
 
 
@@ -115,6 +116,7 @@ class BuiltScene:
     scene: _native.Scene
     origin_in_world: NDArray[np.float64]  #: (3,): what native positions are relative to.
     light_names: list[str]  #: Of the native lights, in their order.
+    aov_programs: dict[str, dict[int, int]]
     reports: list[str]
 
 
@@ -149,6 +151,7 @@ def build_scene(description: SceneDescription, parts: NativeParts, progress: _na
         scene=kept.scene.relit([light for _, light in named], world),
         origin_in_world=origin,
         light_names=[name for name, _ in named],
+        aov_programs=kept.aov_programs,
         reports=reports,
     )
 
@@ -160,7 +163,8 @@ def _build_geometry(
     groups = _build_meshes(description.instances, parts, reports, progress)
     _report_open_media(groups, description.materials, parts, reports)
     origin = _origin_in_world(groups, description)
-    materials = _build_materials(description.materials, parts, reports)
+    with_aovs, aov_programs = _with_aov_programs(description.materials)
+    materials = _build_materials(with_aovs, parts, reports)
     default_material = len(materials)
     materials.append(build_material(_DEFAULT_MATERIAL, []))
     slots = [group.materials or (default_material,) for group in groups]
@@ -199,7 +203,12 @@ def _build_geometry(
         progress=progress,
     )
     return KeptGeometry(
-        fingerprint=current, scene=scene, origin_in_world=origin, object_names=object_names, reports=reports
+        fingerprint=current,
+        scene=scene,
+        origin_in_world=origin,
+        object_names=object_names,
+        aov_programs=aov_programs,
+        reports=reports,
     )
 
 
@@ -321,6 +330,16 @@ def _require_finite(part: object, path: str = "") -> None:
             _require_finite(item, f"{path}[{index}].")
     elif isinstance(part, float | tuple | np.ndarray) and not (np.abs(part) < _LARGEST_VALUE).all():
         raise _native.InvalidInput(f"{path} is not finite")
+
+
+def _with_aov_programs(materials: tuple[Material, ...]) -> tuple[tuple[Material, ...], dict[str, dict[int, int]]]:
+    """The materials, and behind them what fills their passes; by name, of a material the one that does."""
+    built, programs = list(materials), dict[str, dict[int, int]]()
+    for index, material in enumerate(materials):
+        for name, program in material.aovs:
+            programs.setdefault(name, {})[index] = len(built)
+            built.append(program)
+    return tuple(built), programs
 
 
 def _build_materials(materials: tuple[Material, ...], parts: NativeParts, reports: list[str]) -> list[_native.Material]:

@@ -91,6 +91,8 @@ class DataConfig:
     matte_ranks: int = 6  #: Names that a pixel's mattes tell apart, [1, 16]; two to a plane.
     asset_of: Mapping[str, str] = field(default_factory=dict)  #: By an object's name: the one that it belongs to.
     material_index: Mapping[str, float] = field(default_factory=dict)  #: By name; the others' is 0.
+    #: Passes that materials fill: name, and whether it is a colour with alpha or a number.
+    aovs: tuple[tuple[str, bool], ...] = ()
     mist_start_m: float = 5.0
     mist_depth_m: float = 25.0  #: 0: all is near.
     mist_exponent: float = 2.0  #: Of the way from one to the other.
@@ -166,6 +168,7 @@ class Session:
         self._update_seconds = 0.0
         self._reports: list[str] = []
         self._light_names: list[str] = []
+        self._aov_programs: dict[str, dict[int, int]] = {}
 
     @property
     def statistics(self) -> dict[str, Any]:
@@ -189,7 +192,7 @@ class Session:
         if self._scene is None or current != self._fingerprint:
             built = build_scene(description, self._parts, progress)
             self._scene, self._origin_in_world, self._reports = built.scene, built.origin_in_world, built.reports
-            self._light_names = built.light_names
+            self._light_names, self._aov_programs = built.light_names, built.aov_programs
             self._fingerprint = current
             self._unstyled.clear()
         else:
@@ -288,7 +291,7 @@ class Session:
             voxel_detail_px=config.voxel_detail_px,
             film_transparent=config.film_transparent,
             passes=sorted(config.passes.difference(DATA_PASSES)),
-            data=_native_data(config),
+            data=_native_data(config, self._aov_programs),
             shafts=native_shafts(config.shafts, self._kept_maps),
             transfer_functions=functions,
             reference_light=reference_light,
@@ -339,7 +342,7 @@ class Session:
         return _native_camera(camera, self._origin_in_world)
 
 
-def _native_data(config: RenderConfig) -> _native.DataPasses:
+def _native_data(config: RenderConfig, aov_programs: Mapping[str, Mapping[Any, Any]]) -> _native.DataPasses:
     data = config.data
     return _native.DataPasses(
         passes=sorted(config.passes.intersection(DATA_PASSES)),
@@ -348,6 +351,7 @@ def _native_data(config: RenderConfig) -> _native.DataPasses:
         material_alias=MATTE_NAMES,
         material_index=dict(data.material_index),
         mist=(data.mist_start_m, data.mist_depth_m, data.mist_exponent),
+        aovs=[(name, is_colour, aov_programs.get(name, {})) for name, is_colour in data.aovs],
     )
 
 

@@ -259,6 +259,8 @@ class Material:
     tables: tuple[NDArray[np.float32], ...] = ()  #: (steps, 4) each, RGBA over [0, 1].
     gloss: Gloss | None = None  #: What it mirrors; None: nothing.
     lobes: tuple[Lobes, ...] = ()
+    #: Passes that it fills, by name: what programs of their own emit, less their diffuse part: neither is below 0.
+    aovs: tuple[tuple[str, Material], ...] = ()
     medium: int = -1  #: Into SceneDescription.media; -1: none.
 
 
