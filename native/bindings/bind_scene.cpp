@@ -3,6 +3,7 @@
 #include "bindings/bind.hpp"
 #include "scene/light_texture.hpp"
 #include "scene/scene.hpp"
+#include "scene/strands.hpp"
 #include "voxel_dag/voxel_shape.hpp"
 #include <pybind11/stl.h>
 
@@ -110,7 +111,7 @@ static std::vector<Instance> make_instances(const InstanceArrays& arrays) {
     return instances;
 }
 
-/// Voxel objects in parallel arrays, one entry per placement; their names follow those of the instances.
+/// Voxel objects and strands in parallel arrays, one entry per placement; their names follow those of the instances.
 static std::vector<PlacedShape> make_placed_shapes(const py::array& shape_indices, const py::array& materials,
                                                    const py::array& shows_to, const py::array& world_from_object,
                                                    std::size_t first_name) {
@@ -138,7 +139,7 @@ make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::
            const py::array& mesh_indices, const py::array& world_from_object, std::vector<std::string> object_names,
            const py::array& first_slot_materials, const py::array& slot_counts, const py::array& shows_to,
            const py::array& slot_materials, const py::array& randoms, const py::array& object_colors,
-           const py::array& object_indices, const std::vector<std::shared_ptr<CellGeometry>>& shapes,
+           const py::array& object_indices, const std::vector<std::shared_ptr<ShapeGeometry>>& shapes,
            const py::array& shape_indices, const py::array& world_from_shape, const py::array& shape_materials,
            const py::array& shape_shows_to, std::vector<Material> materials, std::vector<Medium> media,
            std::vector<VolumeInstance> volumes, std::int32_t world_medium, const Progress& progress) {
@@ -171,6 +172,22 @@ make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::
     return without_gil([&] { return std::make_unique<SceneWithMedia>(std::move(description), progress); });
 }
 
+static std::shared_ptr<Strands> make_strands(std::string name, int form, const py::array& points,
+                                             const py::array& first_points, std::uint32_t ribbon_pieces,
+                                             const std::vector<std::pair<std::string, py::array>>& maps,
+                                             const std::optional<py::array>& randoms, const Progress& progress) {
+    StrandArrays arrays{.name = std::move(name),
+                        .form = static_cast<StrandForm>(form),
+                        .points = to_vector<vec4, float>(points, {-1, 4}, "points"),
+                        .first_points = to_vector<std::uint32_t, std::uint32_t>(first_points, {-1}, "first_points"),
+                        .ribbon_pieces = ribbon_pieces};
+    for (const auto& [map_name, values] : maps)
+        arrays.maps.push_back({map_name, to_vector<vec2, float>(values, {-1, 2}, "map " + map_name)});
+    if (randoms)
+        arrays.randoms = to_vector<float, float>(*randoms, {-1}, "randoms");
+    return without_gil([&] { return std::make_shared<Strands>(std::move(arrays), progress); });
+}
+
 void bind_scene(py::module_& native) {
     py::class_<TriangleMesh, std::shared_ptr<TriangleMesh>>(native, "TriangleMesh",
                                                             "Triangles with their BVH; keeps a copy of the arrays.")
@@ -197,7 +214,17 @@ TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
              "seen_pixels"_a = py::none(), "seen_program"_a = py::none(),
              "pixels: float32 (height, width, 3), rows bottom to top, or None; image_from_world: float32 (3, 3); "
              "seen_pixels: as pixels, what cameras see instead of them; seen_program: the radiance that they see.");
-    py::class_<CellGeometry, std::shared_ptr<CellGeometry>>(native, "VoxelShape", "A voxel DAG that scenes can place.")
+    py::class_<ShapeGeometry, std::shared_ptr<ShapeGeometry>>(native, "Shape", "What scenes place beside meshes.");
+    py::class_<Strands, ShapeGeometry, std::shared_ptr<Strands>>(native, "Strands", "Hair, or points, with their BVH.")
+        .def(
+            py::init(&make_strands), "name"_a, "form"_a, "points"_a, "first_points"_a, "ribbon_pieces"_a, "maps"_a,
+            "randoms"_a, "progress"_a,
+            R"(points: float32 (n, 4), position and radius; first_points: uint32, of each strand; maps: pairs of name and
+float32 (strands, 2); randoms: float32 (strands,) or None. Releases the GIL. TypeError, InvalidInput, Cancelled.)")
+        .def_property_readonly("strand_count", &Strands::strand_count)
+        .def_property_readonly("segment_count", &Strands::segment_count);
+    py::class_<CellGeometry, ShapeGeometry, std::shared_ptr<CellGeometry>>(native, "VoxelShape",
+                                                                           "A voxel DAG that scenes can place.")
         .def(py::init([](const std::shared_ptr<voxel_dag::PlacedDag>& dag, std::string name) {
                  return without_gil(
                      [&] { return std::make_shared<CellGeometry>(voxel_dag::make_voxel_shape(dag, std::move(name))); });

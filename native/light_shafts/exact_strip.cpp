@@ -3,6 +3,7 @@
 #include "light_shafts/exact_strip.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/partial_shadow.hpp"
+#include "scene/strands.hpp"
 #include "scene/triangle_bvh.hpp"
 #include <tbb/task_arena.h>
 
@@ -36,10 +37,23 @@ StripScene make_strip_scene(const Scene& scene, const Progress& progress) {
                                 .instance = index});
         boxes.push_back(transformed(mesh.bounds(), instance.world_from_object));
     }
+    for (const PlacedShape& placed : description.placed_shapes) { // planes cut strands as tubes of triangles
+        const Strands* strands = description.shapes[placed.shape_index]->strands();
+        if (strands == nullptr || !placed.casts_shadow || !stops_light(description, placed))
+            continue;
+        const TriangleMesh& tubes = strands->tubes(progress);
+        strip.meshes.push_back({.bvh = &tubes.cut_bvh(progress),
+                                .world_from_object = placed.world_from_object,
+                                .occlusion_of_slot = {},
+                                .slot_of_triangle = &tubes.arrays().material_slots});
+        boxes.push_back(transformed(tubes.bounds(), placed.world_from_object));
+    }
     for (const PlacedShape& placed : description.placed_shapes)
         if (placed.casts_shadow && stops_light(description, placed)) {
-            strip.shapes.push_back({.shape = &description.shapes[placed.shape_index]->shape(),
-                                    .world_from_object = placed.world_from_object});
+            const ShapeGeometry& shape = *description.shapes[placed.shape_index];
+            if (shape.strands() != nullptr)
+                continue;
+            strip.shapes.push_back({.shape = shape.cells(), .world_from_object = placed.world_from_object});
             boxes.push_back(bounds_of(description, placed));
         }
     for (Bounds3& box : boxes) {

@@ -2,6 +2,7 @@
 // Does anything reach into a lamp? Asked of Embree's hierarchy, once per lamp.
 #include "core/errors.hpp"
 #include "light_shafts/turning_disc.hpp"
+#include "scene/strands.hpp"
 #include "shading/surface_program.hpp"
 #include <embree3/rtcore.h>
 
@@ -79,9 +80,14 @@ static bool look_at_primitive(RTCPointQueryFunctionArguments* found) {
     const SceneDescription& description = search.scene.description();
     const std::uint32_t instance_index = found->context->instID[found->context->instStackSize - 1];
     if (const PlacedShape* placed = search.scene.placed_shape(instance_index)) {
+        const ShapeGeometry& shape = *description.shapes[placed->shape_index];
         CellSearch cells(search, placed->world_from_object);
-        if (!search.is_found && placed->casts_shadow)
-            description.shapes[placed->shape_index]->shape().visit(cells);
+        if (search.is_found || !placed->casts_shadow)
+            return false;
+        if (shape.strands() != nullptr) // by their boxes: more may seem to be there than is
+            search.is_found = cells.enters(shape.strands()->segment_bounds(found->primID));
+        else
+            shape.cells()->visit(cells);
         return false;
     }
     const Instance& instance = description.instances[instance_index];

@@ -211,7 +211,7 @@ struct DistinctUses {
     }
 };
 
-/// Shapes join the instances by their faces, or are traced.
+/// Shapes of cells join the instances by their faces, or are traced, as strands are.
 static void gather_shapes(const SceneDescription& scene, const Occluders* another, Occluders& occluders,
                           const Progress& progress) {
     std::vector<std::vector<std::uint32_t>> placed_of(scene.shapes.size());
@@ -224,15 +224,15 @@ static void gather_shapes(const SceneDescription& scene, const Occluders* anothe
         const std::vector<std::uint32_t>& placed = placed_of[index];
         if (placed.empty())
             continue;
-        const CellShape& shape = scene.shapes[index]->shape();
-        if (shape.cell_count() > most_cells_with_faces / placed.size()) {
+        const CellShape* const cells = scene.shapes[index]->cells();
+        if (cells == nullptr || cells->cell_count() > most_cells_with_faces / placed.size()) {
             traced.insert(traced.end(), placed.begin(), placed.end());
             continue;
         }
         Occluders::Source source{scene.shapes[index], {}};
         std::shared_ptr<const OccluderMesh> faces = another ? another->mesh_of(source) : nullptr;
         if (!faces)
-            faces = make_face_mesh(shape);
+            faces = make_face_mesh(*cells);
         occluders.meshes.emplace(std::move(source), faces);
         for (const std::uint32_t i : placed)
             occluders.add(faces.get(), &scene.placed_shapes[i].world_from_object,

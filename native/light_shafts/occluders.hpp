@@ -66,14 +66,14 @@ class KeptCasts; // map_cache.hpp
 struct Occluders {
     /// Of which triangles of what a mesh is.
     struct Source {
-        std::shared_ptr<const void> geometry; ///< A TriangleMesh, or a CellGeometry.
+        std::shared_ptr<const void> geometry; ///< A TriangleMesh, or a ShapeGeometry.
         std::vector<bool> has_slot;           ///< Empty: it has all.
         auto operator<=>(const Source&) const = default;
     };
     std::multimap<Source, std::shared_ptr<const OccluderMesh>> meshes; ///< Of equal ones any will do.
     std::vector<OccluderInstance> instances;
     std::size_t triangle_count = 0; ///< Of all opaque instances.
-    /// Shapes of cells that are too large to be instances of their faces; nothing: there are none.
+    /// Shapes of cells that are too large to be instances of their faces, and strands; nothing: there are none.
     std::shared_ptr<const ShapeTracer> traced;
     std::vector<std::unique_ptr<const TransparencyLookup>> lookups;
     std::vector<std::unique_ptr<const PartialOccluderMesh>> partial_meshes;

@@ -53,18 +53,21 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
 
 void DirectLight::report_glow(Statistics& statistics, const IndirectConfig& indirect) const {
     const SceneDescription& description = scene_.description();
-    std::vector<bool> is_on_mesh(description.materials.size()), is_on_voxels(description.materials.size());
+    std::vector<bool> is_on_mesh(description.materials.size());
+    std::vector<const char*> shape_with(description.materials.size(), nullptr);
     for (const Instance& instance : description.instances)
         for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot)
             is_on_mesh[description.slot_materials[instance.first_slot_material + slot]] = true;
     for (const PlacedShape& placed : description.placed_shapes)
-        is_on_voxels[placed.material_index] = true;
+        shape_with[placed.material_index] =
+            description.shapes[placed.shape_index]->cells() != nullptr ? "voxels" : "hair or points";
     for (std::size_t index = 0; index < description.materials.size(); ++index) {
         const Material& material = description.materials[index];
         if (glows_nowhere(material))
             continue;
-        if (is_on_voxels[index])
-            statistics.report("Material \"" + material.name + "\" glows, but from voxels lights no " +
+        if (shape_with[index] != nullptr)
+            statistics.report("Material \"" + material.name + "\" glows, but from " + shape_with[index] +
+                              " lights no " +
                               (indirect.has_bounce ? "fog, and other surfaces by rays that meet it by chance"
                                                    : "other surface and no fog"));
         if (is_on_mesh[index] && has_media_)

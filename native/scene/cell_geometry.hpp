@@ -5,7 +5,7 @@
 // Bound:    what the shape takes for rays; the lanes of a packet that are asked for nearest cells go together.
 #pragma once
 #include "scene/cell_shape.hpp"
-#include <embree3/rtcore.h>
+#include "scene/shape_geometry.hpp"
 #include <memory>
 #include <span>
 
@@ -20,16 +20,17 @@ struct CellQuery {
     std::span<const float> shape_lengths;
 };
 
-class CellGeometry {
+class CellGeometry final : public ShapeGeometry {
 public:
     /// Throws Error where Embree refuses.
     explicit CellGeometry(std::shared_ptr<const CellShape> shape);
-    CellGeometry(const CellGeometry&) = delete;
-    CellGeometry& operator=(const CellGeometry&) = delete;
-    ~CellGeometry();
+    ~CellGeometry() override;
 
     [[nodiscard]] const CellShape& shape() const { return *shape_; }
-    [[nodiscard]] RTCScene embree_scene() const { return embree_scene_; }
+    [[nodiscard]] const std::string& name() const override { return shape_->name(); }
+    [[nodiscard]] const Bounds3& bounds() const override { return shape_->bounds(); }
+    [[nodiscard]] RTCScene embree_scene() const override { return embree_scene_; }
+    [[nodiscard]] const CellShape* cells() const override { return shape_.get(); }
 
 private:
     std::shared_ptr<const CellShape> shape_;

@@ -6,7 +6,7 @@
 
 namespace tyndall {
 Bounds3 bounds_of(const SceneDescription& scene, const PlacedShape& placed) {
-    return transformed(scene.shapes[placed.shape_index]->shape().bounds(), placed.world_from_object);
+    return transformed(scene.shapes[placed.shape_index]->bounds(), placed.world_from_object);
 }
 
 bool stops_light(const SceneDescription& scene, const PlacedShape& placed) {
@@ -24,7 +24,7 @@ ShapeTracer::ShapeTracer(const SceneDescription& scene, std::vector<std::uint32_
                         ~0u);
     }
     try {
-        commit(embree_scene_, "voxel objects that cast shadows", progress);
+        commit(embree_scene_, "voxels and strands that cast shadows", progress);
     } catch (...) {
         rtcReleaseScene(embree_scene_);
         throw;

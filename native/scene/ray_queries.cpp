@@ -7,6 +7,7 @@
 #include "scene/embree.hpp"
 #include "scene/instance_masks.hpp"
 #include "scene/scene.hpp"
+#include "scene/strands.hpp"
 #include <algorithm>
 #include <array>
 
@@ -94,8 +95,16 @@ static void attenuate(const RTCFilterFunctionNArguments* arguments) {
     }
 }
 
-/// Embree's normals are in the mesh's space and not of unit length.
-Hit Scene::in_scene(Hit hit) const {
+/// Embree's normals are in the mesh's space and not of unit length. Of a ribbon they say only how it faces the ray.
+Hit Scene::in_scene(const Ray& ray, Hit hit) const {
+    if (const PlacedShape* placed = placed_shape(hit.instance))
+        if (const Strands* strands = shape_of(*placed).strands())
+            hit.geometric_normal =
+                strands
+                    ->point(static_cast<std::uint32_t>(hit.cell), hit.barycentrics,
+                            mat3(geometry_->placements[hit.instance].object_from_scene) * ray.direction,
+                            hit.geometric_normal)
+                    .normal;
     hit.geometric_normal =
         glm::normalize(geometry_->placements[hit.instance].scene_from_object_normals * hit.geometric_normal);
     return hit;
@@ -113,7 +122,7 @@ Hit Scene::closest_hit(const Ray& ray, unsigned int mask, const RayDetail& detai
     query.ray = embree_ray(ray, mask);
     query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(embree_scene(), &context.embree, &query);
-    return query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? Hit{} : in_scene(hit_of(query.ray, query.hit));
+    return query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? Hit{} : in_scene(ray, hit_of(query.ray, query.hit));
 }
 
 void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits, unsigned int mask,
@@ -140,15 +149,16 @@ void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits, unsigne
         std::fill_n(query.hit.instID[0], packet_size, RTC_INVALID_GEOMETRY_ID);
         rtcIntersect16(valid.data(), embree_scene(), &context.embree, &query);
         for (std::size_t lane = 0; lane < these.size(); ++lane)
-            hits[first + lane] = query.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID
-                                     ? Hit{}
-                                     : in_scene({.distance_m = query.ray.tfar[lane],
-                                                 .instance = query.hit.instID[0][lane],
-                                                 .triangle = query.hit.primID[lane],
-                                                 .cell = cell_of(query.hit.primID[lane], query.hit.geomID[lane]),
-                                                 .barycentrics = vec2(query.hit.u[lane], query.hit.v[lane]),
-                                                 .geometric_normal = vec3(query.hit.Ng_x[lane], query.hit.Ng_y[lane],
-                                                                          query.hit.Ng_z[lane])});
+            hits[first + lane] =
+                query.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID
+                    ? Hit{}
+                    : in_scene(these[lane], {.distance_m = query.ray.tfar[lane],
+                                             .instance = query.hit.instID[0][lane],
+                                             .triangle = query.hit.primID[lane],
+                                             .cell = cell_of(query.hit.primID[lane], query.hit.geomID[lane]),
+                                             .barycentrics = vec2(query.hit.u[lane], query.hit.v[lane]),
+                                             .geometric_normal = vec3(query.hit.Ng_x[lane], query.hit.Ng_y[lane],
+                                                                      query.hit.Ng_z[lane])});
     }
 }
 

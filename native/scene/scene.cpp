@@ -4,6 +4,7 @@
 #include "core/errors.hpp"
 #include "scene/embree.hpp"
 #include "scene/instance_masks.hpp"
+#include "scene/strands.hpp"
 #include "shading/surface_program.hpp"
 #include <algorithm>
 #include <cmath>
@@ -54,11 +55,11 @@ void Scene::Geometry::validate() const {
                 " of ", scene.slot_materials.size());
     }
     for (const PlacedShape& placed : scene.placed_shapes) {
-        require(placed.name_index < scene.object_names.size(), "a voxel object asks for object name ",
-                placed.name_index, " of ", scene.object_names.size());
+        require(placed.name_index < scene.object_names.size(), "a shape asks for object name ", placed.name_index,
+                " of ", scene.object_names.size());
         const std::string& name = scene.object_names[placed.name_index];
         require(placed.shape_index < scene.shapes.size() && scene.shapes[placed.shape_index] != nullptr, "object '",
-                name, "' asks for voxels ", placed.shape_index, " of ", scene.shapes.size());
+                name, "' asks for shape ", placed.shape_index, " of ", scene.shapes.size());
         require(placed.material_index < scene.materials.size(), "object '", name, "' asks for material ",
                 placed.material_index, " of ", scene.materials.size());
     }
@@ -125,6 +126,31 @@ static const char* reason_to_drop(const mat4& scene_from_object) {
     return nullptr;
 }
 
+static std::string kind_of(const ShapeGeometry& shape) {
+    if (shape.cells() != nullptr)
+        return "voxels";
+    return shape.strands()->form() == StrandForm::Spheres ? "points" : "strands";
+}
+
+static const char* why_empty(const ShapeGeometry& shape) {
+    return shape.cells() != nullptr ? "it has no voxel" : "it has no usable strand or point";
+}
+
+void Scene::Geometry::report_unusable_strands(const Strands& strands) {
+    const bool has_strands = strands.form() != StrandForm::Spheres;
+    std::string what;
+    for (const auto& [count, kind] :
+         {std::pair{strands.non_finite_count(), "a position or radius that is not finite"},
+          {strands.degenerate_count(), has_strands ? "no length or no width" : "no radius"}})
+        if (count > 0)
+            what += (what.empty() ? "" : " and ") + std::to_string(count) +
+                    (has_strands ? (count == 1 ? " strand with " : " strands with ")
+                                 : (count == 1 ? " point with " : " points with ")) +
+                    kind;
+    if (!what.empty())
+        statistics.report((has_strands ? "strands '" : "points '") + strands.name() + "': left out " + what);
+}
+
 void Scene::Geometry::drop_unusable_instances() {
     std::map<std::pair<std::uint32_t, std::string>, std::size_t> dropped_counts; // an object's particles share a line
     const auto is_dropped = [&](auto& instance, bool is_empty, const char* why_empty) {
@@ -139,8 +165,8 @@ void Scene::Geometry::drop_unusable_instances() {
         return is_dropped(instance, is_empty, "its mesh has no usable triangle");
     });
     std::erase_if(description.placed_shapes, [&](PlacedShape& placed) {
-        const bool is_empty = description.shapes[placed.shape_index]->shape().bounds().is_empty();
-        return is_dropped(placed, is_empty, "it has no voxel");
+        const ShapeGeometry& shape = *description.shapes[placed.shape_index];
+        return is_dropped(placed, shape.bounds().is_empty(), why_empty(shape));
     });
     for (const auto& [object_and_reason, count] : dropped_counts) {
         const auto& [name_index, reason] = object_and_reason;
@@ -159,6 +185,9 @@ void Scene::Geometry::drop_unusable_instances() {
         if (!what.empty())
             statistics.report("mesh '" + mesh->arrays().name + "': left out " + what);
     }
+    for (const auto& shape : description.shapes)
+        if (const Strands* strands = shape ? shape->strands() : nullptr)
+            report_unusable_strands(*strands);
 }
 
 /// A broken parent's matrix, or a driver that divides by 0, reaches a light's numbers; one NaN would blacken the frame.
@@ -232,7 +261,8 @@ Scene::Placement Scene::placement_of(const mat4& scene_from_object) {
 
 void Scene::prepare_detail(const Progress& progress) const {
     for (const auto& shape : description().shapes)
-        shape->shape().prepare_detail(progress);
+        if (const CellShape* cells = shape->cells())
+            cells->prepare_detail(progress);
 }
 
 /// Of an instance or a placed shape.
@@ -269,6 +299,7 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
     }
     for (std::size_t i = 0; i < description.placed_shapes.size(); ++i) {
         const PlacedShape& placed = description.placed_shapes[i];
+        const ShapeGeometry& shape = *description.shapes[placed.shape_index];
         const std::size_t index = description.instances.size() + i;
         const Bounds3 box = bounds_of(description, placed);
         bounds.grow(box);
@@ -281,10 +312,10 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
             continue;
         if (!is_opaque_everywhere(description.materials[placed.material_index]))
             statistics.report("object '" + description.object_names[placed.name_index] +
-                              "': its material lets a part of the light pass, but voxels are opaque");
+                              "': its material lets a part of the light pass, but " + kind_of(shape) + " are opaque");
         surface_bounds.grow(box);
-        attach_instance(embree_scene, description.shapes[placed.shape_index]->embree_scene(), placed.world_from_object,
-                        static_cast<std::uint32_t>(index), mask_of(placed));
+        attach_instance(embree_scene, shape.embree_scene(), placed.world_from_object, static_cast<std::uint32_t>(index),
+                        mask_of(placed));
     }
     try {
         commit(embree_scene, "the scene", progress);

@@ -8,6 +8,7 @@
 #include "scene/instance_masks.hpp"
 #include "scene/light.hpp"
 #include "scene/placed_shapes.hpp"
+#include "scene/shape_geometry.hpp"
 #include "scene/spawn_offset.hpp"
 #include "scene/triangle_mesh.hpp"
 #include "scene/volume_instance.hpp"
@@ -41,7 +42,7 @@ struct SceneDescription {
     dvec3 origin_in_world{0.0}; ///< What was subtracted from every position; the scene itself never reads it.
     std::vector<std::shared_ptr<const TriangleMesh>> meshes;
     std::vector<Instance> instances;
-    std::vector<std::shared_ptr<const CellGeometry>> shapes;
+    std::vector<std::shared_ptr<const ShapeGeometry>> shapes;
     std::vector<PlacedShape> placed_shapes;
     std::vector<std::string> object_names;
     std::vector<ObjectInfo> object_infos;      ///< As many as names, or none: then all are as ObjectInfo begins.
@@ -67,10 +68,11 @@ struct Hit {
     float distance_m = 0.0f;
     /// Into SceneDescription::instances; from their number on, into its placed_shapes.
     std::uint32_t instance = ~0u;
-    std::uint32_t triangle = ~0u;   ///< Of the instance's mesh.
-    std::uint64_t cell = 0;         ///< Of the placed shape: see CellHit.
-    vec2 barycentrics{0.0f};        ///< Of a cell: along the two edges of its face.
-    vec3 geometric_normal{0, 0, 1}; ///< Unit, scene space, as the triangle is wound (mirroring undone), out of a cell.
+    std::uint32_t triangle = ~0u; ///< Of the instance's mesh.
+    std::uint64_t cell = 0;       ///< Of the placed shape: see CellHit; of strands, the segment.
+    vec2 barycentrics{0.0f};      ///< Of a cell: along the two edges of its face; of strands: along and across.
+    vec3 geometric_normal{
+        0, 0, 1}; ///< Unit, scene space, as the triangle is wound (mirroring undone), out of a cell or strand.
     [[nodiscard]] bool is_hit() const { return instance != ~0u; }
 };
 
@@ -173,6 +175,7 @@ private:
     [[nodiscard]] ProgramPoint program_point(const AskingRay& asking, const ShadingPoint& point, const Hit& hit) const;
     [[nodiscard]] const MeshArrays& mesh_of(std::uint32_t instance) const; ///< Of one that has a mesh.
     [[nodiscard]] ShadingPoint shading_point(const PlacedShape& placed, const Ray& ray, const Hit& hit) const;
+    [[nodiscard]] const ShapeGeometry& shape_of(const PlacedShape& placed) const;
     struct Geometry {
         SceneDescription description; ///< Its lights and world are moved out.
         Bounds3 bounds, surface_bounds;
@@ -190,12 +193,13 @@ private:
         ~Geometry();
         void validate() const;
         void drop_unusable_instances();
+        void report_unusable_strands(const Strands& strands);
         void drop_unusable_volumes();
         void attach_instances(const Progress& progress);
         [[nodiscard]] const Material& slot_material(const Instance& instance, std::size_t slot) const;
     };
     void drop_unusable_lights();
-    [[nodiscard]] Hit in_scene(Hit hit) const;
+    [[nodiscard]] Hit in_scene(const Ray& ray, Hit hit) const;
 
     std::vector<Light> lights_;
     World world_;

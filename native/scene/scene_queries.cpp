@@ -2,6 +2,7 @@
 // What a hit asks its scene; ray_queries.cpp finds the hits.
 #include "scene/attribute_pairs.hpp"
 #include "scene/scene.hpp"
+#include "scene/strands.hpp"
 #include "shading/pixel_steps.hpp"
 #include "shading/surface_program.hpp"
 #include <algorithm>
@@ -20,8 +21,10 @@ const MeshArrays& Scene::mesh_of(std::uint32_t instance) const {
 }
 
 bool Scene::is_smooth(std::uint32_t instance) const {
-    if (const PlacedShape* placed = placed_shape(instance))
-        return description().shapes[placed->shape_index]->shape().has_normals();
+    if (const PlacedShape* placed = placed_shape(instance)) {
+        const CellShape* cells = shape_of(*placed).cells();
+        return cells != nullptr && cells->has_normals();
+    }
     return !mesh_of(instance).corner_normals.empty();
 }
 
@@ -94,8 +97,46 @@ static void look_up_uvs(const CellShape& shape, const CellLook& look, const Mate
     }
 }
 
+const ShapeGeometry& Scene::shape_of(const PlacedShape& placed) const {
+    return *description().shapes[placed.shape_index];
+}
+
+namespace {
+struct StrandSurface {
+    vec3 in_object, position; ///< In the scene's space.
+    float radius_m;           ///< There.
+};
+} // namespace
+
+/// Where light falls on a strand.
+static StrandSurface surface_of(const Strands& strands, const Hit& hit, const mat4& scene_from_object) {
+    const StrandPoint at = strands.on_spline(static_cast<std::uint32_t>(hit.cell), hit.barycentrics.x);
+    vec3 normal = glm::transpose(mat3(scene_from_object)) * hit.geometric_normal;
+    if (const float squared = glm::dot(at.tangent, at.tangent); squared > 0.0f) // that of a cone is tilted
+        normal -= glm::dot(normal, at.tangent) / squared * at.tangent;
+    vec3 way = glm::normalize(normal);
+    if (strands.form() == StrandForm::Ribbon) {
+        // On the band, as in Cycles: Embree's bands let rays pass that begin within twice their radius.
+        const float sine = std::clamp(hit.barycentrics.y, -1.0f, 1.0f);
+        way = sine * (sine * way + std::sqrt(1.0f - sine * sine) * glm::cross(glm::normalize(at.tangent), way));
+    }
+    const vec3 in_object = at.centre + at.radius_m * way;
+    return {.in_object = in_object,
+            .position = vec3(scene_from_object * vec4(in_object, 1.0f)),
+            .radius_m = at.radius_m * glm::length(mat3(scene_from_object) * glm::normalize(normal))};
+}
+
 ShadingPoint Scene::shading_point(const PlacedShape& placed, const Ray& ray, const Hit& hit) const {
-    const CellShape& shape = description().shapes[placed.shape_index]->shape();
+    if (const Strands* strands = shape_of(placed).strands()) {
+        ShadingPoint point{.position = surface_of(*strands, hit, placed.world_from_object).position,
+                           .geometric_normal = hit.geometric_normal,
+                           .shading_normal = hit.geometric_normal,
+                           .triangle = hit.triangle,
+                           .barycentrics = hit.barycentrics};
+        point.view_cosine = view_cosine(point, ray);
+        return point;
+    }
+    const CellShape& shape = *shape_of(placed).cells();
     const CellFace face = shape.face(hit.cell);
     const vec3 in_object = face.corner + hit.barycentrics.x * face.first_edge + hit.barycentrics.y * face.second_edge;
     ShadingPoint point{.position = vec3(placed.world_from_object * vec4(in_object, 1.0f)),
@@ -183,6 +224,14 @@ ProgramPoint Scene::program_point(const AskingRay& asking, const ShadingPoint& p
             .object_normal = placed != nullptr ? vec3(0.0f) : smooth_normal(mesh_of(hit.instance), hit)};
 }
 
+/// What of `way` is at right angles to a strand, of unit length; of a sphere, which has no tangent, 0.
+static vec3 across(const vec3& tangent, const vec3& way) {
+    const float squared = glm::dot(tangent, tangent);
+    const vec3 share = squared > 0.0f ? way - glm::dot(way, tangent) / squared * tangent : vec3(0.0f);
+    const float length = glm::length(share);
+    return length > 0.0f ? share / length : vec3(0.0f);
+}
+
 SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& point, const Hit& hit,
                                 std::vector<Lobe>* lobes) const {
     const Material& surface = asking.material != nullptr ? *asking.material : material(hit.instance, hit.triangle);
@@ -198,8 +247,15 @@ SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& poi
         thread_local std::vector<vec2> uvs;
         uvs.clear();
         const ProgramPoint at = program_point(asking, point, hit);
-        if (placed != nullptr) {
-            const CellShape& shape = description().shapes[placed->shape_index]->shape();
+        if (const Strands* strands = placed != nullptr ? shape_of(*placed).strands() : nullptr) {
+            const auto segment = static_cast<std::uint32_t>(hit.cell);
+            const vec3 tangent =
+                mat3(placed->world_from_object) * strands->on_spline(segment, hit.barycentrics.x).tangent;
+            for (const std::string& name : surface.uv_map_names)
+                uvs.push_back(
+                    strands->look_up(name, segment, hit.barycentrics, across(tangent, -asking.ray.direction)));
+        } else if (placed != nullptr) {
+            const CellShape& shape = *shape_of(*placed).cells();
             look_up_uvs(shape, shape.look(hit.cell), surface, uvs);
         } else {
             const MeshArrays& mesh = mesh_of(hit.instance);
@@ -250,8 +306,16 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit) const {
 SpawnPoint Scene::spawn_point(const Hit& hit) const {
     const mat4& object_from_scene = geometry_->placements[hit.instance].object_from_scene;
     if (const PlacedShape* placed = placed_shape(hit.instance)) {
-        const auto [corner, first_edge, second_edge] =
-            description().shapes[placed->shape_index]->shape().face(hit.cell);
+        if (const Strands* strands = shape_of(*placed).strands()) {
+            const StrandSurface surface = surface_of(*strands, hit, placed->world_from_object);
+            const vec3 reach = glm::max(glm::abs(surface.position), glm::abs(vec3(placed->world_from_object[3])));
+            const vec3 in_object = glm::abs(mat3(placed->world_from_object) * glm::abs(surface.in_object));
+            // Embree's curves are met where an iteration ends; what rounds is as with triangles.
+            return {.position = surface.position,
+                    .normal = hit.geometric_normal,
+                    .offset_m = 1e-3f * surface.radius_m + 4e-7f * glm::length(glm::max(reach, in_object))};
+        }
+        const auto [corner, first_edge, second_edge] = shape_of(*placed).cells()->face(hit.cell);
         return tyndall::spawn_point({corner, corner + first_edge, corner + second_edge}, hit.barycentrics,
                                     placed->world_from_object, object_from_scene);
     }
@@ -264,7 +328,8 @@ SpawnPoint Scene::spawn_point(const Hit& hit) const {
 
 bool Scene::is_cube(const Hit& hit) const {
     const PlacedShape* placed = placed_shape(hit.instance);
-    return placed != nullptr && description().shapes[placed->shape_index]->shape().is_cube(hit.cell);
+    const CellShape* cells = placed != nullptr ? shape_of(*placed).cells() : nullptr;
+    return cells != nullptr && cells->is_cube(hit.cell);
 }
 
 SpawnPoint Scene::spawn_point(const Ray& ray, const Hit& hit, const ShadingPoint& shading) const {
@@ -272,7 +337,7 @@ SpawnPoint Scene::spawn_point(const Ray& ray, const Hit& hit, const ShadingPoint
     if (!is_cube(hit))
         return spawn;
     const PlacedShape& placed = *placed_shape(hit.instance);
-    const CellShape& shape = description().shapes[placed.shape_index]->shape();
+    const CellShape& shape = *shape_of(placed).cells();
     const Bounds3 box = shape.box(hit.cell);
     std::array<vec3, 8> corners;
     for (std::size_t i = 0; i < corners.size(); ++i)

@@ -129,7 +129,7 @@ TEST_CASE("a shape without a cell, or without a place, is left out and named") {
     CHECK(nowhere.scene(one, false)->statistics().reports[0] == "object 'boxes' left out: its transform is not finite");
     SceneDescription description = BoxScene{}.description(one, false);
     description.placed_shapes[0].shape_index = 7;
-    CHECK_THROWS_WITH_AS(Scene(description, Progress()), "object 'boxes' asks for voxels 7 of 1", InvalidInput);
+    CHECK_THROWS_WITH_AS(Scene(description, Progress()), "object 'boxes' asks for shape 7 of 1", InvalidInput);
 }
 
 TEST_CASE("a scene is around its shapes, and one whose shapes moved is another scene") {
