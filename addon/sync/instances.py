@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every placement of every mesh and volume that Cycles would draw, grouped so that 100,000 of them cost 0.2 s.
+"""Every placement of every mesh, volume and hair that Cycles would draw, grouped so that 100,000 of them cost 0.2 s.
 
 The depsgraph yields what is drawn: objects, and instances of collections, particles and geometry nodes, nested ones
 already resolved. Curves, texts and metaballs come twice, as themselves and as the mesh they evaluate to: only items
-whose data is a Mesh count, as in Cycles.
+whose data is a Mesh count, as in Cycles. An object's particle hair comes with each of its items that shows particles.
 What hides an instance is its instancer: the view layer's "indirect only", and in a window what that viewport hides, as
 in local view. The depsgraph of a window is that of all its viewports, and holds collections that are hidden there.
 Reading ``instance.object`` makes a new Python object each time (1.4 us), ``instance.instance_object`` does not: it
@@ -14,7 +14,7 @@ alone names the mesh of an instance, unless that object has geometry nodes, whos
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import TYPE_CHECKING
 
@@ -28,12 +28,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from bpy.types import (
+        Curves,
         Depsgraph,
         DepsgraphObjectInstance,
         LayerCollection,
         Material,
         Mesh,
         Object,
+        PointCloud,
         SpaceView3D,
         Volume,
     )
@@ -43,8 +45,6 @@ if TYPE_CHECKING:
     from .reports import Reports
 
 _POLL_EVERY = 2048  #: Instances between two polls, about 5 ms.
-_UNDRAWN = {"CURVES": "hair curves", "POINTCLOUD": "point clouds"}
-
 #: Ray visibility of an object, beside that to cameras.
 _OTHER_RAYS = ("visible_shadow", "visible_diffuse", "visible_glossy")
 
@@ -58,6 +58,8 @@ _SWITCHES = {
     "EMPTY": "show_object_viewport_empty",
     "LIGHT": "show_object_viewport_light",
     "VOLUME": "show_object_viewport_volume",
+    "CURVES": "show_object_viewport_curves",
+    "POINTCLOUD": "show_object_viewport_pointcloud",
 }
 
 
@@ -66,7 +68,7 @@ class Placement:
     """Instances that share mesh, materials and visibility."""
 
     object_name: str
-    data: Mesh | Volume | None  #: None for a light.
+    data: Mesh | Volume | Curves | PointCloud | None  #: None for a light.
     materials: tuple[Material | None, ...]  #: Evaluated; one per slot.
     source: Object  #: Evaluated object whose data it is; valid while the depsgraph is.
     is_camera_visible: bool
@@ -81,6 +83,7 @@ class Placement:
     depends_on: set[int] = field(default_factory=set)
     own_random_number: int | None = None  #: Of what is no instance.
     is_instanced: bool = False  #: By another object; one of its instances is, if it is a light.
+    hair: str | None = None  #: The modifier of the particle hair that is drawn in place of the data.
 
     def world_from_object(self) -> NDArray[np.float64]:
         """All instances, (count, 4, 4), [row, column]."""
@@ -93,11 +96,13 @@ class Placement:
 def read_placements(
     depsgraph: Depsgraph, reports: Reports, poll: Callable[[], None], viewport: SpaceView3D | None = None
 ) -> list[Placement]:
-    """Of meshes, volumes and lights, what ``viewport`` shows. ``poll`` is called every few milliseconds, may raise."""
+    """Of meshes, volumes, hair and lights, what ``viewport`` shows. ``poll`` is called often, may raise."""
     grouping = _Grouping(depsgraph, reports, viewport)
     for index, instance in enumerate(depsgraph.object_instances):
         if index % _POLL_EVERY == 0:
             poll()
+        for of_hair in grouping.hair_of(instance):
+            of_hair.matrices.append(instance.matrix_world.copy())
         placement = grouping.placement_of(instance)
         if placement is not None:
             placement.matrices.append(instance.matrix_world.copy())
@@ -137,6 +142,7 @@ class _Grouping:
         self._placements: dict[tuple[object, ...], Placement | None] = {}
         # Of objects all of whose instances look the same, but for what limits their instancer.
         self._plain: dict[tuple[Object, Object | None], Placement | None] = {}
+        self._hair = _hair_by_object(depsgraph)
         self._limited = {thing for thing in depsgraph.objects if self._is_limited(thing)}
 
     def _is_limited(self, thing: Object) -> bool:
@@ -182,19 +188,39 @@ class _Grouping:
             self._plain[source, limit] = self._placements[key]
         return self._placements[key]
 
+    def hair_of(self, instance: DepsgraphObjectInstance) -> list[Placement]:
+        """One per particle system of the instance's object."""
+        if not self._hair or not instance.show_particles:
+            return []
+        source = instance.instance_object
+        owner = (source or instance.object).original
+        if (modifiers := self._hair.get(owner.as_pointer())) is None or not isinstance(
+            instance.object.data, bpy.types.Mesh
+        ):
+            return []
+        parent = instance.parent if source is not None else None
+        limit = self._limit(parent or instance.object)
+        found = []
+        for modifier in modifiers:
+            key = (owner.as_pointer(), modifier, limit and limit.as_pointer())
+            if key not in self._placements:
+                placement = self._new_placement(owner.evaluated_get(self._depsgraph), owner, parent)
+                self._placements[key] = placement and replace(placement, hair=modifier)
+            if (of_hair := self._placements[key]) is not None:
+                found.append(of_hair)
+        return found
+
     def _limit(self, shown_by: Object) -> Object | None:
         return shown_by if shown_by in self._limited else None
 
     def _new_placement(self, thing: Object, owner: Object, parent: Object | None) -> Placement | None:
         is_light = isinstance(thing.data, bpy.types.Light)
-        has_shape = isinstance(thing.data, (bpy.types.Mesh, bpy.types.Volume))
+        has_shape = isinstance(thing.data, (bpy.types.Mesh, bpy.types.Volume, bpy.types.Curves, bpy.types.PointCloud))
         # Not asked of `thing`: Python's copy of an instance is that of its original, with the original's visibility.
         if owner.type in self._hidden_kinds or self._is_hidden(parent or thing):
             return None
         if is_baked_air(thing.data):  # the texture of the air is what it shows
             return None
-        if thing.type in _UNDRAWN:
-            self._reports.add(f'Object "{thing.name}"', f"{_UNDRAWN[thing.type]} are not drawn")
         if not (has_shape or is_light):
             return None
         source = owner.evaluated_get(self._depsgraph)
@@ -234,6 +260,26 @@ class _Grouping:
 
 def _is_any_indirect_only(collection: LayerCollection) -> bool:
     return collection.indirect_only or any(_is_any_indirect_only(child) for child in collection.children)
+
+
+def _hair_by_object(depsgraph: Depsgraph) -> dict[int, list[str]]:
+    """Of originals, the modifiers whose particles are drawn as strands."""
+    shows = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
+    found = {}
+    for thing in depsgraph.objects:
+        if thing.type != "MESH" or not thing.particle_systems:
+            continue
+        modifiers = [
+            modifier.name
+            for modifier in thing.modifiers
+            if modifier.type == "PARTICLE_SYSTEM"
+            and getattr(modifier, shows)
+            and modifier.particle_system.settings.type == "HAIR"
+            and modifier.particle_system.settings.render_type == "PATH"
+        ]
+        if modifiers:
+            found[thing.original.as_pointer()] = modifiers
+    return found
 
 
 def _may_hold_other_meshes(source: Object) -> bool:

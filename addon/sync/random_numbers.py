@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _BITS = 0xFFFFFFFF
+_SEED_OF_TWO = np.uint32((0xDEADBEEF + (2 << 2) + 13) & _BITS)
+#: The last rounds of lookup3: each mixes one of the three by the one before it.
+_TURNS = ((2, 1, 14), (0, 2, 11), (1, 0, 25), (2, 1, 16), (0, 2, 4), (1, 0, 14), (2, 1, 24))
 
 
 def random_number_of(name: str) -> int:
@@ -28,17 +31,27 @@ def random_number_of(name: str) -> int:
     return _hash_of_two(sum_of_bytes, 0)
 
 
-def as_unit_floats(numbers: Sequence[int]) -> NDArray[np.float32]:
+def hashes_of_two(count: int) -> NDArray[np.uint32]:
+    """Of each number below ``count``, and 0: what Cycles gives hairs by."""
+    with np.errstate(over="ignore"):
+        first = np.arange(count, dtype=np.uint32)
+        state = [first + _SEED_OF_TWO, np.full(count, _SEED_OF_TWO), np.full(count, _SEED_OF_TWO)]
+        for target, source, turn in _TURNS:
+            turned = (state[source] << np.uint32(turn)) | (state[source] >> np.uint32(32 - turn))
+            state[target] = (state[target] ^ state[source]) - turned
+    return state[2]
+
+
+def as_unit_floats(numbers: Sequence[int] | NDArray[np.uint32]) -> NDArray[np.float32]:
     """From 0 to 1, as Cycles rounds them."""
     return np.array(numbers, np.uint32).astype(np.float32) * np.float32(1.0 / _BITS)
 
 
 def _hash_of_two(first: int, second: int) -> int:
-    c = (0xDEADBEEF + (2 << 2) + 13) & _BITS
+    c = int(_SEED_OF_TWO)
     a, b = (c + first) & _BITS, (c + second) & _BITS
-    # The last rounds of lookup3: each mixes one of the three by the one before it.
     state = [a, b, c]
-    for target, source, turn in ((2, 1, 14), (0, 2, 11), (1, 0, 25), (2, 1, 16), (0, 2, 4), (1, 0, 14), (2, 1, 24)):
+    for target, source, turn in _TURNS:
         state[target] = ((state[target] ^ state[source]) - _rotated(state[source], turn)) & _BITS
     return state[2]
 

@@ -24,6 +24,7 @@ from .random_numbers import as_unit_floats
 from .relit_scene import ReadScene, is_light, light_names
 from .reports import Reports
 from .seen_camera import seen_camera
+from .strands import StrandReader, is_strands
 from .volume_sources import is_volume
 from .volumes import VolumeReader
 from .voxel_objects import VoxelReader, without_and_with_voxels
@@ -33,7 +34,7 @@ from .worlds import WorldBakes, read_world
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from bpy.types import Depsgraph, SpaceView3D, World
+    from bpy.types import Depsgraph, SpaceView3D, ViewLayer, World
 
 
 class SceneReader:
@@ -44,6 +45,7 @@ class SceneReader:
         self._masks = MaskReader()
         self._volumes = VolumeReader()
         self._voxels = VoxelReader()
+        self._strands = StrandReader()
         self._suns = WorldSuns()
         self._bakes = WorldBakes()
         self._meshes: dict[str, Mesh] = {}
@@ -85,13 +87,8 @@ class SceneReader:
         self._masks.start_frame()
         poll()
         layer = depsgraph.view_layer_eval
-        volumes, placements = [], []
-        for placement in read_placements(depsgraph, reports, poll, viewport):
-            if is_volume(placement):
-                if layer.use_volumes:
-                    volumes.append(placement)
-            elif layer.use_solid or placement.data is None:
-                placements.append(placement)
+        found_placements = read_placements(depsgraph, reports, poll, viewport)
+        volumes, strands, placements = _sorted_by_kind(found_placements, layer)
         indirect = depsgraph.scene_eval.tyndall.indirect
         is_viewport = depsgraph.mode == "VIEWPORT"  # which shows the picture alone
         materials = MaterialReader(
@@ -107,6 +104,7 @@ class SceneReader:
         drawn_things = [placement for placement in placements if placement.data is not None]
         meshes, voxels = without_and_with_voxels(drawn_things)
         voxel_objects = self._voxels.read(voxels, materials, reports, poll)
+        strand_objects = self._strands.read(strands, depsgraph, materials, reports, poll)
         instances = self._instances(meshes, materials, reports, poll, is_viewport=is_viewport)
         shown_world = _world_of(depsgraph)
         found = read_world(shown_world, reports, self._images, self._bakes)
@@ -117,7 +115,7 @@ class SceneReader:
         if depsgraph.mode == "RENDER" and depsgraph.scene_eval.render.use_motion_blur:
             reports.add(f'Scene "{depsgraph.scene_eval.name}"', "motion blur is not drawn")
         poll()
-        drawn = frozenset(placement.object_name for placement in drawn_things)
+        drawn = frozenset(placement.object_name for placement in (*drawn_things, *strands))
         world = replace(found.world, medium=materials.add_medium(found.medium))
         read_volumes = self._volumes.read(volumes, materials, self._images, reports, poll)
         of_all_but_lights = Reports()
@@ -126,6 +124,7 @@ class SceneReader:
         description = SceneDescription(
             instances=instances,
             voxel_objects=voxel_objects,
+            strand_objects=strand_objects,
             lights=(*_lights(placements, edits, self._images, reports), *sky_suns),
             world=world,
             materials=tuple(materials.materials),
@@ -162,6 +161,7 @@ class SceneReader:
     def _forget_stale(self, depsgraph: Depsgraph, *, is_live: bool) -> None:
         still_lives = is_live and depsgraph.as_pointer() == self._live_depsgraph
         self._volumes.forget_stale(self._stale if still_lives else None)
+        self._strands.forget_stale(self._stale if still_lives else None)
         if not still_lives:
             self._live.clear()
         else:
@@ -226,6 +226,21 @@ class SceneReader:
             return read_mesh(source.to_mesh(), reports, self._meshes, poll, asked)
         finally:
             source.to_mesh_clear()
+
+
+def _sorted_by_kind(found: list[Placement], layer: ViewLayer) -> tuple[list[Placement], ...]:
+    """Volumes, strands and all others, of what the view layer draws."""
+    volumes, strands, others = [], [], []
+    for placement in found:
+        if is_volume(placement):
+            if layer.use_volumes:
+                volumes.append(placement)
+        elif is_strands(placement):
+            if layer.use_strand if placement.hair is not None else layer.use_solid:
+                strands.append(placement)
+        elif layer.use_solid or placement.data is None:
+            others.append(placement)
+    return volumes, strands, others
 
 
 def _group(placement: Placement, mesh: Mesh, materials: MaterialReader) -> Instances:

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from .heterogeneity import PaintedAir
-from .scene_description import DensityGrid, Image, Mesh
+from .scene_description import DensityGrid, Image, Mesh, Strands
 from .voxel_dag import VoxelDag
 
 
@@ -19,14 +19,14 @@ class _Digest(Protocol):
 
 
 def fingerprint(value: object) -> bytes:
-    """Equal for descriptions that give the same native scene. Meshes, images, grids, voxels, painted air: by keys."""
+    """Equal for descriptions that give the same native scene. Meshes, images, grids, voxels, hair, air: by keys."""
     digest = blake2b(digest_size=16)
     _feed(digest, value)
     return digest.digest()
 
 
 def _feed(digest: _Digest, value: object) -> None:
-    if isinstance(value, Mesh | Image | DensityGrid):
+    if isinstance(value, Mesh | Image | DensityGrid | Strands):
         digest.update(f"<{value.key}>".encode())
     elif isinstance(value, VoxelDag):
         digest.update(f"<voxels {value.key}>".encode())

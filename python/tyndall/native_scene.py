@@ -21,7 +21,7 @@ from .native_lights import build_light
 from .native_materials import build_material
 from .native_textures import build_texture
 from .native_volumes import build_volumes
-from .native_voxels import build_voxels, relative_matrices, shows_to
+from .native_voxels import build_shapes, relative_matrices, shows_to
 from .scene_description import (
     Image,
     Instances,
@@ -55,11 +55,12 @@ class KeptGeometry:
 
 def geometry_fingerprint(description: SceneDescription) -> bytes:
     """Equal where nothing but lights and the world's light differ."""
-    has_places = description.instances or description.voxel_objects
+    has_places = description.instances or description.voxel_objects or description.strand_objects
     places = () if has_places else tuple(light.world_from_light for light in description.lights)
     parts = (
         description.instances,
         description.voxel_objects,
+        description.strand_objects,
         description.materials,
         description.media,
         description.volumes,
@@ -75,6 +76,7 @@ class NativeParts:
     open_edges: dict[str, int] = field(default_factory=dict)  #: Of meshes that bound a medium.
     grids: dict[str, _native.DensityGrid] = field(default_factory=dict)
     voxels: dict[int, _native.VoxelShape] = field(default_factory=dict)
+    strands: dict[str, _native.Strands] = field(default_factory=dict)
     textures: dict[tuple[str, int, int], _native.Texture] = field(default_factory=dict)
     light_textures: dict[tuple[str, int, int], _native.FilteredTexture] = field(default_factory=dict)
     world: tuple[bytes, _native.World] | None = None
@@ -92,6 +94,8 @@ class NativeParts:
             "grids reused": 0,
             "voxels sent": 0,
             "voxels reused": 0,
+            "strands sent": 0,
+            "strands reused": 0,
             "scene rebuilt": 0,
             "scene relit": 0,
         }
@@ -102,6 +106,7 @@ class NativeParts:
         self.counts["images reused"] = len(self.textures)
         self.counts["grids reused"] = len(self.grids)
         self.counts["voxels reused"] = len(self.voxels)
+        self.counts["strands reused"] = len(self.strands)
 
     def count_all_as_reused(self) -> None:
         """Nothing has changed: everything is in place."""
@@ -169,8 +174,8 @@ def _build_geometry(
     materials.append(build_material(_DEFAULT_MATERIAL, []))
     slots = [group.materials or (default_material,) for group in groups]
     first_slots = np.cumsum([0, *map(len, slots)])[:-1]
-    voxels = build_voxels(description.voxel_objects, parts, origin, default_material)
-    object_names = [name for group in groups for name in group.object_names] + voxels.object_names
+    shapes = build_shapes(description, parts, origin, default_material, reports, progress)
+    object_names = [name for group in groups for name in group.object_names] + shapes.object_names
     # A medium is pointed to by index: one that cannot be used becomes an empty one.
     media = [
         part if part is not None else _build_medium(Medium(name=medium.name))
@@ -195,7 +200,7 @@ def _build_geometry(
         randoms=_randoms(groups),
         object_colors=_colors(groups, counts),
         object_indices=_repeated([group.pass_index for group in groups], counts, np.float32),
-        **voxels.arguments,
+        **shapes.arguments,
         materials=materials,
         media=media,
         volumes=volumes,
@@ -233,6 +238,7 @@ def _origin_in_world(groups: list[Instances], description: SceneDescription) -> 
     """
     places = [group.world_from_object[:, :3, 3] for group in groups]
     places += [group.world_from_object[:, :3, 3] for group in description.voxel_objects]
+    places += [group.world_from_object[:, :3, 3] for group in description.strand_objects]
     places += [volume.world_from_object[None, :3, 3] for volume in description.volumes]
     if not places:
         places = [light.world_from_light[None, :3, 3] for light in description.lights]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Voxel objects in native memory: one shape per DAG, however often it stands in the scene."""
+"""Voxel objects and strands in native memory: one shape each, however often it stands in the scene."""
 
 from __future__ import annotations
 
@@ -9,45 +9,46 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _native
+from .scene_description import StrandObjects
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .native_scene import NativeParts
-    from .scene_description import Instances, VoxelObjects
+    from .scene_description import Instances, SceneDescription, VoxelObjects
 
 
 @dataclass(frozen=True, kw_only=True)
-class BuiltVoxels:
-    """What a native scene takes of voxel objects."""
+class BuiltShapes:
+    """What a native scene takes of voxel objects and strands."""
 
     arguments: dict[str, Any]
     object_names: list[str]
 
 
-def build_voxels(
-    groups: tuple[VoxelObjects, ...], parts: NativeParts, origin: NDArray[np.float64], default_material: int
-) -> BuiltVoxels:
+def build_shapes(
+    description: SceneDescription,
+    parts: NativeParts,
+    origin: NDArray[np.float64],
+    default_material: int,
+    reports: list[str],
+    progress: _native.Progress,
+) -> BuiltShapes:
     """New shapes go into ``parts``, those that are gone leave it."""
-    kept: dict[int, _native.VoxelShape] = {}
-    for group in groups:
-        key = group.dag.key
-        if key in kept:
-            continue
-        native = parts.voxels.get(key)
-        parts.counts["voxels sent" if native is None else "voxels reused"] += 1
-        kept[key] = native if native is not None else _native.VoxelShape(group.dag.native, group.object_names[0])
-    parts.voxels = kept
-    index = {key: number for number, key in enumerate(kept)}
+    _build_voxels(description.voxel_objects, parts)
+    strand_groups = _build_strands(description.strand_objects, parts, reports, progress)
+    groups: list[VoxelObjects | StrandObjects] = [*description.voxel_objects, *strand_groups]
+    keys: list[int | str] = [*parts.voxels, *parts.strands]
+    index = {key: number for number, key in enumerate(keys)}
     counts = [len(group.object_names) for group in groups]
 
     def repeated(values: list[int], dtype: type[np.integer[Any]]) -> NDArray[Any]:
         return np.repeat(np.array(values, dtype=dtype), counts)
 
-    return BuiltVoxels(
+    return BuiltShapes(
         arguments={
-            "shapes": list(kept.values()),
-            "shape_indices": repeated([index[group.dag.key] for group in groups], np.uint32),
+            "shapes": [*parts.voxels.values(), *parts.strands.values()],
+            "shape_indices": repeated([index[_key(group)] for group in groups], np.uint32),
             "world_from_shape": relative_matrices([group.world_from_object for group in groups], origin),
             "shape_materials": repeated(
                 [default_material if group.material is None else group.material for group in groups], np.uint32
@@ -58,7 +59,57 @@ def build_voxels(
     )
 
 
-def shows_to(group: Instances | VoxelObjects) -> int:
+def _key(group: VoxelObjects | StrandObjects) -> int | str:
+    return group.strands.key if isinstance(group, StrandObjects) else group.dag.key
+
+
+def _build_strands(
+    groups: tuple[StrandObjects, ...], parts: NativeParts, reports: list[str], progress: _native.Progress
+) -> list[StrandObjects]:
+    """The groups whose strands can be used."""
+    kept: dict[str, _native.Strands] = {}
+    refused: set[str] = set()
+    for group in groups:
+        strands = group.strands
+        if strands.key in kept or strands.key in refused:
+            continue
+        native = parts.strands.get(strands.key)
+        parts.counts["strands sent" if native is None else "strands reused"] += 1
+        if native is None:
+            progress.message = f"Sending {strands.name}"
+            try:
+                native = _native.Strands(
+                    strands.name,
+                    int(strands.form),
+                    strands.points,
+                    strands.first_points,
+                    strands.ribbon_pieces,
+                    strands.uv_maps,
+                    strands.randoms,
+                    progress,
+                )
+            except _native.InvalidInput as error:
+                reports.append(f"{error}: left out")
+                refused.add(strands.key)
+                continue
+        kept[strands.key] = native
+    parts.strands = kept
+    return [group for group in groups if group.strands.key in kept]
+
+
+def _build_voxels(groups: tuple[VoxelObjects, ...], parts: NativeParts) -> None:
+    kept: dict[int, _native.VoxelShape] = {}
+    for group in groups:
+        key = group.dag.key
+        if key in kept:
+            continue
+        native = parts.voxels.get(key)
+        parts.counts["voxels sent" if native is None else "voxels reused"] += 1
+        kept[key] = native if native is not None else _native.VoxelShape(group.dag.native, group.object_names[0])
+    parts.voxels = kept
+
+
+def shows_to(group: Instances | VoxelObjects | StrandObjects) -> int:
     """A bit for each kind of ray, as native/scene/instance_masks.hpp numbers them."""
     flags = (group.is_camera_visible, group.casts_shadow, group.is_bounce_visible, group.is_mirror_visible)
     return sum(flag << bit for bit, flag in enumerate(flags))

@@ -81,6 +81,49 @@ class VoxelObjects:
     is_mirror_visible: bool = True
 
 
+class StrandForm(IntEnum):
+    """How strands are drawn; native/scene/strands.hpp says what each is."""
+
+    RIBBON = 0
+    ROUND = 1
+    ROUND_LINEAR = 2
+    SPHERES = 3
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Strands:
+    """Hair in object space: smooth lines through points, each with a radius. Or, as SPHERES, points alone."""
+
+    key: str
+    name: str
+    form: StrandForm
+    points: FloatArray  #: (points, 4), metres: position and radius.
+    first_points: NDArray[np.uint32]  #: (strands,), ascending from 0; of SPHERES empty.
+    ribbon_pieces: int = 4  #: Straight pieces that a ribbon's segment is made of, [1, 16].
+    #: As those of Mesh, with one (strands, 2) or (points, 2) of SPHERES each.
+    uv_maps: tuple[tuple[str, FloatArray], ...] = ()
+    randoms: FloatArray | None = None  #: Likewise, [0, 1), for materials that ask.
+
+
+def hair_maps() -> dict[str, str]:
+    """Names of UV maps that only strands have: what materials may ask of them, two numbers each."""
+    return {name: f"{ATTRIBUTE_MARK}hair {name}" for name in ("is", "il", "rt", "xy", "z")}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StrandObjects:
+    """Every placement of the same strands that shares a material and flags. Strands are opaque."""
+
+    strands: Strands
+    world_from_object: NDArray[np.float64]  #: (count, 4, 4), affine, may mirror.
+    object_names: tuple[str, ...]  #: count names, for reports.
+    material: int | None = None  #: Into SceneDescription.materials; None: grey.
+    is_camera_visible: bool = True
+    casts_shadow: bool = True
+    is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
+    is_mirror_visible: bool = True
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Image:
     """Pixels as Blender's ``Image.pixels`` orders them: rows bottom to top, RGBA, alpha unassociated."""
@@ -477,6 +520,7 @@ class SceneDescription:
 
     instances: tuple[Instances, ...] = ()
     voxel_objects: tuple[VoxelObjects, ...] = ()
+    strand_objects: tuple[StrandObjects, ...] = ()
     materials: tuple[Material, ...] = ()
     media: tuple[Medium, ...] = ()
     volumes: tuple[Volume, ...] = ()

@@ -73,6 +73,8 @@ def test_the_same_description_sends_nothing_and_builds_nothing() -> None:
         "grids reused": 0,
         "voxels sent": 0,
         "voxels reused": 0,
+        "strands sent": 0,
+        "strands reused": 0,
         "scene rebuilt": 1,
         "scene relit": 0,
     }
