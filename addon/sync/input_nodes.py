@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from tyndall.scene_description import Code, hair_maps
 from tyndall.surface_inputs import PointInput, RayBit
 
 from . import coordinates
@@ -244,6 +245,30 @@ def _nothing(reader: ValueReader, at: Socket) -> Value:
     return BLACK
 
 
+_HAIR = {
+    "Is Strand": ("is", 0),
+    "Intercept": ("il", 0),
+    "Length": ("il", 1),
+    "Random": ("rt", 0),
+    "Thickness": ("rt", 1),
+}
+
+
+def _hair_info(reader: ValueReader, at: Socket) -> Value:
+    """Of strands; elsewhere all is 0."""
+    program, maps = reader.program, hair_maps()
+    output = at.socket.identifier
+    if output == "Tangent Normal":
+        z = program.uv_map_index(maps["z"])
+        return program.add(
+            coordinates.uv(program, maps["xy"]),
+            program.operation(Code.UV, uv_map=z, uv_matrix=(0, 0, 0, 0, 0, 0, 1, 0, 0)),
+        )
+    name, which = _HAIR[output]
+    row = (0, 1, 0) if which else (1, 0, 0)
+    return program.operation(Code.UV, uv_map=program.uv_map_index(maps[name]), uv_matrix=row * 3)
+
+
 def _generated(reader: ValueReader, _: Socket) -> Value:
     return coordinates.generated(reader.program)
 
@@ -284,6 +309,6 @@ NODES: dict[str, Evaluate] = {
     "LIGHT_PATH": _light_path_elsewhere,
     "VECT_TRANSFORM": on_surfaces(_vector_transform),
     "PARTICLE_INFO": _particle_info,
-    "HAIR_INFO": _nothing,
+    "HAIR_INFO": on_surfaces(_hair_info),
     "WIREFRAME": _nothing,
 }

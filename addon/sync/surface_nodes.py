@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from .hair_nodes import principled_hair_colour
 from .lobe_nodes import add_lobes
 from .program import BLACK, WHITE, GlossValues, LobeValues, Term, Value, grey
 
@@ -111,6 +112,8 @@ def _is_mirror(reader: ValueReader, at: Socket, shares: Shares) -> bool:
 
 
 def _colour_of(reader: ValueReader, at: Socket) -> Value:
+    if at.node.type == "BSDF_HAIR_PRINCIPLED":
+        return principled_hair_colour(reader, at)
     return reader.colour(at.input("Color") or at.input("Base Color"), (0.8, 0.8, 0.8))
 
 
