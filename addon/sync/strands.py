@@ -119,6 +119,8 @@ class StrandReader:
             placement.data.curves.foreach_get("first_point_index", firsts)
             firsts = firsts.astype(np.uint32)
             maps = _attributes(placement.data, asked, firsts, "CURVE")
+            if bpy.app.version >= (5, 0, 0) and _has_poly_curves(placement.data):
+                reports.add(name, "poly curves are drawn smooth; Cycles 5.0 draws them straight from point to point")
         if len(points) == 0:
             reports.add(name, "has no hair or point")
             return None
@@ -278,6 +280,16 @@ def _points(data: Any, count: int, default_radius_m: float) -> NDArray[np.float3
         stored.data.foreach_get("value", radii)
     points[:, :3], points[:, 3] = places.reshape(-1, 3), radii
     return points
+
+
+def _has_poly_curves(data: Any) -> bool:  # noqa: ANN401  Curves
+    """Without the attribute all are Catmull-Rom."""
+    stored = data.attributes.get("curve_type")
+    if stored is None or len(stored.data) == 0:
+        return False
+    kinds = np.empty(len(stored.data), np.int32)
+    stored.data.foreach_get("value", kinds)
+    return bool((kinds == 1).any())
 
 
 #: Properties of an attribute's elements, and how many numbers they are.

@@ -121,6 +121,8 @@ def made_by_nodes(data: bpy.types.ID, kinds: list[tuple[str, dict[str, object]]]
     last = tree.nodes.new("NodeGroupInput").outputs[0]
     for kind, inputs in kinds:
         new = tree.nodes.new(kind)
+        if hasattr(new, "spline_type"):  # poly curves are another thing in 5.0
+            new.spline_type = "CATMULL_ROM"
         for name, value in inputs.items():
             new.inputs[name].default_value = value
         if new.inputs and new.inputs[0].type == "GEOMETRY":
@@ -142,6 +144,7 @@ def test_hair_curves_are_as_in_cycles(shape: str) -> None:
         bpy.data.hair_curves.new("Hair"),
         [
             ("GeometryNodeCurveQuadraticBezier", arc),
+            ("GeometryNodeCurveSplineType", {}),
             ("GeometryNodeSetCurveRadius", {"Radius": 0.1}),
             ("GeometryNodeSetMaterial", look),
         ],
