@@ -52,7 +52,7 @@ def stamps(depsgraph: Depsgraph, view_layer: ViewLayer, description: SceneDescri
 def _matte_names(kind: str, depsgraph: Depsgraph, description: SceneDescription) -> Iterable[str]:
     if kind == "CryptoMaterial":
         return (MATTE_NAMES.get(material.name, material.name) for material in description.materials)
-    groups = (*description.instances, *description.voxel_objects)
+    groups = (*description.instances, *description.voxel_objects, *description.strand_objects)
     names = (name for group in groups for name in dict.fromkeys(group.object_names))
     if kind == "CryptoObject":
         return names
