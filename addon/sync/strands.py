@@ -4,7 +4,7 @@
 Based on: blender v4.5.0, intern/cycles/blender/curves.cpp and pointcloud.cpp, for which points and radii there are, and
 which of them a child has.
 Differs: values of a hair's points that materials read are those at its root.
-``ParticleSystem.co_hair`` tells one point at a time (0.6 us): what a live depsgraph has not updated is not read again.
+``ParticleSystem.co_hair`` tells one point at a time: what a live depsgraph has not updated is not read again.
 """
 
 from __future__ import annotations

@@ -52,7 +52,8 @@ static vec3 lift_over_steps(const Scene& scene, const PlacedShape& placed, const
                             const vec3& towards_light) {
     if (glm::dot(point.shading_normal, towards_light) <= 0.0f)
         return vec3(0.0f);
-    const Bounds3 box = scene.description().shapes[placed.shape_index]->cells()->box(hit.cell); // strands are not smooth
+    const Bounds3 box =
+        scene.description().shapes[placed.shape_index]->cells()->box(hit.cell); // strands are not smooth
     const vec3 size = box.max - box.min;
     float reach = 0.0f, step = 0.0f;
     for (int axis = 0; axis < 3; ++axis) {
