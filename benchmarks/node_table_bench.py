@@ -13,7 +13,7 @@ from pathlib import Path
 import bpy
 
 import tyndall.blender
-from report import argument_parser, row, write_report
+from report import argument_parser, row, write_page, write_report
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.append(str(ROOT / "tests"))
@@ -31,9 +31,7 @@ that agree best (where patterns and texels jump, the last bit of a place decides
 
 def main() -> None:
     """Measure all of them."""
-    parser = argument_parser(__doc__)
-    parser.add_argument("--docs", type=Path)
-    arguments = parser.parse_args()
+    arguments = argument_parser(__doc__, has_page=True).parse_args()
     tyndall.blender.enable()
     from support.image_setups import IMAGES, NORMALS  # noqa: PLC0415  they need the add-on
     from support.input_setups import INPUT_SETUPS  # noqa: PLC0415
@@ -55,10 +53,7 @@ def main() -> None:
         rows.append(row(kind, time.process_time() - start, state=said, deviation=deviation, setups=float(count)))
         print(rows[-1], flush=True)
     write_report(rows, arguments)
-    if arguments.docs:
-        part = arguments.docs / "nodes.md.part"
-        part.write_text(text, encoding="utf-8")
-        part.replace(arguments.docs / "nodes.md")
+    write_page("nodes.md", text, arguments)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from report import Row, argument_parser, row, write_report
+from report import Row, argument_parser, row, write_page, write_report
 
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
 from support.numeric_stress import (
@@ -138,9 +138,7 @@ along its walls.
 
 def main() -> None:
     """Measure all tables."""
-    parser = argument_parser(__doc__)
-    parser.add_argument("--docs", type=Path)
-    arguments = parser.parse_args()
+    arguments = argument_parser(__doc__, has_page=True).parse_args()
     rows: list[Row] = []
     text = HEADER
     for table in TABLES:
@@ -156,10 +154,7 @@ def main() -> None:
             text += f"| {curve.name} | {' | '.join(f'{error:.0e}' for error in worst)} |\n"
         text += f"\n{table.guard}\n"
     write_report(rows, arguments)
-    if arguments.docs:
-        part = arguments.docs / "numerics.md.part"
-        part.write_text(text, encoding="utf-8")
-        part.replace(arguments.docs / "numerics.md")
+    write_page("numerics.md", text, arguments)
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 import tyndall.blender
-from report import Row, argument_parser, row, write_report
+from report import Row, argument_parser, row, write_page, write_report
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.append(str(ROOT / "tests"))
@@ -119,8 +119,8 @@ difference, red where ours is brighter.
 """
 
 
-def write_page(folder: Path, compared: list[tuple[RealScene, Row, list[str]]]) -> None:
-    """docs/real-scenes.md, whole or not at all."""
+def page(compared: list[tuple[RealScene, Row, list[str]]]) -> str:
+    """docs/real-scenes.md."""
     text = HEADER.format(blender=bpy.app.version_string, width=WIDTH_PX, ours=OUR_SAMPLES, cycles=CYCLES_SAMPLES)
     for real, found, _ in compared:
         shares = [float(found[name]) for name in ("mean_error", "median_block", "block_90", "median_noise")]
@@ -132,15 +132,12 @@ def write_page(folder: Path, compared: list[tuple[RealScene, Row, list[str]]]) -
         text += f"{real.credit}; rendered {real.changes}.{' ' + real.differences if real.differences else ''}\n"
         if reports:
             text += "\nReported by the render:\n" + "".join(f"- {line}\n" for line in reports)
-    part = folder / "real-scenes.md.part"
-    part.write_text(text, encoding="utf-8")
-    part.replace(folder / "real-scenes.md")
+    return text
 
 
 def main() -> None:
     """Of all scenes, or of those named."""
-    parser = argument_parser(__doc__)
-    parser.add_argument("--docs", type=Path)
+    parser = argument_parser(__doc__, has_page=True)
     parser.add_argument("scenes", nargs="*")
     arguments = parser.parse_args()
     tyndall.blender.enable()
@@ -154,8 +151,8 @@ def main() -> None:
         found, reports = compare(real, arguments.docs / "pictures/real_scenes" if arguments.docs else None)
         compared.append((real, found, reports))
     write_report([found for _, found, _ in compared], arguments)
-    if arguments.docs and compared:
-        write_page(arguments.docs, compared)
+    if compared:
+        write_page("real-scenes.md", page(compared), arguments)
 
 
 if __name__ == "__main__":

@@ -13,11 +13,13 @@ import bpy
 Row = dict[str, float | str | bool]
 
 
-def argument_parser(description: str | None) -> argparse.ArgumentParser:
-    """Arguments that scripts/bench.sh gives."""
+def argument_parser(description: str | None, *, has_page: bool = False) -> argparse.ArgumentParser:
+    """Arguments that scripts/bench.sh gives; with a page, the folder that it is written to."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--context", type=Path, required=True, help="JSON of what it is measured on")
     parser.add_argument("--output", type=Path, required=True)
+    if has_page:
+        parser.add_argument("--docs", type=Path)
     return parser
 
 
@@ -32,3 +34,12 @@ def write_report(rows: Sequence[Row], arguments: argparse.Namespace) -> None:
     part = arguments.output.with_suffix(".json.part")
     part.write_text(json.dumps({"context": context, "benchmarks": rows}, indent=1) + "\n", encoding="utf-8")
     part.replace(arguments.output)
+
+
+def write_page(name: str, text: str, arguments: argparse.Namespace) -> None:
+    """A page of the documentation, whole or not at all; nowhere without --docs."""
+    if arguments.docs is None:
+        return
+    part: Path = arguments.docs / f"{name}.part"
+    part.write_text(text, encoding="utf-8")
+    part.replace(arguments.docs / name)

@@ -85,7 +85,7 @@ done
 for script in benchmarks/*_bench.py; do
     stem=$(basename "$script" .py)
     wanted "$stem" || continue
-    in_python "$stem" "$stem" $(grep -q '"--docs"' "$script" && echo --docs docs)
+    in_python "$stem" "$stem" $(grep -q has_page=True "$script" && echo --docs docs)
     ran=1
 done
 ((ran)) || fail "there is no benchmark named ${names[*]}"
