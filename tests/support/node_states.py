@@ -121,6 +121,7 @@ TESTS = {
         "test_material_agreement",
     ),
     **dict.fromkeys(["ShaderNodeValue", "ShaderNodeVertexColor"], "test_sync"),
+    "ShaderNodeHairInfo": "test_hair_agreement",
     **dict.fromkeys(["ShaderNodeDisplacement", "ShaderNodeVectorDisplacement"], "test_normal_agreement"),
     **dict.fromkeys(
         [
