@@ -19,10 +19,11 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.append(str(ROOT / "tests"))
 
 HEADER = """# Nodes
-Every shader node of Blender {blender}: what a render reports where it is not drawn as it is, and the largest deviation
-of its values from the running Cycles' over random inputs, relative where they are above 1, of the {share:.0%} of points
-that agree best (where patterns and texels jump, the last bit of a place decides). The set-ups are tests in 3.4, 4.5 and
-5.0. `scripts/bench.sh node_table_bench` makes this page anew.
+Every shader node of Blender {blender}: what a render reports where it is not drawn as it is (by choice: of a shader's
+other distributions, and with shares that are 0 when it is added), and the largest deviation of its values from the
+running Cycles' over random inputs, relative where they are above 1, of the {share:.0%} of points that agree best (where
+patterns and texels jump, the last bit of a place decides). The set-ups are tests in 3.4, 4.5 and 5.0; a test holds this
+page's states. `scripts/bench.sh node_table_bench` makes it anew.
 
 | node | state | largest deviation | set-ups |
 |---|---|---|---|
@@ -46,8 +47,7 @@ def main() -> None:
     text = HEADER.format(blender=bpy.app.version_string, share=BEST_SHARE)
     for kind, state in sorted(node_states().items(), key=lambda item: item[1].label):
         deviation, count = found.get(kind, (-1.0, 0))
-        said = "; ".join(report.removeprefix(f"{state.label} ") for report in state.reports)
-        said = ELSEWHERE.get(kind) or said or "as in Cycles"
+        said = ELSEWHERE.get(kind) or state.said()
         shown = f"{deviation:.0e}" if count else f"`{TESTS[kind]}`" if kind in TESTS else ""
         text += f"| {state.label} | {said} | {shown} | {count or ''} |\n"
         rows.append(row(kind, time.process_time() - start, state=said, deviation=deviation, setups=float(count)))

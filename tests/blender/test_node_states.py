@@ -3,6 +3,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import bpy
+import pytest
+
 from support.image_setups import IMAGES, NORMALS
 from support.input_setups import INPUT_SETUPS
 from support.node_measurements import measured
@@ -30,3 +35,11 @@ def test_what_is_no_node_is_not_called_one() -> None:
     states = node_states()
     assert any("fully open" in report for report in states["ShaderNodeAmbientOcclusion"].reports)
     assert not states["ShaderNodeMath"].reports
+
+
+@pytest.mark.skipif(not (4, 5) <= bpy.app.version < (4, 6), reason="the page is of 4.5")
+def test_the_page_says_what_the_compiler_says() -> None:
+    lines = (Path(__file__).parents[2] / "docs" / "nodes.md").read_text(encoding="utf-8").splitlines()
+    shown = {cells[1].strip(): cells[2].strip() for line in lines if len(cells := line.split("|")) > 4}
+    for kind, state in node_states().items():
+        assert shown[state.label] == ELSEWHERE.get(kind, state.said())

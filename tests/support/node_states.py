@@ -19,6 +19,9 @@ STRUCTURE = {
 }  # fmt: skip
 
 
+_CHOICE = "choice"  #: In names of materials.
+
+
 @dataclass(frozen=True)
 class NodeState:
     """Of one class of nodes."""
@@ -26,6 +29,13 @@ class NodeState:
     label: str
     outputs: tuple[str, ...]
     reports: tuple[str, ...]  #: What is said of it, with the default values of its inputs; empty: it is drawn.
+    by_choice: tuple[str, ...] = ()  #: Of shaders: what else is said, of other distributions and of shares above 0.
+
+    def said(self) -> str:
+        """In a table."""
+        said = "; ".join(report.removeprefix(f"{self.label} ") for report in self.reports) or "as in Cycles"
+        more = "; ".join(report.removeprefix(f"{self.label}'s ") for report in self.by_choice)
+        return f"{said}; by choice: {more}" if more else said
 
 
 def node_classes() -> dict[str, str]:
@@ -63,14 +73,18 @@ def node_states() -> dict[str, NodeState]:
     add("Faces", mesh)
     tyndall_pixels(scene)
     said: dict[str, set[str]] = {name: set() for name in classes}
+    by_choice: dict[str, set[str]] = {name: set() for name in classes}
     package = type(scene.tyndall).__module__.rpartition(".properties")[0]  # it may run under two names
     statistics = sys.modules[f"{package}.last_render"].statistics_of(scene.name)
     for line in statistics["reports"]:
         culprit, _, text = str(line).partition('": ')
-        name = culprit.removeprefix('Material "').partition(".")[0]
+        name, _, which = culprit.removeprefix('Material "').partition(".")
         if name in said and text:
-            said[name].update(text.split("; "))
-    return {name: NodeState(label, outputs[name], tuple(sorted(said[name]))) for name, label in classes.items()}
+            (by_choice if which.startswith(_CHOICE) else said)[name].update(text.split("; "))
+    return {
+        name: NodeState(label, outputs[name], tuple(sorted(said[name])), tuple(sorted(by_choice[name] - said[name])))
+        for name, label in classes.items()
+    }
 
 
 def _add_materials(name: str) -> tuple[str, ...]:
@@ -83,13 +97,22 @@ def _add_materials(name: str) -> tuple[str, ...]:
     ]
     if not outputs:  # an output node
         return ()
+    is_shader = node.outputs[0].type == "SHADER" and "Volume" not in name
     for index, output in enumerate(outputs):
         material = first if index == 0 else bpy.data.materials.new(f"{name}.{index}")
         _show(material, name, output)
+    if is_shader:
+        shown = _show(bpy.data.materials.new(f"{name}.{_CHOICE}"), name, outputs[0])
+        for socket in shown.inputs:
+            if socket.type == "VALUE" and socket.default_value == 0.0:
+                socket.default_value = 0.5
+        kinds = shown.bl_rna.properties.get("distribution")
+        for kind in [item.identifier for item in kinds.enum_items] if kinds else ():
+            _show(bpy.data.materials.new(f"{name}.{_CHOICE} {kind}"), name, outputs[0]).distribution = kind
     return tuple(outputs)
 
 
-def _show(material: bpy.types.Material, name: str, output: str) -> None:
+def _show(material: bpy.types.Material, name: str, output: str) -> bpy.types.Node:
     use_nodes(material)
     tree = material.node_tree
     tree.nodes.clear()
@@ -105,6 +128,7 @@ def _show(material: bpy.types.Material, name: str, output: str) -> None:
         emission = tree.nodes.new("ShaderNodeEmission")
         tree.links.new(socket, emission.inputs["Color"])
         tree.links.new(emission.outputs[0], end.inputs["Surface"])
+    return node
 
 
 #: Which test holds what is no value, or a value that only one domain has; by node.
