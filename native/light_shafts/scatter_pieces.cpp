@@ -51,6 +51,15 @@ struct LightSide {
     }
 };
 
+/// Where light all but runs along a boundary, a term is as steep as it is short: it would take the digits of all others
+/// with it into the sums, for a part of the ray that nobody sees.
+bool is_over_at_once(const LightSideTerm& term) {
+    constexpr double negligible = 1e-8;
+    const auto way_m = [&](double at) { return std::abs(term.way_at_zero_m + at * term.way_per_m); };
+    const double scale_m = std::abs(term.near_m) + std::abs(term.far_m) + way_m(term.near_m) + way_m(term.far_m);
+    return term.far_m - term.near_m < negligible * scale_m;
+}
+
 /// The light's way through homogeneous media to the points of a ray, from near to far.
 class LightSideSweep {
 public:
@@ -59,6 +68,7 @@ public:
         light_side_ = {}, begun_ = ended_ = 0;
         for (const MediumBoundary& boundary : media.boundaries())
             append_light_side_terms(media, boundary, inside, towards_light, terms_);
+        std::erase_if(terms_, is_over_at_once);
         std::ranges::sort(terms_, {}, &LightSideTerm::near_m);
         for (std::uint32_t term = 0; term < terms_.size(); ++term) {
             MediumSet alone;

@@ -23,6 +23,7 @@ from tyndall.scene_description import (
     LightKind,
     Material,
     Medium,
+    Mesh,
     ScatterLobe,
     SceneDescription,
     World,
@@ -48,8 +49,8 @@ def _error(seen: Array, known: Array, where: NDArray[np.bool_] | None = None) ->
     return Error(float(chosen.max()), float(np.sqrt((chosen**2).mean())))
 
 
-def _rotation() -> Array:
-    axes, _ = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))
+def _rotation(seed: int = 5) -> Array:
+    axes, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
     matrix = np.eye(4)
     matrix[:3, :3] = axes * np.linalg.det(axes)
     return matrix
@@ -62,11 +63,12 @@ class Place:
     scale_m: float = 1.0
     from_origin: float = 0.0  #: Of its middle, in its own size.
     seen_from: float = 0.0  #: How much farther away the camera stands, in its own size.
+    rotation: int = 5  #: Seed of how all of it is turned.
 
     def turned(self) -> Array:
         """Without the scale, as cameras and lights want it."""
         way = np.array([0.6, -0.64, 0.48]) * self.from_origin * self.scale_m
-        return translation(*way) @ _rotation()
+        return translation(*way) @ _rotation(self.rotation)
 
     def matrix(self) -> Array:
         return self.turned() @ np.diag([self.scale_m, self.scale_m, self.scale_m, 1.0])
@@ -101,15 +103,30 @@ def _plane(scene: SceneDescription, camera: Camera, name: str, config: RenderCon
     return session.render(camera, config, Progress()).planes[name][..., 0].astype(np.float64)
 
 
-def shaft_error(method: str, place: Place, optical_depth: float) -> Error:
+def _peaked_cube() -> Mesh:
+    """A box that is found to be none, as its top has a corner in the middle."""
+    box, middle = unit_cube(), 8
+    sides = [triangle for triangle in box.triangles if box.positions[triangle, 2].min() < 1.0]
+    top = [4, 5, 7, 6]
+    fan = [(a, b, middle) for a, b in zip(top, top[1:] + top[:1], strict=True)]
+    positions = np.concatenate([box.positions, [[0.0, 0.0, 1.0]]]).astype(np.float32)
+    return Mesh(key="peaked", name="peaked", positions=positions, triangles=np.array([*sides, *fan], dtype=np.uint32))
+
+
+def shaft_error(method: str, place: Place, optical_depth: float, *, is_box: bool = True) -> Error:
     """A box of fog, 2 x 2 x 1, of this depth across, under a sun straight above, with the shadow of a plate inside."""
     sigma_per_m = optical_depth / (2.0 * place.scale_m)
     plate = place.matrix() @ translation(0.0, -0.05, 0.7) @ np.diag([0.5, 0.35, 1.0, 1.0])
     scene = SceneDescription(
-        instances=(placed(unit_cube(), place.matrix(), materials=(1,)), placed(square(), plate)),
+        instances=(
+            placed(unit_cube() if is_box else _peaked_cube(), place.matrix(), materials=(1,)),
+            placed(square(), plate),
+        ),
         materials=(Material(name="grey"), Material(name="fog", has_surface=False, medium=0)),
         media=(Medium(name="fog", lobes=(ScatterLobe(sigma_s_per_m=(sigma_per_m,) * 3),)),),
-        lights=(Light(name="Sun", kind=LightKind.SUN, strength=(1.0,) * 3, world_from_light=_rotation()),),
+        lights=(
+            Light(name="Sun", kind=LightKind.SUN, strength=(1.0,) * 3, world_from_light=_rotation(place.rotation)),
+        ),
     )
     size_px, half_width, half_height = (48, 24), 0.95, 0.475
     camera = _flat_camera(place, place.at(0.0, -3.0, 0.5) @ _SIDEWAYS, half_width, half_height, size_px)
