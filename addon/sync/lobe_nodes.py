@@ -9,7 +9,8 @@ import bpy
 
 from tyndall.scene_description import BumpShadowing, LobeModel
 
-from .program import BLACK, WHITE, LobeNormals, LobeValues, Term, Value, grey
+from .math_nodes import math_operation
+from .program import BLACK, WHITE, LobeNormals, LobeValues, Program, Term, Value, grey
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,6 +34,15 @@ def plain_principled() -> LobeValues:
     specular, ior, coat_roughness = grey(0.5), grey(1.5), grey(0.03)
     inputs = (WHITE, _GREY, BLACK, grey(0.5), specular, WHITE, BLACK, ior, BLACK, coat_roughness, grey(1.5), WHITE)
     return LobeValues(LobeModel.PRINCIPLED, (*inputs, BLACK, BLACK), preserves_energy=True)
+
+
+def through_one_side(program: Program, base: Value) -> Value:
+    """What a Principled BSDF that transmits lets in, or out: from 4.0 on both together make its base colour."""
+    return base if _is_old() else program.combine([_root(program, program.channel(base, axis)) for axis in range(3)])
+
+
+def _root(program: Program, value: Value) -> Value:
+    return math_operation(program, "SQRT", math_operation(program, "MAXIMUM", value, BLACK))
 
 
 def _is_old() -> bool:
@@ -187,7 +197,7 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
     if transmission != BLACK:
         reader.note("transmission is drawn as transparent in its colour, with its reflections")
         passing = program.multiply(program.clamp(transmission), program.complement(program.clamp(metallic)))
-        passing = program.multiply(program.multiply(weight, passing), base)
+        passing = program.multiply(program.multiply(weight, passing), through_one_side(program, base))
         shares.transparent = program.add(shares.transparent, passing)
     coat_roughness = reader.number(at.input("Coat Roughness") or at.input("Clearcoat Roughness"), 0.03)
     ior, is_multiple = reader.number(at.input("IOR"), 1.45), _is_multiple(at)

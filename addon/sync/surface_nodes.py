@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from .hair_nodes import principled_hair_colour
-from .lobe_nodes import add_lobes
+from .lobe_nodes import add_lobes, through_one_side
 from .program import BLACK, WHITE, GlossValues, LobeValues, Term, Value, grey
 
 if TYPE_CHECKING:
@@ -257,7 +257,7 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
     transmission = program.multiply(transmission, program.complement(metallic))
     if transmission != BLACK:
         reader.note("transmission is drawn as transparent in its colour")
-    passing = program.multiply(weight, program.multiply(base, transmission))
+    passing = program.multiply(weight, program.multiply(through_one_side(program, base), transmission))
     shares.transparent = program.add(shares.transparent, passing)
     opaque = program.multiply(weight, program.complement(transmission))
     if mirrors:

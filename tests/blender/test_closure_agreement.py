@@ -135,3 +135,17 @@ def test_a_shader_under_suns_of_all_heights(name: str, tilt: float) -> None:
 @pytest.mark.parametrize("name", SHADERS)
 def test_every_shader_under_lights_with_a_size(name: str, light_it: object) -> None:
     check(SHADERS[name], light_it, 256, 1024)
+
+
+def test_a_pane_that_transmits_tints_what_is_behind_it_as_in_cycles() -> None:
+    """One side's colour, before an even world; in Cycles 5 % of all colours are lost where indices do not differ."""
+    scene = empty_scene(8)
+    pane = principled(Base_Color=(0.04, 0.36, 0.81, 1.0), Roughness=0.0, IOR=1.0, Transmission=1.0, Specular=0.0)
+    plane(0.0, material("Pane", pane))
+    world(1.0)(scene)
+    scene.render.film_transparent = False
+    ours, cycles = (
+        pixels.mean(axis=(0, 1)) for pixels in (tyndall_pixels(scene, 16), cycles_pixels(scene, 64, seed=1))
+    )
+    assert ours == pytest.approx(cycles, rel=0.06)
+    assert ours / ours[2] == pytest.approx(cycles / cycles[2], rel=5e-3)
