@@ -164,6 +164,7 @@ REAL_SCENES = (
         "with a camera and a sun",
         _around(1.5, 0.6),
         differences="Two of its cubes are glass, which Cycles draws black without bounces and ours lets light through.",
+        mean_bound=0.06,
     ),
     RealScene("gltf_odd/19_sheen.blend", "glTF-Blender-IO, Apache-2.0", "with a camera and a sun", _around(1.2, 0.6)),
 )
