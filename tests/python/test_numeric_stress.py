@@ -10,6 +10,7 @@ from support.numeric_stress import (
     area_lamp_error,
     grazing_sun_error,
     lamp_in_fog_error,
+    light_along_view_error,
     shaft_error,
     sphere_lamp_error,
     wide_sun_error,
@@ -38,6 +39,16 @@ def test_shafts_in_a_mesh_of_fog_along_whose_walls_the_light_runs(method: str) -
             place = Place(scale_m, rotation=rotation)
             assert shaft_error(method, place, 8.0, is_box=False).worst < 4e-4
             assert shaft_error(method, place, 8.0).worst < 4e-4
+
+
+@each_method
+@pytest.mark.parametrize("is_behind", [True, False], ids=["sun behind", "sun ahead"])
+@pytest.mark.parametrize("is_box", [True, False], ids=["box", "mesh"])
+def test_light_that_runs_along_the_view(method: str, *, is_behind: bool, is_box: bool) -> None:
+    """No plane holds both; there are no shadows that a method could miss."""
+    for rotation in range(4):
+        place = Place(0.37, rotation=rotation)
+        assert light_along_view_error(method, place, 4.0, is_behind=is_behind, is_box=is_box).worst < 1e-5
 
 
 @each_method

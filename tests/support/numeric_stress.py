@@ -147,6 +147,28 @@ def shaft_error(method: str, place: Place, optical_depth: float, *, is_box: bool
     return _error(seen, known, is_clear & (known > 1e-30))
 
 
+def light_along_view_error(
+    method: str, place: Place, optical_depth: float, *, is_behind: bool, is_box: bool = True
+) -> Error:
+    """The same fog without a plate; the sun stands behind the camera, or before it: view rays run along its light."""
+    turn = math.copysign(0.5 * math.pi, 1.0 if is_behind else -1.0)
+    along = np.eye(4)
+    along[1:3, 1:3] = [[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]]
+    world_from_light = _rotation(place.rotation) @ along
+    scene = SceneDescription(
+        instances=(placed(unit_cube() if is_box else _peaked_cube(), place.matrix()),),
+        materials=(Material(name="fog", has_surface=False, medium=0),),
+        media=(Medium(name="fog", lobes=(ScatterLobe(sigma_s_per_m=(0.5 * optical_depth / place.scale_m,) * 3),)),),
+        lights=(Light(name="Sun", kind=LightKind.SUN, strength=(1.0,) * 3, world_from_light=world_from_light),),
+    )
+    camera = _flat_camera(place, place.at(0.0, -3.0, 0.5) @ _SIDEWAYS, 0.9, 0.45, (24, 12))
+    config = RenderConfig(pixel_samples=1, shafts=ShaftConfig(method=method), passes=frozenset({"Shafts"}))
+    seen = _plane(scene, camera, "Shafts", config)
+    there_and_back = -0.5 * math.expm1(-2.0 * optical_depth)
+    known = there_and_back if is_behind else optical_depth * math.exp(-optical_depth)
+    return _error(seen, np.full_like(seen, known / (4.0 * math.pi)))
+
+
 def lamp_in_fog_error(place: Place, nearest: float) -> Error:
     """A view ray of length 10 through fog without end, past a lamp in its middle, so near to it; sizes of the scene."""
     sigma, s = 0.2, place.scale_m
