@@ -98,12 +98,12 @@ def session(window: Any) -> Iterator[float]:
     window.screenshot("viewport_camera")
     space.region_3d.view_perspective = "PERSP"
     window.start_watch()
-    pictures = set()
+    pictures = {}  # by id, and kept: where one was, the next may come to lie
     turn = Quaternion((0, 0, 1), 0.02)
     for _ in range(40):
         space.region_3d.view_rotation = turn @ space.region_3d.view_rotation
         yield 0.03
-        pictures.add(id(worker().picture.rgba))
+        pictures[id(worker().picture.rgba)] = worker().picture.rgba
     window.facts["longest_gap_s"] = window.longest_gap_s()
     window.facts["pictures_while_turning"] = len(pictures)
 
