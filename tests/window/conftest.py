@@ -55,7 +55,13 @@ def screen(size_px: tuple[int, int]) -> Iterator[str]:
 def play(tmp_path: Path) -> Callable[[str], Played]:
     """Play a session in a new Blender. Fails if it failed there, or if Blender's console shows an exception."""
 
-    def played(session: str, *, timeout_s: float = 900.0, screen_px: tuple[int, int] = SCREEN_PX) -> Played:
+    def played(
+        session: str,
+        *,
+        timeout_s: float = 900.0,
+        screen_px: tuple[int, int] = SCREEN_PX,
+        settings: dict[str, str] | None = None,
+    ) -> Played:
         folder = Path(os.environ.get("TYNDALL_SCREENSHOTS", tmp_path))
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "facts.json").unlink(missing_ok=True)
@@ -74,7 +80,7 @@ def play(tmp_path: Path) -> Callable[[str], Played]:
                     *("--python", str(REPOSITORY / "tests/support/window_driver.py"), "--"),
                     *(str(Path(__file__).parent / "sessions" / f"{session}.py"), str(folder)),
                 ],
-                env=environment | {"DISPLAY": display},
+                env=environment | (settings or {}) | {"DISPLAY": display},
                 cwd=tmp_path,
                 capture_output=True,
                 text=True,
