@@ -54,7 +54,12 @@ class Viewport:
     def __init__(self, engine: RenderEngine) -> None:
         self.engine = weakref.ref(engine)
         self.worker = ViewportWorker(
-            Session(kept_pictures=1, kept_maps_bytes=KEPT_MAPS_BYTES, kept_surfaces_bytes=KEPT_SURFACES_BYTES)
+            Session(
+                kept_pictures=1,
+                kept_maps_bytes=KEPT_MAPS_BYTES,
+                kept_surfaces_bytes=KEPT_SURFACES_BYTES,
+                follows_moves=True,
+            )
         )
         self._reader = SceneReader()
         self._function_images = ImageReader()

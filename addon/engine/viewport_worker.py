@@ -28,7 +28,8 @@ SOON_S = 0.1
 #: nevertheless doubles it, for scenes and machines that need longer.
 PATIENCE_S = 0.5
 #: Of the scene's update, which a picture's statistics repeat.
-UPDATE_STAGES = ("scene update", "scene")
+UPDATE_STAGES = ("scene update", "scene", "scene: tree")
+UPDATE_COUNTS = ("scene rebuilt", "scene moved", "scene relit")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -226,7 +227,7 @@ class ViewportWorker:
             self._patience_ends = 0.0
         self._update_stages = [{"name": "scene reading", "seconds": job.read_s}]
         counts = session.statistics["counts"]
-        return bool(counts.get("scene rebuilt") or counts.get("scene relit"))
+        return any(counts.get(name) for name in UPDATE_COUNTS)
 
     def _refine(self, session: Session, job: _Job) -> None:
         """Show one picture after the other, each finer than the last; Cancelled once outdated."""
@@ -271,7 +272,7 @@ class ViewportWorker:
         stages = statistics.get("stages", [])
         if not self._update_stages:
             stages = [stage for stage in stages if stage["name"] not in UPDATE_STAGES]
-            counts = {name: n for name, n in statistics.get("counts", {}).items() if not name.startswith("scene re")}
+            counts = {name: n for name, n in statistics.get("counts", {}).items() if name not in UPDATE_COUNTS}
             statistics = statistics | {"counts": counts}
         stages, self._update_stages = [*self._update_stages, *stages], []
         return Work(statistics=statistics | {"stages": stages}, scale=scale, first_s=self._first_s)

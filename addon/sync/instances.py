@@ -48,6 +48,8 @@ _POLL_EVERY = 2048  #: Instances between two polls, about 5 ms.
 #: Ray visibility of an object, beside that to cameras.
 _OTHER_RAYS = ("visible_shadow", "visible_diffuse", "visible_glossy")
 
+_INSTANCING = {"NODES", "PARTICLE_SYSTEM"}  #: Modifiers.
+
 #: Of a 3D viewport, by kind of object: all that may have a mesh or instances, lights and volumes.
 _SWITCHES = {
     "MESH": "show_object_viewport_mesh",
@@ -109,6 +111,17 @@ def read_placements(
             is_own = placement.own_random_number is not None and not instance.is_instance
             placement.random_numbers.append(placement.own_random_number if is_own else instance.random_id & 0xFFFFFFFF)
     return grouping.placements()
+
+
+def may_stand_alone(source: Object, depsgraph: Depsgraph) -> bool:
+    """Whether an evaluated object is drawn as itself, and instances no other."""
+    return not (
+        source.is_instancer
+        or source.instance_type != "NONE"
+        or any(modifier.type in _INSTANCING for modifier in source.modifiers)
+        or source.hide_viewport
+        or not source.visible_get(view_layer=depsgraph.view_layer_eval)
+    )
 
 
 def shown_kinds(viewport: SpaceView3D | None) -> tuple[object, ...]:

@@ -1,24 +1,38 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scene of which only lights have changed since it was read: they are read anew, thousands of instances are not.
+"""A scene of which only lights changed since it was read, or moved a few meshes: thousands of instances stay unread.
 
 Differs: nothing of Blender's is kept from read to read but names: after an undo, evaluated objects lie elsewhere.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import bpy
+import numpy as np
 
-from .instances import Placement, shown_kinds
+from .instances import Placement, may_stand_alone, shown_kinds
 
 if TYPE_CHECKING:
-    from bpy.types import ID, Depsgraph, SpaceView3D
+    import numpy as np
+    from bpy.types import ID, Depsgraph, DepsgraphUpdate, Object, SpaceView3D
+    from numpy.typing import NDArray
 
     from tyndall.scene_description import Light, SceneDescription
 
     from .reports import Reports
+
+
+Name = tuple[str, str | None]  #: Of an object, and the library that it is from.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MovedMesh:
+    """What an update tells of an object; held until the next read, so nothing of Blender's is in it."""
+
+    name: Name
+    world_from_object: NDArray[np.float64]  #: (1, 4, 4)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,9 +45,11 @@ class ReadScene:
     shown_kinds: tuple[object, ...]  #: What the viewport was set to show.
     is_lit: bool
     drawn: frozenset[str]  #: Names of the objects with a mesh.
-    lights: tuple[tuple[str, str | None], ...]  #: Names of their objects, and the libraries that these are from.
+    lights: tuple[Name, ...]  #: Of their objects.
     sky_suns: tuple[Light, ...]  #: Of the world, which no object has.
     has_instanced_lights: bool
+    #: Which of the description's instances is an object with a mesh that is drawn once, as itself.
+    lone: dict[Name, int]
 
     def serves(self, depsgraph: Depsgraph, viewport: SpaceView3D | None, *, is_lit: bool) -> bool:
         """Whether a read of this would differ in lights alone, if nothing but lights was updated."""
@@ -44,6 +60,16 @@ class ReadScene:
             and self.is_lit == is_lit
             and all(bpy.data.objects.get(light) is not None for light in self.lights)
         )
+
+    def moved(self, to: dict[Name, MovedMesh]) -> ReadScene | None:
+        """With these objects there; None where that may not be all that there is to change."""
+        if not to.keys() <= self.lone.keys():
+            return None
+        instances = list(self.description.instances)
+        for name, moved in to.items():
+            before = instances[self.lone[name]]
+            instances[self.lone[name]] = replace(before, world_from_object=moved.world_from_object)
+        return replace(self, description=replace(self.description, instances=tuple(instances)))
 
     def light_placements(self, depsgraph: Depsgraph) -> list[Placement]:
         """Where its lights are now."""
@@ -70,7 +96,27 @@ def is_light(thing: ID) -> bool:
     return isinstance(thing, bpy.types.Light) or (isinstance(thing, bpy.types.Object) and thing.type == "LIGHT")
 
 
-def light_names(placements: list[Placement]) -> tuple[tuple[str, str | None], ...]:
+def moved_mesh(update: DepsgraphUpdate, depsgraph: Depsgraph) -> MovedMesh | None:
+    """An object of which nothing but its place was updated, and where it is now.
+
+    What else hangs on it, as materials in its coordinates do, has updates of its own; and so has its look, animated.
+    """
+    thing = update.id
+    if not (isinstance(thing, bpy.types.Object) and thing.type == "MESH" and update.is_updated_transform):
+        return None
+    if update.is_updated_geometry or update.is_updated_shading:
+        return None
+    if not may_stand_alone(thing, depsgraph):
+        return None
+    return MovedMesh(name=name_of(thing.original), world_from_object=np.array(thing.matrix_world, np.float64)[None])
+
+
+def name_of(thing: Object) -> Name:
+    """Of an original object, as ``bpy.data.objects`` takes it."""
+    return thing.name, thing.library.filepath if thing.library else None
+
+
+def light_names(placements: list[Placement]) -> tuple[Name, ...]:
     """As ``bpy.data.objects`` takes them."""
     originals = [placement.source.original for placement in placements if placement.data is None]
-    return tuple((thing.name, thing.library.filepath if thing.library else None) for thing in originals)
+    return tuple(name_of(thing) for thing in originals)

@@ -21,7 +21,7 @@ from .mesh_attributes import asked_of_meshes
 from .meshes import read_mesh
 from .occluder_edits import OccluderEditReader
 from .random_numbers import as_unit_floats
-from .relit_scene import ReadScene, is_light, light_names
+from .relit_scene import MovedMesh, Name, ReadScene, is_light, light_names, moved_mesh, name_of
 from .reports import Reports
 from .seen_camera import seen_camera
 from .strands import StrandReader, is_strands
@@ -53,13 +53,23 @@ class SceneReader:
         self._live: dict[tuple[int, frozenset[str]], tuple[Mesh | None, set[int]]] = {}
         self._live_depsgraph = 0
         self._stale: set[int] = set()
-        self._last: ReadScene | None = None  # of the live depsgraph, unless more than lights was updated since
+        self._last: ReadScene | None = None  # of the live depsgraph, unless more than this was updated since:
+        self._moved: dict[Name, MovedMesh] = {}  # the places of objects with meshes
+        self._are_lights_outdated = False
 
     def note_updates(self, depsgraph: Depsgraph) -> None:
         """Call from ``view_update`` and handlers: remembers which geometry changed until the next read."""
-        if not depsgraph.updates or not all(is_light(update.id) for update in depsgraph.updates):
+        if not depsgraph.updates:
             self._last = None
         for update in depsgraph.updates:
+            if self._last is None:
+                pass
+            elif is_light(update.id):
+                self._are_lights_outdated = True
+            elif (moved := moved_mesh(update, depsgraph)) is not None:
+                self._moved[moved.name] = moved
+            else:
+                self._last = None
             if update.is_updated_geometry:
                 self._stale.add(update.id.original.as_pointer())
 
@@ -80,8 +90,11 @@ class SceneReader:
         Without ``is_lit`` surfaces give no light, and the media all of theirs.
         """
         if is_live and self._last is not None and self._last.serves(depsgraph, viewport, is_lit=is_lit):
-            return self._read_lights(self._last, depsgraph, reports, poll)
+            followed = self._follow(self._last, depsgraph, reports, poll)
+            if followed is not None:
+                return followed
         self._last = None
+        self._moved.clear()
         self._forget_stale(depsgraph, is_live=is_live)
         self._images.start_frame()
         self._masks.start_frame()
@@ -105,7 +118,8 @@ class SceneReader:
         meshes, voxels = without_and_with_voxels(drawn_things)
         voxel_objects = self._voxels.read(voxels, materials, reports, poll)
         strand_objects = self._strands.read(strands, depsgraph, materials, reports, poll)
-        instances = self._instances(meshes, materials, reports, poll, is_viewport=is_viewport)
+        lone: dict[Name, int] = {}
+        instances = self._instances(meshes, materials, reports, poll, lone, is_viewport=is_viewport)
         shown_world = _world_of(depsgraph)
         found = read_world(shown_world, reports, self._images, self._bakes)
         if shown_world is not None:
@@ -135,6 +149,7 @@ class SceneReader:
         self._images.end_frame()
         self._masks.end_frame()
         self._meshes = {group.mesh.key: group.mesh for group in instances}
+        self._are_lights_outdated = False
         if is_live:
             self._last = ReadScene(
                 description=description,
@@ -145,9 +160,22 @@ class SceneReader:
                 drawn=drawn,
                 lights=light_names(placements),
                 sky_suns=sky_suns,
+                lone=lone,
                 has_instanced_lights=any(one.data is None and one.is_instanced for one in placements),
             )
         return description
+
+    def _follow(
+        self, last: ReadScene, depsgraph: Depsgraph, reports: Reports, poll: Callable[[], None]
+    ) -> SceneDescription | None:
+        """What moved, and lights; None where there is more."""
+        moved = last.moved(self._moved)
+        if moved is None:
+            return None
+        only_moved = bool(self._moved) and not self._are_lights_outdated
+        self._moved.clear()
+        self._last = moved
+        return moved.description if only_moved else self._read_lights(moved, depsgraph, reports, poll)
 
     def _read_lights(
         self, last: ReadScene, depsgraph: Depsgraph, reports: Reports, poll: Callable[[], None]
@@ -156,7 +184,9 @@ class SceneReader:
         reports.include(last.reports)
         edits = OccluderEditReader(depsgraph, last.drawn, self._images, self._masks, reports, poll)
         lights = _lights(last.light_placements(depsgraph), edits, self._images, reports)
-        return replace(last.description, lights=(*lights, *last.sky_suns), reports=reports.lines())
+        description = replace(last.description, lights=(*lights, *last.sky_suns), reports=reports.lines())
+        self._last, self._are_lights_outdated = replace(last, description=description), False
+        return description
 
     def _forget_stale(self, depsgraph: Depsgraph, *, is_live: bool) -> None:
         still_lives = is_live and depsgraph.as_pointer() == self._live_depsgraph
@@ -179,10 +209,13 @@ class SceneReader:
         materials: MaterialReader,
         reports: Reports,
         poll: Callable[[], None],
+        lone: dict[Name, int],
         *,
         is_viewport: bool,
     ) -> tuple[Instances, ...]:
-        groups = []
+        """``lone`` becomes where in them objects are that are drawn once, as themselves."""
+        groups: list[Instances] = []
+        met: set[Name] = set()
         seen: dict[tuple[int, frozenset[str]], tuple[Mesh | None, set[int]]] = {}
         try:
             for placement in placements:
@@ -193,11 +226,17 @@ class SceneReader:
                 if key not in seen:
                     seen[key] = self._live.get(key) or (
                         self._read_mesh(placement, reports, poll, asked, is_viewport=is_viewport),
-                        placement.depends_on,
+                        set(),
                     )
-                mesh = seen[key][0]
-                seen[key] = mesh, seen[key][1] | placement.depends_on
+                mesh, depends_on = seen[key]
+                depends_on |= placement.depends_on
                 if mesh is not None:
+                    name = name_of(placement.source.original)
+                    if name in met or placement.is_instanced or len(placement.matrices) > 1:
+                        lone.pop(name, None)
+                    else:
+                        lone[name] = len(groups)
+                    met.add(name)
                     groups.append(_group(placement, mesh, materials))
                     note_missing_attributes(placement.object_name, mesh, groups[-1].materials, materials, reports)
                     _note_hidden_medium(groups[-1], materials, reports)

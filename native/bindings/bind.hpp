@@ -14,7 +14,8 @@ struct SceneWithMedia {
     std::shared_ptr<const Media> media; ///< Found in a scene of the same geometry, which they hold on to.
 
     SceneWithMedia(SceneDescription description, const Progress& progress)
-        : scene(std::make_shared<const Scene>(std::move(description), progress)) {
+        : SceneWithMedia(std::make_shared<const Scene>(std::move(description), progress), progress) {}
+    SceneWithMedia(std::shared_ptr<const Scene> made, const Progress& progress) : scene(std::move(made)) {
         struct Found {
             std::shared_ptr<const Scene> in;
             Media media;
@@ -22,6 +23,9 @@ struct SceneWithMedia {
         const auto found = std::shared_ptr<const Found>(new Found{scene, Media(*scene, progress)});
         media = {found, &found->media};
     }
+    /// The other with some instances elsewhere.
+    SceneWithMedia(const SceneWithMedia& other, std::span<const MovedInstance> moved, const Progress& progress)
+        : SceneWithMedia(std::make_shared<const Scene>(*other.scene, moved, progress), progress) {}
     /// The other's geometry, materials and media.
     SceneWithMedia(const SceneWithMedia& other, std::vector<Light> lights, World world)
         : scene(std::make_shared<const Scene>(*other.scene, std::move(lights), std::move(world))), media(other.media) {}

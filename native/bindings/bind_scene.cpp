@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bindings/arrays.hpp"
 #include "bindings/bind.hpp"
+#include "core/errors.hpp"
 #include "scene/light_texture.hpp"
 #include "scene/scene.hpp"
 #include "scene/strands.hpp"
@@ -84,7 +85,7 @@ static World make_world(std::string name, const Triple& radiance, const std::opt
 namespace {
 /// Placements in parallel arrays, one entry per instance.
 struct InstanceArrays {
-    std::vector<std::uint32_t> mesh_indices, first_slot_materials;
+    std::vector<std::uint32_t> mesh_indices, name_indices, first_slot_materials;
     std::vector<std::uint16_t> slot_counts;
     std::vector<std::uint8_t> shows_to;
     std::vector<float> randoms;
@@ -100,7 +101,7 @@ static std::vector<Instance> make_instances(const InstanceArrays& arrays) {
     for (std::size_t i = 0; i < instances.size(); ++i)
         instances[i] = {.mesh_index = arrays.mesh_indices[i],
                         .world_from_object = to_matrix<mat4, 4>(matrices + 16 * i),
-                        .name_index = static_cast<std::uint32_t>(i),
+                        .name_index = arrays.name_indices[i],
                         .first_slot_material = arrays.first_slot_materials[i],
                         .slot_count = arrays.slot_counts[i],
                         .is_camera_visible = (arrays.shows_to[i] & camera_mask) != 0,
@@ -137,18 +138,20 @@ static std::vector<PlacedShape> make_placed_shapes(const py::array& shape_indice
 static std::unique_ptr<SceneWithMedia>
 make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::shared_ptr<TriangleMesh>>& meshes,
            const py::array& mesh_indices, const py::array& world_from_object, std::vector<std::string> object_names,
-           const py::array& first_slot_materials, const py::array& slot_counts, const py::array& shows_to,
-           const py::array& slot_materials, const py::array& randoms, const py::array& object_colors,
-           const py::array& object_indices, const std::vector<std::shared_ptr<ShapeGeometry>>& shapes,
-           const py::array& shape_indices, const py::array& world_from_shape, const py::array& shape_materials,
-           const py::array& shape_shows_to, std::vector<Material> materials, std::vector<Medium> media,
-           std::vector<VolumeInstance> volumes, std::int32_t world_medium, const Progress& progress) {
+           const py::array& name_indices, const py::array& first_slot_materials, const py::array& slot_counts,
+           const py::array& shows_to, const py::array& slot_materials, const py::array& randoms,
+           const py::array& object_colors, const py::array& object_indices,
+           const std::vector<std::shared_ptr<ShapeGeometry>>& shapes, const py::array& shape_indices,
+           const py::array& world_from_shape, const py::array& shape_materials, const py::array& shape_shows_to,
+           std::vector<Material> materials, std::vector<Medium> media, std::vector<VolumeInstance> volumes,
+           std::int32_t world_medium, const Progress& progress) {
     const py::ssize_t count = mesh_indices.size();
     SceneDescription description;
     description.origin_in_world = {origin_in_world[0], origin_in_world[1], origin_in_world[2]};
     description.meshes.assign(meshes.begin(), meshes.end());
     description.instances =
         make_instances({.mesh_indices = to_vector<std::uint32_t, std::uint32_t>(mesh_indices, {-1}, "mesh_indices"),
+                        .name_indices = to_vector<std::uint32_t, std::uint32_t>(name_indices, {count}, "name_indices"),
                         .first_slot_materials = to_vector<std::uint32_t, std::uint32_t>(first_slot_materials, {count},
                                                                                         "first_slot_materials"),
                         .slot_counts = to_vector<std::uint16_t, std::uint16_t>(slot_counts, {count}, "slot_counts"),
@@ -156,10 +159,13 @@ make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::
                         .randoms = to_vector<float, float>(randoms, {count}, "randoms"),
                         .world_from_object = world_from_object});
     description.shapes.assign(shapes.begin(), shapes.end());
-    description.placed_shapes = make_placed_shapes(shape_indices, shape_materials, shape_shows_to, world_from_shape,
-                                                   description.instances.size());
-    const auto colors = to_vector<vec4, float>(object_colors, {count, 4}, "object_colors");
-    const auto indices = to_vector<float, float>(object_indices, {count}, "object_indices");
+    const auto colors = to_vector<vec4, float>(object_colors, {-1, 4}, "object_colors");
+    const auto names = static_cast<py::ssize_t>(colors.size());
+    const auto indices = to_vector<float, float>(object_indices, {names}, "object_indices");
+    description.placed_shapes =
+        make_placed_shapes(shape_indices, shape_materials, shape_shows_to, world_from_shape, colors.size());
+    require(object_names.size() == colors.size() + description.placed_shapes.size(), "there are ", object_names.size(),
+            " object_names, ", colors.size(), " object_colors and ", description.placed_shapes.size(), " shapes");
     description.object_infos.resize(object_names.size()); // those of placed shapes follow, as they begin
     for (std::size_t i = 0; i < colors.size(); ++i)
         description.object_infos[i] = {.color = colors[i], .pass_index = indices[i]};
@@ -232,14 +238,34 @@ float32 (strands, 2); randoms: float32 (strands,) or None. Releases the GIL. Typ
              "dag"_a, "name"_a, "name: for reports. Keeps the DAG, without a copy. Releases the GIL.");
     py::class_<SceneWithMedia>(native, "Scene", "With its media. Immutable; safe from any thread.")
         .def(py::init(&make_scene), "origin_in_world"_a, "meshes"_a, "mesh_indices"_a, "world_from_object"_a,
-             "object_names"_a, "first_slot_materials"_a, "slot_counts"_a, "shows_to"_a, "slot_materials"_a, "randoms"_a,
-             "object_colors"_a, "object_indices"_a, "shapes"_a, "shape_indices"_a, "world_from_shape"_a,
-             "shape_materials"_a, "shape_shows_to"_a, "materials"_a, "media"_a, "volumes"_a, "world_medium"_a,
-             "progress"_a,
+             "object_names"_a, "name_indices"_a, "first_slot_materials"_a, "slot_counts"_a, "shows_to"_a,
+             "slot_materials"_a, "randoms"_a, "object_colors"_a, "object_indices"_a, "shapes"_a, "shape_indices"_a,
+             "world_from_shape"_a, "shape_materials"_a, "shape_shows_to"_a, "materials"_a, "media"_a, "volumes"_a,
+             "world_medium"_a, "progress"_a,
              R"(In the dark, see relit. Per instance: mesh_indices and first_slot_materials uint32, slot_counts uint16,
 shows_to uint8, a bit each for cameras, lights' shadows, bounces and mirrors, world_from_object float32 (n, 4, 4)
 relative to origin_in_world. The same per placed shape, of which
-shape_materials, uint32, is the one material. object_names: of the instances, then of the shapes. Releases the GIL.)")
+shape_materials, uint32, is the one material. object_names: those that name_indices, uint32 per instance, point to, of
+which object_colors and object_indices are, too; then one per shape. Releases the GIL.)")
+        .def(
+            "moved",
+            [](const SceneWithMedia& built, const py::array& instances, const py::array& world_from_object,
+               const Progress& progress) {
+                const auto indices = to_vector<std::uint32_t, std::uint32_t>(instances, {-1}, "instances");
+                check_array<float>(world_from_object, {static_cast<py::ssize_t>(indices.size()), 4, 4},
+                                   "world_from_object");
+                const auto* matrices = static_cast<const float*>(world_from_object.data());
+                std::vector<MovedInstance> moved;
+                for (const std::uint32_t index : indices)
+                    moved.push_back({index, to_matrix<mat4, 4>(matrices + 16 * moved.size())});
+                return without_gil([&] { return std::make_unique<SceneWithMedia>(built, moved, progress); });
+            },
+            "instances"_a, "world_from_object"_a, "progress"_a,
+            "The same with some instances elsewhere, relative to its origin. InvalidInput: one cannot stand there; "
+            "Cancelled. Releases the GIL.")
+        .def_property_readonly(
+            "instance_count", [](const SceneWithMedia& built) { return built.scene->description().instances.size(); },
+            "Of meshes, without those that were left out.")
         .def(
             "relit",
             [](const SceneWithMedia& built, std::vector<Light> lights, World world) {

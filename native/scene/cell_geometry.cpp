@@ -41,7 +41,8 @@ constexpr unsigned int most_lanes = 16; // of Embree's widest packets
 static RayDetail detail_of(const CellQuery& query, unsigned int ray) {
     const unsigned int instance = query.embree.instID[0];
     const RayDetail& detail = query.details[ray];
-    const float lengths = query.shape_lengths[instance], number = detail.number + unit_float(hash(instance));
+    const float lengths = query.shape_lengths[instance - query.first_shape],
+                number = detail.number + unit_float(hash(instance));
     return {.width_m = lengths * detail.width_m,
             .spread = lengths * detail.spread,
             .number = number < 1.0f ? number : number - 1.0f};

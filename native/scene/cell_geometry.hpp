@@ -16,8 +16,9 @@ struct CellQuery {
     RTCIntersectContext embree;
     /// By RTCRay::id, in the scene's space; empty: rays meet every cell.
     std::span<const RayDetail> details;
-    /// By the number of an Embree instance: the shape's metres in one of the scene, at least.
+    /// By the number of an Embree instance less first_shape: the shape's metres in one of the scene, at least.
     std::span<const float> shape_lengths;
+    unsigned int first_shape = 0;
 };
 
 class CellGeometry final : public ShapeGeometry {

@@ -102,11 +102,10 @@ Hit Scene::in_scene(const Ray& ray, Hit hit) const {
             hit.geometric_normal =
                 strands
                     ->point(static_cast<std::uint32_t>(hit.cell), hit.barycentrics,
-                            mat3(geometry_->placements[hit.instance].object_from_scene) * ray.direction,
+                            mat3(geometry_->objects_from_scene[hit.instance]) * ray.direction,
                             hit.geometric_normal)
                     .normal;
-    hit.geometric_normal =
-        glm::normalize(geometry_->placements[hit.instance].scene_from_object_normals * hit.geometric_normal);
+    hit.geometric_normal = glm::normalize(normal_in_scene(hit.instance, hit.geometric_normal));
     return hit;
 }
 
@@ -115,6 +114,7 @@ Hit Scene::closest_hit(const Ray& ray, unsigned int mask, const RayDetail& detai
     if (!detail.is_every_cell()) {
         context.details = std::span(&detail, 1);
         context.shape_lengths = geometry_->shape_lengths;
+        context.first_shape = static_cast<unsigned int>(description().instances.size());
     }
     if (geometry_->has_holes)
         context.embree.filter = skip_holes;
@@ -139,6 +139,7 @@ void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits, unsigne
         if (!details.empty()) {
             context.details = details.subspan(first, these.size());
             context.shape_lengths = geometry_->shape_lengths;
+            context.first_shape = static_cast<unsigned int>(description().instances.size());
         }
         context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
         if (geometry_->has_holes)

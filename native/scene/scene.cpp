@@ -28,6 +28,19 @@ Scene::Scene(const Scene& other, std::vector<Light> lights, World world)
     drop_unusable_lights();
 }
 
+Scene::Scene(const Scene& other, std::span<const MovedInstance> moved, const Progress& progress)
+    : lights_(other.lights_), world_(other.world_) {
+    const StageTimer timer(statistics_, "scene");
+    for (const MovedInstance& instance : moved) {
+        require(instance.index < other.description().instances.size(), "instance ", instance.index, " of ",
+                other.description().instances.size(), " is to move");
+        const char* reason = cannot_move(instance);
+        require(reason == nullptr, "instance ", instance.index, " is to move, but ", reason);
+    }
+    geometry_ = std::make_shared<const Geometry>(*other.geometry_, moved, progress);
+    statistics_.append(geometry_->statistics);
+}
+
 Scene::~Scene() = default;
 
 Scene::Geometry::Geometry(SceneDescription scene, const Progress& progress) : description(std::move(scene)) {
@@ -117,12 +130,26 @@ static bool is_finite(const mat4& scene_from_object) {
     return true;
 }
 
+/// Embree takes rays into the object's space, where they must not leave what it reckons with: 1e18.
+static constexpr double largest_inverse = 1e13;
+
+static bool takes_rays(const mat4& scene_from_object) {
+    const glm::dmat4 inverse = glm::inverse(glm::dmat4(scene_from_object));
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 3; ++row)
+            if (!(std::abs(inverse[column][row]) < (column < 3 ? largest_inverse : double{largest_coordinate_m})))
+                return false;
+    return true;
+}
+
 /// Why an instance cannot be drawn; nullptr if it can.
 static const char* reason_to_drop(const mat4& scene_from_object) {
     if (!is_finite(scene_from_object))
         return "its transform is not finite";
     if (!is_regular(scene_from_object))
         return "its transform leaves no more than a line of it (scales of 0)";
+    if (!takes_rays(scene_from_object))
+        return "it is too small for rays (scales below 1e-13)";
     return nullptr;
 }
 
@@ -149,6 +176,10 @@ void Scene::Geometry::report_unusable_strands(const Strands& strands) {
                     kind;
     if (!what.empty())
         statistics.report((has_strands ? "strands '" : "points '") + strands.name() + "': left out " + what);
+}
+
+const char* Scene::cannot_move(const MovedInstance& moved) {
+    return reason_to_drop(thickened(moved.world_from_object));
 }
 
 void Scene::Geometry::drop_unusable_instances() {
@@ -245,19 +276,15 @@ Bounds3 transformed(const Bounds3& bounds, const mat4& to_from) {
     return result;
 }
 
-/// Inverse transpose, scaled so that a normal neither overflows nor underflows on its way, whatever the object's size.
-static mat3 normal_matrix(const mat4& scene_from_object) {
-    const glm::dmat3 matrix = glm::transpose(glm::inverse(glm::dmat3(mat3(scene_from_object))));
-    double largest = 0.0;
+mat3 Scene::normal_matrix(const mat4& object_from_scene) {
+    float largest = 0.0f;
     for (int column = 0; column < 3; ++column)
-        largest = std::max(largest, glm::length(matrix[column]));
-    return mat3(matrix / largest);
+        for (int row = 0; row < 3; ++row)
+            largest = std::max(largest, std::abs(object_from_scene[column][row]));
+    return glm::transpose(mat3(object_from_scene)) * (1.0f / largest);
 }
 
-Scene::Placement Scene::placement_of(const mat4& scene_from_object) {
-    return {.scene_from_object_normals = normal_matrix(scene_from_object),
-            .object_from_scene = mat4(glm::inverse(glm::dmat4(scene_from_object)))};
-}
+static mat4 inverse_of(const mat4& scene_from_object) { return mat4(glm::inverse(glm::dmat4(scene_from_object))); }
 
 void Scene::prepare_detail(const Progress& progress) const {
     for (const auto& shape : description().shapes)
@@ -274,14 +301,14 @@ static unsigned int mask_of(const auto& placed) {
 void Scene::Geometry::attach_instances(const Progress& progress) {
     embree_scene = rtcNewScene(embree_device());
     rtcSetSceneFlags(embree_scene, traced_scene_flags);
-    placements.resize(description.instances.size() + description.placed_shapes.size());
-    shape_lengths.resize(placements.size());
+    objects_from_scene.resize(description.instances.size() + description.placed_shapes.size());
+    shape_lengths.resize(description.placed_shapes.size());
     for (std::uint32_t index = 0; index < description.instances.size(); ++index) {
         const Instance& instance = description.instances[index];
         const TriangleMesh& mesh = *description.meshes[instance.mesh_index];
         const Bounds3 box = transformed(mesh.bounds(), instance.world_from_object);
         bounds.grow(box);
-        placements[index] = placement_of(instance.world_from_object);
+        objects_from_scene[index] = inverse_of(instance.world_from_object);
 
         std::size_t surface_slots = 0, opaque_slots = 0;
         for (std::size_t slot = 0; slot < instance.slot_count; ++slot) {
@@ -303,11 +330,11 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
         const std::size_t index = description.instances.size() + i;
         const Bounds3 box = bounds_of(description, placed);
         bounds.grow(box);
-        placements[index] = placement_of(placed.world_from_object);
+        objects_from_scene[index] = inverse_of(placed.world_from_object);
         float longest_edge = 0.0f; // of a cube of 1 m there
         for (int axis = 0; axis < 3; ++axis)
             longest_edge = std::max(longest_edge, glm::length(vec3(placed.world_from_object[axis])));
-        shape_lengths[index] = 1.0f / longest_edge;
+        shape_lengths[i] = 1.0f / longest_edge;
         if (!stops_light(description, placed))
             continue;
         if (!is_opaque_everywhere(description.materials[placed.material_index]))
@@ -317,11 +344,90 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
         attach_instance(embree_scene, shape.embree_scene(), placed.world_from_object, static_cast<std::uint32_t>(index),
                         mask_of(placed));
     }
+    commit_embree_scene(progress);
+}
+
+void Scene::Geometry::commit_embree_scene(const Progress& progress) {
     try {
         commit(embree_scene, "the scene", progress);
     } catch (...) {
         rtcReleaseScene(embree_scene);
         throw;
     }
+}
+
+bool Scene::Geometry::has_surface(const Instance& instance) const {
+    for (std::size_t slot = 0; slot < instance.slot_count; ++slot)
+        if (slot_material(instance, slot).has_surface)
+            return true;
+    return false;
+}
+
+/// Whether a part of a box that is taken away may be all that reaches so far.
+static bool may_bound(const Bounds3& part, const Bounds3& all) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (part.min[axis] <= all.min[axis] || part.max[axis] >= all.max[axis])
+            return true;
+    return false;
+}
+
+Scene::Geometry::Geometry(const Geometry& other, std::span<const MovedInstance> moved, const Progress& progress)
+    : description(other.description), bounds(other.bounds), surface_bounds(other.surface_bounds),
+      objects_from_scene(other.objects_from_scene), shape_lengths(other.shape_lengths),
+      transparent_operations(other.transparent_operations), lets_light_pass(other.lets_light_pass),
+      has_holes(other.has_holes) {
+    statistics.reports = other.statistics.reports;
+    bool may_shrink = false;
+    std::vector<bool> is_moved(description.instances.size());
+    for (const auto& [index, world_from_object] : moved) {
+        Instance& instance = description.instances[index];
+        const Bounds3& of_mesh = description.meshes[instance.mesh_index]->bounds();
+        may_shrink |= may_bound(transformed(of_mesh, instance.world_from_object), bounds) ||
+                      may_bound(transformed(of_mesh, instance.world_from_object), surface_bounds);
+        instance.world_from_object = thickened(world_from_object);
+        objects_from_scene[index] = inverse_of(instance.world_from_object);
+        const Bounds3 box = transformed(of_mesh, instance.world_from_object);
+        bounds.grow(box);
+        if (has_surface(instance))
+            surface_bounds.grow(box);
+        is_moved[index] = true;
+    }
+    if (may_shrink) {
+        bounds = surface_bounds = {};
+        for (const Instance& instance : description.instances) {
+            const Bounds3 box =
+                transformed(description.meshes[instance.mesh_index]->bounds(), instance.world_from_object);
+            bounds.grow(box);
+            if (has_surface(instance))
+                surface_bounds.grow(box);
+        }
+        for (const PlacedShape& placed : description.placed_shapes) {
+            const Bounds3 box = bounds_of(description, placed);
+            bounds.grow(box);
+            if (stops_light(description, placed))
+                surface_bounds.grow(box);
+        }
+    }
+    embree_scene = rtcNewScene(embree_device());
+    rtcSetSceneFlags(embree_scene, traced_scene_flags);
+    const StageTimer timer(statistics, "scene: tree");
+    const auto share = [&](std::size_t index) {
+        const auto id = static_cast<unsigned int>(index);
+        rtcAttachGeometryByID(embree_scene, rtcGetGeometry(other.embree_scene, id), id);
+    };
+    for (std::uint32_t index = 0; index < description.instances.size(); ++index) {
+        const Instance& instance = description.instances[index];
+        if (!has_surface(instance))
+            continue;
+        if (is_moved[index])
+            attach_instance(embree_scene, description.meshes[instance.mesh_index]->embree_scene(),
+                            instance.world_from_object, index, mask_of(instance));
+        else
+            share(index);
+    }
+    for (std::size_t i = 0; i < description.placed_shapes.size(); ++i)
+        if (stops_light(description, description.placed_shapes[i]))
+            share(description.instances.size() + i);
+    commit_embree_scene(progress);
 }
 } // namespace tyndall

@@ -29,10 +29,10 @@ struct Instance {
     /// First entry in SceneDescription::slot_materials: slot s of the mesh has material slot_materials[first + s].
     std::uint32_t first_slot_material = 0;
     std::uint16_t slot_count = 1;
-    bool is_camera_visible = true;
-    bool casts_shadow = true;
-    bool is_bounce_visible = true; ///< Its light falls on other surfaces by a bounce.
-    bool is_mirror_visible = true;
+    bool is_camera_visible : 1 = true; ///< Bits, for there may be millions of instances.
+    bool casts_shadow : 1 = true;
+    bool is_bounce_visible : 1 = true; ///< Its light falls on other surfaces by a bounce.
+    bool is_mirror_visible : 1 = true;
     float random = 0.0f; ///< Its own, [0, 1): what Object Info calls so.
 };
 
@@ -84,6 +84,12 @@ struct AskingRay {
     const Material* material = nullptr; ///< That is asked in place of the surface's own.
 };
 
+/// Elsewhere than in another scene.
+struct MovedInstance {
+    std::uint32_t index = 0; ///< Into the instances that the other kept.
+    mat4 world_from_object{1.0f};
+};
+
 class Scene {
 public:
     /// Checks indices and commits Embree. Leaves out of the description, with one report per object: instances that cannot
@@ -93,12 +99,18 @@ public:
     Scene(SceneDescription description, const Progress& progress);
     /// The same geometry, materials and media under other lights and another world: shared, nothing is built again.
     Scene(const Scene& other, std::vector<Light> lights, World world);
+    /// The same with some instances elsewhere, under the same lights: only the tree over all instances is built again.
+    /// What it shows is, bit for bit, what a scene shows that was made so. Throws InvalidInput for what cannot_move(), and
+    /// Cancelled.
+    Scene(const Scene& other, std::span<const MovedInstance> moved, const Progress& progress);
     Scene(const Scene&) = delete;
     Scene& operator=(const Scene&) = delete;
     ~Scene();
 
     /// Without lights and world, which lights() and world() tell.
     [[nodiscard]] const SceneDescription& description() const { return geometry_->description; }
+    /// Why an instance cannot stand there without a scene of its own: it would be left out; nullptr where it can.
+    [[nodiscard]] static const char* cannot_move(const MovedInstance& moved);
     [[nodiscard]] std::span<const Light> lights() const { return lights_; }
     [[nodiscard]] const World& world() const { return world_; }
     [[nodiscard]] const Bounds3& bounds() const { return geometry_->bounds; } ///< Of all kept instances.
@@ -166,12 +178,11 @@ public:
     void shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing) const;
 
 private:
-    /// What a hit reads of its instance.
-    struct Placement {
-        mat3 scene_from_object_normals{1.0f}; ///< Inverse transpose: a normal stays outside under mirroring.
-        mat4 object_from_scene{1.0f};
-    };
-    [[nodiscard]] static Placement placement_of(const mat4& scene_from_object);
+    /// Of an instance, to be normalized.
+    [[nodiscard]] vec3 normal_in_scene(std::uint32_t instance, const vec3& normal) const {
+        return normal_matrix(geometry_->objects_from_scene[instance]) * normal;
+    }
+    [[nodiscard]] static mat3 normal_matrix(const mat4& object_from_scene);
     [[nodiscard]] ProgramPoint program_point(const AskingRay& asking, const ShadingPoint& point, const Hit& hit) const;
     [[nodiscard]] const MeshArrays& mesh_of(std::uint32_t instance) const; ///< Of one that has a mesh.
     [[nodiscard]] ShadingPoint shading_point(const PlacedShape& placed, const Ray& ray, const Hit& hit) const;
@@ -181,13 +192,14 @@ private:
         Bounds3 bounds, surface_bounds;
         Statistics statistics;
         RTCScene embree_scene = nullptr;
-        std::vector<Placement> placements;                         ///< Per instance, then per placed shape.
-        std::vector<float> shape_lengths;                          ///< As many: see CellQuery. Of instances 0.
+        std::vector<mat4> objects_from_scene;                      ///< Per instance, then per placed shape.
+        std::vector<float> shape_lengths;                          ///< Per placed shape: see CellQuery.
         std::vector<TransparentOperations> transparent_operations; ///< Per material.
         bool lets_light_pass = false; ///< Some shadow-casting instance is transparent, or has holes.
         bool has_holes = false;       ///< Some instance that is seen has slots without a surface.
 
         Geometry(SceneDescription scene, const Progress& progress);
+        Geometry(const Geometry& other, std::span<const MovedInstance> moved, const Progress& progress);
         Geometry(const Geometry&) = delete;
         Geometry& operator=(const Geometry&) = delete;
         ~Geometry();
@@ -196,6 +208,8 @@ private:
         void report_unusable_strands(const Strands& strands);
         void drop_unusable_volumes();
         void attach_instances(const Progress& progress);
+        void commit_embree_scene(const Progress& progress);
+        [[nodiscard]] bool has_surface(const Instance& instance) const;
         [[nodiscard]] const Material& slot_material(const Instance& instance, std::size_t slot) const;
     };
     void drop_unusable_lights();

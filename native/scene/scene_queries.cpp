@@ -148,7 +148,7 @@ ShadingPoint Scene::shading_point(const PlacedShape& placed, const Ray& ray, con
     const CellLook look = shape.look(hit.cell);
     if (!reads_cell_color(description().materials[placed.material_index]))
         point.tint = look.color;
-    const vec3 normal = geometry_->placements[hit.instance].scene_from_object_normals * look.normal;
+    const vec3 normal = normal_in_scene(hit.instance, look.normal);
     if (const float length = glm::length(normal); length > 0.0f)
         point.shading_normal = normal / length;
     // Walls of one voxel have two sides. Steps at a silhouette look away from the ray a little, and stay as they are; the
@@ -176,7 +176,7 @@ ShadingPoint Scene::shading_point(const Ray& ray, const Hit& hit) const {
                        .barycentrics = hit.barycentrics,
                        .is_backface = glm::dot(hit.geometric_normal, ray.direction) > 0.0f};
     if (!mesh.corner_normals.empty()) {
-        const mat3& to_scene = geometry_->placements[hit.instance].scene_from_object_normals;
+        const mat3 to_scene = normal_matrix(geometry_->objects_from_scene[hit.instance]);
         std::array<vec3, 3> normals;
         for (std::size_t corner = 0; corner < 3; ++corner) {
             const vec3& normal = mesh.corner_normals[std::size_t{3} * hit.triangle + corner];
@@ -206,7 +206,7 @@ static vec3 smooth_normal(const MeshArrays& mesh, const Hit& hit) {
 
 ProgramPoint Scene::program_point(const AskingRay& asking, const ShadingPoint& point, const Hit& hit) const {
     const PlacedShape* const placed = placed_shape(hit.instance);
-    const mat4& object_from_scene = geometry_->placements[hit.instance].object_from_scene;
+    const mat4& object_from_scene = geometry_->objects_from_scene[hit.instance];
     const std::vector<ObjectInfo>& infos = description().object_infos;
     return {.surface = point,
             .ray_kind = asking.kind,
@@ -295,8 +295,7 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit) const {
     uvs.clear();
     look_up_uvs(mesh_of(hit.instance), surface, hit.triangle, hit.barycentrics, uvs);
     Hit with_normal = hit;
-    with_normal.geometric_normal =
-        glm::normalize(geometry_->placements[hit.instance].scene_from_object_normals * hit.geometric_normal);
+    with_normal.geometric_normal = glm::normalize(normal_in_scene(hit.instance, hit.geometric_normal));
     const AskingRay asking{.ray = ray, .kind = RayKind::Shadow};
     return evaluate_transparent(
         surface, geometry_->transparent_operations[static_cast<std::size_t>(&surface - description().materials.data())],
@@ -304,7 +303,7 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit) const {
 }
 
 SpawnPoint Scene::spawn_point(const Hit& hit) const {
-    const mat4& object_from_scene = geometry_->placements[hit.instance].object_from_scene;
+    const mat4& object_from_scene = geometry_->objects_from_scene[hit.instance];
     if (const PlacedShape* placed = placed_shape(hit.instance)) {
         if (const Strands* strands = shape_of(*placed).strands()) {
             const StrandSurface surface = surface_of(*strands, hit, placed->world_from_object);

@@ -10,8 +10,12 @@ from typing import Any, Protocol
 import numpy as np
 
 from .heterogeneity import PaintedAir
-from .scene_description import DensityGrid, Image, Mesh, Strands
+from .scene_description import DensityGrid, Image, Instances, Mesh, Strands
 from .voxel_dag import VoxelDag
+
+_PLAIN_OF_INSTANCES = [
+    entry.name for entry in fields(Instances) if entry.name not in {"mesh", "world_from_object", "random"}
+]
 
 
 class _Digest(Protocol):
@@ -32,18 +36,33 @@ def _feed(digest: _Digest, value: object) -> None:
         digest.update(f"<voxels {value.key}>".encode())
     elif isinstance(value, PaintedAir):
         _feed(digest, (value.key, value.world_from_unit))
+    elif isinstance(value, Instances):
+        _feed_instances(digest, value)
     elif isinstance(value, np.ndarray):
         digest.update(f"{value.dtype}{value.shape}".encode())
         digest.update(np.ascontiguousarray(value).data)
     elif isinstance(value, tuple):
-        digest.update(f"({len(value)}:".encode())
-        if value and all(isinstance(item, str) for item in value):
-            digest.update("\0".join(value).encode())
-            return
-        for item in value:
-            _feed(digest, item)
+        _feed_tuple(digest, value)
     elif is_dataclass(value):
         for entry in fields(value):
             _feed(digest, getattr(value, entry.name))
     else:
         digest.update(f"{value!r};".encode())
+
+
+def _feed_tuple(digest: _Digest, value: tuple[object, ...]) -> None:
+    digest.update(f"({len(value)}:".encode())
+    if value and all(isinstance(item, str) for item in value):
+        digest.update("\0".join(map(str, value)).encode())
+        return
+    for item in value:
+        _feed(digest, item)
+
+
+def _feed_instances(digest: _Digest, value: Instances) -> None:
+    """At once: a scene may have 100,000 groups."""
+    plain = [getattr(value, name) for name in _PLAIN_OF_INSTANCES]
+    digest.update(f"<{value.mesh.key}>{plain!r}{value.world_from_object.shape}{value.random is None}".encode())
+    digest.update(np.ascontiguousarray(value.world_from_object, np.float64).data)
+    if value.random is not None:
+        digest.update(np.ascontiguousarray(value.random, np.float32).data)

@@ -15,8 +15,10 @@ from tyndall.closed_meshes import open_edge_count
 from . import _native
 from .direction_programs import build_direction_program
 from .fingerprints import fingerprint
+from .instance_arrays import colors_of, names_of, randoms_of, repeated
 from .light_textures import build_light_textures
 from .linear_colours import linear_colours
+from .moved_instances import moved_groups
 from .native_lights import build_light
 from .native_materials import build_material
 from .native_textures import build_texture
@@ -33,6 +35,7 @@ from .scene_description import (
     TextureUse,
     World,
 )
+from .scene_origin import origin_of, places_of
 
 #: Radiances and coefficients beyond it would overflow where they are summed; Blender makes 3.4e38 of infinite ones.
 _LARGEST_VALUE = 1e30
@@ -41,16 +44,26 @@ _DEFAULT_MATERIAL = Material(name="(no material)")
 _Part = TypeVar("_Part")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(kw_only=True)
 class KeptGeometry:
     """A scene whose geometry, materials and media serve as long as only lights and world change."""
 
-    fingerprint: bytes
     scene: _native.Scene
     origin_in_world: NDArray[np.float64]
-    object_names: list[str]  #: Per native instance.
+    object_names: list[str]  #: As native instances point to them.
     aov_programs: dict[str, dict[int, int]]  #: By name, of native materials: those that emit their values.
     reports: list[str]  #: About its parts.
+    places: NDArray[np.float64]  #: (n, 3), in the world: of all instances, then of what else has one.
+    firsts: NDArray[np.int64]  #: Of each group: the number of its first instance; then that of all.
+    fingerprint: bytes = b""  #: Empty: not found yet, but ``description`` is there.
+    #: Of sessions that follow what moves, where all of it is in the scene.
+    description: SceneDescription | None = None
+
+    def serves(self, description: SceneDescription) -> bool:
+        """Whether nothing but lights and the world's light differ. Looks at all of both."""
+        if not self.fingerprint and self.description is not None:
+            self.fingerprint = geometry_fingerprint(self.description)
+        return self.fingerprint == geometry_fingerprint(description)
 
 
 def geometry_fingerprint(description: SceneDescription) -> bytes:
@@ -81,6 +94,7 @@ class NativeParts:
     light_textures: dict[tuple[str, int, int], _native.FilteredTexture] = field(default_factory=dict)
     world: tuple[bytes, _native.World] | None = None
     geometry: KeptGeometry | None = None  #: Of the last scene.
+    follows_moves: bool = False  #: At the cost of keeping the description.
     counts: dict[str, float] = field(default_factory=dict)
 
     def begin_update(self) -> None:
@@ -98,6 +112,7 @@ class NativeParts:
             "strands reused": 0,
             "scene rebuilt": 0,
             "scene relit": 0,
+            "scene moved": 0,
         }
 
     def count_geometry_as_reused(self) -> None:
@@ -125,19 +140,33 @@ class BuiltScene:
     reports: list[str]
 
 
-def build_scene(description: SceneDescription, parts: NativeParts, progress: _native.Progress) -> BuiltScene:
-    """The native scene; new meshes and images go into ``parts``, those that are gone leave it. Raises Cancelled.
+def update_geometry(description: SceneDescription, parts: NativeParts, progress: _native.Progress) -> KeptGeometry:
+    """All but the lights; new meshes and images go into ``parts``, those that are gone leave it. Raises Cancelled.
 
-    Where nothing but lights and the world's light changed, the geometry of the last scene is kept.
+    Where nothing of it changed, that of the last scene is kept.
     """
-    current = geometry_fingerprint(description)
-    kept = parts.geometry if parts.geometry is not None and parts.geometry.fingerprint == current else None
-    if kept is None:
-        kept = _build_geometry(description, current, parts, progress)
-        parts.geometry = kept
-        parts.counts["scene rebuilt"] = 1
-    else:
-        parts.count_geometry_as_reused()
+    kept = parts.geometry
+    if kept is not None:
+        changed = None if kept.description is None else moved_groups(kept.description, description)
+        moved = _moved(kept, description, changed, progress) if changed else None
+        if moved is not None:
+            parts.counts["scene moved"] = 1
+        elif changed == [] or (not changed and kept.serves(description)):
+            moved = kept
+        if moved is not None:
+            if moved.description is not None:
+                moved.description = description
+            parts.geometry = moved
+            parts.count_geometry_as_reused()
+            return moved
+    parts.geometry = _build_geometry(description, parts, progress)
+    parts.counts["scene rebuilt"] = 1
+    return parts.geometry
+
+
+def light_scene(description: SceneDescription, kept: KeptGeometry, parts: NativeParts) -> BuiltScene:
+    """The geometry under the description's lights."""
+    if not (parts.counts["scene rebuilt"] or parts.counts["scene moved"]):
         parts.counts["scene relit"] = 1
     reports = [*description.reports, *kept.reports]
     light_textures = build_light_textures(description.lights, parts, reports)
@@ -161,13 +190,33 @@ def build_scene(description: SceneDescription, parts: NativeParts, progress: _na
     )
 
 
-def _build_geometry(
-    description: SceneDescription, current: bytes, parts: NativeParts, progress: _native.Progress
-) -> KeptGeometry:
+def _moved(
+    kept: KeptGeometry, description: SceneDescription, changed: list[int], progress: _native.Progress
+) -> KeptGeometry | None:
+    """With some groups elsewhere; None where that takes a new scene."""
+    firsts = kept.firsts
+    if kept.scene.instance_count != firsts[-1]:
+        return None  # some were left out: the native ones have other numbers
+    groups = [description.instances[index] for index in changed]
+    indices = np.concatenate([np.arange(firsts[index], firsts[index + 1], dtype=np.uint32) for index in changed])
+    places = kept.places.copy()
+    places[indices] = np.concatenate([group.world_from_object[:, :3, 3] for group in groups])
+    if not np.array_equal(origin_of(places), kept.origin_in_world):
+        return None
+    matrices = relative_matrices([group.world_from_object for group in groups], kept.origin_in_world)
+    try:
+        scene = kept.scene.moved(indices, matrices, progress)
+    except _native.InvalidInput:  # a new scene reports what it leaves out
+        return None
+    return replace(kept, scene=scene, places=places, fingerprint=b"")
+
+
+def _build_geometry(description: SceneDescription, parts: NativeParts, progress: _native.Progress) -> KeptGeometry:
     reports: list[str] = []
     groups = _build_meshes(description.instances, parts, reports, progress)
     _report_open_media(groups, description.materials, parts, reports)
-    origin = _origin_in_world(groups, description)
+    places = places_of(groups, description)
+    origin = origin_of(places)
     with_aovs, aov_programs = _with_aov_programs(description.materials)
     materials = _build_materials(with_aovs, parts, reports)
     default_material = len(materials)
@@ -175,7 +224,7 @@ def _build_geometry(
     slots = [group.materials or (default_material,) for group in groups]
     first_slots = np.cumsum([0, *map(len, slots)])[:-1]
     shapes = build_shapes(description, parts, origin, default_material, reports, progress)
-    object_names = [name for group in groups for name in group.object_names] + shapes.object_names
+    names, name_counts, name_indices = names_of(groups)
     # A medium is pointed to by index: one that cannot be used becomes an empty one.
     media = [
         part if part is not None else _build_medium(Medium(name=medium.name))
@@ -190,16 +239,17 @@ def _build_geometry(
     scene = _native.Scene(
         origin_in_world=tuple(origin),
         meshes=[parts.meshes[key] for key in mesh_keys],
-        mesh_indices=_repeated([mesh_index[group.mesh.key] for group in groups], counts, np.uint32),
+        mesh_indices=repeated([mesh_index[group.mesh.key] for group in groups], counts, np.uint32),
         world_from_object=relative_matrices([group.world_from_object for group in groups], origin),
-        object_names=object_names,
-        first_slot_materials=_repeated(first_slots, counts, np.uint32),
-        slot_counts=_repeated([len(slot) for slot in slots], counts, np.uint16),
-        shows_to=_repeated([shows_to(group) for group in groups], counts, np.uint8),
+        object_names=names + shapes.object_names,
+        name_indices=name_indices,
+        first_slot_materials=repeated(first_slots, counts, np.uint32),
+        slot_counts=repeated([len(slot) for slot in slots], counts, np.uint16),
+        shows_to=repeated([shows_to(group) for group in groups], counts, np.uint8),
         slot_materials=np.array([index for slot in slots for index in slot], dtype=np.uint32),
-        randoms=_randoms(groups),
-        object_colors=_colors(groups, counts),
-        object_indices=_repeated([group.pass_index for group in groups], counts, np.float32),
+        randoms=randoms_of(groups),
+        object_colors=colors_of(groups, name_counts),
+        object_indices=repeated([group.pass_index for group in groups], name_counts, np.float32),
         **shapes.arguments,
         materials=materials,
         media=media,
@@ -207,50 +257,18 @@ def _build_geometry(
         world_medium=description.world.medium,
         progress=progress,
     )
+    follows = parts.follows_moves and len(groups) == len(description.instances)
     return KeptGeometry(
-        fingerprint=current,
         scene=scene,
         origin_in_world=origin,
-        object_names=object_names,
+        object_names=names + shapes.object_names,
         aov_programs=aov_programs,
         reports=reports,
+        places=places if follows else np.zeros((0, 3)),
+        firsts=np.cumsum([0, *counts]),
+        fingerprint=b"" if follows else geometry_fingerprint(description),
+        description=description if follows else None,
     )
-
-
-def _randoms(groups: list[Instances]) -> NDArray[np.float32]:
-    each = (np.zeros(len(group.object_names), np.float32) if group.random is None else group.random for group in groups)
-    return np.concatenate([np.zeros(0, np.float32), *each])
-
-
-def _colors(groups: list[Instances], counts: list[int]) -> NDArray[np.float32]:
-    each = np.array([group.color for group in groups], np.float32).reshape(-1, 4)
-    return np.repeat(each, counts, axis=0)
-
-
-def _repeated(values: Iterable[float], counts: list[int], dtype: type[np.number[Any]]) -> NDArray[Any]:
-    return np.repeat(np.array(list(values), dtype=dtype), counts)
-
-
-def _origin_in_world(groups: list[Instances], description: SceneDescription) -> NDArray[np.float64]:
-    """The median of the placed objects, rounded: outliers do not move it, and motions seldom do.
-
-    In whole metres, and in steps as large as the scene: where it moves, so do all coordinates, and nothing is kept.
-    """
-    places = [group.world_from_object[:, :3, 3] for group in groups]
-    places += [group.world_from_object[:, :3, 3] for group in description.voxel_objects]
-    places += [group.world_from_object[:, :3, 3] for group in description.strand_objects]
-    places += [volume.world_from_object[None, :3, 3] for volume in description.volumes]
-    if not places:
-        places = [light.world_from_light[None, :3, 3] for light in description.lights]
-    points = np.concatenate(places) if places else np.zeros((0, 3))
-    points = points[np.isfinite(points).all(axis=1)]
-    if len(points) == 0:
-        return np.zeros(3)
-    median = np.median(points, axis=0)
-    spread_m = float(np.median(np.abs(points - median).max(axis=1)))
-    step_m = 2.0 ** np.ceil(np.log2(4.0 * min(max(spread_m, 0.25), 1e30)))
-    origin: NDArray[np.float64] = np.round(median / step_m) * step_m
-    return origin
 
 
 def _build_meshes(

@@ -18,7 +18,7 @@ from .heterogeneity import Heterogeneity
 from .kept_pictures import UnstyledPictures
 from .mattes import MATTE_NAMES
 from .native_heterogeneity import KeptAir
-from .native_scene import NativeParts, build_scene
+from .native_scene import KeptGeometry, NativeParts, light_scene, update_geometry
 from .native_transfer_functions import build_weighted_functions
 from .scene_description import Camera, FloatArray, SceneDescription
 from .transfer_functions import WeightedFunction
@@ -145,7 +145,14 @@ class Session:
     Not for two threads at once; ``progress.cancel()`` may come from any thread.
     """
 
-    def __init__(self, *, kept_pictures: int = 0, kept_maps_bytes: int = 0, kept_surfaces_bytes: int = 0) -> None:
+    def __init__(
+        self,
+        *,
+        kept_pictures: int = 0,
+        kept_maps_bytes: int = 0,
+        kept_surfaces_bytes: int = 0,
+        follows_moves: bool = False,
+    ) -> None:
         """Keep nothing from picture to picture but the scene, or more of it.
 
         ``kept_pictures``: how many of the last are kept, so that changed transfer functions need no rays.
@@ -153,17 +160,20 @@ class Session:
         its filters and its noise.
         ``kept_surfaces_bytes``: of what camera rays met in the last pictures and how it is lit, so that changed shafts
         trace no ray, and a changed light only its own. Pictures are the same, bit for bit.
+        ``follows_moves``: the last description, so that an update that shares all but a few ``instances`` with it,
+        which stand elsewhere, looks at these alone.
         """
         self._unstyled = UnstyledPictures(kept_pictures)
         self._kept_maps: _native.MapCache | None = None
         if kept_maps_bytes > 0:
             self.keep_maps(kept_maps_bytes)
         self._kept_surfaces = _native.KeptSurfaces(kept_surfaces_bytes) if kept_surfaces_bytes > 0 else None
-        self._parts = NativeParts()
+        self._parts = NativeParts(follows_moves=follows_moves)
         self._function_textures: dict[str, _native.Texture] = {}
         self._kept_air = KeptAir()
         self._scene: _native.Scene | None = None
-        self._fingerprint = b""
+        self._geometry: KeptGeometry | None = None
+        self._lit_by = b""
         self._origin_in_world: NDArray[np.float64] = np.zeros(3)
         self._update_seconds = 0.0
         self._reports: list[str] = []
@@ -188,12 +198,13 @@ class Session:
         """
         start = perf_counter()
         self._parts.begin_update()
-        current = fingerprint(description)
-        if self._scene is None or current != self._fingerprint:
-            built = build_scene(description, self._parts, progress)
+        geometry = update_geometry(description, self._parts, progress)
+        lit_by = fingerprint((description.lights, description.world, description.reports))
+        if self._scene is None or geometry is not self._geometry or lit_by != self._lit_by:
+            built = light_scene(description, geometry, self._parts)
             self._scene, self._origin_in_world, self._reports = built.scene, built.origin_in_world, built.reports
             self._light_names, self._aov_programs = built.light_names, built.aov_programs
-            self._fingerprint = current
+            self._geometry, self._lit_by = geometry, lit_by
             self._unstyled.clear()
         else:
             self._parts.count_all_as_reused()
@@ -235,7 +246,7 @@ class Session:
         if unstyled is not None:
             self._unstyled.keep(camera, config, unstyled)
         of_scene = self._scene.statistics.to_dict()
-        if not self._parts.counts["scene rebuilt"]:
+        if not (self._parts.counts["scene rebuilt"] or self._parts.counts["scene moved"]):
             of_scene["stages"] = []  # of another update
         parts = (self.statistics, of_scene, native_statistics.to_dict())
         merged = _merged(*parts)

@@ -77,6 +77,7 @@ def test_the_same_description_sends_nothing_and_builds_nothing() -> None:
         "strands reused": 0,
         "scene rebuilt": 1,
         "scene relit": 0,
+        "scene moved": 0,
     }
     session.update(lit_square(), Progress())
     assert counts(session)["meshes sent"] == 0

@@ -219,6 +219,17 @@ TEST_CASE("unusable triangles are counted, named, and their neighbours keep slot
         mesh_of({.name = "flat", .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}, {0, 1, 1}}});
     CHECK(make_scene({{.mesh = flat}})->statistics().reports[0] == "mesh 'flat': left out 1 triangle with no area");
 }
+TEST_CASE("what is so small that rays overflow in its space is left out; a crystal of 1e-12 m is not") {
+    const auto reports_of = [](float scale) {
+        return make_scene({{.mesh = square(), .world_from_object = glm::scale(mat4(1.0f), vec3(scale, 1, 3))}})
+            ->statistics()
+            .reports;
+    };
+    CHECK(reports_of(1e-12f).empty());
+    CHECK(reports_of(1e-20f).size() == 1);
+    const auto crystal = make_scene({{.mesh = square(), .world_from_object = glm::scale(mat4(1.0f), vec3(1e-12f))}});
+    CHECK(crystal->statistics().reports.empty());
+}
 TEST_CASE("arrays that do not fit together are refused, and the mesh and the place are named") {
     MeshArrays arrays{.name = "M", .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 3}}};
     CHECK_THROWS_WITH_AS(mesh_of(arrays), "mesh 'M': triangle 0 asks for vertex 3 of 3", InvalidInput);

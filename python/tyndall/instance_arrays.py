@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Groups of instances as the arrays that a native scene takes: one entry per instance, or per name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .scene_description import Instances
+
+
+def names_of(groups: list[Instances]) -> tuple[list[str], list[int], NDArray[np.uint32]]:
+    """Names, how many of them each group has, and which of them each instance: a group seldom has more than one."""
+    names: list[str] = []
+    name_counts: list[int] = []
+    indices: list[NDArray[np.uint32]] = [np.zeros(0, np.uint32)]
+    for group in groups:
+        own = group.object_names
+        is_one = not own or own.count(own[0]) == len(own)
+        indices.append(np.arange(len(own), dtype=np.uint32) * np.uint32(not is_one) + np.uint32(len(names)))
+        name_counts.append(min(len(own), 1) if is_one else len(own))
+        names += own[: name_counts[-1]]
+    return names, name_counts, np.concatenate(indices)
+
+
+def randoms_of(groups: list[Instances]) -> NDArray[np.float32]:
+    """Of every instance."""
+    each = (np.zeros(len(group.object_names), np.float32) if group.random is None else group.random for group in groups)
+    return np.concatenate([np.zeros(0, np.float32), *each])
+
+
+def colors_of(groups: list[Instances], counts: list[int]) -> NDArray[np.float32]:
+    """As often as ``counts`` say, (n, 4)."""
+    each = np.array([group.color for group in groups], np.float32).reshape(-1, 4)
+    return np.repeat(each, counts, axis=0)
+
+
+def repeated(values: Iterable[float], counts: list[int], dtype: type[np.number[Any]]) -> NDArray[Any]:
+    """Each value as often as ``counts`` say."""
+    return np.repeat(np.array(list(values), dtype=dtype), counts)

@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Descriptions that share all but a few groups with the last one: these alone are looked at; no picture can tell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from support.plain_scenes import placed, square, sun, translation, unit_cube
+from tyndall import Progress
+from tyndall.renderer import RenderConfig, Session, ShaftConfig
+from tyndall.scene_description import (
+    Camera,
+    CameraKind,
+    Instances,
+    Material,
+    Medium,
+    ScatterLobe,
+    SceneDescription,
+    World,
+)
+
+CONFIG = RenderConfig(
+    pixel_samples=2,
+    passes=frozenset({"Shadow", "Normal", "Position"}),
+    shafts=ShaftConfig(method="SHADOW_MAP", resolution=64, light_samples=2, world_samples=2),
+)
+FLOOR, FIRST_CUBE, PANES, FOG = 0, 1, 9, 10  #: Groups.
+
+
+def scene() -> SceneDescription:
+    """A floor, cubes in a group each, two panes in one, and a box of fog."""
+    rng = np.random.default_rng(4)
+    cubes = [translation(*rng.uniform(-2.0, 2.0, 2), 0.1) @ np.diag([0.2, 0.3, 0.5, 1.0]) for _ in range(8)]
+    return SceneDescription(
+        instances=(
+            placed(square("floor"), np.diag([9.0, 9.0, 1.0, 1.0])),
+            *(placed(unit_cube(), matrix) for matrix in cubes),
+            placed(square("pane"), translation(0.0, 0.0, 1.2), translation(0.5, 1.0, 1.4), materials=(1,)),
+            placed(
+                replace(unit_cube(), key="fog"), translation(0, 0, -0.5) @ np.diag([3.0, 3.0, 3.0, 1.0]), materials=(2,)
+            ),
+        ),
+        materials=(
+            Material(name="grey"),
+            Material(name="pane", transparent=(0.7, 0.5, 0.3), diffuse=(0.1,) * 3),
+            Material(name="fog", has_surface=False, medium=0),
+        ),
+        media=(Medium(name="fog", lobes=(ScatterLobe(sigma_s_per_m=(0.05,) * 3),)),),
+        lights=(sun(),),
+        world=World(radiance=(0.3, 0.4, 0.5)),
+    )
+
+
+def camera() -> Camera:
+    """From above."""
+    return Camera(
+        kind=CameraKind.PERSPECTIVE,
+        world_from_camera=translation(0.0, 0.0, 8.0),
+        window=(-0.5, 0.5, -0.3, 0.3),
+        clip_m=(0.1, 100.0),
+        size_px=(60, 36),
+    )
+
+
+def with_group(description: SceneDescription, index: int, change: Callable[[Instances], Instances]) -> SceneDescription:
+    """All other groups are the same objects."""
+    groups = list(description.instances)
+    groups[index] = change(groups[index])
+    return replace(description, instances=tuple(groups))
+
+
+def moved(description: SceneDescription, index: int, by: NDArray[np.float64]) -> SceneDescription:
+    """By a matrix in the world."""
+    return with_group(description, index, lambda group: replace(group, world_from_object=by @ group.world_from_object))
+
+
+def updated(session: Session, description: SceneDescription) -> dict[str, float]:
+    """After it draws what a session draws that saw nothing before."""
+    session.update(description, Progress())
+    fresh = Session()
+    fresh.update(description, Progress())
+    counts = session.statistics["counts"]
+    film, expected = (one.render(camera(), CONFIG, Progress()) for one in (session, fresh))
+    for name, plane in expected.planes.items():
+        assert np.array_equal(film.planes[name], plane), name
+    assert session.statistics["reports"] == fresh.statistics["reports"]
+    return counts
+
+
+@pytest.mark.parametrize(
+    ("index", "by"),
+    [
+        (FIRST_CUBE, translation(0.3, 0.1, 0.2)),
+        (FIRST_CUBE + 3, translation(0.0, 0.0, 50.0)),  # beyond all the others
+        (FLOOR, np.diag([0.2, 0.2, 1.0, 1.0])),  # which reached furthest
+        (FIRST_CUBE, np.diag([-1.0, 1.0, 1.0, 1.0])),
+        (FIRST_CUBE, np.diag([1.0, 1.0, 0.0, 1.0])),  # flat
+        (PANES, translation(0.4, 0.0, 0.1)),
+        (FOG, translation(1.0, 0.0, 0.0)),
+    ],
+)
+def test_a_few_that_moved_make_no_new_scene(index: int, by: NDArray[np.float64]) -> None:
+    session = Session(follows_moves=True)
+    before = scene()
+    assert updated(session, before)["scene rebuilt"] == 1
+    after = moved(before, index, by)
+    counts = updated(session, after)
+    assert (counts["scene rebuilt"], counts["scene moved"]) == (0, 1)
+    assert counts["meshes reused"] == 4
+    counts = updated(session, moved(after, FIRST_CUBE + 5, translation(0.1, 0.0, 0.0)))  # from there on
+    assert (counts["scene rebuilt"], counts["scene moved"]) == (0, 1)
+    counts = updated(session, after)
+    assert (counts["scene rebuilt"], counts["scene moved"]) == (0, 1)
+    counts = updated(session, replace(after, lights=(sun(2.0),)))
+    assert (counts["scene rebuilt"], counts["scene moved"], counts["scene relit"]) == (0, 0, 1)
+    counts = updated(session, replace(after, lights=(sun(2.0),)))
+    assert not any(counts[name] for name in ("scene rebuilt", "scene moved", "scene relit"))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda group: replace(group, world_from_object=np.full((1, 4, 4), np.nan)),
+        lambda group: replace(group, world_from_object=np.zeros((1, 4, 4))),
+        lambda group: replace(group, is_camera_visible=False),
+        lambda group: replace(group, materials=(1,)),
+        lambda group: replace(group, mesh=square("another")),
+        lambda group: replace(group, random=np.array([0.5], np.float32)),
+        lambda group: placed(group.mesh, translation(0, 0, 1), translation(0, 1, 1)),
+    ],
+)
+def test_whatever_else_changes_makes_one(change: Callable[[Instances], Instances]) -> None:
+    """And where something was left out, what moves next does, too."""
+    session = Session(follows_moves=True)
+    updated(session, scene())
+    after = with_group(scene(), FIRST_CUBE, change)
+    assert updated(session, after)["scene rebuilt"] == 1
+    updated(session, moved(after, FIRST_CUBE + 1, translation(0.1, 0.0, 0.0)))
+
+
+def test_a_scene_that_moves_as_a_whole_gets_a_new_origin() -> None:
+    session = Session(follows_moves=True)
+    description = scene()
+    updated(session, description)
+    for index in range(len(description.instances)):
+        description = moved(description, index, translation(500.0, 0.0, 0.0))
+    assert updated(session, description)["scene rebuilt"] == 1
+
+
+def test_equal_descriptions_that_share_nothing_change_nothing() -> None:
+    session = Session(follows_moves=True)
+    updated(session, scene())
+    counts = updated(session, scene())
+    assert not any(counts[name] for name in ("scene rebuilt", "scene moved", "scene relit"))
