@@ -102,8 +102,7 @@ Hit Scene::in_scene(const Ray& ray, Hit hit) const {
             hit.geometric_normal =
                 strands
                     ->point(static_cast<std::uint32_t>(hit.cell), hit.barycentrics,
-                            mat3(geometry_->objects_from_scene[hit.instance]) * ray.direction,
-                            hit.geometric_normal)
+                            mat3(geometry_->objects_from_scene[hit.instance]) * ray.direction, hit.geometric_normal)
                     .normal;
     hit.geometric_normal = glm::normalize(normal_in_scene(hit.instance, hit.geometric_normal));
     return hit;
