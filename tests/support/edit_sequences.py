@@ -112,7 +112,7 @@ def _render(_chance: random.Random, window: Any) -> None:
     """F12, which goes on while the next edits come."""
     if not is_rendering() and bpy.context.scene.camera is not None:
         bpy.context.scene.render.engine = "TYNDALL"
-        bpy.context.scene.tyndall.pixel_samples = 64
+        bpy.context.scene.tyndall.pixel_samples = 16
         with bpy.context.temp_override(window=window.bpy_window):
             bpy.ops.render.render("INVOKE_DEFAULT")
 

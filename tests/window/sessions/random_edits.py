@@ -20,6 +20,7 @@ from support.beam_scene import build_beam_scene
 from support.edit_sequences import EDITS, SAVED, STEPS, is_rendering
 
 WORKING = ("Updating", "Rendering")  #: What a status begins with that is no error.
+RENDER_S = 240  #: A whole picture, while the viewport renders too and other tests run: more than this is a hang.
 
 
 def session(window: Any) -> Iterator[float]:  # noqa: C901  its helpers share its state
@@ -72,7 +73,7 @@ def session(window: Any) -> Iterator[float]:  # noqa: C901  its helpers share it
                 edit(chance, window)
             yield chance.choice((0.0, 0.01, 0.05, 0.2))
             show_rendered()
-        yield from window.until(lambda: not is_rendering(), at_most_s=30)
+        yield from window.until(lambda: not is_rendering(), at_most_s=RENDER_S)
         bpy.context.scene.render.engine = "TYNDALL"
         show_rendered()
         yield 0.1
