@@ -77,6 +77,7 @@ class Placement:
     casts_shadow: bool
     is_bounce_visible: bool = True
     is_mirror_visible: bool = True
+    is_held_out: bool = False
     color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
     pass_index: int = 0
     matrices: list[Matrix] = field(default_factory=list)  #: World from object, one per instance.
@@ -151,7 +152,9 @@ class _Grouping:
         self._reports = reports
         self._viewport = viewport
         self._hidden_kinds = {kind for kind, shows in _SWITCHES.items() if viewport and not getattr(viewport, shows)}
-        self._has_indirect_only = _is_any_indirect_only(depsgraph.view_layer_eval.layer_collection)
+        of_layer = depsgraph.view_layer_eval.layer_collection
+        self._has_indirect_only = _is_any(of_layer, "indirect_only")
+        self._has_holdouts = _is_any(of_layer, "holdout")
         self._placements: dict[tuple[object, ...], Placement | None] = {}
         # Of objects all of whose instances look the same, but for what limits their instancer.
         self._plain: dict[tuple[Object, Object | None], Placement | None] = {}
@@ -161,7 +164,13 @@ class _Grouping:
     def _is_limited(self, thing: Object) -> bool:
         """Whether it is hidden from something, and what it instances with it."""
         is_seen_by_all = self._is_camera_visible(thing) and all(getattr(thing, switch) for switch in _OTHER_RAYS)
-        return not is_seen_by_all or self._is_hidden(thing)
+        return not is_seen_by_all or self._is_held_out(thing) or self._is_hidden(thing)
+
+    def _is_held_out(self, thing: Object) -> bool:
+        """By its own switch, or its collection's."""
+        if self._has_holdouts and thing.holdout_get(view_layer=self._depsgraph.view_layer_eval):
+            return True
+        return bool(thing.is_holdout)
 
     def _is_camera_visible(self, thing: Object) -> bool:
         if self._has_indirect_only and thing.indirect_only_get(view_layer=self._depsgraph.view_layer_eval):
@@ -242,7 +251,8 @@ class _Grouping:
             getattr(source, switch) and (parent is None or getattr(parent, switch)) for switch in _OTHER_RAYS
         )
         if has_shape:
-            self._report_unsupported(source, parent or source)
+            if source.is_shadow_catcher:
+                self._reports.add(f'Object "{source.name}"', "drawn as it is: shadow catchers are not supported")
             if not (is_camera_visible or casts_shadow or is_bounce_visible or is_mirror_visible):
                 return None
         return Placement(
@@ -254,6 +264,7 @@ class _Grouping:
             casts_shadow=casts_shadow,
             is_bounce_visible=is_bounce_visible,
             is_mirror_visible=is_mirror_visible,
+            is_held_out=has_shape and self._is_held_out(parent or source),
             depends_on={thing.original.as_pointer() for thing in (thing.data, owner, parent) if thing is not None},
             is_instanced=parent is not None,
             color=tuple(source.color),
@@ -261,18 +272,12 @@ class _Grouping:
             own_random_number=random_number_of(owner.name) if has_shape else 0,
         )
 
-    def _report_unsupported(self, thing: Object, shown_by: Object) -> None:
-        if shown_by.holdout_get(view_layer=self._depsgraph.view_layer_eval):  # its own switch, or its collection's
-            self._reports.add(f'Object "{thing.name}"', "drawn, not held out: holdouts are not supported")
-        if thing.is_shadow_catcher:
-            self._reports.add(f'Object "{thing.name}"', "drawn as it is: shadow catchers are not supported")
-
     def placements(self) -> list[Placement]:
         return [placement for placement in self._placements.values() if placement is not None]
 
 
-def _is_any_indirect_only(collection: LayerCollection) -> bool:
-    return collection.indirect_only or any(_is_any_indirect_only(child) for child in collection.children)
+def _is_any(collection: LayerCollection, switch: str) -> bool:
+    return getattr(collection, switch) or any(_is_any(child, switch) for child in collection.children)
 
 
 def _hair_by_object(depsgraph: Depsgraph) -> dict[int, list[str]]:

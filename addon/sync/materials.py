@@ -128,7 +128,7 @@ class MaterialReader:
                 values, surface, self._mirror_roughness, with_finish=self._with_channels, has_lobes=self._has_lobes
             )
         if not self._is_lit:
-            shares.diffuse = shares.emission = BLACK
+            shares.diffuse = shares.emission = shares.held_out = BLACK
         if (finish := shares.finish) is not None:
             program = values.program
             self.channels[-1] = {
@@ -141,7 +141,7 @@ class MaterialReader:
             } | {"emission": program.material(material.name, (shares.emission, BLACK, BLACK))}
         results = (shares.diffuse, shares.transparent, shares.emission)
         lobes = shares.lobes if self._is_lit and shares.lobes is not None else ()
-        return values.program.material(material.name, results, shares.gloss, lobes, medium=medium)
+        return values.program.material(material.name, results, shares.gloss, lobes, shares.held_out, medium=medium)
 
     def _with_aovs(self, read: Material, material: bpy.types.Material | None) -> Material:
         tree = None if material is None or not self.aovs else shader_tree(material)

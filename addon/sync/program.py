@@ -243,26 +243,26 @@ class Program:
         results: tuple[Value, Value, Value],
         gloss: GlossValues | None = None,
         lobes: Sequence[LobeValues] = (),
+        held_out: Value = BLACK,
         **fields: object,
     ) -> Material:
-        """``results`` are diffuse, transparent and emission; constants if all are known now, lobes included."""
-        diffuse, transparent, emission = results
+        """``results``: diffuse, transparent, emission; constants if all are known now, with ``held_out``, a number."""
         layers = () if gloss is None else (gloss.facing, gloss.edge, gloss.coat, gloss.coated)
+        holes = () if held_out == BLACK else (held_out,)
         read = [term for of in lobes for term in of.terms()]
-        if not read and not any(isinstance(result, Term) for result in (*results, *layers)):
-            constant = gloss and Gloss(
-                **dict(zip(("facing", "edge", "coat", "coated"), layers, strict=True)), **gloss.indices
-            )
+        if not read and not any(isinstance(result, Term) for result in (*results, *layers, *holes)):
+            by_name = dict(zip(("facing", "edge", "coat", "coated"), layers, strict=False))
             return Material(
                 name=name,
-                diffuse=diffuse,
-                transparent=transparent,
-                emission=emission,
-                gloss=constant,
+                diffuse=results[0],
+                transparent=results[1],
+                emission=results[2],
+                gloss=gloss and Gloss(**by_name, **gloss.indices),
                 lobes=tuple(of.constant(lambda _: -1) for of in lobes),
+                held_out=min(max(held_out[0], 0.0), 1.0),
                 **fields,
             )
-        terms = [result if isinstance(result, Term) else self._constant(result) for result in (*results, *layers)]
+        terms = [value if isinstance(value, Term) else self._constant(value) for value in (*results, *layers, *holes)]
         ops, registers = _allocate_registers(self._ops, [term.place for term in (*terms, *read)])
         register_of = dict(zip(read, registers[len(terms) :], strict=True))
         return Material(
@@ -274,8 +274,9 @@ class Program:
             textures=tuple(self._textures),
             uv_maps=tuple(self._uv_maps),
             tables=tuple(self._tables),
-            gloss=gloss and Gloss(registers=tuple(registers[3 : len(terms)]), **gloss.indices),
+            gloss=gloss and Gloss(registers=tuple(registers[3 : 3 + len(layers)]), **gloss.indices),
             lobes=tuple(of.constant(register_of.__getitem__) for of in lobes),
+            held_out_register=registers[len(terms) - 1] if holes else None,
             **fields,
         )
 

@@ -292,6 +292,7 @@ def _group(placement: Placement, mesh: Mesh, materials: MaterialReader) -> Insta
         casts_shadow=placement.casts_shadow,
         is_bounce_visible=placement.is_bounce_visible,
         is_mirror_visible=placement.is_mirror_visible,
+        is_held_out=placement.is_held_out,
         color=placement.color,
         pass_index=float(placement.pass_index),
         random=as_unit_floats(placement.random_numbers),

@@ -39,6 +39,7 @@ class Shares:
     diffuse: Value = BLACK
     transparent: Value = BLACK
     emission: Value = BLACK
+    held_out: Value = BLACK
     gloss: GlossValues | None = None
     lobes: list[LobeValues] | None = None  #: None: shaders with lobes take the nearest share.
     mirror_roughness: float | None = None  #: What is no rougher mirrors; None: nothing does.
@@ -100,7 +101,7 @@ def _add(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None
         reader.unsupported(source, "is drawn as diffuse in its colour")
         _diffuse(reader, source, weight, shares)
     elif node_type == "HOLDOUT":
-        reader.unsupported(source, "is drawn black")
+        shares.held_out = reader.program.add(shares.held_out, weight)
     else:
         reader.unsupported(source, "is not supported: drawn as grey diffuse")
         shares.diffuse = reader.program.add(shares.diffuse, reader.program.multiply(weight, (0.8, 0.8, 0.8)))

@@ -91,4 +91,5 @@ def _group(placement: Placement, dag: VoxelDag, materials: MaterialReader, repor
         casts_shadow=placement.casts_shadow,
         is_bounce_visible=placement.is_bounce_visible,
         is_mirror_visible=placement.is_mirror_visible,
+        is_held_out=placement.is_held_out,
     )

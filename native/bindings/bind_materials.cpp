@@ -86,7 +86,8 @@ static LobeSource make_lobes(int model, bool preserves_energy, const std::vector
 
 static Material make_material(std::string name, bool has_surface, const Triple& diffuse, const Triple& transparent,
                               const Triple& emission, std::vector<SurfaceOp> program, std::uint16_t diffuse_register,
-                              std::uint16_t transparent_register, std::uint16_t emission_register,
+                              std::uint16_t transparent_register, std::uint16_t emission_register, float held_out,
+                              std::optional<std::uint16_t> held_out_register,
                               const std::vector<std::shared_ptr<Texture>>& textures, std::vector<std::string> uv_maps,
                               const std::vector<py::array>& tables, std::optional<GlossLayers> gloss,
                               std::vector<LobeSource> lobes, std::int32_t medium) {
@@ -96,8 +97,11 @@ static Material make_material(std::string name, bool has_surface, const Triple& 
     material.diffuse_register = diffuse_register;
     material.transparent_register = transparent_register;
     material.emission_register = emission_register;
-    material.constant = {
-        .diffuse_albedo = to_vec3(diffuse), .transparent = to_vec3(transparent), .emission = to_vec3(emission)};
+    material.held_out_register = held_out_register;
+    material.constant = {.diffuse_albedo = to_vec3(diffuse),
+                         .transparent = to_vec3(transparent),
+                         .emission = to_vec3(emission),
+                         .held_out = held_out};
     material.textures.assign(textures.begin(), textures.end());
     material.uv_map_names = std::move(uv_maps);
     for (const py::array& table : tables)
@@ -173,8 +177,8 @@ void bind_materials(py::module_& native) {
             "normals, below 0 the point's own: of what is diffuse, of facets, of a coat.");
     py::class_<Material>(native, "Material")
         .def(py::init(&make_material), "name"_a, "has_surface"_a, "diffuse"_a, "transparent"_a, "emission"_a,
-             "program"_a, "diffuse_register"_a, "transparent_register"_a, "emission_register"_a, "textures"_a,
-             "uv_maps"_a, "tables"_a, "gloss"_a, "lobes"_a, "medium"_a,
+             "program"_a, "diffuse_register"_a, "transparent_register"_a, "emission_register"_a, "held_out"_a,
+             "held_out_register"_a, "textures"_a, "uv_maps"_a, "tables"_a, "gloss"_a, "lobes"_a, "medium"_a,
              "Raises InvalidInput, naming the material, for a program that cannot run.");
     native.def("run_on_answers", &run_material, "material"_a, "result"_a, "answers"_a, "count"_a,
                R"(What a register holds in the end at each of `count` points, float32 (count, 3). Releases the GIL.

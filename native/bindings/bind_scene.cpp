@@ -93,6 +93,9 @@ struct InstanceArrays {
 };
 } // namespace
 
+/// Of shows_to, beside the masks of kinds of rays.
+static constexpr unsigned int held_out_flag = 16u;
+
 static std::vector<Instance> make_instances(const InstanceArrays& arrays) {
     const auto count = static_cast<py::ssize_t>(arrays.mesh_indices.size());
     check_array<float>(arrays.world_from_object, {count, 4, 4}, "world_from_object");
@@ -108,6 +111,7 @@ static std::vector<Instance> make_instances(const InstanceArrays& arrays) {
                         .casts_shadow = (arrays.shows_to[i] & shadow_mask) != 0,
                         .is_bounce_visible = (arrays.shows_to[i] & bounce_mask) != 0,
                         .is_mirror_visible = (arrays.shows_to[i] & mirror_mask) != 0,
+                        .is_held_out = (arrays.shows_to[i] & held_out_flag) != 0,
                         .random = arrays.randoms[i]};
     return instances;
 }
@@ -131,7 +135,8 @@ static std::vector<PlacedShape> make_placed_shapes(const py::array& shape_indice
                      .is_camera_visible = (mask[i] & camera_mask) != 0,
                      .casts_shadow = (mask[i] & shadow_mask) != 0,
                      .is_bounce_visible = (mask[i] & bounce_mask) != 0,
-                     .is_mirror_visible = (mask[i] & mirror_mask) != 0};
+                     .is_mirror_visible = (mask[i] & mirror_mask) != 0,
+                     .is_held_out = (mask[i] & held_out_flag) != 0};
     return placed;
 }
 
@@ -243,7 +248,7 @@ float32 (strands, 2); randoms: float32 (strands,) or None. Releases the GIL. Typ
              "world_from_shape"_a, "shape_materials"_a, "shape_shows_to"_a, "materials"_a, "media"_a, "volumes"_a,
              "world_medium"_a, "progress"_a,
              R"(In the dark, see relit. Per instance: mesh_indices and first_slot_materials uint32, slot_counts uint16,
-shows_to uint8, a bit each for cameras, lights' shadows, bounces and mirrors, world_from_object float32 (n, 4, 4)
+shows_to uint8, a bit each for cameras, lights' shadows, bounces and mirrors, and one for what is held out, world_from_object float32 (n, 4, 4)
 relative to origin_in_world. The same per placed shape, of which
 shape_materials, uint32, is the one material. object_names: those that name_indices, uint32 per instance, point to, of
 which object_colors and object_indices are, too; then one per shape. Releases the GIL.)")

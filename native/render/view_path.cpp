@@ -51,7 +51,7 @@ void ViewPath::pass_media(Follower& follower, const Hit& hit, PathSample& sample
 
 void ViewPath::reach_world(const Follower& follower, bool is_in_mirror, PathSample& sample) const {
     if (config_.is_film_transparent && !is_in_mirror)
-        sample.alpha = 1.0f - average(follower.throughput());
+        sample.alpha -= average(follower.throughput());
     else
         sample.radiance += follower.throughput() * scene_.world().seen_radiance(follower.part.direction);
 }
@@ -70,6 +70,16 @@ void ViewPath::show(Follower& follower, const SurfacePoint& point, const Surface
     }
     sample.emission += throughput * closures.emission;
     sample.diffuse_colour += throughput * (closures.diffuse_albedo + closures.translucent);
+}
+
+/// Of what a camera sees there, the share that is cut out of the picture. All of a held out object is that does not let
+/// light pass straight: nothing else is left of it, as in Cycles.
+static Rgb cut_out(bool is_held_out, SurfaceClosures& closures, std::vector<Lobe>& lobes) {
+    if (!is_held_out)
+        return Rgb(closures.held_out);
+    closures = {.transparent = closures.transparent};
+    lobes.clear();
+    return Rgb(1.0f) - closures.transparent;
 }
 
 /// The point as light from behind meets it, with random numbers of its own.
@@ -172,17 +182,23 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
             const float footprint_m = follower.width_m + hit.distance_m * follower.spread;
             const AskingRay asking_ray{
                 .ray = asking, .kind = is_in_mirror ? RayKind::Mirror : RayKind::Camera, .footprint_m = footprint_m};
-            const SurfaceClosures closures = scene_.closures(asking_ray, point.shading, hit, &lobes);
+            SurfaceClosures closures = scene_.closures(asking_ray, point.shading, hit, &lobes);
             const bool was_covered = follower.has_first_surface;
+            if (!data.each.empty() && !was_covered && !data.config->aovs.empty())
+                see_aovs(scene_, asking_ray, point.shading, hit, average(follower.through_surfaces), data.config->aovs,
+                         data.each[follower.index]);
+            if (!is_in_mirror) {
+                const Rgb removed = cut_out(scene_.is_held_out(hit.instance), closures, lobes);
+                sample.alpha -= average(throughput * removed);
+                if (removed == Rgb(1.0f))
+                    continue; // a hole: no pass sees anything there
+            }
             show(follower, point, closures, is_in_mirror, sample);
             if (!data.each.empty()) {
                 PathData& of_ray = data.each[follower.index];
                 see_layer(scene_, camera_, hit, point.shading.position,
                           average(throughput) * (1.0f - average(closures.transparent)),
                           follower.has_first_surface && !was_covered, data.config->mist, of_ray);
-                if (!was_covered && !data.config->aovs.empty())
-                    see_aovs(scene_, asking_ray, point.shading, hit, average(follower.through_surfaces),
-                             data.config->aovs, of_ray);
             }
             if (walked != nullptr && rays.targets[follower.index] != nowhere &&
                 (closures.diffuse_albedo != Rgb(0.0f) || !lobes.empty() || config_.lights_black_surfaces ||

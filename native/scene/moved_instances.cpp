@@ -13,12 +13,13 @@ static constexpr float relative_margin = 1e-5f;
 // Structured bindings name all members: a new one does not compile before it is compared, too.
 static bool are_same(const Material& a, const Material& b) {
     const auto all = [](const Material& material) {
-        const auto& [name, program, diffuse_register, transparent_register, emission_register, constant, textures,
-                     uv_map_names, tables, gloss, lobe_sources, medium_index, has_surface] = material;
-        const auto& [diffuse_albedo, transparent, emission, mirrored, translucent] = constant;
-        return std::tie(name, program, diffuse_register, transparent_register, emission_register, diffuse_albedo,
-                        transparent, emission, mirrored, translucent, textures, uv_map_names, tables, gloss,
-                        lobe_sources, medium_index, has_surface);
+        const auto& [name, program, diffuse_register, transparent_register, emission_register, held_out_register,
+                     constant, textures, uv_map_names, tables, gloss, lobe_sources, medium_index, has_surface] =
+            material;
+        const auto& [diffuse_albedo, transparent, emission, mirrored, translucent, held_out] = constant;
+        return std::tie(name, program, diffuse_register, transparent_register, emission_register, held_out_register,
+                        diffuse_albedo, transparent, emission, mirrored, translucent, held_out, textures, uv_map_names,
+                        tables, gloss, lobe_sources, medium_index, has_surface);
     };
     return all(a) == all(b);
 }
@@ -47,9 +48,9 @@ static bool are_same(const VolumeInstance& a, const VolumeInstance& b) {
 static bool are_alike(const Instance& a, const Instance& b) {
     const auto all = [](const Instance& instance) {
         const auto& [mesh_index, world_from_object, name_index, first_slot_material, slot_count, is_camera_visible,
-                     casts_shadow, is_bounce_visible, is_mirror_visible, random] = instance;
+                     casts_shadow, is_bounce_visible, is_mirror_visible, is_held_out, random] = instance;
         return std::tuple(mesh_index, name_index, first_slot_material, slot_count, is_camera_visible, casts_shadow,
-                          is_bounce_visible, is_mirror_visible, random);
+                          is_bounce_visible, is_mirror_visible, is_held_out, random);
     };
     return all(a) == all(b);
 }

@@ -33,7 +33,8 @@ struct Instance {
     bool casts_shadow : 1 = true;
     bool is_bounce_visible : 1 = true; ///< Its light falls on other surfaces by a bounce.
     bool is_mirror_visible : 1 = true;
-    float random = 0.0f; ///< Its own, [0, 1): what Object Info calls so.
+    bool is_held_out : 1 = false; ///< What of it cameras see is cut out of the picture.
+    float random = 0.0f;          ///< Its own, [0, 1): what Object Info calls so.
 };
 
 struct TransparentOperations;
@@ -135,6 +136,11 @@ public:
     }
     /// Whether surfaces of the instance have normals of their own, so that shadow rays may have to be lifted.
     [[nodiscard]] bool is_smooth(std::uint32_t instance) const;
+    /// Whether what cameras see of it is cut out of the picture.
+    [[nodiscard]] bool is_held_out(std::uint32_t instance) const {
+        const PlacedShape* const placed = placed_shape(instance);
+        return placed != nullptr ? placed->is_held_out : description().instances[instance].is_held_out;
+    }
     /// Material of a hit triangle, or of a shape.
     [[nodiscard]] const Material& material(std::uint32_t instance, std::uint32_t triangle) const;
     /// Everything a surface program reads at a hit.

@@ -38,6 +38,7 @@ struct SurfaceClosures {
     Rgb emission{0.0f};    ///< Radiance.
     Rgb mirrored{0.0f};    ///< Share of what comes along the mirrored ray, at the point's view_cosine.
     Rgb translucent{0.0f}; ///< Diffuse albedo for light on the other side.
+    float held_out = 0.0f; ///< Share that is cut out of what cameras see: neither light nor cover.
 };
 
 /// What mirrors, beside the rest of a surface. Weights already carry mix factors.
@@ -59,6 +60,7 @@ struct Material {
     std::string name;
     std::vector<SurfaceOp> program = {}; ///< Empty: the three results below are constants of `constant`.
     std::uint16_t diffuse_register = 0, transparent_register = 0, emission_register = 0;
+    std::optional<std::uint16_t> held_out_register = {}; ///< Of a program; nothing: it holds out nothing.
     SurfaceClosures constant{.diffuse_albedo = Rgb(0.8f), .transparent = Rgb(0.0f), .emission = Rgb(0.0f)};
     std::vector<std::shared_ptr<const Texture>> textures = {};
     std::vector<std::string> uv_map_names = {}; ///< An empty name: the active one.

@@ -165,11 +165,12 @@ void validate(const Material& material) {
         require(index < surface_register_count, "material \"", material.name, "\" uses register ", index, " of ",
                 surface_register_count);
     };
-    check_register(material.diffuse_register);
-    check_register(material.transparent_register);
-    check_register(material.emission_register);
+    for (const std::uint16_t index : {material.diffuse_register, material.transparent_register,
+                                      material.emission_register, material.held_out_register.value_or(0)})
+        check_register(index);
     const SurfaceClosures& constant = material.constant;
-    require(is_finite(constant.diffuse_albedo) && is_finite(constant.transparent) && is_finite(constant.emission),
+    require(is_finite(constant.diffuse_albedo) && is_finite(constant.transparent) && is_finite(constant.emission) &&
+                std::isfinite(constant.held_out),
             "material \"", material.name, "\" has a colour that is not finite");
     if (material.gloss) {
         const GlossLayers& gloss = *material.gloss;
@@ -280,6 +281,8 @@ SurfaceClosures evaluate(const Material& material, const ProgramPoint& at, std::
     SurfaceClosures closures{.diffuse_albedo = point.tint * non_negative(registers[material.diffuse_register]),
                              .transparent = share(registers[material.transparent_register]),
                              .emission = non_negative(registers[material.emission_register])};
+    if (material.held_out_register)
+        closures.held_out = average(share(registers[*material.held_out_register]));
     if (const auto& gloss = material.gloss)
         add_gloss(*gloss,
                   {.facing = registers[gloss->facing_register],

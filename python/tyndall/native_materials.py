@@ -24,6 +24,8 @@ def build_material(material: Material, textures: list[_native.Texture]) -> _nati
         diffuse_register=material.diffuse_register,
         transparent_register=material.transparent_register,
         emission_register=material.emission_register,
+        held_out=material.held_out,
+        held_out_register=material.held_out_register,
         textures=textures,
         uv_maps=material.uv_maps,
         tables=material.tables,

@@ -110,8 +110,9 @@ def _build_voxels(groups: tuple[VoxelObjects, ...], parts: NativeParts) -> None:
 
 
 def shows_to(group: Instances | VoxelObjects | StrandObjects) -> int:
-    """A bit for each kind of ray, as native/scene/instance_masks.hpp numbers them."""
-    flags = (group.is_camera_visible, group.casts_shadow, group.is_bounce_visible, group.is_mirror_visible)
+    """A bit for each kind of ray, as native/scene/instance_masks.hpp numbers them, and one for what is held out."""
+    rays = (group.is_camera_visible, group.casts_shadow, group.is_bounce_visible, group.is_mirror_visible)
+    flags = (*rays, group.is_held_out)
     return sum(flag << bit for bit, flag in enumerate(flags))
 
 

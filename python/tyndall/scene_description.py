@@ -62,6 +62,7 @@ class Instances:
     casts_shadow: bool = True
     is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
     is_mirror_visible: bool = True
+    is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
     color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)  #: The object's own, for materials that ask.
     pass_index: float = 0.0
     random: NDArray[np.float32] | None = None  #: (count,) in [0, 1), for materials that ask; None: all 0.
@@ -79,6 +80,7 @@ class VoxelObjects:
     casts_shadow: bool = True
     is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
     is_mirror_visible: bool = True
+    is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
 
 
 class StrandForm(IntEnum):
@@ -122,6 +124,7 @@ class StrandObjects:
     casts_shadow: bool = True
     is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
     is_mirror_visible: bool = True
+    is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -293,10 +296,12 @@ class Material:
     diffuse: Rgb = (0.8, 0.8, 0.8)  #: Constants, used while ``program`` is empty.
     transparent: Rgb = (0.0, 0.0, 0.0)
     emission: Rgb = (0.0, 0.0, 0.0)
+    held_out: float = 0.0  #: Share that is cut out of what cameras see: neither light nor cover.
     program: tuple[SurfaceOp, ...] = ()
     diffuse_register: int = 0
     transparent_register: int = 0
     emission_register: int = 0
+    held_out_register: int | None = None  #: None: a program that holds out nothing.
     textures: tuple[TextureUse, ...] = ()
     uv_maps: tuple[str, ...] = ()  #: Names the program reads; "" is the active one.
     tables: tuple[NDArray[np.float32], ...] = ()  #: (steps, 4) each, RGBA over [0, 1].

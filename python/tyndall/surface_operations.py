@@ -127,6 +127,8 @@ def _build_program(ops: Sequence[SurfaceOp], tables: Sequence[NDArray[np.float32
         diffuse_register=0,
         transparent_register=0,
         emission_register=0,
+        held_out=0.0,
+        held_out_register=None,
         textures=[],
         uv_maps=(),
         tables=list(tables),

@@ -622,6 +622,7 @@ def test_moved_objects_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None: 
         lambda: setattr(points, "location", (0, 0, 4)),
         edit_and_move,
         lambda: setattr(box, "visible_camera", False),
+        lambda: setattr(box, "is_holdout", True),
         lambda: setattr(box, "name", "Renamed"),
         lambda: scene.frame_set(2),
         lambda: scene.frame_set(3),

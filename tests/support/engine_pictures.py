@@ -18,18 +18,18 @@ from .exr import read_planes
 FloatArray = NDArray[np.float64]
 
 
-def tyndall_pixels(scene: bpy.types.Scene, surface_samples: int = 1) -> FloatArray:
-    """Render in ours, through the pixels' centres: (height, width, 3), rows bottom to top."""
+def tyndall_pixels(scene: bpy.types.Scene, surface_samples: int = 1, mode: str = "RGB") -> FloatArray:
+    """Render in ours, through the pixels' centres: (height, width, 3, or 4 of RGBA), rows bottom to top."""
     scene.render.engine = "TYNDALL"
     ours = scene.tyndall
     ours.pixel_samples, ours.pixel_filter, ours.filter_width_px = surface_samples, "BOX", 0.01
     ours.noise_threshold = 0.0
     ours.shafts.method = "EXACT"
     ours.shafts.adapts_strata = False
-    return _pixels(scene)
+    return _pixels(scene, mode)
 
 
-def cycles_pixels(scene: bpy.types.Scene, samples: int, seed: int) -> FloatArray:
+def cycles_pixels(scene: bpy.types.Scene, samples: int, seed: int, mode: str = "RGB") -> FloatArray:
     """Render in Cycles, the same way: direct light and single scattering through any number of transparent surfaces."""
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
@@ -40,12 +40,12 @@ def cycles_pixels(scene: bpy.types.Scene, samples: int, seed: int) -> FloatArray
     cycles.sample_clamp_direct = cycles.light_sampling_threshold = 0.0
     # The box filter of Cycles is one pixel wide whatever its setting says; this one is a point.
     cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", 0.01
-    return _pixels(scene)
+    return _pixels(scene, mode)
 
 
-def _pixels(scene: bpy.types.Scene) -> FloatArray:
+def _pixels(scene: bpy.types.Scene, mode: str) -> FloatArray:
     settings = scene.render.image_settings
-    settings.file_format, settings.color_mode = "OPEN_EXR", "RGB"
+    settings.file_format, settings.color_mode = "OPEN_EXR", mode
     settings.color_depth, settings.exr_codec = "32", "NONE"
     with tempfile.TemporaryDirectory() as folder:
         scene.render.filepath = str(Path(folder) / "frame.exr")

@@ -146,6 +146,7 @@ TESTS = {
     ),
     **dict.fromkeys(["ShaderNodeValue", "ShaderNodeVertexColor"], "test_sync"),
     "ShaderNodeHairInfo": "test_hair_agreement",
+    "ShaderNodeHoldout": "test_holdouts",
     **dict.fromkeys(["ShaderNodeDisplacement", "ShaderNodeVectorDisplacement"], "test_normal_agreement"),
     **dict.fromkeys(
         [
