@@ -11,6 +11,7 @@ from .affine_colours import AffineColour, affine_colour
 from .light_textures import LightValueReader
 from .node_graph import Socket, output_input
 from .program import BLACK, WHITE, Value, grey
+from .shader_limits import followed
 
 if TYPE_CHECKING:
     import bpy
@@ -35,6 +36,7 @@ def emission_of_light(
     return colour, reader
 
 
+@followed(otherwise=BLACK)
 def _emission(reader: LightValueReader, at: Socket) -> Value:
     source = at.source()
     if not source.socket.is_output:

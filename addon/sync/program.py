@@ -23,7 +23,7 @@ from tyndall.scene_description import (
     TextureUse,
     attribute_maps,
 )
-from tyndall.surface_operations import OPERANDS, is_known_without_point, operand_count, value_of
+from tyndall.surface_operations import OPERANDS, is_known_without_point, nearest_finite, operand_count, value_of
 
 from .working_space import luminance_weights
 
@@ -287,6 +287,8 @@ class Program:
         terms = [operand if isinstance(operand, Term) else self._constant(operand) for operand in operands]
         if self.beside is not None and code in _OF_PLACES:
             fields |= {"shift": self.beside[0], "value": (self.beside[1], 0.0, 0.0)}
+        if "value" in fields:  # what overflowed on the way here
+            fields["value"] = nearest_finite(fields["value"])
         key = (code, *terms, *sorted(fields.items()))
         if key not in self._places:
             places = dict(zip(OPERANDS, (term.place for term in terms), strict=False))
@@ -296,7 +298,7 @@ class Program:
 
 
 def _each(combine: Callable[[float, float], float], a: Rgb, b: Rgb) -> Rgb:
-    return combine(a[0], b[0]), combine(a[1], b[1]), combine(a[2], b[2])
+    return nearest_finite((combine(a[0], b[0]), combine(a[1], b[1]), combine(a[2], b[2])))
 
 
 def _same_use(a: TextureUse, b: TextureUse) -> bool:

@@ -16,6 +16,7 @@ import bpy
 from .hair_nodes import principled_hair_colour
 from .lobe_nodes import add_lobes, through_one_side
 from .program import BLACK, WHITE, GlossValues, LobeValues, Term, Value, grey
+from .shader_limits import followed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -74,6 +75,7 @@ def read_surface(
     return shares
 
 
+@followed(otherwise=None)
 def _add(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None:
     """Adds the shader that feeds an input to the shares, times ``weight``."""
     if weight == BLACK:

@@ -6,13 +6,17 @@ What a node cannot be here takes a stated fallback and one note under its culpri
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import bpy
 
+from tyndall.surface_operations import nearest_finite
+
 from . import colour_nodes, coordinates, input_nodes, math_nodes, normal_nodes, pattern_nodes, texture_nodes
 from .domains import MID_GREY, Domain
-from .program import BLACK, Program, Term, Value, grey
+from .program import BLACK, Program, Rgb, Term, Value, grey
+from .shader_limits import ShaderCount
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,6 +30,9 @@ __all__ = ["MID_GREY", "Domain", "ValueReader"]
 
 
 _CONVERTS_ON_THE_WAY = bpy.app.version < (5, 0, 0)  #: From then on Blender hands Cycles trees without groups.
+#: Values read for each other, one in the other, before those below are read in their order instead: Python's stack
+#: has room for some two hundred.
+_MOST_NESTED = 40
 _NUMBERS = {"VALUE", "INT", "BOOLEAN"}  #: Types of sockets.
 
 
@@ -39,6 +46,8 @@ class ValueReader:
         self.reports = reports
         self.domain = domain
         self._known: dict[tuple[object, ...], Value] = {}  #: Of outputs.
+        self._nested = 0
+        self.shaders = ShaderCount()
         self.camera: SeenCamera | None = None  #: What surfaces may ask for.
         self.material_index = 0  #: Its pass index.
         self.displaced_normal: Value | None = None  #: In place of the point's own; None: that.
@@ -86,7 +95,7 @@ class ValueReader:
     def _arriving(self, at: Socket) -> tuple[Value, str]:
         """What reaches an input, and its type: up to 4.x each socket on the way turns it into its own."""
         *way, source = at.path()
-        value = self._output(source) if source.socket.is_output else _default(source)
+        value = self._output(source) if source.socket.is_output else self.own_value(source)
         kind = source.socket.type
         for socket in reversed(way[1:] if _CONVERTS_ON_THE_WAY else []):
             value = self._converted(value, kind, socket.socket.type)
@@ -118,11 +127,45 @@ class ValueReader:
 
     def _output(self, at: Socket) -> Value:
         """Each is evaluated once, however many inputs it feeds."""
-        key = (at.socket.as_pointer(), tuple(group.as_pointer() for group in at.groups), self.program.beside)
+        key = self._key(at)
         if key not in self._known:
+            if self._nested >= _MOST_NESTED:
+                self._read_below(at)
             self._known[key] = MID_GREY  # of a loop, which is no tree
-            self._known[key] = self._evaluated(at)
+            self._nested += 1
+            try:
+                self._known[key] = self._evaluated(at)
+            finally:
+                self._nested -= 1
         return self._known[key]
+
+    def _key(self, at: Socket) -> tuple[object, ...]:
+        return (at.socket.as_pointer(), tuple(group.as_pointer() for group in at.groups), self.program.beside)
+
+    def _read_below(self, top: Socket) -> None:
+        """Read what feeds an output, the farthest first, so that none has to wait for a long row of others."""
+        met: set[tuple[object, ...]] = {self._key(top)}
+        waiting = [(top, False)]
+        while waiting:
+            at, is_fed = waiting.pop()
+            if is_fed:
+                if at is not top:
+                    self._output(at)
+                continue
+            waiting.append((at, True))
+            for source in (given.source() for given in at.inputs()):
+                key = self._key(source)
+                if not source.socket.is_output or source.socket.type == "SHADER" or key in met or key in self._known:
+                    continue
+                met.add(key)
+                waiting.append((source, False))
+
+    def own_value(self, at: Socket) -> Value:
+        value = _default(at)
+        if all(map(math.isfinite, value)):
+            return value
+        self.note(f"{at.node.bl_label} has a value that is not finite: read as the nearest that is, or 0")
+        return nearest_finite(value)
 
     def _evaluated(self, at: Socket) -> Value:
         evaluate = _NODES.get(at.node.type)
@@ -132,7 +175,7 @@ class ValueReader:
         return MID_GREY
 
 
-def _default(at: Socket) -> Value:
+def _default(at: Socket) -> Rgb:
     value = getattr(at.socket, "default_value", 0.0)
     if isinstance(value, (int, float)):
         return grey(float(value))
@@ -141,9 +184,9 @@ def _default(at: Socket) -> Value:
     return float(value[0]), float(value[1]), float(value[2])
 
 
-def _own_value(_reader: ValueReader, at: Socket) -> Value:
+def _own_value(reader: ValueReader, at: Socket) -> Value:
     """RGB and Value nodes keep theirs in their output."""
-    return _default(at)
+    return reader.own_value(at)
 
 
 _NODES: dict[str, Callable[[ValueReader, Socket], Value]] = {

@@ -17,6 +17,7 @@ import numpy as np
 from tyndall.scene_description import Medium, ScatterLobe
 
 from .blackbody import blackbody
+from .shader_limits import followed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -75,6 +76,7 @@ def _rgb(channels: Rgb64) -> tuple[float, float, float]:
     return red, green, blue
 
 
+@followed(otherwise=None)
 def _add(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
     source = at.source()
     if weight == 0.0 or not source.socket.is_output:

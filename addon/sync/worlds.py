@@ -18,6 +18,7 @@ from tyndall.scene_description import Image, Medium, World
 from ..shader_nodes import shader_tree
 from .node_graph import Socket, output_input
 from .program import BLACK, WHITE, Value
+from .shader_limits import followed
 from .sky_suns import SkySun, sky_sun
 from .value_nodes import Domain, ValueReader
 from .volume_nodes import read_volume
@@ -116,6 +117,7 @@ def _suns(reader: WorldReader, name: str, seen: Material, without: Material) -> 
     return tuple(suns.values())
 
 
+@followed(otherwise=BLACK)
 def _background(reader: ValueReader, at: Socket, weight: Value) -> Value:
     program, source = reader.program, at.source()
     if not source.socket.is_output or weight == BLACK:

@@ -92,10 +92,17 @@ def _facts(code: Code, option: int, selector: int) -> tuple[int, bool]:
 
 def value_of(op: SurfaceOp, operands: Sequence[Rgb], tables: Sequence[NDArray[np.float32]] = ()) -> Rgb:
     """The value of an operation that is known without a point; what is not finite becomes the nearest that is."""
-    on_first = replace(op, out=len(operands), a=0, b=1, c=2, d=3, e=4, f=5)
-    constants = [SurfaceOp(code=Code.CONSTANT, out=place, value=value) for place, value in enumerate(operands)]
+    on_first = replace(op, value=nearest_finite(op.value), out=len(operands), a=0, b=1, c=2, d=3, e=4, f=5)
+    constants = [
+        SurfaceOp(code=Code.CONSTANT, out=place, value=nearest_finite(value)) for place, value in enumerate(operands)
+    ]
     native = _build_program([*constants, on_first], tables)
-    red, green, blue = _native.run_on_answers(native, len(operands), {}, 1)[0].tolist()
+    return nearest_finite(_native.run_on_answers(native, len(operands), {}, 1)[0].tolist())
+
+
+def nearest_finite(value: Sequence[float]) -> Rgb:
+    """The nearest colour that single precision has; 0 for what is no number."""
+    red, green, blue = value
     return _finite(red), _finite(green), _finite(blue)
 
 
