@@ -104,6 +104,7 @@ class _Frame:
         functions = read_transfer_functions(scene, self.depsgraph, kept.function_images, reports)
         heterogeneity = read_heterogeneity(self.depsgraph, reports, scene)
         description = kept.reader.read(self.depsgraph, reports, self._poll(), is_lit=not is_over_engine)
+        description = self._with_report_of_lens(description, camera, reports)
         read_s = time.perf_counter() - started
         config = render_config(scene, view_layer, self.window, functions, heterogeneity)
         config = replace(config, data=data_passes.data_config(self.depsgraph, view_layer))
@@ -143,6 +144,13 @@ class _Frame:
             world_from_camera=np.array(self.engine.camera_model_matrix(thing)),
             shift_x=self.engine.camera_shift_x(thing),
         )
+
+    def _with_report_of_lens(self, description: SceneDescription, camera: Camera, reports: Reports) -> SceneDescription:
+        if camera.lens is None or not description.media:
+            return description
+        name = self.depsgraph.scene_eval.camera.name
+        reports.add(f'Camera "{name}"', "its depth of field blurs surfaces; light shafts stay sharp")
+        return replace(description, reports=reports.lines())
 
     def _poll(self) -> Callable[[], None]:
         last = time.monotonic()

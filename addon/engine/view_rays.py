@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -45,6 +46,10 @@ class Place:
         y = bottom + (top - bottom) * self.place_px[1] / height_px
         near_m = self.camera.clip_m[0]
         is_perspective = self.camera.kind == CameraKind.PERSPECTIVE
+        if self.camera.kind == CameraKind.EQUIRECTANGULAR:
+            ahead = (math.cos(y) * math.sin(x), math.sin(y), -math.cos(y) * math.cos(x))
+            direction = Vector(self.camera.world_from_camera[:3, :3] @ np.array(ahead)).normalized()
+            return Vector(self.camera.world_from_camera[:3, 3]) + near_m * direction, direction
         origin = (x * near_m, y * near_m, -near_m) if is_perspective else (x, y, -near_m)
         towards = (x, y, -1.0) if is_perspective else (0.0, 0.0, -1.0)
         world_from_camera = self.camera.world_from_camera
@@ -135,17 +140,31 @@ def place_in_frame(depsgraph: Depsgraph, place_px: tuple[float, float]) -> Place
 
 def marker_on_render(context: Context, world_point: tuple[float, float, float]) -> tuple[float, float] | None:
     """Pixels of an Image Editor's region where the render shows a point; None: behind the camera."""
-    from bpy_extras.object_utils import world_to_camera_view
-
     scene = context.scene
-    seen: Any = world_to_camera_view(scene, scene.camera, Vector(world_point))
-    across, up, depth_m = seen
-    if depth_m <= 0.0:
+    if (at := share_of_frame(context, scene, Vector(world_point))) is None:
         return None
+    across, up = at
     (width, height), (x0, y0, x1, y1) = frame_size_px(scene), picture_px(scene)
     in_picture = (across * width - x0) / (x1 - x0), (up * height - y0) / (y1 - y0)
     x, y = context.region.view2d.view_to_region(*in_picture, clip=False)
     return float(x), float(y)
+
+
+def share_of_frame(context: Context, scene: Scene, world_point: Vector) -> tuple[float, float] | None:
+    """From the frame's left and bottom; None: behind the camera."""
+    from bpy_extras.object_utils import world_to_camera_view
+
+    if scene.camera.type == "CAMERA" and scene.camera.data.type == "PANO":
+        camera = place_in_frame(context.evaluated_depsgraph_get(), (0.0, 0.0)).camera
+        if camera.kind == CameraKind.EQUIRECTANGULAR:
+            to_point = np.array(world_point) - camera.world_from_camera[:3, 3]
+            x, y, z = camera.world_from_camera[:3, :3].T @ to_point
+            left, right, bottom, top = camera.window
+            middle = (left + right) / 2  # what is seen lies within half a turn of it
+            longitude = middle + math.remainder(math.atan2(x, -z) - middle, 2 * math.pi)
+            return (longitude - left) / (right - left), (math.atan2(y, math.hypot(x, z)) - bottom) / (top - bottom)
+    seen: Any = world_to_camera_view(scene, scene.camera, world_point)
+    return (float(seen[0]), float(seen[1])) if seen[2] > 0.0 else None
 
 
 def first_hit(depsgraph: Depsgraph, place: Place, object_name: str = "") -> Hit | None:

@@ -19,14 +19,17 @@ import numpy as np
 from bpy.types import Context, Depsgraph, RenderEngine, SpaceView3D
 
 from tyndall.renderer import Session
+from tyndall.scene_description import CameraKind
 
+from ..frame_size import frame_size_px
+from ..sync.cameras import read_camera
 from ..sync.heterogeneity import read_heterogeneity
 from ..sync.images import ImageReader
 from ..sync.reports import Reports
 from ..sync.scene import SceneReader
 from ..sync.transfer_functions import read_transfer_functions
 from .settings import KEPT_MAPS_BYTES, KEPT_SURFACES_BYTES, render_config
-from .viewport_camera import camera_of_view, frame_of_view
+from .viewport_camera import camera_frame_px, camera_of_view, frame_of_view, window_beyond_frame
 from .viewport_hud import draw_hud, hud_lines
 from .viewport_worker import Picture, View, ViewportWorker
 
@@ -34,6 +37,7 @@ if TYPE_CHECKING:
     from gpu.types import GPUTexture
 
     from tyndall.heterogeneity import Heterogeneity
+    from tyndall.scene_description import Camera
     from tyndall.transfer_functions import WeightedFunction
 
 #: Time for which reading the scene holds up the window at once; a quarter of a second is what artists bear.
@@ -214,18 +218,33 @@ def _tend() -> float | None:
     return POLL_S if open_viewports else None
 
 
+def _camera_of(context: Context, depsgraph: Depsgraph, size_px: tuple[int, int]) -> Camera:
+    """What Blender's own drawing looks through; and in a camera's view its lens, and its panorama."""
+    space, region = context.space_data, context.region_data
+    camera = camera_of_view(np.array(region.window_matrix), np.array(region.view_matrix), size_px)
+    thing = space.camera if region.view_perspective == "CAMERA" else None
+    if thing is None or thing.type != "CAMERA" or not (thing.data.type == "PANO" or thing.data.dof.use_dof):
+        return camera
+    scene = depsgraph.scene_eval
+    seen = read_camera(thing.evaluated_get(depsgraph), scene.render, frame_size_px(scene), Reports())
+    if seen.kind != CameraKind.EQUIRECTANGULAR:
+        return replace(camera, lens=seen.lens)
+    window = window_beyond_frame(seen.window, camera_frame_px(context, size_px), size_px)
+    return replace(seen, window=window, size_px=size_px)
+
+
 def _view_of(
     context: Context,
     depsgraph: Depsgraph,
     functions: tuple[WeightedFunction, ...],
     heterogeneity: Heterogeneity | None,
 ) -> View:
-    scene, region = depsgraph.scene_eval, context.region_data
+    scene = depsgraph.scene_eval
     frame = frame_of_view(context)
     config = render_config(scene, depsgraph.view_layer_eval, frame, functions, heterogeneity)
     tyndall = scene.tyndall
     return View(
-        camera=camera_of_view(np.array(region.window_matrix), np.array(region.view_matrix), frame.size_px),
+        camera=_camera_of(context, depsgraph, frame.size_px),
         config=replace(
             config,
             pixel_samples=tyndall.viewport_samples,

@@ -58,7 +58,7 @@ def frame_of_view(context: bpy.types.Context) -> FrameWindow:
     left, bottom, right, top = 0.0, 0.0, *map(float, size_px)
     if view.view_perspective == "CAMERA":
         if render.use_border and space.camera:
-            left, bottom, right, top = _camera_frame_px(context, size_px)
+            left, bottom, right, top = camera_frame_px(context, size_px)
             width, height = right - left, top - bottom
             left, right = left + width * render.border_min_x, left + width * render.border_max_x
             bottom, top = bottom + height * render.border_min_y, bottom + height * render.border_max_y
@@ -70,13 +70,27 @@ def frame_of_view(context: bpy.types.Context) -> FrameWindow:
     return FrameWindow(size_px=size_px, region_px=(x0, y0, x1, y1))
 
 
+def window_beyond_frame(
+    window: tuple[float, float, float, float], frame_px: tuple[float, float, float, float], size_px: tuple[int, int]
+) -> tuple[float, float, float, float]:
+    """Of the region, by that of the camera's frame in it: both left, right, bottom, top; the frame left, bottom, ..."""
+    left, bottom, right, top = frame_px
+    across, up = (window[1] - window[0]) / (right - left), (window[3] - window[2]) / (top - bottom)
+    return (
+        window[0] - left * across,
+        window[1] + (size_px[0] - right) * across,
+        window[2] - bottom * up,
+        window[3] + (size_px[1] - top) * up,
+    )
+
+
 def _pixels(low: float, high: float, size_px: int) -> tuple[int, int]:
     """Whole pixels that cover a range, inside the region and never empty."""
     first = min(max(math.floor(low), 0), size_px - 1)
     return first, max(min(math.ceil(high), size_px), first + 1)
 
 
-def _camera_frame_px(context: bpy.types.Context, size_px: tuple[int, int]) -> tuple[float, float, float, float]:
+def camera_frame_px(context: bpy.types.Context, size_px: tuple[int, int]) -> tuple[float, float, float, float]:
     """Left, bottom, right and top of the camera's frame in the region; partly outside when zoomed in."""
     camera = context.space_data.camera
     world_from_camera = camera.matrix_world.normalized()

@@ -49,7 +49,7 @@ class View:
         """Everything that the picture depends on."""
         camera = self.camera
         place = camera.world_from_camera.tobytes()
-        return place, camera.kind, camera.window, camera.clip_m, camera.size_px, self.config
+        return place, camera.kind, camera.window, camera.clip_m, camera.size_px, camera.lens, self.config
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

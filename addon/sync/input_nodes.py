@@ -121,6 +121,9 @@ def _in_window(reader: ValueReader, at: Socket) -> Value:
     seen = _in_camera(reader, at)
     if camera is None:
         return seen
+    if camera.is_panorama:
+        reader.unsupported(at, "is not known of a panorama: read as 0")
+        return BLACK
     on_plane = seen
     if camera.is_perspective:
         depth = program.channel(seen, 2)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 from mathutils import Matrix
 
+from tyndall.scene_description import CameraKind
+
 from .cameras import read_camera
 from .reports import Reports
 
@@ -23,6 +25,7 @@ class SeenCamera:
 
     from_world: Matrix  #: Without scale; it looks along +Z, as Cycles has it.
     is_perspective: bool
+    is_panorama: bool  #: Its window holds longitudes and latitudes.
     left: float  #: Of the window one metre ahead, or, of an orthographic camera, in metres.
     right: float
     bottom: float
@@ -49,7 +52,8 @@ def seen_camera(depsgraph: Depsgraph) -> SeenCamera | None:
     left, right, bottom, top = read.window
     return SeenCamera(
         from_world=from_world,
-        is_perspective=camera.data.type != "ORTHO",
+        is_perspective=read.kind == CameraKind.PERSPECTIVE,
+        is_panorama=read.kind == CameraKind.EQUIRECTANGULAR,
         left=left,
         right=right,
         bottom=bottom,

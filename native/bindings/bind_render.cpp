@@ -15,7 +15,9 @@ namespace tyndall::bindings {
 using namespace py::literals;
 
 static Camera make_camera(int kind, const py::array& world_from_camera, const std::array<float, 4>& window,
-                          const std::array<float, 2>& clip_m, const std::array<std::uint32_t, 2>& size_px) {
+                          const std::array<float, 2>& clip_m, const std::array<std::uint32_t, 2>& size_px,
+                          float lens_radius_m, float focus_m, std::uint32_t blades, float blades_rotation_rad,
+                          float aperture_ratio) {
     return {.kind = static_cast<CameraKind>(kind),
             .world_from_camera = to_matrix<mat4, 4>(world_from_camera, "world_from_camera"),
             .window_left = window[0],
@@ -25,7 +27,12 @@ static Camera make_camera(int kind, const py::array& world_from_camera, const st
             .clip_near_m = clip_m[0],
             .clip_far_m = clip_m[1],
             .width_px = size_px[0],
-            .height_px = size_px[1]};
+            .height_px = size_px[1],
+            .lens = {.radius_m = lens_radius_m,
+                     .focus_m = focus_m,
+                     .blades = blades,
+                     .rotation_rad = blades_rotation_rad,
+                     .inverse_ratio = 1.0f / aperture_ratio}};
 }
 
 static light_shafts::Config make_shafts(int method, float error_target, std::uint32_t resolution,
@@ -172,7 +179,8 @@ static std::pair<py::array, py::array> make_light_depth(const SceneWithMedia& bu
 void bind_render(py::module_& native) {
     py::class_<Camera>(native, "Camera")
         .def(py::init(&make_camera), "kind"_a, "world_from_camera"_a, "window"_a, "clip_m"_a, "size_px"_a,
-             "world_from_camera: float32 (4, 4), relative to the scene's origin.");
+             "lens_radius_m"_a = 0.0f, "focus_m"_a = 1.0f, "blades"_a = 0, "blades_rotation_rad"_a = 0.0f,
+             "aperture_ratio"_a = 1.0f, "world_from_camera: float32 (4, 4), relative to the scene's origin.");
     py::class_<light_shafts::MapCache, std::shared_ptr<light_shafts::MapCache>>(
         native, "MapCache",
         "What occluders cast, kept from frame to frame, in at most so many bytes. Safe from any thread.")

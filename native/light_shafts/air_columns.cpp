@@ -59,10 +59,11 @@ AirGrid make_air_grid(const Media& media, const Camera& camera, const AirTexture
     const float per_x = px_per_window_m(camera) / cell_px,
                 per_y = static_cast<float>(camera.height_px) / (camera.window_top - camera.window_bottom) / cell_px;
     const vec3 right(camera.world_from_camera[0]), up(camera.world_from_camera[1]);
-    AirGrid grid{.is_orthographic = is_orthographic,
+    AirGrid grid{.kind = camera.kind,
                  .x = per_x * right,
                  .y = per_y * up,
                  .depth = camera.forward(),
+                 .per_rad = {per_x, per_y},
                  .offset = -vec2(per_x * camera.window_left, per_y * camera.window_bottom),
                  .plane_m = glm::dot(camera.forward(), camera.ray(0, 0).origin),
                  .width = columns(camera.width_px),
@@ -71,6 +72,13 @@ AirGrid make_air_grid(const Media& media, const Camera& camera, const AirTexture
                  .first_m = first_m,
                  .step_m = step_m,
                  .step_count = step_count};
+    if (camera.kind == CameraKind::Equirectangular) { // no seam within the frame: it lies opposite of its middle
+        const float middle = 0.5f * (camera.window_left + camera.window_right);
+        grid.x = std::cos(middle) * right - std::sin(middle) * camera.forward();
+        grid.y = up;
+        grid.depth = std::sin(middle) * right + std::cos(middle) * camera.forward();
+        grid.offset.x = per_x * (middle - camera.window_left);
+    }
     if (is_orthographic)
         grid.offset -= vec2(glm::dot(grid.x, camera.position()), glm::dot(grid.y, camera.position()));
     return grid;

@@ -10,12 +10,14 @@
 #include "scene/camera.hpp"
 #include "volume/air_texture.hpp"
 #include <atomic>
+#include <cmath>
 
 namespace tyndall::light_shafts {
 /// Where columns of a picture stand, and where along them steps lie.
 struct AirGrid {
-    bool is_orthographic;
+    CameraKind kind;
     vec3 x, y, depth; ///< Perspective: dot(x, direction) / dot(depth, direction); else of the origin; plus `offset`.
+    vec2 per_rad;     ///< Equirectangular: x, y and depth are unit axes, of longitude and latitude 0 in the middle.
     vec2 offset;
     float plane_m;               ///< dot(depth, origin) where distances along orthographic columns are 0.
     std::uint32_t width, height; ///< Columns, at least 2.
@@ -28,13 +30,19 @@ struct AirGrid {
     [[nodiscard]] std::size_t column_count() const { return std::size_t{width} * height; }
     /// Where a ray passes between the columns, in cells.
     [[nodiscard]] vec2 place(const ViewRay& ray) const {
-        if (is_orthographic)
+        if (kind == CameraKind::Equirectangular) {
+            const float right = glm::dot(x, ray.direction), ahead = glm::dot(depth, ray.direction);
+            return per_rad * vec2(std::atan2(right, ahead),
+                                  std::atan2(glm::dot(y, ray.direction), std::hypot(right, ahead))) +
+                   offset;
+        }
+        if (kind == CameraKind::Orthographic)
             return vec2(glm::dot(x, ray.origin), glm::dot(y, ray.origin)) + offset;
         return vec2(glm::dot(x, ray.direction), glm::dot(y, ray.direction)) / glm::dot(depth, ray.direction) + offset;
     }
     /// How far the ray's own distances lie behind those along columns.
     [[nodiscard]] float shift_m(const ViewRay& ray) const {
-        return is_orthographic ? glm::dot(depth, ray.origin) - plane_m : 0.0f;
+        return kind == CameraKind::Orthographic ? glm::dot(depth, ray.origin) - plane_m : 0.0f;
     }
 };
 /// Steps as long as those that rays which end halfway would have alone, as far as light of `most_depth` optical depth comes;

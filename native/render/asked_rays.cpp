@@ -6,17 +6,6 @@
 namespace tyndall::render {
 using transfer_functions::WeightedFunction;
 
-/// Where the camera sees a point, in pixels of the full frame, x right and y up; nothing for one behind it.
-static std::optional<vec2> raster_position(const Camera& camera, const vec3& point) {
-    const vec3 seen = glm::transpose(mat3(camera.world_from_camera)) * (point - camera.position());
-    if (camera.kind == CameraKind::Perspective && !(seen.z < 0.0f))
-        return {};
-    const vec2 window = camera.kind == CameraKind::Perspective ? vec2(seen) / -seen.z : vec2(seen);
-    const vec2 low(camera.window_left, camera.window_bottom), high(camera.window_right, camera.window_top);
-    return (window - low) / (high - low) *
-           vec2(static_cast<float>(camera.width_px), static_cast<float>(camera.height_px));
-}
-
 namespace {
 /// Rays with what they meet, before their light is asked for.
 struct Asked {
@@ -107,7 +96,7 @@ std::vector<PlacedPoint> place_points(const ViewPath& path, const light_shafts::
                 if (!constraint.point ||
                     std::ranges::find(points, *constraint.point, &PlacedPoint::point) != points.end())
                     continue;
-                if (const std::optional<vec2> place_px = raster_position(camera, *constraint.point)) {
+                if (const std::optional<vec2> place_px = camera.raster_position(*constraint.point)) {
                     points.push_back({*constraint.point, {}});
                     places_px.push_back(*place_px);
                 }

@@ -32,8 +32,9 @@ void PathData::clear() {
 /// Share of a surface that the mist leaves, as Cycles has it.
 static float clearness(const Camera& camera, const vec3& position, const MistRange& mist) {
     const vec3 from_camera = position - camera.position();
-    const float distance_m = camera.kind == CameraKind::Perspective ? glm::length(from_camera)
-                                                                    : std::abs(glm::dot(from_camera, camera.forward()));
+    const float distance_m = camera.kind != CameraKind::Orthographic
+                                 ? glm::length(from_camera)
+                                 : std::abs(glm::dot(from_camera, camera.forward()));
     const float way = mist.depth_m > 0.0f ? std::clamp((distance_m - mist.start_m) / mist.depth_m, 0.0f, 1.0f) : 0.0f;
     return 1.0f - (mist.exponent == 1.0f ? way : std::pow(way, mist.exponent));
 }

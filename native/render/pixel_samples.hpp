@@ -29,6 +29,14 @@ namespace tyndall::render {
     return sobol_point(sample_index, hash(pixel_seed, pair_index));
 }
 
+/// A sharp ray of a pixel from elsewhere on the lens.
+[[nodiscard]] inline Ray lens_ray(const Camera& camera, const Ray& sharp, std::uint32_t pixel_seed,
+                                  std::uint32_t sample_index) {
+    constexpr std::uint32_t pair_index = ~1u; // far behind those of lights
+    return camera.lens.is_pinhole() ? sharp
+                                    : camera.through_lens(sharp, pixel_pair(pixel_seed, sample_index, pair_index));
+}
+
 /// What a pixel's ray asks of voxels: cubes as wide as so many pixels are enough.
 [[nodiscard]] inline RayDetail ray_detail(const Camera& camera, const Ray& ray, float voxel_detail_px,
                                           std::uint32_t pixel_seed, std::uint32_t sample_index) {

@@ -62,7 +62,7 @@ void RayParameters::look_around() {
         if (!hit.is_hit())
             continue;
         const vec3 point = ray.origin + hit.distance_m * ray.direction;
-        depths_m_.push_back(glm::dot(point - camera_.position(), camera_.forward()));
+        depths_m_.push_back(camera_.depth_m(point));
         heights_m_.push_back(static_cast<float>(point.z + origin_z));
     }
     std::ranges::sort(depths_m_);

@@ -55,7 +55,7 @@ public:
     static constexpr std::uint32_t square_px = 4;
 
     struct Config {
-        std::uint32_t pixel_samples = 1; ///< 1: the pixel's centre, unfiltered.
+        std::uint32_t pixel_samples = 1; ///< 1: the pixel's centre, unfiltered and sharp.
         std::uint32_t seed = 0;
     };
     SurfacePass(const ViewPath& path, const Camera& camera, const Region& region, const FilterSampler& filter,

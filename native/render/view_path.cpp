@@ -64,7 +64,7 @@ void ViewPath::show(Follower& follower, const SurfacePoint& point, const Surface
         return;
     if (!follower.has_first_surface && 1.0f - average(closures.transparent) >= alpha_threshold) {
         follower.has_first_surface = true;
-        sample.depth_m = glm::dot(point.shading.position - camera_.position(), camera_.forward());
+        sample.depth_m = camera_.depth_m(point.shading.position);
         sample.normal = point.shading.shading_normal;
         sample.position = point.shading.position;
     }

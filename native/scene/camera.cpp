@@ -4,8 +4,32 @@
 #include "scene/embree.hpp"
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace tyndall {
+static constexpr float pi = std::numbers::pi_v<float>;
+
+vec2 Lens::sample_m(const vec2& u) const {
+    vec2 place;
+    if (blades < 3) {
+        const float r = std::sqrt(u.x), turn = 2.0f * pi * u.y;
+        place = r * vec2(std::cos(turn), std::sin(turn));
+    } else {
+        // One of the triangles between the centre and two corners on the circle, and a point of it.
+        const float side = std::floor(u.x * static_cast<float>(blades));
+        const float outward = std::sqrt(u.x * static_cast<float>(blades) - side);
+        const float half_turn = pi / static_cast<float>(blades), turn = rotation_rad + 2.0f * half_turn * side;
+        const vec2 at = outward * vec2(std::cos(half_turn), (2.0f * u.y - 1.0f) * std::sin(half_turn));
+        place = {std::cos(turn) * at.x - std::sin(turn) * at.y, std::sin(turn) * at.x + std::cos(turn) * at.y};
+    }
+    return radius_m * vec2(place.x * inverse_ratio, place.y);
+}
+
+/// Of an equirectangular camera, in its own space.
+static vec3 towards(float longitude, float latitude) {
+    return {std::cos(latitude) * std::sin(longitude), std::sin(latitude), -std::cos(latitude) * std::cos(longitude)};
+}
+
 Ray Camera::ray(float x_px, float y_px) const {
     const float x = glm::mix(window_left, window_right, x_px / static_cast<float>(width_px));
     const float y = glm::mix(window_bottom, window_top, y_px / static_cast<float>(height_px));
@@ -17,6 +41,11 @@ Ray Camera::ray(float x_px, float y_px) const {
                 .near_m = clip_near_m - behind_m,
                 .far_m = clip_far_m - behind_m};
     }
+    if (kind == CameraKind::Equirectangular)
+        return {.origin = position(),
+                .direction = glm::normalize(glm::mat3(world_from_camera) * towards(x, y)),
+                .near_m = clip_near_m,
+                .far_m = clip_far_m};
     const vec3 through(x, y, -1.0f);
     const float metres_per_depth = glm::length(through);
     return {.origin = position(),
@@ -25,11 +54,64 @@ Ray Camera::ray(float x_px, float y_px) const {
             .far_m = clip_far_m * metres_per_depth};
 }
 
+Ray Camera::through_lens(const Ray& sharp, const vec2& u) const {
+    if (lens.is_pinhole())
+        return sharp;
+    const vec2 at_m = lens.sample_m(u);
+    const vec3 ahead = glm::normalize(forward());
+    vec3 right(world_from_camera[0]), up(world_from_camera[1]);
+    float focus_m = lens.focus_m;
+    if (kind == CameraKind::Equirectangular) { // the lens stands across each ray, as in Cycles
+        right = ahead - glm::dot(ahead, sharp.direction) * sharp.direction;
+        right = glm::length(right) > 1e-6f ? glm::normalize(right) : vec3(world_from_camera[0]);
+        up = glm::cross(sharp.direction, right);
+    } else {
+        focus_m /= glm::dot(sharp.direction, ahead);
+    }
+    const vec3 aside = at_m.x * right + at_m.y * up;
+    Ray blurred = sharp;
+    blurred.origin += aside;
+    blurred.direction = glm::normalize(focus_m * sharp.direction - aside);
+    const float per_sharp = 1.0f / sharp_per_blurred_m(sharp, blurred);
+    blurred.near_m *= per_sharp;
+    blurred.far_m *= per_sharp;
+    return blurred;
+}
+
+float Camera::sharp_per_blurred_m(const Ray& sharp, const Ray& blurred) const {
+    if (kind == CameraKind::Equirectangular)
+        return glm::dot(blurred.direction, sharp.direction);
+    return glm::dot(blurred.direction, forward()) / glm::dot(sharp.direction, forward());
+}
+
+std::optional<vec2> Camera::raster_position(const vec3& point) const {
+    const vec3 seen = glm::transpose(mat3(world_from_camera)) * (point - position());
+    vec2 at(seen);
+    if (kind == CameraKind::Perspective) {
+        if (!(seen.z < 0.0f))
+            return {};
+        at /= -seen.z;
+    } else if (kind == CameraKind::Equirectangular) {
+        const float middle = 0.5f * (window_left + window_right); // what is seen lies within half a turn of it
+        at = {middle + std::remainder(std::atan2(seen.x, -seen.z) - middle, 2.0f * pi),
+              std::atan2(seen.y, std::hypot(seen.x, seen.z))};
+    }
+    const vec2 low(window_left, window_bottom), high(window_right, window_top);
+    return (at - low) / (high - low) * vec2(static_cast<float>(width_px), static_cast<float>(height_px));
+}
+
+float Camera::depth_m(const vec3& point) const {
+    return kind == CameraKind::Equirectangular ? glm::length(point - position())
+                                               : glm::dot(point - position(), forward());
+}
+
 RayDetail Camera::detail(const vec3& direction, float footprint_px) const {
     const float pixel = std::min(std::abs(window_right - window_left) / static_cast<float>(width_px),
                                  std::abs(window_top - window_bottom) / static_cast<float>(height_px));
     if (kind == CameraKind::Orthographic)
         return {.width_m = footprint_px * pixel};
+    if (kind == CameraKind::Equirectangular)
+        return {.spread = footprint_px * pixel};
     return {.spread = footprint_px * pixel * glm::dot(direction, glm::normalize(forward()))};
 }
 
@@ -43,6 +125,11 @@ void require_usable(const Camera& camera) {
     // A window through which the squares of a direction's components do not fit into a float.
     for (const float edge : {camera.window_left, camera.window_right, camera.window_bottom, camera.window_top})
         require(std::abs(edge) < largest_coordinate_m, "camera: its field of view is not finite");
+    require(std::isfinite(camera.lens.radius_m) && std::isfinite(camera.lens.inverse_ratio) &&
+                std::isfinite(camera.lens.rotation_rad) && camera.lens.radius_m < largest_coordinate_m,
+            "camera: its aperture is not finite");
+    require(camera.lens.is_pinhole() || (camera.lens.focus_m > 0.0f && camera.lens.focus_m < largest_coordinate_m),
+            "camera: it focuses at a distance of 0, or at none");
     require(!std::isnan(camera.clip_near_m) && !std::isnan(camera.clip_far_m), "camera: its clipping is not a number");
 }
 } // namespace tyndall

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Perspective and orthographic cameras as Blender defines them (sensor fit, shift, pixel aspect, clipping).
+// Perspective, orthographic and equirectangular cameras as Blender defines them (sensor fit, shift, pixel aspect, clipping),
+// and their lens.
 #pragma once
 #include "core/math.hpp"
 #include "scene/ray_detail.hpp"
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 namespace tyndall {
-enum class CameraKind : std::uint8_t { Perspective = 0, Orthographic = 1 };
+enum class CameraKind : std::uint8_t { Perspective = 0, Orthographic = 1, Equirectangular = 2 };
 
 struct Ray {
     vec3 origin;
@@ -15,17 +17,41 @@ struct Ray {
     float near_m = 0.0f, far_m = std::numeric_limits<float>::infinity();
 };
 
+/// What blurs that which is not in focus.
+struct Lens {
+    float radius_m = 0.0f;      ///< Of the circle around the aperture; 0: a pinhole, all is sharp.
+    float focus_m = 1.0f;       ///< Along -Z; equirectangular: along the ray.
+    std::uint32_t blades = 0;   ///< Sides of the aperture; fewer than 3: a disc.
+    float rotation_rad = 0.0f;  ///< Of the blades.
+    float inverse_ratio = 1.0f; ///< Width of the aperture by its height.
+    bool operator==(const Lens&) const = default;
+
+    [[nodiscard]] bool is_pinhole() const { return !(radius_m > 0.0f); }
+    /// Place on the aperture of a point of [0, 1)^2, equal areas for equal areas.
+    [[nodiscard]] vec2 sample_m(const vec2& u) const;
+};
+
 /// The sync resolves sensor fit, shift and aspect into the window on the plane one metre before the camera
-/// (perspective) or into metres (orthographic): raster (0, 0) is the lower left corner of the full frame.
+/// (perspective), into metres (orthographic), or into longitudes and latitudes in radians, (0, 0) ahead
+/// (equirectangular): raster (0, 0) is the lower left corner of the full frame.
 struct Camera {
     CameraKind kind = CameraKind::Perspective;
     mat4 world_from_camera{1.0f}; ///< Rotation and translation, no scale; the camera looks along its -Z.
     float window_left = -0.5f, window_right = 0.5f, window_bottom = -0.28125f, window_top = 0.28125f;
-    float clip_near_m = 0.1f, clip_far_m = 1000.0f;  ///< Along -Z, as in Cycles, not along the ray.
+    float clip_near_m = 0.1f, clip_far_m = 1000.0f;  ///< Along -Z, as in Cycles; equirectangular: along the ray.
     std::uint32_t width_px = 1920, height_px = 1080; ///< The full frame, before any border.
+    Lens lens{};
 
     /// The ray through raster position (x right, y up, in pixels). Its range is the clipping range.
     [[nodiscard]] Ray ray(float x_px, float y_px) const;
+    /// A ray of ray() from elsewhere on the lens, to the same point in focus; `u` as of Lens::sample_m().
+    [[nodiscard]] Ray through_lens(const Ray& sharp, const vec2& u) const;
+    /// Distances along `sharp` by those of equally deep points along a ray of through_lens().
+    [[nodiscard]] float sharp_per_blurred_m(const Ray& sharp, const Ray& blurred) const;
+    /// Where ray() shows a point, x right, y up, in pixels of the full frame; nothing for one behind the camera.
+    [[nodiscard]] std::optional<vec2> raster_position(const vec3& point) const;
+    /// As Blender's Depth shows it: along -Z; equirectangular: from the camera.
+    [[nodiscard]] float depth_m(const vec3& point) const;
     /// As wide as so many pixels, across a ray of ray() in this direction; its number is left as it is.
     [[nodiscard]] RayDetail detail(const vec3& direction, float footprint_px) const;
     [[nodiscard]] vec3 position() const { return vec3(world_from_camera[3]); }

@@ -20,7 +20,7 @@ from .mattes import MATTE_NAMES
 from .native_heterogeneity import KeptAir
 from .native_scene import KeptGeometry, NativeParts, light_scene, update_geometry
 from .native_transfer_functions import build_weighted_functions
-from .scene_description import Camera, FloatArray, SceneDescription
+from .scene_description import Camera, FloatArray, Lens, SceneDescription
 from .transfer_functions import WeightedFunction
 
 METHODS = ("EXACT", "EPIPOLAR", "SHADOW_MAP")
@@ -389,12 +389,20 @@ def _native_camera(camera: Camera, origin_in_world: NDArray[np.float64]) -> _nat
     if not np.isfinite(matrix).all():
         raise _native.InvalidInput("the camera's matrix is not finite")
     matrix[:3, 3] -= origin_in_world
+    lens = camera.lens if camera.lens is not None else Lens(radius_m=0.0, focus_m=1.0)
+    if not lens.ratio > 0.0:
+        raise _native.InvalidInput(f"the camera's aperture has a ratio of {lens.ratio:g}; it must be above 0")
     return _native.Camera(
         kind=int(camera.kind),
         world_from_camera=matrix.astype(np.float32, order="C"),
         window=camera.window,
         clip_m=camera.clip_m,
         size_px=camera.size_px,
+        lens_radius_m=lens.radius_m,
+        focus_m=lens.focus_m,
+        blades=lens.blades,
+        blades_rotation_rad=lens.rotation_rad,
+        aperture_ratio=lens.ratio,
     )
 
 

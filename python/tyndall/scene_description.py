@@ -506,6 +506,18 @@ class CameraKind(IntEnum):
 
     PERSPECTIVE = 0
     ORTHOGRAPHIC = 1
+    EQUIRECTANGULAR = 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lens:
+    """What blurs that which is not in focus, as soon as a pixel has more than one sample. Shafts stay sharp."""
+
+    radius_m: float  #: Of the circle around the aperture, above 0.
+    focus_m: float  #: Along -Z (equirectangular: along the ray), above 0.
+    blades: int = 0  #: Sides of the aperture; fewer than 3: a disc.
+    rotation_rad: float = 0.0  #: Of the blades.
+    ratio: float = 1.0  #: Height of the aperture by its width, above 0.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -514,9 +526,10 @@ class Camera:
 
     kind: CameraKind
     world_from_camera: NDArray[np.float64]  #: (4, 4), no scale; looks along -Z.
-    window: tuple[float, float, float, float]  #: Left, right, bottom, top: at 1 m (perspective) or in metres.
-    clip_m: tuple[float, float]  #: Near and far, along -Z.
+    window: tuple[float, float, float, float]  #: Left, right, bottom, top: at 1 m (perspective), metres or radians.
+    clip_m: tuple[float, float]  #: Near and far, along -Z (equirectangular: along the ray).
     size_px: tuple[int, int]  #: Width and height of the full frame.
+    lens: Lens | None = None  #: None: all is sharp.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -3,6 +3,7 @@
 #include "scene/camera.hpp"
 #include <cmath>
 #include <doctest/doctest.h>
+#include <numbers>
 
 using namespace tyndall;
 
@@ -51,6 +52,87 @@ TEST_CASE("an orthographic view that clips behind itself begins there, with a ra
     CHECK(ray.far_m == 100.0f);
     CHECK(std::abs(in_camera(c, ray.origin).z - 50.0f) < 1e-5f);
 }
+static constexpr float pi = std::numbers::pi_v<float>;
+
+static Camera panorama(float left, float right, float bottom, float top) {
+    Camera result = camera(CameraKind::Equirectangular);
+    result.window_left = left, result.window_right = right;
+    result.window_bottom = bottom, result.window_top = top;
+    return result;
+}
+TEST_CASE("a panorama's middle is ahead, its right a quarter turn further, its upper edge above") {
+    const Camera c = panorama(-pi, pi, -0.5f * pi, 0.5f * pi);
+    const auto direction = [&](float x_px, float y_px) {
+        const Ray ray = c.ray(x_px, y_px);
+        return in_camera(c, ray.origin + ray.direction);
+    };
+    CHECK(glm::distance(direction(200, 100), vec3(0, 0, -1)) < 1e-6f);
+    CHECK(glm::distance(direction(300, 100), vec3(1, 0, 0)) < 1e-6f);
+    CHECK(glm::distance(direction(100, 100), vec3(-1, 0, 0)) < 1e-6f);
+    CHECK(glm::distance(direction(0, 100), vec3(0, 0, 1)) < 1e-6f);
+    CHECK(glm::distance(direction(77, 200), vec3(0, 1, 0)) < 1e-6f);
+    CHECK(glm::distance(direction(300, 150), vec3(std::sqrt(0.5f), std::sqrt(0.5f), 0)) < 1e-6f);
+    CHECK(c.ray(5, 5).near_m == 2.0f); // along the ray
+    CHECK(c.depth_m(c.position() + 3.0f * c.ray(9, 13).direction) == doctest::Approx(3.0f));
+}
+TEST_CASE("a point shows where the ray through it is, in every kind of camera") {
+    for (const Camera& c :
+         {camera(CameraKind::Perspective), camera(CameraKind::Orthographic), panorama(-pi, pi, -0.5f * pi, 0.5f * pi),
+          panorama(2.0f, 2.0f + 2.0f * pi, -1.0f, 1.0f), panorama(1.0f, -2.0f, -1.0f, 0.5f)})
+        for (const vec2 place_px : {vec2(3, 5), vec2(200, 100), vec2(390, 180)}) {
+            const Ray ray = c.ray(place_px.x, place_px.y);
+            const std::optional<vec2> found = c.raster_position(ray.origin + 7.0f * ray.direction);
+            REQUIRE(found);
+            CHECK(glm::distance(*found, place_px) < 2e-3f);
+        }
+    CHECK(!camera(CameraKind::Perspective).raster_position(vec3(1, 2, 9)));
+}
+TEST_CASE("all rays of a pixel through the lens meet in focus, and cover a disc as large as the aperture elsewhere") {
+    for (const CameraKind kind : {CameraKind::Perspective, CameraKind::Orthographic}) {
+        Camera c = camera(kind);
+        c.lens = {.radius_m = 0.25f, .focus_m = 8.0f};
+        const Ray sharp = c.ray(30, 120);
+        const auto at_depth = [&](const Ray& ray, float depth_m) {
+            const vec3 from = in_camera(c, ray.origin), to = in_camera(c, ray.origin + ray.direction);
+            return vec2(from + (depth_m + from.z) / (from.z - to.z) * (to - from));
+        };
+        float largest_m = 0.0f;
+        for (const vec2 u : {vec2(0.999999f, 0.1f), vec2(0.3f, 0.6f), vec2(0.999999f, 0.9f)}) {
+            const Ray ray = c.through_lens(sharp, u);
+            CHECK(std::abs(glm::length(ray.direction) - 1.0f) < 1e-6f);
+            CHECK(glm::distance(at_depth(ray, 8.0f), at_depth(sharp, 8.0f)) < 2e-5f);
+            CHECK(std::abs(in_camera(c, ray.origin + ray.near_m * ray.direction).z + 2.0f) < 1e-5f);
+            // Twice as far as the focus the aperture is seen again, upside down.
+            largest_m = std::max(largest_m, glm::distance(at_depth(ray, 16.0f), at_depth(sharp, 16.0f)));
+            // Equal depth on both.
+            const vec3 there = ray.origin + 20.0f * ray.direction,
+                       here = sharp.origin + 20.0f * c.sharp_per_blurred_m(sharp, ray) * sharp.direction;
+            CHECK(c.depth_m(there) == doctest::Approx(c.depth_m(here)));
+        }
+        CHECK(largest_m == doctest::Approx(0.25f).epsilon(1e-3));
+    }
+}
+TEST_CASE("places on an aperture are spread evenly over its disc or polygon") {
+    constexpr int side = 64;
+    for (const std::uint32_t blades : {0u, 3u, 5u, 8u}) {
+        const Lens lens{.radius_m = 2.0f, .blades = blades, .rotation_rad = 0.4f, .inverse_ratio = 1.0f};
+        dvec2 sum(0.0);
+        double squares = 0.0;
+        for (int i = 0; i < side; ++i)
+            for (int j = 0; j < side; ++j) {
+                const vec2 at = lens.sample_m((vec2(i, j) + 0.5f) / static_cast<float>(side));
+                CHECK(glm::length(at) <= 2.0f);
+                sum += dvec2(at);
+                squares += glm::dot(at, at);
+            }
+        CHECK(glm::length(sum) / (side * side) < 0.03); // 64 is no multiple of 3 and 5
+        // The mean square distance from the centre: r^2 / 2 of a disc, r^2 (2 + cos(2 pi / n)) / 6 of a polygon.
+        const double expected = 4.0 * (blades < 3 ? 0.5 : (2.0 + std::cos(2.0 * std::numbers::pi / blades)) / 6.0);
+        CHECK(squares / (side * side) == doctest::Approx(expected).epsilon(0.005));
+    }
+    const Lens wide{.radius_m = 2.0f, .inverse_ratio = 0.5f};
+    CHECK(std::abs(wide.sample_m({0.999999f, 0.0f}).x) == doctest::Approx(1.0f));
+}
 // Debian's Embree asserts that rays are valid: one that is not ends the whole process.
 TEST_CASE("a camera whose rays would not be finite is refused") {
     for (const float bad : {NAN, INFINITY, 3.4e38f}) {
@@ -64,5 +146,10 @@ TEST_CASE("a camera whose rays would not be finite is refused") {
     Camera flat = camera(CameraKind::Perspective);
     flat.world_from_camera[0] *= 0.0f;
     CHECK_THROWS_AS(require_usable(flat), InvalidInput);
+    Camera blurred = camera(CameraKind::Perspective);
+    blurred.lens = {.radius_m = 0.1f, .focus_m = 0.0f};
+    CHECK_THROWS_AS(require_usable(blurred), InvalidInput);
+    blurred.lens = {.radius_m = NAN, .focus_m = 1.0f};
+    CHECK_THROWS_AS(require_usable(blurred), InvalidInput);
     CHECK_NOTHROW(require_usable(camera(CameraKind::Perspective)));
 }

@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Are panoramas and depth of field as in Cycles? Surfaces that glow, a sun's shadows, fog, and passes.
+
+The pictures' pixels are box-filtered squares: compared are the mean and blocks.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from addon.engine.view_rays import place_in_frame, share_of_frame
+from addon.panoramas import panorama_settings
+from addon.sync.cameras import read_camera
+from addon.sync.reports import Reports
+from support.cycles_reference import block_means, prepare_cycles, rendered_pixels, save_side_by_side
+from support.pass_pictures import render_passes
+from support.small_scenes import add, cube, empty_scene, light, material, node, plane
+from tyndall.scene_description import Camera, CameraKind
+
+PICTURES = Path(__file__).parents[2] / "out" / "camera_agreement"
+SIZE_PX = 90
+SAMPLES = 256
+
+
+def glow(name: str, *color: float) -> bpy.types.Material:
+    return material(name, lambda new, _: node(new, "ShaderNodeEmission", Color=(*color, 1)).outputs[0])
+
+
+@pytest.fixture
+def stage() -> bpy.types.Scene:
+    """Coloured cubes that glow all around, one above and one below, on a grey floor under a hard sun."""
+    scene = empty_scene(SIZE_PX)
+    scene.render.resolution_percentage = 100
+    grey = material("Grey", lambda new, _: node(new, "ShaderNodeBsdfDiffuse", Color=(0.5, 0.5, 0.5, 1)).outputs[0])
+    plane(-1.5, grey, half_side=20)
+    for index, turn in enumerate(np.linspace(0.0, 2 * math.pi, 7, endpoint=False)):
+        box = cube(f"Box{index}", glow(f"Glow{index}", 0.2 + 0.1 * index, 0.8 - 0.1 * index, 0.3))
+        box.location = (4 * math.cos(turn), 4 * math.sin(turn), 0.4 * index - 1)
+        box.scale, box.rotation_euler = (0.5, 0.6, 0.7), (0.3 * index, 0.2, 0.1)
+    high = cube("High", glow("Sky", 1, 1, 0.2))
+    high.location, high.scale = (0.4, 0.3, 3), (0.5, 0.5, 0.5)
+    sun = light("SUN", (0, 0, 5), energy=3.0)
+    sun.data.angle, sun.rotation_euler = 0.0, (0.6, 0.5, 0.0)
+    scene.camera.location, scene.camera.rotation_euler = (0.1, -0.2, 0.3), (1.4, 0.1, 0.6)
+    scene.camera.data.clip_start = 0.01
+    return scene
+
+
+def panorama(scene: bpy.types.Scene, longitude: tuple[float, float], latitude: tuple[float, float]) -> None:
+    scene.camera.data.type = "PANO"
+    settings = panorama_settings(scene.camera.data)
+    settings.panorama_type = "EQUIRECTANGULAR"
+    settings.longitude_min, settings.longitude_max = longitude
+    settings.latitude_min, settings.latitude_max = latitude
+
+
+def lens(scene: bpy.types.Scene, kind: str, **focus: Any) -> None:
+    data = scene.camera.data
+    data.type, data.lens, data.ortho_scale = kind, 30.0, 6.0
+    data.dof.use_dof = True
+    for name, value in focus.items():
+        setattr(data.dof, name, value)
+
+
+def ours(scene: bpy.types.Scene, samples: int = SAMPLES) -> NDArray[np.float64]:
+    scene.render.engine, settings = "TYNDALL", scene.tyndall
+    settings.pixel_samples, settings.noise_threshold = samples, 0.0
+    settings.pixel_filter, settings.filter_width_px = "BOX", 1.0
+    return rendered_pixels(scene)
+
+
+def cycles(scene: bpy.types.Scene, samples: int = SAMPLES) -> NDArray[np.float64]:
+    prepare_cycles(scene, samples, seed=1)
+    scene.cycles.pixel_filter_type = "BOX"
+    return rendered_pixels(scene)
+
+
+def agree(
+    name: str, here: NDArray[np.float64], there: NDArray[np.float64], mean_bound: float = 0.003, bound: float = 0.01
+) -> None:
+    save_side_by_side(PICTURES / f"{name}.png", here, there)
+    level = float(there.mean())
+    assert level > 0.01
+    assert here.mean() == pytest.approx(level, rel=mean_bound)
+    off = np.abs(block_means(here) - block_means(there)) / level
+    assert np.median(off) < bound
+    assert np.quantile(off, 0.99) < 8 * bound
+
+
+WINDOWS = (
+    ((-math.pi, math.pi), (-math.pi / 2, math.pi / 2)),
+    ((-0.5, 2.5), (-1.2, 0.4)),
+    ((1.0, 1.0 + 2 * math.pi), (-math.pi / 2, math.pi / 2)),  # beyond half a turn
+    ((1.5, -1.0), (-0.7, 0.7)),  # mirrored
+)
+
+
+@pytest.mark.parametrize("window", range(len(WINDOWS)))
+def test_panoramas(stage: bpy.types.Scene, window: int) -> None:
+    panorama(stage, *WINDOWS[window])
+    agree(f"panorama_{window}", ours(stage, 64), cycles(stage, 64))
+
+
+def test_the_passes_of_a_panorama(stage: bpy.types.Scene, tmp_path: Path) -> None:
+    """Depth is the distance from the camera."""
+    panorama(stage, *WINDOWS[0])
+    layer = stage.view_layers[0]
+    layer.use_pass_z = layer.use_pass_position = layer.use_pass_mist = True
+    stage.world = stage.world or bpy.data.worlds.new("World")
+    stage.world.mist_settings.start, stage.world.mist_settings.depth = 1.0, 8.0
+    here, there = (
+        render_passes(stage, tmp_path, engine, 1, is_filtered=False).planes for engine in ("TYNDALL", "CYCLES")
+    )
+    for name in ("Depth", "Position", "Mist"):
+        off = np.abs(here[name].astype(np.float64) - there[name])
+        assert np.median(off) < 1e-3, name
+        assert (off < 0.05).mean() > 0.95, name  # the rest lies on edges
+    place = here["Position"].reshape(-1, here["Position"].shape[-1])[:, :3]
+    far = np.linalg.norm(place - np.array(stage.camera.location), axis=1)
+    depth = here["Depth"].reshape(far.shape[0], -1)[:, 0]
+    seen = depth < 1e4
+    assert seen.sum() > 100
+    assert depth[seen] == pytest.approx(far[seen], rel=1e-5)
+
+
+def fog(density: float, anisotropy: float) -> None:
+    scatter = {"Density": density, "Anisotropy": anisotropy}
+    medium = material("Fog", volume=lambda new, _: node(new, "ShaderNodeVolumeScatter", **scatter).outputs[0])
+    cube("Fog", medium).scale = (9, 9, 6)
+
+
+@pytest.mark.parametrize("method", ["EXACT", "EPIPOLAR", "SHADOW_MAP"])
+def test_shafts_all_around(stage: bpy.types.Scene, method: str) -> None:
+    """Towards the sun and away from it, in one picture. Nothing glows: that would light Cycles' fog alone."""
+    panorama(stage, *WINDOWS[0])
+    for thing in stage.objects:
+        if thing.type == "MESH":
+            thing.data.materials[0] = bpy.data.materials["Grey"]
+    fog(0.05, 0.3)
+    stage.tyndall.shafts.method = method
+    agree(f"shafts_{method}", ours(stage, 16), cycles(stage, 400), 0.01, 0.015)
+
+
+def test_air_all_around(stage: bpy.types.Scene) -> None:
+    """Noise in the air is the same, seen by the half of a panorama or by the other, whatever columns it is kept in."""
+    fog(0.1, 0.0)
+    air = stage.tyndall.heterogeneity
+    air.is_enabled = True
+    panorama(stage, *WINDOWS[0])
+    whole = ours(stage, 4)
+    panorama(stage, (0.0, math.pi), WINDOWS[0][1])
+    half = ours(stage, 4)
+    assert half.std() > 0.01
+    across = whole[:, SIZE_PX // 2 :].mean(axis=(0, 1)), half.mean(axis=(0, 1))
+    assert across[0] == pytest.approx(across[1], rel=0.02)
+    air.is_enabled = False
+    assert ours(stage, 4).mean() != pytest.approx(half.mean(), rel=1e-4)
+
+
+LENSES: dict[str, tuple[str, dict[str, Any]]] = {
+    "disc": ("PERSP", {"focus_distance": 2.0, "aperture_fstop": 0.1}),
+    "blades": (
+        "PERSP",
+        {"focus_distance": 8.0, "aperture_fstop": 0.08, "aperture_blades": 5, "aperture_rotation": 0.5},
+    ),
+    "anamorphic": ("PERSP", {"focus_distance": 8.0, "aperture_fstop": 0.08, "aperture_ratio": 2.0}),
+    "orthographic": ("ORTHO", {"focus_distance": 1.0, "aperture_fstop": 8.0}),
+    "panorama": ("PANO", {"focus_distance": 1.5, "aperture_fstop": 0.1}),
+}
+
+
+@pytest.mark.parametrize("name", list(LENSES))
+def test_depth_of_field(stage: bpy.types.Scene, name: str) -> None:
+    kind, focus = LENSES[name]
+    if kind == "PANO":
+        panorama(stage, *WINDOWS[0])
+    lens(stage, kind, **focus)
+    blurred = ours(stage)
+    agree(f"lens_{name}", blurred, cycles(stage))
+    stage.camera.data.dof.use_dof = False
+    assert np.abs(ours(stage, 16) - blurred).mean() > 0.02 * blurred.mean()
+
+
+def test_focus_on_an_object(stage: bpy.types.Scene) -> None:
+    """Along the view, not as the crow flies; and what is in focus is sharp."""
+    there = add("There", None)
+    there.location = (2.5, 2.0, -1.0)
+    lens(stage, "PERSP", focus_object=there, aperture_fstop=0.1)
+    agree("focus_object", ours(stage), cycles(stage))
+
+
+def what_the_camera_reports(scene: bpy.types.Scene) -> tuple[Camera, tuple[str, ...]]:
+    reports = Reports()
+    thing = scene.camera.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return read_camera(thing, scene.render, (SIZE_PX, SIZE_PX), reports), reports.lines()
+
+
+def test_nothing_in_focus_is_said(stage: bpy.types.Scene) -> None:
+    lens(stage, "PERSP", focus_distance=0.0)
+    camera, (line,) = what_the_camera_reports(stage)
+    assert camera.lens is None
+    assert 'Camera "Camera"' in line
+    assert "focuses at 0 m" in line
+
+
+def test_other_panoramas_are_reported(stage: bpy.types.Scene) -> None:
+    stage.camera.data.type = "PANO"
+    panorama_settings(stage.camera.data).panorama_type = "FISHEYE_EQUISOLID"
+    camera, (line,) = what_the_camera_reports(stage)
+    assert camera.kind == CameraKind.PERSPECTIVE
+    assert "fisheye equisolid" in line
+    assert "perspective" in line
+
+
+def test_an_empty_panorama_is_refused(stage: bpy.types.Scene) -> None:
+    panorama(stage, (0.5, 0.5), (-1.0, 1.0))
+    with pytest.raises(ValueError, match=r'Camera "Camera": .* are equal'):
+        what_the_camera_reports(stage)
+
+
+@pytest.mark.parametrize("window", range(len(WINDOWS)))
+def test_a_point_shows_where_the_ray_through_it_is(stage: bpy.types.Scene, window: int) -> None:
+    """What picks constraints and what marks them are each other's inverse."""
+    panorama(stage, *WINDOWS[window])
+    for place_px in ((3.0, 5.0), (80.0, 60.0), (45.0, 45.0)):
+        origin, direction = place_in_frame(bpy.context.evaluated_depsgraph_get(), place_px).ray()
+        assert (origin - stage.camera.location).length == pytest.approx(0.01, rel=1e-3)
+        at = share_of_frame(bpy.context, stage, origin + 3.0 * direction)
+        assert at is not None
+        assert np.array(at) * SIZE_PX == pytest.approx(np.array(place_px), abs=1e-3)
