@@ -10,10 +10,12 @@ import pytest
 
 import addon
 from addon import availability, last_render, panels
+from addon.panels.panorama import TYNDALL_PT_panorama
 from addon.panels.presets import ShippedPresetPanel
 from addon.panels.standard import standard_panels
+from addon.panoramas import panorama_settings
 from addon.shader_nodes import use_nodes
-from support.recording_layout import drawn
+from support.recording_layout import HeadlessContext, drawn
 from tyndall.voxel_dag import Config, from_coordinates
 
 STATISTICS = {
@@ -23,6 +25,8 @@ STATISTICS = {
     "reports": [f"material {index}: Glossy is rendered as Diffuse" for index in range(20)],
 }
 PANELS = [cls for cls in panels.CLASSES if issubclass(cls, bpy.types.Panel)]
+#: Each has a test of its own.
+ELSEWHERE = {"TYNDALL_PT_unavailable", "TYNDALL_PT_beam_shape", "TYNDALL_PT_panorama"}
 LIGHT_TYPES = ("SUN", "POINT", "SPOT", "AREA")
 
 
@@ -41,7 +45,7 @@ def test_every_panel_draws_in_the_factory_scene(scene: bpy.types.Scene, tmp_path
     from_coordinates([[1, 2, 3]], Config(resolution=4)).save(path)
     bpy.ops.tyndall.import_tdag(filepath=str(path))
     for cls in PANELS:
-        if cls.__name__ in {"TYNDALL_PT_unavailable", "TYNDALL_PT_beam_shape"} or issubclass(cls, ShippedPresetPanel):
+        if cls.__name__ in ELSEWHERE or issubclass(cls, ShippedPresetPanel):
             continue  # each has a test of its own below
         if "over_engine" in cls.__name__:
             continue  # of other engines: test_over_engine.py
@@ -198,3 +202,23 @@ def test_values_set_by_python_reach_the_dependency_graph(scene: bpy.types.Scene)
                 assert seen, f"{group.bl_rna.identifier}.{name} tags nothing"
     finally:
         bpy.app.handlers.depsgraph_update_post.remove(note)
+
+
+def test_a_panorama_shows_what_it_covers(scene: bpy.types.Scene) -> None:
+    """Only of a panoramic camera, and only of the kind that is drawn; of the others it says so."""
+    camera = scene.camera.data
+    assert not TYNDALL_PT_panorama.poll(HeadlessContext(camera=camera))
+    camera.type = "PANO"
+    settings = panorama_settings(camera)
+    settings.panorama_type = "EQUIRECTANGULAR"
+    shown = drawn(TYNDALL_PT_panorama, camera=camera)
+    assert [name for name in shown if name.endswith(("_min", "_max"))] == [
+        "latitude_min",
+        "latitude_max",
+        "longitude_min",
+        "longitude_max",
+    ]
+    settings.panorama_type = "FISHEYE_EQUISOLID"
+    shown = drawn(TYNDALL_PT_panorama, camera=camera)
+    assert "latitude_min" not in shown
+    assert any("in perspective" in line for line in shown)
