@@ -9,20 +9,23 @@ from __future__ import annotations
 import bpy
 from bpy.types import Context, Depsgraph, RenderEngine, Scene, ViewLayer
 
-from . import final, passes, sessions, viewport
+from . import final, passes, preview, sessions, viewport
 
 
 class TyndallRenderEngine(RenderEngine):
     bl_idname = "TYNDALL"
     bl_label = "Tyndall"
-    bl_use_preview = False  # material previews stay with the engines that draw every node
+    bl_use_preview = True  # of materials, worlds and lights, as icons, too
     bl_use_postprocess = True  # compositor and sequencer
     bl_use_shading_nodes_custom = False  # otherwise artists lose the standard nodes
     bl_use_eevee_viewport = True  # material preview shading is EEVEE's
     bl_use_spherical_stereo = False
 
     def render(self, depsgraph: Depsgraph) -> None:
-        final.render(self, depsgraph)
+        if self.is_preview:
+            preview.render(self, depsgraph)
+        else:
+            final.render(self, depsgraph)
 
     def view_update(self, context: Context, depsgraph: Depsgraph) -> None:
         viewport.view_update(self, context, depsgraph)

@@ -13,7 +13,7 @@ import bpy
 from .base import ENGINE
 
 #: Panels for other engines only that fit ours.
-BORROWED = frozenset({"EEVEE_MATERIAL_PT_context_material"})
+BORROWED = frozenset({"EEVEE_MATERIAL_PT_context_material", "MATERIAL_PT_preview"})
 
 LEFT_OUT = frozenset(
     {
@@ -21,10 +21,8 @@ LEFT_OUT = frozenset(
         "DATA_PT_falloff_curve",
         "DATA_PT_light",  # ours: Light
         "DATA_PT_lightprobe",
-        "DATA_PT_preview",  # a preview render that we do not draw
         "DATA_PT_spot",  # ours: Beam Shape
         "DATA_PT_volume_render",
-        "MATERIAL_PT_preview",
         "NODE_DATA_PT_light",
         "NODE_DATA_PT_spot",
         "VIEWLAYER_PT_layer_passes",  # ours: Passes

@@ -31,6 +31,14 @@ def draw_unbounded_medium(layout: UILayout, context: Context) -> None:
     layout.operator("tyndall.add_fog_box", text="Turn into a Fog Box").replaces_world_medium = True
 
 
+class TYNDALL_PT_world_preview(WorldPanel, Panel):
+    bl_label = "Preview"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        self.layout.template_preview(context.world)
+
+
 class TYNDALL_PT_world_surface(WorldPanel, Panel):
     bl_label = "Surface"
 
@@ -87,4 +95,4 @@ class TYNDALL_PT_world_volume(WorldPanel, Panel):
             draw_without_output(layout, context.world)
 
 
-CLASSES = (TYNDALL_PT_world_surface, TYNDALL_PT_world_sun, TYNDALL_PT_world_volume)
+CLASSES = (TYNDALL_PT_world_preview, TYNDALL_PT_world_surface, TYNDALL_PT_world_sun, TYNDALL_PT_world_volume)

@@ -82,12 +82,13 @@ class SceneReader:
         is_live: bool = False,
         viewport: SpaceView3D | None = None,
         is_lit: bool = True,
+        has_mirrors: bool = False,
     ) -> SceneDescription:
         """Everything that renders. ``poll`` is called every few milliseconds and may raise to stop.
 
         ``is_live`` promises that ``note_updates`` heard of every update of this depsgraph since the last read of it.
         ``viewport`` leaves out what it hides: in local view, by collection, by kind of object.
-        Without ``is_lit`` surfaces give no light, and the media all of theirs.
+        Without ``is_lit`` surfaces give no light, and the media all of theirs. ``has_mirrors``: whatever it asks.
         """
         if is_live and self._last is not None and self._last.serves(depsgraph, viewport, is_lit=is_lit):
             followed = self._follow(self._last, depsgraph, reports, poll)
@@ -109,7 +110,7 @@ class SceneReader:
             self._images,
             layer.material_override,
             is_lit=is_lit,
-            mirror_roughness=indirect.mirror_roughness if indirect.has_mirrors else None,
+            mirror_roughness=indirect.mirror_roughness if has_mirrors or indirect.has_mirrors else None,
             camera=seen_camera(depsgraph),
         )
         if not is_viewport:

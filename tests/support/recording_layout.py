@@ -33,6 +33,10 @@ class RecordingLayout:
     def separator(self, **_options: object) -> None:
         pass
 
+    def template_preview(self, thing: bpy.types.ID) -> None:
+        assert isinstance(thing, bpy.types.Material | bpy.types.World | bpy.types.Light)
+        self.shown.append("preview")
+
     def menu(self, name: str, text: str = "", icon: str = "NONE") -> None:
         assert icon in ICONS
         getattr(bpy.types, name).draw(SimpleNamespace(layout=self), bpy.context)

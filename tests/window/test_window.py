@@ -283,3 +283,23 @@ def test_a_mesh_becomes_voxels_in_the_window(play: Callable[..., Any]) -> None:
     assert facts["imported"] == ["Cube Voxels", "Cube_Voxels", "Cube_Voxels.001"]
     assert facts["written"] == ["Cube_Voxels.vox", "Cube_Voxels_002.vdb"]
     assert facts["mesh"] > 10_000
+
+
+def test_materials_worlds_and_lamps_have_previews(play: Callable[..., Any]) -> None:
+    """As icons, which are those of Cycles but for its bounces; the artist's scene knows nothing of them."""
+    played = play("previews")
+
+    def icon(name: str, engine: str = "TYNDALL") -> np.ndarray:
+        return np.load(played.folder / f"{name} by {engine}.npy")
+
+    for name in ("plastic", "lamp"):
+        ours, theirs = icon(name), icon(name, "CYCLES")
+        assert ours.std() > 0.1, "an empty picture would prove nothing"
+        assert np.abs(ours - theirs).mean() < 0.015
+    red, green, blue, _ = icon("world")[64, 64]
+    assert red < green < blue
+    assert icon("half there")[..., 2].mean() > icon("half there")[..., 0].mean() > 0.05
+    assert icon("rough metal")[..., 0].max() > 0.9  # the lamp in it
+    assert played.facts["recorded"] is None
+    assert played.facts["kept"] == 0
+    assert played.facts["failed"] is None
