@@ -44,6 +44,9 @@ _PASSES = (
     _Pass("Shafts Visibility", "Shafts Visibility", "X", "VALUE", "tyndall.use_pass_shafts_visibility"),
     _Pass("Transmittance", "Transmittance", "RGB", "COLOR", "tyndall.use_pass_transmittance"),
     _Pass("Debug Sample Count", "Debug Sample Count", "X", "VALUE", "tyndall.use_pass_sample_count"),
+    _Pass("Denoising Normal", "Denoising Normal", "XYZ", "VECTOR", "tyndall.use_pass_denoising_data"),
+    _Pass("Denoising Albedo", "Denoising Albedo", "RGB", "COLOR", "tyndall.use_pass_denoising_data"),
+    _Pass("Denoising Depth", "Denoising Depth", "Z", "VALUE", "tyndall.use_pass_denoising_data"),
 )
 #: Mattes by what they tell apart, with the switch of the view layer.
 _MATTES = {

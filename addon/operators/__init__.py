@@ -5,6 +5,7 @@ from bpy.utils import register_class, unregister_class
 
 from . import (
     animation,
+    denoising,
     fog_box,
     light_depth,
     light_map_fit,
@@ -38,6 +39,7 @@ CLASSES = (
     *paint_function.CLASSES,
     *light_map_fit.CLASSES,
     *over_engine.CLASSES,
+    *denoising.CLASSES,
     *paint_air.CLASSES,
     *painted_air.CLASSES,
     *volume_files.CLASSES,

@@ -74,7 +74,8 @@ def connect(scene: Scene, shafts: Scene) -> None:
     """Add what is missing of our nodes and their links. Does nothing where all is there."""
     tree = tree_of(scene)
     if tree is None:
-        tree = _new_tree(scene)
+        tree = new_tree(scene)
+        scene.tyndall.over_engine.has_own_tree = True
     layer = _shafts_layer(tree, shafts)
     if layer.scene != shafts:
         layer.scene = shafts
@@ -128,9 +129,8 @@ def problems(scene: Scene, shafts: Scene | None) -> list[str]:
     return found
 
 
-def _new_tree(scene: Scene) -> NodeTree:
-    """With an output and nothing else."""
-    scene.tyndall.over_engine.has_own_tree = True
+def new_tree(scene: Scene) -> NodeTree:
+    """For a scene that has none: with an output and nothing else."""
     if HAS_GROUPS:
         tree = bpy.data.node_groups.new(f"{scene.name} Compositing", "CompositorNodeTree")
         add_socket(tree, "Image", "NodeSocketColor", is_output=True)

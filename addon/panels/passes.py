@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from bpy.types import Context, Panel
 
-from .base import PropertiesPanel
+from .. import denoising
+from .base import PropertiesPanel, draw_text
 
 if TYPE_CHECKING:
     from bpy.types import UILayout, ViewLayer
@@ -37,6 +38,7 @@ class TYNDALL_PT_passes(PropertiesPanel, Panel):
         column.prop(view_layer, "use_pass_mist")
         column.prop(view_layer, "use_pass_uv")
         column.prop(view_layer.tyndall, "use_pass_sample_count")
+        column.prop(view_layer.tyndall, "use_pass_denoising_data")
         column = layout.column(heading="Indexes", align=True)
         column.prop(view_layer, "use_pass_object_index")
         column.prop(view_layer, "use_pass_material_index")
@@ -54,6 +56,22 @@ class TYNDALL_PT_passes(PropertiesPanel, Panel):
         kinds = ("object", "material", "asset")
         column.active = any(getattr(view_layer, f"use_pass_cryptomatte_{kind}") for kind in kinds)
         column.prop(view_layer, "pass_cryptomatte_depth", text="Levels")
+
+
+class TYNDALL_PT_passes_denoising(PropertiesPanel, Panel):
+    bl_label = "Denoise"
+    bl_context = "view_layer"
+    bl_parent_id = "TYNDALL_PT_passes"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        reason = denoising.why_not(context.scene)
+        if reason is not None:
+            draw_text(layout, context, reason, icon="INFO")
+        layout.operator("tyndall.denoising_set_up", icon="NODE_COMPOSITING")
+        if denoising.nodes_of(context.scene):
+            layout.operator("tyndall.denoising_remove", icon="X")
 
 
 class TYNDALL_PT_passes_aov(PropertiesPanel, Panel):
@@ -74,4 +92,4 @@ class TYNDALL_PT_passes_aov(PropertiesPanel, Panel):
             self.layout.label(text="Conflicts with another render pass with the same name", icon="ERROR")
 
 
-CLASSES = (TYNDALL_PT_passes, TYNDALL_PT_passes_aov)
+CLASSES = (TYNDALL_PT_passes, TYNDALL_PT_passes_denoising, TYNDALL_PT_passes_aov)

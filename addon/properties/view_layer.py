@@ -37,6 +37,14 @@ class TyndallViewLayerSettings(PropertyGroup):
         update=update_passes,
         override=OVERRIDABLE,
     )
+    use_pass_denoising_data: BoolProperty(
+        name="Denoising Data",
+        description="Normal, albedo and depth of what pixels show, without noise, for the compositor's Denoise node. "
+        "Costs memory only",
+        default=False,
+        update=update_passes,
+        override=OVERRIDABLE,
+    )
     use_pass_transmittance: BoolProperty(
         name="Transmittance",
         description="Share of the light of the surface that media let through to the camera. Costs memory only",

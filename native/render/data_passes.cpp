@@ -5,6 +5,7 @@
 #include "render/matte_id.hpp"
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace tyndall::render {
 static constexpr std::size_t pixels_per_block = 1 << 14;
@@ -27,6 +28,7 @@ void PathData::clear() {
     near_cover = 0.0f;
     has_surface = has_uv = false;
     aovs.clear();
+    features = {};
 }
 
 /// Share of a surface that the mist leaves, as Cycles has it.
@@ -124,6 +126,7 @@ DataSums::DataSums(std::size_t pixel_count, std::uint32_t pixel_samples, const S
     material_index_.resize(config.has(DataPass::MaterialIndex) ? pixel_count : 0);
     near_cover_.resize(config.has(DataPass::Mist) ? pixel_count : 0);
     uv_.resize(config.has(DataPass::Uv) ? pixel_count : 0);
+    features_.resize(config.has_features() ? pixel_count : 0);
     for (const Aov& aov : config.aovs)
         for (const auto& [material, program] : aov.program_of)
             require(material < description.materials.size() && program < description.materials.size(), "AOV \"",
@@ -157,6 +160,11 @@ void DataSums::add(std::size_t pixel, const PathData& data) {
         near_cover_[pixel] += data.near_cover;
     for (std::size_t index = 0; index < data.aovs.size(); ++index)
         aovs_[pixel * config_.aovs.size() + index] += data.aovs[index];
+    if (!features_.empty()) {
+        features_[pixel].albedo += glm::min(data.features.albedo, Rgb(1.0f));
+        features_[pixel].normal += data.features.normal;
+        features_[pixel].depth_m += data.features.depth_m;
+    }
     if (!data.has_surface)
         return;
     if (is_first && !object_index_.empty()) {
@@ -207,17 +215,30 @@ NamedPlane DataSums::aov_plane(std::size_t index, const Progress& progress) cons
     return result;
 }
 
+/// Of most passes.
+static std::uint32_t channel_count_of(DataPass pass) {
+    return pass == DataPass::Uv || pass == DataPass::DenoisingNormal || pass == DataPass::DenoisingAlbedo ? 3 : 1;
+}
+
 NamedPlane DataSums::plane_of(DataPass pass, const Progress& progress) const {
     NamedPlane result{.name = std::string(data_pass_names[static_cast<std::size_t>(pass)]),
-                      .channel_count = pass == DataPass::Uv ? 3u : 1u,
+                      .channel_count = channel_count_of(pass),
                       .values = {}};
-    result.values.resize(pixel_count_ * result.channel_count);
+    const std::size_t channel_count = result.channel_count;
+    result.values.resize(pixel_count_ * channel_count);
+    // A pixel's number, or its three.
     const auto fill = [&](const auto& value_of) {
         parallel_for(
             pixel_count_, progress,
             [&](std::size_t pixel) {
                 const float count = static_cast<float>(sample_counts_[pixel]);
-                result.values[pixel] = count > 0.0f ? value_of(pixel, count) : 0.0f;
+                if (count == 0.0f)
+                    return;
+                const auto value = value_of(pixel, count);
+                if constexpr (std::is_same_v<std::decay_t<decltype(value)>, float>)
+                    result.values[pixel] = value;
+                else
+                    std::copy_n(&value.x, channel_count, &result.values[pixel * channel_count]);
             },
             pixels_per_block);
     };
@@ -235,10 +256,16 @@ NamedPlane DataSums::plane_of(DataPass pass, const Progress& progress) const {
         fill([&](std::size_t, float count) { return count / pixel_samples_; });
         break;
     case DataPass::Uv:
-        for (std::size_t pixel = 0; pixel < pixel_count_; ++pixel)
-            for (int channel = 0; channel < 3; ++channel)
-                result.values[3 * pixel + static_cast<std::size_t>(channel)] =
-                    uv_[pixel][channel] / static_cast<float>(std::max(sample_counts_[pixel], 1u));
+        fill([&](std::size_t pixel, float count) { return uv_[pixel] / count; });
+        break;
+    case DataPass::DenoisingNormal:
+        fill([&](std::size_t pixel, float count) { return features_[pixel].normal / count; });
+        break;
+    case DataPass::DenoisingAlbedo:
+        fill([&](std::size_t pixel, float count) { return features_[pixel].albedo / count; });
+        break;
+    case DataPass::DenoisingDepth:
+        fill([&](std::size_t pixel, float count) { return features_[pixel].depth_m / count; });
         break;
     case DataPass::ObjectMattes:
     case DataPass::MaterialMattes:

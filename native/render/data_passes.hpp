@@ -7,6 +7,7 @@
 // Bound:    8 bytes per pixel, rank and kind of matte. Nothing is found and nothing kept where no such pass is asked for.
 #pragma once
 #include "core/progress.hpp"
+#include "render/denoising_features.hpp"
 #include "scene/scene.hpp"
 #include <array>
 #include <cstdint>
@@ -23,14 +24,18 @@ enum class DataPass : std::uint8_t {
     AssetMattes = 2,    ///< The same of what objects belong to.
     ObjectIndex = 3,    ///< Of the first sample, as the next.
     MaterialIndex = 4,
-    Uv = 5,          ///< u, v, and 1 where there is a UV map; the mean over samples.
-    Mist = 6,        ///< 0 near, 1 far.
-    SampleCount = 7, ///< Share of the samples that the pixel has taken.
+    Uv = 5,              ///< u, v, and 1 where there is a UV map; the mean over samples.
+    Mist = 6,            ///< 0 near, 1 far.
+    SampleCount = 7,     ///< Share of the samples that the pixel has taken.
+    DenoisingNormal = 8, ///< As DenoisingFeatures, as the next; the mean over samples.
+    DenoisingAlbedo = 9,
+    DenoisingDepth = 10,
 };
-inline constexpr std::size_t data_pass_count = 8, matte_kind_count = 3;
+inline constexpr std::size_t data_pass_count = 11, matte_kind_count = 3;
 /// As Blender calls them up to 4.5; mattes' planes have their number, of two digits, behind it.
 inline constexpr std::array<std::string_view, data_pass_count> data_pass_names{
-    "CryptoObject", "CryptoMaterial", "CryptoAsset", "IndexOB", "IndexMA", "UV", "Mist", "Debug Sample Count"};
+    "CryptoObject", "CryptoMaterial",     "CryptoAsset",      "IndexOB",          "IndexMA",        "UV",
+    "Mist",         "Debug Sample Count", "Denoising Normal", "Denoising Albedo", "Denoising Depth"};
 
 struct MistRange {
     float start_m = 5.0f, depth_m = 25.0f; ///< A depth of 0: all is near.
@@ -61,6 +66,9 @@ struct DataPassConfig {
     [[nodiscard]] bool has_mattes() const {
         return has(DataPass::ObjectMattes) || has(DataPass::MaterialMattes) || has(DataPass::AssetMattes);
     }
+    [[nodiscard]] bool has_features() const {
+        return has(DataPass::DenoisingNormal) || has(DataPass::DenoisingAlbedo) || has(DataPass::DenoisingDepth);
+    }
     [[nodiscard]] bool is_wanted() const { return bits != 0 || !aovs.empty(); }
     /// Throws InvalidInput that lists the names there are.
     void add(std::string_view name);
@@ -79,6 +87,7 @@ struct PathData {
     std::uint32_t name_index = 0, material_index = 0;
     vec2 uv{0.0f};
     std::vector<vec4> aovs; ///< As many as the settings have; RGB and how much of it there is.
+    DenoisingFeatures features;
     void clear();
 };
 
@@ -134,6 +143,7 @@ private:
     std::vector<float> object_index_, material_index_, near_cover_;
     std::vector<vec3> uv_;
     std::vector<vec4> aovs_; ///< Pixel by pixel.
+    std::vector<DenoisingFeatures> features_;
     std::vector<std::uint32_t> sample_counts_;
 };
 } // namespace tyndall::render

@@ -24,6 +24,7 @@ struct ViewPath::Follower {
     float width_m = 0.0f;  ///< What it covers where `part` begins.
     Ray part{};            ///< What is left of it.
     Rgb through_surfaces{1.0f}, through_media{1.0f};
+    FeatureSearch features{}; ///< Where a denoiser is to be shown some.
     bool has_first_surface = false;
     [[nodiscard]] Rgb throughput() const { return through_surfaces * through_media; }
 };
@@ -111,6 +112,7 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
         followers[index].spread = footprint.spread;
         followers[index].near_m = camera_rays[index].near_m;
         followers[index].width_m = footprint.width_m;
+        followers[index].features.passed_m = camera_rays[index].near_m;
         samples[index] = {};
     }
     std::array<RayDetail, DirectLight::most_points> details; // of camera rays; what mirrors show is met cell by cell
@@ -136,7 +138,7 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
             follow({.followers = std::span(following).subspan(first, count),
                     .pixel_seeds = pixel_seeds,
                     .targets = targets},
-                   mirror_count, samples, parts, {}, is_past ? nullptr : &mirrored, is_past ? nullptr : walked);
+                   mirror_count, samples, parts, data, is_past ? nullptr : &mirrored, is_past ? nullptr : walked);
         }
     }
 }
@@ -149,6 +151,8 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
     const std::span<Follower> followers = rays.followers;
     std::size_t count = followers.size();
     const bool has_details = !rays.details.empty();
+    const bool has_features = !data.each.empty() && data.config->has_features();
+    const bool has_data = !data.each.empty() && !is_in_mirror;
     std::array<Ray, size> next;
     std::array<RayDetail, size> details;
     std::array<Hit, size> hits;
@@ -171,6 +175,9 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
                 pass_media(follower, hit, sample, is_in_mirror ? nullptr : &parts[follower.index]);
             if (!hit.is_hit()) {
                 reach_world(follower, is_in_mirror, sample);
+                if (has_features && (is_in_mirror || !config_.is_film_transparent))
+                    see_world_features(follower.features, scene_.world().seen_radiance(follower.part.direction),
+                                       data.each[follower.index].features);
                 continue;
             }
             const Rgb throughput = follower.throughput();
@@ -184,7 +191,7 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
                 .ray = asking, .kind = is_in_mirror ? RayKind::Mirror : RayKind::Camera, .footprint_m = footprint_m};
             SurfaceClosures closures = scene_.closures(asking_ray, point.shading, hit, &lobes);
             const bool was_covered = follower.has_first_surface;
-            if (!data.each.empty() && !was_covered && !data.config->aovs.empty())
+            if (has_data && !was_covered && !data.config->aovs.empty())
                 see_aovs(scene_, asking_ray, point.shading, hit, average(follower.through_surfaces), data.config->aovs,
                          data.each[follower.index]);
             if (!is_in_mirror) {
@@ -194,12 +201,18 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
                     continue; // a hole: no pass sees anything there
             }
             show(follower, point, closures, is_in_mirror, sample);
-            if (!data.each.empty()) {
+            if (has_data) {
                 PathData& of_ray = data.each[follower.index];
                 see_layer(scene_, camera_, hit, point.shading.position,
                           average(throughput) * (1.0f - average(closures.transparent)),
                           follower.has_first_surface && !was_covered, data.config->mist, of_ray);
             }
+            FeatureSearches searches;
+            if (has_features)
+                searches = see_features(
+                    follower.features, hit.distance_m, closures,
+                    {.lobes = lobes, .normal = point.shading.shading_normal, .outgoing = -follower.part.direction},
+                    camera_.world_from_camera, mirrored != nullptr, data.each[follower.index].features);
             if (walked != nullptr && rays.targets[follower.index] != nowhere &&
                 (closures.diffuse_albedo != Rgb(0.0f) || !lobes.empty() || config_.lights_black_surfaces ||
                  (config_.finds_ambient && !is_in_mirror && closures.transparent != Rgb(1.0f)))) {
@@ -226,7 +239,9 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
                 mirrored->back().near_m = 0.0f;
                 mirrored->back().through_surfaces *= closures.mirrored;
                 mirrored->back().has_first_surface = true;
+                mirrored->back().features = searches.mirrored;
             }
+            follower.features = searches.passing;
             follower.through_surfaces *= closures.transparent;
             if (follower.through_surfaces == Rgb(0.0f))
                 continue;

@@ -49,6 +49,9 @@ DATA_PASSES = (
     "UV",
     "Mist",
     "Debug Sample Count",
+    "Denoising Normal",
+    "Denoising Albedo",
+    "Denoising Depth",
 )
 
 

@@ -15,7 +15,11 @@ from addon.panels.presets import TYNDALL_PT_render_presets, shipped_presets
 
 SESSIONS = Path(__file__).parents[1] / "window" / "sessions"
 #: No session clicks them, because:
-NOT_CLICKED = {"tyndall.paint_air_stroke": "a stroke by a script: the mouse paints through tyndall.paint_air"}
+NOT_CLICKED = {
+    "tyndall.paint_air_stroke": "a stroke by a script: the mouse paints through tyndall.paint_air",
+    "tyndall.denoising_set_up": "grey in the window's Blender, Debian's, which has no OpenImageDenoise",
+    "tyndall.denoising_remove": "the same",
+}
 
 
 def clicked_in_window() -> set[str]:

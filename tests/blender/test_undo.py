@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 import pytest
 
-from addon import painted_air
+from addon import denoising, painted_air
 from addon.operators import CLASSES
 from addon.panels.presets import TYNDALL_PT_air_presets, shipped_presets
 from support.file_state import file_state
@@ -106,6 +106,16 @@ def over_cycles(sun: bpy.types.Object, folder: Path) -> None:
     bpy.ops.tyndall.over_engine_set_up()
 
 
+def where_there_is_a_denoiser(*_: object) -> None:
+    if not denoising.is_built_in():
+        pytest.skip("this Blender has no OpenImageDenoise: the button is grey")
+
+
+def denoised(*_: object) -> None:
+    where_there_is_a_denoiser()
+    bpy.ops.tyndall.denoising_set_up()
+
+
 def into_file(_sun: bpy.types.Object, folder: Path) -> dict[str, Any]:
     return {"filepath": str(folder / "air.vdb"), "voxels": 8}
 
@@ -173,6 +183,8 @@ SETTINGS: dict[str, Callable[[bpy.types.Object, Path], dict[str, Any] | None]] =
     "tyndall.over_engine_set_up": under_cycles,
     "tyndall.over_engine_remove": over_cycles,
     "tyndall.leave_fog": over_cycles,
+    "tyndall.denoising_set_up": where_there_is_a_denoiser,
+    "tyndall.denoising_remove": denoised,
     "tyndall.paint_air_stroke": lambda *_: {"dabs": [{"name": "", "location": (2.0, 0.0, 0.5), "pressure": 1.0}]},
     "tyndall.painted_air_resample": lambda *_: {"resolution": (4, 4, 2)},
     "tyndall.bake_air": into_file,

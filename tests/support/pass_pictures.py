@@ -20,8 +20,16 @@ class PassPictures:
 
 
 def render_passes(
-    scene: bpy.types.Scene, folder: Path, engine: str, samples: int = 64, *, is_filtered: bool = True, seed: int = 0
+    scene: bpy.types.Scene,
+    folder: Path,
+    engine: str,
+    samples: int = 64,
+    *,
+    is_filtered: bool = True,
+    seed: int = 0,
+    bounces: int = 0,
 ) -> PassPictures:
+    """``bounces``: of Cycles alone."""
     scene.render.engine = engine
     scene.render.use_compositing = False
     width_px = 1.5 if is_filtered else 0.01
@@ -30,7 +38,7 @@ def render_passes(
     ours.noise_threshold, ours.seed = 0.0, seed
     cycles.device, cycles.samples, cycles.seed = "CPU", samples, seed
     cycles.use_denoising = cycles.use_adaptive_sampling = False
-    cycles.max_bounces = cycles.volume_bounces = 0
+    cycles.max_bounces, cycles.volume_bounces = bounces, 0
     cycles.transparent_max_bounces = 1024
     cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", width_px
     settings = scene.render.image_settings
