@@ -62,6 +62,7 @@ void FilmSums::add(std::size_t pixel, const PathSample& sample) {
     add_colour(pixel, Pass::Emission, sample.emission);
     add_colour(pixel, Pass::Transmittance, sample.transmittance);
     add_colour(pixel, Pass::AmbientOcclusion, sample.ambient);
+    add_colour(pixel, Pass::Unshadowed, sample.unshadowed);
     if (wants(Pass::Shadow)) {
         add_colour(pixel, Pass::Shadow, sample.lit);
         float* weight = &sums_[pixel * stride_ + shadow_weight_offset_];

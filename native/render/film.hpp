@@ -28,8 +28,9 @@ enum class Pass : std::uint8_t {
     ShaftsVisibility = 8,
     Transmittance = 9,
     AmbientOcclusion = 10,
+    Unshadowed = 11, ///< What Shadow is a share of: films that are averaged weigh it by this.
 };
-inline constexpr std::size_t pass_count = 11;
+inline constexpr std::size_t pass_count = 12;
 struct PassLayout {
     std::string_view name; ///< As Blender names the pass.
     std::uint32_t channel_count;
@@ -44,7 +45,8 @@ inline constexpr std::array<PassLayout, pass_count> pass_layouts{{{"Combined", 4
                                                                   {"Shafts", 3},
                                                                   {"Shafts Visibility", 1},
                                                                   {"Transmittance", 3},
-                                                                  {"AO", 3}}};
+                                                                  {"AO", 3},
+                                                                  {"Unshadowed", 3}}};
 [[nodiscard]] constexpr const PassLayout& layout(Pass pass) { return pass_layouts[static_cast<std::size_t>(pass)]; }
 /// The pass of this name; throws InvalidInput that lists the names there are.
 [[nodiscard]] Pass pass_named(std::string_view name);

@@ -26,6 +26,10 @@ constexpr double surface_share = 0.3;
 Region checked_region(const Camera& camera, const FrameConfig& config) {
     require(1 <= config.pixel_samples && config.pixel_samples <= 65536, "pixel_samples is ", config.pixel_samples,
             ", outside [1, 65536]");
+    require(config.first_sample < config.pixel_samples &&
+                config.sample_count <= config.pixel_samples - config.first_sample,
+            "samples ", config.first_sample, " to ", config.first_sample + config.sample_count, " are not among the ",
+            config.pixel_samples, " of a pixel");
     require_in(config.noise_threshold, 0.0f, 1.0f, "noise_threshold");
     require_usable(config.indirect);
     require_in(config.voxel_detail_px, 0.0f, 64.0f, "voxel_detail_px");
@@ -47,12 +51,12 @@ public:
           surfaces_(scene, media, camera, region_, config, statistics_, progress),
           sums_(region_.x1 - region_.x0, region_.y1 - region_.y0, config.passes, scene.description().origin_in_world),
           is_active_(pixel_count(), 1), active_count_(pixel_count()), round_samples_(config.pixel_samples) {
-        if (config.noise_threshold > 0.0f && samples_per_round(config.pixel_samples) < config.pixel_samples) {
-            round_samples_ = samples_per_round(config.pixel_samples);
+        if (config.noise_threshold > 0.0f && samples_per_round(config.taken_samples()) < config.taken_samples()) {
+            round_samples_ = samples_per_round(config.taken_samples());
             noise_.emplace(width(), region_.y1 - region_.y0);
         }
         if (config.data.is_wanted())
-            data_.emplace(pixel_count(), config.pixel_samples, scene, config.data);
+            data_.emplace(pixel_count(), config.taken_samples(), scene, config.data);
         if (media_.is_empty())
             statistics_.skip("light shafts", "no medium in the scene");
         else if (!config.transfer_functions.empty())
@@ -62,7 +66,7 @@ public:
 
     Film render() {
         const std::vector<Band> bands = all_bands();
-        for (std::uint32_t sample = 0; sample < config_.pixel_samples; ++sample) {
+        for (std::uint32_t sample = config_.first_sample; sample < end_sample(); ++sample) {
             render_sample(sample, bands);
             sample_count_ += active_count_;
             if (noise_ && !has_noise_after(sample))
@@ -99,6 +103,8 @@ private:
         style_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
         return film;
     }
+    [[nodiscard]] std::uint32_t end_sample() const { return config_.first_sample + config_.taken_samples(); }
+    [[nodiscard]] bool is_first(std::uint32_t sample) const { return sample == config_.first_sample; }
     [[nodiscard]] std::uint32_t width() const { return region_.x1 - region_.x0; }
     [[nodiscard]] std::size_t pixel_count() const { return std::size_t{region_.y1 - region_.y0} * width(); }
     [[nodiscard]] std::vector<Band> all_bands() const {
@@ -126,12 +132,12 @@ private:
     }
 
     [[nodiscard]] bool collects_parts(std::uint32_t sample) const {
-        return sample == 0 ? !media_.is_empty() : shafts_.has_value();
+        return is_first(sample) ? !media_.is_empty() : shafts_.has_value();
     }
     /// After a round of samples: whether some pixels go on.
     bool has_noise_after(std::uint32_t sample) {
         noise_->end_sample(is_active_);
-        if ((sample + 1) % round_samples_ == 0 && sample + 1 < config_.pixel_samples)
+        if ((sample - config_.first_sample + 1) % round_samples_ == 0 && sample + 1 < end_sample())
             active_count_ = noise_->keep_noisy(config_.noise_threshold, is_active_, progress_);
         return active_count_ > 0;
     }
@@ -150,14 +156,14 @@ private:
             update_now_and_then();
         }
         surfaces_.end_pass();
-        if (air_ && (shafts_ || sample == 0))
+        if (air_ && (shafts_ || is_first(sample)))
             air_->begin_pass(surfaces_.view_path(), surfaces_.filter(), surfaces_.pass_config(), sample, waiting_,
                              progress_);
-        if (sample == 0 && !media_.is_empty())
+        if (is_first(sample) && !media_.is_empty())
             prepare_shafts();
         if (!shafts_)
             return;
-        shafts_->begin_pass(sample, progress_);
+        shafts_->begin_pass(pass_of_shafts(sample), progress_);
         // A band's pixels look at neighbours in the next one.
         for (std::size_t index = 0; index <= bands.size(); ++index) {
             if (index < bands.size())
@@ -169,6 +175,10 @@ private:
         }
     }
 
+    /// Strata are dealt out to the passes of a round: where pixels may stop, rounds begin with this frame's first sample.
+    [[nodiscard]] std::uint32_t pass_of_shafts(std::uint32_t sample) const {
+        return noise_ ? sample - config_.first_sample % round_samples_ : sample;
+    }
     /// The parts of all rays of the first sample, which a render of the full frame prepares its lights for.
     [[nodiscard]] WaitingParts parts_of_frame() const {
         WaitingParts parts;
@@ -177,7 +187,8 @@ private:
         const ViewPath path = surfaces_.view_path();
         const Region frame{0, 0, camera_.width_px, camera_.height_px};
         SurfacePass(path, camera_, frame, surfaces_.filter(), surfaces_.pass_config())
-            .find_parts({.sample_index = 0, .first_row = 0, .end_row = camera_.height_px}, parts, progress_);
+            .find_parts({.sample_index = config_.first_sample, .first_row = 0, .end_row = camera_.height_px}, parts,
+                        progress_);
         return parts;
     }
 
@@ -207,8 +218,8 @@ private:
 
     void advance(std::uint32_t sample, const Band& band, double share_before, double share_of_sample) {
         const double done = static_cast<double>(band.end_row) / static_cast<double>(region_.y1 - region_.y0);
-        progress_.advance_to(
-            static_cast<float>((sample + share_before + done * share_of_sample) / config_.pixel_samples));
+        const double samples = sample - config_.first_sample + share_before + done * share_of_sample;
+        progress_.advance_to(static_cast<float>(samples / config_.taken_samples()));
     }
     void say(std::uint32_t sample, const char* stage) {
         progress_.set_message("Sample " + std::to_string(sample + 1) + " of " + std::to_string(config_.pixel_samples) +

@@ -20,10 +20,14 @@ class KeptSurfaces; // kept_surfaces.hpp
 
 struct FrameConfig {
     std::uint32_t pixel_samples = 16; ///< [1, 65536]; 1: the pixel's centre, unfiltered.
+    /// Which of them this frame takes, the others being other frames': of one scene, the mean of all such frames is the
+    /// frame that takes all samples. That mean is of the time that a shutter is open where each sees a moment of its own.
+    std::uint32_t first_sample = 0;
+    std::uint32_t sample_count = 0; ///< From the first one on; 0: all that there are.
     PixelFilter pixel_filter = PixelFilter::BlackmanHarris;
     float filter_width_px = 1.5f; ///< As in Cycles, [0.01, 10].
     /// Pixels stop after a round of samples (4, or what divides the samples) when their standard error falls below this
-    /// times the square root of their mean, as in Cycles; [0, 1], 0: every pixel takes all samples.
+    /// times the square root of their mean, as in Cycles; [0, 1], 0: every pixel takes all samples. Of this frame's.
     float noise_threshold = 0.0f;
     /// None: the full frame. A region's pixels have the full frame's values, but for what pixels share at its border.
     std::optional<Region> region;
@@ -50,6 +54,10 @@ struct FrameConfig {
     bool keeps_unstyled = false; ///< The film carries what a change of the functions' layers needs.
     std::uint32_t seed = 0;
     int thread_count = 0; ///< 0: all.
+
+    [[nodiscard]] std::uint32_t taken_samples() const {
+        return sample_count > 0 ? sample_count : pixel_samples - first_sample;
+    }
 };
 
 /// Called with the picture so far: after its first band, then about twice a second. Of a tile, never.

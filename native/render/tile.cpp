@@ -9,7 +9,7 @@ namespace tyndall::render {
 /// company of their square. Where pixels may stop, all of that decides after each round which samples there will be.
 static std::uint32_t margin_px(const FrameConfig& config) {
     const std::uint32_t rounds =
-        config.noise_threshold > 0.0f ? config.pixel_samples / samples_per_round(config.pixel_samples) : 1;
+        config.noise_threshold > 0.0f ? config.taken_samples() / samples_per_round(config.taken_samples()) : 1;
     return 2 * SurfacePass::square_px * rounds;
 }
 

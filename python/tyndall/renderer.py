@@ -38,6 +38,7 @@ PASSES = (
     "Shafts Visibility",
     "Transmittance",
     "AO",
+    "Unshadowed",
 )
 #: Names of planes; those of mattes have a number of two digits behind it.
 DATA_PASSES = (
@@ -106,10 +107,13 @@ class RenderConfig:
     """One frame's settings; the native side checks the ranges and raises ``InvalidInput``."""
 
     pixel_samples: int = 16  #: [1, 65536]; 1: pixel centres.
+    #: Which of them this frame takes, the others being other frames', as a ``FilmMean`` averages them.
+    first_sample: int = 0
+    sample_count: int = 0  #: From the first one on; 0: all that there are.
     pixel_filter: str = "BLACKMAN_HARRIS"  #: One of PIXEL_FILTERS.
     filter_width_px: float = 1.5  #: As in Cycles, [0.01, 10].
     #: Pixels stop taking samples when their standard error falls below this times the square root of their mean, as in
-    #: Cycles; [0, 1], 0: all of them take all samples.
+    #: Cycles; [0, 1], 0: all of them take all samples. Of this frame's.
     noise_threshold: float = 0.0
     region_px: tuple[int, int, int, int] | None = None  #: x0, y0, x1, y1 in the full frame, y up; None: all of it.
     #: The region is a tile of a frame that others put together: bit for bit what the full frame has there.
@@ -297,6 +301,8 @@ class Session:
             )
         return _native.FrameConfig(
             pixel_samples=config.pixel_samples,
+            first_sample=config.first_sample,
+            sample_count=config.sample_count,
             pixel_filter=_index(PIXEL_FILTERS, config.pixel_filter, "pixel_filter"),
             filter_width_px=config.filter_width_px,
             noise_threshold=config.noise_threshold,
