@@ -31,6 +31,7 @@ class ImageReader:
     def __init__(self) -> None:
         self._kept: dict[str, Image] = {}
         self._used: set[str] = set()
+        self._held_files: dict[str, Path] | None = None
 
     def start_frame(self) -> None:
         self._used.clear()
@@ -38,6 +39,10 @@ class ImageReader:
     def end_frame(self) -> None:
         """Forgets the images that this frame did not use."""
         self._kept = {key: image for key, image in self._kept.items() if key in self._used}
+
+    def hold_frames(self, *, is_held: bool) -> None:
+        """Of sequences, the frame that is read first is theirs from now on: Cycles does not blur them either."""
+        self._held_files = {} if is_held else None
 
     def read(
         self,
@@ -57,7 +62,7 @@ class ImageReader:
             return None
         original = image.original
         if original.source == "SEQUENCE" and user is not None:
-            return self._read_file(original, frame_file(image, user), reports, culprit, associated=associated)
+            return self._read_file(original, self._frame_file(image, user), reports, culprit, associated=associated)
         if original.size[0] * original.size[1] == 0:
             reports.add(culprit, f'image "{original.name}" is missing ({_place(original)}): magenta')
             return None
@@ -83,6 +88,15 @@ class ImageReader:
             if tile is not None:
                 tiles[place] = tile
         return tiles
+
+    def _frame_file(self, image: bpy.types.Image, user: bpy.types.ImageUser) -> Path:
+        if self._held_files is None:
+            return frame_file(image, user)
+        numbers = [user.frame_start, user.frame_offset, user.frame_duration, user.use_cyclic]
+        key = repr([image.name_full, image.filepath, *numbers])
+        if key not in self._held_files:
+            self._held_files[key] = frame_file(image, user)
+        return self._held_files[key]
 
     def _read_file(
         self, image: bpy.types.Image, path: Path, reports: Reports, culprit: str, *, associated: bool

@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import bpy
+
 from tyndall.scene_description import Instances, Light, Mesh, SceneDescription
 
 from .images import ImageReader
@@ -57,12 +59,18 @@ class SceneReader:
         self._moved: dict[Name, MovedMesh] = {}  # the places of objects with meshes
         self._are_lights_outdated = False
 
+    def begin_moments(self, *, is_live: bool) -> None:
+        """Before the first read of a render; ``is_live``: of the same depsgraph, those of a shutter follow."""
+        self._images.hold_frames(is_held=is_live)
+        self._live_depsgraph, self._last = 0, None  # this one may lie where another did
+        self._moved.clear()
+
     def note_updates(self, depsgraph: Depsgraph) -> None:
         """Call from ``view_update`` and handlers: remembers which geometry changed until the next read."""
         if not depsgraph.updates:
             self._last = None
         for update in depsgraph.updates:
-            if self._last is None:
+            if self._last is None or isinstance(update.id, bpy.types.Action):  # what it moves has updates of its own
                 pass
             elif is_light(update.id):
                 self._are_lights_outdated = True
@@ -127,8 +135,6 @@ class SceneReader:
             lights = {one.object_name: one.matrices[0] for one in placements if one.data is None}
             found = self._suns.take_out(shown_world.original, found, lights, reports)
         sky_suns = tuple(sun.light() for sun in found.suns)
-        if depsgraph.mode == "RENDER" and depsgraph.scene_eval.render.use_motion_blur:
-            reports.add(f'Scene "{depsgraph.scene_eval.name}"', "motion blur is not drawn")
         poll()
         drawn = frozenset(placement.object_name for placement in (*drawn_things, *strands))
         world = replace(found.world, medium=materials.add_medium(found.medium))

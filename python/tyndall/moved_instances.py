@@ -7,12 +7,13 @@ addresses each is left.
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from itertools import compress, count
 from operator import is_not
 
 import numpy as np
 
+from .fingerprints import fingerprint
 from .scene_description import Instances, SceneDescription
 
 MOST_MOVED = 4096  #: Groups; of more a new scene is built.
@@ -33,6 +34,34 @@ def moved_groups(before: SceneDescription, after: SceneDescription) -> list[int]
         return None
     are_alike = all(_are_alike(before.instances[index], after.instances[index]) for index in changed)
     return changed if are_alike else None
+
+
+def sharing(before: SceneDescription, after: SceneDescription) -> SceneDescription:
+    """``after`` with all parts of ``before`` that it has, too, in their place: of the rest alone something is new."""
+    same = {
+        name: getattr(before, name)
+        for name in _SHARED
+        if fingerprint(getattr(before, name)) == fingerprint(getattr(after, name))
+    }
+    if len(before.instances) == len(after.instances):
+        same["instances"] = tuple(
+            one if one is other or fingerprint(one) == fingerprint(other) else other
+            for one, other in zip(before.instances, after.instances, strict=True)
+        )
+    return replace(after, **same)
+
+
+def is_same(before: SceneDescription, after: SceneDescription) -> bool:
+    """Whether both give the same picture. Cheap where they share most of their groups."""
+    if before is after:
+        return True
+    changed = moved_groups(before, after)
+    if changed is None:
+        return fingerprint(replace(before, reports=())) == fingerprint(replace(after, reports=()))
+    pairs = [(before.instances[index], after.instances[index]) for index in changed]
+    return all(np.array_equal(one.world_from_object, other.world_from_object) for one, other in pairs) and (
+        fingerprint((before.lights, before.world)) == fingerprint((after.lights, after.world))
+    )
 
 
 def _are_alike(before: Instances, after: Instances) -> bool:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from support.plain_scenes import placed, square, sun, translation, unit_cube
 from tyndall import Progress
+from tyndall.moved_instances import is_same, moved_groups, sharing
 from tyndall.renderer import RenderConfig, Session, ShaftConfig
 from tyndall.scene_description import (
     Camera,
@@ -157,3 +158,23 @@ def test_equal_descriptions_that_share_nothing_change_nothing() -> None:
     updated(session, scene())
     counts = updated(session, scene())
     assert not any(counts[name] for name in ("scene rebuilt", "scene moved", "scene relit"))
+
+
+def test_what_two_descriptions_share_is_found_by_content() -> None:
+    """Read twice, nothing is the same object; it is followed all the same, and told apart by what it shows."""
+    before, again = scene(), scene()
+    assert moved_groups(before, again) is None, "materials are other objects"
+    assert is_same(before, again)
+    shared = sharing(before, again)
+    assert moved_groups(before, shared) == []
+    assert is_same(before, shared)
+    elsewhere = replace(again.instances[FIRST_CUBE], world_from_object=np.eye(4)[None])
+    moved = replace(again, instances=(again.instances[FLOOR], elsewhere, *again.instances[FIRST_CUBE + 1 :]))
+    assert moved_groups(before, sharing(before, moved)) == [FIRST_CUBE]
+    assert not is_same(before, moved)
+    assert not is_same(before, sharing(before, moved))
+    brighter = replace(again, lights=(replace(sun(), strength=(2.0,) * 3),))
+    assert not is_same(before, brighter)
+    assert not is_same(before, sharing(before, brighter))
+    assert not is_same(before, replace(again, instances=again.instances[:-1]))
+    assert is_same(before, replace(again, reports=("a report",)))
