@@ -41,12 +41,22 @@ def data_config(depsgraph: Depsgraph, view_layer: ViewLayer) -> DataConfig:
     )
 
 
-def stamps(depsgraph: Depsgraph, view_layer: ViewLayer, description: SceneDescription) -> dict[str, str]:
-    """What files of the picture say about it: by Cryptomatte's rules, which names its mattes hold."""
-    fields: dict[str, str] = {}
-    for kind in matte_kinds(view_layer):
-        fields |= matte_stamps(f"{view_layer.name}.{kind}", _matte_names(kind, depsgraph, description))
-    return fields
+class MatteNames:
+    """By kind of Cryptomatte, what a picture's mattes may hold: of all moments that it shows."""
+
+    def __init__(self) -> None:
+        self._names: dict[str, dict[str, None]] = {}
+
+    def add(self, depsgraph: Depsgraph, view_layer: ViewLayer, description: SceneDescription) -> None:
+        for kind in matte_kinds(view_layer):
+            self._names.setdefault(kind, {}).update(dict.fromkeys(_matte_names(kind, depsgraph, description)))
+
+    def stamps(self, layer_name: str) -> dict[str, str]:
+        """What files of the picture say about it, by Cryptomatte's rules."""
+        fields: dict[str, str] = {}
+        for kind, names in self._names.items():
+            fields |= matte_stamps(f"{layer_name}.{kind}", names)
+        return fields
 
 
 def _matte_names(kind: str, depsgraph: Depsgraph, description: SceneDescription) -> Iterable[str]:

@@ -8,30 +8,31 @@ from __future__ import annotations
 
 import resource
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from tyndall import Cancelled, Progress
 
 from .. import last_render
-from ..sync.cameras import read_camera
-from ..sync.heterogeneity import read_heterogeneity
 from ..sync.reports import Reports
-from ..sync.transfer_functions import read_transfer_functions
 from . import data_passes, failures, film_parts, over_engine, passes
+from .exposures import ExposedFilm, Exposure, exposures
+from .frame_looks import LookReader
 from .native_call import NativeCall
 from .sessions import kept_frame
 from .settings import FrameWindow, frame_window, render_config
+from .shutters import read_shutter, report_unfollowed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from bpy.types import Depsgraph, RenderEngine, RenderResult, Scene
+    from bpy.types import Depsgraph, Object, RenderEngine, RenderResult, Scene, ViewLayer
 
-    from tyndall.renderer import Film
-    from tyndall.scene_description import Camera, SceneDescription
+    from tyndall.renderer import Film, RenderConfig, Session
+    from tyndall.scene_description import SceneDescription
+
+    from .frame_looks import Look
+    from .shutters import Shutter
 
 _POLL_S = 0.05  #: Between two looks at Esc while Blender's scene is read.
 
@@ -79,6 +80,9 @@ class _Frame:
     settings: Scene  #: Evaluated; another one than the depsgraph's where that renders for it.
     window: FrameWindow
     result: RenderResult
+    _exposed: ExposedFilm = field(default_factory=ExposedFilm)
+    _mattes: data_passes.MatteNames = field(default_factory=data_passes.MatteNames)
+    _started: float = field(default_factory=time.perf_counter)
 
     def render(self) -> None:
         scene, view_layer = self.settings, self.depsgraph.view_layer_eval
@@ -96,61 +100,90 @@ class _Frame:
             return  # another job's
         # Of a still, nothing is asked for twice.
         keeps_maps = self.engine.is_animation or scene.render.use_persistent_data
-        kept = kept_frame(scene.name, view_layer.name, keeps_maps=keeps_maps)
+        shutter = read_shutter(scene, view_layer)
+        follows_moves = shutter is not None
+        kept = kept_frame(scene.name, view_layer.name, keeps_maps=keeps_maps, follows_moves=follows_moves)
         started = time.perf_counter()
         self.engine.update_stats("", "Tyndall: reading the scene")
         reports = Reports()
-        camera = self._camera(reports)
-        functions = read_transfer_functions(scene, self.depsgraph, kept.function_images, reports)
-        heterogeneity = read_heterogeneity(self.depsgraph, reports, scene)
-        description = kept.reader.read(self.depsgraph, reports, self._poll(), is_lit=not is_over_engine)
-        description = self._with_report_of_lens(description, camera, reports)
+        if shutter is not None:
+            report_unfollowed(scene, self.depsgraph, reports)
+        reader = LookReader(
+            engine=self.engine,
+            depsgraph=self.depsgraph,
+            settings=scene,
+            size_px=self.window.size_px,
+            kept=kept,
+            poll=self._poll(),
+            camera=self._camera(),
+            is_lit=not is_over_engine,
+        )
+        look = reader.read(reports, begins_moments=shutter is not None)
+        config = self._config(view_layer, look, taken, is_over_engine=is_over_engine)
+        self._mattes.add(self.depsgraph, view_layer, look.description)
         read_s = time.perf_counter() - started
-        config = render_config(scene, view_layer, self.window, functions, heterogeneity)
-        config = replace(config, data=data_passes.data_config(self.depsgraph, view_layer))
-        stamps = data_passes.stamps(self.depsgraph, view_layer, description)
-        if is_over_engine:
-            config = over_engine.air_config(config)
-        if taken is not None:
-            region_px = taken.tile.region_px(self.window)
-            config = replace(config, region_px=region_px, is_tile=not taken.tile.is_all)
-
-        def work(progress: Progress, show: Callable[[Film], None]) -> Film:
-            kept.session.update(description, progress)
-            return kept.session.render(camera, config, progress, show if taken is None else None)
-
-        film = NativeCall(work).watch(is_cancelled=lambda: is_esc_pressed(self.engine), tick=self._tick)
+        shows = taken is None
+        if shutter is None:
+            film = self._expose(kept.session, Exposure.whole(look, config.pixel_samples), config, shows=shows)
+        else:
+            film = self._blurred(reader, look, shutter, config, shows=shows)
         if is_over_engine:
             film = over_engine.marked_as_rendered(film)
+        stamps = self._mattes.stamps(self.depsgraph.view_layer_eval.name)
         if taken is not None:
             taken.films[self.engine.active_view_get()] = film.planes
             taken.stamps.update(stamps)
         else:
             self._show(film)
             self._stamp(stamps)
-        last_render.record(scene.name, _statistics(film, description, read_s))
-        for line in description.reports:
+        last_render.record(self.settings.name, _statistics(film, look.description, read_s))
+        for line in look.description.reports:
             self.engine.report({"WARNING"}, f"Tyndall: {line}")
 
-    def _camera(self, reports: Reports) -> Camera:
+    def _config(
+        self, view_layer: ViewLayer, look: Look, taken: film_parts.Taking | None, *, is_over_engine: bool
+    ) -> RenderConfig:
+        config = render_config(self.settings, view_layer, self.window, look.functions, look.heterogeneity)
+        config = replace(config, data=data_passes.data_config(self.depsgraph, view_layer))
+        if is_over_engine:
+            config = over_engine.air_config(config)
+        if taken is not None:
+            region_px = taken.tile.region_px(self.window)
+            config = replace(config, region_px=region_px, is_tile=not taken.tile.is_all)
+        return config
+
+    def _blurred(self, reader: LookReader, look: Look, shutter: Shutter, config: RenderConfig, *, shows: bool) -> Film:
+        """The mean over the shutter's time; Blender's frame is back where it was, whatever happens."""
+        scene = self.depsgraph.scene_eval
+        frame, subframe = scene.frame_current, scene.frame_subframe
+        most = self.settings.tyndall.motion_steps
+        moment_count = len(shutter.moments(config.pixel_samples, most))
+        try:
+            for exposure in exposures(self.engine, reader, look, shutter, config.pixel_samples, most):
+                self._mattes.add(self.depsgraph, self.depsgraph.view_layer_eval, exposure.look.description)
+                film = self._expose(reader.kept.session, exposure, config, shows=shows)
+                self._exposed.add(film, exposure)
+        finally:
+            self.engine.frame_set(frame, subframe)
+        return self._exposed.finished(moment_count)
+
+    def _expose(self, session: Session, exposure: Exposure, whole: RenderConfig, *, shows: bool) -> Film:
+        config, camera = exposure.config(whole), exposure.look.camera
+
+        def work(progress: Progress, show: Callable[[Film], None]) -> Film:
+            session.update(exposure.look.description, progress)
+            return session.render(camera, config, progress, show if shows else None)
+
+        def tick(progress: Progress, film: Film | None) -> None:
+            self._tick(progress, film, exposure)
+
+        return NativeCall(work).watch(is_cancelled=lambda: is_esc_pressed(self.engine), tick=tick)
+
+    def _camera(self) -> Object:
         thing = self.depsgraph.scene_eval.camera
         if thing is None:
             raise ValueError("the scene has no camera")
-        return read_camera(
-            thing,
-            self.settings.render,
-            self.window.size_px,
-            reports,
-            world_from_camera=np.array(self.engine.camera_model_matrix(thing)),
-            shift_x=self.engine.camera_shift_x(thing),
-        )
-
-    def _with_report_of_lens(self, description: SceneDescription, camera: Camera, reports: Reports) -> SceneDescription:
-        if camera.lens is None or not description.media:
-            return description
-        name = self.depsgraph.scene_eval.camera.name
-        reports.add(f'Camera "{name}"', "its depth of field blurs surfaces; light shafts stay sharp")
-        return replace(description, reports=reports.lines())
+        return thing.original
 
     def _poll(self) -> Callable[[], None]:
         last = time.monotonic()
@@ -164,14 +197,21 @@ class _Frame:
 
         return poll
 
-    def _tick(self, progress: Progress, film: Film | None) -> None:
-        self.engine.update_progress(progress.fraction)
+    def _tick(self, progress: Progress, film: Film | None, exposure: Exposure) -> None:
+        done = (exposure.first_sample + progress.fraction * exposure.sample_count) / exposure.pixel_samples
+        self.engine.update_progress(done)
         peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         self.engine.update_memory_stats(memory_used=peak_mib, memory_peak=peak_mib)
-        self.engine.update_stats("", f"Tyndall: {progress.message}{_time_left(progress)}")
-        if film is not None:
-            self._show(film)
+        left = _time_left(progress.remaining_s if exposure.is_whole else self._remaining_s(done))
+        self.engine.update_stats("", f"Tyndall: {progress.message}{left}")
+        shown = None if film is None else self._exposed.with_part(film, exposure, progress.fraction)
+        if shown is not None:
+            self._show(shown)
             self.engine.update_result(self.result)
+
+    def _remaining_s(self, done: float) -> float:
+        """Of a frame that is rendered in parts, with what Blender takes between them."""
+        return (time.perf_counter() - self._started) * (1.0 - done) / done if done > 0.0 else 0.0
 
     def _show(self, film: Film) -> None:
         passes.write(self.result.layers[0], film.planes)
@@ -182,8 +222,7 @@ class _Frame:
             self.engine.get_result().stamp_data_add_field(name, text)
 
 
-def _time_left(progress: Progress) -> str:
-    remaining_s = progress.remaining_s
+def _time_left(remaining_s: float) -> str:
     return "" if remaining_s < 1.0 else f", {int(remaining_s) // 60:02d}:{int(remaining_s) % 60:02d} left"
 
 

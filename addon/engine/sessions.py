@@ -36,14 +36,15 @@ class KeptFrame:
 _kept: dict[tuple[str, str], KeptFrame] = {}
 
 
-def kept_frame(scene_name: str, view_layer_name: str, *, keeps_maps: bool) -> KeptFrame:
+def kept_frame(scene_name: str, view_layer_name: str, *, keeps_maps: bool, follows_moves: bool) -> KeptFrame:
     """What a view layer kept. Lights' maps are part of it, if asked for, or from the second frame on.
 
     Blender says of the scene it was asked to render that it is an animation, and not of others beside it.
     """
     kept = _kept.get((scene_name, view_layer_name))
     if kept is None:
-        kept = KeptFrame(session=Session(kept_maps_bytes=KEPT_MAPS_BYTES if keeps_maps else 0))
+        maps_bytes = KEPT_MAPS_BYTES if keeps_maps else 0
+        kept = KeptFrame(session=Session(kept_maps_bytes=maps_bytes, follows_moves=follows_moves))
         _kept[scene_name, view_layer_name] = kept
     else:
         kept.session.keep_maps(KEPT_MAPS_BYTES)

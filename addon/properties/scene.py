@@ -100,6 +100,18 @@ class TyndallSceneSettings(PropertyGroup):
         update=tag,
         override=OVERRIDABLE,
     )
+    motion_steps: IntProperty(
+        name="Steps",
+        description="Moments of the shutter's time at which the scene is rendered, at most one per sample. Few show "
+        "copies of what moves fast side by side; as many as the pixels that it crosses show none. Each takes the time "
+        "in which Blender and light shafts set up a frame. Where nothing moves there is but one",
+        min=1,
+        max=4096,
+        soft_max=64,
+        default=32,
+        update=tag,
+        override=OVERRIDABLE,
+    )
     seed: IntProperty(
         name="Seed",
         description="Another seed gives another pattern of samples at the same quality. "

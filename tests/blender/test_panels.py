@@ -15,6 +15,7 @@ from addon.panels.presets import ShippedPresetPanel
 from addon.panels.standard import standard_panels
 from addon.panoramas import panorama_settings
 from addon.shader_nodes import use_nodes
+from addon.shutter_position import position_settings
 from support.recording_layout import HeadlessContext, drawn
 from tyndall.voxel_dag import Config, from_coordinates
 
@@ -222,3 +223,17 @@ def test_a_panorama_shows_what_it_covers(scene: bpy.types.Scene) -> None:
     shown = drawn(TYNDALL_PT_panorama, camera=camera)
     assert "latitude_min" not in shown
     assert any("in perspective" in line for line in shown)
+
+
+def test_motion_blur_has_its_panel(scene: bpy.types.Scene) -> None:
+    """Blender's own settings and our steps, of which there are no more than samples."""
+    panel = panels.motion_blur.TYNDALL_PT_motion_blur
+    scene.tyndall.motion_steps = scene.tyndall.pixel_samples = 16
+    shown = drawn(panel)
+    assert {"motion_blur_shutter", "motion_steps"} <= set(shown)
+    assert ("motion_blur_position" in shown) == (position_settings(scene) is not None)
+    scene.tyndall.motion_steps = 17
+    assert "16 steps: as many as samples" in drawn(panel)
+    assert panel.bl_label == "Motion Blur"
+    scene.render.use_motion_blur = True
+    assert "motion_blur_shutter_curve" in drawn(panels.motion_blur.TYNDALL_PT_motion_blur_curve)

@@ -82,6 +82,9 @@ class RecordingLayout:
     def template_color_ramp(self, owner: Any, name: str, **_options: object) -> None:
         self.prop(owner, name)
 
+    def template_curve_mapping(self, owner: Any, name: str, **_options: object) -> None:
+        self.prop(owner, name)
+
     def template_node_view(self, tree: Any, node: Any, socket: Any) -> None:
         assert node.inputs[socket.name] == socket
         assert node.id_data == tree
