@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from tyndall import Cancelled, Progress
+from tyndall.neighbour_frames import Neighbour, Neighbours
 
 from .. import last_render
 from ..sync.reports import Reports
@@ -21,7 +22,7 @@ from .frame_looks import LookReader
 from .native_call import NativeCall
 from .sessions import kept_frame
 from .settings import FrameWindow, frame_window, render_config
-from .shutters import read_shutter, report_unfollowed
+from .shutters import frame_parts, read_shutter, report_unfollowed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -107,7 +108,7 @@ class _Frame:
         self.engine.update_stats("", "Tyndall: reading the scene")
         reports = Reports()
         if shutter is not None:
-            report_unfollowed(scene, self.depsgraph, reports)
+            report_unfollowed(scene, self.depsgraph, view_layer, reports)
         reader = LookReader(
             engine=self.engine,
             depsgraph=self.depsgraph,
@@ -118,8 +119,11 @@ class _Frame:
             camera=self._camera(),
             is_lit=not is_over_engine,
         )
-        look = reader.read(reports, begins_moments=shutter is not None)
+        wants_vectors = view_layer.use_pass_vector and shutter is None and not is_over_engine
+        look = reader.read(reports, begins_moments=shutter is not None or wants_vectors)
         config = self._config(view_layer, look, taken, is_over_engine=is_over_engine)
+        if wants_vectors:
+            config = replace(config, data=replace(config.data, neighbours=self._neighbours(reader, look)))
         self._mattes.add(self.depsgraph, view_layer, look.description)
         read_s = time.perf_counter() - started
         shows = taken is None
@@ -151,6 +155,21 @@ class _Frame:
             region_px = taken.tile.region_px(self.window)
             config = replace(config, region_px=region_px, is_tile=not taken.tile.is_all)
         return config
+
+    def _neighbours(self, reader: LookReader, look: Look) -> Neighbours:
+        """Blender's frame is back where it was."""
+        scene = self.depsgraph.scene_eval
+        frame, subframe = scene.frame_current, scene.frame_subframe
+        found: list[Look] = []
+        try:
+            for step in (-1, 1):
+                self.engine.frame_set(*frame_parts(frame + subframe + step))
+                there = reader.read_moment(found[-1] if found else look)
+                found.append(there)
+        finally:
+            self.engine.frame_set(frame, subframe)
+        before, after = (Neighbour(description=one.description, camera=one.camera) for one in found)
+        return Neighbours(now=look.description, before=before, after=after)
 
     def _blurred(self, reader: LookReader, look: Look, shutter: Shutter, config: RenderConfig, *, shows: bool) -> Film:
         """The mean over the shutter's time; Blender's frame is back where it was, whatever happens."""

@@ -33,6 +33,7 @@ _PASSES = (
     _Pass("Position", "Position", "XYZ", "VECTOR", "use_pass_position"),
     _Pass("Normal", "Normal", "XYZ", "VECTOR", "use_pass_normal"),
     _Pass("Mist", "Mist", "Z", "VALUE", "use_pass_mist"),
+    _Pass("Vector", "Vector", "XYZW", "VECTOR", "use_pass_vector"),
     _Pass("UV", "UV", "UVA", "VECTOR", "use_pass_uv"),
     _Pass("IndexOB", "Object Index" if _HAS_LONG_NAMES else "IndexOB", "X", "VALUE", "use_pass_object_index"),
     _Pass("IndexMA", "Material Index" if _HAS_LONG_NAMES else "IndexMA", "X", "VALUE", "use_pass_material_index"),

@@ -22,6 +22,13 @@ _FIRST_FRAME, _LAST_FRAME = -1048574.0, 1048574.0  #: Blender's.
 _SHARE_BEFORE = {"START": 0.0, "CENTER": 0.5, "END": 1.0}
 
 
+def frame_parts(frame: float) -> tuple[int, float]:
+    """As ``RenderEngine.frame_set`` takes it: whole frame and the part of one behind it; within Blender's range."""
+    frame = min(max(frame, _FIRST_FRAME), _LAST_FRAME)
+    whole = int(np.floor(frame))
+    return whole, float(frame - whole)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Shutter:
     """Opens at a frame and stays open for so many frames; at equal distances in this time, it is so far open."""
@@ -31,11 +38,8 @@ class Shutter:
     openness: tuple[float, ...]
 
     def frame_of(self, moment: Moment) -> tuple[int, float]:
-        """Whole frame and the part of one behind it, [0, 1); within Blender's range of frames."""
-        frame = self.opens_frame + moment.time * self.open_frames
-        frame = min(max(frame, _FIRST_FRAME), _LAST_FRAME)
-        whole = int(np.floor(frame))
-        return whole, float(frame - whole)
+        """As ``frame_parts``."""
+        return frame_parts(self.opens_frame + moment.time * self.open_frames)
 
     def moments(self, pixel_samples: int, most: int) -> list[Moment]:
         return moments(pixel_samples, most, self.openness)
@@ -59,8 +63,10 @@ def read_shutter(scene: Scene, view_layer: ViewLayer) -> Shutter | None:
     )
 
 
-def report_unfollowed(scene: Scene, depsgraph: Depsgraph, reports: Reports) -> None:
-    """What Cycles' own settings ask for beyond that."""
+def report_unfollowed(scene: Scene, depsgraph: Depsgraph, view_layer: ViewLayer, reports: Reports) -> None:
+    """What is asked for beyond that, and has no answer while the shutter is open."""
+    if view_layer.use_pass_vector:
+        reports.add(f'View layer "{view_layer.name}"', "its pass Vector is empty under motion blur, as in Cycles")
     if getattr(getattr(scene, "cycles", None), "rolling_shutter_type", "NONE") != "NONE":
         reports.add(f'Scene "{scene.name}"', "its shutter rolls, which is not followed: it opens everywhere at once")
     for thing in depsgraph.objects:

@@ -36,6 +36,9 @@ class TYNDALL_PT_passes(PropertiesPanel, Panel):
         column.prop(view_layer, "use_pass_position")
         column.prop(view_layer, "use_pass_normal")
         column.prop(view_layer, "use_pass_mist")
+        row = column.row()
+        row.active = not context.scene.render.use_motion_blur
+        row.prop(view_layer, "use_pass_vector")
         column.prop(view_layer, "use_pass_uv")
         column.prop(view_layer.tyndall, "use_pass_sample_count")
         column.prop(view_layer.tyndall, "use_pass_denoising_data")

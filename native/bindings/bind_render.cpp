@@ -66,12 +66,26 @@ static render::IndirectConfig make_indirect(bool ambient_occlusion, float ambien
             .mirror_depth = mirror_depth};
 }
 
+/// Camera, matrices (n, 4, 4) by instance, and instances with the vertices (m, 3) of their meshes.
+using NeighbourArguments = std::tuple<Camera, py::array, std::vector<std::pair<std::uint32_t, py::array>>>;
+
+static render::NeighbourFrame make_neighbour(const NeighbourArguments& arguments) {
+    const auto& [camera, matrices, deformed] = arguments;
+    render::NeighbourFrame frame{.camera = camera};
+    for (const auto& matrix : to_vector<std::array<float, 16>, float>(matrices, {-1, 4, 4}, "there_from_here"))
+        frame.there_from_here.push_back(to_matrix<mat4, 4>(matrix.data()));
+    for (const auto& [instance, vertices] : deformed)
+        frame.vertices.emplace(instance, to_vector<vec3, float>(vertices, {-1, 3}, "vertices"));
+    return frame;
+}
+
 static render::DataPassConfig
 make_data(const std::vector<std::string>& passes, std::uint32_t matte_ranks,
           std::unordered_map<std::string, std::string> asset_of,
           std::unordered_map<std::string, std::string> material_alias,
           std::unordered_map<std::string, float> material_index, const std::array<float, 3>& mist,
-          const std::vector<std::tuple<std::string, bool, std::unordered_map<std::uint32_t, std::uint32_t>>>& aovs) {
+          const std::vector<std::tuple<std::string, bool, std::unordered_map<std::uint32_t, std::uint32_t>>>& aovs,
+          const std::optional<std::pair<NeighbourArguments, NeighbourArguments>>& neighbours) {
     render::DataPassConfig data{.bits = 0,
                                 .matte_ranks = matte_ranks,
                                 .asset_of = std::move(asset_of),
@@ -80,6 +94,9 @@ make_data(const std::vector<std::string>& passes, std::uint32_t matte_ranks,
                                 .mist = {.start_m = mist[0], .depth_m = mist[1], .exponent = mist[2]}};
     for (const auto& [name, is_colour, program_of] : aovs)
         data.aovs.push_back({name, is_colour, program_of});
+    if (neighbours)
+        data.neighbours = std::make_shared<const render::NeighbourFrames>(
+            render::NeighbourFrames{make_neighbour(neighbours->first), make_neighbour(neighbours->second)});
     for (const std::string& name : passes)
         data.add(name);
     return data;
@@ -203,7 +220,7 @@ void bind_render(py::module_& native) {
              "bounce_samples"_a, "mirror_depth"_a);
     py::class_<render::DataPassConfig>(native, "DataPasses")
         .def(py::init(&make_data), "passes"_a, "matte_ranks"_a, "asset_of"_a, "material_alias"_a, "material_index"_a,
-             "mist"_a, "aovs"_a,
+             "mist"_a, "aovs"_a, "neighbours"_a = py::none(),
              "mist: start and depth in metres, and exponent. aovs: name, whether it is a colour, and by material "
              "what has its values. InvalidInput: a name that is none.");
     native.def(

@@ -29,6 +29,7 @@ void PathData::clear() {
     has_surface = has_uv = false;
     aovs.clear();
     features = {};
+    motion = vec4(0.0f);
 }
 
 /// Share of a surface that the mist leaves, as Cycles has it.
@@ -74,14 +75,14 @@ void see_aovs(const Scene& scene, const AskingRay& asking, const ShadingPoint& p
 }
 
 void see_layer(const Scene& scene, const Camera& camera, const Hit& hit, const vec3& position, float cover,
-               bool is_first, const MistRange& mist, PathData& data) {
+               bool is_first, const DataPassConfig& config, PathData& data) {
     const SceneDescription& description = scene.description();
     const std::uint32_t name_index = description.name_index_of(hit.instance);
     const auto material_index =
         static_cast<std::uint32_t>(&scene.material(hit.instance, hit.triangle) - description.materials.data());
     if (cover > 0.0f) {
         data.layers.push_back({name_index, material_index, cover});
-        data.near_cover += cover * clearness(camera, position, mist);
+        data.near_cover += cover * clearness(camera, position, config.mist);
     }
     if (!is_first)
         return;
@@ -89,6 +90,8 @@ void see_layer(const Scene& scene, const Camera& camera, const Hit& hit, const v
     data.name_index = name_index;
     data.material_index = material_index;
     data.has_uv = find_uv(scene, hit, data.uv);
+    if (config.neighbours)
+        data.motion = motion_vector(scene, camera, hit, position, *config.neighbours);
 }
 
 /// What a name counts as.
@@ -127,6 +130,10 @@ DataSums::DataSums(std::size_t pixel_count, std::uint32_t pixel_samples, const S
     near_cover_.resize(config.has(DataPass::Mist) ? pixel_count : 0);
     uv_.resize(config.has(DataPass::Uv) ? pixel_count : 0);
     features_.resize(config.has_features() ? pixel_count : 0);
+    motion_.resize(config.has(DataPass::Vector) ? pixel_count : 0, vec4(0.0f));
+    surface_counts_.resize(motion_.size());
+    if (config.neighbours)
+        config.neighbours->require_fit(scene);
     for (const Aov& aov : config.aovs)
         for (const auto& [material, program] : aov.program_of)
             require(material < description.materials.size() && program < description.materials.size(), "AOV \"",
@@ -167,6 +174,10 @@ void DataSums::add(std::size_t pixel, const PathData& data) {
     }
     if (!data.has_surface)
         return;
+    if (!motion_.empty()) {
+        motion_[pixel] += data.motion;
+        ++surface_counts_[pixel];
+    }
     if (is_first && !object_index_.empty()) {
         const std::vector<ObjectInfo>& infos = scene_.description().object_infos;
         object_index_[pixel] = infos.empty() ? 0.0f : infos[data.name_index].pass_index;
@@ -217,6 +228,8 @@ NamedPlane DataSums::aov_plane(std::size_t index, const Progress& progress) cons
 
 /// Of most passes.
 static std::uint32_t channel_count_of(DataPass pass) {
+    if (pass == DataPass::Vector)
+        return 4;
     return pass == DataPass::Uv || pass == DataPass::DenoisingNormal || pass == DataPass::DenoisingAlbedo ? 3 : 1;
 }
 
@@ -266,6 +279,11 @@ NamedPlane DataSums::plane_of(DataPass pass, const Progress& progress) const {
         break;
     case DataPass::DenoisingDepth:
         fill([&](std::size_t pixel, float count) { return features_[pixel].depth_m / count; });
+        break;
+    case DataPass::Vector:
+        fill([&](std::size_t pixel, float) {
+            return motion_[pixel] / static_cast<float>(std::max(surface_counts_[pixel], 1u));
+        });
         break;
     case DataPass::ObjectMattes:
     case DataPass::MaterialMattes:

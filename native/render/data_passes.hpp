@@ -8,9 +8,11 @@
 #pragma once
 #include "core/progress.hpp"
 #include "render/denoising_features.hpp"
+#include "render/motion_vectors.hpp"
 #include "scene/scene.hpp"
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,12 +32,13 @@ enum class DataPass : std::uint8_t {
     DenoisingNormal = 8, ///< As DenoisingFeatures, as the next; the mean over samples.
     DenoisingAlbedo = 9,
     DenoisingDepth = 10,
+    Vector = 11, ///< motion_vector(); the mean over samples that show a surface.
 };
-inline constexpr std::size_t data_pass_count = 11, matte_kind_count = 3;
+inline constexpr std::size_t data_pass_count = 12, matte_kind_count = 3;
 /// As Blender calls them up to 4.5; mattes' planes have their number, of two digits, behind it.
 inline constexpr std::array<std::string_view, data_pass_count> data_pass_names{
-    "CryptoObject", "CryptoMaterial",     "CryptoAsset",      "IndexOB",          "IndexMA",        "UV",
-    "Mist",         "Debug Sample Count", "Denoising Normal", "Denoising Albedo", "Denoising Depth"};
+    "CryptoObject", "CryptoMaterial",     "CryptoAsset",      "IndexOB",          "IndexMA",         "UV",
+    "Mist",         "Debug Sample Count", "Denoising Normal", "Denoising Albedo", "Denoising Depth", "Vector"};
 
 struct MistRange {
     float start_m = 5.0f, depth_m = 25.0f; ///< A depth of 0: all is near.
@@ -61,6 +64,7 @@ struct DataPassConfig {
     std::unordered_map<std::string, float> material_index = {}; ///< By name; the others' is 0.
     MistRange mist = {};
     std::vector<Aov> aovs = {};
+    std::shared_ptr<const NeighbourFrames> neighbours = {}; ///< Of Vector, which has nothing without them.
 
     [[nodiscard]] bool has(DataPass pass) const { return (bits >> static_cast<unsigned>(pass) & 1u) != 0; }
     [[nodiscard]] bool has_mattes() const {
@@ -88,6 +92,7 @@ struct PathData {
     vec2 uv{0.0f};
     std::vector<vec4> aovs; ///< As many as the settings have; RGB and how much of it there is.
     DenoisingFeatures features;
+    vec4 motion{0.0f}; ///< Of the surface.
     void clear();
 };
 
@@ -104,7 +109,7 @@ void see_aovs(const Scene& scene, const AskingRay& asking, const ShadingPoint& p
 /// A surface on the way of a camera ray. `cover` is the share of the pixel that it hides; `is_first`: no other before it
 /// covers at least half of what is behind, and it does.
 void see_layer(const Scene& scene, const Camera& camera, const Hit& hit, const vec3& position, float cover,
-               bool is_first, const MistRange& mist, PathData& data);
+               bool is_first, const DataPassConfig& config, PathData& data);
 
 struct NamedPlane {
     std::string name;
@@ -141,6 +146,8 @@ private:
     std::array<std::vector<Rank>, matte_kind_count> mattes_;
     std::vector<float> material_indices_;
     std::vector<float> object_index_, material_index_, near_cover_;
+    std::vector<vec4> motion_; ///< And how many samples show a surface:
+    std::vector<std::uint32_t> surface_counts_;
     std::vector<vec3> uv_;
     std::vector<vec4> aovs_; ///< Pixel by pixel.
     std::vector<DenoisingFeatures> features_;

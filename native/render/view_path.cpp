@@ -205,7 +205,7 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
                 PathData& of_ray = data.each[follower.index];
                 see_layer(scene_, camera_, hit, point.shading.position,
                           average(throughput) * (1.0f - average(closures.transparent)),
-                          follower.has_first_surface && !was_covered, data.config->mist, of_ray);
+                          follower.has_first_surface && !was_covered, *data.config, of_ray);
             }
             FeatureSearches searches;
             if (has_features)

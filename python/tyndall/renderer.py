@@ -16,10 +16,11 @@ from . import _native
 from .fingerprints import fingerprint
 from .heterogeneity import Heterogeneity
 from .kept_pictures import UnstyledPictures
-from .mattes import MATTE_NAMES
+from .native_data_passes import build_data_passes
 from .native_heterogeneity import KeptAir
 from .native_scene import KeptGeometry, NativeParts, light_scene, update_geometry
 from .native_transfer_functions import build_weighted_functions
+from .neighbour_frames import Neighbours, native_neighbours
 from .scene_description import Camera, FloatArray, Lens, SceneDescription
 from .transfer_functions import WeightedFunction
 
@@ -53,6 +54,7 @@ DATA_PASSES = (
     "Denoising Normal",
     "Denoising Albedo",
     "Denoising Depth",
+    "Vector",
 )
 
 
@@ -100,6 +102,7 @@ class DataConfig:
     mist_start_m: float = 5.0
     mist_depth_m: float = 25.0  #: 0: all is near.
     mist_exponent: float = 2.0  #: Of the way from one to the other.
+    neighbours: Neighbours | None = None  #: Of the pass Vector, which is 0 without them.
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -311,7 +314,12 @@ class Session:
             voxel_detail_px=config.voxel_detail_px,
             film_transparent=config.film_transparent,
             passes=sorted(config.passes.difference(DATA_PASSES)),
-            data=_native_data(config, self._aov_programs),
+            data=build_data_passes(
+                config.data,
+                sorted(config.passes.intersection(DATA_PASSES)),
+                self._aov_programs,
+                self._native_neighbours(config.data.neighbours, reports),
+            ),
             shafts=native_shafts(config.shafts, self._kept_maps),
             transfer_functions=functions,
             reference_light=reference_light,
@@ -323,6 +331,13 @@ class Session:
             seed=config.seed,
             thread_count=config.thread_count,
         )
+
+    def _native_neighbours(self, neighbours: Neighbours | None, reports: list[str]) -> tuple[Any, Any] | None:
+        if neighbours is None or self._scene is None:
+            return None
+        has_mesh = self._parts.meshes.__contains__
+        count, origin = self._scene.instance_count, self._origin_in_world
+        return native_neighbours(neighbours, has_mesh, count, origin, self.native_camera, reports)
 
     def _functions(self, config: RenderConfig, reports: list[str]) -> list[_native.WeightedFunction]:
         functions = config.transfer_functions
@@ -360,19 +375,6 @@ class Session:
     def native_camera(self, camera: Camera) -> _native.Camera:
         """The camera in the scene as last updated. Raises ``InvalidInput``."""
         return _native_camera(camera, self._origin_in_world)
-
-
-def _native_data(config: RenderConfig, aov_programs: Mapping[str, Mapping[Any, Any]]) -> _native.DataPasses:
-    data = config.data
-    return _native.DataPasses(
-        passes=sorted(config.passes.intersection(DATA_PASSES)),
-        matte_ranks=data.matte_ranks,
-        asset_of=dict(data.asset_of),
-        material_alias=MATTE_NAMES,
-        material_index=dict(data.material_index),
-        mist=(data.mist_start_m, data.mist_depth_m, data.mist_exponent),
-        aovs=[(name, is_colour, aov_programs.get(name, {})) for name, is_colour in data.aovs],
-    )
 
 
 def _merged(*parts: dict[str, Any]) -> dict[str, Any]:

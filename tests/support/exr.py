@@ -40,14 +40,14 @@ def read_channels(path: Path) -> dict[str, NDArray[np.float32]]:
 
 
 def read_planes(path: Path) -> dict[str, NDArray[np.float32]]:
-    """Passes by ``layer.pass``: (height, width, channels) in the order RGBA, XYZ, UVA. A plain picture is ""."""
+    """Passes by ``layer.pass``: (height, width, channels) in the order RGBA, XYZW, UVA. A plain picture is ""."""
     grouped: dict[str, dict[str, NDArray[np.float32]]] = {}
     for name, plane in read_channels(path).items():
         group, _, channel = name.rpartition(".")
         grouped.setdefault(group, {})[channel] = plane
 
     def place(channel: str) -> int:
-        return "RXUGYVBZA".index(channel.upper())
+        return "RXUGYVBZAW".index(channel.upper())
 
     return {
         group: np.stack([planes[channel] for channel in sorted(planes, key=place)], axis=-1)
