@@ -29,7 +29,7 @@ def air_config(config: RenderConfig) -> RenderConfig:
     """The world lights the air; what the camera sees of it is the other engine's."""
     from tyndall.renderer import IndirectConfig
 
-    return replace(config, film_transparent=True, indirect=IndirectConfig())
+    return replace(config, film_transparent=True, indirect=IndirectConfig(), keeps_light_groups=False)
 
 
 def marked_as_rendered(film: Film) -> Film:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
+from ..sync.object_lighting import light_groups
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -111,7 +113,14 @@ def _enabled(view_layer: ViewLayer) -> list[_Pass]:
         _Pass(aov.name, aov.name, "RGBA" if aov.type == "COLOR" else "X", aov.type, "")
         for aov in valid_aovs(view_layer)
     ]
-    return [*_switched_on(view_layer), *mattes, *aovs]
+    return [*_switched_on(view_layer), *mattes, *aovs, *_of_light_groups(view_layer)]
+
+
+def _of_light_groups(view_layer: ViewLayer) -> list[_Pass]:
+    """Named as Cycles does; and the shafts of each where those of all are asked for."""
+    kinds = ["Combined", "Shafts"] if _is_on(view_layer, "tyndall.use_pass_shafts") else ["Combined"]
+    names = (f"{kind}_{group}" for group in light_groups(view_layer) for kind in kinds)
+    return [_Pass(name, name, "RGB", "COLOR", "") for name in names]
 
 
 def _switched_on(view_layer: ViewLayer) -> list[_Pass]:

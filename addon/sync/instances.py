@@ -22,6 +22,7 @@ import bpy
 import numpy as np
 
 from ..baked_air import is_baked_air
+from .object_lighting import LightingReader
 from .random_numbers import random_number_of
 
 if TYPE_CHECKING:
@@ -41,6 +42,8 @@ if TYPE_CHECKING:
     )
     from mathutils import Matrix
     from numpy.typing import NDArray
+
+    from tyndall.scene_description import ObjectLighting
 
     from .reports import Reports
 
@@ -78,6 +81,7 @@ class Placement:
     is_bounce_visible: bool = True
     is_mirror_visible: bool = True
     is_held_out: bool = False
+    lighting: ObjectLighting | None = None
     color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
     pass_index: int = 0
     matrices: list[Matrix] = field(default_factory=list)  #: World from object, one per instance.
@@ -159,12 +163,15 @@ class _Grouping:
         # Of objects all of whose instances look the same, but for what limits their instancer.
         self._plain: dict[tuple[Object, Object | None], Placement | None] = {}
         self._hair = _hair_by_object(depsgraph)
+        self._lighting = LightingReader.of(depsgraph)
         self._limited = {thing for thing in depsgraph.objects if self._is_limited(thing)}
 
     def _is_limited(self, thing: Object) -> bool:
-        """Whether it is hidden from something, and what it instances with it."""
+        """Whether it is hidden from something, or lit by itself, and what it instances with it."""
         is_seen_by_all = self._is_camera_visible(thing) and all(getattr(thing, switch) for switch in _OTHER_RAYS)
-        return not is_seen_by_all or self._is_held_out(thing) or self._is_hidden(thing)
+        if not is_seen_by_all or self._lighting.concerns(thing):
+            return True
+        return self._is_held_out(thing) or self._is_hidden(thing)
 
     def _is_held_out(self, thing: Object) -> bool:
         """By its own switch, or its collection's."""
@@ -265,6 +272,7 @@ class _Grouping:
             is_bounce_visible=is_bounce_visible,
             is_mirror_visible=is_mirror_visible,
             is_held_out=has_shape and self._is_held_out(parent or source),
+            lighting=self._lighting.read(source, parent),
             depends_on={thing.original.as_pointer() for thing in (thing.data, owner, parent) if thing is not None},
             is_instanced=parent is not None,
             color=tuple(source.color),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from tyndall.scene_description import Light, LightBody, LightKind, SpotFalloff
+from tyndall.scene_description import Light, LightBody, LightKind, ObjectLighting, SpotFalloff
 
 from .light_nodes import emission_of_light
 from .light_textures import read_gobo
@@ -54,6 +54,7 @@ def read_lights(
     scatters_in_media = thing.visible_volume_scatter and data.tyndall.scatters_in_media
     occluder_edits = tuple(edit for edit in edits.read(data, name) if scatters_in_media or edit.affects_surfaces)
     radius_m = 0.0 if data.type in {"SUN", "AREA"} else data.shadow_soft_size
+    lighting = placement.lighting or ObjectLighting()
     for matrix in placement.world_from_object():
         if data.type == "AREA":
             if thing.visible_camera:
@@ -65,6 +66,8 @@ def read_lights(
                     lights_surfaces=thing.visible_diffuse,
                     scatters_in_media=scatters_in_media,
                     occluder_edits=occluder_edits,
+                    light_group=lighting.light_group,
+                    links=lighting.links,
                 )
             continue
         texture = nodes.texture(colour, matrix)
@@ -87,6 +90,8 @@ def read_lights(
             scatters_in_media=scatters_in_media,
             occluder_edits=occluder_edits,
             texture=gobo or texture,
+            light_group=lighting.light_group,
+            links=lighting.links,
         )
 
 

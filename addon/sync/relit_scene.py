@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 
 from .instances import Placement, may_stand_alone, shown_kinds
+from .object_lighting import LightingReader
 
 if TYPE_CHECKING:
     import numpy as np
@@ -74,6 +75,7 @@ class ReadScene:
     def light_placements(self, depsgraph: Depsgraph) -> list[Placement]:
         """Where its lights are now."""
         placements = []
+        lighting = LightingReader.of(depsgraph)
         for light in self.lights:
             original = bpy.data.objects[light]
             source = original.evaluated_get(depsgraph)
@@ -85,6 +87,7 @@ class ReadScene:
                     source=source,
                     is_camera_visible=source.visible_camera,
                     casts_shadow=source.visible_shadow,
+                    lighting=lighting.read(source, None),
                     matrices=[source.matrix_world.copy()],
                 )
             )

@@ -21,6 +21,7 @@ from .lights import read_lights
 from .materials import MaterialReader, note_missing_attributes
 from .mesh_attributes import asked_of_meshes
 from .meshes import read_mesh
+from .object_lighting import light_groups, report_left_out
 from .occluder_edits import OccluderEditReader
 from .random_numbers import as_unit_floats
 from .relit_scene import MovedMesh, Name, ReadScene, is_light, light_names, moved_mesh, name_of
@@ -134,10 +135,13 @@ class SceneReader:
         if shown_world is not None:
             lights = {one.object_name: one.matrices[0] for one in placements if one.data is None}
             found = self._suns.take_out(shown_world.original, found, lights, reports)
-        sky_suns = tuple(sun.light() for sun in found.suns)
+        groups = light_groups(layer)
+        report_left_out(layer, reports)
+        world_group = "" if shown_world is None else shown_world.lightgroup
+        sky_suns = tuple(replace(sun.light(), light_group=world_group) for sun in found.suns)
         poll()
         drawn = frozenset(placement.object_name for placement in (*drawn_things, *strands))
-        world = replace(found.world, medium=materials.add_medium(found.medium))
+        world = replace(found.world, medium=materials.add_medium(found.medium), light_group=world_group)
         read_volumes = self._volumes.read(volumes, materials, self._images, reports, poll)
         of_all_but_lights = Reports()
         of_all_but_lights.include(reports)
@@ -148,6 +152,7 @@ class SceneReader:
             strand_objects=strand_objects,
             lights=(*_lights(placements, edits, self._images, reports), *sky_suns),
             world=world,
+            light_groups=groups,
             materials=tuple(materials.materials),
             volumes=read_volumes,
             media=tuple(materials.media),
@@ -300,6 +305,7 @@ def _group(placement: Placement, mesh: Mesh, materials: MaterialReader) -> Insta
         is_bounce_visible=placement.is_bounce_visible,
         is_mirror_visible=placement.is_mirror_visible,
         is_held_out=placement.is_held_out,
+        lighting=placement.lighting,
         color=placement.color,
         pass_index=float(placement.pass_index),
         random=as_unit_floats(placement.random_numbers),

@@ -92,4 +92,5 @@ def _group(placement: Placement, dag: VoxelDag, materials: MaterialReader, repor
         is_bounce_visible=placement.is_bounce_visible,
         is_mirror_visible=placement.is_mirror_visible,
         is_held_out=placement.is_held_out,
+        lighting=placement.lighting,
     )

@@ -105,9 +105,10 @@ make_data(const std::vector<std::string>& passes, std::uint32_t matte_ranks,
 static render::FrameConfig
 make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px, float noise_threshold,
             const std::optional<std::array<std::uint32_t, 4>>& region_px, float voxel_detail_px, bool film_transparent,
-            const std::vector<std::string>& passes, render::DataPassConfig data, const light_shafts::Config& shafts,
-            std::vector<transfer_functions::WeightedFunction> functions, std::optional<std::uint32_t> reference_light,
-            std::optional<Heterogeneity> heterogeneity, const render::IndirectConfig& indirect,
+            const std::vector<std::string>& passes, render::DataPassConfig data, std::vector<std::string> light_groups,
+            const light_shafts::Config& shafts, std::vector<transfer_functions::WeightedFunction> functions,
+            std::optional<std::uint32_t> reference_light, std::optional<Heterogeneity> heterogeneity,
+            const render::IndirectConfig& indirect,
             const std::optional<std::shared_ptr<render::KeptSurfaces>>& kept_surfaces, bool adapts_shadow_rays,
             bool keeps_unstyled, std::uint32_t seed, int thread_count, bool is_tile, std::uint32_t first_sample,
             std::uint32_t sample_count) {
@@ -123,6 +124,7 @@ make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px
                                .is_film_transparent = film_transparent,
                                .passes = {},
                                .data = std::move(data),
+                               .light_groups = std::move(light_groups),
                                .shafts = shafts,
                                .transfer_functions = std::move(functions),
                                .reference_light = reference_light,
@@ -228,10 +230,10 @@ void bind_render(py::module_& native) {
         "32 bits that Cryptomattes know a name by.");
     py::class_<render::FrameConfig>(native, "FrameConfig")
         .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "noise_threshold"_a,
-             "region_px"_a, "voxel_detail_px"_a, "film_transparent"_a, "passes"_a, "data"_a, "shafts"_a,
-             "transfer_functions"_a, "reference_light"_a, "heterogeneity"_a, "indirect"_a, "kept_surfaces"_a,
-             "adapts_shadow_rays"_a, "keeps_unstyled"_a, "seed"_a, "thread_count"_a, "is_tile"_a, "first_sample"_a = 0,
-             "sample_count"_a = 0);
+             "region_px"_a, "voxel_detail_px"_a, "film_transparent"_a, "passes"_a, "data"_a, "light_groups"_a,
+             "shafts"_a, "transfer_functions"_a, "reference_light"_a, "heterogeneity"_a, "indirect"_a,
+             "kept_surfaces"_a, "adapts_shadow_rays"_a, "keeps_unstyled"_a, "seed"_a, "thread_count"_a, "is_tile"_a,
+             "first_sample"_a = 0, "sample_count"_a = 0);
     py::class_<render::UnstyledFilm, std::shared_ptr<render::UnstyledFilm>>(native, "UnstyledFilm");
     native.def(
         "render", &render_film, "scene"_a, "camera"_a, "config"_a, "progress"_a, "on_update"_a = py::none(),

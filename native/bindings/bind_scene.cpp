@@ -34,7 +34,8 @@ static Light make_light(std::string name, int kind, const Triple& strength, cons
                         float spot_half_angle_rad, float spot_blend, int spot_falloff, int body,
                         const std::array<float, 2>& half_size_m, bool is_ellipse, bool casts_shadow,
                         bool lights_surfaces, bool scatters_in_media, std::vector<OccluderEdit> occluder_edits,
-                        const std::optional<std::shared_ptr<LightTexture>>& texture) {
+                        const std::optional<std::shared_ptr<LightTexture>>& texture, std::uint8_t light_group,
+                        const std::array<std::uint64_t, 2>& links) {
     Light light;
     light.name = std::move(name);
     light.kind = static_cast<LightKind>(kind);
@@ -56,6 +57,8 @@ static Light make_light(std::string name, int kind, const Triple& strength, cons
     light.scatters_in_media = scatters_in_media;
     light.occluder_edits = std::move(occluder_edits);
     light.texture = texture.value_or(nullptr);
+    light.light_group = light_group;
+    light.links = {links[0], links[1]};
     return light;
 }
 
@@ -73,13 +76,16 @@ environment_image(const std::string& name, const std::optional<py::array>& pixel
 
 static World make_world(std::string name, const Triple& radiance, const std::optional<py::array>& pixels,
                         const py::array& image_from_world, const std::optional<py::array>& seen_pixels,
-                        const std::optional<std::shared_ptr<DirectionProgram>>& seen_program) {
+                        const std::optional<std::shared_ptr<DirectionProgram>>& seen_program,
+                        std::uint8_t light_group) {
     auto image = environment_image(name, pixels, "pixels");
     SeenWorld seen{.image = environment_image(name, seen_pixels, "seen_pixels"),
                    .program = seen_program.value_or(nullptr)};
     const mat3 rotation = to_matrix<mat3, 3>(image_from_world, "image_from_world");
-    return without_gil(
+    World world = without_gil(
         [&] { return World(std::move(name), to_vec3(radiance), std::move(image), rotation, std::move(seen)); });
+    world.set_light_group(light_group);
+    return world;
 }
 
 namespace {
@@ -140,12 +146,31 @@ static std::vector<PlacedShape> make_placed_shapes(const py::array& shape_indice
     return placed;
 }
 
+static std::vector<ObjectInfo> make_object_infos(std::size_t count, const py::array& light_groups,
+                                                 const py::array& sets, const py::array& links) {
+    const auto size = static_cast<py::ssize_t>(count);
+    const auto groups = to_vector<std::uint8_t, std::uint8_t>(light_groups, {size}, "object_light_groups");
+    using Sets = std::array<std::uint8_t, 2>;
+    const auto sets_of = to_vector<Sets, std::uint8_t>(sets, {size, 2}, "object_sets");
+    using Masks = std::array<std::uint64_t, 2>;
+    const auto links_of = to_vector<Masks, std::uint64_t>(links, {size, 2}, "object_links");
+    std::vector<ObjectInfo> infos(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        infos[i].light_group = groups[i];
+        infos[i].receiver_set = sets_of[i][0];
+        infos[i].blocker_set = sets_of[i][1];
+        infos[i].links = {links_of[i][0], links_of[i][1]};
+    }
+    return infos;
+}
+
 static std::unique_ptr<SceneWithMedia>
 make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::shared_ptr<TriangleMesh>>& meshes,
            const py::array& mesh_indices, const py::array& world_from_object, std::vector<std::string> object_names,
            const py::array& name_indices, const py::array& first_slot_materials, const py::array& slot_counts,
            const py::array& shows_to, const py::array& slot_materials, const py::array& randoms,
-           const py::array& object_colors, const py::array& object_indices,
+           const py::array& object_colors, const py::array& object_indices, const py::array& object_light_groups,
+           const py::array& object_sets, const py::array& object_links,
            const std::vector<std::shared_ptr<ShapeGeometry>>& shapes, const py::array& shape_indices,
            const py::array& world_from_shape, const py::array& shape_materials, const py::array& shape_shows_to,
            std::vector<Material> materials, std::vector<Medium> media, std::vector<VolumeInstance> volumes,
@@ -171,9 +196,11 @@ make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::
         make_placed_shapes(shape_indices, shape_materials, shape_shows_to, world_from_shape, colors.size());
     require(object_names.size() == colors.size() + description.placed_shapes.size(), "there are ", object_names.size(),
             " object_names, ", colors.size(), " object_colors and ", description.placed_shapes.size(), " shapes");
-    description.object_infos.resize(object_names.size()); // those of placed shapes follow, as they begin
-    for (std::size_t i = 0; i < colors.size(); ++i)
-        description.object_infos[i] = {.color = colors[i], .pass_index = indices[i]};
+    description.object_infos = make_object_infos(object_names.size(), object_light_groups, object_sets, object_links);
+    for (std::size_t i = 0; i < colors.size(); ++i) { // those of placed shapes follow
+        description.object_infos[i].color = colors[i];
+        description.object_infos[i].pass_index = indices[i];
+    }
     description.object_names = std::move(object_names);
     description.slot_materials = to_vector<std::uint32_t, std::uint32_t>(slot_materials, {-1}, "slot_materials");
     description.materials = std::move(materials);
@@ -218,11 +245,14 @@ TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
         .def(py::init(&make_light), "name"_a, "kind"_a, "strength"_a, "position"_a, "axis"_a,
              "light_from_world_directions"_a, "half_angle_rad"_a, "radius_m"_a, "spot_half_angle_rad"_a, "spot_blend"_a,
              "spot_falloff"_a, "body"_a, "half_size_m"_a, "is_ellipse"_a, "casts_shadow"_a, "lights_surfaces"_a,
-             "scatters_in_media"_a, "occluder_edits"_a, "texture"_a,
-             "position: relative to the scene's origin; axis: unit vector along which the light shines.");
+             "scatters_in_media"_a, "occluder_edits"_a, "texture"_a, "light_group"_a = no_light_group,
+             "links"_a = std::array<std::uint64_t, 2>{~0ull, ~0ull},
+             "position: relative to the scene's origin; axis: unit vector along which the light shines; light_group: "
+             "255 is "
+             "none; links: a bit for each set of receivers and of blockers.");
     py::class_<World>(native, "World")
         .def(py::init(&make_world), "name"_a, "radiance"_a, "pixels"_a, "image_from_world"_a,
-             "seen_pixels"_a = py::none(), "seen_program"_a = py::none(),
+             "seen_pixels"_a = py::none(), "seen_program"_a = py::none(), "light_group"_a = no_light_group,
              "pixels: float32 (height, width, 3), rows bottom to top, or None; image_from_world: float32 (3, 3); "
              "seen_pixels: as pixels, what cameras see instead of them; seen_program: the radiance that they see.");
     py::class_<ShapeGeometry, std::shared_ptr<ShapeGeometry>>(native, "Shape", "What scenes place beside meshes.");
@@ -244,14 +274,17 @@ float32 (strands, 2); randoms: float32 (strands,) or None. Releases the GIL. Typ
     py::class_<SceneWithMedia>(native, "Scene", "With its media. Immutable; safe from any thread.")
         .def(py::init(&make_scene), "origin_in_world"_a, "meshes"_a, "mesh_indices"_a, "world_from_object"_a,
              "object_names"_a, "name_indices"_a, "first_slot_materials"_a, "slot_counts"_a, "shows_to"_a,
-             "slot_materials"_a, "randoms"_a, "object_colors"_a, "object_indices"_a, "shapes"_a, "shape_indices"_a,
-             "world_from_shape"_a, "shape_materials"_a, "shape_shows_to"_a, "materials"_a, "media"_a, "volumes"_a,
-             "world_medium"_a, "progress"_a,
+             "slot_materials"_a, "randoms"_a, "object_colors"_a, "object_indices"_a, "object_light_groups"_a,
+             "object_sets"_a, "object_links"_a, "shapes"_a, "shape_indices"_a, "world_from_shape"_a,
+             "shape_materials"_a, "shape_shows_to"_a, "materials"_a, "media"_a, "volumes"_a, "world_medium"_a,
+             "progress"_a,
              R"(In the dark, see relit. Per instance: mesh_indices and first_slot_materials uint32, slot_counts uint16,
 shows_to uint8, a bit each for cameras, lights' shadows, bounces and mirrors, and one for what is held out, world_from_object float32 (n, 4, 4)
 relative to origin_in_world. The same per placed shape, of which
 shape_materials, uint32, is the one material. object_names: those that name_indices, uint32 per instance, point to, of
-which object_colors and object_indices are, too; then one per shape. Releases the GIL.)")
+which object_colors and object_indices are, too; then one per shape. Of all of these, object_light_groups, uint8 (255:
+none), object_sets, uint8 (n, 2), of receivers and blockers, and object_links, uint64 (n, 2), those they light and are
+blocked by. Releases the GIL.)")
         .def(
             "moved",
             [](const SceneWithMedia& built, const py::array& instances, const py::array& world_from_object,

@@ -17,6 +17,7 @@ static void validate(const Config& config) {
 
 Shafts::~Shafts() = default;
 bool Shafts::is_empty() const { return prepared_->lights.empty(); }
+std::span<const std::uint8_t> Shafts::slots() const { return prepared_->slots; }
 const Statistics& Shafts::statistics() const { return prepared_->statistics; }
 
 Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::span<const ViewRay> rays,

@@ -68,6 +68,7 @@ struct Config {
     std::optional<std::uint32_t> visibility_light = {};
     GridMethod grid_method = GridMethod::March;
     float grid_error_target = 0.005f; ///< Relative RMS error of what grids scatter, over the frame, [1e-4, 0.3].
+    bool keeps_groups_apart = false;  ///< Light groups have slots of their own, see Shafts::slots.
     std::uint32_t seed = 0;
     std::shared_ptr<MapCache> kept_maps = {}; ///< Maps and rows of other frames; nothing: none are kept.
 };
@@ -104,6 +105,7 @@ struct Air {
 };
 /// Sides of the squares of pixels that share the strata of a light, see shared_strata.hpp; 1: each pixel for itself.
 inline constexpr std::array<std::uint32_t, 3> shared_sides{1, 2, 4};
+using ScatteredBySide = std::array<Scattered, shared_sides.size()>;
 
 /// Where a ray is lit: the length of its lit parts in media, weighted by the shadows' transmittance, and the integral of
 /// the distance over them; sums over the lights.
@@ -137,8 +139,13 @@ public:
                  const Progress& progress, Turn turn = {}) const;
     /// The same where neighbouring pixels share strata: `cells` has the cell_of_pixel of each ray, or alone_cell, and
     /// out[i] gets the light that squares of shared_sides[i] pixels share, still to be averaged by add_shared.
+    void scatter(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells, const ScatteredBySide& out,
+                 const Progress& progress, Turn turn) const;
+    /// The same with the light of each slot by itself: one result per slot.
     void scatter(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells,
-                 const std::array<Scattered, shared_sides.size()>& out, const Progress& progress, Turn turn) const;
+                 std::span<const ScatteredBySide> by_slot, const Progress& progress, Turn turn) const;
+    /// Light groups whose lights scatter, each once, no_light_group for the others; one entry where none is kept apart.
+    [[nodiscard]] std::span<const std::uint8_t> slots() const;
     /// One per ray, of the strata of this turn.
     [[nodiscard]] std::vector<LitMoments> find_lit_moments(std::span<const ViewRay> rays, const Progress& progress,
                                                            Turn turn = {}) const;

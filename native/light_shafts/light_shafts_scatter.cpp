@@ -47,6 +47,9 @@ void PreparedLights::gather(std::span<const ViewRay> rays, std::span<const std::
             append_steps(media, {ray.origin, ray.direction, clipped.clipped.near_m, clipped.clipped.far_m},
                          block.segments_of(block.rays.size() - 1), step_limits, block.steps);
     }
+}
+
+void PreparedLights::begin_sums(Block& block) {
     block.all_radiance.assign(block.rays.size(), Rgb(0.0f));
     for (std::vector<Rgb>* const apart : {&block.from_points, &block.all_unshadowed})
         apart->assign(block.keeps_points_apart ? block.rays.size() : 0, Rgb(0.0f));
@@ -157,22 +160,30 @@ std::array<bool, shared_sides.size()> Shafts::sides_used(std::uint32_t turn_coun
     return used;
 }
 
+void Shafts::scatter(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells, const ScatteredBySide& out,
+                     const Progress& progress, Turn turn) const {
+    scatter(rays, cells, std::span(&out, 1), progress, turn);
+}
+
 void Shafts::scatter(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells,
-                     const std::array<Scattered, shared_sides.size()>& out, const Progress& progress, Turn turn) const {
+                     std::span<const ScatteredBySide> by_slot, const Progress& progress, Turn turn) const {
+    require(by_slot.size() == 1 || by_slot.size() == slots().size(), "scatter: ", by_slot.size(), " results for ",
+            slots().size(), " slots");
     require(turn.index < turn.count, "scatter: turn ", turn.index, " of ", turn.count);
     require(cells.empty() || cells.size() == rays.size(), "scatter: ", rays.size(), " rays with ", cells.size(),
             " cells");
     const std::array used = cells.empty() ? std::array{true, false, false} : sides_used(turn.count);
-    for (std::size_t side = 0; side < shared_sides.size(); ++side) {
-        const auto& [radiance, visibility, from_points, unshadowed] = out[side];
-        const auto fits = [&](std::size_t size) { return size == 0 || size == rays.size(); };
-        require(!used[side] || (radiance.size() == rays.size() && fits(visibility.size()) && fits(from_points.size()) &&
-                                from_points.size() == unshadowed.size()),
-                "scatter: ", rays.size(), " rays, but room for ", radiance.size(), " results");
-        for (const std::span<Rgb> light : {radiance, from_points, unshadowed})
-            std::ranges::fill(light, Rgb(0.0f));
-        std::ranges::fill(visibility, 0.0f);
-    }
+    for (const ScatteredBySide& out : by_slot)
+        for (std::size_t side = 0; side < shared_sides.size(); ++side) {
+            const auto& [radiance, visibility, from_points, unshadowed] = out[side];
+            const auto fits = [&](std::size_t size) { return size == 0 || size == rays.size(); };
+            require(!used[side] || (radiance.size() == rays.size() && fits(visibility.size()) &&
+                                    fits(from_points.size()) && from_points.size() == unshadowed.size()),
+                    "scatter: ", rays.size(), " rays, but room for ", radiance.size(), " results");
+            for (const std::span<Rgb> light : {radiance, from_points, unshadowed})
+                std::ranges::fill(light, Rgb(0.0f));
+            std::ranges::fill(visibility, 0.0f);
+        }
     if (is_empty())
         return;
     // In the picture's order neighbours read different rows: 7 to 10 times slower at 8,192 lines.
@@ -183,12 +194,13 @@ void Shafts::scatter(std::span<const ViewRay> rays, std::span<const std::uint8_t
     }
     for (std::size_t side = 0; side < shared_sides.size(); ++side)
         if (used[side])
-            prepared_->scatter_side(rays, cells, order, side, out[side], progress, turn);
+            prepared_->scatter_side(rays, cells, order, side, by_slot, progress, turn);
 }
 
 void PreparedLights::scatter_side(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells,
-                                  std::span<const std::uint32_t> order, std::size_t side, const Scattered& out,
-                                  const Progress& progress, const Turn& turn) const {
+                                  std::span<const std::uint32_t> order, std::size_t side,
+                                  std::span<const ScatteredBySide> by_slot, const Progress& progress,
+                                  const Turn& turn) const {
     // Rays of one cell ask for the same strata: a block has one cell, and keeps the order within it. After the cells of
     // side 0, of which there is one, follow the rays that share nothing.
     const std::uint32_t cell_count = shared_sides[side] * shared_sides[side];
@@ -204,24 +216,28 @@ void PreparedLights::scatter_side(std::span<const ViewRay> rays, std::span<const
         const bool is_alone = cell == cell_count;
         parallel_blocks(mine.size(), rays_per_block, progress, [&](std::size_t begin, std::size_t end) {
             thread_local Block block;
-            block.wants_visibility = !out.average_visibility.empty();
-            block.keeps_points_apart = !out.from_points.empty();
             gather(rays, mine.subspan(begin, end - begin), block);
-            for (const LightBeams& light : lights) {
-                const Sharing shared =
-                    cells.empty() || is_alone ? Sharing{} : sharing(light.stratum_count(), turn.count);
-                const std::uint32_t turns_before = is_alone ? 0 : cell * shared.count / cell_count * turn.count;
-                if (!block.rays.empty() && shared.side == side)
-                    add(light, {turns_before + turn.index, shared.count * turn.count}, block);
-            }
-            for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
-                out.radiance[block.target[ray]] = block.all_radiance[ray];
-                if (block.keeps_points_apart) {
-                    out.from_points[block.target[ray]] = block.from_points[ray];
-                    out.from_points_unshadowed[block.target[ray]] = block.all_unshadowed[ray];
+            for (std::size_t slot = 0; slot < by_slot.size(); ++slot) {
+                const Scattered& out = by_slot[slot][side];
+                block.wants_visibility = !out.average_visibility.empty();
+                block.keeps_points_apart = !out.from_points.empty();
+                begin_sums(block);
+                for (const LightBeams& light : lights) {
+                    const Sharing shared =
+                        cells.empty() || is_alone ? Sharing{} : sharing(light.stratum_count(), turn.count);
+                    const std::uint32_t turns_before = is_alone ? 0 : cell * shared.count / cell_count * turn.count;
+                    if (!block.rays.empty() && shared.side == side && (by_slot.size() == 1 || light.slot == slot))
+                        add(light, {turns_before + turn.index, shared.count * turn.count}, block);
                 }
-                if (!out.average_visibility.empty())
-                    out.average_visibility[block.target[ray]] = block.visibility[ray];
+                for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
+                    out.radiance[block.target[ray]] = block.all_radiance[ray];
+                    if (block.keeps_points_apart) {
+                        out.from_points[block.target[ray]] = block.from_points[ray];
+                        out.from_points_unshadowed[block.target[ray]] = block.all_unshadowed[ray];
+                    }
+                    if (!out.average_visibility.empty())
+                        out.average_visibility[block.target[ray]] = block.visibility[ray];
+                }
             }
         });
     }

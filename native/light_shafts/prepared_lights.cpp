@@ -61,6 +61,20 @@ static void count_kept(const MapCache::Counts& before, const MapCache& cache, St
     statistics.count("kept maps: bytes", static_cast<double>(cache.bytes()));
 }
 
+/// One for each light group; returns these.
+static std::vector<std::uint8_t> assign_slots(const Scene& scene, std::span<LightBeams> lights) {
+    std::vector<std::uint8_t> slots;
+    for (LightBeams& light : lights) {
+        const std::uint8_t group =
+            light.light < scene.lights().size() ? scene.lights()[light.light].light_group : scene.world().light_group();
+        const auto slot = std::ranges::find(slots, group);
+        light.slot = static_cast<std::size_t>(slot - slots.begin());
+        if (slot == slots.end())
+            slots.push_back(group);
+    }
+    return slots;
+}
+
 void PreparedLights::prepare(const Scene& scene, const View& view, std::span<const ViewRay> clipped,
                              std::vector<ScatteringLight> lights_to_prepare, const Config& config, Progress& progress) {
     LightShares shares(media, clipped);
@@ -93,6 +107,8 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         }
         disc_cells.push_back(std::move(light.cells)); // the samples' pointers into it stay
     }
+    if (config.keeps_groups_apart)
+        slots = assign_slots(scene, lights);
     struct BeamToPrepare {
         Beam* beam;
         float share_of_light;

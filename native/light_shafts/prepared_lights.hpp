@@ -44,6 +44,7 @@ struct Beam {
 struct LightBeams {
     std::size_t light; ///< Into Scene::lights; the world follows after the last one.
     std::vector<Beam> beams;
+    std::size_t slot = 0;                                 ///< Into PreparedLights::slots.
     vec3 lamp_position{0.0f};                             ///< Of its middle, if it is one.
     std::shared_ptr<const TextureRows> texture_rows = {}; ///< Of a sun with a picture across it.
     std::size_t parts = 1; ///< Consecutive beams that make a stratum: they light different points.
@@ -89,6 +90,7 @@ struct PreparedLights {
     std::optional<std::uint32_t> visibility_light = {}; ///< See Config.
     const Visibility* finest = nullptr; ///< Of the sample that carries most light, and so has the largest rows.
     bool attenuates_light = true;       ///< See Config.
+    std::vector<std::uint8_t> slots = {no_light_group}; ///< See Shafts::slots.
     Statistics statistics;
 
     /// Makes the beams of `lights` for rays that are clipped to the media. Throws Cancelled.
@@ -108,10 +110,12 @@ struct PreparedLights {
     void track_in_grids(const Beam& beam, std::span<float> lit_length_m, Block& block) const;
     /// What the block's pieces scatter, of a directional light.
     static void add_pieces(const LightBeams& light, const Beam& beam, std::span<float> lit_length_m, Block& block);
-    /// Of the lights that squares of shared_sides[side] pixels share.
+    /// Of the lights that squares of shared_sides[side] pixels share; one result for all, or one per slot.
     void scatter_side(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells,
-                      std::span<const std::uint32_t> order, std::size_t side, const Scattered& out,
+                      std::span<const std::uint32_t> order, std::size_t side, std::span<const ScatteredBySide> by_slot,
                       const Progress& progress, const Turn& turn) const;
+    /// Sums of no light yet.
+    static void begin_sums(Block& block);
 };
 
 } // namespace tyndall::light_shafts

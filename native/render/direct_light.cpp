@@ -5,6 +5,7 @@
 #include "light_shafts/occluders.hpp"
 #include "light_shafts/ray_outline.hpp"
 #include "render/lamp_hits.hpp"
+#include "render/light_groups.hpp"
 #include "render/shadow_rays.hpp"
 #include "render/shadow_terminator.hpp"
 #include "scene/light_texture.hpp"
@@ -117,15 +118,15 @@ bool DirectLight::has_strata(std::size_t light) const {
 }
 
 void DirectLight::at(std::span<const SurfacePoint> points, const PairIndex& first_pair,
-                     std::span<const std::uint8_t> is_asked, std::span<Irradiance> irradiance,
-                     const PointLobes* lobes) const {
+                     std::span<const std::uint8_t> is_asked, std::span<Irradiance> irradiance, const PointLobes* lobes,
+                     std::span<Irradiance> many_by_group) const {
     const LitPoints lanes = lanes_of(points);
     for (std::size_t light = 0; light < light_count(); ++light) {
         if (is_asked[light] == 0)
             continue;
         const std::span<Irradiance> of_light = irradiance.subspan(light * points.size(), points.size());
         std::ranges::fill(of_light, Irradiance{});
-        add(light, ray_counts_[light], {points, lanes, lobes}, first_pair, of_light);
+        add(light, ray_counts_[light], {points, lanes, lobes}, first_pair, of_light, many_by_group);
     }
 }
 
@@ -135,14 +136,26 @@ void DirectLight::add_one(std::size_t light, std::span<const SurfacePoint> point
 }
 
 void DirectLight::add_all_once(std::span<const SurfacePoint> points, const PairIndex& first_pair,
-                               std::span<Irradiance> irradiance) const {
+                               std::span<Irradiance> irradiance, std::span<Irradiance> by_group) const {
     const LitPoints lanes = lanes_of(points);
-    for (std::size_t light = 0; light < light_count(); ++light)
-        add(light, 1, {points, lanes, nullptr}, first_pair, irradiance);
+    std::array<Irradiance, most_points> before;
+    for (std::size_t light = 0; light < light_count(); ++light) {
+        const bool is_grouped = !by_group.empty() && !is_many(light) && group_of(light) != no_light_group;
+        if (is_grouped)
+            std::ranges::copy(irradiance.first(points.size()), before.begin());
+        add(light, 1, {points, lanes, nullptr}, first_pair, irradiance, by_group);
+        for (std::size_t point = 0; is_grouped && point < points.size(); ++point) {
+            Irradiance more; // the sums keep the bits that they have without groups
+            more.from_lights = irradiance[point].from_lights - before[point].from_lights;
+            more.from_world = irradiance[point].from_world - before[point].from_world;
+            add_to_group(by_group, group_of(light), points.size(), point, more);
+        }
+    }
 }
 
 void DirectLight::add(std::size_t light, std::uint32_t ray_count, const LitSurface& surface,
-                      const PairIndex& first_pair, std::span<Irradiance> irradiance) const {
+                      const PairIndex& first_pair, std::span<Irradiance> irradiance,
+                      std::span<Irradiance> many_by_group) const {
     if (light < lights_.size() && lights_[light].aim.may_light(surface.lanes) == 0)
         return;
     const float share = 1.0f / static_cast<float>(ray_count);
@@ -151,7 +164,7 @@ void DirectLight::add(std::size_t light, std::uint32_t ray_count, const LitSurfa
         if (is_world(light))
             add_world(surface, pair, share, irradiance);
         else if (is_many(light))
-            add_many(surface, pair, share, irradiance);
+            add_many(surface, pair, share, irradiance, many_by_group);
         else
             add_light(lights_[light], surface, pair, share, irradiance);
     }

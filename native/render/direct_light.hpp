@@ -51,13 +51,21 @@ public:
         Rgb from_world{0.0f};  ///< With occluders and media between.
         Rgb reflected{0.0f};   ///< Of all of these, towards the viewer by the point's lobes: radiance.
         [[nodiscard]] Rgb sum() const { return from_lights + from_world; }
+        Irradiance& operator+=(const Irradiance& other) {
+            from_lights += other.from_lights;
+            unshadowed += other.unshadowed;
+            from_world += other.from_world;
+            reflected += other.reflected;
+            return *this;
+        }
     };
     /// Of those lights that `is_asked`, on the viewer's side of up to most_points points, for a cosine around their
     /// shading normals: irradiance[light * points.size() + point]. Takes random numbers from `first_pair` on. Faster where
     /// the points are neighbours; the results depend neither on it nor on the other lights. `lobes`: null where no point
-    /// has any.
+    /// has any. Adds that of the many lights to many_by_group[group * points.size() + point], for as many groups as it has.
     void at(std::span<const SurfacePoint> points, const PairIndex& first_pair, std::span<const std::uint8_t> is_asked,
-            std::span<Irradiance> irradiance, const PointLobes* lobes = nullptr) const;
+            std::span<Irradiance> irradiance, const PointLobes* lobes = nullptr,
+            std::span<Irradiance> many_by_group = {}) const;
 
     /// Those that light surfaces: those that are asked each, the many as one, the world's light last. index_of: into
     /// Scene::lights, of the first of these.
@@ -65,6 +73,11 @@ public:
         return lights_.size() + (many_ ? 1 : 0) + (has_world_light_ ? 1 : 0);
     }
     [[nodiscard]] bool is_many(std::size_t light) const { return many_ && light == lights_.size(); }
+    [[nodiscard]] bool has_many() const { return many_ != nullptr; }
+    /// The light group of one that is not the many.
+    [[nodiscard]] std::uint8_t group_of(std::size_t light) const {
+        return is_world(light) ? scene_.world().light_group() : scene_.lights()[lights_[light].index].light_group;
+    }
     /// Into Scene::lights: the lamps among the many.
     [[nodiscard]] std::span<const std::uint32_t> many_lamps() const { return many_->lamps(); }
     /// What glows there is one of the lights: who meets it by chance must not count it again.
@@ -76,9 +89,10 @@ public:
     /// Shadow rays per point, to as many strata of a light; 1 before. Powers of two keep them well spread.
     void set_ray_counts(std::vector<std::uint32_t> per_light) { ray_counts_ = std::move(per_light); }
     [[nodiscard]] bool is_world(std::size_t light) const { return light >= lights_.size() + (many_ ? 1 : 0); }
-    /// Of all lights, with one shadow ray each: what a point that few will see is worth.
+    /// Of all lights, with one shadow ray each: what a point that few will see is worth. Adds what comes from each group to
+    /// by_group, as at() does for the many.
     void add_all_once(std::span<const SurfacePoint> points, const PairIndex& first_pair,
-                      std::span<Irradiance> irradiance) const;
+                      std::span<Irradiance> irradiance, std::span<Irradiance> by_group = {}) const;
     /// The world is the last light.
     [[nodiscard]] bool has_world() const { return has_world_light_; }
     /// There is a world of one radiance.
@@ -107,7 +121,7 @@ private:
         const PointLobes* lobes; ///< Nothing: no point has any.
     };
     void add(std::size_t light, std::uint32_t ray_count, const LitSurface& surface, const PairIndex& first_pair,
-             std::span<Irradiance> irradiance) const;
+             std::span<Irradiance> irradiance, std::span<Irradiance> many_by_group = {}) const;
     /// One stratum, which stands for `share` of the light.
     void add_light(const AimedLight& aimed, const LitSurface& surface, const PairIndex& pair, float share,
                    std::span<Irradiance> irradiance) const;
@@ -120,10 +134,12 @@ private:
     /// Off a smooth surface's terminator: a ray that ends at its far_m.
     void lift(const SurfacePoint& point, Ray& ray) const;
     void aim_at_many(const LitSurface& surface, const PairIndex& pair, float share, ShadowRays& shadow) const;
-    void add_many(const LitSurface& surface, const PairIndex& pair, float share,
-                  std::span<Irradiance> irradiance) const;
+    void add_many(const LitSurface& surface, const PairIndex& pair, float share, std::span<Irradiance> irradiance,
+                  std::span<Irradiance> by_group) const;
     /// Irradiance from triangles that a ray in a direction drawn with that density meets; the share of that strategy.
-    [[nodiscard]] Rgb of_triangles(const SurfacePoint& point, const vec3& direction, float pdf_per_sr) const;
+    /// by_group: of each group that is asked for, or empty.
+    [[nodiscard]] Rgb of_triangles(const SurfacePoint& point, const vec3& direction, float pdf_per_sr,
+                                   std::span<Rgb> by_group) const;
     void report_glow(Statistics& statistics, const IndirectConfig& indirect) const;
     /// What a lamp with a size adds to lobes, in their own directions.
     void aim_by_lobes(const AimedLight& aimed, const LitSurface& surface, const PairIndex& pair, float share,

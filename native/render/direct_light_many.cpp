@@ -4,6 +4,7 @@
 // Based on: Veach, dissertation, Stanford 1997, section 9.2 (power heuristic): a wide plate nearby is met by chance.
 #include "core/sampling.hpp"
 #include "render/direct_light.hpp"
+#include "render/light_groups.hpp"
 #include "render/shadow_rays.hpp"
 
 namespace tyndall::render {
@@ -43,12 +44,13 @@ void DirectLight::aim_at_many(const LitSurface& surface, const PairIndex& pair, 
         shadow.shares[shadow.count - 1] =
             aimed->lamp != nullptr ? 1.0f : power_share(aimed->pdf_per_sr, cosine_hemisphere_pdf_per_sr(cosine));
         shadow.casts[shadow.count - 1] = aimed->lamp == nullptr || aimed->lamp->casts_shadow;
+        shadow.groups[shadow.count - 1] = aimed->light_group;
     }
 }
 
 /// One ray at a time: they go to different lights.
 void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, float share,
-                           std::span<Irradiance> irradiance) const {
+                           std::span<Irradiance> irradiance, std::span<Irradiance> by_group) const {
     ShadowRays shadow;
     aim_at_many(surface, pair, share, shadow);
     for (std::size_t index = 0; index < shadow.count; ++index)
@@ -56,28 +58,40 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
     if (has_media_)
         media_.attenuate(shadow.all(), shadow.passing);
     for (std::size_t index = 0; index < shadow.count; ++index) {
-        Irradiance& sum = irradiance[shadow.points[index]];
-        sum.unshadowed += shadow.arriving[index];
-        sum.from_lights += shadow.arriving[index] * shadow.passing[index] * shadow.shares[index];
-        sum.reflected += shadow.reflected[index] * shadow.passing[index];
+        Irradiance found;
+        found.unshadowed = shadow.arriving[index];
+        found.from_lights = shadow.arriving[index] * shadow.passing[index] * shadow.shares[index];
+        found.reflected = shadow.reflected[index] * shadow.passing[index];
+        irradiance[shadow.points[index]] += found;
+        add_to_group(by_group, shadow.groups[index], surface.points.size(), shadow.points[index], found);
     }
+    thread_local std::vector<Rgb> of_groups;
+    of_groups.resize(by_group.empty() ? 0 : by_group.size() / surface.points.size());
     for (std::size_t index = 0; many_->has_triangles() && index < surface.points.size(); ++index) {
         const SurfacePoint& point = surface.points[index];
         const vec2 u = pixel_pair(point.pixel_seed, pair.sample_index, cosine_pairs + pair.pair_index);
         const vec3 direction = from_frame(point.shading.shading_normal, sample_cosine_hemisphere(u));
         const float cosine = glm::dot(point.shading.shading_normal, direction);
-        irradiance[index].from_lights += share * of_triangles(point, direction, cosine_hemisphere_pdf_per_sr(cosine));
+        irradiance[index].from_lights +=
+            share * of_triangles(point, direction, cosine_hemisphere_pdf_per_sr(cosine), of_groups);
+        for (std::size_t group = 0; group < of_groups.size(); ++group)
+            by_group[group * surface.points.size() + index].from_lights += share * of_groups[group];
         if (surface.lobes == nullptr || !(*surface.lobes)[index].has_directions())
             continue;
         const LobeSet& lobes = (*surface.lobes)[index];
         const vec3 mirrored =
             lobes.sample(pixel_pair(point.pixel_seed, pair.sample_index, lobe_pairs + pair.pair_index));
-        irradiance[index].reflected +=
-            share * of_triangles(point, mirrored, lobes.pdf_per_sr(mirrored)) * lobes.per_irradiance(mirrored);
+        irradiance[index].reflected += share * of_triangles(point, mirrored, lobes.pdf_per_sr(mirrored), of_groups) *
+                                       lobes.per_irradiance(mirrored);
+        for (std::size_t group = 0; group < of_groups.size(); ++group)
+            by_group[group * surface.points.size() + index].reflected +=
+                share * of_groups[group] * lobes.per_irradiance(mirrored);
     }
 }
 
-Rgb DirectLight::of_triangles(const SurfacePoint& point, const vec3& direction, float pdf_per_sr) const {
+Rgb DirectLight::of_triangles(const SurfacePoint& point, const vec3& direction, float pdf_per_sr,
+                              std::span<Rgb> by_group) const {
+    std::ranges::fill(by_group, Rgb(0.0f));
     const float cosine = glm::dot(point.shading.shading_normal, direction);
     Rgb sum(0.0f);
     if (!(cosine > 0.0f) || !(pdf_per_sr > 0.0f))
@@ -91,7 +105,10 @@ Rgb DirectLight::of_triangles(const SurfacePoint& point, const vec3& direction, 
             std::array<Rgb, 1> passing{scene_.shadow_transmittance(met->ray)};
             if (has_media_)
                 media_.attenuate({&met->ray, 1}, passing);
-            sum += met->arriving * passing[0] * (power_share(pdf_per_sr, met->pdf_per_sr) * cosine / pdf_per_sr);
+            const Rgb found =
+                met->arriving * passing[0] * (power_share(pdf_per_sr, met->pdf_per_sr) * cosine / pdf_per_sr);
+            sum += found;
+            add_to_group(by_group, met->light_group, 1, 0, found);
         }
         if (scene_.transparency(ray, hit) == Rgb(0.0f))
             break;

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -89,6 +90,14 @@ struct PathSample {
     Rgb transmittance{1.0f};                  ///< Through the media before that surface.
     Rgb ambient{0.0f};                        ///< Share of the world that surfaces see, through what lies in front.
     WorldLit world_lit;                       ///< Its light is in `radiance`, too.
+    /// Of `radiance`, what comes from the lights of each group; empty where nobody asks.
+    std::span<Rgb> by_group = {};
+
+    void add_light(const Rgb& light, std::uint8_t group) {
+        radiance += light;
+        if (group < by_group.size())
+            by_group[group] += light;
+    }
 };
 
 /// Sums of samples. Pixels are independent: threads may add to different ones. Samples of a pixel come in order.

@@ -4,11 +4,13 @@
 #include "render/frame_shafts.hpp"
 #include "render/frame_style.hpp"
 #include "render/frame_surfaces.hpp"
+#include "render/light_groups.hpp"
 #include "render/pixel_noise.hpp"
 #include "render/surface_pass.hpp"
 #include "render/tile.hpp"
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <optional>
 
 namespace tyndall::render {
@@ -57,6 +59,8 @@ public:
         }
         if (config.data.is_wanted())
             data_.emplace(pixel_count(), config.taken_samples(), scene, config.data);
+        if (!config.light_groups.empty())
+            groups_.emplace(pixel_count(), config.light_groups, config.passes.has(Pass::Shafts));
         if (media_.is_empty())
             statistics_.skip("light shafts", "no medium in the scene");
         else if (!config.transfer_functions.empty())
@@ -96,6 +100,8 @@ private:
         Film film = sums_.resolve(progress_);
         if (data_)
             film.data_planes = data_->resolve(progress_);
+        if (groups_)
+            std::ranges::move(groups_->resolve(progress_), std::back_inserter(film.data_planes));
         if (!style_)
             return film;
         const auto start = Clock::now();
@@ -202,6 +208,7 @@ private:
                                    .wants_lit_moments = asks_for(transfer_functions::Axis::MeanLitPosition),
                                    .of_frame = config_.is_tile ? &of_frame : nullptr,
                                    .air = air_ ? &*air_ : nullptr};
+        config.shafts.keeps_groups_apart = groups_.has_value();
         if (style_)
             config.shafts.visibility_light = style_->parameters().visibility_light();
         shafts_.emplace(scene_, media_, camera_, region_, waiting_, config, progress_);
@@ -234,6 +241,8 @@ private:
             band.first_row, band.end_row, is_active_,
             [&](std::size_t pixel, const PathSample& found, const PathData* data) {
                 sums_.add(pixel, found);
+                if (groups_)
+                    groups_->add(pixel, found);
                 if (data != nullptr)
                     data_->add(pixel, *data);
                 if (style_)
@@ -260,6 +269,8 @@ private:
                     if (gain == Rgb(0.0f))
                         continue;
                     sums_.add_light(pixel, gain);
+                    if (groups_)
+                        groups_->add_light(pixel, scene_.world().light_group(), gain);
                     if (noise_)
                         noise_->add(pixel, gain);
                 }
@@ -280,9 +291,11 @@ private:
     /// Adds that light to the film, with what the neighbours of each pixel have found.
     void add_shafts(const Band& band) {
         const auto start = Clock::now();
-        const auto add = [&](std::size_t pixel, const SeenShafts& seen) {
+        const auto add = [&](std::size_t pixel, const SeenShafts& seen, std::span<const Rgb> by_slot) {
             if (seen.meets_medium)
                 sums_.add_shafts(pixel, seen.textured_radiance, seen.visibility);
+            for (std::size_t slot = 0; groups_ && slot < by_slot.size(); ++slot)
+                groups_->add_shafts(pixel, shafts_->prepared().slots()[slot], by_slot[slot]);
             if (style_ && is_active_[pixel])
                 style_->add(pixel, pixel_centre(pixel), seen);
             if (noise_)
@@ -318,6 +331,7 @@ private:
     FrameSurfaces surfaces_;
     FilmSums sums_;
     std::optional<DataSums> data_;        ///< Of data passes; nothing: none is asked for.
+    std::optional<GroupSums> groups_;     ///< Of light groups; nothing: none is asked for.
     std::optional<PixelNoise> noise_;     ///< None: every pixel takes all samples.
     std::vector<std::uint8_t> is_active_; ///< Per pixel: takes further samples.
     std::size_t active_count_, sample_count_ = 0;

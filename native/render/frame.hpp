@@ -39,7 +39,9 @@ struct FrameConfig {
     float voxel_detail_px = 0.0f;
     bool is_film_transparent = false;
     PassSet passes;
-    DataPassConfig data = {};    ///< With them, nothing is kept of surfaces.
+    DataPassConfig data = {}; ///< With them, nothing is kept of surfaces; nor with light groups.
+    /// Names of the scene's light groups, of which the film holds "Combined_…" apart, and with Pass::Shafts "Shafts_…", too.
+    std::vector<std::string> light_groups = {};
     light_shafts::Config shafts; ///< Neighbours share the world's light on surfaces as they do strata.
     std::vector<transfer_functions::WeightedFunction> transfer_functions; ///< Applied to the light shafts.
     /// Into Scene::lights: whose visibility, lit parts and angle the functions are about. None: the strongest sun's that

@@ -58,8 +58,14 @@ void FrameShafts::begin_pass(std::uint32_t sample_index, const Progress& progres
     }
     if (config_.wants_lit_moments)
         lit_moments_.resize(waiting_.rays.size());
-    for (std::size_t side = 0; side < used.size(); ++side) {
-        OfSide& light = of_side_[side];
+    of_slot_.resize(shafts_.slots().size());
+    if (of_slot_.size() > 1) {
+        of_all_.radiance.resize(waiting_.rays.size());
+        of_all_.visibility.resize(config_.wants_visibility ? waiting_.rays.size() : 0);
+    }
+    for (std::size_t index = 0; index < of_slot_.size() * used.size(); ++index) {
+        const std::size_t side = index % used.size();
+        OfSide& light = of_slot_[index / used.size()][side];
         light.radiance.resize(used[side] ? waiting_.rays.size() : 0);
         if (side > 0) {
             light.from_points.resize(light.radiance.size());
@@ -73,14 +79,15 @@ void FrameShafts::begin_pass(std::uint32_t sample_index, const Progress& progres
 std::size_t FrameShafts::scatter(const Band& band, const Progress& progress) {
     const std::size_t first = waiting_.first[std::size_t{band.first_row} * width()];
     const std::size_t count = waiting_.first[std::size_t{band.end_row} * width()] - first;
-    std::array<light_shafts::Scattered, light_shafts::shared_sides.size()> out;
-    for (std::size_t side = 0; side < out.size(); ++side) {
-        auto& [radiance, visibility, from_points, unshadowed] = of_side_[side];
-        const auto part_of = [&](auto& values) {
-            return values.empty() ? std::span(values) : std::span(values).subspan(first, count);
-        };
-        out[side] = {part_of(radiance), part_of(visibility), part_of(from_points), part_of(unshadowed)};
-    }
+    std::vector<light_shafts::ScatteredBySide> out(of_slot_.size());
+    for (std::size_t slot = 0; slot < out.size(); ++slot)
+        for (std::size_t side = 0; side < out[slot].size(); ++side) {
+            auto& [radiance, visibility, from_points, unshadowed] = of_slot_[slot][side];
+            const auto part_of = [&](auto& values) {
+                return values.empty() ? std::span(values) : std::span(values).subspan(first, count);
+            };
+            out[slot][side] = {part_of(radiance), part_of(visibility), part_of(from_points), part_of(unshadowed)};
+        }
     const std::span<const light_shafts::ViewRay> rays = std::span(waiting_.rays).subspan(first, count);
     const std::span<const std::uint8_t> cells(cells_);
     shafts_.scatter(rays, cells.empty() ? cells : cells.subspan(first, count), out, progress, turn_);
@@ -97,20 +104,47 @@ void FrameShafts::find_heterogeneity(const Band& band, const Progress& progress)
                       end_pixel = std::size_t{band.end_row} * width();
     const std::size_t first = waiting_.first[first_pixel], count = waiting_.first[end_pixel] - first;
     config_.air->find(shafts_, turn_, waiting_, first_pixel, end_pixel,
-                      std::span(of_side_[0].radiance).subspan(first, count),
+                      std::span(of_slot_.size() > 1 ? of_all_.radiance : of_slot_[0][0].radiance).subspan(first, count),
                       std::span(heterogeneity_).subspan(first, count), progress);
 }
 
-void FrameShafts::sum(const Band& band, const std::function<void(std::size_t, const SeenShafts&)>& deliver,
-                      const Progress& progress) {
-    auto& [radiance, visibility, from_points, unshadowed] = of_side_[0];
-    for (std::size_t side = 1; side < of_side_.size(); ++side)
-        if (const OfSide& shared = of_side_[side]; !shared.radiance.empty())
-            light_shafts::add_shared(
-                {width(), region_.y1 - region_.y0, waiting_.first, air_, cells_}, light_shafts::shared_sides[side],
-                band.first_row, band.end_row,
-                {shared.radiance, shared.visibility, shared.from_points, shared.from_points_unshadowed},
-                {radiance, visibility, from_points, unshadowed}, progress);
+void FrameShafts::add_slots(const Band& band) {
+    const std::size_t first = waiting_.first[std::size_t{band.first_row} * width()],
+                      end = waiting_.first[std::size_t{band.end_row} * width()];
+    for (std::size_t ray = first; ray < end; ++ray) {
+        of_all_.radiance[ray] = Rgb(0.0f);
+        if (config_.wants_visibility)
+            of_all_.visibility[ray] = 0.0f;
+        for (const OfSides& slot : of_slot_) {
+            of_all_.radiance[ray] += slot[0].radiance[ray];
+            if (config_.wants_visibility)
+                of_all_.visibility[ray] += slot[0].visibility[ray];
+        }
+    }
+}
+
+Rgb FrameShafts::sum_of_slot(std::size_t slot, std::size_t first, std::size_t count) const {
+    Rgb sum(0.0f);
+    for (std::size_t part = first; part < first + count; ++part)
+        sum += (heterogeneity_.empty() ? 1.0f : heterogeneity_[part]) * waiting_.weights[part] *
+               of_slot_[slot][0].radiance[part];
+    return sum;
+}
+
+void FrameShafts::sum(const Band& band, const Deliver& deliver, const Progress& progress) {
+    for (OfSides& of_side : of_slot_) {
+        auto& [radiance, visibility, from_points, unshadowed] = of_side[0];
+        for (std::size_t side = 1; side < of_side.size(); ++side)
+            if (const OfSide& shared = of_side[side]; !shared.radiance.empty())
+                light_shafts::add_shared(
+                    {width(), region_.y1 - region_.y0, waiting_.first, air_, cells_}, light_shafts::shared_sides[side],
+                    band.first_row, band.end_row,
+                    {shared.radiance, shared.visibility, shared.from_points, shared.from_points_unshadowed},
+                    {radiance, visibility, from_points, unshadowed}, progress);
+    }
+    if (of_slot_.size() > 1)
+        add_slots(band);
+    const auto& [radiance, visibility, from_points, unshadowed] = of_slot_.size() > 1 ? of_all_ : of_slot_[0][0];
     find_heterogeneity(band, progress);
     const std::size_t first_pixel = std::size_t{band.first_row} * width();
     parallel_for(std::size_t{band.end_row} * width() - first_pixel, progress, [&](std::size_t index) {
@@ -119,8 +153,13 @@ void FrameShafts::sum(const Band& band, const std::function<void(std::size_t, co
         const auto part_of = [&](const auto& values) {
             return values.empty() ? std::span(values) : std::span(values).subspan(first, count);
         };
-        deliver(pixel, sum_of_parts(part_of(waiting_.weights), part_of(radiance), part_of(visibility),
-                                    part_of(lit_moments_), part_of(heterogeneity_)));
+        const SeenShafts seen = sum_of_parts(part_of(waiting_.weights), part_of(radiance), part_of(visibility),
+                                             part_of(lit_moments_), part_of(heterogeneity_));
+        thread_local std::vector<Rgb> by_slot;
+        by_slot.clear();
+        for (std::size_t slot = 0; config_.shafts.keeps_groups_apart && slot < of_slot_.size(); ++slot)
+            by_slot.push_back(sum_of_slot(slot, first, count));
+        deliver(pixel, seen, by_slot);
     });
 }
 } // namespace tyndall::render

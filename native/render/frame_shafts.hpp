@@ -43,9 +43,10 @@ public:
     /// Asks for the light that the media scatter into the parts of a band; returns how many.
     std::size_t scatter(const Band& band, const Progress& progress);
     /// Hands out that light with what the neighbours of each pixel have found, which may be pixels of the next band.
-    /// `deliver` is called from any thread, once per pixel.
-    void sum(const Band& band, const std::function<void(std::size_t pixel, const SeenShafts& seen)>& deliver,
-             const Progress& progress);
+    /// `deliver` is called from any thread, once per pixel; where light groups are kept apart, with what of the light is
+    /// in each of prepared().slots().
+    using Deliver = std::function<void(std::size_t pixel, const SeenShafts& seen, std::span<const Rgb> by_slot)>;
+    void sum(const Band& band, const Deliver& deliver, const Progress& progress);
 
 private:
     struct OfSide {
@@ -53,6 +54,11 @@ private:
         std::vector<float> visibility;
         std::vector<Rgb> from_points, from_points_unshadowed; ///< Of what is shared.
     };
+    using OfSides = std::array<OfSide, light_shafts::shared_sides.size()>;
+    /// The slots' light, together.
+    void add_slots(const Band& band);
+    /// Of the parts of a pixel.
+    [[nodiscard]] Rgb sum_of_slot(std::size_t slot, std::size_t first, std::size_t count) const;
     /// Of the parts of a band, whose light is known.
     void find_heterogeneity(const Band& band, const Progress& progress);
     [[nodiscard]] std::uint32_t width() const { return region_.x1 - region_.x0; }
@@ -65,10 +71,11 @@ private:
     Config config_;
     light_shafts::Shafts shafts_;
     light_shafts::Turn turn_{};
-    std::array<OfSide, light_shafts::shared_sides.size()> of_side_; ///< Kept from pass to pass for their memory.
-    std::vector<std::uint8_t> cells_;                               ///< Of the parts' pixels; empty: nothing is shared.
-    std::vector<light_shafts::Air> air_;                            ///< Per part, where something is shared.
-    std::vector<light_shafts::LitMoments> lit_moments_;             ///< Per part, where they are wanted.
-    std::vector<float> heterogeneity_; ///< Per part, what its light is multiplied by; empty: nothing.
+    std::vector<OfSides> of_slot_;    ///< One for all light, or one per slot; kept from pass to pass for their memory.
+    OfSide of_all_;                   ///< Where there are several slots: their sum.
+    std::vector<std::uint8_t> cells_; ///< Of the parts' pixels; empty: nothing is shared.
+    std::vector<light_shafts::Air> air_;                ///< Per part, where something is shared.
+    std::vector<light_shafts::LitMoments> lit_moments_; ///< Per part, where they are wanted.
+    std::vector<float> heterogeneity_;                  ///< Per part, what its light is multiplied by; empty: nothing.
 };
 } // namespace tyndall::render

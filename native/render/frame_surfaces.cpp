@@ -162,7 +162,9 @@ void FrameSurfaces::choose_what_is_kept(std::uint32_t sample_index, bool collect
     moved_.reset();
     is_new_ = true;
     const SurfaceForm form =
-        config_.kept_surfaces && may_keep && !config_.data.is_wanted() ? form_for_pass() : SurfaceForm::Nothing;
+        config_.kept_surfaces && may_keep && !config_.data.is_wanted() && config_.light_groups.empty()
+            ? form_for_pass()
+            : SurfaceForm::Nothing;
     if (form == SurfaceForm::Nothing)
         return;
     SurfaceKey key = this->key(sample_index, collects_parts);
@@ -204,6 +206,7 @@ void FrameSurfaces::trace(std::uint32_t first_row, std::uint32_t end_row, std::s
     kept.moved = moved_ ? &*moved_ : nullptr;
     kept.indirect = indirect_.is_wanted() ? &indirect_ : nullptr;
     kept.data = config_.data.is_wanted() ? &config_.data : nullptr;
+    kept.group_count = config_.light_groups.size();
     std::vector<SurfaceBlock> of_this_pass;
     std::vector<SurfaceBlock>* blocks = &of_this_pass;
     if (pass_) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/indirect_light.hpp"
 #include "core/errors.hpp"
+#include "render/light_groups.hpp"
 #include "render/view_path.hpp"
 #include "shading/surface_program.hpp"
 #include <algorithm>
@@ -36,8 +37,9 @@ IndirectLight::IndirectLight(const Scene& scene, const Media& media, const Direc
       has_bounce_(config.has_bounce && shines(scene, media, light)) {}
 
 void IndirectLight::add(const SurfaceWalk& walked, std::uint32_t sample_index, std::span<PathSample> samples,
-                        const Progress& progress) const {
+                        std::size_t group_count, const Progress& progress) const {
     std::array<Rgb, DirectLight::most_points> found;
+    thread_local std::vector<Rgb> by_group;
     std::size_t first = 0;
     for (const auto [end, layer] : walked.batches) {
         progress.poll();
@@ -51,13 +53,18 @@ void IndirectLight::add(const SurfaceWalk& walked, std::uint32_t sample_index, s
         }
         if (has_bounce_) {
             found.fill(Rgb(0.0f));
-            gather(points, sample_index, layer, bounce_rays_, found);
+            by_group.assign(group_count * points.size(), Rgb(0.0f));
+            gather(points, sample_index, layer, bounce_rays_, found, by_group);
+            const auto add = [&](std::size_t point, const Rgb& per_irradiance) {
+                PathSample& sample = samples[shades[point].sample];
+                sample.radiance += per_irradiance * found[point];
+                for (std::size_t group = 0; group < sample.by_group.size(); ++group)
+                    sample.by_group[group] += per_irradiance * by_group[group * points.size() + point];
+            };
             for (std::size_t i = 0; i < points.size(); ++i)
-                samples[shades[i].sample].radiance += shades[i].radiance * found[i];
+                add(i, shades[i].radiance);
             for (const SurfaceWalk::LobedPoint& of : walked.lobed_of(first, end)) // as if they were diffuse
-                samples[walked.shades[of.point].sample].radiance += of.throughput * walked.lobes_of(of).albedo() *
-                                                                    std::numbers::inv_pi_v<float> *
-                                                                    found[of.point - first];
+                add(of.point - first, of.throughput * walked.lobes_of(of).albedo() * std::numbers::inv_pi_v<float>);
         }
         first = end;
     }
@@ -88,7 +95,7 @@ struct IndirectLight::Gatherer {
 };
 
 void IndirectLight::gather(std::span<const SurfacePoint> points, std::uint32_t sample_index, std::uint32_t layer,
-                           std::uint32_t ray_count, std::span<Rgb> irradiance) const {
+                           std::uint32_t ray_count, std::span<Rgb> irradiance, std::span<Rgb> by_group) const {
     const LitPoints lanes = lanes_of(points);
     thread_local std::vector<Gatherer> gatherers;
     for (std::uint32_t ray = 0; ray < ray_count; ++ray) {
@@ -109,13 +116,14 @@ void IndirectLight::gather(std::span<const SurfacePoint> points, std::uint32_t s
         }
         for (std::uint32_t passed = 0; passed < max_layer_count && !gatherers.empty(); ++passed) {
             const std::uint32_t place = layer * layers_apart + std::min(passed, layers_apart - 1);
-            catch_light(points, gatherers, {sample, first_gathered_pair + place * pairs_per_layer}, irradiance);
+            catch_light(points, gatherers, {sample, first_gathered_pair + place * pairs_per_layer}, irradiance,
+                        by_group);
         }
     }
 }
 
 void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vector<Gatherer>& gatherers,
-                                const PairIndex& first_pair, std::span<Rgb> irradiance) const {
+                                const PairIndex& first_pair, std::span<Rgb> irradiance, std::span<Rgb> by_group) const {
     std::array<SurfacePoint, DirectLight::most_points> met;
     std::array<Rgb, DirectLight::most_points> weights; ///< Irradiance per irradiance.
     std::array<std::size_t, DirectLight::most_points> caught_by;
@@ -134,8 +142,12 @@ void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vecto
             continue; // the world's light comes straight
         const SurfacePoint surface = surface_point(scene_, part, hit, points[point].pixel_seed);
         const SurfaceClosures closures = scene_.closures({.ray = part, .kind = RayKind::Diffuse}, surface.shading, hit);
-        if (!light_.is_light(hit))
+        if (!light_.is_light(hit) && closures.emission != Rgb(0.0f)) {
             irradiance[point] += weight * closures.emission;
+            if (!by_group.empty())
+                add_to_group(by_group, scene_.object_info(hit.instance).light_group, points.size(), point,
+                             weight * closures.emission);
+        }
         if (closures.diffuse_albedo != Rgb(0.0f)) {
             met[met_count] = surface;
             weights[met_count] = weight * closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
@@ -151,8 +163,14 @@ void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vecto
     if (met_count == 0)
         return;
     std::array<DirectLight::Irradiance, DirectLight::most_points> lit{};
-    light_.add_all_once(std::span(met).first(met_count), first_pair, lit);
-    for (std::size_t i = 0; i < met_count; ++i)
+    const std::size_t group_count = by_group.empty() ? 0 : by_group.size() / points.size();
+    thread_local std::vector<DirectLight::Irradiance> lit_by_group;
+    lit_by_group.assign(group_count * met_count, {});
+    light_.add_all_once(std::span(met).first(met_count), first_pair, lit, lit_by_group);
+    for (std::size_t i = 0; i < met_count; ++i) {
         irradiance[caught_by[i]] += weights[i] * lit[i].sum();
+        for (std::size_t group = 0; group < group_count; ++group)
+            by_group[group * points.size() + caught_by[i]] += weights[i] * lit_by_group[group * met_count + i].sum();
+    }
 }
 } // namespace tyndall::render

@@ -97,7 +97,8 @@ std::optional<ManyLights::Aimed> ManyLights::aim_at_lamp(const SurfacePoint& poi
         return std::nullopt;
     return Aimed{.ray = {.origin = origin, .direction = left / far_m, .near_m = 0.0f, .far_m = far_m},
                  .arriving = arriving,
-                 .lamp = &light};
+                 .lamp = &light,
+                 .light_group = light.light_group};
 }
 
 Ray ManyLights::ray_to(const SurfacePoint& point, const Hit& hit, const vec3& direction) const {
@@ -131,7 +132,8 @@ std::optional<ManyLights::Aimed> ManyLights::aim_at_triangle(const SurfacePoint&
         return std::nullopt;
     return Aimed{.ray = ray_to(point, hit, direction),
                  .arriving = radiance * (cosine / place.pdf_per_sr),
-                 .pdf_per_sr = place.pdf_per_sr};
+                 .pdf_per_sr = place.pdf_per_sr,
+                 .light_group = scene_.object_info(triangle.instance).light_group};
 }
 
 std::optional<ManyLights::Aimed> ManyLights::met(const SurfacePoint& point, const Ray& ray, const Hit& hit) const {
@@ -144,6 +146,7 @@ std::optional<ManyLights::Aimed> ManyLights::met(const SurfacePoint& point, cons
     const vec3 place = ray.origin + hit.distance_m * ray.direction;
     return Aimed{.ray = ray_to(point, hit, ray.direction),
                  .arriving = MeshEmitters::radiance(scene_, triangle, ray, hit),
-                 .pdf_per_sr = probability * triangle_pdf_per_sr(triangle.corners, point.shading.position, place)};
+                 .pdf_per_sr = probability * triangle_pdf_per_sr(triangle.corners, point.shading.position, place),
+                 .light_group = scene_.object_info(triangle.instance).light_group};
 }
 } // namespace tyndall::render

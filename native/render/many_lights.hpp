@@ -28,6 +28,7 @@ public:
         Rgb arriving; ///< Irradiance over the probability of the choice; of a lamp without a spot's cone.
         const Light* lamp = nullptr; ///< Nothing: a triangle.
         float pdf_per_sr = 0.0f;     ///< Of a triangle, with the choice.
+        std::uint8_t light_group = no_light_group;
     };
     /// By numbers in [0, 1). Nothing: no light comes from there.
     [[nodiscard]] std::optional<Aimed> aim(const SurfacePoint& point, float u_choice, vec2 u_place) const;

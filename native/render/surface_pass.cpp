@@ -27,6 +27,7 @@ struct SurfacePass::Catch {
     std::array<std::vector<MediumPart>, rays_per_square * squares_per_block> parts;
     std::array<std::vector<MediumPart>, rays_per_square> parts_of_square;
     std::vector<PathData> data, data_of_square; ///< Of blocks with data, as long as samples and rays of a square.
+    std::vector<Rgb> by_group;                  ///< Of the light groups, sample by sample.
     SurfaceWalk walk;                           ///< As is the light: of blocks that do not keep it.
     SurfaceLight light;
 };
@@ -72,6 +73,10 @@ void SurfacePass::walk_square(const Call& call, std::uint32_t x0, std::uint32_t 
     for (std::size_t i = 0; i < count; ++i)
         rays[i] = config_.pixel_samples > 1 ? lens_ray(camera_, sharp[i], seeds[i], call.sample_index) : sharp[i];
     std::array<PathSample, rays_per_square> samples;
+    const std::size_t groups = call.kept.group_count;
+    for (std::size_t i = 0; groups > 0 && i < count; ++i)
+        if (targets[i] != ViewPath::nowhere)
+            samples[i].by_group = std::span(caught.by_group).subspan(targets[i] * groups, groups);
     for (std::vector<MediumPart>& parts : caught.parts_of_square)
         parts.clear();
     for (PathData& data : caught.data_of_square)
@@ -101,6 +106,7 @@ void SurfacePass::walk_block(const Call& call, SurfaceBlock& block, Catch& caugh
     caught.is_caught.fill(0);
     caught.data.resize(call.kept.data != nullptr ? caught.samples.size() : 0);
     caught.data_of_square.resize(call.kept.data != nullptr ? rays_per_square : 0);
+    caught.by_group.assign(caught.samples.size() * call.kept.group_count, Rgb(0.0f));
     for (std::vector<MediumPart>& parts : caught.parts)
         parts.clear();
     walk.clear();
@@ -130,10 +136,10 @@ void SurfacePass::ask_lights(const Call& call, SurfaceBlock& block, const Surfac
     if (!block.was_kept) {
         thread_local std::vector<std::uint8_t> all;
         all.assign(call.kept.is_asked.size(), 1);
-        path_.ask_lights(walk, call.sample_index, all, light);
+        path_.ask_lights(walk, call.sample_index, all, light, call.kept.group_count);
         return;
     }
-    path_.ask_lights(walk, call.sample_index, call.kept.is_asked, light);
+    path_.ask_lights(walk, call.sample_index, call.kept.is_asked, light, call.kept.group_count);
     if (call.kept.moved != nullptr)
         block.lit_again_count =
             path_.ask_again(walk, call.sample_index, call.kept.is_asked, call.kept.moved->boxes(), light);
@@ -171,7 +177,7 @@ void SurfacePass::trace_block(const Call& call, SurfaceBlock& block) const {
         ask_lights(call, block, walk, light);
         path_.add_light(walk, light, caught.samples);
         if (call.kept.indirect != nullptr)
-            call.kept.indirect->add(walk, call.sample_index, caught.samples, call.progress);
+            call.kept.indirect->add(walk, call.sample_index, caught.samples, call.kept.group_count, call.progress);
     }
     if (!was_walked && keeps_samples)
         pack();

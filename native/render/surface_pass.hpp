@@ -72,6 +72,7 @@ public:
         PackedSamples::Parts parts;
         /// Lights that have changed. Of what is not walked, all are asked.
         std::span<const std::uint8_t> is_asked;
+        std::size_t group_count = 0;             ///< Samples come with the light of so many groups; as with data.
         const DataPassConfig* data = nullptr;    ///< Samples come with what this asks for; then nothing is kept.
         bool is_lit = true;                      ///< False: light is not wanted.
         const IndirectLight* indirect = nullptr; ///< Nothing: surfaces see nothing of one another.

@@ -94,13 +94,15 @@ struct SurfaceLight {
         std::vector<Rgb> unshadowed; ///< Empty where nobody wants it, and of the world.
         std::vector<Rgb> reflected;  ///< Radiance towards the viewer, of each point with lobes.
     };
-    std::vector<OfLight> lights; ///< In the order of DirectLight, the world last.
+    std::vector<OfLight> lights;        ///< In the order of DirectLight, the world last.
+    std::vector<OfLight> many_by_group; ///< Of the many lights that are drawn; empty where nobody asks for groups.
 
     [[nodiscard]] std::size_t bytes() const {
         std::size_t sum = 0;
-        for (const OfLight& light : lights)
-            sum +=
-                (light.irradiance.capacity() + light.unshadowed.capacity() + light.reflected.capacity()) * sizeof(Rgb);
+        for (const auto* of : {&lights, &many_by_group})
+            for (const OfLight& light : *of)
+                sum += (light.irradiance.capacity() + light.unshadowed.capacity() + light.reflected.capacity()) *
+                       sizeof(Rgb);
         return sum;
     }
 };

@@ -54,13 +54,16 @@ void ViewPath::reach_world(const Follower& follower, bool is_in_mirror, PathSamp
     if (config_.is_film_transparent && !is_in_mirror)
         sample.alpha -= average(follower.throughput());
     else
-        sample.radiance += follower.throughput() * scene_.world().seen_radiance(follower.part.direction);
+        sample.add_light(follower.throughput() * scene_.world().seen_radiance(follower.part.direction),
+                         scene_.world().light_group());
 }
 
 void ViewPath::show(Follower& follower, const SurfacePoint& point, const SurfaceClosures& closures, bool is_in_mirror,
                     PathSample& sample) const {
     const Rgb throughput = follower.throughput();
-    sample.radiance += throughput * closures.emission;
+    if (closures.emission != Rgb(0.0f))
+        sample.add_light(throughput * closures.emission,
+                         sample.by_group.empty() ? no_light_group : scene_.object_info(point.hit.instance).light_group);
     if (is_in_mirror)
         return;
     if (!follower.has_first_surface && 1.0f - average(closures.transparent) >= alpha_threshold) {
@@ -113,7 +116,9 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
         followers[index].near_m = camera_rays[index].near_m;
         followers[index].width_m = footprint.width_m;
         followers[index].features.passed_m = camera_rays[index].near_m;
+        const std::span<Rgb> by_group = samples[index].by_group;
         samples[index] = {};
+        samples[index].by_group = by_group;
     }
     std::array<RayDetail, DirectLight::most_points> details; // of camera rays; what mirrors show is met cell by cell
     const bool has_details = config_.voxel_detail_px > 0.0f;
@@ -261,9 +266,14 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
 }
 
 void ViewPath::ask_lights(const SurfaceWalk& walked, std::uint32_t sample_index, std::span<const std::uint8_t> is_asked,
-                          SurfaceLight& light) const {
+                          SurfaceLight& light, std::size_t group_count) const {
     const std::size_t light_count = light_.light_count();
     light.lights.resize(light_count);
+    light.many_by_group.resize(light_.has_many() ? group_count : 0);
+    for (SurfaceLight::OfLight& of_group : light.many_by_group) {
+        of_group.irradiance.resize(walked.points.size());
+        of_group.reflected.resize(walked.lobed.size());
+    }
     for (std::size_t index = 0; index < light_count; ++index)
         if (is_asked[index] != 0) {
             light.lights[index].irradiance.resize(walked.points.size());
@@ -273,16 +283,18 @@ void ViewPath::ask_lights(const SurfaceWalk& walked, std::uint32_t sample_index,
         }
     thread_local std::vector<DirectLight::Irradiance> irradiance;
     irradiance.resize(light_count * DirectLight::most_points);
+    thread_local std::vector<DirectLight::Irradiance> many_by_group;
     std::size_t first = 0;
     for (const auto [end, layer] : walked.batches) {
         const std::size_t count = end - first;
+        many_by_group.assign(light.many_by_group.size() * count, {});
         const std::span<const SurfaceWalk::LobedPoint> lobed = walked.lobed_of(first, end);
         const auto first_lobed = static_cast<std::size_t>(lobed.data() - walked.lobed.data());
         DirectLight::PointLobes lobes;
         for (const SurfaceWalk::LobedPoint& of : lobed)
             lobes[of.point - first] = walked.lobes_of(of);
         light_.at(std::span(walked.points).subspan(first, count), {sample_index, 1 + layer * pairs_per_layer}, is_asked,
-                  irradiance, lobed.empty() ? nullptr : &lobes);
+                  irradiance, lobed.empty() ? nullptr : &lobes, many_by_group);
         for (std::size_t index = 0; index < light_count; ++index) {
             if (is_asked[index] == 0)
                 continue;
@@ -295,6 +307,13 @@ void ViewPath::ask_lights(const SurfaceWalk& walked, std::uint32_t sample_index,
             }
             for (std::size_t i = 0; i < lobed.size(); ++i)
                 of_light.reflected[first_lobed + i] = irradiance[index * count + lobed[i].point - first].reflected;
+        }
+        for (std::size_t group = 0; group < light.many_by_group.size(); ++group) {
+            SurfaceLight::OfLight& of_group = light.many_by_group[group];
+            for (std::size_t i = 0; i < count; ++i)
+                of_group.irradiance[first + i] = many_by_group[group * count + i].sum();
+            for (std::size_t i = 0; i < lobed.size(); ++i)
+                of_group.reflected[first_lobed + i] = many_by_group[group * count + lobed[i].point - first].reflected;
         }
         first = end;
     }
@@ -376,5 +395,7 @@ void ViewPath::add_light(const SurfaceWalk& walked, const SurfaceLight& light, s
         const SurfaceWalk::LobedPoint& of = walked.lobed[lobed];
         samples[walked.shades[of.point].sample].radiance += of.throughput * reflected;
     }
+    if (!walked.shades.empty() && !samples[walked.shades.front().sample].by_group.empty())
+        add_light_to_groups(walked, light, samples);
 }
 } // namespace tyndall::render

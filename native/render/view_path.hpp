@@ -42,16 +42,16 @@ public:
     [[nodiscard]] const ViewPathConfig& config() const { return config_; }
     static constexpr std::uint32_t nowhere = ~0u;
     /// Follows the rays of up to DirectLight::most_points neighbouring pixels through all that they pass. Overwrites
-    /// `samples` with what they bring home without light on surfaces, and appends the parts of each that lie in media to
+    /// `samples` with what they bring home without light on surfaces (adding to their groups), and appends the parts of each that lie in media to
     /// the parts of its index. Where light is wanted, appends a batch of points per layer to the walk, of each ray for
     /// sample targets[ray]; rays whose target is nowhere only keep the others company. Where there is `data`, one per ray,
     /// it gets what they meet.
     void walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds, std::uint32_t sample_index,
               std::span<const std::uint32_t> targets, std::span<PathSample> samples,
               std::span<std::vector<MediumPart>> parts, SurfaceWalk* walked, const DataOfRays& data = {}) const;
-    /// Overwrites what those lights that `is_asked` give to the points.
+    /// Overwrites what those lights that `is_asked` give to the points, the many by so many groups, too.
     void ask_lights(const SurfaceWalk& walked, std::uint32_t sample_index, std::span<const std::uint8_t> is_asked,
-                    SurfaceLight& light) const;
+                    SurfaceLight& light, std::size_t group_count = 0) const;
     /// The same of the other lights, at those points alone that have a shadow ray which may meet the boxes; returns how
     /// many there are, light by light.
     std::size_t ask_again(const SurfaceWalk& walked, std::uint32_t sample_index, std::span<const std::uint8_t> is_asked,
@@ -60,6 +60,8 @@ public:
     void add_light(const SurfaceWalk& walked, const SurfaceLight& light, std::span<PathSample> samples) const;
 
 private:
+    /// Of each light to its group, of samples that have some.
+    void add_light_to_groups(const SurfaceWalk& walked, const SurfaceLight& light, std::span<PathSample> samples) const;
     struct Follower;
     /// Of rays that went one way by as many mirrors.
     struct Rays;

@@ -3,6 +3,7 @@
 #pragma once
 #include "core/math.hpp"
 #include "scene/occluder_edit.hpp"
+#include "shading/light_links.hpp"
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -45,6 +46,8 @@ struct Light {
     bool scatters_in_media = true;
     std::vector<OccluderEdit> occluder_edits = {};    ///< In the order in which they are made.
     std::shared_ptr<const LightTexture> texture = {}; ///< Colours its beam; nothing: white.
+    LightLinks links = {};
+    std::uint8_t light_group = no_light_group;
     bool is_camera_visible = false; ///< Cycles 4 draws lights with a size where the artist enables camera rays.
 };
 

@@ -178,18 +178,21 @@ Rgb Scene::shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> b
     return is_occluded ? Rgb(0.0f) : Rgb(passing);
 }
 
-void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing) const {
+void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing,
+                                  std::span<const std::uint64_t> bits_of_instance, std::uint64_t ignored) const {
     for (std::size_t first = 0; first < rays.size(); first += packet_size) {
         const std::span<const Ray> these = rays.subspan(first, std::min(packet_size, rays.size() - first));
         if (these.size() < smallest_packet) {
             for (std::size_t lane = 0; lane < these.size(); ++lane)
-                passing[first + lane] = shadow_transmittance(these[lane]);
+                passing[first + lane] = shadow_transmittance(these[lane], bits_of_instance, ignored);
             continue;
         }
         std::array<dvec3, packet_size> passing_of;
         passing_of.fill(dvec3(1.0));
         QueryContext context(*this, these.data(), passing_of.data());
-        if (geometry_->lets_light_pass)
+        context.bits_of_instance = bits_of_instance.data();
+        context.ignored = ignored;
+        if (geometry_->lets_light_pass || ignored != 0)
             context.embree.filter = attenuate;
         RTCRay16 query;
         alignas(64) const std::array<int, packet_size> valid = fill(query, these, shadow_mask);

@@ -49,7 +49,20 @@ Scene::Geometry::Geometry(SceneDescription scene, const Progress& progress) : de
         transparent_operations.emplace_back(material);
     drop_unusable_instances();
     drop_unusable_volumes();
+    set_blocker_bits();
     attach_instances(progress);
+}
+
+void Scene::Geometry::set_blocker_bits() {
+    if (std::ranges::all_of(description.object_infos, [](const ObjectInfo& info) { return info.blocker_set == 0; }))
+        return;
+    const auto add = [&](std::uint32_t name_index) {
+        blocker_bits.push_back(std::uint64_t{1} << description.object_infos[name_index].blocker_set);
+    };
+    for (const Instance& instance : description.instances)
+        add(instance.name_index);
+    for (const PlacedShape& placed : description.placed_shapes)
+        add(placed.name_index);
 }
 
 Scene::Geometry::~Geometry() { rtcReleaseScene(embree_scene); }
@@ -76,6 +89,13 @@ void Scene::Geometry::validate() const {
         require(placed.material_index < scene.materials.size(), "object '", name, "' asks for material ",
                 placed.material_index, " of ", scene.materials.size());
     }
+    require(scene.object_infos.empty() || scene.object_infos.size() == scene.object_names.size(), "there are ",
+            scene.object_infos.size(), " object infos for ", scene.object_names.size(), " object names");
+    for (std::size_t index = 0; index < scene.object_infos.size(); ++index)
+        require(std::max(scene.object_infos[index].receiver_set, scene.object_infos[index].blocker_set) <
+                    LightLinks::most_sets,
+                "object '", scene.object_names[index], "' is in a set of light linking beyond ",
+                LightLinks::most_sets - 1);
     for (const std::uint32_t material : scene.slot_materials)
         require(material < scene.materials.size(), "a slot asks for material ", material, " of ",
                 scene.materials.size());
@@ -375,7 +395,7 @@ Scene::Geometry::Geometry(const Geometry& other, std::span<const MovedInstance> 
     : description(other.description), bounds(other.bounds), surface_bounds(other.surface_bounds),
       objects_from_scene(other.objects_from_scene), shape_lengths(other.shape_lengths),
       transparent_operations(other.transparent_operations), lets_light_pass(other.lets_light_pass),
-      has_holes(other.has_holes) {
+      blocker_bits(other.blocker_bits), has_holes(other.has_holes) {
     statistics.reports = other.statistics.reports;
     bool may_shrink = false;
     std::vector<bool> is_moved(description.instances.size());

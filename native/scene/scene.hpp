@@ -141,6 +141,12 @@ public:
         const PlacedShape* const placed = placed_shape(instance);
         return placed != nullptr ? placed->is_held_out : description().instances[instance].is_held_out;
     }
+    /// What the object of an instance is by itself.
+    [[nodiscard]] const ObjectInfo& object_info(std::uint32_t instance) const {
+        static const ObjectInfo plain;
+        const std::vector<ObjectInfo>& infos = description().object_infos;
+        return infos.empty() ? plain : infos[description().name_index_of(instance)];
+    }
     /// Material of a hit triangle, or of a shape.
     [[nodiscard]] const Material& material(std::uint32_t instance, std::uint32_t triangle) const;
     /// Everything a surface program reads at a hit.
@@ -181,7 +187,10 @@ public:
     [[nodiscard]] Rgb shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> bits_of_instance,
                                            std::uint64_t ignored) const;
     /// The same for rays of neighbouring points towards one light: at less than half of the time.
-    void shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing) const;
+    void shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing,
+                               std::span<const std::uint64_t> bits_of_instance = {}, std::uint64_t ignored = 0) const;
+    /// Per instance the bit of its object's blocker set; empty where all are in set 0.
+    [[nodiscard]] std::span<const std::uint64_t> blocker_bits() const { return geometry_->blocker_bits; }
 
 private:
     /// Of an instance, to be normalized.
@@ -201,8 +210,9 @@ private:
         std::vector<mat4> objects_from_scene;                      ///< Per instance, then per placed shape.
         std::vector<float> shape_lengths;                          ///< Per placed shape: see CellQuery.
         std::vector<TransparentOperations> transparent_operations; ///< Per material.
-        bool lets_light_pass = false; ///< Some shadow-casting instance is transparent, or has holes.
-        bool has_holes = false;       ///< Some instance that is seen has slots without a surface.
+        bool lets_light_pass = false;            ///< Some shadow-casting instance is transparent, or has holes.
+        std::vector<std::uint64_t> blocker_bits; ///< Per instance, then per placed shape; see blocker_bits().
+        bool has_holes = false;                  ///< Some instance that is seen has slots without a surface.
 
         Geometry(SceneDescription scene, const Progress& progress);
         Geometry(const Geometry& other, std::span<const MovedInstance> moved, const Progress& progress);
@@ -211,6 +221,7 @@ private:
         ~Geometry();
         void validate() const;
         void drop_unusable_instances();
+        void set_blocker_bits();
         void report_unusable_strands(const Strands& strands);
         void drop_unusable_volumes();
         void attach_instances(const Progress& progress);

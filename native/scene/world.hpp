@@ -4,6 +4,7 @@
 #include "core/math.hpp"
 #include "core/piecewise_constant.hpp"
 #include "shading/direction_program.hpp"
+#include "shading/light_links.hpp"
 #include <memory>
 #include <string>
 #include <vector>
@@ -46,6 +47,8 @@ public:
     [[nodiscard]] DirectionSample sample(vec2 u) const;
     [[nodiscard]] float pdf_per_sr(const vec3& unit_direction) const;
     [[nodiscard]] const std::string& name() const { return name_; }
+    [[nodiscard]] std::uint8_t light_group() const { return light_group_; }
+    void set_light_group(std::uint8_t group) { light_group_ = group; }
     /// The same radiance of the same image, not of an equal one; names do not count.
     [[nodiscard]] bool shines_as(const World& other) const {
         return radiance_ == other.radiance_ && image_ == other.image_ && seen_ == other.seen_ &&
@@ -59,6 +62,7 @@ private:
     SeenWorld seen_;
     mat3 image_from_world_{1.0f};
     bool is_black_ = true;
+    std::uint8_t light_group_ = no_light_group;
     std::shared_ptr<const PiecewiseConstant2d> importance_; ///< Of the image's texels; nothing without an image.
 };
 } // namespace tyndall

@@ -3,6 +3,7 @@
 #pragma once
 #include "core/math.hpp"
 #include "image/texture.hpp"
+#include "shading/light_links.hpp"
 #include "shading/lobes/lobe_source.hpp"
 #include "shading/surface_op.hpp"
 #include <cstdint>
@@ -12,10 +13,13 @@
 #include <vector>
 
 namespace tyndall {
-/// What an object is by itself, which a node program may ask.
+/// What an object is by itself: what a node program may ask, and how light meets it.
 struct ObjectInfo {
     vec4 color{1.0f};
     float pass_index = 0.0f;
+    std::uint8_t light_group = no_light_group;      ///< Of what it emits.
+    std::uint8_t receiver_set = 0, blocker_set = 0; ///< See LightLinks.
+    LightLinks links = {};                          ///< Of what it emits.
     bool operator==(const ObjectInfo&) const = default;
 };
 

@@ -26,6 +26,7 @@ def moved_groups(before: SceneDescription, after: SceneDescription) -> list[int]
         not (after.instances or after.voxel_objects or after.strand_objects)  # then lights say where the scene is
         or any(getattr(before, name) is not getattr(after, name) for name in _SHARED)
         or before.world.medium is not after.world.medium
+        or before.light_groups != after.light_groups
         or len(before.instances) != len(after.instances)
     ):
         return None

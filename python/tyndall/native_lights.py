@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import _native
+from .native_light_links import link_masks
 from .occluder_edits import build_occluder_edits
 from .scene_description import LightKind
 
@@ -24,6 +25,7 @@ def build_light(
     origin: NDArray[np.float64],
     object_names: Sequence[str],
     texture: _native.LightTexture | None,
+    light_group: int,
     reports: list[str],
 ) -> _native.Light:
     """The native light, relative to the origin. Raises InvalidInput; an edit that cannot be used is reported only."""
@@ -61,4 +63,6 @@ def build_light(
         scatters_in_media=light.scatters_in_media,
         occluder_edits=build_occluder_edits(light, object_names, reports),
         texture=texture,
+        light_group=light_group,
+        links=link_masks(light.links),
     )

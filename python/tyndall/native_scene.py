@@ -19,6 +19,7 @@ from .instance_arrays import colors_of, names_of, randoms_of, repeated
 from .light_textures import build_light_textures
 from .linear_colours import linear_colours
 from .moved_instances import moved_groups
+from .native_light_links import group_index, lighting_arrays
 from .native_lights import build_light
 from .native_materials import build_material
 from .native_textures import build_texture
@@ -78,7 +79,7 @@ def geometry_fingerprint(description: SceneDescription) -> bytes:
         description.media,
         description.volumes,
     )
-    return fingerprint((parts, description.world.medium, places))
+    return fingerprint((parts, description.world.medium, description.light_groups, places))
 
 
 @dataclass
@@ -92,7 +93,7 @@ class NativeParts:
     strands: dict[str, _native.Strands] = field(default_factory=dict)
     textures: dict[tuple[str, int, int], _native.Texture] = field(default_factory=dict)
     light_textures: dict[tuple[str, int, int], _native.FilteredTexture] = field(default_factory=dict)
-    world: tuple[bytes, _native.World] | None = None
+    world: tuple[tuple[bytes, int], _native.World] | None = None
     geometry: KeptGeometry | None = None  #: Of the last scene.
     follows_moves: bool = False  #: At the cost of keeping the description.
     counts: dict[str, float] = field(default_factory=dict)
@@ -173,14 +174,21 @@ def light_scene(description: SceneDescription, kept: KeptGeometry, parts: Native
     origin = kept.origin_in_world
     lights = _built(
         description.lights,
-        lambda light: build_light(light, origin, kept.object_names, light_textures.get(id(light)), reports),
+        lambda light: build_light(
+            light,
+            origin,
+            kept.object_names,
+            light_textures.get(id(light)),
+            group_index(light.light_group, description.light_groups),
+            reports,
+        ),
         "Light",
         reports,
     )
     named = [
         (source.name, light) for source, light in zip(description.lights, lights, strict=True) if light is not None
     ]
-    world = _build_world(description.world, parts, reports)
+    world = _build_world(description, parts, reports)
     return BuiltScene(
         scene=kept.scene.relit([light for _, light in named], world),
         origin_in_world=origin,
@@ -250,6 +258,11 @@ def _build_geometry(description: SceneDescription, parts: NativeParts, progress:
         randoms=randoms_of(groups),
         object_colors=colors_of(groups, name_counts),
         object_indices=repeated([group.pass_index for group in groups], name_counts, np.float32),
+        **lighting_arrays(
+            [*(group.lighting for group in groups), *shapes.lighting],
+            [*name_counts, *(1 for _ in shapes.lighting)],
+            description.light_groups,
+        ),
         **shapes.arguments,
         materials=materials,
         media=media,
@@ -398,16 +411,18 @@ def _build_medium(medium: Medium) -> _native.Medium:
     )
 
 
-def _build_world(world: World, parts: NativeParts, reports: list[str]) -> _native.World:
+def _build_world(description: SceneDescription, parts: NativeParts, reports: list[str]) -> _native.World:
     """The world's sampling tables take a while for a large image: kept as long as the world stays the same."""
-    current = fingerprint(world)
+    world = description.world
+    group = group_index(world.light_group, description.light_groups)
+    current = (fingerprint(world), group)
     if parts.world is None or parts.world[0] != current:
-        usable = _usable([world], _make_world, "World", reports)
-        parts.world = (current, usable[0] if usable else _make_world(World(name=world.name)))
+        usable = _usable([world], lambda one: _make_world(one, group), "World", reports)
+        parts.world = (current, usable[0] if usable else _make_world(World(name=world.name), group))
     return parts.world[1]
 
 
-def _make_world(world: World) -> _native.World:
+def _make_world(world: World, light_group: int) -> _native.World:
     return _native.World(
         name=world.name,
         radiance=world.radiance,
@@ -415,4 +430,5 @@ def _make_world(world: World) -> _native.World:
         image_from_world=world.image_from_world.astype(np.float32, order="C"),
         seen_pixels=None if world.seen_image is None else linear_colours(world.seen_image),
         seen_program=None if world.seen_program is None else build_direction_program(world.seen_program),
+        light_group=light_group,
     )

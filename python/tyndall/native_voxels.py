@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .native_scene import NativeParts
-    from .scene_description import Instances, SceneDescription, VoxelObjects
+    from .scene_description import Instances, ObjectLighting, SceneDescription, VoxelObjects
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,6 +24,7 @@ class BuiltShapes:
 
     arguments: dict[str, Any]
     object_names: list[str]
+    lighting: list[ObjectLighting | None]  #: Of each name.
 
 
 def build_shapes(
@@ -56,6 +57,7 @@ def build_shapes(
             "shape_shows_to": repeated([shows_to(group) for group in groups], np.uint8),
         },
         object_names=[name for group in groups for name in group.object_names],
+        lighting=[group.lighting for group in groups for _ in group.object_names],
     )
 
 

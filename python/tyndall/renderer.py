@@ -127,6 +127,8 @@ class RenderConfig:
     film_transparent: bool = False
     passes: frozenset[str] = frozenset()  #: Names in PASSES and DATA_PASSES; Combined is always there.
     data: DataConfig = field(default_factory=DataConfig)
+    #: For each light group of the scene a plane "Combined_…", and where "Shafts" is asked for "Shafts_…".
+    keeps_light_groups: bool = False
     shafts: ShaftConfig = field(default_factory=ShaftConfig)
     transfer_functions: tuple[WeightedFunction, ...] = ()  #: What they make of the light that media scatter.
     #: Name of the light whose visibility, lit parts and angle the functions are about. "": the strongest sun that
@@ -188,6 +190,7 @@ class Session:
         self._update_seconds = 0.0
         self._reports: list[str] = []
         self._light_names: list[str] = []
+        self._light_groups: tuple[str, ...] = ()
         self._aov_programs: dict[str, dict[int, int]] = {}
 
     @property
@@ -215,6 +218,7 @@ class Session:
             self._scene, self._origin_in_world, self._reports = built.scene, built.origin_in_world, built.reports
             self._light_names, self._aov_programs = built.light_names, built.aov_programs
             self._geometry, self._lit_by = geometry, lit_by
+            self._light_groups = description.light_groups
             self._unstyled.clear()
         else:
             self._parts.count_all_as_reused()
@@ -320,6 +324,7 @@ class Session:
                 self._aov_programs,
                 self._native_neighbours(config.data.neighbours, reports),
             ),
+            light_groups=list(self._light_groups) if config.keeps_light_groups else [],
             shafts=native_shafts(config.shafts, self._kept_maps),
             transfer_functions=functions,
             reference_light=reference_light,

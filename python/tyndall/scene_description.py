@@ -50,6 +50,27 @@ def attribute_maps(name: str) -> tuple[str, str]:
     return f"{ATTRIBUTE_MARK}rg {name}", f"{ATTRIBUTE_MARK}ba {name}"
 
 
+ALL_SETS = (1 << 64) - 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class LightLinks:
+    """Which sets of objects an emitter lights, and which cast its shadows: bit s is set s, of up to 64."""
+
+    receiver_sets: int = ALL_SETS
+    blocker_sets: int = ALL_SETS
+
+
+@dataclass(frozen=True, kw_only=True)
+class ObjectLighting:
+    """How light meets an object, beside its visibility; most objects have none of it."""
+
+    light_group: str = ""  #: Of what it emits; one of SceneDescription.light_groups, or none.
+    receiver_set: int = 0  #: That emitters light, or do not.
+    blocker_set: int = 0  #: That casts emitters' shadows, or does not.
+    links: LightLinks | None = None  #: Of what it emits; None: all.
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Instances:
     """Every placement of one mesh that shares a material assignment and flags."""
@@ -63,6 +84,7 @@ class Instances:
     is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
     is_mirror_visible: bool = True
     is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
+    lighting: ObjectLighting | None = None  #: None: as it begins.
     color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)  #: The object's own, for materials that ask.
     pass_index: float = 0.0
     random: NDArray[np.float32] | None = None  #: (count,) in [0, 1), for materials that ask; None: all 0.
@@ -81,6 +103,7 @@ class VoxelObjects:
     is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
     is_mirror_visible: bool = True
     is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
+    lighting: ObjectLighting | None = None  #: None: as it begins.
 
 
 class StrandForm(IntEnum):
@@ -125,6 +148,7 @@ class StrandObjects:
     is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
     is_mirror_visible: bool = True
     is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
+    lighting: ObjectLighting | None = None  #: None: as it begins.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -486,6 +510,8 @@ class Light:
     scatters_in_media: bool = True
     occluder_edits: tuple[OccluderEdit, ...] = ()  #: In the order in which they are made.
     texture: LightTexture | None = None  #: Colours its beam.
+    light_group: str = ""  #: One of SceneDescription.light_groups, or none.
+    links: LightLinks | None = None  #: Which objects it lights, and which block it; None: all.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -499,6 +525,7 @@ class World:
     seen_image: Image | None = None  #: What cameras see in place of the image, without its light.
     seen_program: Material | None = None  #: Or the emission of this: its points are directions.
     medium: int = -1  #: Into SceneDescription.media: fills all space; -1: none.
+    light_group: str = ""  #: One of SceneDescription.light_groups, or none.
 
 
 class CameraKind(IntEnum):
@@ -544,4 +571,5 @@ class SceneDescription:
     volumes: tuple[Volume, ...] = ()
     lights: tuple[Light, ...] = ()
     world: World = field(default_factory=World)
+    light_groups: tuple[str, ...] = ()  #: Names, each once: what pictures may hold apart.
     reports: tuple[str, ...] = ()  #: What the exporter replaced or left out, one line each, naming the culprit.

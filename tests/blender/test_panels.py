@@ -155,6 +155,7 @@ def test_blenders_own_panels_stay(scene: bpy.types.Scene) -> None:
         "DATA_PT_context_light",
         "EEVEE_MATERIAL_PT_context_material",
         "OBJECT_PT_visibility",
+        *(("OBJECT_PT_shading",) if bpy.app.version >= (4, 0, 0) else ()),  # of which Light Linking is a part
         "RENDER_PT_color_management",
         "RENDER_PT_format",
         "RENDER_PT_output",

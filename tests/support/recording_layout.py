@@ -30,6 +30,12 @@ class RecordingLayout:
         assert icon in ICONS
         self.shown.append(name)
 
+    def prop_search(self, owner: Any, name: str, search_in: Any, found: str, text: str = "") -> None:
+        assert found in search_in.bl_rna.properties, f"{search_in} has no property {found}"
+        self.prop(owner, name)
+        if text:
+            self.shown.append(text)
+
     def separator(self, **_options: object) -> None:
         pass
 
