@@ -163,7 +163,7 @@ class _Grouping:
         # Of objects all of whose instances look the same, but for what limits their instancer.
         self._plain: dict[tuple[Object, Object | None], Placement | None] = {}
         self._hair = _hair_by_object(depsgraph)
-        self._lighting = LightingReader.of(depsgraph)
+        self._lighting = LightingReader.of(depsgraph, reports)
         self._limited = {thing for thing in depsgraph.objects if self._is_limited(thing)}
 
     def _is_limited(self, thing: Object) -> bool:

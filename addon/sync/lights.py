@@ -40,10 +40,6 @@ def read_lights(
     """One light per instance. One that no air scatters needs only those edits of its occluders that surfaces see."""
     thing, data = placement.source, placement.source.data
     name = placement.object_name
-    if getattr(thing, "light_linking", None) and (
-        thing.light_linking.receiver_collection or thing.light_linking.blocker_collection
-    ):
-        reports.add(f'Light "{name}"', "lights everything: light linking is not supported")
     colour, nodes = emission_of_light(data, images, reports, f'Light "{name}"')
     strength = _strength(data)
     if colour.texture is None:

@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light groups of objects and worlds, as Cycles reads them.
+"""Light groups of objects and worlds, and what light linking says of objects, as Cycles reads them.
 
 An instance whose object is in no group has that of its instancer. A name that the view layer does not list is no group.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tyndall.scene_description import ObjectLighting
+from tyndall.scene_description import LightLinks, ObjectLighting
+
+from .light_linking import HAS_LINKING, LinkedSets, read_links
 
 if TYPE_CHECKING:
     from bpy.types import Depsgraph, Object, ViewLayer
@@ -24,23 +26,45 @@ class LightingReader:
     """How light meets the objects of one depsgraph."""
 
     light_groups: tuple[str, ...]
+    receivers: LinkedSets
+    blockers: LinkedSets
 
     @classmethod
-    def of(cls, depsgraph: Depsgraph) -> LightingReader:
+    def of(cls, depsgraph: Depsgraph, reports: Reports | None = None) -> LightingReader:
         """Of the view layer that it evaluates."""
-        return cls(light_groups=light_groups(depsgraph.view_layer_eval))
+        receivers, blockers = read_links(depsgraph, reports)
+        return cls(light_groups(depsgraph.view_layer_eval), receivers, blockers)
 
     def concerns(self, thing: Object) -> bool:
         """Whether what the object instances may be lit, or light, otherwise than what others instance."""
-        return bool(self.light_groups) and thing.lightgroup in self.light_groups
+        if self.light_groups and thing.lightgroup in self.light_groups:
+            return True
+        address = thing.original.as_pointer() if self.receivers.set_of or self.blockers.set_of else 0
+        return address in self.receivers.set_of or address in self.blockers.set_of
 
     def read(self, source: Object, parent: Object | None) -> ObjectLighting | None:
         """Of an evaluated object, instanced by ``parent`` or standing for itself; None: as most objects."""
-        lighting = ObjectLighting()
+        group = ""
         if self.light_groups:
             name = source.lightgroup or (parent.lightgroup if parent is not None else "")
-            lighting = replace(lighting, light_group=name if name in self.light_groups else "")
+            group = name if name in self.light_groups else ""
+        lighting = ObjectLighting(
+            light_group=group,
+            receiver_set=self.receivers.of_object(source, parent) if self.receivers.set_of else 0,
+            blocker_set=self.blockers.of_object(source, parent) if self.blockers.set_of else 0,
+            links=self._links(source),
+        )
         return None if lighting == ObjectLighting() else lighting
+
+    def _links(self, source: Object) -> LightLinks | None:
+        if not HAS_LINKING or not (self.receivers.sets_of or self.blockers.sets_of):
+            return None
+        linking = source.original.light_linking
+        links = LightLinks(
+            receiver_sets=self.receivers.of_emitter(linking.receiver_collection),
+            blocker_sets=self.blockers.of_emitter(linking.blocker_collection),
+        )
+        return None if links == LightLinks() else links
 
 
 def light_groups(view_layer: ViewLayer) -> tuple[str, ...]:

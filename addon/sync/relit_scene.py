@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 
 from .instances import Placement, may_stand_alone, shown_kinds
+from .light_linking import LinkedMedia, links_of
 from .object_lighting import LightingReader
 
 if TYPE_CHECKING:
@@ -49,6 +50,8 @@ class ReadScene:
     lights: tuple[Name, ...]  #: Of their objects.
     sky_suns: tuple[Light, ...]  #: Of the world, which no object has.
     has_instanced_lights: bool
+    media: LinkedMedia
+    links: tuple[tuple[str, str], ...]  #: Of the lights: another one may change what objects are to it.
     #: Which of the description's instances is an object with a mesh that is drawn once, as itself.
     lone: dict[Name, int]
 
@@ -60,6 +63,7 @@ class ReadScene:
             and self.shown_kinds == shown_kinds(viewport)
             and self.is_lit == is_lit
             and all(bpy.data.objects.get(light) is not None for light in self.lights)
+            and self.links == tuple(links_of(bpy.data.objects[light]) for light in self.lights)
         )
 
     def moved(self, to: dict[Name, MovedMesh]) -> ReadScene | None:
@@ -92,6 +96,11 @@ class ReadScene:
                 )
             )
         return placements
+
+
+def links_of_lights(placements: list[Placement]) -> tuple[tuple[str, str], ...]:
+    """In the order of light_names()."""
+    return tuple(links_of(placement.source.original) for placement in placements if placement.data is None)
 
 
 def is_light(thing: ID) -> bool:

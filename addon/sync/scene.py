@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from tyndall.scene_description import Instances, Light, Mesh, SceneDescription
+from tyndall.scene_description import ALL_SETS, Instances, Light, Mesh, SceneDescription
 
 from .images import ImageReader
 from .instances import Placement, read_placements, shown_kinds
+from .light_linking import LinkedMedia
 from .light_masks import MaskReader
 from .lights import read_lights
 from .materials import MaterialReader, note_missing_attributes
@@ -24,7 +25,7 @@ from .meshes import read_mesh
 from .object_lighting import light_groups, report_left_out
 from .occluder_edits import OccluderEditReader
 from .random_numbers import as_unit_floats
-from .relit_scene import MovedMesh, Name, ReadScene, is_light, light_names, moved_mesh, name_of
+from .relit_scene import MovedMesh, Name, ReadScene, is_light, light_names, links_of_lights, moved_mesh, name_of
 from .reports import Reports
 from .seen_camera import seen_camera
 from .strands import StrandReader, is_strands
@@ -32,7 +33,7 @@ from .volume_sources import is_volume
 from .volumes import VolumeReader
 from .voxel_objects import VoxelReader, without_and_with_voxels
 from .world_suns import WorldSuns
-from .worlds import WorldBakes, read_world
+from .worlds import ReadWorld, WorldBakes, read_world
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -128,13 +129,11 @@ class SceneReader:
         meshes, voxels = without_and_with_voxels(drawn_things)
         voxel_objects = self._voxels.read(voxels, materials, reports, poll)
         strand_objects = self._strands.read(strands, depsgraph, materials, reports, poll)
+        media = LinkedMedia(materials)
         lone: dict[Name, int] = {}
-        instances = self._instances(meshes, materials, reports, poll, lone, is_viewport=is_viewport)
+        instances = self._instances(meshes, (materials, media), reports, poll, lone, is_viewport=is_viewport)
         shown_world = _world_of(depsgraph)
-        found = read_world(shown_world, reports, self._images, self._bakes)
-        if shown_world is not None:
-            lights = {one.object_name: one.matrices[0] for one in placements if one.data is None}
-            found = self._suns.take_out(shown_world.original, found, lights, reports)
+        found = self._read_world(shown_world, placements, reports)
         groups = light_groups(layer)
         report_left_out(layer, reports)
         world_group = "" if shown_world is None else shown_world.lightgroup
@@ -146,11 +145,12 @@ class SceneReader:
         of_all_but_lights = Reports()
         of_all_but_lights.include(reports)
         edits = OccluderEditReader(depsgraph, drawn, self._images, self._masks, reports, poll)
+        _make_dark_media(placements, volumes, media, reports)
         description = SceneDescription(
             instances=instances,
             voxel_objects=voxel_objects,
             strand_objects=strand_objects,
-            lights=(*_lights(placements, edits, self._images, reports), *sky_suns),
+            lights=(*_lights(placements, edits, media, self._images, reports), *sky_suns),
             world=world,
             light_groups=groups,
             materials=tuple(materials.materials),
@@ -171,11 +171,21 @@ class SceneReader:
                 is_lit=is_lit,
                 drawn=drawn,
                 lights=light_names(placements),
+                media=media,
+                links=links_of_lights(placements),
                 sky_suns=sky_suns,
                 lone=lone,
                 has_instanced_lights=any(one.data is None and one.is_instanced for one in placements),
             )
         return description
+
+    def _read_world(self, world: World | None, placements: list[Placement], reports: Reports) -> ReadWorld:
+        """Without the suns that are lights of their own."""
+        found = read_world(world, reports, self._images, self._bakes)
+        if world is None:
+            return found
+        lights = {one.object_name: one.matrices[0] for one in placements if one.data is None}
+        return self._suns.take_out(world.original, found, lights, reports)
 
     def _follow(
         self, last: ReadScene, depsgraph: Depsgraph, reports: Reports, poll: Callable[[], None]
@@ -195,7 +205,7 @@ class SceneReader:
         """The scene of the last read under its lights as they are now; their images join those of the last read."""
         reports.include(last.reports)
         edits = OccluderEditReader(depsgraph, last.drawn, self._images, self._masks, reports, poll)
-        lights = _lights(last.light_placements(depsgraph), edits, self._images, reports)
+        lights = _lights(last.light_placements(depsgraph), edits, last.media, self._images, reports)
         description = replace(last.description, lights=(*lights, *last.sky_suns), reports=reports.lines())
         self._last, self._are_lights_outdated = replace(last, description=description), False
         return description
@@ -218,7 +228,7 @@ class SceneReader:
     def _instances(
         self,
         placements: list[Placement],
-        materials: MaterialReader,
+        materials_and_media: tuple[MaterialReader, LinkedMedia],
         reports: Reports,
         poll: Callable[[], None],
         lone: dict[Name, int],
@@ -226,6 +236,7 @@ class SceneReader:
         is_viewport: bool,
     ) -> tuple[Instances, ...]:
         """``lone`` becomes where in them objects are that are drawn once, as themselves."""
+        materials, media = materials_and_media
         groups: list[Instances] = []
         met: set[Name] = set()
         seen: dict[tuple[int, frozenset[str]], tuple[Mesh | None, set[int]]] = {}
@@ -249,7 +260,7 @@ class SceneReader:
                     else:
                         lone[name] = len(groups)
                     met.add(name)
-                    groups.append(_group(placement, mesh, materials))
+                    groups.append(_group(placement, mesh, materials, media))
                     note_missing_attributes(placement.object_name, mesh, groups[-1].materials, materials, reports)
                     _note_hidden_medium(groups[-1], materials, reports)
         except BaseException:
@@ -294,12 +305,13 @@ def _sorted_by_kind(found: list[Placement], layer: ViewLayer) -> tuple[list[Plac
     return volumes, strands, others
 
 
-def _group(placement: Placement, mesh: Mesh, materials: MaterialReader) -> Instances:
+def _group(placement: Placement, mesh: Mesh, materials: MaterialReader, media: LinkedMedia) -> Instances:
+    receiver_set = 0 if placement.lighting is None else placement.lighting.receiver_set
     return Instances(
         mesh=mesh,
         world_from_object=placement.world_from_object(),
         object_names=(placement.object_name,) * len(placement.matrices),
-        materials=tuple(materials.index(material) for material in placement.materials),
+        materials=tuple(media.material_in(materials.index(material), receiver_set) for material in placement.materials),
         is_camera_visible=placement.is_camera_visible,
         casts_shadow=placement.casts_shadow,
         is_bounce_visible=placement.is_bounce_visible,
@@ -329,11 +341,22 @@ def _world_of(depsgraph: Depsgraph) -> World | None:
     return getattr(layer, "world_override", None) or depsgraph.scene_eval.world
 
 
+def _make_dark_media(
+    placements: list[Placement], volumes: list[Placement], media: LinkedMedia, reports: Reports
+) -> None:
+    """Those that lamps need which do not light all."""
+    for lamp in placements:
+        links = lamp.lighting.links if lamp.data is None and lamp.lighting is not None else None
+        media.make_dark(links)
+        if volumes and links is not None and links.receiver_sets != ALL_SETS:
+            reports.add(f'Light "{lamp.object_name}"', "light linking does not reach density grids: it lights them all")
+
+
 def _lights(
-    placements: list[Placement], edits: OccluderEditReader, images: ImageReader, reports: Reports
+    placements: list[Placement], edits: OccluderEditReader, media: LinkedMedia, images: ImageReader, reports: Reports
 ) -> tuple[Light, ...]:
     return tuple(
-        light
+        replace(light, unlit_media=media.unlit_by(light.links)) if light.links is not None else light
         for placement in placements
         if placement.data is None
         for light in read_lights(placement, edits, images, reports)

@@ -35,7 +35,8 @@ static Light make_light(std::string name, int kind, const Triple& strength, cons
                         const std::array<float, 2>& half_size_m, bool is_ellipse, bool casts_shadow,
                         bool lights_surfaces, bool scatters_in_media, std::vector<OccluderEdit> occluder_edits,
                         const std::optional<std::shared_ptr<LightTexture>>& texture, std::uint8_t light_group,
-                        const std::array<std::uint64_t, 2>& links) {
+                        const std::array<std::uint64_t, 2>& links,
+                        const std::vector<std::array<std::uint16_t, 2>>& unlit_media) {
     Light light;
     light.name = std::move(name);
     light.kind = static_cast<LightKind>(kind);
@@ -59,6 +60,8 @@ static Light make_light(std::string name, int kind, const Triple& strength, cons
     light.texture = texture.value_or(nullptr);
     light.light_group = light_group;
     light.links = {links[0], links[1]};
+    for (const auto& [medium, dark] : unlit_media)
+        light.unlit_media.push_back({medium, dark});
     return light;
 }
 
@@ -247,9 +250,12 @@ TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
              "spot_falloff"_a, "body"_a, "half_size_m"_a, "is_ellipse"_a, "casts_shadow"_a, "lights_surfaces"_a,
              "scatters_in_media"_a, "occluder_edits"_a, "texture"_a, "light_group"_a = no_light_group,
              "links"_a = std::array<std::uint64_t, 2>{~0ull, ~0ull},
+             "unlit_media"_a = std::vector<std::array<std::uint16_t, 2>>(),
              "position: relative to the scene's origin; axis: unit vector along which the light shines; light_group: "
-             "255 is "
-             "none; links: a bit for each set of receivers and of blockers.");
+             "255 "
+             "is none; links: a bit for each set of receivers and of blockers; unlit_media: pairs of a medium in which "
+             "it "
+             "scatters nothing, and one that only dims as much.");
     py::class_<World>(native, "World")
         .def(py::init(&make_world), "name"_a, "radiance"_a, "pixels"_a, "image_from_world"_a,
              "seen_pixels"_a = py::none(), "seen_program"_a = py::none(), "light_group"_a = no_light_group,

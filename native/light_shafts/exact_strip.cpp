@@ -8,7 +8,7 @@
 #include <tbb/task_arena.h>
 
 namespace tyndall::light_shafts {
-StripScene make_strip_scene(const Scene& scene, const Progress& progress) {
+StripScene make_strip_scene(const Scene& scene, const Progress& progress, const LightLinks& links) {
     const SceneDescription& description = scene.description();
     StripScene strip;
     strip.lookups.resize(description.materials.size());
@@ -16,7 +16,7 @@ StripScene make_strip_scene(const Scene& scene, const Progress& progress) {
     for (std::uint32_t index = 0; index < description.instances.size(); ++index) {
         const Instance& instance = description.instances[index];
         const TriangleMesh& mesh = *description.meshes[instance.mesh_index];
-        if (!instance.casts_shadow || mesh.triangle_count() == 0)
+        if (!instance.casts_shadow || mesh.triangle_count() == 0 || !scene.blocks(index, links))
             continue;
         std::vector<Occlusion> slots(std::max<std::size_t>(instance.slot_count, 1));
         for (std::size_t slot = 0; slot < slots.size(); ++slot) {
@@ -37,9 +37,14 @@ StripScene make_strip_scene(const Scene& scene, const Progress& progress) {
                                 .instance = index});
         boxes.push_back(transformed(mesh.bounds(), instance.world_from_object));
     }
+    const auto stops = [&](const PlacedShape& placed) {
+        const auto number = static_cast<std::size_t>(&placed - description.placed_shapes.data());
+        return placed.casts_shadow && stops_light(description, placed) &&
+               scene.blocks(static_cast<std::uint32_t>(description.instances.size() + number), links);
+    };
     for (const PlacedShape& placed : description.placed_shapes) { // planes cut strands as tubes of triangles
         const Strands* strands = description.shapes[placed.shape_index]->strands();
-        if (strands == nullptr || !placed.casts_shadow || !stops_light(description, placed))
+        if (strands == nullptr || !stops(placed))
             continue;
         const TriangleMesh& tubes = strands->tubes(progress);
         strip.meshes.push_back({.bvh = &tubes.cut_bvh(progress),
@@ -49,7 +54,7 @@ StripScene make_strip_scene(const Scene& scene, const Progress& progress) {
         boxes.push_back(transformed(tubes.bounds(), placed.world_from_object));
     }
     for (const PlacedShape& placed : description.placed_shapes)
-        if (placed.casts_shadow && stops_light(description, placed)) {
+        if (stops(placed)) {
             const ShapeGeometry& shape = *description.shapes[placed.shape_index];
             if (shape.strands() != nullptr)
                 continue;
@@ -72,7 +77,7 @@ std::shared_ptr<const StripScene> StripOnDemand::get() const {
         // waits for this very flag.
         tbb::this_task_arena::isolate([this] {
             const Progress progress; // not cancelled half-way: others wait for it
-            strip_ = std::make_shared<const StripScene>(make_strip_scene(scene_, progress));
+            strip_ = std::make_shared<const StripScene>(make_strip_scene(scene_, progress, links_));
         });
     });
     return strip_;

@@ -6,17 +6,19 @@
 #include <mutex>
 
 namespace tyndall::light_shafts {
-/// The scene's occluders. Meshes and hierarchies belong to the scene, which must outlive the result. Throws Cancelled.
-[[nodiscard]] StripScene make_strip_scene(const Scene& scene, const Progress& progress);
+/// The scene's occluders that block an emitter. Meshes and hierarchies belong to the scene, which must outlive the result.
+/// Throws Cancelled.
+[[nodiscard]] StripScene make_strip_scene(const Scene& scene, const Progress& progress, const LightLinks& links = {});
 /// The same, made when it is first asked for, and then shared: most frames never need it. Safe from any thread.
 class StripOnDemand {
 public:
     /// The scene must outlive this.
-    explicit StripOnDemand(const Scene& scene) : scene_(scene) {}
+    explicit StripOnDemand(const Scene& scene, const LightLinks& links = {}) : scene_(scene), links_(links) {}
     [[nodiscard]] std::shared_ptr<const StripScene> get() const;
 
 private:
     const Scene& scene_;
+    LightLinks links_;
     mutable std::once_flag once_;
     mutable std::shared_ptr<const StripScene> strip_;
 };

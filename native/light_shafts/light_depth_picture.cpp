@@ -79,7 +79,10 @@ LightDepthPicture light_depth_picture(const Scene& scene, std::size_t index, std
     require(index < scene.lights().size(), "light ", index, " of ", scene.lights().size(), " does not exist");
     require(16 <= resolution && resolution <= 16384, "resolution is ", resolution, ", outside [16, 16384]");
     const Light& light = scene.lights()[index];
-    const Occluders occluders = gather_occluders(scene.description(), progress);
+    const Occluders all = gather_occluders(scene.description(), progress);
+    const std::unique_ptr<const Occluders> some =
+        light.links.is_blocked_by_all() ? nullptr : blocking(scene, all, light.links, progress);
+    const Occluders& occluders = some ? *some : all;
     require(!occluders.is_empty() && !scene.surface_bounds().is_empty(), "nothing casts a shadow before light \"",
             light.name, "\"");
     const LightSample sample = sample_light(light, static_cast<std::uint32_t>(index), vec3(0.5f));

@@ -49,6 +49,26 @@ void PreparedLights::gather(std::span<const ViewRay> rays, std::span<const std::
     }
 }
 
+void PreparedLights::swap_unlit(std::span<const UnlitMedium> unlit, Block& block) {
+    if (unlit.empty())
+        return;
+    block.local.clear();
+    if (!block.lit_segments.empty()) {
+        block.segments.swap(block.lit_segments);
+        block.lit_segments.clear();
+        return;
+    }
+    block.lit_segments = block.segments;
+    for (MediumSegment& segment : block.segments) {
+        MediumSet set;
+        for (const std::uint16_t medium : std::span(segment.set.media).first(segment.set.count)) {
+            const auto found = std::ranges::find(unlit, medium, &UnlitMedium::medium);
+            set.insert(found == unlit.end() ? medium : found->dark);
+        }
+        segment.set = set;
+    }
+}
+
 void PreparedLights::begin_sums(Block& block) {
     block.all_radiance.assign(block.rays.size(), Rgb(0.0f));
     for (std::vector<Rgb>* const apart : {&block.from_points, &block.all_unshadowed})
@@ -95,8 +115,10 @@ void PreparedLights::add(const LightBeams& light, const Turn& turn, Block& block
     const bool is_apart = block.keeps_points_apart && light.beams.front().local.has_value();
     block.unshadowed.assign(is_apart ? block.rays.size() : 0, Rgb(0.0f));
     const Deal mine = deal(light.stratum_count(), turn);
+    swap_unlit(light.unlit_media, block);
     for (std::size_t index = mine.first; index < mine.last; ++index)
         add(light, spread(index, light.stratum_count()), block);
+    swap_unlit(light.unlit_media, block);
     const float share = visibility_share(light) * mine.weight / static_cast<float>(light.stratum_count());
     const auto most = static_cast<float>(mine.last - mine.first);
     std::vector<Rgb>& sum = is_apart ? block.from_points : block.all_radiance;

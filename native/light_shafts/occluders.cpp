@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/occluders.hpp"
 #include "core/parallel.hpp"
+#include "light_shafts/map_cache.hpp"
 #include "light_shafts/shape_faces.hpp"
 #include <algorithm>
 #include <map>
@@ -299,5 +300,25 @@ Occluders gather_occluders(const SceneDescription& scene, const Progress& progre
             occluders.partial_instances.push_back(placed_instance(scene, *mesh, instance));
     gather_shapes(scene, another, occluders, progress);
     return occluders;
+}
+
+std::unique_ptr<const Occluders> blocking(const Scene& scene, const Occluders& occluders, const LightLinks& links,
+                                          const Progress& progress) {
+    auto some = std::make_unique<Occluders>();
+    for (const OccluderInstance& instance : occluders.instances)
+        if (scene.blocks(instance.index, links))
+            some->add(instance.mesh, instance.scene_from_object, instance.index);
+    for (const PartialOccluderInstance& instance : occluders.partial_instances)
+        if (scene.blocks(instance.index, links))
+            some->partial_instances.push_back(instance);
+    std::vector<std::uint32_t> traced;
+    for (const std::uint32_t placed : occluders.traced ? occluders.traced->placed() : std::span<const std::uint32_t>())
+        if (scene.blocks(static_cast<std::uint32_t>(scene.description().instances.size()) + placed, links))
+            traced.push_back(placed);
+    if (!traced.empty())
+        some->traced = std::make_shared<const ShapeTracer>(scene.description(), std::move(traced), progress);
+    if (occluders.kept)
+        some->kept = occluders.kept->of(scene.description(), *some);
+    return some;
 }
 } // namespace tyndall::light_shafts

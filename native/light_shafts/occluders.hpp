@@ -93,4 +93,7 @@ struct Occluders {
 /// The scene must outlive the result, which takes over the meshes that another one has. Throws Cancelled.
 [[nodiscard]] Occluders gather_occluders(const SceneDescription& scene, const Progress& progress,
                                          const Occluders* another = nullptr);
+/// Those that block an emitter. `occluders`, whose meshes it shares, and the scene must outlive the result. Throws Cancelled.
+[[nodiscard]] std::unique_ptr<const Occluders> blocking(const Scene& scene, const Occluders& occluders,
+                                                        const LightLinks& links, const Progress& progress);
 } // namespace tyndall::light_shafts

@@ -61,6 +61,26 @@ static void count_kept(const MapCache::Counts& before, const MapCache& cache, St
     statistics.count("kept maps: bytes", static_cast<double>(cache.bytes()));
 }
 
+namespace {
+/// What may stand between a light and the air; what nobody asks for is not there.
+struct Blockers {
+    std::shared_ptr<const Occluders> occluders;
+    std::shared_ptr<const StripOnDemand> on_demand;
+    std::shared_ptr<const StripScene> strip;
+};
+} // namespace
+
+/// Those of `all` that block an emitter.
+static Blockers blockers_of(const Scene& scene, const LightLinks& links, const Blockers& all,
+                            const Progress& progress) {
+    Blockers some{.occluders = nullptr, .on_demand = std::make_shared<const StripOnDemand>(scene, links), .strip = {}};
+    if (all.occluders)
+        some.occluders = blocking(scene, *all.occluders, links, progress);
+    if (all.strip)
+        some.strip = std::make_shared<const StripScene>(make_strip_scene(scene, progress, links));
+    return some;
+}
+
 /// One for each light group; returns these.
 static std::vector<std::uint8_t> assign_slots(const Scene& scene, std::span<LightBeams> lights) {
     std::vector<std::uint8_t> slots;
@@ -80,8 +100,10 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
     LightShares shares(media, clipped);
     for (ScatteringLight& light : lights_to_prepare) {
         LightBeams beams{.light = light.index, .beams = {}, .parts = light.parts};
-        if (light.index < scene.lights().size())
+        if (light.index < scene.lights().size()) {
             beams.lamp_position = scene.lights()[light.index].position;
+            beams.unlit_media = scene.lights()[light.index].unlit_media;
+        }
         for (std::size_t index = 0; index < light.samples.size(); ++index) {
             progress.poll();
             const LightSample& sample = light.samples[index];
@@ -113,6 +135,7 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         Beam* beam;
         float share_of_light;
         const OccluderEdits* edits;
+        const Blockers* blockers;
         float error_target = 0.0f; ///< Of all of an edited light's samples; 0: as its share says.
     };
     std::vector<BeamToPrepare> all_beams;
@@ -136,15 +159,23 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
                         : std::make_shared<const Occluders>(gather_occluders(scene.description(), progress));
         outer_rays = outline(view.is_orthographic, clipped, progress);
     }
+    std::vector<std::unique_ptr<const Blockers>> blockers;
+    blockers.push_back(std::make_unique<const Blockers>(Blockers{occluders, strip_on_demand, strip}));
     for (LightBeams& light : lights) {
         const OccluderEdits* of_light = nullptr;
+        const Blockers* blocked_by = blockers.front().get();
+        if (light.light < scene.lights().size() && !scene.lights()[light.light].links.is_blocked_by_all()) {
+            blockers.push_back(std::make_unique<const Blockers>(
+                blockers_of(scene, scene.lights()[light.light].links, *blockers.front(), progress)));
+            blocked_by = blockers.back().get();
+        }
         if (is_edited(light)) {
-            edits.push_back(
-                std::make_unique<const OccluderEdits>(scene.description(), scene.lights()[light.light], *occluders));
+            edits.push_back(std::make_unique<const OccluderEdits>(scene.description(), scene.lights()[light.light],
+                                                                  *blocked_by->occluders));
             of_light = edits.back()->is_empty() ? nullptr : edits.back().get();
         }
         for (Beam& beam : light.beams)
-            all_beams.push_back({&beam, 1.0f / static_cast<float>(light.beams.size()), of_light});
+            all_beams.push_back({&beam, 1.0f / static_cast<float>(light.beams.size()), of_light, blocked_by});
     }
     GridLoss grid_loss;
     tracks_ratios = config.grid_method == GridMethod::RatioTracking;
@@ -172,8 +203,8 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
     };
     const auto make_edited = [&](const BeamToPrepare& of, const Config& how, EditedMap map) {
         return with_outline(*of.beam, [&](std::span<const RaySpan> rays) {
-            return make_edited_beam(scene, *of.edits, *occluders, view, of.beam->sample, rays, strip_on_demand, how,
-                                    progress, map);
+            return make_edited_beam(scene, *of.edits, *of.blockers->occluders, view, of.beam->sample, rays,
+                                    of.blockers->on_demand, how, progress, map);
         });
     };
     for (std::size_t index = 0; config.resolution == 0 && index < all_beams.size(); ++index) {
@@ -195,10 +226,10 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
     parallel_for(
         all_beams.size(), progress,
         [&](std::size_t index) {
-            auto& [beam, share_of_light, of_light, error_target] = all_beams[index];
+            auto& [beam, share_of_light, of_light, blocked_by, error_target] = all_beams[index];
             beam->dim_by_grids(grid_loss, progress);
             if (config.method == Method::Exact && of_light == nullptr) {
-                beam->visibility = make_exact_strip(scene, beam->sample, strip);
+                beam->visibility = make_exact_strip(scene, beam->sample, blocked_by->strip);
                 return;
             }
             Config share = config_of_share(config, shares.share(beam->share), share_of_light);
@@ -209,7 +240,8 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
             }
             MakeBeamVisibility& make = config.method == Method::Epipolar ? make_epipolar_beam : make_shadow_map_beam;
             beam->visibility = with_outline(*beam, [&](std::span<const RaySpan> rays) {
-                return make(scene, *occluders, view, beam->sample, rays, strip_on_demand, share, progress);
+                return make(scene, *blocked_by->occluders, view, beam->sample, rays, blocked_by->on_demand, share,
+                            progress);
             });
         },
         1);

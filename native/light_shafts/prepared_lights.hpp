@@ -47,6 +47,7 @@ struct LightBeams {
     std::size_t slot = 0;                                 ///< Into PreparedLights::slots.
     vec3 lamp_position{0.0f};                             ///< Of its middle, if it is one.
     std::shared_ptr<const TextureRows> texture_rows = {}; ///< Of a sun with a picture across it.
+    std::vector<UnlitMedium> unlit_media = {};            ///< Of the light.
     std::size_t parts = 1; ///< Consecutive beams that make a stratum: they light different points.
     [[nodiscard]] std::size_t stratum_count() const { return beams.size() / parts; }
 };
@@ -57,7 +58,7 @@ struct Block {
     std::vector<std::uint32_t> target; ///< Their index in the caller's span.
     std::vector<float> length_m;
     std::vector<std::uint32_t> first_segment;
-    std::vector<MediumSegment> segments;
+    std::vector<MediumSegment> segments, lit_segments; ///< The latter: while a light is asked that some are dark for.
     std::vector<Rgb> radiance, unshadowed;        ///< Of one light; unshadowed: where lights at points are kept apart.
     std::vector<Rgb> all_radiance;                ///< Of all so far.
     std::vector<Rgb> from_points, all_unshadowed; ///< Of all at points so far, where those are kept apart.
@@ -114,6 +115,8 @@ struct PreparedLights {
     void scatter_side(std::span<const ViewRay> rays, std::span<const std::uint8_t> cells,
                       std::span<const std::uint32_t> order, std::size_t side, std::span<const ScatteredBySide> by_slot,
                       const Progress& progress, const Turn& turn) const;
+    /// What the segments of a block are to a light that some media are dark for; done again, they are as before.
+    static void swap_unlit(std::span<const UnlitMedium> unlit, Block& block);
     /// Sums of no light yet.
     static void begin_sums(Block& block);
 };

@@ -10,11 +10,12 @@ std::unique_ptr<const SurfaceHoles> SurfaceHoles::make(const Scene& scene, const
             holes->edits_.emplace_back(edit, light, scene.description());
     if (holes->edits_.empty())
         return nullptr;
-    require(holes->edits_.size() <= 64, "light \"", light.name, "\" has ", holes->edits_.size(),
-            " edits with holes for surfaces: 64 are the most");
+    require(holes->edits_.size() < 64, "light \"", light.name, "\" has ", holes->edits_.size(),
+            " edits with holes for surfaces: 63 are the most");
+    holes->never_blocks_ = light.links.is_blocked_by_all() ? 0 : std::uint64_t{1} << 63;
     for (std::uint32_t instance = 0; instance < scene.instance_count(); ++instance) {
         const std::uint32_t name_index = scene.description().name_index_of(instance);
-        std::uint64_t bits = 0;
+        std::uint64_t bits = scene.blocks(instance, light.links) ? 0 : holes->never_blocks_;
         for (std::size_t edit = 0; edit < holes->edits_.size(); ++edit)
             bits |= edit_means(*holes->edits_[edit].what, name_index) ? std::uint64_t{1} << edit : 0;
         holes->bits_of_instance_.push_back(bits);
@@ -26,7 +27,7 @@ void SurfaceHoles::shadow_transmittances(std::span<const Ray> rays, std::span<Rg
     thread_local std::vector<float> x, y, z;
     thread_local std::vector<std::uint8_t> is_hole;
     thread_local std::vector<std::uint64_t> open;
-    open.assign(rays.size(), 0);
+    open.assign(rays.size(), never_blocks_);
     is_hole.resize(rays.size());
     for (std::size_t index = 0; index < edits_.size(); ++index) {
         const PlacedEdit& edit = edits_[index];

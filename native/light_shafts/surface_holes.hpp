@@ -12,7 +12,7 @@
 namespace tyndall::light_shafts {
 class SurfaceHoles {
 public:
-    /// Nothing where no edit of the light is for surfaces. At most 64 edits. `scene` must outlive the result.
+    /// Nothing where no edit of the light is for surfaces. At most 63 edits. `scene` must outlive the result.
     [[nodiscard]] static std::unique_ptr<const SurfaceHoles> make(const Scene& scene, const Light& light);
 
     /// Of each shadow ray to the light what the scene, with the holes, lets through.
@@ -23,6 +23,7 @@ private:
 
     const Scene& scene_;
     std::vector<PlacedEdit> edits_;
-    std::vector<std::uint64_t> bits_of_instance_; ///< A bit per edit that means it.
+    std::vector<std::uint64_t> bits_of_instance_; ///< A bit per edit that means it, and of what never blocks the light.
+    std::uint64_t never_blocks_ = 0;              ///< That one; 0: all do.
 };
 } // namespace tyndall::light_shafts

@@ -25,7 +25,7 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
         const Light& light = scene.lights()[index];
         if (!light.lights_surfaces || light.strength == Rgb(0.0f))
             continue;
-        lights_.push_back({index, LightAim(light), light_shafts::SurfaceHoles::make(scene, light), nullptr});
+        lights_.push_back({index, LightAim(light), light_shafts::SurfaceHoles::make(scene, light), nullptr, nullptr});
         if (light.kind == LightKind::Sun && media.fills_world())
             statistics.report("Light \"" + light.name +
                               "\" is infinitely far away in the world's endless medium, which lets nothing of it "
@@ -33,7 +33,8 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
     }
     const auto is_drawn = [&](const AimedLight& aimed) {
         const Light& light = scene.lights()[aimed.index];
-        return light.kind != LightKind::Sun && !aimed.holes && !SurfaceShadows::are_cast_by(light);
+        return light.kind != LightKind::Sun && !aimed.holes && !SurfaceShadows::are_cast_by(light) &&
+               light.links == LightLinks{};
     };
     std::vector<std::uint32_t> drawn;
     if (static_cast<std::size_t>(std::ranges::count_if(lights_, is_drawn)) > ManyLights::most_asked_each) {
@@ -91,8 +92,11 @@ void DirectLight::prepare_edits(std::span<const std::uint8_t> is_asked, const Ca
                                                light_shafts::gather_occluders(scene_.description(), progress));
             outline = SurfaceShadows::outline_of(scene_, camera, progress);
         }
+        const LightLinks& links = scene_.lights()[aimed.index].links;
+        if (!links.is_blocked_by_all())
+            aimed.blockers = light_shafts::blocking(scene_, *occluders, links, progress);
         aimed.shadows = std::make_unique<const SurfaceShadows>(
-            scene_, *occluders, aimed.index, light_shafts::view_of(camera), outline,
+            scene_, aimed.blockers ? *aimed.blockers : *occluders, aimed.index, light_shafts::view_of(camera), outline,
             SurfaceShadows::config_of(camera, shafts), statistics, progress);
     }
 }
@@ -206,6 +210,8 @@ void DirectLight::aim(const AimedLight& aimed, std::span<const SurfacePoint> poi
     AimedRays towards;
     for (LaneSet left = aimed.aim.aim(lanes, pair, towards); left != 0; left &= left - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+        if (!may_light(light.links, points[lane]))
+            continue;
         Ray ray = ray_of(towards, lane);
         Rgb arriving = share * towards.weight[lane] * light.strength;
         finish(light, points[lane], ray, arriving);
@@ -221,9 +227,12 @@ vec3 DirectLight::towards_lamp(const Light& light, const SurfacePoint& point, co
 }
 
 void DirectLight::let_pass(const AimedLight& aimed, const LitSurface& surface, ShadowRays& shadow) const {
-    if (scene_.lights()[aimed.index].casts_shadow && aimed.holes)
+    const Light& light = scene_.lights()[aimed.index];
+    if (light.casts_shadow && aimed.holes)
         aimed.holes->shadow_transmittances(shadow.all(), shadow.passing);
-    else if (scene_.lights()[aimed.index].casts_shadow)
+    else if (light.casts_shadow && !light.links.is_blocked_by_all())
+        scene_.shadow_transmittances(shadow.all(), shadow.passing, light.links);
+    else if (light.casts_shadow)
         scene_.shadow_transmittances(shadow.all(), shadow.passing);
     else
         shadow.passing.fill(Rgb(1.0f));
@@ -279,7 +288,7 @@ void DirectLight::aim_by_lobes(const AimedLight& aimed, const LitSurface& surfac
     for (std::size_t index = 0; index < surface.points.size(); ++index) {
         const LobeSet& lobes = (*surface.lobes)[index];
         const SurfacePoint& point = surface.points[index];
-        if (!lobes.has_directions())
+        if (!lobes.has_directions() || !may_light(light.links, point))
             continue;
         constexpr std::uint32_t lobe_pairs = 0x1000'0000; // far behind those of strata
         const vec3 direction =

@@ -10,6 +10,7 @@
 //           for an image of it, one more where it meets lobes, and one where a lamp's mirror image does; times a light's
 //           ray count.
 #pragma once
+#include "light_shafts/occluders.hpp"
 #include "light_shafts/surface_holes.hpp"
 #include "light_shafts/surface_shadows.hpp"
 #include "render/indirect_config.hpp"
@@ -111,6 +112,7 @@ private:
         std::uint32_t index; ///< Into Scene::lights.
         LightAim aim;
         std::unique_ptr<const light_shafts::SurfaceHoles> holes;     ///< Nothing: it meets its occluders as they are.
+        std::unique_ptr<const light_shafts::Occluders> blockers;     ///< Of `shadows`, where it has only some.
         std::unique_ptr<const light_shafts::SurfaceShadows> shadows; ///< Of edits; nothing before prepare_edits.
     };
     struct ShadowRays;
@@ -144,6 +146,10 @@ private:
     /// What a lamp with a size adds to lobes, in their own directions.
     void aim_by_lobes(const AimedLight& aimed, const LitSurface& surface, const PairIndex& pair, float share,
                       ShadowRays& shadow) const;
+    /// By its links.
+    [[nodiscard]] bool may_light(const LightLinks& links, const SurfacePoint& point) const {
+        return links.lights_all() || links.lights(scene_.object_info(point.hit.instance).receiver_set);
+    }
     /// What stands between the points and the light.
     void let_pass(const AimedLight& aimed, const LitSurface& surface, ShadowRays& shadow) const;
     void add_world(const LitSurface& surface, const PairIndex& pair, float share,

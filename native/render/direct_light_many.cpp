@@ -13,14 +13,20 @@ static constexpr std::uint32_t place_pairs = 0x0800'0000, lobe_pairs = 0x1000'00
 /// Surfaces that let light through, on a lobe's ray.
 static constexpr int most_surfaces_passed = 16;
 
+/// What stands in a ray's way may be no blocker of what it would have met: such emitters are aimed at alone.
+static bool is_met_by_chance(const ManyLights::Aimed& triangle) {
+    return triangle.links == nullptr || triangle.links->is_blocked_by_all();
+}
+
 void DirectLight::aim_at_many(const LitSurface& surface, const PairIndex& pair, float share, ShadowRays& shadow) const {
     for (std::size_t index = 0; index < surface.points.size(); ++index) {
         const SurfacePoint& point = surface.points[index];
         const float choice = pixel_pair(point.pixel_seed, pair.sample_index, pair.pair_index).x;
         const vec2 place = pixel_pair(point.pixel_seed, pair.sample_index, place_pairs + pair.pair_index);
         std::optional<ManyLights::Aimed> aimed = many_->aim(point, choice, place);
-        if (!aimed)
+        if (!aimed || (aimed->links != nullptr && !may_light(*aimed->links, point)))
             continue;
+        const bool is_met = aimed->lamp == nullptr && is_met_by_chance(*aimed);
         const vec3 towards = aimed->ray.direction; // before a smooth surface's terminator lifts the ray
         if (aimed->lamp != nullptr)
             finish(*aimed->lamp, point, aimed->ray, aimed->arriving);
@@ -35,16 +41,17 @@ void DirectLight::aim_at_many(const LitSurface& surface, const PairIndex& pair, 
         if (surface.lobes != nullptr && !(*surface.lobes)[index].lobes.empty()) {
             const LobeSet& lobes = (*surface.lobes)[index];
             float weight = 1.0f;
-            if (aimed->lamp == nullptr && lobes.has_directions())
+            if (is_met && lobes.has_directions())
                 weight = power_share(aimed->pdf_per_sr, lobes.pdf_per_sr(towards));
             reflected = arriving * lobes.per_irradiance(towards, is_a_point ? least_alpha : 0.0f) * weight;
         }
         shadow.push(aimed->ray, arriving, index, reflected);
         const float cosine = glm::dot(point.shading.shading_normal, towards);
         shadow.shares[shadow.count - 1] =
-            aimed->lamp != nullptr ? 1.0f : power_share(aimed->pdf_per_sr, cosine_hemisphere_pdf_per_sr(cosine));
+            is_met ? power_share(aimed->pdf_per_sr, cosine_hemisphere_pdf_per_sr(cosine)) : 1.0f;
         shadow.casts[shadow.count - 1] = aimed->lamp == nullptr || aimed->lamp->casts_shadow;
         shadow.groups[shadow.count - 1] = aimed->light_group;
+        shadow.links[shadow.count - 1] = aimed->links;
     }
 }
 
@@ -54,7 +61,13 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
     ShadowRays shadow;
     aim_at_many(surface, pair, share, shadow);
     for (std::size_t index = 0; index < shadow.count; ++index)
-        shadow.passing[index] = shadow.casts[index] ? scene_.shadow_transmittance(shadow.rays[index]) : Rgb(1.0f);
+        if (!shadow.casts[index])
+            shadow.passing[index] = Rgb(1.0f);
+        else if (shadow.links[index] == nullptr)
+            shadow.passing[index] = scene_.shadow_transmittance(shadow.rays[index]);
+        else
+            scene_.shadow_transmittances(shadow.all().subspan(index, 1), std::span(shadow.passing).subspan(index, 1),
+                                         *shadow.links[index]);
     if (has_media_)
         media_.attenuate(shadow.all(), shadow.passing);
     for (std::size_t index = 0; index < shadow.count; ++index) {
@@ -101,7 +114,8 @@ Rgb DirectLight::of_triangles(const SurfacePoint& point, const vec3& direction, 
         const Hit hit = scene_.closest_hit(ray, bounce_mask);
         if (!hit.is_hit())
             break;
-        if (const std::optional<ManyLights::Aimed> met = many_->met(point, ray, hit)) {
+        if (const std::optional<ManyLights::Aimed> met = many_->met(point, ray, hit);
+            met && is_met_by_chance(*met) && (met->links == nullptr || may_light(*met->links, point))) {
             std::array<Rgb, 1> passing{scene_.shadow_transmittance(met->ray)};
             if (has_media_)
                 media_.attenuate({&met->ray, 1}, passing);

@@ -133,7 +133,8 @@ std::optional<ManyLights::Aimed> ManyLights::aim_at_triangle(const SurfacePoint&
     return Aimed{.ray = ray_to(point, hit, direction),
                  .arriving = radiance * (cosine / place.pdf_per_sr),
                  .pdf_per_sr = place.pdf_per_sr,
-                 .light_group = scene_.object_info(triangle.instance).light_group};
+                 .light_group = scene_.object_info(triangle.instance).light_group,
+                 .links = links_of(triangle)};
 }
 
 std::optional<ManyLights::Aimed> ManyLights::met(const SurfacePoint& point, const Ray& ray, const Hit& hit) const {
@@ -147,6 +148,7 @@ std::optional<ManyLights::Aimed> ManyLights::met(const SurfacePoint& point, cons
     return Aimed{.ray = ray_to(point, hit, ray.direction),
                  .arriving = MeshEmitters::radiance(scene_, triangle, ray, hit),
                  .pdf_per_sr = probability * triangle_pdf_per_sr(triangle.corners, point.shading.position, place),
-                 .light_group = scene_.object_info(triangle.instance).light_group};
+                 .light_group = scene_.object_info(triangle.instance).light_group,
+                 .links = links_of(triangle)};
 }
 } // namespace tyndall::render

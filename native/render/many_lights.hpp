@@ -29,6 +29,7 @@ public:
         const Light* lamp = nullptr; ///< Nothing: a triangle.
         float pdf_per_sr = 0.0f;     ///< Of a triangle, with the choice.
         std::uint8_t light_group = no_light_group;
+        const LightLinks* links = nullptr; ///< Of a triangle, where they leave something out; lamps here light all.
     };
     /// By numbers in [0, 1). Nothing: no light comes from there.
     [[nodiscard]] std::optional<Aimed> aim(const SurfacePoint& point, float u_choice, vec2 u_place) const;
@@ -39,6 +40,10 @@ private:
     [[nodiscard]] std::optional<Aimed> aim_at_lamp(const SurfacePoint& point, std::uint32_t lamp, vec2 u) const;
     [[nodiscard]] std::optional<Aimed> aim_at_triangle(const SurfacePoint& point, const EmissiveTriangle& triangle,
                                                        vec2 u) const;
+    [[nodiscard]] const LightLinks* links_of(const EmissiveTriangle& triangle) const {
+        const LightLinks& links = scene_.object_info(triangle.instance).links;
+        return links == LightLinks{} ? nullptr : &links;
+    }
     /// From where rays leave the point to just before a hit.
     [[nodiscard]] Ray ray_to(const SurfacePoint& point, const Hit& hit, const vec3& direction) const;
 

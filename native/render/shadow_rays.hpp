@@ -15,7 +15,8 @@ struct DirectLight::ShadowRays {
     std::array<std::uint8_t, most_points> points;
     std::array<bool, most_points> casts;   ///< Of lights that are drawn: whether anything stops them.
     std::array<float, most_points> shares; ///< Of these: of the irradiance that is found this way, not by the cosine.
-    std::array<std::uint8_t, most_points> groups; ///< Of these: the light's group.
+    std::array<std::uint8_t, most_points> groups;     ///< Of these: the light's group.
+    std::array<const LightLinks*, most_points> links; ///< Of these.
     std::size_t count = 0;
 
     void push(const Ray& ray, const Rgb& unshadowed, std::size_t point, const Rgb& by_lobes = Rgb(0.0f)) {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace tyndall {
 struct LightTexture;
@@ -21,6 +22,13 @@ enum class SpotFalloff : std::uint8_t {
 /// How a light with a size emits. Point and spot: as a sphere, or as a disc that faces each receiver (3.x; "Soft Falloff"
 /// from 4.2 on, which is the default there). Sun: evenly over its cone, or over a flat disc at unit distance (3.x).
 enum class LightBody : std::uint8_t { FacingDisc = 0, Sphere = 1 };
+
+/// Of a light.
+struct UnlitMedium {
+    std::uint16_t medium = 0; ///< Into SceneDescription::media.
+    std::uint16_t dark = 0;   ///< Likewise: takes away as much light on its way, and scatters none.
+    bool operator==(const UnlitMedium&) const = default;
+};
 
 struct Light {
     std::string name;
@@ -47,6 +55,8 @@ struct Light {
     std::vector<OccluderEdit> occluder_edits = {};    ///< In the order in which they are made.
     std::shared_ptr<const LightTexture> texture = {}; ///< Colours its beam; nothing: white.
     LightLinks links = {};
+    /// Media in which it scatters nothing; not those of density grids.
+    std::vector<UnlitMedium> unlit_media = {};
     std::uint8_t light_group = no_light_group;
     bool is_camera_visible = false; ///< Cycles 4 draws lights with a size where the artist enables camera rays.
 };

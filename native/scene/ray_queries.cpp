@@ -201,4 +201,12 @@ void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> pass
             passing[first + lane] = query.tfar[lane] < 0.0f ? Rgb(0.0f) : Rgb(passing_of[lane]);
     }
 }
+
+void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing, const LightLinks& links) const {
+    if (!blocker_bits().empty())
+        return shadow_transmittances(rays, passing, blocker_bits(), ~links.blocker_sets);
+    if (links.is_blocked_by(0)) // all are in that set
+        return shadow_transmittances(rays, passing);
+    std::fill_n(passing.begin(), rays.size(), Rgb(1.0f));
+}
 } // namespace tyndall

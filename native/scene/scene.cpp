@@ -275,6 +275,11 @@ void Scene::Geometry::drop_unusable_volumes() {
 }
 
 void Scene::drop_unusable_lights() {
+    const std::size_t medium_count = description().media.size();
+    for (const Light& light : lights_)
+        for (const auto& [medium, dark] : light.unlit_media)
+            require(std::max(medium, dark) < medium_count, "light '", light.name, "' asks for medium ",
+                    std::max(medium, dark), " of ", medium_count);
     std::erase_if(lights_, [&](const Light& light) {
         if (is_usable(light))
             return false;

@@ -189,6 +189,12 @@ public:
     /// The same for rays of neighbouring points towards one light: at less than half of the time.
     void shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing,
                                std::span<const std::uint64_t> bits_of_instance = {}, std::uint64_t ignored = 0) const;
+    /// Whether an instance may cast an emitter's shadows.
+    [[nodiscard]] bool blocks(std::uint32_t instance, const LightLinks& links) const {
+        return links.is_blocked_by_all() || links.is_blocked_by(object_info(instance).blocker_set);
+    }
+    /// The same as shadow_transmittances, of those that may.
+    void shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing, const LightLinks& links) const;
     /// Per instance the bit of its object's blocker set; empty where all are in set 0.
     [[nodiscard]] std::span<const std::uint64_t> blocker_bits() const { return geometry_->blocker_bits; }
 

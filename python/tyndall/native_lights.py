@@ -65,4 +65,5 @@ def build_light(
         texture=texture,
         light_group=light_group,
         links=link_masks(light.links),
+        unlit_media=list(light.unlit_media),
     )

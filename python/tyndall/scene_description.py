@@ -512,6 +512,8 @@ class Light:
     texture: LightTexture | None = None  #: Colours its beam.
     light_group: str = ""  #: One of SceneDescription.light_groups, or none.
     links: LightLinks | None = None  #: Which objects it lights, and which block it; None: all.
+    #: Into SceneDescription.media: one in which it scatters nothing, and one that only dims, as much as that does.
+    unlit_media: tuple[tuple[int, int], ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
