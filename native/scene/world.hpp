@@ -2,7 +2,6 @@
 // Light from infinitely far away: one radiance, or an equirectangular image of it, importance-sampled by luminance.
 #pragma once
 #include "core/math.hpp"
-#include "core/piecewise_constant.hpp"
 #include "shading/direction_program.hpp"
 #include "shading/light_links.hpp"
 #include <memory>
@@ -16,6 +15,8 @@ struct EnvironmentImage {
     std::uint32_t width = 0, height = 0;
     std::vector<Rgb> pixels = {}; ///< width * height, scene-linear.
 };
+
+class EnvironmentImportance; // environment_importance.hpp
 
 /// What cameras see in place of the light; either may be missing.
 struct SeenWorld {
@@ -46,6 +47,12 @@ public:
     };
     [[nodiscard]] DirectionSample sample(vec2 u) const;
     [[nodiscard]] float pdf_per_sr(const vec3& unit_direction) const;
+    /// Both at once, in half the time.
+    struct Look {
+        Rgb radiance;
+        float pdf_per_sr;
+    };
+    [[nodiscard]] Look look(const vec3& unit_direction) const;
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] std::uint8_t light_group() const { return light_group_; }
     void set_light_group(std::uint8_t group) { light_group_ = group; }
@@ -63,6 +70,6 @@ private:
     mat3 image_from_world_{1.0f};
     bool is_black_ = true;
     std::uint8_t light_group_ = no_light_group;
-    std::shared_ptr<const PiecewiseConstant2d> importance_; ///< Of the image's texels; nothing without an image.
+    std::shared_ptr<const EnvironmentImportance> importance_; ///< Nothing without an image.
 };
 } // namespace tyndall
