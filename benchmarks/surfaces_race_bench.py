@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The race on surfaces: full HD, 16 samples, direct light alone, against Cycles doing the same in the same run.
 
-scripts/python benchmarks/surfaces_race_bench.py --context FILE --output FILE [--docs FOLDER] [SCENE...]
-Times are medians of whole renders, from the press of F12 to the file, the engines by turns, a seed for each render.
+scripts/python benchmarks/surfaces_race_bench.py --context FILE --output FILE [--docs FOLDER] [--width PX] [SCENE...]
+Times are medians of whole renders, from the press of F12 to the file, the engines by turns, a seed for each render: by
+the clock, and of the processor, which other work beside it changes less.
 Noise needs no converged picture: of two renders A and B with different seeds mean((A - B)^2) is twice the variance of
 one. It is relative, per pixel and channel, to the mean of all renders of both engines, and leaves out the thousandth
 of the pixels that is worst in each. Whether both draw the same light the ratio of their means says. Cycles draws one
@@ -14,10 +15,13 @@ from __future__ import annotations
 
 import itertools
 import math
+import os
+import resource
 import statistics
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -54,7 +58,7 @@ def _material(name: str, colour: tuple[float, float, float], roughness: float, m
 
 
 def _heads() -> bpy.types.Scene:
-    """Two dozen subdivided heads of four materials on a floor, before a camera; no light yet."""
+    """Two dozen subdivided heads of four materials on a floor, before a camera, at full HD; no light yet."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = WIDTH_PX, HEIGHT_PX, 100
@@ -156,11 +160,21 @@ def of_cycles(scene: bpy.types.Scene, seed: int) -> None:
         scene.cycles.use_light_tree = True
 
 
-def timed(scene: bpy.types.Scene) -> tuple[Picture, float]:
-    """One render and its seconds."""
-    start = time.perf_counter()
+@dataclass(frozen=True)
+class Render:
+    """What it shows, and what it took."""
+
+    picture: Picture
+    seconds: float
+    processor_s: float
+
+
+def timed(scene: bpy.types.Scene) -> Render:
+    """One render."""
+    start, processor = time.perf_counter(), resource.getrusage(resource.RUSAGE_SELF).ru_utime
     picture = rendered_pixels(scene)
-    return picture, time.perf_counter() - start
+    of_processor = resource.getrusage(resource.RUSAGE_SELF).ru_utime - processor
+    return Render(picture, time.perf_counter() - start, of_processor)
 
 
 def relative_variance(pictures: list[Picture], weight: Picture) -> float:
@@ -173,25 +187,30 @@ def relative_variance(pictures: list[Picture], weight: Picture) -> float:
 
 def compare(name: str, scene: bpy.types.Scene) -> Row:
     """One row."""
-    ours: list[tuple[Picture, float]] = []
-    theirs: list[tuple[Picture, float]] = []
+    ours: list[Render] = []
+    theirs: list[Render] = []
     for seed in SEEDS:
         for engine, renders in ((of_ours, ours), (of_cycles, theirs)):
             engine(scene, seed)
             renders.append(timed(scene))
-    mean: Picture = np.mean([picture for picture, _ in ours + theirs], axis=0)
+    mean: Picture = np.mean([render.picture for render in ours + theirs], axis=0)
     weight = 1.0 / (mean + FLOOR_SHARE * mean.mean()) ** 2
-    seconds, of_cycles_s = (statistics.median(second for _, second in renders) for renders in (ours, theirs))
-    own, other = (relative_variance([picture for picture, _ in renders], weight) for renders in (ours, theirs))
-    means = [float(np.mean([picture.mean() for picture, _ in renders])) for renders in (ours, theirs)]
+    seconds, of_cycles_s = (statistics.median(render.seconds for render in renders) for renders in (ours, theirs))
+    processor_s, of_cycles_processor_s = (
+        statistics.median(render.processor_s for render in renders) for renders in (ours, theirs)
+    )
+    own, other = (relative_variance([render.picture for render in renders], weight) for renders in (ours, theirs))
+    means = [float(np.mean([render.picture.mean() for render in renders])) for renders in (ours, theirs)]
     found = row(
         name,
         seconds,
         cycles_seconds=of_cycles_s,
-        times_faster=of_cycles_s / seconds,
+        processor_seconds=processor_s,
+        cycles_processor_seconds=of_cycles_processor_s,
+        times_faster=of_cycles_processor_s / processor_s,
         rel_noise=math.sqrt(own),
         cycles_rel_noise=math.sqrt(other),
-        times_faster_at_equal_noise=of_cycles_s * other / (seconds * own) if own > 0.0 else 0.0,
+        times_faster_at_equal_noise=of_cycles_processor_s * other / (processor_s * own) if own > 0.0 else 0.0,
         mean_against_cycles=means[0] / means[1] - 1.0,
     )
     print(found, flush=True)
@@ -199,23 +218,29 @@ def compare(name: str, scene: bpy.types.Scene) -> Row:
 
 
 HEADER = """# The race on surfaces
-Full HD, {samples} samples, direct light alone, in Blender {blender}: whole renders from the press of F12 to the
-file, medians of {seeds}, the engines by turns; Cycles at 0 bounces, with its light tree.
+{size}, {samples} samples, direct light alone, in Blender {blender}: whole renders from the press of F12 to the
+file, medians of {seeds}, the engines by turns; Cycles at 0 bounces, with its light tree. Times are the processor's and,
+in brackets, the clock's{beside}; "times faster" compares the processor's.
 Noise is that of one render, relative to each pixel, measured between seeds. Cycles draws one light per sample, ours
-asks all: the last column is the ratio of time times variance, what a picture of the same noise costs.
-`scripts/bench.sh surfaces_race_bench` makes this page anew; scenes of other people are rendered where
-`../shared/data/blend` lies beside the repository.
+asks lamps each, and the world with as many rays as its noise is worth; the last column is the ratio of time times
+variance, what a picture of the same noise costs. `scripts/bench.sh surfaces_race_bench` makes this page anew at full
+HD; scenes of other people are rendered where `../shared/data/blend` lies beside the repository.
 
 | scene | ours | Cycles | times faster | noise, ours / Cycles | mean | times faster at equal noise |
 |---|---|---|---|---|---|---|
 """
+#: Processes that want the processors, per processor: more than this is other work, which the page then names.
+CALM_LOAD = 1.3
 
 
-def page(rows: list[Row]) -> str:
+def page(rows: list[Row], width_px: int, load: float) -> str:
     """docs/surfaces-race.md."""
-    text = HEADER.format(samples=SAMPLES, blender=bpy.app.version_string, seeds=len(SEEDS))
+    size = "Full HD" if width_px == WIDTH_PX else f"{width_px} x {width_px * HEIGHT_PX // WIDTH_PX} pixels"
+    beside = f", beside other work (a load of {load:.1f} a processor)" if load > CALM_LOAD else ""
+    text = HEADER.format(size=size, samples=SAMPLES, blender=bpy.app.version_string, seeds=len(SEEDS), beside=beside)
     for found in rows:
-        text += f"| {found['name']} | {found['real_time']:.1f} s | {found['cycles_seconds']:.1f} s "
+        text += f"| {found['name']} | {found['processor_seconds']:.1f} s ({found['real_time']:.1f}) "
+        text += f"| {found['cycles_processor_seconds']:.1f} s ({found['cycles_seconds']:.1f}) "
         text += f"| {found['times_faster']:.2f} | {found['rel_noise']:.1%} / {found['cycles_rel_noise']:.1%} "
         text += f"| {found['mean_against_cycles']:+.2%} | {found['times_faster_at_equal_noise']:.2f} |\n"
     return text
@@ -225,6 +250,7 @@ def main() -> None:
     """Of all scenes, or of those named."""
     parser = argument_parser(__doc__, has_page=True)
     parser.add_argument("scenes", nargs="*", default=(*MADE, *REAL_NAMES))
+    parser.add_argument("--width", type=int, default=WIDTH_PX, help="of the pictures, in pixels")
     arguments = parser.parse_args()
     real = {each.name: each for each in REAL_SCENES}
     if unknown := [name for name in arguments.scenes if name not in MADE and name not in real]:
@@ -233,13 +259,17 @@ def main() -> None:
     rows = []
     for name in arguments.scenes:
         if name in MADE:
-            rows.append(compare(name, MADE[name]()))
+            scene = MADE[name]()
+            scene.render.resolution_x = arguments.width
+            scene.render.resolution_y = arguments.width * HEIGHT_PX // WIDTH_PX
+            rows.append(compare(name, scene))
         elif real[name].found() is None:
             print(f"{name}: ../shared/data/blend/{real[name].path} is not there, left out", flush=True)
         else:
-            rows.append(compare(name, real[name].open(WIDTH_PX)))
+            rows.append(compare(name, real[name].open(arguments.width)))
     write_report(rows, arguments)
-    write_page("surfaces-race.md", page(rows), arguments)
+    load = os.getloadavg()[1] / (os.cpu_count() or 1)
+    write_page("surfaces-race.md", page(rows, arguments.width, load), arguments)
 
 
 if __name__ == "__main__":

@@ -257,8 +257,8 @@ void DirectLight::add_light(const AimedLight& aimed, const LitSurface& surface, 
         const vec3 direction =
             towards_lamp(scene_.lights()[aimed.index], surface.points[shadow.points[index]], shadow.rays[index]);
         float weight = 1.0f;
-        if (aimed.aim.has_size() && lobes.has_directions()) {
-            const vec3& position = surface.points[shadow.points[index]].shading.position;
+        const vec3& position = surface.points[shadow.points[index]].shading.position;
+        if (aimed.aim.has_size() && lobes.has_directions() && lobes_may_find(aimed.aim.form(), position, lobes)) {
             if (const LampHit hit = lamp_hit(aimed.aim.form(), position, direction); hit.pdf_per_sr > 0.0f)
                 weight = power_share(hit.pdf_per_sr, lobes.pdf_per_sr(direction));
         }
@@ -271,7 +271,7 @@ void DirectLight::add_light(const AimedLight& aimed, const LitSurface& surface, 
         sum.from_lights += shadow.arriving[index] * shadow.passing[index];
         sum.reflected += shadow.reflected[index] * shadow.passing[index];
     }
-    if (surface.lobes == nullptr || !aimed.aim.has_size())
+    if (surface.lobes == nullptr || !aimed.aim.has_size() || aimed.aim.form().kind == LightAim::Form::Kind::Area)
         return;
     shadow.count = 0;
     aim_by_lobes(aimed, surface, pair, share, shadow);
@@ -288,7 +288,8 @@ void DirectLight::aim_by_lobes(const AimedLight& aimed, const LitSurface& surfac
     for (std::size_t index = 0; index < surface.points.size(); ++index) {
         const LobeSet& lobes = (*surface.lobes)[index];
         const SurfacePoint& point = surface.points[index];
-        if (!lobes.has_directions() || !may_light(light.links, point))
+        if (!lobes.has_directions() || !may_light(light.links, point) ||
+            !lobes_may_find(aimed.aim.form(), point.shading.position, lobes))
             continue;
         constexpr std::uint32_t lobe_pairs = 0x1000'0000; // far behind those of strata
         const vec3 direction =
@@ -343,14 +344,6 @@ LaneSet DirectLight::may_meet(std::size_t light, std::span<const SurfacePoint> p
         }
         aim_at_world(surface, pair, 1.0f, shadow);
         test();
-        if (scene_.world().has_image()) {
-            aim_at_world_image(surface, pair, 1.0f, shadow);
-            test();
-        }
-        if (lobes != nullptr) {
-            aim_at_world_lobes(surface, pair, 1.0f, shadow);
-            test();
-        }
     }
     return found;
 }

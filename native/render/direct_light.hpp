@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Light that reaches a diffuse surface straight from the scene's lights and world, through what lies between.
 // Based on: next event estimation; the world's light by multiple importance sampling, Veach, dissertation, Stanford
-//           1997, section 9.2 (power heuristic), between the cosine and the image.
+//           1997, section 9.2, between the cosine, the image and lobes.
 // Differs:  up to 32 lights are asked at every point, not one picked at random: no noise from the choice. In packets a
 //           shadow ray costs less than to learn what its light contributes. Where lamps are more, and of meshes that glow,
 //           a few are drawn (many_lights.hpp), which together count as one light.
 //           Light on lobes by one more strategy, their own directions, beside the shadow rays of Lambert's share.
-// Bound:    a shadow ray per light that may reach the point, in packets of 16 points; one of its own for the world, two
-//           for an image of it, one more where it meets lobes, and one where a lamp's mirror image does; times a light's
-//           ray count.
+//           The world has one ray, drawn from one of its strategies by chance (Veach, 9.2.4: one-sample model, balance
+//           heuristic), not one from each: the pilot asks for more where they are worth it.
+// Bound:    a shadow ray per light that may reach the point, in packets of 16 points; one of its own for the world, one more
+//           where a lamp's mirror image meets lobes; times a light's ray count.
 #pragma once
 #include "light_shafts/occluders.hpp"
 #include "light_shafts/surface_holes.hpp"
@@ -155,13 +156,9 @@ private:
     void add_world(const LitSurface& surface, const PairIndex& pair, float share,
                    std::span<Irradiance> irradiance) const;
     void aim_at_world(const LitSurface& surface, const PairIndex& pair, float share, ShadowRays& shadow) const;
-    /// By its brightness.
-    void aim_at_world_image(const LitSurface& surface, const PairIndex& pair, float share, ShadowRays& shadow) const;
-    /// By the lobes of those points that have some.
-    void aim_at_world_lobes(const LitSurface& surface, const PairIndex& pair, float share, ShadowRays& shadow) const;
-    /// What one of the world's strategies, of that density there, brings of the light that lobes reflect.
-    [[nodiscard]] Rgb reflected_of_world(const LobeSet& lobes, const vec3& direction, const Rgb& radiance, float cosine,
-                                         float own_pdf_per_sr) const;
+    /// One ray of a point in a direction that one of several strategies draws.
+    void aim_by_strategies(const SurfacePoint& point, const LobeSet& lobes, vec2 u, float share, std::size_t index,
+                           ShadowRays& shadow) const;
     [[nodiscard]] static PairIndex pair_of(std::size_t light, std::uint32_t ray, std::uint32_t ray_count,
                                            const PairIndex& first_pair);
     void add_from_world(ShadowRays& shadow, std::span<Irradiance> irradiance) const;

@@ -110,6 +110,8 @@ Rgb DirectLight::of_triangles(const SurfacePoint& point, const vec3& direction, 
     if (!(cosine > 0.0f) || !(pdf_per_sr > 0.0f))
         return sum;
     Ray ray = shadow_ray(point, direction);
+    if (!many_->may_meet_triangle(ray))
+        return sum;
     for (int passed = 0; passed < most_surfaces_passed; ++passed) {
         const Hit hit = scene_.closest_hit(ray, bounce_mask);
         if (!hit.is_hit())

@@ -1,81 +1,107 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The world's part of direct_light.hpp: by the cosine, by the image, and by lobes' own directions.
+// The world's part of direct_light.hpp: by the cosine, by the image, and by lobes' own directions, one of them by chance.
 #include "core/sampling.hpp"
 #include "render/direct_light.hpp"
 #include "render/shadow_rays.hpp"
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numbers>
 
 namespace tyndall::render {
 static constexpr float pi = std::numbers::pi_v<float>;
+/// Of directions, that the image has where there is one: as many as what reflects them.
+static constexpr float image_share = 0.5f;
+/// Of the others, that lobes with directions have at least, and leave at least: no density is far below that of a strategy.
+static constexpr float least_lobe_share = 0.1f, most_lobe_share = 0.9f;
 
-Rgb DirectLight::reflected_of_world(const LobeSet& lobes, const vec3& direction, const Rgb& radiance, float cosine,
-                                    float own_pdf_per_sr) const {
-    const float by_cosine = cosine_hemisphere_pdf_per_sr(cosine),
-                by_image = scene_.world().has_image() ? scene_.world().pdf_per_sr(direction) : 0.0f,
-                by_lobes = lobes.pdf_per_sr(direction);
-    const float all2 = by_cosine * by_cosine + by_image * by_image + by_lobes * by_lobes;
-    if (!(all2 > 0.0f) || !std::isfinite(all2))
-        return Rgb(0.0f);
-    return radiance * lobes.per_irradiance(direction) * (cosine * (own_pdf_per_sr / all2));
+/// Of the directions by what reflects light, those of lobes: as much as they shine beside what has none of its own.
+static float lobe_share(const SurfacePoint& point, const LobeSet& set) {
+    float with_directions = 0.0f, without = point.lambert_share;
+    for (const Lobe& lobe : set.lobes) {
+        with_directions += lobe.sampling;
+        if (lobe.sampling <= 0.0f)
+            without += average(lobe.weight);
+    }
+    if (!(with_directions > 0.0f))
+        return 0.0f;
+    return std::clamp(with_directions / (with_directions + std::max(without, 0.0f)), least_lobe_share, most_lobe_share);
+}
+
+/// What is left of a number that chose the part [first, first + width): even again within it.
+static float within(float u, float first, float width) { return std::min((u - first) / width, 0x1.fffffep-1f); }
+
+void DirectLight::aim_by_strategies(const SurfacePoint& point, const LobeSet& lobes, vec2 u, float share,
+                                    std::size_t index, ShadowRays& shadow) const {
+    const World& world = scene_.world();
+    const float of_lobes = lobe_share(point, lobes);
+    const float p_image = world.has_image() ? image_share : 0.0f, p_lobes = (1.0f - p_image) * of_lobes,
+                p_cosine = 1.0f - p_image - p_lobes;
+    const vec3& normal = point.shading.shading_normal;
+    vec3 direction;
+    World::Look look{};
+    const bool by_image = u.x < p_image, by_lobes = !by_image && u.x < p_image + p_lobes;
+    if (by_image) {
+        const World::DirectionSample sample = world.sample({within(u.x, 0.0f, p_image), u.y});
+        direction = sample.direction;
+        look = {sample.radiance, sample.pdf_per_sr};
+    } else if (by_lobes)
+        direction = lobes.sample({within(u.x, p_image, p_lobes), u.y});
+    else
+        direction = from_frame(normal, sample_cosine_hemisphere({within(u.x, p_image + p_lobes, p_cosine), u.y}));
+    const float cosine = glm::dot(normal, direction);
+    if (!(cosine > 0.0f)) // nor what is no direction
+        return;
+    if (!by_image)
+        look = world.look(direction);
+    float density = p_cosine * cosine_hemisphere_pdf_per_sr(cosine);
+    if (world.has_image())
+        density += p_image * look.pdf_per_sr;
+    if (p_lobes > 0.0f)
+        density += p_lobes * lobes.pdf_per_sr(direction);
+    if (!(density > 0.0f) || !std::isfinite(density))
+        return;
+    const Rgb arriving = look.radiance * (share * cosine / density);
+    const bool is_lifted = by_image || by_lobes;
+    const Ray ray = is_lifted ? shadow_ray(point, direction)
+                              : Ray{.origin = point.spawn.towards(direction), .direction = direction};
+    shadow.push(ray, arriving, index,
+                lobes.lobes.empty() ? Rgb(0.0f) : Rgb(arriving * lobes.per_irradiance(direction)));
 }
 
 void DirectLight::aim_at_world(const LitSurface& surface, const PairIndex& pair, float share,
                                ShadowRays& shadow) const {
     const World& world = scene_.world();
-    AimedRays towards;
-    for (LaneSet left = LightAim::aim_at_world(surface.lanes, pair, towards); left != 0; left &= left - 1) {
-        const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-        const Ray ray = ray_of(towards, lane);
-        const float cosine = towards.weight[lane];
-        const float weight = world.has_image()
-                                 ? power_share(cosine_hemisphere_pdf_per_sr(cosine), world.pdf_per_sr(ray.direction))
-                                 : 1.0f;
-        if (!(weight > 0.0f))
-            continue;
-        const Rgb radiance = world.radiance(ray.direction);
-        shadow.push(ray, pi * share * weight * radiance, lane);
-        if (surface.lobes != nullptr && !(*surface.lobes)[lane].lobes.empty())
-            shadow.reflected[shadow.count - 1] = reflected_of_world(
-                (*surface.lobes)[lane], ray.direction, share * radiance, cosine, cosine_hemisphere_pdf_per_sr(cosine));
+    // Around a world of one radiance, points without such lobes are aimed side by side.
+    LaneSet alone = surface.lanes.present;
+    if (!world.has_image())
+        for (std::size_t index = 0; index < surface.points.size(); ++index)
+            if (surface.lobes == nullptr || !(*surface.lobes)[index].has_directions())
+                alone &= ~(LaneSet{1} << index);
+    if (const LaneSet together = surface.lanes.present & ~alone; together != 0) {
+        AimedRays towards;
+        for (LaneSet left = LightAim::aim_at_world(surface.lanes, pair, towards) & together; left != 0;
+             left &= left - 1) {
+            const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+            const Ray ray = ray_of(towards, lane);
+            const Rgb arriving = pi * share * world.radiance(ray.direction);
+            shadow.push(ray, arriving, lane,
+                        surface.lobes == nullptr || (*surface.lobes)[lane].lobes.empty()
+                            ? Rgb(0.0f)
+                            : arriving * (*surface.lobes)[lane].per_irradiance(ray.direction));
+        }
     }
-}
-
-void DirectLight::aim_at_world_image(const LitSurface& surface, const PairIndex& pair, float share,
-                                     ShadowRays& shadow) const {
-    const World& world = scene_.world();
-    for (std::size_t index = 0; index < surface.points.size(); ++index) {
-        const SurfacePoint& point = surface.points[index];
-        const World::DirectionSample sample =
-            world.sample(pixel_pair(point.pixel_seed, pair.sample_index, pair.pair_index + 1));
-        const float cosine = glm::dot(point.shading.shading_normal, sample.direction);
-        if (cosine <= 0.0f || sample.pdf_per_sr <= 0.0f)
-            continue;
-        const float weight =
-            power_share(sample.pdf_per_sr, cosine_hemisphere_pdf_per_sr(cosine)) * cosine / sample.pdf_per_sr;
-        shadow.push(shadow_ray(point, sample.direction), share * weight * sample.radiance, index);
-        if (surface.lobes != nullptr && !(*surface.lobes)[index].lobes.empty())
-            shadow.reflected[shadow.count - 1] = reflected_of_world((*surface.lobes)[index], sample.direction,
-                                                                    share * sample.radiance, cosine, sample.pdf_per_sr);
-    }
-}
-
-void DirectLight::aim_at_world_lobes(const LitSurface& surface, const PairIndex& pair, float share,
-                                     ShadowRays& shadow) const {
-    for (std::size_t index = 0; index < surface.points.size(); ++index) {
-        const LobeSet& lobes = (*surface.lobes)[index];
-        const SurfacePoint& point = surface.points[index];
-        if (!lobes.has_directions())
-            continue;
-        const vec3 direction = lobes.sample(pixel_pair(point.pixel_seed, pair.sample_index, pair.pair_index + 2));
-        const float cosine = glm::dot(point.shading.shading_normal, direction);
-        if (!(cosine > 0.0f)) // nor what is no direction
-            continue;
-        const Rgb reflected = reflected_of_world(lobes, direction, share * scene_.world().radiance(direction), cosine,
-                                                 lobes.pdf_per_sr(direction));
-        if (reflected != Rgb(0.0f))
-            shadow.push(shadow_ray(point, direction), Rgb(0.0f), index, reflected);
+    if (alone == 0)
+        return;
+    std::array<std::uint32_t, most_points> seeds{};
+    std::array<vec2, most_points> u;
+    for (std::size_t index = 0; index < surface.points.size(); ++index)
+        seeds[index] = surface.points[index].pixel_seed;
+    pixel_pairs(seeds, pair.sample_index, pair.pair_index, u);
+    for (LaneSet left = alone; left != 0; left &= left - 1) {
+        const auto index = static_cast<std::size_t>(std::countr_zero(left));
+        aim_by_strategies(surface.points[index], surface.lobes != nullptr ? (*surface.lobes)[index] : LobeSet{},
+                          u[index], share, index, shadow);
     }
 }
 
@@ -84,16 +110,6 @@ void DirectLight::add_world(const LitSurface& surface, const PairIndex& pair, fl
     ShadowRays shadow;
     aim_at_world(surface, pair, share, shadow);
     add_from_world(shadow, irradiance);
-    if (scene_.world().has_image()) {
-        shadow.count = 0;
-        aim_at_world_image(surface, pair, share, shadow);
-        add_from_world(shadow, irradiance);
-    }
-    if (surface.lobes != nullptr) {
-        shadow.count = 0;
-        aim_at_world_lobes(surface, pair, share, shadow);
-        add_from_world(shadow, irradiance);
-    }
 }
 
 /// One ray at a time: in packets, rays into all directions are slower.

@@ -54,4 +54,42 @@ LampHit lamp_hit(const LightAim::Form& form, const vec3& position, const vec3& d
         return {};
     return {far_m, far_m * far_m / (pi * radius2 * cosine), 1.0f / (pi * radius2)};
 }
+
+/// Of directions that lobes draw: nothing is denser, roughly.
+static float most_pdf_per_sr(const LobeSet& set) {
+    float sum = 0.0f, all = 0.0f;
+    for (const Lobe& lobe : set.lobes) {
+        if (lobe.sampling <= 0.0f)
+            continue;
+        if (lobe.kind != Lobe::Kind::Ggx)
+            return std::numeric_limits<float>::infinity();
+        const vec3& normal = lobe.has_own_normal() ? lobe.normal : set.normal;
+        const float cosine = std::max(glm::dot(normal, set.outgoing), 0.0f), alpha2 = lobe.alpha * lobe.alpha;
+        // Where the facet is the surface's own: ggx::reflected_pdf_per_sr, without the quotient of two zeros.
+        const float seen = 0.5f / (cosine + std::sqrt(cosine * cosine + alpha2 * (1.0f - cosine * cosine)));
+        sum += lobe.sampling * seen / (pi * alpha2);
+        all += lobe.sampling;
+    }
+    return all > 0.0f ? sum / all : 0.0f;
+}
+
+bool lobes_may_find(const LightAim::Form& form, const vec3& position, const LobeSet& lobes) {
+    constexpr float hardly = 0.1f; // a hundredth of the power heuristic's weight
+    float least_pdf = 0.0f;        // of aimed rays
+    if (form.kind == Kind::Area)
+        return false;
+    if (form.kind == Kind::SunCone)
+        least_pdf = form.cone > 0.0f ? uniform_cone_pdf_per_sr(form.cone) : 0.0f;
+    else if (form.kind == Kind::SunDisc)
+        least_pdf = form.cone > 0.0f ? 1.0f / (pi * form.cone * form.cone) : 0.0f;
+    else {
+        const vec3 way = form.position - position;
+        const float distance2 = glm::dot(way, way), radius2 = form.radius_m * form.radius_m;
+        if (distance2 <= radius2)
+            return true;
+        if (radius2 > 0.0f)
+            least_pdf = (distance2 - radius2) / (pi * radius2);
+    }
+    return !(most_pdf_per_sr(lobes) <= hardly * least_pdf);
+}
 } // namespace tyndall::render

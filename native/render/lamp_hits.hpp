@@ -2,6 +2,7 @@
 // What a ray that was not aimed at a lamp finds of it: the other half of light_aim.hpp, for what lobes mirror.
 #pragma once
 #include "render/light_aim.hpp"
+#include "shading/lobes/lobe_set.hpp"
 
 namespace tyndall::render {
 struct LampHit {
@@ -12,4 +13,7 @@ struct LampHit {
 /// From a point, in a unit direction; a lamp without a size, one that the point is inside of, and an area light are never
 /// hit: aimed rays alone tell what lobes mirror of these.
 [[nodiscard]] LampHit lamp_hit(const LightAim::Form& form, const vec3& position, const vec3& direction);
+/// False: rays aimed at the lamp are so much denser than directions that lobes draw, everywhere on it, that these would
+/// hardly count beside those: then aimed rays alone tell what lobes mirror, too.
+[[nodiscard]] bool lobes_may_find(const LightAim::Form& form, const vec3& position, const LobeSet& lobes);
 } // namespace tyndall::render

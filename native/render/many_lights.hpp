@@ -33,6 +33,8 @@ public:
     };
     /// By numbers in [0, 1). Nothing: no light comes from there.
     [[nodiscard]] std::optional<Aimed> aim(const SurfacePoint& point, float u_choice, vec2 u_place) const;
+    /// False: the ray misses all triangles, whatever stands before them.
+    [[nodiscard]] bool may_meet_triangle(const Ray& ray) const;
     /// A ray from the point that met a triangle: what it brings, and with which density aim() takes it; else nothing.
     [[nodiscard]] std::optional<Aimed> met(const SurfacePoint& point, const Ray& ray, const Hit& hit) const;
 
@@ -50,6 +52,7 @@ private:
     const Scene& scene_;
     std::vector<std::uint32_t> lamps_;
     MeshEmitters emitters_;
-    LightTree tree_; ///< Lamps first.
+    LightTree tree_;                      ///< Lamps first.
+    std::vector<Bounds3> triangle_boxes_; ///< Around all triangles: one for each object that glows, or one for many.
 };
 } // namespace tyndall::render

@@ -10,6 +10,8 @@ struct SurfacePoint {
     SpawnPoint spawn;
     bool is_smooth;           ///< Has normals of its own: shadow rays may have to be lifted.
     std::uint32_t pixel_seed; ///< Of the pixel whose random numbers it takes.
+    float lambert_share =
+        1.0f; ///< Of light, that Lambert's part of it sends back: beside it lobes have their directions.
 };
 [[nodiscard]] inline SurfacePoint surface_point(const Scene& scene, const Ray& ray, const Hit& hit,
                                                 std::uint32_t pixel_seed) {

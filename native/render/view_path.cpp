@@ -224,6 +224,7 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
                 const Rgb albedo = closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
                 const Rgb seen = is_in_mirror ? Rgb(0.0f) : throughput;
                 walked->points.push_back(point);
+                walked->points.back().lambert_share = average(closures.diffuse_albedo);
                 walked->shades.push_back(
                     {seen, throughput * albedo, seen * (1.0f - closures.transparent), rays.targets[follower.index]});
                 if (!lobes.empty())

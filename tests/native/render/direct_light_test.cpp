@@ -68,7 +68,7 @@ TEST_CASE("an image of the world lights a plane by its integral over the hemisph
     const glm::dvec3 truth = irradiance_by_quadrature(scene.world());
     for (int channel = 0; channel < 3; ++channel) {
         const double sigma = std::sqrt(variance[channel] / (run_count - 1));
-        CHECK(sigma < 2e-3 * truth[channel]);
+        CHECK(sigma < 3e-3 * truth[channel]); // with one ray a sample
         CHECK(std::abs(mean[channel] - truth[channel]) < 4.0 * sigma + 1e-4 * truth[channel]);
     }
 }

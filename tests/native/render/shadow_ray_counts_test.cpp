@@ -59,9 +59,18 @@ TEST_CASE("each light gets its own number, and pixels without light have no say"
     CHECK(render::best_ray_counts({}, {8.0, {1.0, 1.0}}) == std::vector<std::uint32_t>{1, 1});
 }
 
+TEST_CASE("rays are doubled only where that saves as much of the noise as is asked") {
+    const std::array pixels{render::PixelVariances{.of_camera = 0.0, .of_light = {1.0}}};
+    // Of camera rays as long as 8 shadow rays: 2 save 25 % of the noise in a fixed time, 4 again 23 %, 8 18, 16 13.
+    CHECK(render::best_ray_counts(pixels, {8.0, {1.0}}).front() == 16);
+    CHECK(render::best_ray_counts(pixels, {8.0, {1.0}, {0.15}}).front() == 8);
+    CHECK(render::best_ray_counts(pixels, {8.0, {1.0}, {0.2}}).front() == 4);
+    CHECK(render::best_ray_counts(pixels, {8.0, {1.0}, {0.5}}).front() == 1);
+}
+
 TEST_CASE("under an open sky one ray says all, below a slit it takes many") {
     CHECK(rays_to_sky(*room_under_sky(false)).of_light.back() == 1);
-    CHECK(rays_to_sky(*room_under_sky(true)).of_light.back() >= 8);
+    CHECK(rays_to_sky(*room_under_sky(true)).of_light.back() >= 4);
 }
 
 TEST_CASE("blades of grass in bright fog are edges between more and less of it, which no shadow ray smooths") {
