@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/lamp_hits.hpp"
 #include "core/sampling.hpp"
+#include "scene/area_light.hpp"
+#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -27,11 +29,44 @@ static LampHit sun_hit(const LightAim::Form& form, const vec3& direction) {
     return {far_m, pdf, form.weight * pdf};
 }
 
+/// The densities are those of light_aim_area-inl.hpp: even over the directions of what is seen of the light's box, or from
+/// afar over the places of that, or of a whole ellipse.
+static LampHit area_hit(const LightAim::Form& form, const vec3& position, const vec3& direction) {
+    const dvec3 way(position - form.position);
+    const double height = -glm::dot(way, dvec3(form.area_axes[2]));
+    const double cosine = glm::dot(dvec3(direction), dvec3(form.area_axes[2]));
+    if (!(height > 0.0) || !(cosine > 0.0))
+        return {};
+    const double far_m = height / cosine;
+    const auto in_plane = [&](const dvec3& v) {
+        return dvec2(glm::dot(v, dvec3(form.area_axes[0])), glm::dot(v, dvec3(form.area_axes[1])));
+    };
+    const dvec2 foot = in_plane(way), beside = far_m * in_plane(dvec3(direction)), half(form.half_size_m);
+    const dvec2 reach(form.spread.cotangent > 0.0f ? height / double{form.spread.cotangent} : INFINITY);
+    const dvec2 low = glm::max(-half - foot, -reach), high = glm::min(half - foot, reach);
+    const dvec2 on_unit = (foot + beside) / half;
+    if (beside.x < low.x || beside.y < low.y || beside.x > high.x || beside.y > high.y ||
+        (form.is_ellipse && glm::dot(on_unit, on_unit) > 1.0))
+        return {};
+    const dvec2 size = high - low, away = glm::max(glm::abs(foot) - half, dvec2(0.0)), across = glm::abs(foot) + half;
+    const bool is_whole = size.x > 1.9999 * half.x && size.y > 1.9999 * half.y;
+    const bool is_far =
+        glm::dot(across, across) + height * height < double{area_far_ratio} * (glm::dot(away, away) + height * height);
+    const double solid_angle_sr = rectangle_solid_angle_sr(low, high, height), m2_per_sr = far_m * far_m / cosine;
+    const double pdf_per_sr = form.is_ellipse && is_whole && is_far           ? double{form.per_area_m2} * m2_per_sr
+                              : solid_angle_sr < double{least_solid_angle_sr} ? m2_per_sr / (size.x * size.y)
+                                                                              : 1.0 / solid_angle_sr;
+    const double lobe =
+        double{form.spread.gain} * std::max(0.0, 1.0 - double{form.spread.cotangent} * glm::length(beside) / height);
+    return {static_cast<float>(far_m), static_cast<float>(pdf_per_sr),
+            static_cast<float>(double{form.per_area_m2} * lobe)};
+}
+
 LampHit lamp_hit(const LightAim::Form& form, const vec3& position, const vec3& direction) {
     if (form.kind == Kind::SunCone || form.kind == Kind::SunDisc)
         return sun_hit(form, direction);
     if (form.kind == Kind::Area)
-        return {};
+        return area_hit(form, position, direction);
     const vec3 way = form.position - position;
     const float distance2 = glm::dot(way, way), radius2 = form.radius_m * form.radius_m;
     if (!(radius2 > 0.0f) || distance2 <= 0.0f)

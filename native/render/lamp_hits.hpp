@@ -10,8 +10,8 @@ struct LampHit {
     float pdf_per_sr = 0.0f;            ///< With which LightAim::aim takes this direction; 0: the ray misses the lamp.
     float radiance_per_strength = 0.0f; ///< Without a spot's cone, 1/(m^2 sr), of a sun 1/sr.
 };
-/// From a point, in a unit direction; a lamp without a size, one that the point is inside of, and an area light are never
-/// hit: aimed rays alone tell what lobes mirror of these.
+/// From a point, in a unit direction; a lamp without a size, and one that the point is inside of, are never hit: aimed rays
+/// alone tell what lobes mirror of these.
 [[nodiscard]] LampHit lamp_hit(const LightAim::Form& form, const vec3& position, const vec3& direction);
 /// False: rays aimed at the lamp are so much denser than directions that lobes draw, everywhere on it, that these would
 /// hardly count beside those: then aimed rays alone tell what lobes mirror, too.

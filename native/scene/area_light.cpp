@@ -37,21 +37,26 @@ vec3 area_point(const Light& light, vec2 u) {
     return light.position + place.x * axes[0] + place.y * axes[1];
 }
 
+/// Solid angle of the corner region between the point's foot and (x, y).
+static double corner_angle_sr(double x, double y, double height) {
+    return std::atan2(x * y, height * std::sqrt(x * x + y * y + height * height));
+}
+
+double rectangle_solid_angle_sr(const dvec2& low, const dvec2& high, double height) {
+    const double from = corner_angle_sr(low.x, high.y, height) - corner_angle_sr(low.x, low.y, height);
+    return corner_angle_sr(high.x, high.y, height) - corner_angle_sr(high.x, low.y, height) - from;
+}
+
 namespace {
 /// A rectangle as seen from a point: its plane lies at z = height.
 struct SeenRectangle {
     dvec2 low, high;
     double height;
 
-    /// Of the corner region between the point's foot and (x, y).
-    [[nodiscard]] double angle(double x, double y) const {
-        return std::atan2(x * y, height * std::sqrt(x * x + y * y + height * height));
-    }
     /// [Urena 2013] fig. 3: b_0 and b_1 are here those of the lower and of the upper edge.
     [[nodiscard]] dvec2 sample(vec2 u, double& solid_angle) const {
-        const double from = angle(low.x, high.y) - angle(low.x, low.y),
-                     to = angle(high.x, high.y) - angle(high.x, low.y);
-        solid_angle = to - from;
+        const double from = corner_angle_sr(low.x, high.y, height) - corner_angle_sr(low.x, low.y, height);
+        solid_angle = rectangle_solid_angle_sr(low, high, height);
         if (solid_angle < least_solid_angle_sr)
             return glm::mix(low, high, dvec2(u));
         const double turn = from + double{u.x} * solid_angle;

@@ -30,6 +30,9 @@ inline constexpr float area_far_ratio = 2.0f;
 /// Below it, a rectangle's solid angle is not known well enough from four arctangents: its area is sampled.
 inline constexpr float least_solid_angle_sr = 0.01f;
 
+/// Of a rectangle in a plane `height` away: its corners are told from the point's foot in that plane.
+[[nodiscard]] double rectangle_solid_angle_sr(const dvec2& low, const dvec2& high, double height);
+
 /// A place on it for one receiver.
 struct AreaPoint {
     vec3 position;
