@@ -57,8 +57,10 @@ const Painted* mesh(std::int64_t which) {
 std::shared_ptr<const FilteredTexture> noise() {
     Texture texture{.name = "noise", .width = 1024, .height = 1024};
     std::mt19937 random(1);
+    std::vector<std::uint8_t> texels;
     for (std::uint32_t byte = 0; byte < 4 * texture.width * texture.height; ++byte)
-        texture.bytes.push_back(static_cast<std::uint8_t>(random() >> 24));
+        texels.push_back(static_cast<std::uint8_t>(random() >> 24));
+    texture.bytes = std::move(texels);
     return std::make_shared<FilteredTexture>(std::make_shared<Texture>(std::move(texture)));
 }
 } // namespace

@@ -31,8 +31,10 @@ Layer diffusion_layer(std::size_t constraint_count) {
 TransferFunction five_layers() {
     std::mt19937 random(2);
     Texture image{.name = "image", .width = 512, .height = 512};
+    std::vector<std::uint8_t> texels;
     for (std::size_t i = 0; i < std::size_t{4} * 512 * 512; ++i)
-        image.bytes.push_back(static_cast<std::uint8_t>(random()));
+        texels.push_back(static_cast<std::uint8_t>(random()));
+    image.bytes = std::move(texels);
     const std::vector<vec4> ramp{{0.0f, 0.1f, 0.4f, 1.0f}, {0.9f, 0.4f, 0.1f, 0.6f}, {1.0f, 0.9f, 0.6f, 1.0f}};
     return {
         .name = "five layers",

@@ -121,6 +121,9 @@ class Viewport:
             self._slice_s *= 2.0
             self._read_s += time.monotonic() - started
             engine.tag_redraw()
+        except OSError as error:  # no room for textures that memory has none for
+            self._is_scene_outdated = False
+            self.worker.fail(str(error))
         else:
             self._slice_s = SLICE_S
             self._is_scene_outdated = False

@@ -150,6 +150,10 @@ class ViewportWorker:
             self._changed.notify()
         self.poll()
 
+    def fail(self, message: str) -> None:
+        """What the scene could not be read for goes on the screen."""
+        self._publish(None, message)
+
     def poll(self) -> bool:
         """Call it often: stops what is outdated. Whether picture or status changed since the last call."""
         with self._changed:

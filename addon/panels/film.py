@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Render properties: film and threads."""
+"""Render properties: film, threads and memory."""
 
 from __future__ import annotations
 
@@ -33,6 +33,9 @@ class TYNDALL_PT_performance(PropertiesPanel, Panel):
         layout.prop(settings, "thread_count")
         if settings.thread_count == 0:
             layout.label(text="All threads of this machine", icon="INFO")
+        layout.prop(settings, "texture_budget_mib")
+        if settings.texture_budget_mib == 0:
+            layout.label(text="Up to half of this machine's memory", icon="INFO")
 
 
 CLASSES = (TYNDALL_PT_film, TYNDALL_PT_performance)

@@ -131,6 +131,18 @@ class TyndallSceneSettings(PropertyGroup):
         update=tag,
         override=OVERRIDABLE,
     )
+    texture_budget_mib: IntProperty(
+        name="Textures, MiB",
+        description="Memory for the images of materials. Images beyond it go to a file in Blender's temporary folder, "
+        "of which the parts in use stay in memory: the picture is the same, at the cost of time. "
+        "0 takes up to half of the machine's memory",
+        min=0,
+        max=2**30,
+        soft_max=65536,
+        default=0,
+        update=tag,
+        override=OVERRIDABLE,
+    )
     shafts: PointerProperty(
         name="Light Shafts",
         description="How light that media scatter is computed",

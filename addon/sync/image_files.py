@@ -37,14 +37,8 @@ def is_of_floats(path: Path) -> bool:
 
 
 def read_file(path: Path) -> NDArray[np.float32]:
-    """(height, width, 4) as the file has it. Raises OSError."""
+    """(height, width, channels) as the file has it. Raises OSError."""
     from tyndall import _image_io
 
     stored, names, _ = _image_io.read(path)
-    stored = np.asarray(stored, np.float32).reshape(*stored.shape[:2], -1)
-    pixels = np.ones((*stored.shape[:2], 4), np.float32)
-    is_grey = len(names) <= 2  # noqa: PLR2004  and its alpha
-    pixels[..., :3] = stored[..., :1] if is_grey else stored[..., :3]
-    if len(names) in {2, 4}:
-        pixels[..., 3] = stored[..., -1]
-    return pixels
+    return np.asarray(stored, np.float32).reshape(*stored.shape[:2], len(names))

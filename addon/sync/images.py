@@ -6,14 +6,16 @@ from __future__ import annotations
 import hashlib
 import zlib
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
 
+from tyndall._native import texel_array
 from tyndall.scene_description import Image
 
 from .image_files import frame_file, is_of_floats, read_file, tile_files
+from .texture_budget import TextureBudget
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from .reports import Reports
 
 MAGENTA = (1.0, 0.0, 1.0)  #: What Cycles draws for a missing image.
+_ROWS_AT_ONCE = 1 << 20  #: Values of an image that are computed together.
 _SRGB = {"sRGB"}
 _LINEAR = {"Linear", "Linear Rec.709", "Non-Color", "Raw", "Generic Data"}
 
@@ -31,10 +34,14 @@ class ImageReader:
     def __init__(self) -> None:
         self._kept: dict[str, Image] = {}
         self._used: set[str] = set()
+        self._budget = TextureBudget()
         self._held_files: dict[str, Path] | None = None
 
-    def start_frame(self) -> None:
+    def start_frame(self, budget_bytes: int = 0) -> None:
+        """``budget_bytes``: of memory; what is beyond it goes to a file. 0: everything stays in memory."""
         self._used.clear()
+        if not self._budget.start_frame(budget_bytes):
+            self._kept.clear()
 
     def end_frame(self) -> None:
         """Forgets the images that this frame did not use."""
@@ -52,39 +59,52 @@ class ImageReader:
         *,
         associated: bool = False,
         user: bpy.types.ImageUser | None = None,
+        stays_whole: bool = True,
     ) -> Image | None:
         """None for an image that cannot be had, with a report. ``associated``: colours are multiplied with alpha.
 
-        ``user`` says which frame of a sequence.
+        ``user`` says which frame of a sequence. Without ``stays_whole`` it may lie in a file. Raises IoError where
+        that has no room.
         """
         if image is None:
             reports.add(culprit, "an image node without an image is magenta")
             return None
         original = image.original
         if original.source == "SEQUENCE" and user is not None:
-            return self._read_file(original, self._frame_file(image, user), reports, culprit, associated=associated)
-        if original.size[0] * original.size[1] == 0:
-            reports.add(culprit, f'image "{original.name}" is missing ({_place(original)}): magenta')
-            return None
-        if original.source in {"SEQUENCE", "MOVIE"}:
-            reports.add(culprit, f'image "{original.name}" is a {original.source.lower()}: its first frame is drawn')
-        elif original.source == "TILED":
-            reports.add(culprit, f'image "{original.name}" has tiles: the first is drawn everywhere')
-        _note_space(original, reports, culprit, is_float=original.is_float)
-        key = _key(original, associated=associated)
-        if key not in self._kept:
-            pixels = _floats(original)
-            self._kept[key] = _as_read(original, pixels, key, associated=associated, is_float=original.is_float)
-        self._used.add(key)
-        return self._kept[key]
+            path = self._frame_file(image, user)
+            return self._read_file(original, path, reports, culprit, associated=associated, stays_whole=stays_whole)
+        was_loaded = original.has_data  # all that follows makes Blender load it
+        file_key = _file_key(original, associated=associated)
+        found = self._kept.get(file_key or "")
+        if found is None:
+            if original.size[0] * original.size[1] == 0:
+                reports.add(culprit, f'image "{original.name}" is missing ({_place(original)}): magenta')
+                return None
+            if original.source in {"SEQUENCE", "MOVIE"}:
+                reports.add(
+                    culprit, f'image "{original.name}" is a {original.source.lower()}: its first frame is drawn'
+                )
+            elif original.source == "TILED":
+                reports.add(culprit, f'image "{original.name}" has tiles: the first is drawn everywhere')
+            key = file_key or _key(original, associated=associated)
+            found = self._kept.get(key)
+            if found is None:
+                floats, is_float = _floats(original), original.is_float
+                if file_key is not None and not was_loaded:
+                    original.buffers_free()  # Blender reads it again when it wants it
+                found = _as_read(original, floats, key, associated=associated, is_float=is_float)
+        else:
+            key = file_key or ""
+        _note_space(original, reports, culprit, is_float=found.is_float)
+        return self._use(key, found, stays_whole=stays_whole)
 
     def read_tiles(
         self, image: bpy.types.Image, reports: Reports, culprit: str, *, associated: bool = False
     ) -> dict[tuple[int, int], Image]:
-        """By column and row: those that can be had, with a report for each that cannot."""
+        """By column and row: those that can be had, with a report for each that cannot. Raises IoError as read."""
         tiles = {}
         for place, path in tile_files(image.original).items():
-            tile = self._read_file(image.original, path, reports, culprit, associated=associated)
+            tile = self._read_file(image.original, path, reports, culprit, associated=associated, stays_whole=False)
             if tile is not None:
                 tiles[place] = tile
         return tiles
@@ -99,7 +119,14 @@ class ImageReader:
         return self._held_files[key]
 
     def _read_file(
-        self, image: bpy.types.Image, path: Path, reports: Reports, culprit: str, *, associated: bool
+        self,
+        image: bpy.types.Image,
+        path: Path,
+        reports: Reports,
+        culprit: str,
+        *,
+        associated: bool,
+        stays_whole: bool,
     ) -> Image | None:
         key = repr([image.name_full, str(path), image.colorspace_settings.name, image.alpha_mode, associated])
         try:
@@ -108,12 +135,18 @@ class ImageReader:
         except OSError:
             reports.add(culprit, f'image "{image.name}" is missing ({path.name}): magenta')
             return None
-        _note_space(image, reports, culprit, is_float=is_of_floats(path))
-        if pixels is not None:
-            is_float = is_of_floats(path)
-            self._kept[key] = _as_read(image, pixels, key, associated=associated, is_float=is_float)
+        is_float = is_of_floats(path)
+        _note_space(image, reports, culprit, is_float=is_float)
+        found = self._kept.get(key)
+        if pixels is not None or found is None:
+            found = _as_read(image, pixels, key, associated=associated, is_float=is_float)
+        return self._use(key, found, stays_whole=stays_whole)
+
+    def _use(self, key: str, image: Image, *, stays_whole: bool) -> Image:
+        self._kept[key] = image
         self._used.add(key)
-        return self._kept[key]
+        self._budget.use(image, stays_whole=stays_whole)
+        return image
 
 
 def _note_space(image: bpy.types.Image, reports: Reports, culprit: str, *, is_float: bool) -> None:
@@ -133,8 +166,19 @@ def _place(image: bpy.types.Image) -> str:
     return image.filepath or image.source.lower()
 
 
+def _file_key(image: bpy.types.Image, *, associated: bool) -> str | None:
+    """Of an image that is what its file has, found without loading it; None of any other."""
+    if image.source != "FILE" or image.packed_file or image.is_dirty:
+        return None
+    path = Path(bpy.path.abspath(image.filepath, library=image.library))
+    if not path.is_file():
+        return None
+    settings = (image.colorspace_settings.name, image.alpha_mode, associated)
+    return repr([image.name_full, image.filepath, *settings, path.stat().st_mtime_ns])
+
+
 def _key(image: bpy.types.Image, *, associated: bool) -> str:
-    """Changes when the pixels do: files by their time, painted and generated images by their pixels."""
+    """Of any other, which changes when the pixels do: of painted and generated images it is made of them."""
     parts: list[object] = [
         image.name_full,
         image.filepath,
@@ -149,45 +193,53 @@ def _key(image: bpy.types.Image, *, associated: bool) -> str:
         parts.append(image.packed_file.size)
         if image.is_float:  # Blender packs them uncompressed: one that was fitted or painted anew has its old size
             parts.append(zlib.crc32(image.packed_file.data))
-    else:
-        path = Path(bpy.path.abspath(image.filepath, library=image.library))
-        parts.append(path.stat().st_mtime_ns if path.is_file() else 0)
     return repr(parts)
 
 
 def _floats(image: bpy.types.Image) -> NDArray[np.float32]:
-    """(height, width, 4), whatever the channels; Blender loads the pixels if it must."""
+    """(height, width, channels); Blender loads the pixels if it must."""
     width, height, channels = image.size[0], image.size[1], image.channels
     flat = np.empty(width * height * channels, np.float32)
     image.pixels.foreach_get(flat)
-    stored = flat.reshape(height, width, channels)
-    if channels == len("RGBA"):
-        return stored
-    pixels = np.ones((height, width, 4), np.float32)
-    pixels[..., :3] = stored[..., :3] if channels == len("RGB") else stored[..., :1]
-    if channels == len("YA"):
-        pixels[..., 3] = stored[..., 1]
+    return flat.reshape(height, width, channels)
+
+
+def _rgba(stored: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Of any number of channels: grey, grey and alpha, colour, colour and alpha. A copy."""
+    channels = stored.shape[2]
+    pixels = np.ones((*stored.shape[:2], 4), np.float32)
+    pixels[..., :3] = stored[..., :3] if channels >= len("RGB") else stored[..., :1]
+    if channels in {len("YA"), len("RGBA")}:
+        pixels[..., 3] = stored[..., -1]
     return pixels
 
 
 def _as_read(
-    image: bpy.types.Image, floats: NDArray[np.float32], key: str, *, associated: bool, is_float: bool
+    image: bpy.types.Image, stored: NDArray[np.float32], key: str, *, associated: bool, is_float: bool
 ) -> Image:
-    """Blender keeps float pixels multiplied with alpha, others not; Cycles multiplies those while they are encoded."""
-    alpha = floats[..., 3:]
-    has_alpha = image.alpha_mode not in {"NONE", "CHANNEL_PACKED"} and bool((alpha < 1.0).any())
-    if has_alpha and associated and not is_float:
-        floats[..., :3] *= alpha
-    if has_alpha and is_float and not associated:
-        np.divide(floats[..., :3], alpha, out=floats[..., :3], where=alpha > 0.0)
-    # Nothing reads the alpha of associated colours, and the core must not divide them by it.
-    keeps_alpha = not associated and image.alpha_mode != "NONE" and bool((alpha < 1.0).any())
-    if is_float:
-        return Image(key=key, name=image.name, pixels=floats, is_srgb=False, has_alpha=keeps_alpha)
+    """Blender keeps float pixels multiplied with alpha, others not; Cycles multiplies those while they are encoded.
+
+    A few rows at a time: of a large image nothing but ``stored`` and the texels is in memory.
+    """
+    height, width, channels = stored.shape
+    step = max(1, _ROWS_AT_ONCE // (width * channels))
+    blocks = [slice(first, first + step) for first in range(0, height, step)]
+    is_seen_through = channels in {len("YA"), len("RGBA")} and any((stored[rows, :, -1] < 1.0).any() for rows in blocks)
+    has_alpha = is_seen_through and image.alpha_mode not in {"NONE", "CHANNEL_PACKED"}
+    texels: NDArray[Any] = texel_array(height, width, is_float)
+    for rows in blocks:
+        pixels = _rgba(stored[rows])
+        alpha = pixels[..., 3:]
+        if has_alpha and associated and not is_float:
+            pixels[..., :3] *= alpha
+        if has_alpha and is_float and not associated:
+            np.divide(pixels[..., :3], alpha, out=pixels[..., :3], where=alpha > 0.0)
+        texels[rows] = pixels if is_float else np.rint(np.clip(pixels, 0.0, 1.0) * 255.0)
     return Image(
         key=key,
         name=image.name,
-        pixels=np.rint(np.clip(floats, 0.0, 1.0) * 255.0).astype(np.uint8),
-        is_srgb=image.colorspace_settings.name not in _LINEAR,
-        has_alpha=keeps_alpha,
+        pixels=texels,
+        is_srgb=not is_float and image.colorspace_settings.name not in _LINEAR,
+        # Nothing reads the alpha of associated colours, and the core must not divide them by it.
+        has_alpha=is_seen_through and not associated and image.alpha_mode != "NONE",
     )

@@ -29,6 +29,7 @@ from .relit_scene import MovedMesh, Name, ReadScene, is_light, light_names, link
 from .reports import Reports
 from .seen_camera import seen_camera
 from .strands import StrandReader, is_strands
+from .texture_budget import budget_bytes
 from .volume_sources import is_volume
 from .volumes import VolumeReader
 from .voxel_objects import VoxelReader, without_and_with_voxels
@@ -107,7 +108,7 @@ class SceneReader:
         self._last = None
         self._moved.clear()
         self._forget_stale(depsgraph, is_live=is_live)
-        self._images.start_frame()
+        self._images.start_frame(budget_bytes(depsgraph.scene_eval))
         self._masks.start_frame()
         poll()
         layer = depsgraph.view_layer_eval

@@ -140,7 +140,7 @@ def _texels(value: NDArray[Any], size: tuple[int, int]) -> NDArray[np.float32]:
 
 def _largest(images: list[Image]) -> tuple[int, int]:
     """Height and width that every picture is taken at."""
-    sizes = [image.pixels.shape[:2] for image in images]
+    sizes = [image.shape[:2] for image in images]
     return max((height for height, _ in sizes), default=1), max((width for _, width in sizes), default=1)
 
 
@@ -170,7 +170,7 @@ def _answer(op: SurfaceOp, read: Read) -> NDArray[Any]:
 
 
 def _alpha(image: Image) -> NDArray[Any]:
-    alpha = image.pixels[..., 3:] if image.has_alpha else np.ones((*image.pixels.shape[:2], 1), np.float32)
+    alpha = image.pixels[..., 3:] if image.has_alpha else np.ones((*image.shape[:2], 1), np.float32)
     return np.repeat(alpha / np.float32(255.0) if alpha.dtype == np.uint8 else alpha, 3, axis=2)
 
 

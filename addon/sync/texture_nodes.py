@@ -100,7 +100,12 @@ def image_use(reader: ValueReader, at: Socket) -> TextureUse | Value:
     # Cycles divides colours by alpha only for nodes whose Alpha output is in use.
     uses_alpha = any(socket.identifier == "Alpha" and socket.is_linked for socket in node.outputs)
     image = reader.images.read(
-        node.image, reader.reports, reader.culprit, associated=not uses_alpha, user=node.image_user
+        node.image,
+        reader.reports,
+        reader.culprit,
+        associated=not uses_alpha,
+        user=node.image_user,
+        stays_whole=reader.domain is not Domain.SURFACE,
     )
     return MAGENTA if image is None else _use_of(image, node)
 

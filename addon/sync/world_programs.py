@@ -104,7 +104,7 @@ def image_width(program: Program, background: Value, *, has_sharp_disc: bool) ->
     for place in _read_by(program.ops, background.place):
         op = program.ops[place]
         if op.code is Code.ENVIRONMENT_AT:
-            width = max(width, textures[op.texture].image.pixels.shape[1])
+            width = max(width, textures[op.texture].image.shape[1])
     return min(width, _LARGEST_WIDTH)
 
 

@@ -32,6 +32,7 @@ struct SceneWithMedia {
 };
 
 void bind_core(py::module_& native);
+void bind_textures(py::module_& native);
 void bind_materials(py::module_& native);
 void bind_occluder_edits(py::module_& native);
 void bind_light_textures(py::module_& native);

@@ -12,24 +12,6 @@
 namespace tyndall::bindings {
 using namespace py::literals;
 
-static std::shared_ptr<Texture> make_texture(std::string name, const py::array& pixels, bool is_srgb, bool has_alpha,
-                                             int extension, int interpolation) {
-    auto texture = std::make_shared<Texture>();
-    if (pixels.dtype().kind() == 'u')
-        texture->bytes = to_vector<std::uint8_t, std::uint8_t>(pixels, {-1, -1, 4}, "pixels");
-    else
-        texture->floats = to_vector<float, float>(pixels, {-1, -1, 4}, "pixels");
-    require(pixels.size() > 0, "image \"", name, "\" has no pixels");
-    texture->name = std::move(name);
-    texture->height = static_cast<std::uint32_t>(pixels.shape(0));
-    texture->width = static_cast<std::uint32_t>(pixels.shape(1));
-    texture->is_srgb = is_srgb;
-    texture->has_alpha = has_alpha;
-    texture->extension = static_cast<TextureExtension>(extension);
-    texture->interpolation = static_cast<TextureInterpolation>(interpolation);
-    return texture;
-}
-
 static SurfaceOp make_op(int code, std::uint16_t out, std::uint16_t a, std::uint16_t b, std::uint16_t c,
                          std::uint16_t d, std::uint16_t e, std::uint16_t f, std::uint8_t option, std::uint8_t selector,
                          std::uint16_t texture, std::uint16_t uv_map, std::uint16_t table, std::uint8_t shift,
@@ -152,9 +134,6 @@ static Medium make_medium(std::string name, const std::vector<std::pair<Triple, 
 }
 
 void bind_materials(py::module_& native) {
-    py::class_<Texture, std::shared_ptr<Texture>>(native, "Texture", "An image as one node uses it; keeps a copy.")
-        .def(py::init(&make_texture), "name"_a, "pixels"_a, "is_srgb"_a, "has_alpha"_a, "extension"_a,
-             "interpolation"_a, "pixels: uint8 or float32 (height, width, 4), rows bottom to top.");
     py::class_<SurfaceOp>(native, "SurfaceOp")
         .def(py::init(&make_op), "code"_a, "out"_a, "a"_a, "b"_a, "c"_a, "d"_a, "e"_a, "f"_a, "option"_a, "selector"_a,
              "texture"_a, "uv_map"_a, "table"_a, "shift"_a, "value"_a, "uv_matrix"_a);

@@ -10,6 +10,7 @@ PYBIND11_MODULE(_native, native) {
     py::register_exception<IoError>(native, "IoError", PyExc_OSError);
     py::register_exception<Cancelled>(native, "Cancelled", PyExc_Exception);
     bind_core(native);
+    bind_textures(native);
     bind_materials(native);
     bind_occluder_edits(native);
     bind_light_textures(native);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "image/filtered_texture.hpp"
+#include "core/errors.hpp"
 #include "image/srgb.hpp"
 #include <algorithm>
 #include <array>
@@ -34,7 +35,8 @@ Texture halved(const Texture& fine) {
                    .is_srgb = false,
                    .extension = fine.extension,
                    .interpolation = fine.interpolation};
-    coarse.floats.reserve(std::size_t{4} * coarse.width * coarse.height);
+    std::vector<float> means;
+    means.reserve(std::size_t{4} * coarse.width * coarse.height);
     for (std::size_t y = 0; y < coarse.height; ++y) {
         const Cover rows = cover_of(y, coarse.height, fine.height);
         for (std::size_t x = 0; x < coarse.width; ++x) {
@@ -45,19 +47,25 @@ Texture halved(const Texture& fine) {
                     mean += rows.share[v] * columns.share[u] *
                             vec3(fine.at(static_cast<std::int64_t>(columns.first + u),
                                          static_cast<std::int64_t>(rows.first + v)));
-            coarse.floats.insert(coarse.floats.end(), {mean.x, mean.y, mean.z, 1.0f});
+            means.insert(means.end(), {mean.x, mean.y, mean.z, 1.0f});
         }
     }
+    coarse.floats = std::move(means);
     return coarse;
 }
 } // namespace
 
 FilteredTexture::FilteredTexture(std::shared_ptr<const Texture> texture)
     : texture_(std::move(texture)), unpacked_(*texture_), is_encoded_(texture_->is_srgb && texture_->floats.empty()) {
-    unpacked_.floats.reserve(std::max(unpacked_.floats.size(), unpacked_.bytes.size()));
-    for (const std::uint8_t byte : unpacked_.bytes)
-        unpacked_.floats.push_back(static_cast<float>(byte) / 255.0f);
-    unpacked_.bytes.clear();
+    require(texture_->tiles == nullptr, "image \"", texture_->name, "\" lies in a file, where it has no means");
+    if (unpacked_.floats.empty()) {
+        std::vector<float> values;
+        values.reserve(unpacked_.bytes.size());
+        for (const std::uint8_t byte : unpacked_.bytes)
+            values.push_back(static_cast<float>(byte) / 255.0f);
+        unpacked_.floats = std::move(values);
+        unpacked_.bytes = {};
+    }
     const Texture* fine = texture_.get();
     while (fine->width > 1 || fine->height > 1) {
         Texture coarse = halved(*fine);

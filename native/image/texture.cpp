@@ -3,9 +3,11 @@
 // Based on: blender/cycles v4.5.0, src/kernel/device/cpu/image.h (interp_linear, interp_cubic) and src/kernel/svm/image.h.
 // Differs:  alpha is associated in float; Cycles rounds bytes to 8 bits there. Keeping that order matters: Cycles
 //           associates alpha, filters the sRGB-encoded values, divides by alpha and decodes last.
-// Bound:    4 texels (cubic: 16) and 3 table look-ups; the table errs by less than 5e-7.
+// Bound:    4 texels (cubic: 16) and 3 table look-ups; the table errs by less than 5e-7. Where texels are, in memory or in
+//           a file, is asked once per lookup; what is computed of them is the same.
 #include "image/texture.hpp"
 #include "image/srgb.hpp"
+#include "image/tiled_texels.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -32,30 +34,63 @@ std::int64_t wrap(std::int64_t texel, std::int64_t count, TextureExtension exten
     return texel < 0 || texel >= count ? -1 : texel;
 }
 
-float value_of(const Texture& texture, std::size_t index) {
-    return texture.floats.empty() ? static_cast<float>(texture.bytes[index]) / 255.0f : texture.floats[index];
+/// Texels by column and row, which are inside of the image.
+struct Bytes {
+    const Texture& texture;
+    static constexpr bool may_be_encoded = true;
+    [[nodiscard]] const std::uint8_t* at(std::size_t x, std::size_t y) const {
+        return texture.bytes.data() + 4 * (y * texture.width + x);
+    }
+    static float value(std::uint8_t stored) { return static_cast<float>(stored) / 255.0f; }
+};
+struct Floats {
+    const Texture& texture;
+    static constexpr bool may_be_encoded = false;
+    [[nodiscard]] const float* at(std::size_t x, std::size_t y) const {
+        return texture.floats.data() + 4 * (y * texture.width + x);
+    }
+    static float value(float stored) { return stored; }
+};
+struct TiledBytes : Bytes {
+    [[nodiscard]] std::array<std::uint8_t, 4> at(std::size_t x, std::size_t y) const {
+        return texture.tiles->bytes_at(x, y);
+    }
+};
+struct TiledFloats : Floats {
+    [[nodiscard]] std::array<float, 4> at(std::size_t x, std::size_t y) const { return texture.tiles->floats_at(x, y); }
+};
+
+/// What `look` makes of a texture's texels, wherever they are.
+template <typename Look>
+auto with_texels(const Texture& texture, const Look& look) {
+    if (texture.tiles != nullptr) [[unlikely]]
+        return texture.tiles->is_float() ? look(TiledFloats{texture}) : look(TiledBytes{texture});
+    return texture.floats.empty() ? look(Bytes{texture}) : look(Floats{texture});
 }
 
-float alpha_of_texel(const Texture& texture, std::int64_t column, std::int64_t row) {
+template <typename Texels>
+float alpha_of_texel(const Texels& texels, std::int64_t column, std::int64_t row) {
+    const Texture& texture = texels.texture;
     const std::int64_t x = wrap(column, texture.width, texture.extension);
     const std::int64_t y = wrap(row, texture.height, texture.extension);
     if (x < 0 || y < 0)
         return 0.0f;
-    return texture.has_alpha
-               ? value_of(texture, 4 * (static_cast<std::size_t>(y) * texture.width + static_cast<std::size_t>(x)) + 3)
-               : 1.0f;
+    return texture.has_alpha ? texels.value(texels.at(static_cast<std::size_t>(x), static_cast<std::size_t>(y))[3])
+                             : 1.0f;
 }
 
 /// Encoded colour with associated alpha.
-vec4 texel(const Texture& texture, std::int64_t column, std::int64_t row) {
+template <typename Texels>
+vec4 texel(const Texels& texels, std::int64_t column, std::int64_t row) {
+    const Texture& texture = texels.texture;
     const std::int64_t x = wrap(column, texture.width, texture.extension);
     const std::int64_t y = wrap(row, texture.height, texture.extension);
     if (x < 0 || y < 0)
         return vec4(0.0f);
-    const std::size_t first = 4 * (static_cast<std::size_t>(y) * texture.width + static_cast<std::size_t>(x));
+    const auto stored = texels.at(static_cast<std::size_t>(x), static_cast<std::size_t>(y));
     vec4 value;
     for (int channel = 0; channel < 4; ++channel)
-        value[channel] = value_of(texture, first + static_cast<std::size_t>(channel));
+        value[channel] = texels.value(stored[static_cast<std::size_t>(channel)]);
     if (!texture.has_alpha)
         return {vec3(value), 1.0f};
     return {vec3(value) * value.w, value.w};
@@ -75,11 +110,13 @@ vec4 spline_weights(float share) {
            6.0f;
 }
 
-vec4 decoded(const Texture& texture, const vec4& value) {
+template <typename Texels>
+vec4 decoded(const Texels& texels, const vec4& value) {
+    const Texture& texture = texels.texture;
     vec3 colour(value);
     if (texture.has_alpha && value.w != 0.0f)
         colour /= value.w;
-    if (texture.is_srgb && texture.floats.empty())
+    if (Texels::may_be_encoded && texture.is_srgb)
         colour = vec3(linear_from_srgb(colour.x), linear_from_srgb(colour.y), linear_from_srgb(colour.z));
     return {colour, value.w};
 }
@@ -91,31 +128,44 @@ static auto interpolated(const Texture& texture, vec2 uv, const Texel& texel) {
     const vec2 position(bounded(uv.x * static_cast<float>(texture.width)),
                         bounded(uv.y * static_cast<float>(texture.height)));
     if (texture.interpolation == TextureInterpolation::Closest)
-        return texel(texture, floor_to_texel(position.x), floor_to_texel(position.y));
+        return texel(floor_to_texel(position.x), floor_to_texel(position.y));
     const vec2 corner = position - 0.5f; // texel centres lie at half texels
     const std::int64_t x = floor_to_texel(corner.x), y = floor_to_texel(corner.y);
     const vec2 share = glm::clamp(corner - vec2(static_cast<float>(x), static_cast<float>(y)), 0.0f, 1.0f);
     if (texture.interpolation == TextureInterpolation::Cubic) {
         const vec4 across = spline_weights(share.x), up = spline_weights(share.y);
-        decltype(texel(texture, x, y)) sum(0.0f);
+        decltype(texel(x, y)) sum(0.0f);
         for (int row = 0; row < 4; ++row)
             for (int column = 0; column < 4; ++column)
-                sum += up[row] * across[column] * texel(texture, x + column - 1, y + row - 1);
+                sum += up[row] * across[column] * texel(x + column - 1, y + row - 1);
         return sum;
     }
-    return glm::mix(glm::mix(texel(texture, x, y), texel(texture, x + 1, y), share.x),
-                    glm::mix(texel(texture, x, y + 1), texel(texture, x + 1, y + 1), share.x), share.y);
+    return glm::mix(glm::mix(texel(x, y), texel(x + 1, y), share.x),
+                    glm::mix(texel(x, y + 1), texel(x + 1, y + 1), share.x), share.y);
 }
 
 vec4 Texture::lookup(vec2 uv) const {
-    return width == 0 || height == 0 ? missing_image : decoded(*this, interpolated(*this, uv, texel));
+    if (width == 0 || height == 0)
+        return missing_image;
+    return with_texels(*this, [&](const auto& texels) {
+        return decoded(texels, interpolated(*this, uv, [&](std::int64_t column, std::int64_t row) {
+                           return texel(texels, column, row);
+                       }));
+    });
 }
 
 float Texture::alpha(vec2 uv) const {
-    return width == 0 || height == 0 ? missing_image.w : interpolated(*this, uv, alpha_of_texel);
+    if (width == 0 || height == 0)
+        return missing_image.w;
+    return with_texels(*this, [&](const auto& texels) {
+        return interpolated(*this, uv,
+                            [&](std::int64_t column, std::int64_t row) { return alpha_of_texel(texels, column, row); });
+    });
 }
 
 vec4 Texture::at(std::int64_t column, std::int64_t row) const {
-    return width == 0 || height == 0 ? missing_image : decoded(*this, texel(*this, column, row));
+    if (width == 0 || height == 0)
+        return missing_image;
+    return with_texels(*this, [&](const auto& texels) { return decoded(texels, texel(texels, column, row)); });
 }
 } // namespace tyndall

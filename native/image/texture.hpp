@@ -2,11 +2,12 @@
 // A scene-linear image that shading looks up, with Blender's extension and interpolation rules.
 #pragma once
 #include "core/math.hpp"
+#include "image/shared_texels.hpp"
 #include <cstdint>
 #include <string>
-#include <vector>
 
 namespace tyndall {
+class TiledTexels; // image/tiled_texels.hpp
 enum class TextureExtension : std::uint8_t { Repeat = 0, Extend = 1, Clip = 2, Mirror = 3 };
 enum class TextureInterpolation : std::uint8_t {
     Closest = 0,
@@ -18,8 +19,9 @@ struct Texture {
     std::string name;
     std::uint32_t width = 0, height = 0;
     /// width * height * 4 bytes or floats (exactly one is filled), rows bottom to top; stored with alpha unassociated.
-    std::vector<std::uint8_t> bytes = {}; ///< sRGB-encoded when is_srgb.
-    std::vector<float> floats = {};
+    SharedTexels<std::uint8_t> bytes = {}; ///< sRGB-encoded when is_srgb.
+    SharedTexels<float> floats = {};
+    std::shared_ptr<const TiledTexels> tiles = {}; ///< In place of both: texels in a file, of either kind.
     bool is_srgb = true;
     /// Colours are masked by alpha: multiplied while they are filtered, and divided again. False: alpha is 1 in the image
     /// and colours stay as they are, also where a clipped texture fades out.

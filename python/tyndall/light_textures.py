@@ -26,7 +26,9 @@ def build_light_textures(
         if key not in kept:
             native = parts.light_textures.get(key)
             parts.counts["images sent" if native is None else "images reused"] += 1
-            kept[key] = native if native is not None else _native.FilteredTexture(build_texture(use, reports))
+            kept[key] = (
+                native if native is not None else _native.FilteredTexture(build_texture(use, reports, in_memory=True))
+            )
         return kept[key]
 
     built = {}

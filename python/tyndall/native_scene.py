@@ -22,7 +22,7 @@ from .moved_instances import moved_groups
 from .native_light_links import group_index, lighting_arrays
 from .native_lights import build_light
 from .native_materials import build_material
-from .native_textures import build_texture
+from .native_textures import TextureFiles, build_texture
 from .native_volumes import build_volumes
 from .native_voxels import build_shapes, relative_matrices, shows_to
 from .scene_description import (
@@ -93,6 +93,7 @@ class NativeParts:
     strands: dict[str, _native.Strands] = field(default_factory=dict)
     textures: dict[tuple[str, int, int], _native.Texture] = field(default_factory=dict)
     light_textures: dict[tuple[str, int, int], _native.FilteredTexture] = field(default_factory=dict)
+    texture_files: TextureFiles = field(default_factory=TextureFiles)
     world: tuple[tuple[bytes, int], _native.World] | None = None
     geometry: KeptGeometry | None = None  #: Of the last scene.
     follows_moves: bool = False  #: At the cost of keeping the description.
@@ -399,6 +400,7 @@ def _build_materials(materials: tuple[Material, ...], parts: NativeParts, report
             reports.append(f'Material "{material.name}" is drawn grey: {error}')
             result.append(build_material(replace(_DEFAULT_MATERIAL, name=material.name, medium=material.medium), []))
     parts.textures = kept
+    parts.texture_files = TextureFiles(materials)
     return result
 
 

@@ -124,5 +124,7 @@ class _Builder:
         self.used.add(image.key)
         if image.key not in self._textures:
             reports = self._reports if self._reports is not None else []
-            self._textures[image.key] = build_texture(TextureUse(image=image, extension=Extension.EXTEND), reports)
+            self._textures[image.key] = build_texture(
+                TextureUse(image=image, extension=Extension.EXTEND), reports, in_memory=True
+            )
         return self._textures[image.key]

@@ -250,6 +250,7 @@ class Session:
                 "reports": reports,
             }
             return Film(planes=planes, statistics=statistics)
+        self._parts.texture_files.begin_picture()
         planes, native_statistics, unstyled = _native.render(
             self._scene,
             _native_camera(camera, self._origin_in_world),
@@ -257,6 +258,7 @@ class Session:
             progress,
             None if on_update is None else lambda so_far: on_update(Film(planes=so_far)),
         )
+        texture_counts = self._parts.texture_files.end_picture()
         if unstyled is not None:
             self._unstyled.keep(camera, config, unstyled)
         of_scene = self._scene.statistics.to_dict()
@@ -265,6 +267,7 @@ class Session:
         parts = (self.statistics, of_scene, native_statistics.to_dict())
         merged = _merged(*parts)
         merged["reports"] += reports
+        merged["counts"].update(texture_counts)
         merged["counts"]["peak memory, MiB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         return Film(planes=planes, statistics=merged)
 

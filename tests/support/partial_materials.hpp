@@ -23,12 +23,14 @@ inline Material alpha_of(Texture texture) {
 template <typename Alpha>
 Texture alpha_image(std::string name, std::uint32_t size, const Alpha& alpha) {
     Texture texture{.name = std::move(name), .width = size, .height = size};
+    std::vector<float> texels;
     for (std::uint32_t y = 0; y < size; ++y)
         for (std::uint32_t x = 0; x < size; ++x) {
             const auto texels = static_cast<float>(size);
             const float a = alpha((static_cast<float>(x) + 0.5f) / texels, (static_cast<float>(y) + 0.5f) / texels);
-            texture.floats.insert(texture.floats.end(), {0.5f, 0.5f, 0.5f, a});
+            texels.insert(texels.end(), {0.5f, 0.5f, 0.5f, a});
         }
+    texture.floats = std::move(texels);
     texture.is_srgb = false, texture.has_alpha = true;
     return texture;
 }

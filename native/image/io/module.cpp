@@ -3,7 +3,7 @@
 #include "bindings/paths.hpp"
 #include "core/errors.hpp"
 #include "image/io/image_file.hpp"
-#include <cstring>
+#include <memory>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -65,9 +65,14 @@ static py::tuple read_pixels(const py::object& path) {
         const py::gil_scoped_release released;
         return read(file);
     }();
-    py::array_t<float> pixels(
-        {py::ssize_t{image.height}, py::ssize_t{image.width}, static_cast<py::ssize_t>(image.channel_names.size())});
-    std::memcpy(pixels.mutable_data(), image.pixels.data(), image.pixels.size() * sizeof(float));
+    // Handed over: a large image is in memory once.
+    auto owner = std::make_unique<std::vector<float>>(std::move(image.pixels));
+    const float* const first = owner->data();
+    const py::capsule capsule(owner.get(), [](void* vector) { delete static_cast<std::vector<float>*>(vector); });
+    owner.release();
+    const py::array_t<float> pixels(
+        {py::ssize_t{image.height}, py::ssize_t{image.width}, static_cast<py::ssize_t>(image.channel_names.size())},
+        first, capsule);
     return py::make_tuple(pixels, image.channel_names, image.metadata);
 }
 

@@ -9,8 +9,10 @@ using namespace tyndall;
 static std::shared_ptr<const Texture> noise(std::uint32_t width, std::uint32_t height) {
     auto texture = std::make_shared<Texture>();
     texture->width = width, texture->height = height;
+    std::vector<std::uint8_t> texels;
     for (std::uint32_t value = 0; value < 4 * width * height; ++value)
-        texture->bytes.push_back(static_cast<std::uint8_t>(pcg4d({value, width, height, 7})[0] >> 24));
+        texels.push_back(static_cast<std::uint8_t>(pcg4d({value, width, height, 7})[0] >> 24));
+    texture->bytes = std::move(texels);
     return texture;
 }
 static vec3 mean_of(const Texture& texture) {

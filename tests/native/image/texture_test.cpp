@@ -13,8 +13,10 @@ using namespace tyndall;
 /// One row of grey texels, linear.
 static Texture row(std::vector<float> values, TextureExtension extension, TextureInterpolation interpolation) {
     Texture texture{.name = "row", .width = static_cast<std::uint32_t>(values.size()), .height = 1};
+    std::vector<float> texels;
     for (const float value : values)
-        texture.floats.insert(texture.floats.end(), {value, value, value, 1.0f});
+        texels.insert(texels.end(), {value, value, value, 1.0f});
+    texture.floats = std::move(texels);
     texture.extension = extension;
     texture.interpolation = interpolation;
     return texture;
@@ -75,8 +77,10 @@ TEST_CASE("a masked texel's colour does not bleed into its neighbour") {
 }
 TEST_CASE("alpha alone is the alpha of a whole lookup, and a texel alone what a closest lookup shows") {
     Texture leaf{.name = "leaf", .width = 3, .height = 2};
+    std::vector<std::uint8_t> texels;
     for (int index = 0; index < 24; ++index)
-        leaf.bytes.push_back(static_cast<std::uint8_t>(37 * index % 256));
+        texels.push_back(static_cast<std::uint8_t>(37 * index % 256));
+    leaf.bytes = std::move(texels);
     using enum TextureExtension;
     for (const bool has_alpha : {false, true})
         for (const auto extension : {Repeat, Extend, Clip, Mirror})

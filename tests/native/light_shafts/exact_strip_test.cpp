@@ -256,8 +256,10 @@ namespace {
 /// Transparent where the checkerboard's alpha is 0; `transparency` of the rest passes.
 Material checkerboard(float transparency) {
     Texture texture{.name = "checkerboard", .width = 8, .height = 8};
+    std::vector<float> texels;
     for (int texel = 0; texel < 64; ++texel)
-        texture.floats.insert(texture.floats.end(), {1.0f, 1.0f, 1.0f, (texel + texel / 8) % 2 ? 1.0f : 0.0f});
+        texels.insert(texels.end(), {1.0f, 1.0f, 1.0f, (texel + texel / 8) % 2 ? 1.0f : 0.0f});
+    texture.floats = std::move(texels);
     texture.is_srgb = false, texture.has_alpha = true;
     texture.interpolation = TextureInterpolation::Closest;
     Material material{.name = "leaf"};

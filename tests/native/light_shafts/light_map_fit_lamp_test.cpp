@@ -105,6 +105,7 @@ TEST_CASE("light map fit: what a lamp's matrix says of a map is what its shafts 
         image->is_srgb = false;
         image->extension = kind == LightKind::Spot ? TextureExtension::Extend : TextureExtension::Repeat;
         LightMap map{.place = place, .texels = {}};
+        std::vector<float> texels;
         constexpr float per_texel =
             2.0f * std::numbers::pi_v<float> / static_cast<float>(side); // whole waves around a point light
         for (std::uint32_t texel = 0; texel < place.resolution * place.resolution; ++texel) {
@@ -112,9 +113,9 @@ TEST_CASE("light map fit: what a lamp's matrix says of a map is what its shafts 
                         y = per_texel * static_cast<float>(texel / place.resolution);
             map.texels.push_back(0.5f +
                                  0.4f * Rgb(std::sin(4.0f * x), std::cos(3.0f * y), std::sin(2.0f * x + 3.0f * y)));
-            image->floats.insert(image->floats.end(),
-                                 {map.texels.back().x, map.texels.back().y, map.texels.back().z, 1.0f});
+            texels.insert(texels.end(), {map.texels.back().x, map.texels.back().y, map.texels.back().z, 1.0f});
         }
+        image->floats = std::move(texels);
         LightTexture thrown = thrown_by(light);
         thrown.image = std::make_shared<const FilteredTexture>(std::move(image));
         SceneDescription description = description_of(*made.scene);

@@ -169,14 +169,15 @@ TEST_CASE("light map fit: what the matrix says of a map is what shafts look like
     image->is_srgb = false;
     image->extension = TextureExtension::Extend;
     LightMap map{.place = place, .texels = {}};
+    std::vector<float> texels;
     for (std::uint32_t texel = 0; texel < place.resolution * place.resolution; ++texel) {
         const vec2 at(static_cast<float>(texel % place.resolution), static_cast<float>(texel / place.resolution));
         // Waves of some 15 texels: between texels, two ways to interpolate differ by their curvature.
         map.texels.push_back(0.5f +
                              0.4f * Rgb(std::sin(0.4f * at.x), std::cos(0.3f * at.y), std::sin(0.2f * (at.x + at.y))));
-        image->floats.insert(image->floats.end(),
-                             {map.texels.back().x, map.texels.back().y, map.texels.back().z, 1.0f});
+        texels.insert(texels.end(), {map.texels.back().x, map.texels.back().y, map.texels.back().z, 1.0f});
     }
+    image->floats = std::move(texels);
     SceneDescription description = description_of(*made.scene);
     description.lights[0].texture = std::make_shared<const LightTexture>(
         LightTexture{.image = std::make_shared<const FilteredTexture>(std::move(image)),

@@ -17,11 +17,13 @@ std::shared_ptr<const FilteredTexture> image(std::uint32_t side, const Texel& te
                                              TextureExtension extension = TextureExtension::Repeat) {
     auto texture = std::make_shared<Texture>();
     texture->width = texture->height = side;
+    std::vector<float> texels;
     for (std::uint32_t row = 0; row < side; ++row)
         for (std::uint32_t column = 0; column < side; ++column) {
             const Rgb colour = texel(column, row);
-            texture->floats.insert(texture->floats.end(), {colour.x, colour.y, colour.z, 1.0f});
+            texels.insert(texels.end(), {colour.x, colour.y, colour.z, 1.0f});
         }
+    texture->floats = std::move(texels);
     texture->extension = extension;
     return std::make_shared<const FilteredTexture>(texture);
 }
@@ -160,8 +162,10 @@ TEST_CASE("a picture that is half black is a plate that stands in half of the li
     const auto halves = [](std::uint32_t column, std::uint32_t) { return Rgb(column < side / 2 ? 0.0f : 1.0f); };
     auto texture = std::make_shared<Texture>();
     texture->width = side, texture->height = 1;
+    std::vector<float> texels;
     for (std::uint32_t column = 0; column < side; ++column)
-        texture->floats.insert(texture->floats.end(), 4, halves(column, 0).x);
+        texels.insert(texels.end(), 4, halves(column, 0).x);
+    texture->floats = std::move(texels);
     set_texture(with_picture.light,
                 {.image = std::make_shared<const FilteredTexture>(texture), .size_m = {width_m, width_m}});
     const vec3 z = with_plate.light.towards_light, x = glm::normalize(vec3(1, 0, 0) - z.x * z), y = glm::cross(z, x);

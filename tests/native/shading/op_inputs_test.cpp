@@ -143,9 +143,11 @@ namespace {
 /// Red says the column, green the row.
 std::shared_ptr<const Texture> numbered_texels(std::uint32_t size, float blue) {
     Texture texture{.name = "numbered", .width = size, .height = size};
+    std::vector<float> texels;
     for (std::uint32_t y = 0; y < size; ++y)
         for (std::uint32_t x = 0; x < size; ++x)
-            texture.floats.insert(texture.floats.end(), {static_cast<float>(x), static_cast<float>(y), blue, 1.0f});
+            texels.insert(texels.end(), {static_cast<float>(x), static_cast<float>(y), blue, 1.0f});
+    texture.floats = std::move(texels);
     texture.is_srgb = false;
     texture.interpolation = TextureInterpolation::Closest;
     return std::make_shared<const Texture>(std::move(texture));

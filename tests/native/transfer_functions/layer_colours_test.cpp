@@ -28,11 +28,14 @@ std::shared_ptr<Texture> random_image(std::uint32_t width, std::uint32_t height,
     Texture image{.name = "image", .width = width, .height = height};
     image.extension = TextureExtension::Extend;
     image.has_alpha = true;
+    std::vector<std::uint8_t> bytes;
+    std::vector<float> floats;
     for (std::size_t i = 0; i < std::size_t{4} * width * height; ++i)
         if (is_bytes)
-            image.bytes.push_back(static_cast<std::uint8_t>(random() % 256));
+            bytes.push_back(static_cast<std::uint8_t>(random() % 256));
         else
-            image.floats.push_back(uniform(random));
+            floats.push_back(uniform(random));
+    image.bytes = std::move(bytes), image.floats = std::move(floats);
     return std::make_shared<Texture>(std::move(image));
 }
 Layer picture(std::shared_ptr<const Texture> image) {
@@ -119,9 +122,11 @@ TEST_CASE("a larger image gives each texel the mean of its pixels, weighted by t
 TEST_CASE("an image of any size keeps its mean, and one that is large along one axis is smooth along the other") {
     Texture strip{.name = "strip", .width = 333, .height = 2};
     strip.extension = TextureExtension::Extend;
+    std::vector<float> texels;
     for (int row = 0; row < 2; ++row)
         for (int column = 0; column < 333; ++column)
-            strip.floats.insert(strip.floats.end(), {static_cast<float>(column % 7), static_cast<float>(row), 0, 1});
+            texels.insert(texels.end(), {static_cast<float>(column % 7), static_cast<float>(row), 0, 1});
+    strip.floats = std::move(texels);
     const ComposedFunction function = composed(picture(std::make_shared<Texture>(strip)), 64);
     double mean = 0, truth = 0;
     for (std::size_t y = 0; y < 64; ++y)

@@ -27,9 +27,11 @@ struct Carried {
                 uvs.emplace_back(3.0f * share(), 3.0f * share());
         }
         Texture texture{.name = "checks", .width = 16, .height = 16};
+        std::vector<std::uint8_t> texels;
         for (std::uint32_t texel = 0; texel < 256; ++texel)
-            texture.bytes.insert(texture.bytes.end(), {static_cast<std::uint8_t>((texel % 16 + texel / 16) % 2 * 200),
-                                                       static_cast<std::uint8_t>(texel), 90, 255});
+            texels.insert(texels.end(), {static_cast<std::uint8_t>((texel % 16 + texel / 16) % 2 * 200),
+                                         static_cast<std::uint8_t>(texel), 90, 255});
+        texture.bytes = std::move(texels);
         materials = {{.color = vec3(0.2f, 0.5f, 0.1f)},
                      {.color = vec3(0.7f)},
                      {.texture = std::make_shared<FilteredTexture>(std::make_shared<Texture>(std::move(texture)))}};
@@ -123,7 +125,9 @@ TEST_CASE("jobs that differ in one colour, one texel or the bits of normals do n
     Carried first(job.mesh), other_color(job.mesh), other_texel(job.mesh);
     other_color.colors[17].y = 1.0f - other_color.colors[17].y;
     Texture texture = other_texel.materials[2].texture->texture();
-    texture.bytes[3 * 4] ^= 255;
+    std::vector<std::uint8_t> texels(texture.bytes.begin(), texture.bytes.end());
+    texels[3 * 4] ^= 255;
+    texture.bytes = std::move(texels);
     other_texel.materials[2].texture = std::make_shared<FilteredTexture>(std::make_shared<Texture>(texture));
     std::vector<Job> jobs(5, job);
     jobs[0].surface = first.surfaces()[5];

@@ -16,11 +16,13 @@ SurfaceMaterial picture(std::uint32_t width, std::uint32_t height,
                         const std::function<vec3(std::uint32_t, std::uint32_t)>& color,
                         TextureExtension extension = TextureExtension::Repeat) {
     Texture texture{.name = "test", .width = width, .height = height, .is_srgb = false, .extension = extension};
+    std::vector<float> texels;
     for (std::uint32_t y = 0; y < height; ++y)
         for (std::uint32_t x = 0; x < width; ++x) {
             const vec3 at = color(x, y);
-            texture.floats.insert(texture.floats.end(), {at.x, at.y, at.z, 1.0f});
+            texels.insert(texels.end(), {at.x, at.y, at.z, 1.0f});
         }
+    texture.floats = std::move(texels);
     return {.texture = std::make_shared<FilteredTexture>(std::make_shared<Texture>(std::move(texture)))};
 }
 
