@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from tyndall.scene_description import Code
 from tyndall.surface_inputs import PointInput
 
-from .mesh_attributes import GENERATED, made_maps
+from .mesh_attributes import GENERATED, UNDISPLACED, made_maps
 
 if TYPE_CHECKING:
     from mathutils import Matrix
@@ -19,6 +19,11 @@ _UV_AS_VECTOR = (1, 0, 0, 0, 1, 0, 0, 0, 0)
 
 
 def point_input(program: Program, kind: PointInput, *operands: Value, selector: int = 0) -> Value:
+    """``program.is_undisplaced``: at the place where the mesh was before its material moved it."""
+    if program.is_undisplaced and kind is PointInput.OBJECT_POSITION:
+        return made(program, UNDISPLACED)
+    if program.is_undisplaced and kind is PointInput.POSITION:
+        return program.operation(Code.INPUT, made(program, UNDISPLACED), option=int(PointInput.POINT_TO_WORLD))
     return program.operation(Code.INPUT, *operands, option=int(kind), selector=selector)
 
 

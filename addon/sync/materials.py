@@ -10,7 +10,7 @@ from tyndall.scene_description import Material, Medium, attribute_maps
 
 from ..shader_nodes import ALWAYS_HAS_NODES, shader_tree
 from .aov_nodes import read_aovs
-from .displacement_nodes import displaced_normal
+from .displacement_nodes import displaced_normal, read_displacement
 from .lobe_nodes import plain_principled
 from .mesh_attributes import uv_maps_of, what_is_missing
 from .node_graph import output_input
@@ -78,7 +78,8 @@ class MaterialReader:
         if material not in self._index_of:
             self._index_of[material] = len(self.materials)
             self.channels.append({})
-            self.materials.append(self._with_aovs(self._read(material), material))
+            read = self._with_displacement(self._read(material), material)
+            self.materials.append(self._with_aovs(read, material))
         return self._index_of[material]
 
     def add_medium(self, medium: Medium | None) -> int:
@@ -142,6 +143,14 @@ class MaterialReader:
         results = (shares.diffuse, shares.transparent, shares.emission)
         lobes = shares.lobes if self._is_lit and shares.lobes is not None else ()
         return values.program.material(material.name, results, shares.gloss, lobes, shares.held_out, medium=medium)
+
+    def _with_displacement(self, read: Material, material: bpy.types.Material | None) -> Material:
+        tree = None if material is None else shader_tree(material)
+        at = output_input(tree, "Displacement")
+        if material is None or at is None:
+            return read
+        displacement = read_displacement(self._values(material, Domain.SURFACE), material, at)
+        return read if displacement is None else replace(read, displacement=displacement)
 
     def _with_aovs(self, read: Material, material: bpy.types.Material | None) -> Material:
         tree = None if material is None or not self.aovs else shader_tree(material)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import bpy
 import numpy as np
 
 from tyndall.scene_description import ATTRIBUTE_MARK, attribute_maps
@@ -15,12 +16,13 @@ from tyndall.scene_description import ATTRIBUTE_MARK, attribute_maps
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    import bpy
     from numpy.typing import NDArray
 
     from tyndall.scene_description import Material
 
 GENERATED = "generated"
+VERTEX_NORMAL = "vertex normal"  #: Smooth, also where faces are flat.
+UNDISPLACED = "undisplaced"  #: Position before the material's displacement, in the object.
 _TANGENT = "tangent "  #: And the name of a UV map.
 _OF_COLOURS = attribute_maps("")[0]
 #: Properties of an attribute's elements, and how many numbers they are; a fourth number is 1.
@@ -54,7 +56,10 @@ def asked_of_meshes(materials: Iterable[Material]) -> frozenset[str]:
 
 def uv_maps_of(material: Material) -> tuple[str, ...]:
     """What it reads, for its passes, too."""
-    return (*material.uv_maps, *(name for _, program in material.aovs for name in program.uv_maps))
+    of_passes = (name for _, program in material.aovs for name in program.uv_maps)
+    if material.displacement is None:
+        return (*material.uv_maps, *of_passes)
+    return (*material.uv_maps, *of_passes, *material.displacement.program.uv_maps, *made_maps(VERTEX_NORMAL))
 
 
 def what_is_missing(asked: Iterable[str], has: Iterable[str]) -> list[str]:
@@ -96,9 +101,20 @@ def read_asked(
 
 
 def _made(mesh: bpy.types.Mesh, name: str, vertex_of_corner: NDArray[np.uint32]) -> NDArray[np.float32] | None:
-    if name == GENERATED:
-        return _with_one(_generated(mesh).take(vertex_of_corner.astype(np.intp), axis=0))
+    of_vertices = {GENERATED: _generated, VERTEX_NORMAL: _vertex_normals, UNDISPLACED: _positions}.get(name)
+    if of_vertices is not None:
+        return _with_one(of_vertices(mesh).take(vertex_of_corner.astype(np.intp), axis=0))
     return _tangents(mesh, name[len(_TANGENT) :]) if name.startswith(_TANGENT) else None
+
+
+def _vertex_normals(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
+    if bpy.app.version >= (4, 1, 0):
+        return _stored(mesh.vertex_normals, "vector", 3)
+    return _stored(mesh.vertices, "normal", 3)
+
+
+def _positions(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
+    return _stored(mesh.vertices, "co", 3)
 
 
 def _generated(mesh: bpy.types.Mesh) -> NDArray[np.float32]:

@@ -107,6 +107,7 @@ class Program:
     def __init__(self) -> None:
         #: Within heights of bumps: to which side points are read, 1 or 2, and by how much of a pixel.
         self.beside: tuple[int, float] | None = None
+        self.is_undisplaced = False  #: What is read of places is as before a displacement.
         self._ops: list[SurfaceOp] = []  # `out` is the place: registers come last
         self._places: dict[tuple[object, ...], Term] = {}
         self._textures: list[TextureUse] = []

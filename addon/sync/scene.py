@@ -14,6 +14,7 @@ import bpy
 
 from tyndall.scene_description import ALL_SETS, Instances, Light, Mesh, SceneDescription
 
+from .displaced_meshes import DisplacedMeshes
 from .images import ImageReader
 from .instances import Placement, read_placements, shown_kinds
 from .light_linking import LinkedMedia
@@ -53,6 +54,7 @@ class SceneReader:
         self._strands = StrandReader()
         self._suns = WorldSuns()
         self._bakes = WorldBakes()
+        self._displaced = DisplacedMeshes()
         self._meshes: dict[str, Mesh] = {}
         # By address of the evaluated mesh, while it lives, and by what its materials ask of it.
         self._live: dict[tuple[int, frozenset[str]], tuple[Mesh | None, set[int]]] = {}
@@ -110,6 +112,7 @@ class SceneReader:
         self._forget_stale(depsgraph, is_live=is_live)
         self._images.start_frame(budget_bytes(depsgraph.scene_eval))
         self._masks.start_frame()
+        self._displaced.start_frame()
         poll()
         layer = depsgraph.view_layer_eval
         found_placements = read_placements(depsgraph, reports, poll, viewport)
@@ -161,6 +164,7 @@ class SceneReader:
         )
         self._images.end_frame()
         self._masks.end_frame()
+        self._displaced.end_frame()
         self._meshes = {group.mesh.key: group.mesh for group in instances}
         self._are_lights_outdated = False
         if is_live:
@@ -261,7 +265,9 @@ class SceneReader:
                     else:
                         lone[name] = len(groups)
                     met.add(name)
-                    groups.append(_group(placement, mesh, materials, media))
+                    slots = [materials.materials[materials.index(one)] for one in placement.materials]
+                    drawn = self._displaced.moved(mesh, slots, placement, reports)
+                    groups.append(_group(placement, drawn, materials, media))
                     note_missing_attributes(placement.object_name, mesh, groups[-1].materials, materials, reports)
                     _note_hidden_medium(groups[-1], materials, reports)
         except BaseException:

@@ -34,6 +34,7 @@ struct SceneWithMedia {
 void bind_core(py::module_& native);
 void bind_textures(py::module_& native);
 void bind_materials(py::module_& native);
+void bind_displacement(py::module_& native);
 void bind_occluder_edits(py::module_& native);
 void bind_light_textures(py::module_& native);
 void bind_volumes(py::module_& native);

@@ -12,6 +12,7 @@ PYBIND11_MODULE(_native, native) {
     bind_core(native);
     bind_textures(native);
     bind_materials(native);
+    bind_displacement(native);
     bind_occluder_edits(native);
     bind_light_textures(native);
     bind_volumes(native);

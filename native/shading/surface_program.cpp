@@ -9,6 +9,7 @@
 #include "shading/op_math.hpp"
 #include "shading/op_normals.hpp"
 #include "shading/op_patterns.hpp"
+#include "shading/point_values.hpp"
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -261,6 +262,21 @@ static void add_sources(const Material& material, std::span<const Rgb> registers
     }
 }
 
+static Registers run(const Material& material, const ProgramPoint& at, std::span<const vec2> uvs) {
+    Registers registers{};
+    for (const SurfaceOp& op : material.program)
+        registers[op.out] =
+            result_of(op, registers, material.tables, at, [&](const SurfaceOp& lookup, const Rgb& vector) {
+                return texture_value(lookup, material, at, uvs, vector);
+            });
+    return registers;
+}
+
+Rgb emission_register_at(const Material& material, const ProgramPoint& point, std::span<const vec2> uvs) {
+    return material.program.empty() ? material.constant.emission
+                                    : run(material, point, uvs)[material.emission_register];
+}
+
 SurfaceClosures evaluate(const Material& material, const ProgramPoint& at, std::span<const vec2> uvs, Lobes* lobes) {
     const ShadingPoint& point = at.surface;
     if (material.is_constant()) {
@@ -272,12 +288,7 @@ SurfaceClosures evaluate(const Material& material, const ProgramPoint& at, std::
             add_sources(material, {}, at, closures, lobes);
         return closures;
     }
-    Registers registers{};
-    for (const SurfaceOp& op : material.program)
-        registers[op.out] =
-            result_of(op, registers, material.tables, at, [&](const SurfaceOp& lookup, const Rgb& vector) {
-                return texture_value(lookup, material, at, uvs, vector);
-            });
+    const Registers registers = run(material, at, uvs);
     SurfaceClosures closures{.diffuse_albedo = point.tint * non_negative(registers[material.diffuse_register]),
                              .transparent = share(registers[material.transparent_register]),
                              .emission = non_negative(registers[material.emission_register])};

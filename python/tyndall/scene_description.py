@@ -369,7 +369,16 @@ class Material:
     lobes: tuple[Lobes, ...] = ()
     #: Passes that it fills, by name: what programs of their own emit, less their diffuse part: neither is below 0.
     aovs: tuple[tuple[str, Material], ...] = ()
+    displacement: Displacement | None = None  #: Sync has moved the meshes by it already.
     medium: int = -1  #: Into SceneDescription.media; -1: none.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Displacement:
+    """How a material moves the vertices of its meshes, see displacement.py."""
+
+    program: Material  #: What it emits is by how much, in the world.
+    keeps_normals: bool = False  #: Those of before: a bump makes the surface's.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
