@@ -77,7 +77,7 @@ TEST_CASE("lookups of an image in a file are those of the image in memory, bit f
         }
 }
 
-// Seen to fail without the second look at the version of a slot, and without the look at whose it is.
+// Seen to fail without the look at whose a slot is. That its version changes between two looks is too rare to be seen.
 TEST_CASE("many threads that evict each other's tiles see the same bits") {
     const auto cache = std::make_shared<TileCache>(folder(), 9 * TileCache::tile_bytes);
     std::vector<Texture> memory, file;
