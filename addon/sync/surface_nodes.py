@@ -30,6 +30,7 @@ _DIFFUSE_LIKE = {
 }  # fmt: skip
 _GLOSSY = {"BSDF_GLOSSY", "BSDF_ANISOTROPIC", "BSDF_METALLIC"}
 _CAN_MIRROR = {*_GLOSSY, "BSDF_PRINCIPLED"}
+_OF_VOLUMES = {"VOLUME_ABSORPTION", "VOLUME_SCATTER", "PRINCIPLED_VOLUME", "VOLUME_COEFFICIENTS"}
 _TRANSPARENT_LIKE = {"BSDF_GLASS", "BSDF_REFRACTION", "BSDF_RAY_PORTAL"}
 
 
@@ -88,6 +89,8 @@ def _add(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None
         shares.emission = program.add(shares.emission, program.multiply(weight, reader.colour(at)))
         return
     node_type = source.node.type
+    if node_type in _OF_VOLUMES:
+        return  # on a surface they do nothing, as in Cycles
     if (
         shares.lobes is not None
         and not _is_mirror(reader, source, shares)

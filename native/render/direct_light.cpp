@@ -271,7 +271,7 @@ void DirectLight::add_light(const AimedLight& aimed, const LitSurface& surface, 
         sum.from_lights += shadow.arriving[index] * shadow.passing[index];
         sum.reflected += shadow.reflected[index] * shadow.passing[index];
     }
-    if (surface.lobes == nullptr || !aimed.aim.has_size() || aimed.aim.form().kind == LightAim::Form::Kind::Area)
+    if (surface.lobes == nullptr || !aimed.aim.has_size())
         return;
     shadow.count = 0;
     aim_by_lobes(aimed, surface, pair, share, shadow);

@@ -111,9 +111,14 @@ static float most_pdf_per_sr(const LobeSet& set) {
 bool lobes_may_find(const LightAim::Form& form, const vec3& position, const LobeSet& lobes) {
     constexpr float hardly = 0.1f; // a hundredth of the power heuristic's weight
     float least_pdf = 0.0f;        // of aimed rays
-    if (form.kind == Kind::Area)
-        return false;
-    if (form.kind == Kind::SunCone)
+    if (form.kind == Kind::Area) {
+        const float height = -glm::dot(position - form.position, form.area_axes[2]);
+        if (!(height > 0.0f))
+            return false;
+        const float box_m2 =
+            4.0f * form.half_size_m.x * form.half_size_m.y; // its solid angle is at most this over height^2
+        least_pdf = std::max(0.5f / pi, height * height / box_m2);
+    } else if (form.kind == Kind::SunCone)
         least_pdf = form.cone > 0.0f ? uniform_cone_pdf_per_sr(form.cone) : 0.0f;
     else if (form.kind == Kind::SunDisc)
         least_pdf = form.cone > 0.0f ? 1.0f / (pi * form.cone * form.cone) : 0.0f;

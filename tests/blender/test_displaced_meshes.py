@@ -98,7 +98,6 @@ def displaced_grid(
 HEIGHTS: dict[str, Build] = {"image": by_image, "noise": by_noise("Object"), "generated": by_noise("Generated")}
 
 
-# Seen to fail: with the normals of before, with means weighted by areas, with each face's own normal for the way.
 @pytest.mark.parametrize("is_smooth", [True, False], ids=["smooth", "flat"])
 @pytest.mark.parametrize("name", HEIGHTS)
 def test_a_moved_mesh_is_lit_as_in_cycles(name: str, is_smooth: bool) -> None:  # noqa: FBT001  a parameter
@@ -116,7 +115,6 @@ def test_a_moved_mesh_is_where_cycles_has_it(space: str) -> None:
     assert off.mean() < 5e-3
 
 
-# Seen to fail with the bump read where the mesh has been moved to.
 @pytest.mark.parametrize("name", ["image", "noise"])
 def test_what_is_moved_and_bumped_is_as_in_cycles(name: str) -> None:
     scene = displaced_grid(diffuse, HEIGHTS[name], "BOTH")

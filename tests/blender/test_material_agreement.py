@@ -138,6 +138,14 @@ def added(new: New, link: Link) -> Socket:
     return sum_of_two.outputs[0]
 
 
+def with_a_volume(new: New, link: Link) -> Socket:
+    """A shader of volumes does nothing at a surface."""
+    mix = node(new, "ShaderNodeMixShader", Fac=0.25)
+    link(diffuse(new, link, texture(new).outputs["Color"]), mix.inputs[1])
+    link(new("ShaderNodeVolumeAbsorption").outputs[0], mix.inputs[2])
+    return mix.outputs[0]
+
+
 def muted(new: New, link: Link) -> Socket:
     """A muted node hands its first shader on."""
     mix = node(new, "ShaderNodeMixShader", Fac=0.25)
@@ -211,6 +219,7 @@ EXACTLY: dict[str, Build] = {
     ),
     "backfacing": backfacing,
     "muted": muted,
+    "volume": with_a_volume,
     "group": grouped,
 }
 

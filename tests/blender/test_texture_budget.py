@@ -84,7 +84,6 @@ def _counts() -> dict[str, float]:
     return counts
 
 
-# Seen to fail with float images' tiles laid out as those of bytes.
 def test_images_beyond_the_budget_show_the_same_picture_bit_for_bit(tmp_path: Path) -> None:
     scene = _walls(tmp_path)
     in_memory = tyndall_pixels(scene, mode="RGBA")
@@ -99,7 +98,6 @@ def test_images_beyond_the_budget_show_the_same_picture_bit_for_bit(tmp_path: Pa
     assert 0 < counts["texture tiles in memory, MiB"] <= counts["texture tiles in memory at most, MiB"] == 0.5
 
 
-# Seen to fail with buffers freed whoever had loaded them.
 def test_blender_does_not_keep_what_only_the_render_has_read(tmp_path: Path) -> None:
     scene = _walls(tmp_path)
     edited, shown = bpy.data.images["bytes.png"], bpy.data.images["opaque.png"]
