@@ -26,8 +26,8 @@ Texture alpha_image(std::string name, std::uint32_t size, const Alpha& alpha) {
     std::vector<float> texels;
     for (std::uint32_t y = 0; y < size; ++y)
         for (std::uint32_t x = 0; x < size; ++x) {
-            const auto texels = static_cast<float>(size);
-            const float a = alpha((static_cast<float>(x) + 0.5f) / texels, (static_cast<float>(y) + 0.5f) / texels);
+            const auto side = static_cast<float>(size);
+            const float a = alpha((static_cast<float>(x) + 0.5f) / side, (static_cast<float>(y) + 0.5f) / side);
             texels.insert(texels.end(), {0.5f, 0.5f, 0.5f, a});
         }
     texture.floats = std::move(texels);
