@@ -215,8 +215,8 @@ def grazing_sun_error(place: Place, elevation_deg: float) -> Error:
 
 
 def _lamp_error(place: Place, light: Light, known: float) -> Error:
-    """Of the mean of 16 x 16 pixels of 256 samples, far smaller than anything else."""
-    mean = _lit_plane(place, light, 1e-4, 256, 16).mean(keepdims=True)
+    """Of the mean of 16 x 16 pixels of 1,024 samples, far smaller than anything else."""
+    mean = _lit_plane(place, light, 1e-4, 1024, 16).mean(keepdims=True)
     return _error(mean, np.full_like(mean, known))
 
 
