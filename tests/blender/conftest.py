@@ -16,6 +16,14 @@ for folder in (REPOSITORY, REPOSITORY / "tests", REPOSITORY / "python", REPOSITO
         sys.path.append(str(folder))
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What takes a minute is asked of one version on every push, and of the others with --all."""
+    for item in items:
+        if item.get_closest_marker("costly") is not None and bpy.app.version[:2] != (4, 5):
+            item.add_marker("long")
+
+
 @pytest.fixture(scope="session", autouse=True)
 def registered_addon() -> Iterator[None]:
     """The add-on of the source tree. A RenderEngine class that is still registered at exit crashes or hangs bpy."""

@@ -371,6 +371,7 @@ def test_a_suns_gobo_is_a_film_before_it() -> None:
     assert_air_like_cycles("sun gobo", make_film, make_gobo)
 
 
+@pytest.mark.costly
 def test_stained_glass_colours_the_fog() -> None:
     """An image in a Transparent node. EXACT is 0.3 % dark here, for the hundred texels that a ray's shadow crosses."""
 

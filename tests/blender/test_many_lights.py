@@ -15,7 +15,14 @@ PICTURES = Path(__file__).parents[2] / "out" / "many_lights"
 SAMPLES = 256
 
 
-@pytest.mark.parametrize("light", [light for light in LIT_BY if "points" not in light])
+@pytest.mark.parametrize(
+    "light",
+    [
+        pytest.param(light, marks=pytest.mark.costly if light == "200 lamps" else ())
+        for light in LIT_BY
+        if "points" not in light
+    ],
+)
 def test_equals_cycles(light: str) -> None:
     """The mean within 1 %, as is the median block, beyond what is noise."""
     scene = build_lit_by(light)
