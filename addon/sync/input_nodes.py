@@ -75,6 +75,9 @@ def _attribute(reader: ValueReader, at: Socket) -> Value:
         reader.unsupported(at, "is not supported here: read as mid grey")
         return MID_GREY
     name = node.layer_name if is_colour_node else node.attribute_name
+    if not name and not is_colour_node:
+        # No mesh has it, and all are opaque; the colour that is rendered goes by no name with Color Attribute alone.
+        return WHITE if at.socket.identifier == "Alpha" else BLACK
     value = reader.program.attribute(name, alpha=at.socket.identifier == "Alpha")
     return reader.program.average(value) if at.socket.identifier == "Fac" else value
 

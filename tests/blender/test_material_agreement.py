@@ -146,6 +146,20 @@ def with_a_volume(new: New, link: Link) -> Socket:
     return mix.outputs[0]
 
 
+def nameless_attribute(output: str) -> Build:
+    """Not the mesh's colours, which Color Attribute gives without a name."""
+
+    def build(new: New, link: Link) -> Socket:
+        glow = node(new, "ShaderNodeEmission", Strength=0.5)
+        lighter = node(new, "ShaderNodeMixRGB", Fac=1.0, Color1=(0.3, 0.1, 0.2, 1.0))
+        lighter.blend_type = "ADD"
+        link(new("ShaderNodeAttribute").outputs[output], lighter.inputs["Color2"])
+        link(lighter.outputs[0], glow.inputs["Color"])
+        return glow.outputs[0]
+
+    return build
+
+
 def muted(new: New, link: Link) -> Socket:
     """A muted node hands its first shader on."""
     mix = node(new, "ShaderNodeMixShader", Fac=0.25)
@@ -229,6 +243,17 @@ def test_opaque_surfaces(name: str) -> None:
     """To the fifth digit: no part of these is left to chance."""
     ours, cycles = both(EXACTLY[name])
     assert ours == pytest.approx(cycles, abs=EXACT, rel=EXACT)
+
+
+@pytest.mark.parametrize("output", ["Color", "Alpha"])
+def test_an_attribute_without_a_name_is_none_of_the_meshs(output: str) -> None:
+    scene = shown(nameless_attribute(output))
+    for thing in scene.objects:
+        if thing.type == "MESH":
+            colours = thing.data.color_attributes.new("Paint", "FLOAT_COLOR", "CORNER")
+            colours.data.foreach_set("color", [0.2, 0.4, 0.6, 0.5] * len(colours.data))
+    ours, cycles = tyndall_pixels(scene), cycles_pixels(scene, 4, seed=1)
+    assert ours == pytest.approx(cycles, abs=EXACT)
 
 
 def cut_out(new: New, _link: Link) -> Socket:
