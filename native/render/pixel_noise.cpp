@@ -4,6 +4,9 @@
 #include <algorithm>
 
 namespace tyndall::render {
+/// A pixel that has met no light yet, as deep in a room before a small window, may still be lit: its variance says nothing.
+static constexpr std::uint32_t least_samples_of_black = 16;
+
 PixelNoise::PixelNoise(std::uint32_t width_px, std::uint32_t height_px)
     : width_px_(width_px), height_px_(height_px), pixels_(std::size_t{width_px} * height_px) {}
 
@@ -31,7 +34,8 @@ std::size_t PixelNoise::keep_noisy(float threshold, std::vector<std::uint8_t>& i
             const float mean = moments.sum / count;
             const float variance = (moments.sum_of_squares - moments.sum * mean) / std::max(count - 1.0f, 1.0f);
             // A NaN or an infinity has no use for more samples.
-            is_noisy[pixel] = variance / count > threshold * threshold * std::abs(mean) ? 1 : 0;
+            const bool is_uncertain = variance / count > threshold * threshold * std::abs(mean);
+            is_noisy[pixel] = is_uncertain || (moments.sum == 0.0f && moments.count < least_samples_of_black) ? 1 : 0;
         },
         1 << 14);
     const auto width = static_cast<std::int64_t>(width_px_), height = static_cast<std::int64_t>(height_px_);

@@ -3,7 +3,7 @@
 // Based on: the standard error of the samples so far; relative to the square root of the mean, as Cycles' noise
 //           threshold (a middle way between absolute and relative: dark noise shows less than its ratio says).
 // Differs:  the variance itself instead of two halves of the samples; decided after whole rounds of samples, so that a
-//           pixel that stops early has seen each stratum of the lights as often as any other.
+//           pixel that stops early has seen each stratum of the lights as often as any other. Black pixels go on for a while.
 // Bound:    12 bytes and a few operations per pixel and sample.
 #pragma once
 #include "core/math.hpp"

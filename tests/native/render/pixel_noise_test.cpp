@@ -35,6 +35,20 @@ TEST_CASE("the standard error of a mean decides: sigma / sqrt(n) against thresho
     CHECK(noise.keep_noisy(0.99f * error, stopped, progress) == 0);
 }
 
+// Seen as black specks in a room that the sky lights through a gap.
+TEST_CASE("what has met no light in a few samples is not known to be dark") {
+    render::PixelNoise noise(3, 1);
+    std::vector<std::uint8_t> is_active(3, 1);
+    Progress progress;
+    for (std::uint32_t sample = 1; sample <= 16; ++sample) {
+        for (std::uint32_t pixel = 0; pixel < 3; ++pixel)
+            noise.add(pixel, Rgb(0.0f));
+        noise.end_sample(is_active);
+        auto active = is_active;
+        CHECK(noise.keep_noisy(0.01f, active, progress) == (sample < 16 ? 3 : 0));
+    }
+}
+
 TEST_CASE("rounds divide the samples, so that none is cut short") {
     for (std::uint32_t samples = 1; samples <= 100; ++samples) {
         const std::uint32_t round = render::samples_per_round(samples);
