@@ -13,7 +13,7 @@ import pytest
 from addon import last_render
 from support.closure_scenes import IS_OLD, errors
 from support.engine_pictures import cycles_pixels, tyndall_pixels
-from support.small_scenes import Build, add, empty_scene, light, material, mesh, node
+from support.small_scenes import Build, add, displace, empty_scene, light, material, mesh, node
 
 BOUND = 0.01
 SIDE = 40
@@ -78,13 +78,7 @@ def displaced_grid(
         return displacement.outputs[0]
 
     shown = material("Shown", surface)
-    if bpy.app.version >= (4, 1, 0):
-        shown.displacement_method = method
-    else:
-        shown.cycles.displacement_method = method
-    tree = shown.node_tree
-    output = next(each for each in tree.nodes if each.type == "OUTPUT_MATERIAL")
-    tree.links.new(moved(tree.nodes.new, tree.links.new), output.inputs["Displacement"])
+    displace(shown, moved, method)
     thing = grid("Grid", shown, is_smooth=is_smooth)
     thing.rotation_euler, thing.scale = (0.1, 0.05, 0.4), (1.0, 0.9, 0.8)
     floor = mesh("Floor", [(-3, -3, -0.5), (3, -3, -0.5), (3, 3, -0.5), (-3, 3, -0.5)], [(0, 1, 2, 3)])

@@ -12,7 +12,7 @@ import pytest
 from addon import last_render
 from support.closure_scenes import IS_OLD, ball, errors, lamp, shader, sun, world
 from support.engine_pictures import cycles_pixels, tyndall_pixels
-from support.small_scenes import Build, empty_scene, material, node
+from support.small_scenes import Build, displace, empty_scene, material, node
 
 GOLD, RED = (0.9, 0.6, 0.2, 1.0), (0.8, 0.2, 0.1, 1.0)
 BOUND = 0.01
@@ -247,14 +247,7 @@ def displaced_scene(surface: Build, moved: Build, method: str = "BUMP") -> bpy.t
     scene = scene_of(surface, sun(50.0), is_smooth=True)
     thing = next(each for each in scene.objects if each.type == "MESH")
     thing.scale = (1.0, 0.8, 0.7)  # spaces differ
-    shown = bpy.data.materials["Shown"]
-    if bpy.app.version >= (4, 1, 0):
-        shown.displacement_method = method
-    else:
-        shown.cycles.displacement_method = method
-    tree = shown.node_tree
-    output = next(each for each in tree.nodes if each.type == "OUTPUT_MATERIAL")
-    tree.links.new(moved(tree.nodes.new, tree.links.new), output.inputs["Displacement"])
+    displace(bpy.data.materials["Shown"], moved, method)
     return scene
 
 

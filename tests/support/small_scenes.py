@@ -108,3 +108,14 @@ def world_positions(group: Instances) -> NDArray[np.float64]:
     """Every vertex of every instance, (count, vertices, 3)."""
     corners = np.concatenate([group.mesh.positions, np.ones((len(group.mesh.positions), 1))], axis=1)
     return np.einsum("nij,vj->nvi", group.world_from_object, corners)[..., :3]
+
+
+def displace(shown: bpy.types.Material, moved: Build, method: str) -> None:
+    """Give a material a displacement, by a bump, by moving its meshes or by both."""
+    if bpy.app.version >= (4, 1, 0):
+        shown.displacement_method = method
+    else:
+        shown.cycles.displacement_method = method
+    tree = shown.node_tree
+    output = next(each for each in tree.nodes if each.type == "OUTPUT_MATERIAL")
+    tree.links.new(moved(tree.nodes.new, tree.links.new), output.inputs["Displacement"])
