@@ -60,7 +60,7 @@ private:
     /// A gate of twelve boards, 4 m high, that swings by 10 degrees to either side every two seconds, between the camera and
     /// the middle of the fog.
     [[nodiscard]] mat4 board_in_scene(int board, int frame) const {
-        const float time_s = static_cast<float>(frame) / frames_per_s, pi = std::numbers::pi_v<float>;
+        const float time_s = static_cast<float>(frame) / frames_per_s;
         const vec3 place = source_.camera.position + 6.0f * source_.camera.forward + vec3(0.0f, 0.0f, 2.0f);
         const mat4 gate = glm::translate(mat4(1.0f), place) *
                           glm::rotate(mat4(1.0f), 0.3f + pi / 18.0f * std::sin(pi * time_s), vec3(0.2f, 0.3f, 1.0f));

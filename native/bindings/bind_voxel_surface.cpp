@@ -23,9 +23,9 @@ static std::span<const Row> rows_of(const std::optional<py::array>& array, const
 
 using ChannelValue = std::variant<float, std::shared_ptr<FilteredTexture>>;
 
-static SurfaceMaterial make_material(const Triple& color,
-                                     const std::optional<std::shared_ptr<FilteredTexture>>& texture,
-                                     const std::vector<ChannelValue>& channels) {
+static SurfaceMaterial make_surface_material(const Triple& color,
+                                             const std::optional<std::shared_ptr<FilteredTexture>>& texture,
+                                             const std::vector<ChannelValue>& channels) {
     SurfaceMaterial material{.color = to_vec3(color), .texture = texture.value_or(nullptr)};
     require(channels.size() <= material.channels.size(), "a material has ", channels.size(), " channels; at most ",
             material.channels.size(), " are possible");
@@ -65,7 +65,7 @@ void bind_voxel_surface(py::module_& native) {
         .value("FACES", SurfaceNormals::Faces)
         .value("VERTICES", SurfaceNormals::Vertices);
     py::class_<SurfaceMaterial>(native, "SurfaceMaterial")
-        .def(py::init(&make_material), "color"_a, "texture"_a, "channels"_a,
+        .def(py::init(&make_surface_material), "color"_a, "texture"_a, "channels"_a,
              "color: linear. texture: in its place, or None. channels: numbers or textures, as the surface has them.");
     py::class_<VoxelSurface, std::shared_ptr<VoxelSurface>>(native, "VoxelSurface", "Refers to its arrays.")
         .def(py::init(&make_surface), "colors"_a, "materials"_a, "has_material_colors"_a, "material_of_triangle"_a,

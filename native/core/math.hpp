@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 namespace tyndall {
@@ -18,6 +19,8 @@ using glm::uvec3;
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;
+
+inline constexpr float pi = std::numbers::pi_v<float>;
 
 /// A value per colour channel of Blender's scene-linear space (Rec. 709 primaries): a radiance, a coefficient, an albedo.
 using Rgb = glm::vec3;

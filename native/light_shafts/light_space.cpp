@@ -3,7 +3,6 @@
 #include "scene/light_axes.hpp"
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace tyndall::light_shafts {
 LightSpace::LightSpace(const Light& light, const vec3& towards, float distance_m)
@@ -85,7 +84,6 @@ static float bilinear(const LightMask& mask, vec2 uv, bool goes_round) {
 }
 
 float LightSpace::look_up(const LightMask& mask, const vec3& place_m) const {
-    constexpr float pi = std::numbers::pi_v<float>;
     if (kind_ == LightKind::Sun) {
         const float height_m = mask.size_m * static_cast<float>(mask.height) / static_cast<float>(mask.width);
         return bilinear(mask, vec2(place_m) / vec2(mask.size_m, height_m) + 0.5f, false);

@@ -8,7 +8,6 @@
 #define TYNDALL_SLOPE_ROWS_ANGLE_INL
 #endif
 #include <hwy/highway.h>
-#include <numbers>
 
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::light_shafts::HWY_NAMESPACE {
@@ -16,7 +15,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V atan2_of(D d, V y, V x) {
-    constexpr float pi = std::numbers::pi_v<float>;
     const V ax = hn::Abs(x), ay = hn::Abs(y);
     const V low = hn::Min(ax, ay), high = hn::Max(ax, ay);
     const auto is_reduced = hn::Gt(low, hn::Mul(hn::Set(d, 0.41421356f), high));

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/slope_rows_culling.hpp"
 #include <algorithm>
-#include <numbers>
 
 namespace tyndall::light_shafts::slope_rows {
-static constexpr std::int32_t group_slices = 32;
-static constexpr float turn_rad = 2 * std::numbers::pi_v<float>;
+static constexpr std::int32_t culled_slices = 32;
 
 static void grow(SliceNeeds& needs, const SliceNeeds& other) {
     needs.first_line = std::min(needs.first_line, other.first_line);
@@ -14,12 +12,12 @@ static void grow(SliceNeeds& needs, const SliceNeeds& other) {
 }
 
 Culling::Culling(const Layout& layout) : layout_(layout) {
-    groups_.resize((layout.rows.size() + group_slices - 1) / group_slices);
+    groups_.resize((layout.rows.size() + culled_slices - 1) / culled_slices);
     const auto line = [&](std::int32_t i) { return layout.first_line + static_cast<float>(i) * layout.line_step; };
     for (std::size_t s = 0; s < layout.rows.size(); ++s) {
         const RowExtent& row = layout.rows[s];
         if (row.first < row.end)
-            grow(groups_[s / group_slices],
+            grow(groups_[s / culled_slices],
                  {.first_line = line(row.first), .last_line = line(row.end), .smallest_slope = row.smallest_slope});
     }
 }
@@ -27,7 +25,7 @@ Culling::Culling(const Layout& layout) : layout_(layout) {
 SliceNeeds Culling::needs_between(std::int32_t first, std::int32_t end) const {
     SliceNeeds needs{.first = first, .end = end};
     if (first < end)
-        for (std::int32_t group = first / group_slices; group <= (end - 1) / group_slices; ++group)
+        for (std::int32_t group = first / culled_slices; group <= (end - 1) / culled_slices; ++group)
             grow(needs, groups_[static_cast<std::size_t>(group)]);
     return needs;
 }
@@ -71,9 +69,9 @@ SliceNeeds Culling::needs_of_box(const vec3& centre, const vec3& half_extent, st
         } else {
             const float half_angle = std::asin(radius / distance) + 1e-6f;
             float low = std::atan2(centre.y, centre.x) - half_angle - layout_.first_slice;
-            low -= turn_rad * std::floor(low / turn_rad);
+            low -= 2 * pi * std::floor(low / (2 * pi));
             slices(low / layout_.slice_step, (low + 2 * half_angle) / layout_.slice_step);
-            slices((low - turn_rad) / layout_.slice_step, (low + 2 * half_angle - turn_rad) / layout_.slice_step);
+            slices((low - 2 * pi) / layout_.slice_step, (low + 2 * half_angle - 2 * pi) / layout_.slice_step);
         }
     }
     if (!(needs.first_line <= needs.last_line))

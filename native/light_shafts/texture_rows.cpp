@@ -63,7 +63,6 @@ TextureRows::Extent TextureRows::extent_of(std::span<const ViewRay> rays) {
         range->least -= margin, range->most += margin;
     }
     // A fan this wide is the whole circle: the rays look along the light.
-    constexpr float pi = std::numbers::pi_v<float>;
     if (!is_parallel_ && extent.lines.most - extent.lines.least > 1.5f * pi)
         extent.lines = {-pi, pi};
     return extent;

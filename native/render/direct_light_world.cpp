@@ -6,10 +6,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
 
 namespace tyndall::render {
-static constexpr float pi = std::numbers::pi_v<float>;
 /// Of directions, that the image has where there is one: as many as what reflects them.
 static constexpr float image_share = 0.5f;
 /// Of the others, that lobes with directions have at least, and leave at least: no density is far below that of a strategy.

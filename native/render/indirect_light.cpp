@@ -11,11 +11,10 @@
 #include <numbers>
 
 namespace tyndall::render {
-static constexpr float pi = std::numbers::pi_v<float>;
 // Random pairs, beyond those of the light that reaches surfaces straight: two kinds of directions by layer, and the lights
 // of what a gathering ray meets by layer and by its own layers.
 static constexpr std::uint32_t first_ambient_pair = 0x2000'0000, first_gather_pair = 0x4000'0000;
-static constexpr std::uint32_t first_gathered_pair = 0x8000'0000, pairs_per_layer = 256, layers_apart = 16;
+static constexpr std::uint32_t first_gathered_pair = 0x8000'0000, pairs_per_gathered_layer = 256, layers_apart = 16;
 
 void require_usable(const IndirectConfig& config) {
     require_in(config.ambient_distance_m, 0.0f, 1e9f, "ambient_distance_m");
@@ -116,7 +115,7 @@ void IndirectLight::gather(std::span<const SurfacePoint> points, std::uint32_t s
         }
         for (std::uint32_t passed = 0; passed < max_layer_count && !gatherers.empty(); ++passed) {
             const std::uint32_t place = layer * layers_apart + std::min(passed, layers_apart - 1);
-            catch_light(points, gatherers, {sample, first_gathered_pair + place * pairs_per_layer}, irradiance,
+            catch_light(points, gatherers, {sample, first_gathered_pair + place * pairs_per_gathered_layer}, irradiance,
                         by_group);
         }
     }

@@ -4,10 +4,8 @@
 #include "scene/area_light.hpp"
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace tyndall::render {
-static constexpr float pi = std::numbers::pi_v<float>;
 using Kind = LightAim::Form::Kind;
 
 static LampHit sun_hit(const LightAim::Form& form, const vec3& direction) {

@@ -6,12 +6,10 @@
 #include "render/light_tree.hpp"
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <optional>
 
 namespace tyndall::render {
-static constexpr float pi = std::numbers::pi_v<float>;
 
 static float angle_between(const vec3& a, const vec3& b) {
     return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));

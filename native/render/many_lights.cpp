@@ -3,10 +3,8 @@
 #include "scene/area_light.hpp"
 #include "scene/light_axes.hpp"
 #include <algorithm>
-#include <numbers>
 
 namespace tyndall::render {
-static constexpr float pi = std::numbers::pi_v<float>;
 /// More are one: each is asked for every ray.
 static constexpr std::size_t most_boxes = 16;
 static constexpr float rounding_rad = 0.02f; ///< Around sharp edges of beams.

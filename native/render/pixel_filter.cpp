@@ -3,7 +3,6 @@
 #include "core/errors.hpp"
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace tyndall::render {
 // The inverse is linear between steps: 1024 of them place a sample to 1e-6 of the radius where the filter matters.
@@ -41,7 +40,6 @@ FilterSampler::FilterSampler(PixelFilter filter, float width_px) : filter_(filte
 }
 
 float FilterSampler::shape(float offset_px) const {
-    constexpr float pi = std::numbers::pi_v<float>;
     switch (filter_) {
     case PixelFilter::Box:
         return 1.0f;

@@ -4,10 +4,8 @@
 #include "scene/embree.hpp"
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace tyndall {
-static constexpr float pi = std::numbers::pi_v<float>;
 
 vec2 Lens::sample_m(const vec2& u) const {
     vec2 place;

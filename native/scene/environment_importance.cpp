@@ -143,7 +143,6 @@ float EnvironmentImportance::pdf_per_sr(vec2 uv) const {
 
 /// The polynomial is that of Moshier's Cephes, between -tan(pi / 8) and tan(pi / 8).
 float angle_of(float y, float x) {
-    constexpr float pi = std::numbers::pi_v<float>;
     const float along = std::abs(x), across = std::abs(y), more = std::max(along, across);
     if (!(more > 0.0f))
         return 0.0f;

@@ -10,7 +10,6 @@ static constexpr std::size_t side_count = 6;
 static constexpr std::size_t pieces_of_spline = 4;
 
 static void add_ring(MeshArrays& mesh, const StrandPoint& at) {
-    constexpr float pi = std::numbers::pi_v<float>;
     // A ring's corners lie as far out as makes its circumference that of the tube.
     const float radius_m = at.radius_m * pi / (static_cast<float>(side_count) * std::sin(pi / side_count));
     const float length = glm::length(at.tangent);

@@ -11,18 +11,17 @@
 #include <numbers>
 
 namespace tyndall {
-constexpr float pi = std::numbers::pi_v<float>;
 
-static bool is_finite(const Rgb& value) {
+static bool is_finite_colour(const Rgb& value) {
     return std::isfinite(value.x) && std::isfinite(value.y) && std::isfinite(value.z);
 }
 
 static std::shared_ptr<const EnvironmentImage> without_broken_pixels(std::shared_ptr<const EnvironmentImage> image) {
-    if (std::all_of(image->pixels.begin(), image->pixels.end(), is_finite))
+    if (std::all_of(image->pixels.begin(), image->pixels.end(), is_finite_colour))
         return image;
     EnvironmentImage mended = *image;
     for (Rgb& pixel : mended.pixels)
-        if (!is_finite(pixel))
+        if (!is_finite_colour(pixel))
             pixel = Rgb(0.0f);
     return std::make_shared<const EnvironmentImage>(std::move(mended));
 }
@@ -32,7 +31,7 @@ World::World(std::string name, Rgb radiance, std::shared_ptr<const EnvironmentIm
     : name_(std::move(name)), radiance_(radiance), image_(std::move(image)), seen_(std::move(seen)),
       image_from_world_(image_from_world) {
     is_black_ = radiance_ == Rgb(0.0f);
-    require(is_finite(radiance_), "world '", name_, "': its radiance is not finite");
+    require(is_finite_colour(radiance_), "world '", name_, "': its radiance is not finite");
     for (std::shared_ptr<const EnvironmentImage>* given : {&image_, &seen_.image}) {
         if (*given == nullptr)
             continue;

@@ -31,17 +31,16 @@ void DirectionProgram::radiance(std::span<const vec3> unit_directions, RayKind k
 
 std::vector<Rgb> DirectionProgram::image(std::uint32_t width, std::uint32_t height, RayKind kind,
                                          const Progress& progress) const {
-    constexpr double pi = std::numbers::pi;
     std::vector<dvec2> around(width); // cosine and sine of each column's longitude
     for (std::uint32_t column = 0; column < width; ++column) {
-        const double longitude = (0.5 - (column + 0.5) / width) * 2.0 * pi;
+        const double longitude = (0.5 - (column + 0.5) / width) * 2.0 * std::numbers::pi;
         around[column] = {std::cos(longitude), std::sin(longitude)};
     }
     std::vector<Rgb> pixels(std::size_t{width} * height);
     parallel_for(
         height, progress,
         [&](std::size_t row) {
-            const double latitude = ((static_cast<double>(row) + 0.5) / height - 0.5) * pi;
+            const double latitude = ((static_cast<double>(row) + 0.5) / height - 0.5) * std::numbers::pi;
             for (std::uint32_t column = 0; column < width; ++column)
                 pixels[row * width + column] =
                     radiance(vec3(dvec3(std::cos(latitude) * around[column], std::sin(latitude))), kind);

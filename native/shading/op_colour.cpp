@@ -6,7 +6,7 @@
 namespace tyndall {
 namespace {
 template <typename Each>
-Rgb each(const Each& value) {
+Rgb each_channel(const Each& value) {
     return {value(0), value(1), value(2)};
 }
 float highest(const Rgb& colour) { return std::max({colour.x, colour.y, colour.z}); }
@@ -87,9 +87,9 @@ Rgb blended(BlendKind kind, const Rgb& a, const Rgb& b, float share) {
     case Screen:
         return 1.0f - (rest + share * (1.0f - b)) * (1.0f - a);
     case Overlay:
-        return each([&](int i) { return overlaid(a[i], b[i], share); });
+        return each_channel([&](int i) { return overlaid(a[i], b[i], share); });
     case Divide:
-        return each([&](int i) { return b[i] != 0.0f ? rest * a[i] + share * a[i] / b[i] : a[i]; });
+        return each_channel([&](int i) { return b[i] != 0.0f ? rest * a[i] + share * a[i] / b[i] : a[i]; });
     case Difference:
         return mixed(a, glm::abs(a - b), share);
     case Exclusion:
@@ -99,9 +99,9 @@ Rgb blended(BlendKind kind, const Rgb& a, const Rgb& b, float share) {
     case Lighten:
         return mixed(a, glm::max(a, b), share);
     case Dodge:
-        return each([&](int i) { return dodged(a[i], b[i], share); });
+        return each_channel([&](int i) { return dodged(a[i], b[i], share); });
     case Burn:
-        return each([&](int i) { return burnt(a[i], b[i], share); });
+        return each_channel([&](int i) { return burnt(a[i], b[i], share); });
     case Hue: {
         const Rgb other = hsv_of(b), own = hsv_of(a);
         return other.y != 0.0f ? mixed(a, of_hsv({other.x, own.y, own.z}), share) : a;
@@ -156,7 +156,7 @@ Rgb curved(const SurfaceOp& op, const Operands& in, std::span<const vec4> values
     case CurveOf::Alpha:
         return Rgb(at(in.a.x).w);
     default:
-        return (1.0f - in.b) * in.a + in.b * each([&](int i) { return at(in.a[i])[i]; });
+        return (1.0f - in.b) * in.a + in.b * each_channel([&](int i) { return at(in.a[i])[i]; });
     }
 }
 
@@ -178,8 +178,9 @@ Rgb colour_value(const SurfaceOp& op, const Operands& in, std::span<const ColorT
     case Code::HueSaturation:
         return adjusted(in);
     case Code::Gamma:
-        return in.b.x == 0.0f ? Rgb(1.0f)
-                              : each([&](int i) { return in.a[i] > 0.0f ? std::pow(in.a[i], in.b.x) : in.a[i]; });
+        return in.b.x == 0.0f
+                   ? Rgb(1.0f)
+                   : each_channel([&](int i) { return in.a[i] > 0.0f ? std::pow(in.a[i], in.b.x) : in.a[i]; });
     case Code::Blend:
         return blended(static_cast<BlendKind>(op.option), in.a, in.b, in.c.x);
     case Code::Combine: {

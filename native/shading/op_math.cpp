@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace tyndall {
 namespace {
-constexpr float pi = std::numbers::pi_v<float>;
 
 /// 0 where there is nothing to divide by.
 float quotient(float a, float b) { return b != 0.0f ? a / b : 0.0f; }

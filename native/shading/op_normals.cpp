@@ -10,7 +10,7 @@ vec3 unit_or_zero(const vec3& v) {
     const float length = glm::length(v);
     return length > 0.0f ? v / length : vec3(0.0f);
 }
-vec3 unit_or(const vec3& v, const vec3& otherwise) {
+vec3 finite_unit_or(const vec3& v, const vec3& otherwise) {
     const float length = glm::length(v);
     return length > 0.0f && std::isfinite(length) ? v / length : otherwise;
 }
@@ -35,7 +35,7 @@ vec3 valid_specular(const ProgramPoint& point, const vec3& normal) {
     if (glm::dot(geometric, mirrored) >= least)
         return normal;
     // In the plane of both normals: the square of the new one's share of the geometric normal solves a quadratic equation.
-    const vec3 across = unit_or(normal - glm::dot(normal, geometric) * geometric, normal);
+    const vec3 across = finite_unit_or(normal - glm::dot(normal, geometric) * geometric, normal);
     const float side = glm::dot(incoming, across);
     const float a = side * side + height * height, b = 2.0f * (a + height * least);
     const float c = (least + height) * (least + height);
@@ -81,9 +81,9 @@ vec3 mapped_normal(const SurfaceOp& op, const ProgramPoint& point, const Operand
     const vec3& own = point.surface.shading_normal;
     const auto space = static_cast<NormalSpace>(op.option);
     if (space == NormalSpace::Unit)
-        return unit_or(in.a, own);
+        return finite_unit_or(in.a, own);
     if (space == NormalSpace::ValidSpecular)
-        return valid_specular(point, unit_or(in.a, own));
+        return valid_specular(point, finite_unit_or(in.a, own));
     vec3 normal = 2.0f * (in.a - 0.5f);
     bool mixes = true;
     if (space == NormalSpace::Tangent) {
@@ -101,7 +101,7 @@ vec3 mapped_normal(const SurfaceOp& op, const ProgramPoint& point, const Operand
         normal = -normal;
     if (mixes && in.b.x != 1.0f)
         normal = unit_or_zero(own + (normal - own) * std::max(in.b.x, 0.0f));
-    return unit_or(normal, own);
+    return finite_unit_or(normal, own);
 }
 
 vec3 bumped_normal(const SurfaceOp& op, const ProgramPoint& point, const Operands& in) {
@@ -115,7 +115,7 @@ vec3 bumped_normal(const SurfaceOp& op, const ProgramPoint& point, const Operand
     const float scale = (op.selector & bump_is_inverted) != 0 ? -in.e.x : in.e.x;
     const float side = area < 0.0f ? -1.0f : 1.0f, strength = std::max(in.d.x, 0.0f);
     vec3 bent = unit_or_zero(op.value.x * std::abs(area) * normal - scale * side * slope);
-    bent = bent == vec3(0.0f) ? normal : unit_or(strength * bent + (1.0f - strength) * normal, normal);
+    bent = bent == vec3(0.0f) ? normal : finite_unit_or(strength * bent + (1.0f - strength) * normal, normal);
     return (op.selector & bump_is_valid_specular) != 0 ? valid_specular(point, bent) : bent;
 }
 } // namespace tyndall

@@ -155,7 +155,7 @@ Rgb share(const Rgb& value) {
     return {channel(value.x), channel(value.y), channel(value.z)};
 }
 /// What a program makes of a division by nearly 0 is no light.
-Rgb non_negative(const Rgb& value) {
+Rgb sound_colour(const Rgb& value) {
     const auto channel = [](float x) { return x > 0.0f && x <= std::numeric_limits<float>::max() ? x : 0.0f; };
     return {channel(value.x), channel(value.y), channel(value.z)};
 }
@@ -229,7 +229,7 @@ static void add_gloss(const GlossLayers& layers, const Gloss& gloss, const Shadi
                 by_coat = fresnel_dielectric(point.view_cosine, layers.coat_ior);
     closures.mirrored =
         point.tint * share(gloss.facing + (gloss.edge - gloss.facing) * rise) + share(gloss.coat) * by_coat;
-    closures.diffuse_albedo += point.tint * non_negative(gloss.coated) * (1.0f - by_coat);
+    closures.diffuse_albedo += point.tint * sound_colour(gloss.coated) * (1.0f - by_coat);
 }
 
 /// Zero, too, where it is the point's own, or no direction.
@@ -289,9 +289,9 @@ SurfaceClosures evaluate(const Material& material, const ProgramPoint& at, std::
         return closures;
     }
     const Registers registers = run(material, at, uvs);
-    SurfaceClosures closures{.diffuse_albedo = point.tint * non_negative(registers[material.diffuse_register]),
+    SurfaceClosures closures{.diffuse_albedo = point.tint * sound_colour(registers[material.diffuse_register]),
                              .transparent = share(registers[material.transparent_register]),
-                             .emission = non_negative(registers[material.emission_register])};
+                             .emission = sound_colour(registers[material.emission_register])};
     if (material.held_out_register)
         closures.held_out = average(share(registers[*material.held_out_register]));
     if (const auto& gloss = material.gloss)

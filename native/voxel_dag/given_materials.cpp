@@ -8,7 +8,7 @@
 #include <numbers>
 
 namespace tyndall::voxel_dag {
-static constexpr std::size_t block = 1 << 14;
+static constexpr std::size_t normals_per_block = 1 << 14;
 static constexpr double degree_steps = 1 << 20;
 
 void require_usable(const VoxelAttributes& attributes, std::uint64_t voxel_count) {
@@ -49,24 +49,25 @@ double NormalErrors::mean_degrees(std::uint64_t voxel_count) const {
 static AttributeColumn shorter_normals(const AttributeColumn& normals, std::uint32_t bits, NormalErrors& errors,
                                        const Progress& progress) {
     AttributeColumn codes(normals.size());
-    errors = parallel_sum(normals.size(), block, NormalErrors{}, progress, [&](std::size_t begin, std::size_t end) {
-        NormalErrors part;
-        NormalErrors one;
-        for (std::size_t i = begin; i < end; ++i) {
-            if (i > begin && normals[i] == normals[i - 1]) {
-                codes[i] = codes[i - 1];
-            } else {
-                const dvec3 given = octahedral::decode(normals[i], octahedral::most_bits);
-                codes[i] = octahedral::encode(given, bits);
-                const dvec3 kept = octahedral::decode(codes[i], bits);
-                one.most_degrees =
-                    std::atan2(glm::length(glm::cross(given, kept)), glm::dot(given, kept)) * 180.0 / std::numbers::pi;
-                one.sum = static_cast<std::uint64_t>(std::llround(one.most_degrees * degree_steps));
+    errors = parallel_sum(
+        normals.size(), normals_per_block, NormalErrors{}, progress, [&](std::size_t begin, std::size_t end) {
+            NormalErrors part;
+            NormalErrors one;
+            for (std::size_t i = begin; i < end; ++i) {
+                if (i > begin && normals[i] == normals[i - 1]) {
+                    codes[i] = codes[i - 1];
+                } else {
+                    const dvec3 given = octahedral::decode(normals[i], octahedral::most_bits);
+                    codes[i] = octahedral::encode(given, bits);
+                    const dvec3 kept = octahedral::decode(codes[i], bits);
+                    one.most_degrees = std::atan2(glm::length(glm::cross(given, kept)), glm::dot(given, kept)) * 180.0 /
+                                       std::numbers::pi;
+                    one.sum = static_cast<std::uint64_t>(std::llround(one.most_degrees * degree_steps));
+                }
+                part += one;
             }
-            part += one;
-        }
-        return part;
-    });
+            return part;
+        });
     return codes;
 }
 

@@ -40,10 +40,10 @@ private:
     std::uint32_t part_level_;
 };
 
-class Joining {
+class AttributeJoining {
 public:
-    Joining(std::span<const PartFile> parts, const PackedDag& dag, const JoinAttributesConfig& config,
-            const Progress& progress, const std::function<void(double)>& report)
+    AttributeJoining(std::span<const PartFile> parts, const PackedDag& dag, const JoinAttributesConfig& config,
+                     const Progress& progress, const std::function<void(double)>& report)
         : config_(config), dag_(dag), progress_(progress), report_(report) {
         for (const PartFile& part : parts)
             if (!part.is_empty())
@@ -212,6 +212,6 @@ private:
 StreamedAttributes join_attributes(std::span<const PartFile> parts, const PackedDag& dag,
                                    const JoinAttributesConfig& config, const Progress& progress,
                                    const std::function<void(double)>& report) {
-    return Joining(parts, dag, config, progress, report).run();
+    return AttributeJoining(parts, dag, config, progress, report).run();
 }
 } // namespace tyndall::voxel_dag

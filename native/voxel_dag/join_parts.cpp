@@ -40,10 +40,10 @@ void append(const DagLevel& part, DagLevel& level) {
     level.tags.insert(level.tags.end(), part.tags.begin(), part.tags.end());
 }
 
-class Joining {
+class DagJoining {
 public:
-    Joining(std::span<const PartFile> parts, const JoinConfig& config, const Progress& progress,
-            const std::function<void(double)>& report)
+    DagJoining(std::span<const PartFile> parts, const JoinConfig& config, const Progress& progress,
+               const std::function<void(double)>& report)
         : config_(config), progress_(progress), report_(report) {
         for (const PartFile& part : parts)
             if (!part.is_empty())
@@ -288,6 +288,6 @@ private:
 JoinResult join_parts(std::span<const PartFile> parts, const JoinConfig& config, const Progress& progress,
                       const std::function<void(double)>& report) {
     progress.poll();
-    return Joining(parts, config, progress, report).run();
+    return DagJoining(parts, config, progress, report).run();
 }
 } // namespace tyndall::voxel_dag

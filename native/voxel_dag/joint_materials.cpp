@@ -5,7 +5,7 @@
 #include "voxel_dag/numbered_values.hpp"
 
 namespace tyndall::voxel_dag {
-static constexpr std::uint32_t magic = 0x314d4a54; // "TJM1"
+static constexpr std::uint32_t materials_mark = 0x314d4a54; // "TJM1"
 static constexpr std::size_t poll_entries = std::size_t{1} << 20;
 
 /// The combinations of one number more: below 2^64, because each number is below 2^32.
@@ -51,7 +51,7 @@ JointMaterials join(std::span<const std::span<const std::uint32_t>> attributes, 
 std::vector<std::uint8_t> encode_columns(const std::vector<std::vector<std::uint32_t>>& columns) {
     const std::size_t material_count = columns.at(0).size();
     SectionWriter writer;
-    writer.number(magic);
+    writer.number(materials_mark);
     writer.number(static_cast<std::uint32_t>(material_count));
     writer.number(static_cast<std::uint32_t>(columns.size()));
     const auto width_of = [](const std::vector<std::uint32_t>& column) {
@@ -71,7 +71,7 @@ std::vector<std::uint8_t> encode_columns(const std::vector<std::vector<std::uint
 
 MaterialTable::MaterialTable(std::span<const std::uint8_t> bytes) {
     SectionReader reader(bytes, "material table");
-    reader.check(reader.number<std::uint32_t>("header") == magic, "header", "does not begin with its mark");
+    reader.check(reader.number<std::uint32_t>("header") == materials_mark, "header", "does not begin with its mark");
     material_count_ = reader.number<std::uint32_t>("header");
     const auto attribute_count = reader.number<std::uint32_t>("header");
     reader.check(attribute_count <= bytes.size() / sizeof(std::uint32_t), "header", "has ", attribute_count,

@@ -18,13 +18,13 @@ constexpr BitPlace place_of(std::uint32_t octant, std::uint32_t code) {
 }
 using Places = std::array<std::array<BitPlace, 64>, 8>;
 constexpr Places make_places() {
-    Places places{};
+    Places bit_places{};
     for (std::uint32_t octant = 0; octant < 8; ++octant)
         for (std::uint32_t code = 0; code < 64; ++code)
-            places[octant][code] = place_of(octant, code);
-    return places;
+            bit_places[octant][code] = place_of(octant, code);
+    return bit_places;
 }
-constexpr Places places = make_places();
+constexpr Places bit_places = make_places();
 
 /// The block's bricks, by octant.
 std::array<std::uint64_t, 8> bricks_of(const BlockBits& bits) {
@@ -33,7 +33,7 @@ std::array<std::uint64_t, 8> bricks_of(const BlockBits& bits) {
         return bricks;
     for (std::size_t octant = 0; octant < 8; ++octant)
         for (std::size_t code = 0; code < 64; ++code) {
-            const auto [word, bit] = places[octant][code];
+            const auto [word, bit] = bit_places[octant][code];
             bricks[octant] |= (bits[word] >> bit & 1) << code;
         }
     return bricks;
@@ -87,7 +87,7 @@ LeafBlocks leaf_blocks_of(const LeafMasks& leaves, const Progress& progress) {
             for (std::size_t brick = first_bricks[block]; brick < first_bricks[block + 1]; ++brick)
                 for (std::uint64_t left = leaves.masks[brick]; left != 0; left &= left - 1) {
                     const auto [word, bit] =
-                        places[leaves.codes[brick] & 7][static_cast<std::size_t>(std::countr_zero(left))];
+                        bit_places[leaves.codes[brick] & 7][static_cast<std::size_t>(std::countr_zero(left))];
                     blocks.bits[block][word] |= std::uint64_t{1} << bit;
                 }
         },

@@ -4,13 +4,13 @@
 #include <bit>
 
 namespace tyndall::voxel_dag {
-static constexpr std::size_t poll_entries = std::size_t{1} << 22; // some ms
+static constexpr std::size_t entries_per_poll = std::size_t{1} << 22; // some ms
 
 template <typename Work>
 static void in_parts(std::size_t count, const Progress& progress, const Work& work) {
-    for (std::size_t begin = 0; begin < count; begin += poll_entries) {
+    for (std::size_t begin = 0; begin < count; begin += entries_per_poll) {
         progress.poll();
-        work(begin, std::min(count, begin + poll_entries));
+        work(begin, std::min(count, begin + entries_per_poll));
     }
 }
 

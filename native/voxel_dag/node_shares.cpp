@@ -4,14 +4,14 @@
 
 namespace tyndall::voxel_dag {
 namespace {
-constexpr std::uint32_t least_level = leaf_level + 2;   ///< Of 16^3: smaller records have no entry.
-constexpr std::uint32_t least_parallel_level = 9;       ///< As in StoredWalk.
-constexpr std::uint32_t side = 8, places = side * side; ///< Of a silhouette that a parent takes.
+constexpr std::uint32_t least_level = leaf_level + 2;        ///< Of 16^3: smaller records have no entry.
+constexpr std::uint32_t least_parallel_level = 9;            ///< As in StoredWalk.
+constexpr std::uint32_t side = 8, place_count = side * side; ///< Of a silhouette that a parent takes.
 
 /// Of a node seen along each axis: of 8 x 8 places, the shares that are covered. The lower one of the other two axes
 /// counts places, the higher one rows.
 struct Silhouettes {
-    std::array<std::array<float, places>, 3> along;
+    std::array<std::array<float, place_count>, 3> along;
 };
 constexpr std::array<std::array<std::uint32_t, 2>, 3> others{{{1, 2}, {0, 2}, {0, 1}}};
 
@@ -39,9 +39,9 @@ AxisShares shares_of(const Silhouettes& silhouettes) {
     bool has_sheet = false;
     for (std::uint32_t axis = 0; axis < 3; ++axis) {
         std::uint64_t full = 0, any = 0;
-        for (std::uint32_t place = 0; place < places; ++place) {
+        for (std::uint32_t place = 0; place < place_count; ++place) {
             const float share = silhouettes.along[axis][place];
-            shares[axis] += static_cast<double>(share) / places;
+            shares[axis] += static_cast<double>(share) / place_count;
             full |= std::uint64_t{share > 0.95f} << place;
             any |= std::uint64_t{share > 0.0f} << place;
         }
@@ -129,11 +129,11 @@ private:
                 const std::uint32_t right = quarter & 1, upper = quarter >> 1;
                 const std::uint32_t front = right << others[axis][0] | upper << others[axis][1];
                 const std::uint32_t behind = front | 1u << axis;
-                std::array<float, places> covered{};
+                std::array<float, place_count> covered{};
                 if ((child_mask >> front & 1) != 0)
                     covered = children[front].along[axis];
                 if ((child_mask >> behind & 1) != 0)
-                    for (std::uint32_t place = 0; place < places; ++place)
+                    for (std::uint32_t place = 0; place < place_count; ++place)
                         covered[place] += children[behind].along[axis][place] * (1.0f - covered[place]);
                 for (std::uint32_t v = 0; v < side / 2; ++v)
                     for (std::uint32_t u = 0; u < side / 2; ++u) {

@@ -56,9 +56,9 @@ void for_each_child(const DagLevel& nodes, std::size_t node, std::uint32_t turn,
 
 /// Counts that add up.
 template <std::size_t Size>
-struct Sums {
+struct UseSums {
     std::array<std::uint32_t, Size> of{};
-    Sums& operator+=(const Sums& other) {
+    UseSums& operator+=(const UseSums& other) {
         for (std::size_t i = 0; i < Size; ++i)
             of[i] += other.of[i];
         return *this;
@@ -193,11 +193,11 @@ private:
     [[nodiscard]] bool has_inner_tags(std::size_t i) const { return upright_.has_inner_tags && i == 2; }
 
     /// visit(sums, whether the child is shared, its number, its tag) of all that references of levels[i] name, side by side.
-    template <class Sums, class Visit>
-    [[nodiscard]] Sums tag_sums(std::size_t i, const TagRanks& ranks, const Visit& visit) const {
+    template <class UseSums, class Visit>
+    [[nodiscard]] UseSums tag_sums(std::size_t i, const TagRanks& ranks, const Visit& visit) const {
         const DagLevel& nodes = dag_.levels[i];
-        return parallel_sum(nodes.node_count(), 1 << 14, Sums{}, progress_, [&](std::size_t begin, std::size_t end) {
-            Sums sums;
+        return parallel_sum(nodes.node_count(), 1 << 14, UseSums{}, progress_, [&](std::size_t begin, std::size_t end) {
+            UseSums sums;
             for (std::size_t node = begin; node < end; ++node)
                 for (std::size_t at = nodes.first_children[node]; at < nodes.first_children[node + 1]; ++at)
                     if (const bool is_named = is_shared(i - 1, nodes.children[at]); is_named || has_inner_tags(i))
@@ -209,7 +209,7 @@ private:
     void rank_tags(std::size_t i, PackedLevel& format) {
         TagRanks& ranks = tag_ranks_.emplace_back();
         std::iota(ranks.begin(), ranks.end(), std::uint8_t{0});
-        const auto uses = tag_sums<Sums<cube_element_count>>(
+        const auto uses = tag_sums<UseSums<cube_element_count>>(
             i, ranks, [](auto& sums, bool, std::uint32_t, std::uint32_t tag) { ++sums.of[tag]; });
         std::array<std::uint8_t, cube_element_count> order = ranks;
         std::stable_sort(order.begin() + 1, order.end(), [&](auto a, auto b) { return uses.of[a] > uses.of[b]; });
@@ -218,7 +218,7 @@ private:
             format.tags[rank] = rank < symmetry_order(dag_.symmetry) ? order[rank] : std::uint8_t{0};
         }
         constexpr std::size_t tag_widths = std::tuple_size_v<TaggedUses::value_type>;
-        const auto flat = tag_sums<Sums<std::tuple_size_v<TaggedUses> * tag_widths>>(
+        const auto flat = tag_sums<UseSums<std::tuple_size_v<TaggedUses> * tag_widths>>(
             i, ranks, [&](auto& sums, bool is_named, std::uint32_t child, std::uint32_t tag) {
                 const auto tag_bits = static_cast<std::size_t>(std::bit_width(std::uint32_t{ranks[tag]}));
                 if (is_named)
@@ -238,9 +238,9 @@ private:
     /// The child masks of a level's records, by falling number of records.
     void rank_masks(std::size_t i, PackedLevel& format) {
         const DagLevel& nodes = dag_.levels[i];
-        const auto uses =
-            parallel_sum(nodes.node_count(), 1 << 14, Sums<256>{}, progress_, [&](std::size_t begin, std::size_t end) {
-                Sums<256> counted;
+        const auto uses = parallel_sum(
+            nodes.node_count(), 1 << 14, UseSums<256>{}, progress_, [&](std::size_t begin, std::size_t end) {
+                UseSums<256> counted;
                 for (std::size_t node = begin; node < end; ++node) {
                     std::uint32_t mask = 0;
                     for_each_child(nodes, node, upright_.turns[i][node],

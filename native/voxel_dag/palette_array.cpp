@@ -7,8 +7,8 @@
 #include <unordered_map>
 
 namespace tyndall::voxel_dag {
-static constexpr std::uint32_t magic = 0x31415054;   // "TPA1"
-static constexpr std::uint32_t index_width_bits = 4; // holds [0, 8]
+static constexpr std::uint32_t palette_mark = 0x31415054; // "TPA1"
+static constexpr std::uint32_t index_width_bits = 4;      // holds [0, 8]
 static constexpr std::uint32_t most_index_bits = 8;
 
 namespace {
@@ -101,7 +101,7 @@ std::vector<std::uint8_t> encode_palettes(std::span<const std::uint32_t> values,
     const std::uint64_t index_bit_count = indices.bit_count();
 
     SectionWriter writer;
-    writer.number(magic);
+    writer.number(palette_mark);
     writer.number(static_cast<std::uint32_t>(values.size()));
     writer.number(material_count);
     writer.number(value_bits);
@@ -129,7 +129,7 @@ std::vector<std::uint8_t> encode_palettes(std::span<const std::uint32_t> values,
 
 PaletteArray::PaletteArray(std::span<const std::uint8_t> bytes) {
     SectionReader reader(bytes, "palette array");
-    reader.check(reader.number<std::uint32_t>("header") == magic, "header", "does not begin with its mark");
+    reader.check(reader.number<std::uint32_t>("header") == palette_mark, "header", "does not begin with its mark");
     entry_count_ = reader.number<std::uint32_t>("header");
     material_count_ = reader.number<std::uint32_t>("header");
     value_bits_ = reader.number<std::uint32_t>("header");

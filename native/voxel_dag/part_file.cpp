@@ -7,13 +7,22 @@
 
 namespace tyndall::voxel_dag {
 namespace {
-constexpr std::array<char, 8> magic{'T', 'D', 'A', 'G', 'P', 'A', 'R', 'T'};
-constexpr std::uint32_t version = 2;
+constexpr std::array<char, 8> part_magic{'T', 'D', 'A', 'G', 'P', 'A', 'R', 'T'};
+constexpr std::uint32_t part_version = 2;
 /// Of attributes.
-enum Number : std::size_t { Columns, Counts, Indices, MeanColumns, MeanCounts, MeanIndices, Sums, section_count };
+enum Number : std::size_t {
+    Columns,
+    VoxelCounts,
+    Indices,
+    MeanColumns,
+    MeanCounts,
+    MeanIndices,
+    MeanSums,
+    section_count
+};
 constexpr std::size_t most_levels = most_level - leaf_level;
 
-struct Header {
+struct PartHeader {
     std::array<char, 8> magic;
     std::uint32_t version, level, symmetry, root_tag;
     std::array<std::uint64_t, 2> job;
@@ -25,10 +34,10 @@ struct Header {
     std::array<std::uint32_t, section_count> attribute_checksums;
     std::uint32_t checksum; ///< Of all that is before it.
 };
-static_assert(sizeof(Header) == 456 && std::has_unique_object_representations_v<Header>);
+static_assert(sizeof(PartHeader) == 456 && std::has_unique_object_representations_v<PartHeader>);
 
-std::uint32_t header_checksum(const Header& header) {
-    return checksum_of(bytes_of(header).first(offsetof(Header, checksum)));
+std::uint32_t header_checksum(const PartHeader& header) {
+    return checksum_of(bytes_of(header).first(offsetof(PartHeader, checksum)));
 }
 
 /// A level as bytes: masks, tags and children.
@@ -73,9 +82,9 @@ std::vector<AttributeColumn> columns_of(const std::vector<std::uint32_t>& values
 
 void write_part(const Dag& dag, const PartAttributes& attributes, const PartKey& key, std::uint64_t voxel_count,
                 const std::filesystem::path& path, const Progress& progress) {
-    Header header{};
-    header.magic = magic;
-    header.version = version;
+    PartHeader header{};
+    header.magic = part_magic;
+    header.version = part_version;
     header.level = dag.level;
     header.symmetry = static_cast<std::uint32_t>(dag.symmetry);
     header.root_tag = dag.root_tag;
@@ -98,12 +107,12 @@ void write_part(const Dag& dag, const PartAttributes& attributes, const PartKey&
     std::array<std::span<const std::byte>, section_count> contents{};
     if (!attributes.is_empty()) {
         contents[Columns] = columns;
-        contents[Counts] = std::as_bytes(std::span(attributes.materials.counts));
+        contents[VoxelCounts] = std::as_bytes(std::span(attributes.materials.counts));
         contents[Indices] = std::as_bytes(std::span(attributes.indices));
         contents[MeanColumns] = mean_columns;
         contents[MeanCounts] = std::as_bytes(std::span(attributes.means.counts));
         contents[MeanIndices] = std::as_bytes(std::span(attributes.mean_indices));
-        contents[Sums] = bytes_of(sums);
+        contents[MeanSums] = bytes_of(sums);
     }
     for (std::size_t number = 0; number < section_count; ++number) {
         header.attribute_bytes[number] = contents[number].size();
@@ -135,9 +144,9 @@ std::string name_of(const PartFile::AttributeSection& section) {
 PartFile::PartFile(const std::filesystem::path& path, const PartKey& key, const Progress& progress)
     : path_(path), key_(key) {
     const FileReader reader(path, progress);
-    Header header{};
+    PartHeader header{};
     reader.read(0, std::as_writable_bytes(std::span(&header, 1)), "its header");
-    if (header.magic != magic || header.version != version || header.checksum != header_checksum(header))
+    if (header.magic != part_magic || header.version != part_version || header.checksum != header_checksum(header))
         reader.refuse("it is no part of a voxel DAG of this version, or its header is damaged");
     if (header.job != key.job || header.level != key.level || header.code != key.code)
         reader.refuse("it is a part of another job");
@@ -147,7 +156,7 @@ PartFile::PartFile(const std::filesystem::path& path, const PartKey& key, const 
     sections_.push_back({.level = leaf_level,
                          .node_count = header.leaf_count,
                          .reference_count = 0,
-                         .offset = sizeof(Header),
+                         .offset = sizeof(PartHeader),
                          .bytes = header.leaf_count * sizeof(std::uint64_t),
                          .checksum = header.leaf_checksum});
     const auto end = [&] { return sections_.back().offset + sections_.back().bytes; };
@@ -201,10 +210,10 @@ PartTables PartFile::read_tables(std::size_t column_count, const Progress& progr
             .columns = columns_of(reader.values<std::uint32_t>(attribute_sections_[columns]), column_count),
             .counts = reader.values<std::uint64_t>(attribute_sections_[counts])};
     };
-    const std::vector<PartSums> sums = reader.values<PartSums>(attribute_sections_[Sums]);
+    const std::vector<PartSums> sums = reader.values<PartSums>(attribute_sections_[MeanSums]);
     if (sums.size() != 1)
         reader.refuse("it has no attributes");
-    return {.materials = table_of(Columns, Counts),
+    return {.materials = table_of(Columns, VoxelCounts),
             .means = table_of(MeanColumns, MeanCounts),
             .sum = sums.front().sum,
             .normals = {.sum = sums.front().angle_sum, .most_degrees = sums.front().most_degrees}};

@@ -7,9 +7,9 @@
 #include <cstring>
 
 namespace tyndall::voxel_dag {
-static constexpr std::uint32_t magic = 0x32415254, old_magic = 0x31415254; // "TRA2", "TRA1"
+static constexpr std::uint32_t runs_mark = 0x32415254, old_runs_mark = 0x31415254; // "TRA2", "TRA1"
 static constexpr std::uint32_t least_log2_entries = 9, most_log2_entries = 12;
-static constexpr std::size_t blocks_at_once = 4096; // packed side by side, then sifted in their order
+static constexpr std::size_t packed_at_once = 4096; // packed side by side, then sifted in their order
 /// Beyond, blocks are stored whether or not they are known: the memory that knowing takes is bounded.
 static constexpr std::size_t most_known_blocks = std::size_t{1} << 20;
 
@@ -108,9 +108,9 @@ void Encoder::finish(const Progress& progress) {
 void Encoder::pack(std::span<const std::uint32_t> values, const Progress& progress) {
     const std::size_t block_entries = std::size_t{1} << shape_.log2_entries;
     const auto block_count = static_cast<std::size_t>(count_of_blocks(values.size(), shape_.log2_entries));
-    packed_.resize(std::max(packed_.size(), std::min(blocks_at_once, block_count)));
-    for (std::size_t first = 0; first < block_count; first += blocks_at_once) {
-        const std::size_t count = std::min(blocks_at_once, block_count - first);
+    packed_.resize(std::max(packed_.size(), std::min(packed_at_once, block_count)));
+    for (std::size_t first = 0; first < block_count; first += packed_at_once) {
+        const std::size_t count = std::min(packed_at_once, block_count - first);
         const auto pack_one = [&](std::size_t i) {
             const std::size_t begin = (first + i) * block_entries;
             BitPacker bits;
@@ -154,7 +154,7 @@ std::uint64_t Encoder::byte_count() const {
 
 std::vector<std::uint8_t> Encoder::header() const {
     SectionWriter writer;
-    writer.number(magic);
+    writer.number(runs_mark);
     writer.number(shape_.log2_entries);
     writer.number(shape_.value_bits);
     writer.number(entry_count_);
@@ -204,8 +204,8 @@ std::vector<std::uint8_t> encode(std::span<const std::uint32_t> values, const Co
 RunArray::RunArray(std::span<const std::uint8_t> bytes) {
     SectionReader reader(bytes, "run array");
     const auto mark = reader.number<std::uint32_t>("header");
-    reader.check(mark != old_magic, "header", "is of an older version, which is not read: make the file again");
-    reader.check(mark == magic, "header", "does not begin with its mark");
+    reader.check(mark != old_runs_mark, "header", "is of an older version, which is not read: make the file again");
+    reader.check(mark == runs_mark, "header", "does not begin with its mark");
     shape_.log2_entries = reader.number<std::uint32_t>("header");
     shape_.value_bits = reader.number<std::uint32_t>("header");
     entry_count_ = reader.number<std::uint64_t>("header");

@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace tyndall::voxel_dag {
-static constexpr std::size_t block_size = 1 << 14;
+static constexpr std::size_t vertices_per_block = 1 << 14;
 
 static std::uint32_t level_of(std::uint32_t resolution) {
     constexpr std::uint32_t least = 1u << leaf_level, most = 1u << most_level;
@@ -19,7 +19,7 @@ static std::uint32_t level_of(std::uint32_t resolution) {
 template <typename IsWrong>
 static std::size_t first_wrong(std::size_t count, const Progress& progress, const IsWrong& is_wrong) {
     std::atomic<std::size_t> first = count;
-    parallel_blocks(count, block_size, progress, [&](std::size_t begin, std::size_t end) {
+    parallel_blocks(count, vertices_per_block, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t index = begin; index < end; ++index)
             if (is_wrong(index)) {
                 std::size_t least = first.load();

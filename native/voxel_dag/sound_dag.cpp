@@ -8,7 +8,7 @@
 namespace tyndall::voxel_dag {
 namespace {
 constexpr std::uint32_t smallest_level = leaf_level + 1;
-constexpr std::uint32_t least_parallel_level = 9; // as in StoredWalk
+constexpr std::uint32_t least_split_level = 9; // as in StoredWalk
 
 /// What the tree has of a record, or below it.
 struct InTree {
@@ -263,7 +263,7 @@ private:
             if (i + 1 < inside.size() && children[inside[i]].end != begins[i + 1])
                 lies(level, bit, "says wrongly how long those inside are");
         };
-        if (level >= least_parallel_level)
+        if (level >= least_split_level)
             parallel_for(inside.size(), progress_, check, 1);
         else
             for (std::size_t i = 0; i < inside.size(); ++i)

@@ -3,7 +3,7 @@
 #include "voxel_dag/stored_walk.hpp"
 
 namespace tyndall::voxel_dag {
-static std::uint64_t count_of(std::uint64_t bits) { return static_cast<std::uint64_t>(std::popcount(bits)); }
+static std::uint64_t bit_count(std::uint64_t bits) { return static_cast<std::uint64_t>(std::popcount(bits)); }
 
 std::uint64_t StoredOrder::byte_count() const {
     std::uint64_t bytes = 8 * counts.size();
@@ -21,7 +21,7 @@ std::uint64_t pair_mask(const PackedDag& dag, std::uint32_t pair) {
 static std::uint64_t voxels_of_8(const PackedDag& dag, const PackedHeader& header, std::uint32_t past) {
     std::uint64_t count = 0;
     for (std::uint32_t left = header.child_mask & ((1u << past) - 1); left != 0; left &= left - 1)
-        count += count_of(
+        count += bit_count(
             packed_leaf(dag, packed_pair(dag, header, static_cast<std::uint32_t>(std::countr_zero(left)))).mask);
     return count;
 }
@@ -49,9 +49,9 @@ struct Counted {
 constexpr std::uint32_t width_bits = 6;
 
 /// The counts of a record, found and read.
-class Counts {
+class EntryCounts {
 public:
-    Counts(const StoredOrder& order, std::uint32_t level, std::uint64_t bit, std::uint32_t child_count)
+    EntryCounts(const StoredOrder& order, std::uint32_t level, std::uint64_t bit, std::uint32_t child_count)
         : order_(order), is_lowest_(level == counted_level), bit_(bit) {
         const std::uint32_t field_count = is_lowest_ ? 1 : 3;
         if (child_count > 1)
@@ -219,7 +219,7 @@ StoredPlace stored_child(const PackedDag& dag, const StoredOrder& order, std::ui
     }
     const auto child_count = static_cast<std::uint32_t>(std::popcount(header.child_mask));
     const auto index = static_cast<std::uint32_t>(std::popcount(header.child_mask & ((1u << octant) - 1)));
-    const Counts counts(order, level, place.counts_bit, child_count);
+    const EntryCounts counts(order, level, place.counts_bit, child_count);
     const Counted before = counts.first(index);
     child.first_entry = place.first_entry + before.voxels;
     child.number = place.number + 1 + before.nodes;
@@ -256,8 +256,8 @@ std::optional<StoredCube> find_stored(const PackedDag& dag, const StoredOrder& o
     const std::uint64_t run = kept == leaf_level ? mask : mask >> first_bit & ((1ull << (1u << 3 * kept)) - 1);
     if (run == 0)
         return std::nullopt;
-    return StoredCube{.first_entry = place.first_entry + count_of(mask & ((1ull << first_bit) - 1)),
-                      .entry_count = count_of(run)};
+    return StoredCube{.first_entry = place.first_entry + bit_count(mask & ((1ull << first_bit) - 1)),
+                      .entry_count = bit_count(run)};
 }
 
 namespace {
@@ -276,7 +276,7 @@ struct Reordering {
         const std::uint64_t mask = pair_mask(dag, static_cast<std::uint32_t>(place.node.bit));
         for (std::uint64_t left = turned_leaf(turn, mask); left != 0; left &= left - 1) {
             const std::uint32_t at = turned_voxel(back, static_cast<std::uint32_t>(std::countr_zero(left)));
-            to[count_of(mask & ((std::uint64_t{1} << at) - 1))] = values[voxel++];
+            to[bit_count(mask & ((std::uint64_t{1} << at) - 1))] = values[voxel++];
         }
         return {};
     }

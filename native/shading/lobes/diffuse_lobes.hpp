@@ -18,13 +18,11 @@ struct Coefficients {
 };
 /// Fujii's, up to Blender 3.x: A + B pi is not its albedo, which exceeds 1 nowhere.
 [[nodiscard]] inline Coefficients coefficients_of_blender3(float roughness) {
-    constexpr float pi = std::numbers::pi_v<float>;
     const float a = 1.0f / (pi + (3.0f * pi - 4.0f) / 6.0f * roughness);
     return {a, roughness * a};
 }
 /// Those of which energy_preserving_part knows the albedo.
 [[nodiscard]] inline Coefficients coefficients(float roughness) {
-    constexpr float pi = std::numbers::pi_v<float>;
     const float a = 1.0f / (pi + roughness * (0.5f * pi - 2.0f / 3.0f));
     return {a, roughness * a};
 }
@@ -47,7 +45,6 @@ struct Coefficients {
 }
 /// Of what is not, but for the light's own share, 1 - once_albedo of its cosine.
 [[nodiscard]] inline Rgb further(const Coefficients& of, const Rgb& albedo, float view_cosine) {
-    constexpr float pi = std::numbers::pi_v<float>;
     const float mean = of.a * pi + (2.0f * pi - 5.6f) / 3.0f * of.b;
     return albedo * albedo * (mean / (1.0f - mean)) / (1.0f - albedo * (1.0f - mean)) *
            ((1.0f - once_albedo(of, view_cosine)) / pi);

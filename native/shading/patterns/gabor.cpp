@@ -7,7 +7,6 @@
 namespace tyndall::patterns {
 namespace {
 constexpr int kernels_per_cell = 8;
-constexpr float pi = std::numbers::pi_v<float>;
 
 /// Of the signed kernels' sum: their count per cell, times a kernel's squared integral, times the signs' second moment.
 template <int N>

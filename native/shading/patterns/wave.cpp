@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "shading/patterns/wave.hpp"
 #include "shading/patterns/checker.hpp"
-#include <numbers>
 
 namespace tyndall::patterns {
 static float angle_rad(const vec3& at, const WaveConfig& config) {
@@ -16,7 +15,6 @@ static float angle_rad(const vec3& at, const WaveConfig& config) {
 }
 
 float wave(const vec3& vector, const WaveConfig& config) {
-    constexpr float pi = std::numbers::pi_v<float>;
     const vec3 at = off_whole_numbers(vector * config.scale);
     float angle = angle_rad(at, config) + config.phase_rad;
     if (config.distortion != 0.0f) {

@@ -8,11 +8,9 @@
 #include "shading/sky/sky_model.hpp"
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace tyndall::sky::detail {
 namespace {
-constexpr float pi = std::numbers::pi_v<float>;
 constexpr float earth_radius_km = 6371.0f, thickness_km = 100.0f, air_radius_km = earth_radius_km + thickness_km;
 constexpr float ground_albedo = 0.3f, aerosol_asymmetry = 0.8f;
 constexpr int step_count = 64;

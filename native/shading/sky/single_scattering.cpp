@@ -10,24 +10,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 namespace tyndall::sky::detail {
 namespace {
-constexpr float pi = std::numbers::pi_v<float>;
 constexpr float earth_radius_m = 6360e3f, air_radius_m = 6420e3f;
 constexpr float molecule_height_m = 8e3f, aerosol_height_m = 1.2e3f; ///< By which they thin out to 1/e.
 constexpr float aerosol_scattering_per_m = 2e-5f;
 constexpr float aerosol_extinction_per_scattering = 1.11f;
-constexpr float aerosol_asymmetry = 0.76f; ///< Of Cornette and Shanks' phase function.
-constexpr int step_count = 32;
+constexpr float mie_asymmetry = 0.76f; ///< Of Cornette and Shanks' phase function.
+constexpr int view_step_count = 32;
 constexpr std::size_t wavelength_count = 21;
 constexpr float first_nm = 380.0f, step_nm = 20.0f;
 
 using Spectrum = std::array<float, wavelength_count>;
 
 /// Bouguer absorption by ozone where there is most of it, per 1e-9 m.
-constexpr Spectrum ozone_absorption = {
+constexpr Spectrum ozone_by_wavelength = {
     0.00325126849861f, 0.00585395365047f, 0.01977191155085f, 0.07309568762914f, 0.20084561514287f, 0.40383958096161f,
     0.63551335912363f, 0.96707041180970f, 1.54797400424410f, 2.09038647223331f, 2.46128056164565f, 2.73551299461512f,
     2.15125862863128f, 1.59051840791988f, 1.12356197979857f, 0.73527551487574f, 0.46450130357806f, 0.33096079921048f,
@@ -55,7 +53,7 @@ struct Sunlight {
                 (fourth * wavelength_m * std::expm1(planck * light_speed / (wavelength_m * boltzmann * sun_kelvin)));
             irradiance_per_nm[index] = static_cast<float>(radiance * 1e-9 * solid_angle_sr);
             molecule_scattering_per_m[index] = static_cast<float>(rayleigh_m3 / fourth);
-            ozone_absorption_per_m[index] = 1e-6f * ozone_absorption[index];
+            ozone_absorption_per_m[index] = 1e-6f * ozone_by_wavelength[index];
         }
     }
 };
@@ -103,7 +101,7 @@ vec3 column_m(const vec3& from, const vec3& direction) {
 
 float molecule_phase(float cosine) { return 3.0f / (16.0f * pi) * (1.0f + cosine * cosine); }
 float aerosol_phase(float cosine) {
-    constexpr float g = aerosol_asymmetry;
+    constexpr float g = mie_asymmetry;
     return 3.0f * (1.0f - g * g) * (1.0f + cosine * cosine) /
            (8.0f * pi * (2.0f + g * g) * std::pow(1.0f + g * g - 2.0f * g * cosine, 1.5f));
 }
@@ -120,10 +118,10 @@ vec3 scattered_xyz(const Air& air, const vec3& direction, const vec3& to_sun) {
     const vec3 amount(air.molecules, air.aerosols, air.ozone);
     const float cosine = glm::dot(direction, to_sun);
     const float by_molecules = molecule_phase(cosine), by_aerosols = aerosol_phase(cosine) * aerosol_scattering_per_m;
-    const float step_m = way_out_m(eye(air), direction) / step_count;
+    const float step_m = way_out_m(eye(air), direction) / view_step_count;
     vec3 passed_m(0.0f);
     Spectrum radiance{};
-    for (int step = 0; step < step_count; ++step) {
+    for (int step = 0; step < view_step_count; ++step) {
         const vec3 at = eye(air) + (static_cast<float>(step) + 0.5f) * step_m * direction;
         const vec3 density = amount * densities(height_m(at));
         passed_m += step_m * density;

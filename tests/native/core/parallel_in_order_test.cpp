@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <numeric>
 
+namespace parallel_in_order_test {
 using namespace tyndall;
 
 // Seen to fail with pieces that leave as soon as they are made, and with a slot less than the pieces on the way.
@@ -39,3 +40,4 @@ TEST_CASE("no piece is made once the caller has cancelled") {
                     Cancelled);
     CHECK(put_count < 20);
 }
+} // namespace parallel_in_order_test

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <thread>
 
+namespace parallel_test {
 using namespace tyndall;
 
 // Seen to fail with the block size derived from the number of threads.
@@ -80,3 +81,4 @@ TEST_CASE("a value out of range is named, and a NaN is out of every range") {
     CHECK_THROWS_AS(require_in(std::nanf(""), 0.0f, 1.0f, "albedo"), InvalidInput);
     CHECK_NOTHROW(require_in(1.0f, 0.0f, 1.0f, "albedo"));
 }
+} // namespace parallel_test

@@ -4,6 +4,7 @@
 #include "support/chi_square.hpp"
 #include <doctest/doctest.h>
 
+namespace piecewise_constant_test {
 using namespace tyndall;
 
 TEST_CASE("cells are drawn as often as they weigh, and the offset within a cell is uniform") {
@@ -41,3 +42,4 @@ TEST_CASE("without any weight every cell is as likely") {
     for (std::uint32_t cell = 0; cell < 4; ++cell)
         CHECK(cells.probability(cell) == 0.25f);
 }
+} // namespace piecewise_constant_test

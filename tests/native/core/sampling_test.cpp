@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <functional>
 
+namespace sampling_test {
 using namespace tyndall;
 
 struct Sampler {
@@ -99,3 +100,4 @@ TEST_CASE("a frame is orthonormal and right-handed around every axis, the poles 
         CHECK(glm::distance(glm::cross(x, y), axis) < 1e-6f);
     }
 }
+} // namespace sampling_test

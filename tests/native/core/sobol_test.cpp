@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 #include <set>
 
+namespace sobol_test {
 using namespace tyndall;
 
 // Seen to fail with the index shuffled by hash(index) instead of an Owen scramble.
@@ -68,3 +69,4 @@ TEST_CASE("flipping one bit of a counter flips each bit of its hash in about hal
             CHECK(std::abs(flips - 500) < 80); // 5 sigma of a fair coin; 1024 pairs are looked at
         }
 }
+} // namespace sobol_test

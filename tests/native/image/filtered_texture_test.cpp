@@ -4,6 +4,7 @@
 #include "image/filtered_texture.hpp"
 #include <doctest/doctest.h>
 
+namespace filtered_texture_test {
 using namespace tyndall;
 
 static std::shared_ptr<const Texture> noise(std::uint32_t width, std::uint32_t height) {
@@ -47,3 +48,4 @@ TEST_CASE("a mean of two texels is that of the square of four around its centre"
     const vec3 mean = FilteredTexture(texture).lookup(vec2(3.0f, 5.0f) / 8.0f, 2.0f);
     CHECK(glm::length(mean - expected) < 1e-5f);
 }
+} // namespace filtered_texture_test

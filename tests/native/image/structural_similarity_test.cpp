@@ -7,6 +7,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 
+namespace structural_similarity_test {
 using namespace tyndall;
 static constexpr double c1 = 6.5025, c2 = 58.5225; // (0.01 * 255)^2, (0.03 * 255)^2
 
@@ -92,3 +93,4 @@ TEST_CASE("luma is of encoded bytes") {
     for (std::size_t i = 0; i < 4; ++i)
         CHECK(static_cast<double>(luma.values[i]) == doctest::Approx(expected[i]).epsilon(1e-6));
 }
+} // namespace structural_similarity_test

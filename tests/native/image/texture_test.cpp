@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <limits>
 
+namespace texture_test {
 using namespace tyndall;
 
 /// One row of grey texels, linear.
@@ -115,3 +116,4 @@ TEST_CASE("no coordinate is too far, and none but a place in the image is needed
         }
     CHECK(Texture{.name = "missing"}.lookup({0.5f, 0.5f}) == vec4(1, 0, 1, 1));
 }
+} // namespace texture_test

@@ -8,6 +8,7 @@
 #include <random>
 #include <thread>
 
+namespace tiled_texels_test {
 using namespace tyndall;
 
 namespace {
@@ -134,3 +135,4 @@ TEST_CASE("a folder that is not there, and a full disk, are named") {
     (void)cache->file().reserve(std::uint64_t{1} << 62);
     CHECK_THROWS_AS(in_file(image, cache), IoError);
 }
+} // namespace tiled_texels_test

@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 #include <numeric>
 
+namespace area_shafts_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 
@@ -186,3 +187,4 @@ TEST_CASE("what lies behind an area light gets nothing of it, and no sample is p
     const std::vector<ViewRay> rays = rays_past(vec3(0.0f), 16);
     CHECK(mean(radiance(*scene, rays, {.method = Method::Exact, .light_samples = 16})) == 0.0);
 }
+} // namespace area_shafts_test

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <random>
 
+namespace edited_resolution_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 using namespace tyndall::support;
@@ -133,3 +134,4 @@ TEST_CASE("a resolution of 0 keeps the error target, to a quarter, against the f
             CHECK(std::ranges::equal(alone.radiance, found.radiance));
         }
 }
+} // namespace edited_resolution_test

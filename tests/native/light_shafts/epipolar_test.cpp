@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <doctest/doctest.h>
 
+namespace epipolar_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 using namespace tyndall::support;
@@ -145,3 +146,4 @@ TEST_CASE("a light without shadows, and a scene without occluders, leave every r
     for (std::size_t r = 0; r < made.rays.size(); ++r)
         CHECK(lengths[r] == double{made.rays[r].far_m} - double{made.rays[r].near_m});
 }
+} // namespace epipolar_test

@@ -6,6 +6,7 @@
 #include "support/soup.hpp"
 #include <doctest/doctest.h>
 
+namespace exact_strip_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 
@@ -294,3 +295,4 @@ TEST_CASE("alpha textures and panes of glass let through what a shadow ray says,
         CHECK(found.transitions > 600);
     }
 }
+} // namespace exact_strip_test

@@ -8,6 +8,7 @@
 #include <functional>
 #include <random>
 
+namespace flat_filters_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 namespace ff = tyndall::light_shafts::flat_filters;
@@ -273,3 +274,4 @@ TEST_CASE("a radius that is no size is refused by name, and a closing can be can
     for (const KernelShape shape : shapes)
         CHECK_THROWS_AS(ff::close_map(map.span(), shape, 3.0f, progress), Cancelled);
 }
+} // namespace flat_filters_test

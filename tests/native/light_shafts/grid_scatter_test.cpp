@@ -10,6 +10,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace grid_scatter_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 
@@ -279,3 +280,4 @@ TEST_CASE("lit lengths count the whole way through a cloud, however opaque it is
     for (const float visibility : shafts(*scene, view({4, -5, 1}, 5, 100.0f)).average_visibility)
         CHECK((visibility == 0.0f || std::abs(visibility - 1.0f) < 1e-3f));
 }
+} // namespace grid_scatter_test

@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 #include <random>
 
+namespace heterogeneity_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 
@@ -201,3 +202,4 @@ TEST_CASE("over many rays the mean is 1, and each ray's bits are its own") {
     for (std::size_t ray = 0; ray < part.size(); ++ray)
         REQUIRE(part[ray] == all[701 + ray]);
 }
+} // namespace heterogeneity_test

@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+namespace hole_noise_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 
@@ -293,3 +294,4 @@ TEST_CASE("what no noise has is refused by name") {
     refuses({.sway = -1.0f}, "sway of holes");
     refuses({.turn_rad = nan}, "turn_rad of holes");
 }
+} // namespace hole_noise_test

@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace light_map_fit_lamp_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 using namespace tyndall::support;
@@ -175,3 +176,4 @@ TEST_CASE("light map fit: strokes beside a spot's cone see nothing of it") {
                          "no painted pixel sees air that light \"Lamp\" reaches: paint where its shafts are",
                          InvalidInput);
 }
+} // namespace light_map_fit_lamp_test

@@ -5,6 +5,7 @@
 #include "support/light_map_fits.hpp"
 #include <doctest/doctest.h>
 
+namespace light_map_fit_solver_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 using namespace tyndall::support;
@@ -208,3 +209,4 @@ TEST_CASE("light map fit: where it ends, no texel could do better: it is at rest
     CHECK(worst < 2e-3); // of a texel's range: float32 sums of a thousand rays
     CHECK(held_count > 20);
 }
+} // namespace light_map_fit_solver_test

@@ -7,6 +7,7 @@
 #include "support/light_map_fits.hpp"
 #include <doctest/doctest.h>
 
+namespace light_map_fit_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 using namespace tyndall::support;
@@ -195,3 +196,4 @@ TEST_CASE("light map fit: what the matrix says of a map is what shafts look like
         expected.emplace_back(shafts.radiance[pixel] / Rgb(3, 2, 1), 0.0f);
     CHECK(relative_rms(said, expected) < 3e-3);
 }
+} // namespace light_map_fit_test

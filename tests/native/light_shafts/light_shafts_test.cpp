@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace light_shafts_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 
@@ -245,3 +246,4 @@ TEST_CASE("what cannot scatter is skipped, and the statistics say why") {
     CHECK(skipped(*support::make_scene({fog_box({0, 0, 0}, vec3(3))}, {fog(Rgb(1), Rgb(0), 0)}, {spot})) ==
           "its cone does not reach a medium");
 }
+} // namespace light_shafts_test

@@ -3,6 +3,8 @@
 #include "scene/light_axes.hpp"
 #include <cmath>
 #include <doctest/doctest.h>
+
+namespace light_space_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 
@@ -44,3 +46,4 @@ TEST_CASE("the last texels of a wide map lie where their own columns say: holes 
     }
     REQUIRE(2e-5 < 0.01 * texel_m);
 }
+} // namespace light_space_test

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 
+namespace local_scatter_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 using namespace tyndall::support;
@@ -240,3 +241,4 @@ TEST_CASE("in ever denser soot a ray shows what the light gives its first instan
         CHECK(std::abs(radiance[0].x / expected - 1.0) < 3.0 / (sigma * std::sqrt(away2)) + 1e-4);
     }
 }
+} // namespace local_scatter_test

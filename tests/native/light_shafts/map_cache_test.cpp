@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <doctest/doctest.h>
 
+namespace map_cache_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 using namespace tyndall::support;
@@ -123,3 +124,4 @@ TEST_CASE("a part of a sun's map has the bits that it would have alone") {
         CHECK(occluded > 1000);
     }
 }
+} // namespace map_cache_test

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <doctest/doctest.h>
 
+namespace map_visibility_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 using namespace tyndall::support;
@@ -55,3 +56,4 @@ TEST_CASE("lit stretches of a map are those of the points on the ray, each asked
         CHECK(wrong < static_cast<int>(rays.size()) * steps / 20000);
     }
 }
+} // namespace map_visibility_test

@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace occluder_edits_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 using namespace tyndall::support;
@@ -307,3 +308,4 @@ TEST_CASE("a mask keeps an edit where it is white") {
     CHECK(!is_lit_at({1.0f, 0.5f, -0.5f}));
     CHECK(!is_lit_at({-1.0f, 1.3f, -0.5f}));
 }
+} // namespace occluder_edits_test

@@ -12,6 +12,7 @@
 #include <numbers>
 #include <tbb/global_control.h>
 
+namespace partial_rows_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 using namespace tyndall::support;
@@ -217,3 +218,4 @@ TEST_CASE("a coloured surface costs three sets of rows, but only where it may sh
     CHECK(sets({0, 0, 0}) == 3.0);
     CHECK(sets({0, 0, -40}) == 1.0); // below all view rays, and the sun shines from above
 }
+} // namespace partial_rows_test

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 
+namespace picture_air_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 
@@ -257,3 +258,4 @@ TEST_CASE("coarse rows are every so many lines of every so many rows, and their 
         }
     }
 }
+} // namespace picture_air_test

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 
+namespace row_query_shares_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 
@@ -73,3 +74,4 @@ TEST_CASE("a step counts by how much of it is lit") {
     add_lit_share(3.5f, 3.5f, 1.0f, shares);
     CHECK(shares == std::vector<float>{0.5f, 0.5f, 0.25f, 1.0f});
 }
+} // namespace row_query_shares_test

@@ -4,6 +4,7 @@
 #include "support/shaft_settings.hpp"
 #include <doctest/doctest.h>
 
+namespace row_query_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 using namespace tyndall::support;
@@ -159,3 +160,4 @@ TEST_CASE("what was asked before changes no bit of an answer") {
         }
     }
 }
+} // namespace row_query_test

@@ -6,6 +6,7 @@
 #include "support/scenes.hpp"
 #include <doctest/doctest.h>
 
+namespace scatter_pieces_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 
@@ -128,3 +129,4 @@ TEST_CASE("a sun in the world's endless medium is swallowed, in the channels tha
     CHECK(DirectionalScatter(media, {}, true).is_black());
     CHECK(!DirectionalScatter(media, {}, false).is_black());
 }
+} // namespace scatter_pieces_test

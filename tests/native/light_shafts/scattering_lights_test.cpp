@@ -3,6 +3,7 @@
 #include "light_shafts/scattering_lights.hpp"
 #include <doctest/doctest.h>
 
+namespace scattering_lights_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 
@@ -33,3 +34,4 @@ TEST_CASE("from every side the strata of a soft lamp are spread as those of a di
         for (int row = 0; row < 3; ++row)
             CHECK(std::abs(spread[column][row] - (column == row ? 0.25 : 0.0)) < 4.0 / count);
 }
+} // namespace scattering_lights_test

@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace shadow_map_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 using namespace tyndall::support;
@@ -150,3 +151,4 @@ TEST_CASE("inside its cone a narrow spot's single face shadows as the cube does"
     }
     CHECK(different < 30); // points within half a texel of a shadow's border
 }
+} // namespace shadow_map_test

@@ -8,6 +8,7 @@
 #include "support/shaft_settings.hpp"
 #include <doctest/doctest.h>
 
+namespace shape_shadows_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 using namespace tyndall::support;
@@ -136,3 +137,4 @@ TEST_CASE("a cell that reaches into a lamp is found, and one beside it is not") 
     CHECK_FALSE(has_occluder_within(*scene, {0.0f, -0.3f, 0.5f}, 0.29f));
     CHECK_FALSE(has_occluder_within(*scene, {0.7f, -0.05f, 0.5f}, 0.3f)); // within its box, not within reach
 }
+} // namespace shape_shadows_test

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <doctest/doctest.h>
 
+namespace slope_rows_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 using namespace tyndall::support;
@@ -195,3 +196,4 @@ TEST_CASE("a depth map, rectified, converges to brute force as well, for every l
         CHECK(fine.relative_rmse < 0.35 * coarse.relative_rmse);
     }
 }
+} // namespace slope_rows_test

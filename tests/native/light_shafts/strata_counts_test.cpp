@@ -5,6 +5,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 
+namespace strata_counts_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
@@ -74,3 +75,4 @@ TEST_CASE("the number of strata is the least power of two that a deviation needs
     CHECK(light_shafts::strata_for_error(1.0, 0.0, 100) == 100);
     CHECK(light_shafts::strata_for_error(0.0, 0.0, 100) == 100); // nothing is known: as many as allowed
 }
+} // namespace strata_counts_test

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <numeric>
 
+namespace texture_steps_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 
@@ -117,3 +118,4 @@ TEST_CASE("the place of the mean is exact for any depth, and has no seam") {
               1e-6 + 1e-5 * std::abs(moment / weight));
     }
 }
+} // namespace texture_steps_test

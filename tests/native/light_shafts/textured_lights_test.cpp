@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <functional>
 
+namespace textured_lights_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 
@@ -250,3 +251,4 @@ TEST_CASE("a picture finer than the lines is blurred by no more than their spaci
     const double error = relative_error(fan.by_rows(sun), fan.by_steps(sun, 65536.0f));
     CHECK(error < 0.01);
 }
+} // namespace textured_lights_test

@@ -3,6 +3,7 @@
 #include "support/partial_materials.hpp"
 #include <doctest/doctest.h>
 
+namespace transparency_lookup_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 using namespace tyndall::support;
@@ -68,3 +69,4 @@ TEST_CASE("opacity that is an image's alpha needs no program; a bent one does, a
     CHECK(at(lookup, {}, false) == Rgb(0.0f));
     CHECK(at(lookup, {}, true) == Rgb(1.0f));
 }
+} // namespace transparency_lookup_test

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <numeric>
 
+namespace turning_disc_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 
@@ -246,3 +247,4 @@ TEST_CASE("the average visibility counts every metre of a ray in one cell") {
             CHECK(std::abs(visibility - 1.0f) < 0.01f);
     }
 }
+} // namespace turning_disc_test

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <random>
 
+namespace turns_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
@@ -235,3 +236,4 @@ TEST_CASE("rays that pass close to a lamp share nothing and ask for all strata t
         CHECK(radiance[1][ray] + radiance[2][ray] == Rgb(0.0f));
     }
 }
+} // namespace turns_test

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <vector>
 
+namespace wide_closing_test {
 using namespace tyndall;
 using namespace tyndall::light_shafts;
 using namespace tyndall::support;
@@ -90,3 +91,4 @@ TEST_CASE("kernels far larger than the map end") {
     close_wide({texel.data(), 1, 1, 1}, KernelShape::Square, 1e9f, Progress());
     CHECK(texel[0] == 1.0f);
 }
+} // namespace wide_closing_test

@@ -3,6 +3,7 @@
 #include "support/one_point.hpp"
 #include <doctest/doctest.h>
 
+namespace ambient_occlusion_test {
 using namespace tyndall;
 using namespace tyndall::support;
 using render::Film;
@@ -10,7 +11,6 @@ using render::FrameConfig;
 using render::Pass;
 
 namespace {
-constexpr double pi = std::numbers::pi;
 /// Of 4,096 Owen-scrambled points of a Sobol sequence against a straight or round edge: some 1e-3.
 constexpr double sampling_error = 3e-3;
 
@@ -38,7 +38,7 @@ std::vector<Part> wall_and_floor(float height_m) {
 }
 /// Share of the unit disc on the near side of a chord that far from its centre: rays by the cosine are even on it.
 double share_before_chord(double from_centre) {
-    return 1.0 - (std::acos(from_centre) - from_centre * std::sqrt(1.0 - from_centre * from_centre)) / pi;
+    return 1.0 - (std::acos(from_centre) - from_centre * std::sqrt(1.0 - from_centre * from_centre)) / std::numbers::pi;
 }
 } // namespace
 
@@ -121,3 +121,4 @@ TEST_CASE("a distance or a number of rays that is none is refused by name") {
     CHECK_THROWS_WITH_AS(film_with(std::nanf(""), 1), doctest::Contains("ambient_distance_m"), InvalidInput);
     CHECK_THROWS_WITH_AS(film_with(1.0f, 0), doctest::Contains("ambient_samples is 0"), InvalidInput);
 }
+} // namespace ambient_occlusion_test

@@ -4,6 +4,7 @@
 #include "support/one_point.hpp"
 #include <doctest/doctest.h>
 
+namespace bounce_test {
 using namespace tyndall;
 using namespace tyndall::support;
 using render::Film;
@@ -11,7 +12,6 @@ using render::FrameConfig;
 using render::Pass;
 
 namespace {
-constexpr float pi = std::numbers::pi_v<float>;
 
 FrameConfig bouncing(std::uint32_t pixel_samples, std::uint32_t bounce_samples) {
     FrameConfig config;
@@ -202,3 +202,4 @@ TEST_CASE("bits of indirect light depend neither on the number of threads nor on
                         one.find(pass)->values[((y + 7) * 40 + 5) * channels + i]);
     }
 }
+} // namespace bounce_test

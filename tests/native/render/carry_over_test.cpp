@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 #include <random>
 
+namespace carry_over_test {
 using namespace tyndall;
 using light_shafts::dark_air;
 using light_shafts::ViewRay;
@@ -108,3 +109,4 @@ TEST_CASE(
                 }
         }
 }
+} // namespace carry_over_test

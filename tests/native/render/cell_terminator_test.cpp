@@ -5,6 +5,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 
+namespace cell_terminator_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
@@ -76,3 +77,4 @@ TEST_CASE("a cell without a normal, or whose normal looks away, is dark behind i
     CHECK(passing({{0, 0, 0}}, vec3(0.0f), light) == Rgb(0.0f));
     CHECK(passing({{0, 0, 0}}, glm::normalize(vec3(1.0f, 0.0f, -0.2f)), light) == Rgb(0.0f));
 }
+} // namespace cell_terminator_test

@@ -10,6 +10,7 @@
 #include <doctest/doctest.h>
 #include <map>
 
+namespace data_passes_test {
 using namespace tyndall;
 using namespace tyndall::support;
 using render::DataPassConfig;
@@ -201,3 +202,4 @@ TEST_CASE("settings out of their range are refused by name") {
     CHECK_THROWS_AS(film_of(*scene, config), InvalidInput);
     CHECK_THROWS_AS(config.data.add("Crypto"), InvalidInput);
 }
+} // namespace data_passes_test

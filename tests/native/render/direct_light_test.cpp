@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace direct_light_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
@@ -84,3 +85,4 @@ TEST_CASE("a mesh that glows is one of the lights, and nothing is left to report
     REQUIRE(light.light_count() == 1);
     CHECK(light.is_many(0));
 }
+} // namespace direct_light_test

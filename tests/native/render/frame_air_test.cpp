@@ -6,6 +6,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 
+namespace frame_air_test {
 using namespace tyndall;
 using namespace tyndall::support;
 using render::Film;
@@ -156,3 +157,4 @@ TEST_CASE("without a medium, or where the air is even, nothing is done, and the 
     }
     CHECK_THROWS_AS((void)film_of(*empty, config_with(Heterogeneity{.amount = 2.0f})), InvalidInput);
 }
+} // namespace frame_air_test

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whole pictures whose value at every pixel is known in closed form.
 #include "render/frame.hpp"
+#include "support/one_point.hpp"
 #include "support/scenes.hpp"
 #include <cmath>
 #include <doctest/doctest.h>
-#include <numbers>
 #include <thread>
 
+namespace frame_test {
 using namespace tyndall;
 using namespace tyndall::support;
 using render::Film;
@@ -14,7 +15,6 @@ using render::FrameConfig;
 using render::Pass;
 
 namespace {
-constexpr float pi = std::numbers::pi_v<float>;
 
 /// Looks straight down from z = 5 at the square [-1, 1]^2 and a little beside it.
 Camera camera_above(std::uint32_t size_px) {
@@ -42,14 +42,6 @@ Light sun(const Rgb& irradiance, const vec3& towards) {
     light.towards_light = glm::normalize(towards);
     return light;
 }
-/// A scene of the given parts and lights in a world of one radiance.
-std::unique_ptr<Scene> in_world(const std::vector<Part>& parts, const Rgb& world_radiance,
-                                std::vector<Light> lights = {}, std::vector<Medium> media = {}) {
-    SceneDescription description = description_of(*make_scene(parts, std::move(media), std::move(lights)));
-    description.world = World("World", world_radiance);
-    return std::make_unique<Scene>(std::move(description), Progress());
-}
-
 FrameConfig config_with(std::uint32_t samples, std::initializer_list<Pass> passes = {}) {
     FrameConfig config;
     config.pixel_samples = samples;
@@ -357,3 +349,4 @@ TEST_CASE("a frame that cannot be rendered is refused by name") {
     CHECK_THROWS_AS((void)film_of(*scene, camera_above(0), config_with(1)), InvalidInput);
     CHECK_THROWS_AS((void)render::pass_named("Beauty"), InvalidInput);
 }
+} // namespace frame_test

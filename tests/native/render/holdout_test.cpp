@@ -3,6 +3,7 @@
 #include "support/one_point.hpp"
 #include <doctest/doctest.h>
 
+namespace holdout_test {
 using namespace tyndall;
 using namespace tyndall::support;
 using render::Film;
@@ -118,3 +119,4 @@ TEST_CASE("a program's share is held out as a constant's, within 0 and 1, and st
     const auto partly = in_world({floor_at(vec3(0.0f), 1.0f, material)}, Rgb(2.0f));
     CHECK(alpha(film_of(*partly, camera_on(vec3(0.0f), 2.0f), one_sample())) == 0.875f);
 }
+} // namespace holdout_test

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+namespace lamp_hits_test {
 using namespace tyndall;
 
 namespace {
@@ -118,3 +119,4 @@ TEST_CASE("rays that meet a lamp bring what rays that are aimed at it bring") {
         }
     }
 }
+} // namespace lamp_hits_test

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+namespace light_aim_test {
 using namespace tyndall;
 
 namespace {
@@ -261,3 +262,4 @@ TEST_CASE("a light that is said not to reach a point has no part that lights it"
             CHECK(static_cast<double>(skipped_count) > 0.75 * static_cast<double>(dark_count));
     }
 }
+} // namespace light_aim_test

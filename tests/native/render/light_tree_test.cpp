@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace light_tree_test {
 using namespace tyndall;
 using namespace tyndall::render;
 
@@ -100,3 +101,4 @@ TEST_CASE("no light that shines on a point is out of reach of the tree") {
         }
     }
 }
+} // namespace light_tree_test

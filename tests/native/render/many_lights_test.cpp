@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace many_lights_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
@@ -154,3 +155,4 @@ TEST_CASE("a plate that glows lights a point as Lambert's formula says, near and
             check_within_noise(mean_light(*scene, vec3(0.0f), 64, 256), unit * glm::dvec3(3, 2, 1), 5e-3);
         }
 }
+} // namespace many_lights_test

@@ -4,6 +4,7 @@
 #include "support/one_point.hpp"
 #include <doctest/doctest.h>
 
+namespace mirror_test {
 using namespace tyndall;
 using namespace tyndall::support;
 using render::Film;
@@ -184,3 +185,4 @@ TEST_CASE("a mirrored room has its light and its bounce, and its picture does no
     const float* middle = &one.planes[0].values[(20 * 40 + 20) * 4];
     CHECK(middle[0] > 0.01f);
 }
+} // namespace mirror_test

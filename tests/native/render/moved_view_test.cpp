@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 #include <random>
 
+namespace moved_view_test {
 using namespace tyndall;
 using namespace tyndall::render;
 using namespace tyndall::support;
@@ -61,3 +62,4 @@ TEST_CASE("no ray of a pixel outside of the rectangle meets the box, before, bes
     CHECK(left_out > 10000);
     CHECK(empty > 10);
 }
+} // namespace moved_view_test

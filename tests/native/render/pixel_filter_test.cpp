@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 #include <limits>
 
+namespace pixel_filter_test {
 using tyndall::render::FilterSampler;
 using tyndall::render::PixelFilter;
 
@@ -71,3 +72,4 @@ TEST_CASE("a width that is no width is refused") {
     CHECK_THROWS_AS(FilterSampler(PixelFilter::Gaussian, std::numeric_limits<float>::quiet_NaN()),
                     tyndall::InvalidInput);
 }
+} // namespace pixel_filter_test

@@ -6,6 +6,7 @@
 #include "support/scenes.hpp"
 #include <doctest/doctest.h>
 
+namespace pixel_noise_test {
 using namespace tyndall;
 using namespace tyndall::support;
 using render::Pass;
@@ -92,3 +93,4 @@ TEST_CASE("edges take all samples and keep every bit, the flat rest stops after 
     CHECK(mean_samples > 4.0 + 60.0 * double(between) / (33 * 33));
     CHECK(mean_samples < 32.0);
 }
+} // namespace pixel_noise_test

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 
+namespace shadow_ray_counts_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
@@ -127,3 +128,4 @@ TEST_CASE("several shadow rays are the mean of as many samples with one") {
         CHECK(glm::length(glm::dvec3(irradiance.sum()) - mean) < 1e-6 * glm::length(mean));
     }
 }
+} // namespace shadow_ray_counts_test

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 
+namespace shared_irradiance_test {
 using namespace tyndall;
 using namespace tyndall::support;
 using render::Pass;
@@ -99,3 +100,4 @@ TEST_CASE("below a slit to the sky, a picture of one sample has the light of the
     CHECK(std::abs(mean[0] - true_mean) < 4.0 * std::sqrt(squared_error[0]));
     CHECK(std::abs(mean[1] - true_mean) < 4.0 * std::sqrt(21.0 * squared_error[1]));
 }
+} // namespace shared_irradiance_test

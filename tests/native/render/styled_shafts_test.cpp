@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace styled_shafts_test {
 using namespace tyndall;
 using namespace tyndall::support;
 using namespace tyndall::transfer_functions;
@@ -375,3 +376,4 @@ TEST_CASE("one function colours scenes of any size alike where its ranges are fi
             CHECK(std::abs(large[index] - small[index]) < 1e-4f);
     }
 }
+} // namespace styled_shafts_test

@@ -8,11 +8,11 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace world_lobes_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
 namespace {
-constexpr float pi = std::numbers::pi_v<float>;
 
 World patchy_world() {
     auto image = std::make_shared<EnvironmentImage>();
@@ -131,3 +131,4 @@ TEST_CASE(
     CHECK(left_out > 40);
     CHECK(left_out < 380);
 }
+} // namespace world_lobes_test

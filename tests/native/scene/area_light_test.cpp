@@ -9,9 +9,9 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace area_light_test {
 using namespace tyndall;
 using namespace tyndall::support;
-constexpr double pi = std::numbers::pi;
 
 namespace {
 struct Estimate {
@@ -37,10 +37,10 @@ Estimate irradiance(const Light& light, const vec3& point, const vec3& normal, s
 TEST_CASE("a disc gives a plane on its axis radiance times pi r^2 / (r^2 + z^2), from its rim's distance to a hair's") {
     Light light = area_light({0.5f, 0.5f});
     light.is_ellipse = true;
-    const double radiance = light.strength.x / (pi * 0.25);
+    const double radiance = light.strength.x / (std::numbers::pi * 0.25);
     for (const float height : {1e-3f, 0.05f, 0.3f, 0.5f, 0.7f, 2.0f, 50.0f}) {
         CAPTURE(height);
-        const double exact = radiance * pi * 0.25 / (0.25 + double{height} * height);
+        const double exact = radiance * std::numbers::pi * 0.25 / (0.25 + double{height} * height);
         CHECK(std::abs(irradiance(light, before(light, {0, 0}, height), -light.spot_axis).mean / exact - 1.0) < 3e-3);
     }
 }
@@ -81,7 +81,8 @@ TEST_CASE("whatever its shape, its watts pass through a sphere around it, and no
             light.spot_half_angle_rad = glm::radians(0.5f * degrees);
             // On a sphere of 30 m, over the cap that its cone may reach from any of its points.
             constexpr float radius_m = 30.0f;
-            const double cap_rad = std::min(0.5 * pi, double{light.spot_half_angle_rad} + std::asin(0.6 / radius_m));
+            const double cap_rad =
+                std::min(0.5 * std::numbers::pi, double{light.spot_half_angle_rad} + std::asin(0.6 / radius_m));
             double flux_w = 0.0;
             constexpr std::uint32_t count = 1 << 14;
             for (std::uint32_t index = 0; index < count; ++index) {
@@ -91,8 +92,8 @@ TEST_CASE("whatever its shape, its watts pass through a sphere around it, and no
                 const vec3 point = light.position + radius_m * outwards;
                 flux_w += irradiance(light, point, -outwards, 8, hash(index)).mean;
             }
-            flux_w *= 2.0 * pi * (1.0 - std::cos(cap_rad)) * radius_m * radius_m / count;
-            CHECK(std::abs(flux_w / (pi * light.strength.x) - 1.0) < 0.01);
+            flux_w *= 2.0 * std::numbers::pi * (1.0 - std::cos(cap_rad)) * radius_m * radius_m / count;
+            CHECK(std::abs(flux_w / (std::numbers::pi * light.strength.x) - 1.0) < 0.01);
             for (std::uint32_t index = 0; index < 64; ++index) {
                 const vec3 behind = sample_cosine_hemisphere(sobol_point(index, 2));
                 CHECK(
@@ -136,14 +137,15 @@ TEST_CASE("its spread dims as Cycles' slats do") {
         light.position = {0, 0, 2};
         light.spot_axis = {0, 0, -1};
         light.light_from_world_directions = mat3(1.0f);
-        light.strength = Rgb(static_cast<float>(100.0 / pi));
+        light.strength = Rgb(static_cast<float>(100.0 / std::numbers::pi));
         light.spot_half_angle_rad = glm::radians(0.5f * degrees);
         double mean = 0.0;
         constexpr std::uint32_t count = 1 << 12;
         for (std::uint32_t index = 0; index < count; ++index) {
             const vec3 point((sobol_point(index, 7) - 0.5f) * 4.0f, 0.0f);
-            mean += irradiance(light, point, {0, 0, 1}, 16, hash(index)).mean / pi / count;
+            mean += irradiance(light, point, {0, 0, 1}, 16, hash(index)).mean / std::numbers::pi / count;
         }
         CHECK(std::abs(mean / of_cycles - 1.0) < 0.01);
     }
 }
+} // namespace area_light_test

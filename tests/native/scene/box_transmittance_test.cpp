@@ -8,6 +8,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 
+namespace box_transmittance_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
@@ -68,3 +69,4 @@ TEST_CASE("rays through a fog box get together what each gets from the lengths o
             }
         }
 }
+} // namespace box_transmittance_test

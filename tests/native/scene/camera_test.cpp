@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace camera_test {
 using namespace tyndall;
 
 static Camera camera(CameraKind kind) {
@@ -52,7 +53,6 @@ TEST_CASE("an orthographic view that clips behind itself begins there, with a ra
     CHECK(ray.far_m == 100.0f);
     CHECK(std::abs(in_camera(c, ray.origin).z - 50.0f) < 1e-5f);
 }
-static constexpr float pi = std::numbers::pi_v<float>;
 
 static Camera panorama(float left, float right, float bottom, float top) {
     Camera result = camera(CameraKind::Equirectangular);
@@ -153,3 +153,4 @@ TEST_CASE("a camera whose rays would not be finite is refused") {
     CHECK_THROWS_AS(require_usable(blurred), InvalidInput);
     CHECK_NOTHROW(require_usable(camera(CameraKind::Perspective)));
 }
+} // namespace camera_test

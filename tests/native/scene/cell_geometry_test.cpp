@@ -4,6 +4,7 @@
 #include "support/box_shape.hpp"
 #include <doctest/doctest.h>
 
+namespace cell_geometry_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
@@ -142,3 +143,4 @@ TEST_CASE("a scene is around its shapes, and one whose shapes moved is another s
     after.placed_shapes[0].world_from_object = translation({4, 5, 7});
     CHECK_FALSE(moved_instances(before, after).has_value());
 }
+} // namespace cell_geometry_test

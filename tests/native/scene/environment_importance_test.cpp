@@ -8,6 +8,7 @@
 #include <functional>
 #include <numbers>
 
+namespace environment_importance_test {
 using namespace tyndall;
 
 namespace {
@@ -73,3 +74,4 @@ TEST_CASE("angles are those of the standard library to a few roundings, all arou
     }
     CHECK(angle_of(0.0f, 0.0f) == 0.0f);
 }
+} // namespace environment_importance_test

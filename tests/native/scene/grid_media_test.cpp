@@ -5,6 +5,7 @@
 #include "support/scenes.hpp"
 #include <doctest/doctest.h>
 
+namespace grid_media_test {
 using namespace tyndall;
 
 namespace {
@@ -134,3 +135,4 @@ TEST_CASE("volumes without density or of broken transforms are left out by name,
     CHECK(reports[2] == "volume 'cloud' left out: its transform leaves it no volume (scales of 0)");
     CHECK(make({}).media->is_empty());
 }
+} // namespace grid_media_test

@@ -8,8 +8,8 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace light_test {
 using namespace tyndall;
-constexpr double pi = std::numbers::pi;
 constexpr std::uint32_t stratum_count = 1 << 14;
 
 static vec3 cube_point(std::uint32_t index) { return {sobol_point(index, 1), sobol_point(index, 2).x}; }
@@ -43,10 +43,10 @@ static double fluence(const Light& light, const vec3& point) {
 static Light lamp(LightKind kind, LightBody body, float radius_m) {
     return {.name = "lamp",
             .kind = kind,
-            .strength = Rgb(static_cast<float>(100.0 / (4.0 * pi))),
+            .strength = Rgb(static_cast<float>(100.0 / (4.0 * std::numbers::pi))),
             .position = {0, 0, 2},
             .radius_m = radius_m,
-            .spot_half_angle_rad = static_cast<float>(pi * 50 / 180),
+            .spot_half_angle_rad = static_cast<float>(std::numbers::pi * 50 / 180),
             .spot_blend = 0.5f,
             .body = body};
 }
@@ -103,8 +103,8 @@ TEST_CASE("the fluence of a facing disc is that of its solid angle, at any dista
     const Light light = lamp(LightKind::Point, LightBody::FacingDisc, 0.5f);
     for (const double radii : {0.5, 1.0, 1.5, 2.0, 4.0, 30.0}) {
         CAPTURE(radii);
-        const double solid_angle = 2.0 * pi * (1.0 - radii / std::sqrt(radii * radii + 1.0));
-        const double exact = light.strength.x / (pi * 0.25) * solid_angle;
+        const double solid_angle = 2.0 * std::numbers::pi * (1.0 - radii / std::sqrt(radii * radii + 1.0));
+        const double exact = light.strength.x / (std::numbers::pi * 0.25) * solid_angle;
         for (const dvec3 direction : {dvec3(1, 0, 0), dvec3(0, 0, -1), dvec3(0.48, 0.6, 0.64)})
             CHECK(std::abs(fluence(light, light.position + vec3(direction * 0.5 * radii)) / exact - 1.0) < 2e-3);
     }
@@ -185,3 +185,4 @@ TEST_CASE("surfaces tell lights apart by what they see of them: not by names, no
         CHECK(!lights_surfaces_alike(lamp, changed));
     }
 }
+} // namespace light_test

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace light_texture_test {
 using namespace tyndall;
 
 static std::shared_ptr<const FilteredTexture> grey() {
@@ -86,3 +87,4 @@ TEST_CASE("a picture that cannot be laid out is named") {
     CHECK_THROWS_AS(with([](LightTexture& t) { t.gain[1].z = nan; }), InvalidInput);
     CHECK_THROWS_AS(with([](LightTexture& t) { t.projection = static_cast<LightProjection>(9); }), InvalidInput);
 }
+} // namespace light_texture_test

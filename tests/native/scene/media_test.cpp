@@ -6,6 +6,7 @@
 #include "support/scenes.hpp"
 #include <doctest/doctest.h>
 
+namespace media_test {
 using namespace tyndall;
 using support::Part;
 
@@ -195,3 +196,4 @@ TEST_CASE("a scene without a medium, or with one that does nothing, is empty") {
     CHECK(Media(*support::make_scene({{support::cube(), mat4(1.0f), fog_material(0)}}, {fog(0.0f)}), Progress())
               .is_empty());
 }
+} // namespace media_test

@@ -5,6 +5,7 @@
 #include <functional>
 #include <random>
 
+namespace moved_instances_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
@@ -115,3 +116,4 @@ TEST_CASE("an instance that came back did not move, and many that moved have few
     for (const mat4& place : stood_at[1])
         CHECK(boxes.may_meet({.origin = vec3(place[3]) + vec3(0, 0, 1), .direction = {0, 0, -1}}));
 }
+} // namespace moved_instances_test

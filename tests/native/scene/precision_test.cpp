@@ -8,6 +8,7 @@
 #include "support/scenes.hpp"
 #include <doctest/doctest.h>
 
+namespace precision_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
@@ -130,3 +131,4 @@ TEST_CASE("a scene gives the same hits wherever in the world it lies: its origin
     CHECK(glm::distance(in_scene, vec3(0.001f, -0.002f, 0)) < 1e-9f);
     CHECK(vec3(position).x - vec3(origin).x != 0.001f); // what float alone makes of it
 }
+} // namespace precision_test

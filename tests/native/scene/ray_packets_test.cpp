@@ -5,6 +5,7 @@
 #include "support/scenes.hpp"
 #include <doctest/doctest.h>
 
+namespace ray_packets_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
@@ -92,3 +93,4 @@ TEST_CASE("light in packets passes through the same panes as alone, ray by ray")
     }
     CHECK(partly_count > 100);
 }
+} // namespace ray_packets_test

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <limits>
 
+namespace scene_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
@@ -299,3 +300,4 @@ TEST_CASE("a scene under other lights shares all that rays meet, and lives longe
     // The object that was left out, and the light of this scene.
     CHECK(relit.statistics().reports.size() == 2);
 }
+} // namespace scene_test

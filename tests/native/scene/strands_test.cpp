@@ -7,13 +7,12 @@
 #include "support/scenes.hpp"
 #include <algorithm>
 #include <doctest/doctest.h>
-#include <numbers>
 
+namespace strands_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
 namespace {
-constexpr float pi = std::numbers::pi_v<float>;
 const float not_a_number = std::numeric_limits<float>::quiet_NaN();
 
 std::unique_ptr<Scene> scene_of(StrandArrays arrays, std::vector<mat4> places = {mat4(1.0f)}) {
@@ -279,3 +278,4 @@ TEST_CASE("the triangles of a tube are as wide, and those of a sphere as large, 
         CHECK(surface == doctest::Approx(expected).epsilon(1e-4));
     }
 }
+} // namespace strands_test

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <doctest/doctest.h>
 
+namespace world_test {
 using namespace tyndall;
-constexpr double pi = std::numbers::pi;
 
 /// A dim sky, a bright sun of one texel and a black ground.
 static std::shared_ptr<EnvironmentImage> sky(std::uint32_t width = 16, std::uint32_t height = 8) {
@@ -30,9 +30,10 @@ template <typename Visit>
 static void over_sphere(int rows, const Visit& visit) {
     for (int row = 0; row < rows; ++row)
         for (int column = 0; column < 2 * rows; ++column) {
-            const double z = -1.0 + 2.0 * (row + 0.5) / rows, longitude = pi * (column + 0.5) / rows;
+            const double z = -1.0 + 2.0 * (row + 0.5) / rows, longitude = std::numbers::pi * (column + 0.5) / rows;
             const double radius = std::sqrt(1.0 - z * z);
-            visit(vec3(dvec3(radius * std::cos(longitude), radius * std::sin(longitude), z)), 2.0 * pi / (rows * rows));
+            visit(vec3(dvec3(radius * std::cos(longitude), radius * std::sin(longitude), z)),
+                  2.0 * std::numbers::pi / (rows * rows));
         }
 }
 
@@ -47,11 +48,15 @@ TEST_CASE("Blender's convention: +X is the image's middle, +Y lies left of it, u
         return vec3(dvec3(std::cos(longitude) * std::cos(latitude), std::sin(longitude) * std::cos(latitude),
                           std::sin(latitude)));
     };
-    CHECK(glm::distance(world.radiance(texel_centre(0.25 * pi, 0.25 * pi)), Rgb(0, 2, 0)) < 1e-5f);
-    CHECK(glm::distance(world.radiance(texel_centre(-0.25 * pi, 0.25 * pi)), Rgb(0, 3, 0)) < 1e-5f);
-    CHECK(glm::distance(world.radiance(texel_centre(0.75 * pi, -0.25 * pi)), Rgb(1, 0, 0)) < 1e-5f);
-    CHECK(glm::distance(world.radiance(texel_centre(0.0, -0.25 * pi)), Rgb(2.5f, 0, 0)) < 1e-5f);
-    CHECK(glm::distance(world.radiance(texel_centre(pi, -0.25 * pi)), Rgb(2.5f, 0, 0)) < 1e-5f); // across the seam
+    CHECK(glm::distance(world.radiance(texel_centre(0.25 * std::numbers::pi, 0.25 * std::numbers::pi)), Rgb(0, 2, 0)) <
+          1e-5f);
+    CHECK(glm::distance(world.radiance(texel_centre(-0.25 * std::numbers::pi, 0.25 * std::numbers::pi)), Rgb(0, 3, 0)) <
+          1e-5f);
+    CHECK(glm::distance(world.radiance(texel_centre(0.75 * std::numbers::pi, -0.25 * std::numbers::pi)), Rgb(1, 0, 0)) <
+          1e-5f);
+    CHECK(glm::distance(world.radiance(texel_centre(0.0, -0.25 * std::numbers::pi)), Rgb(2.5f, 0, 0)) < 1e-5f);
+    CHECK(glm::distance(world.radiance(texel_centre(std::numbers::pi, -0.25 * std::numbers::pi)), Rgb(2.5f, 0, 0)) <
+          1e-5f); // across the seam
 }
 TEST_CASE("the PDF integrates to 1, for a colour, an image and a black image") {
     auto black = sky();
@@ -72,7 +77,7 @@ TEST_CASE("directions fall where the PDF says, by chi-square, and the PDF of a s
     std::vector<double> observed(rows * rows * 2), expected(observed.size());
     const auto cell = [](vec3 d) {
         const int row = std::min(rows - 1, static_cast<int>((d.z + 1.0f) * 0.5f * rows));
-        const double longitude = std::atan2(-d.y, -d.x) / (2.0 * pi) + 0.5;
+        const double longitude = std::atan2(-d.y, -d.x) / (2.0 * std::numbers::pi) + 0.5;
         return static_cast<std::size_t>(row * 2 * rows +
                                         std::min(2 * rows - 1, static_cast<int>(longitude * 2 * rows)));
     };
@@ -135,3 +140,4 @@ TEST_CASE("cameras may see another image than the one that gives light") {
     seen->pixels.pop_back();
     CHECK_THROWS_AS(World("world", Rgb(1.0f), lit, turn, SeenWorld{.image = seen}), InvalidInput);
 }
+} // namespace world_test

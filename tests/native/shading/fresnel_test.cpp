@@ -5,6 +5,7 @@
 #include "shading/surface_program.hpp"
 #include <doctest/doctest.h>
 
+namespace fresnel_test {
 using namespace tyndall;
 
 TEST_CASE(
@@ -64,3 +65,4 @@ TEST_CASE("a program's gloss is what its registers say, and a broken one is name
     material.gloss->mirror_ior = 0.5f;
     CHECK_THROWS_WITH_AS(validate(material), doctest::Contains("mirror_ior of 0.5"), InvalidInput);
 }
+} // namespace fresnel_test

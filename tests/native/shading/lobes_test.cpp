@@ -15,11 +15,11 @@
 #include <functional>
 #include <numbers>
 
+namespace lobes_test {
 using namespace tyndall;
 using support::at_angle;
 
 namespace {
-constexpr float pi = std::numbers::pi_v<float>;
 
 vec2 number(std::uint32_t index) {
     const auto unit = [](std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; };
@@ -216,3 +216,4 @@ TEST_CASE("without a list, lobes count as diffuse in what they reflect") {
     const SurfaceClosures closures = built(LobeModel::Glossy, {Rgb(0.5f), Rgb(0.6f), Rgb(0.5f)}, 0.8f, nullptr, false);
     CHECK(closures.diffuse_albedo.x == doctest::Approx(0.3f));
 }
+} // namespace lobes_test

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <vector>
 
+namespace op_colour_test {
 using namespace tyndall;
 using Code = SurfaceOp::Code;
 
@@ -143,3 +144,4 @@ TEST_CASE("each channel has its own curve, and a share of the result is mixed in
         {.a = Rgb(0.5f, 0.25f, 1.0f), .b = Rgb(0.5f)}, tables);
     CHECK(half == Rgb(0.5f, 0.375f, 2.5f));
 }
+} // namespace op_colour_test

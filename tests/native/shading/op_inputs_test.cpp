@@ -12,6 +12,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 
+namespace op_inputs_test {
 using namespace tyndall;
 using Code = SurfaceOp::Code;
 
@@ -203,3 +204,4 @@ TEST_CASE("what this version does not know is refused") {
         CHECK_THROWS_AS(validate(material), InvalidInput);
     }
 }
+} // namespace op_inputs_test

@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <doctest/doctest.h>
-#include <numbers>
 #include <vector>
 
+namespace op_math_test {
 using namespace tyndall;
 using Code = SurfaceOp::Code;
 
 namespace {
-constexpr float pi = std::numbers::pi_v<float>;
 
 float number(MathOperation operation, float a, float b = 0.0f, float c = 0.0f) {
     const Rgb all = math_value({.code = Code::Math, .option = static_cast<std::uint8_t>(operation)},
@@ -201,3 +200,4 @@ TEST_CASE("rotations keep lengths, go back again, and agree between axes and ang
     }
     CHECK(is_near(turned(ByAngles, a, centre, angles), by_axes)); // about x first, z last
 }
+} // namespace op_math_test

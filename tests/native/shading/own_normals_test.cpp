@@ -10,11 +10,11 @@
 #include <functional>
 #include <numbers>
 
+namespace own_normals_test {
 using namespace tyndall;
 using support::at_angle;
 
 namespace {
-constexpr float pi = std::numbers::pi_v<float>;
 
 /// Over all directions, by an even grid in height and azimuth.
 double over_sphere(const std::function<double(const vec3&)>& value, int side = 600) {
@@ -167,3 +167,4 @@ TEST_CASE("a diffuse surface has a lobe only around a normal of its own") {
     material.lobe_sources[0].coat_normal = 64;
     CHECK_THROWS(validate(material));
 }
+} // namespace own_normals_test

@@ -13,6 +13,7 @@
 #include <doctest/doctest.h>
 #include <random>
 
+namespace patterns_test {
 using namespace tyndall;
 using namespace tyndall::patterns;
 
@@ -63,14 +64,14 @@ float voronoi_distance(const vec3& at, const VoronoiConfig& config) { return vor
 } // namespace
 
 TEST_CASE("hashes of the same numbers in another order differ, and are spread evenly over their bits") {
-    CHECK(hash(1u, 2u) != hash(2u, 1u));
-    CHECK(hash(1u, 2u, 3u) != hash(3u, 2u, 1u));
-    CHECK(hash(0u) != hash(0u, 0u));
+    CHECK(patterns::hash(1u, 2u) != patterns::hash(2u, 1u));
+    CHECK(patterns::hash(1u, 2u, 3u) != patterns::hash(3u, 2u, 1u));
+    CHECK(patterns::hash(0u) != patterns::hash(0u, 0u));
     std::array<int, 32> set{};
     constexpr int count = 4096;
     for (std::uint32_t key = 0; key < count; ++key)
         for (std::size_t bit = 0; bit < set.size(); ++bit)
-            set[bit] += static_cast<int>((hash(key, 7u, key >> 3, 1u) >> bit) & 1u);
+            set[bit] += static_cast<int>((patterns::hash(key, 7u, key >> 3, 1u) >> bit) & 1u);
     for (const int ones : set) // six deviations
         CHECK(std::abs(ones - count / 2) < 6 * 32);
 }
@@ -348,3 +349,4 @@ TEST_CASE("white noise has no two places alike") {
     CHECK(white_noise({1.0f, 2.0f, std::nextafter(3.0f, 4.0f)}, 4.0f, 4) != here);
     CHECK(white_noise({9.0f, 9.0f, 9.0f}, 4.0f, 1) == white_noise({1.0f, 2.0f, 3.0f}, 4.0f, 1));
 }
+} // namespace patterns_test

@@ -9,6 +9,7 @@
 #include <limits>
 #include <numbers>
 
+namespace sky_test {
 using namespace tyndall;
 using namespace tyndall::sky;
 constexpr float degree = std::numbers::pi_v<float> / 180.0f;
@@ -95,3 +96,4 @@ TEST_CASE("a program of directions reads each as its point, and images hold the 
                                   std::sin(latitude));
     CHECK(glm::distance(image[0], glm::max(first, 0.0f)) < 1e-5f);
 }
+} // namespace sky_test

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <limits>
 
+namespace surface_program_test {
 using tyndall::Material;
 using tyndall::ProgramPoint;
 using tyndall::Rgb;
@@ -227,3 +228,4 @@ TEST_CASE("a program that reads beyond its tables is refused by the material's n
     material.program = {constant(0, Rgb(std::numeric_limits<float>::infinity()))};
     CHECK_THROWS_AS(validate(material), tyndall::InvalidInput);
 }
+} // namespace surface_program_test

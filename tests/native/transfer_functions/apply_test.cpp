@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 #include <random>
 
+namespace apply_test {
 using namespace tyndall;
 using namespace tyndall::transfer_functions;
 
@@ -169,3 +170,4 @@ TEST_CASE("spans of different lengths and numbers that are none are named") {
     CHECK_THROWS_WITH_AS(changed(function, {.weight = std::nanf("")}, rays), "strength or weight is not finite",
                          InvalidInput);
 }
+} // namespace apply_test

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <random>
 
+namespace compose_test {
 using namespace tyndall;
 using namespace tyndall::transfer_functions;
 
@@ -262,3 +263,4 @@ TEST_CASE("a picture has at least one texel, and no more than memory bears") {
     CHECK_THROWS_WITH_AS(of_size(0), "a transfer function of 0 texels per side, outside [1, 4096]", InvalidInput);
     CHECK_THROWS_AS(of_size(5000), InvalidInput);
 }
+} // namespace compose_test

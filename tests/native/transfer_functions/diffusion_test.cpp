@@ -8,11 +8,11 @@
 #include <numbers>
 #include <random>
 
+namespace diffusion_test {
 using namespace tyndall;
 using namespace tyndall::transfer_functions;
 
 namespace {
-constexpr double pi = std::numbers::pi;
 /// Plates that bend over less are told to bend over so much (diffusion.cpp).
 constexpr double least_smoothness = 1.0 / 256.0;
 
@@ -148,8 +148,9 @@ TEST_CASE("Laplace's equation: two sides that are held give a ramp, and a wave o
         const auto y = static_cast<float>(along(i));
         ramp.push_back(grey_at({0.0f, y}, 0.0));
         ramp.push_back(grey_at({1.0f, y}, 1.0));
-        wave.push_back(grey_at({0.0f, y}, 0.5 + 0.5 * std::cos(pi * along(i)) / std::cosh(pi)));
-        wave.push_back(grey_at({1.0f, y}, 0.5 + 0.5 * std::cos(pi * along(i))));
+        wave.push_back(
+            grey_at({0.0f, y}, 0.5 + 0.5 * std::cos(std::numbers::pi * along(i)) / std::cosh(std::numbers::pi)));
+        wave.push_back(grey_at({1.0f, y}, 0.5 + 0.5 * std::cos(std::numbers::pi * along(i))));
     }
     const std::uint32_t size = 100;
     const auto flat = spread(ramp, 0.0f, size), waving = spread(wave, 0.0f, size);
@@ -157,8 +158,9 @@ TEST_CASE("Laplace's equation: two sides that are held give a ramp, and a wave o
         for (std::size_t column = 0; column < size; ++column) {
             const double x = (static_cast<double>(column) + 0.5) / size, y = (static_cast<double>(row) + 0.5) / size;
             CHECK(std::abs(double{flat[row * size + column].x} - x) < 1.1 * least_smoothness);
-            const double truth = 0.5 + 0.5 * std::cos(pi * y) * std::cosh(pi * x) / std::cosh(pi);
-            const double slope = 0.5 * pi * std::tanh(pi);
+            const double truth = 0.5 + 0.5 * std::cos(std::numbers::pi * y) * std::cosh(std::numbers::pi * x) /
+                                           std::cosh(std::numbers::pi);
+            const double slope = 0.5 * std::numbers::pi * std::tanh(std::numbers::pi);
             CHECK(std::abs(double{waving[row * size + column].x} - truth) < 1.1 * least_smoothness * slope);
         }
 }
@@ -257,3 +259,4 @@ TEST_CASE("every instruction set spreads alike") {
         CHECK(difference(spread(constraints, 0.25f, 100), texels) < 2e-5f); // of sums over 128 cosines, twice
     }
 }
+} // namespace diffusion_test

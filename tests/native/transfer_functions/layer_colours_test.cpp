@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 #include <random>
 
+namespace layer_colours_test {
 using namespace tyndall;
 using namespace tyndall::transfer_functions;
 
@@ -149,3 +150,4 @@ TEST_CASE("a smaller image is smooth between its pixels, and keeps its rim to th
         CHECK(std::abs(function.texels[x].x - share) < 1e-6f);
     }
 }
+} // namespace layer_colours_test

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 
+namespace transfer_function_test {
 using namespace tyndall;
 using namespace tyndall::transfer_functions;
 
@@ -60,3 +61,4 @@ TEST_CASE("a function's own numbers are named, too") {
     is_refused({.name = "f", .y = {.axis = Axis::Mask}, .layers = {}}, "y axis's mask is missing");
     is_refused({.name = "f", .x = {.low_m = no_number}, .layers = {}}, "x axis's range is not finite");
 }
+} // namespace transfer_function_test

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 
+namespace air_noise_test {
 using namespace tyndall;
 
 namespace {
@@ -182,3 +183,4 @@ TEST_CASE("a noise that cannot be is refused by name") {
     cancelled.cancel();
     CHECK_THROWS_AS(AirNoiseVolume({.resolution = 16}, cancelled), Cancelled);
 }
+} // namespace air_noise_test

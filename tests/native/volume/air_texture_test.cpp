@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <random>
 
+namespace air_texture_test {
 using namespace tyndall;
 
 namespace {
@@ -183,3 +184,4 @@ TEST_CASE("a texture that cannot be is refused by name") {
         (void)painted({}, {}, volume_of({2, 1, 1}, [](auto x, auto...) { return x == 0 ? 1.0f : -2.0f; })),
         "the painted intensity is -2 at voxel (1, 0, 0), outside [0, 1000]", InvalidInput);
 }
+} // namespace air_texture_test

@@ -6,6 +6,7 @@
 #include "volume/density_walk.hpp"
 #include <doctest/doctest.h>
 
+namespace density_grid_test {
 using namespace tyndall;
 
 namespace {
@@ -136,3 +137,4 @@ TEST_CASE("densities that are no numbers, leaves that overlap and flat transform
         },
         "grid \"smoke\": its leaves lie too far apart, over 1e+21 blocks of 8^3 voxels");
 }
+} // namespace density_grid_test

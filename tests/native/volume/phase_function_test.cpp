@@ -2,6 +2,7 @@
 #include "volume/phase_function.hpp"
 #include <doctest/doctest.h>
 
+namespace phase_function_test {
 using namespace tyndall;
 
 /// Integral over the sphere of weight(cosine) * phase. The angle is split at 30 degrees from the peak, where its
@@ -34,3 +35,4 @@ TEST_CASE("light that goes straight on in a narrow lobe keeps its precision") {
     const double exact = (1.0 + double{g}) / (4.0 * std::numbers::pi * (1.0 - double{g}) * (1.0 - double{g}));
     CHECK(std::abs(henyey_greenstein_per_sr(1.0f, g) / exact - 1.0) < 1e-6);
 }
+} // namespace phase_function_test

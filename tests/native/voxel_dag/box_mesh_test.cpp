@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+namespace box_mesh_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -119,3 +120,4 @@ TEST_CASE("a mesh that is too large is refused with its size before it is made, 
     CHECK_THROWS_AS(static_cast<void>(box_mesh_of(leaves, no_limit, cancelled)), Cancelled);
     CHECK_THROWS_AS(static_cast<void>(shell_of(leaves, cancelled)), Cancelled);
 }
+} // namespace box_mesh_test

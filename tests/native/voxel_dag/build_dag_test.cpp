@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 #include <set>
 
+namespace build_dag_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -174,3 +175,4 @@ TEST_CASE("a DAG whose arrays do not fit together is refused by the level that i
     CHECK_THROWS_AS(require_usable(broken([](Dag& d) { d.leaves[0] = 0; })), InvalidInput);
     CHECK_THROWS_AS(require_usable(broken([](Dag& d) { d.root_tag = 1; })), InvalidInput);
 }
+} // namespace build_dag_test

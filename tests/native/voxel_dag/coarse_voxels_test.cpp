@@ -5,6 +5,7 @@
 #include "voxel_dag/coarse_voxels.hpp"
 #include <doctest/doctest.h>
 
+namespace coarse_voxels_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -45,3 +46,4 @@ TEST_CASE("a DAG that is larger than memory is refused while it is unpacked") {
     cancelled.cancel();
     CHECK_THROWS_AS(static_cast<void>(coarse_voxels(all, 0, 1 << 24, cancelled)), Cancelled);
 }
+} // namespace coarse_voxels_test

@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 #include <set>
 
+namespace color_palette_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 
@@ -125,3 +126,4 @@ TEST_CASE("an entry that is no colour is named, and so are palettes and differen
     CHECK_THROWS_AS(color_palette::within({}, 0.0, {}), InvalidInput);
     CHECK_THROWS_AS(color_palette::within({}, std::nan(""), {}), InvalidInput);
 }
+} // namespace color_palette_test

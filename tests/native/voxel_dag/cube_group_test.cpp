@@ -4,6 +4,7 @@
 #include <random>
 #include <set>
 
+namespace cube_group_test {
 using namespace tyndall::voxel_dag;
 
 TEST_CASE("the 48 elements are a group: products are elements, inverses undo, and the first 8 are reflections") {
@@ -45,3 +46,4 @@ TEST_CASE("a brick is turned voxel by voxel") {
         }
     }
 }
+} // namespace cube_group_test

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace dag_attributes_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -228,3 +229,4 @@ TEST_CASE("arrays that do not fit the voxels, and settings out of range, are nam
     CHECK(complaint(right, {.color_count = 4, .most_color_difference = 1.0}).find("one of them") != std::string::npos);
     CHECK(complaint(right, {.normal_bits = 7}).find("normal_bits is 7") != std::string::npos);
 }
+} // namespace dag_attributes_test

@@ -4,6 +4,7 @@
 #include "voxel_dag/dag_counts.hpp"
 #include <doctest/doctest.h>
 
+namespace dag_counts_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -21,3 +22,4 @@ TEST_CASE("counts of Sierpinski's tetrahedron: 4 references per node, nothing us
     }
     CHECK(level_counts(build_dag({.level = 9, .codes = {}, .masks = {}}, {}, progress)).empty());
 }
+} // namespace dag_counts_test

@@ -16,6 +16,7 @@
 #include <random>
 #include <unistd.h>
 
+namespace dag_file_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -231,3 +232,4 @@ TEST_CASE("10,000 .tdag files that were changed anywhere are refused, or read as
           doctest::test_suite("long")) {
     mutate_and_read(10000, 7);
 }
+} // namespace dag_file_test

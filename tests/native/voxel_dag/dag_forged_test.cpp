@@ -19,6 +19,7 @@
 #include <iterator>
 #include <unistd.h>
 
+namespace dag_forged_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -243,3 +244,4 @@ TEST_CASE("entries that name a material which is not there are refused when they
     parts.voxels.materials = encode_columns({{7}, {7}, {7}, {7}});
     CHECK_THROWS_AS(DagAttributes(parts, dag), InvalidInput);
 }
+} // namespace dag_forged_test

@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 #include <set>
 
+namespace joint_materials_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using Columns = std::vector<std::span<const std::uint32_t>>;
@@ -87,3 +88,4 @@ TEST_CASE("a table that is cut off or damaged is refused, or every value can be 
         CHECK(complaint(damaged).size() < 200);
     }
 }
+} // namespace joint_materials_test

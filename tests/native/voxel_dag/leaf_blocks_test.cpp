@@ -4,6 +4,7 @@
 #include "voxel_dag/leaf_blocks.hpp"
 #include <doctest/doctest.h>
 
+namespace leaf_blocks_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -48,3 +49,4 @@ TEST_CASE("a block in a wrong place is named, and an empty one leaves nothing") 
     CHECK(refusal({{32, 0, 0}}).find("block 0 begins at (32, 0, 0)") != std::string::npos);
     CHECK(refusal({{8, 0, 0}, {0, 0, 0}, {8, 0, 0}}).find("lie in one place") != std::string::npos);
 }
+} // namespace leaf_blocks_test

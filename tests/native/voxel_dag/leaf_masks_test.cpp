@@ -6,6 +6,7 @@
 #include <random>
 #include <set>
 
+namespace leaf_masks_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 
@@ -63,3 +64,4 @@ TEST_CASE("bricks that are empty, twice there or outside are refused, and so are
     CHECK_THROWS_AS(leaf_masks_of({}, 18), InvalidInput);
     CHECK_THROWS_WITH_AS(leaf_masks_of({{1, 8, 2}}, 3), "voxel (1, 8, 2) lies beyond the resolution, 8", InvalidInput);
 }
+} // namespace leaf_masks_test

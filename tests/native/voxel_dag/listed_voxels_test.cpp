@@ -5,6 +5,7 @@
 #include <map>
 #include <random>
 
+namespace listed_voxels_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 
@@ -47,3 +48,4 @@ TEST_CASE("a normal without a direction, and arrays of another length, are named
         static_cast<void>(voxels_of_list(voxels, {.colors = colors, .normals = {}, .channels = {}}, 4, {})),
         "voxels: 2 colors for 3 voxels", InvalidInput);
 }
+} // namespace listed_voxels_test

@@ -10,6 +10,7 @@
 #include <map>
 #include <set>
 
+namespace merge_symmetric_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -189,3 +190,4 @@ TEST_CASE("merging twice, into nothing, beyond the budget or after a cancel is r
     progress.cancel();
     CHECK_THROWS_AS(merge_symmetric(plain, {}, progress), Cancelled);
 }
+} // namespace merge_symmetric_test

@@ -11,6 +11,7 @@
 #include <map>
 #include <set>
 
+namespace node_shares_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -216,3 +217,4 @@ TEST_CASE("with shares a ray stops at voxels or at cubes of 4 and more, also in 
         CHECK(hit_count > 100);
     }
 }
+} // namespace node_shares_test

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace octahedral_normals_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 
@@ -99,3 +100,4 @@ TEST_CASE("rounded coordinates are up to 1.5 times as far off as the best, and t
             CHECK(octahedral::decode(octahedral::encode_rounded(direction), octahedral::most_bits) == direction);
         }
 }
+} // namespace octahedral_normals_test

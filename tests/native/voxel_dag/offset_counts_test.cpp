@@ -6,6 +6,7 @@
 #include "voxel_dag/offset_counts.hpp"
 #include <doctest/doctest.h>
 
+namespace offset_counts_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -52,3 +53,4 @@ TEST_CASE("offsets that tags would turn are refused") {
     const Dag dag = merge_symmetric(build_dag(sierpinski_voxels(6), {}, Progress()), {}, Progress());
     CHECK_THROWS_AS((void)offset_dag_bytes(dag, {}), InvalidInput);
 }
+} // namespace offset_counts_test

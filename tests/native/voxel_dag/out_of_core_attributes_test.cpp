@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace out_of_core_attributes_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::voxel_dag::in_parts;
@@ -174,3 +175,4 @@ TEST_CASE("attributes that the budget has no room for are refused, and the parts
     CHECK(std::filesystem::exists(parts.part_path(0)));
     CHECK_FALSE(std::filesystem::exists(folder / "a.tdag"));
 }
+} // namespace out_of_core_attributes_test

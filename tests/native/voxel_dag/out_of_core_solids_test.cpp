@@ -5,6 +5,7 @@
 #include "voxel_dag/solid_fill.hpp"
 #include <doctest/doctest.h>
 
+namespace out_of_core_solids_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::voxel_dag::in_parts;
@@ -111,3 +112,4 @@ TEST_CASE("a solid of a mesh that is open, and one whose voxels carry something,
     job.mesh.triangles.pop_back();
     CHECK_THROWS_AS(solid_parts(job, folder, 1), InvalidInput);
 }
+} // namespace out_of_core_solids_test

@@ -4,6 +4,7 @@
 #include "voxel_dag/join_parts.hpp"
 #include <doctest/doctest.h>
 
+namespace out_of_core_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::voxel_dag::in_parts;
@@ -206,3 +207,4 @@ TEST_CASE("sub-cubes' voxels are those of the whole") {
     }
     CHECK_THROWS_AS(static_cast<void>(split(mesh, config.rule, 10, most_level, Progress())), InvalidInput);
 }
+} // namespace out_of_core_test

@@ -10,6 +10,7 @@
 #include <doctest/doctest.h>
 #include <numeric>
 
+namespace packed_dag_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -163,3 +164,4 @@ TEST_CASE("equal bits for 1, 2 and 7 threads") {
     CHECK(with_exactly(7, [&] { return packed(voxels, Symmetry::Cube); }) == one);
     CHECK(decoded(one) == voxels);
 }
+} // namespace packed_dag_test

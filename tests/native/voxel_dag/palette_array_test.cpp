@@ -9,6 +9,7 @@
 #include <set>
 #include <string_view>
 
+namespace palette_array_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 
@@ -149,3 +150,4 @@ TEST_CASE("whatever bytes are damaged, an array is refused or every entry can be
     }
     CHECK(refused_count > 1000);
 }
+} // namespace palette_array_test

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <set>
 
+namespace palette_blocks_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using palette_blocks::Block;
@@ -146,3 +147,4 @@ TEST_CASE("an index that is no material is named, and a cancelled call ends") {
     cancelled.cancel();
     CHECK_THROWS_AS(palette_blocks::partition(test::Values(100, 0), 1, {}, cancelled), Cancelled);
 }
+} // namespace palette_blocks_test

@@ -11,6 +11,7 @@
 #include "voxel_dag/trace_through.hpp"
 #include <doctest/doctest.h>
 
+namespace published_layouts_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::baselines;
@@ -158,3 +159,4 @@ TEST_CASE("a table of what is used most makes references shorter, and turns have
     CHECK_THROWS_AS(static_cast<void>(HalfWordDag::encode(turned)), InvalidInput);
     CHECK_THROWS_AS(static_cast<void>(EntropyDag::encode(turned, {})), InvalidInput);
 }
+} // namespace published_layouts_test

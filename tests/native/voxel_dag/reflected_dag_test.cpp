@@ -5,6 +5,7 @@
 #include "voxel_dag/merge_symmetric.hpp"
 #include <doctest/doctest.h>
 
+namespace reflected_dag_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -80,3 +81,4 @@ TEST_CASE("mirrored voxels have as many nodes on each level, and an equal DAG af
         }
     }
 }
+} // namespace reflected_dag_test

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <doctest/doctest.h>
 
+namespace run_array_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 
@@ -244,3 +245,4 @@ TEST_CASE("whatever bytes of runs are damaged, an array is refused or every entr
     CHECK(refused_count > 500);
     CHECK(read_count > 500);
 }
+} // namespace run_array_test

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace smooth_normals_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -122,3 +123,4 @@ TEST_CASE("a radius out of range and directions for other voxels are refused, an
     progress.cancel();
     CHECK_THROWS_AS(smooth_normals::find(dag, asked, {}, {}, progress), Cancelled);
 }
+} // namespace smooth_normals_test

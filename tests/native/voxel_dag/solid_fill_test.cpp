@@ -10,6 +10,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace solid_fill_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::voxel_dag::oracle;
@@ -238,3 +239,4 @@ TEST_CASE("a mesh that does not close is refused, with an edge; so is what the b
     config.memory_budget_bytes = 40 << 20; // the surface's bricks are 6 MiB, all of them 268
     CHECK_THROWS_WITH_AS(solid_of(mesh, config), doctest::Contains("a resolution of 512 may fit"), InvalidInput);
 }
+} // namespace solid_fill_test

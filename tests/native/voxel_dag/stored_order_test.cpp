@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 
+namespace stored_order_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -166,3 +167,4 @@ TEST_CASE("counts that do not belong to the DAG, and values of other voxels, are
     std::vector<std::uint32_t> few(set.stored.size() - 1);
     CHECK_THROWS_AS(to_stored_order(set.dag, set.order, few, few, progress), InvalidInput);
 }
+} // namespace stored_order_test

@@ -10,6 +10,7 @@
 #include "voxel_dag/snapped_mesh.hpp"
 #include <doctest/doctest.h>
 
+namespace streamed_meshes_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 
@@ -160,3 +161,4 @@ TEST_CASE("every voxel of the dragon and of Sponza at 8,192 is decoded as the or
           doctest::test_suite("long")) {
     compare_at(8192);
 }
+} // namespace streamed_meshes_test

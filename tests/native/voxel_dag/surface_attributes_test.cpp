@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace surface_attributes_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::voxel_dag::oracle;
@@ -324,3 +325,4 @@ TEST_CASE("what is wrong with a surface is refused, and the culprit named") {
                                             more, {.colors = four}, Progress()),
                          "voxel (1, 1, 6) is set, but by no triangle of the mesh: it has no attributes", InvalidInput);
 }
+} // namespace surface_attributes_test

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <functional>
 
+namespace surface_textures_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::voxel_dag::oracle;
@@ -190,3 +191,4 @@ TEST_CASE("what is wrong with materials is refused, and the culprit named") {
     materials[0] = {.color = {0, 2, 0}};
     CHECK_THROWS_WITH_AS(floor.lit_by(materials), "material 0 has the colour (0, 2, 0), outside [0, 1]", InvalidInput);
 }
+} // namespace surface_textures_test

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <unistd.h>
 
+namespace top_levels_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -76,3 +77,4 @@ TEST_CASE("a file's topmost levels and their mean colours are read without the r
     CHECK_FALSE(read_top(path, 9, progress));
     std::filesystem::remove(path);
 }
+} // namespace top_levels_test

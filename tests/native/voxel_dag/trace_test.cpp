@@ -7,6 +7,7 @@
 #include "voxel_dag/trace.hpp"
 #include <doctest/doctest.h>
 
+namespace trace_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -105,3 +106,4 @@ TEST_CASE("a level of detail, or a cone, hits the first cube that is no wider an
         CHECK((voxels.level == 2 || count_of[4] > 100));
     }
 }
+} // namespace trace_test

@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 #include <memory>
 
+namespace tracer_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -208,3 +209,4 @@ TEST_CASE("rays without room for what they find are refused, and tracing stops w
     CHECK_THROWS_AS(tracer.trace(rays, hits, progress), Cancelled);
     CHECK_THROWS_AS(tracer.find_occluded(rays, are_occluded, progress), Cancelled);
 }
+} // namespace tracer_test

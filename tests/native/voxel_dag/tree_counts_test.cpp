@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <set>
 
+namespace tree_counts_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -62,3 +63,4 @@ TEST_CASE("an empty DAG has no nodes, and its parts add up to its bytes, too") {
         CHECK(sum == packed.byte_count());
     }
 }
+} // namespace tree_counts_test

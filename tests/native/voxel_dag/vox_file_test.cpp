@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <random>
 
+namespace vox_file_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support::vox_bytes;
@@ -204,3 +205,4 @@ TEST_CASE("a .vox file that was changed anywhere is read or refused") { mutate_a
 TEST_CASE("10,000 .vox files that were changed anywhere are read or refused" * doctest::test_suite("long")) {
     mutate_and_read(many_chunks(), 10000, 4);
 }
+} // namespace vox_file_test

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <random>
 
+namespace vox_scene_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -289,3 +290,4 @@ TEST_CASE("voxels without colours are of one, and what cannot be written is said
     large.masks.resize(large.codes.size(), ~std::uint64_t{0});
     CHECK(refusal(large, {}, {}).find("a resolution of 512 would fit") != std::string::npos);
 }
+} // namespace vox_scene_test

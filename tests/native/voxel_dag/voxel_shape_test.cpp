@@ -13,6 +13,7 @@
 #include <doctest/doctest.h>
 #include <set>
 
+namespace voxel_shape_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::support;
@@ -140,3 +141,4 @@ TEST_CASE("a voxel's colour multiplies its material's, and its normal shades it 
     }
     CHECK(scene.is_smooth(0));
 }
+} // namespace voxel_shape_test

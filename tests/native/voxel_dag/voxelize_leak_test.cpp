@@ -3,6 +3,7 @@
 #include "native/voxel_dag/step_meshes.hpp"
 #include <doctest/doctest.h>
 
+namespace voxelize_leak_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::voxel_dag::oracle;
@@ -94,3 +95,4 @@ TEST_CASE("a flood stays out of a box, whose faces lie between voxels or within 
             CHECK(is_reached[cell_at(20, 20, 20)]);
         }
 }
+} // namespace voxelize_leak_test

@@ -3,6 +3,7 @@
 #include "native/voxel_dag/step_meshes.hpp"
 #include <doctest/doctest.h>
 
+namespace voxelize_oracle_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::voxel_dag::oracle;
@@ -132,3 +133,4 @@ TEST_CASE("triangles far larger than the cube are as exact as small ones, down t
             }
         }
 }
+} // namespace voxelize_oracle_test

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 
+namespace voxelize_test {
 using namespace tyndall;
 using namespace tyndall::voxel_dag;
 using namespace tyndall::voxel_dag::oracle;
@@ -198,3 +199,4 @@ TEST_CASE("a call that was cancelled throws") {
     const Mesh mesh = mesh_of(random_soup(11, 7, 10));
     CHECK_THROWS_AS(voxelize(std::span<const dvec3>(mesh.positions), mesh.triangles, {}, progress), Cancelled);
 }
+} // namespace voxelize_test
