@@ -123,7 +123,7 @@ void build_hierarchy(benchmark::State& state, char name) {
     }
     const MeshArrays& arrays = scene->scene->description().meshes[0]->arrays();
     for (auto _ : state)
-        benchmark::DoNotOptimize(TriangleBvh(rtcGetSceneDevice(scene->scene->embree_scene()), arrays, Progress()));
+        benchmark::DoNotOptimize(TriangleBvh(rtcGetSceneDevice(scene->scene->trees().all()), arrays, Progress()));
     state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(arrays.triangles.size()));
 }
 

@@ -63,6 +63,7 @@ class Viewport:
                 kept_maps_bytes=KEPT_MAPS_BYTES,
                 kept_surfaces_bytes=KEPT_SURFACES_BYTES,
                 follows_moves=True,
+                keeps_trees=True,
             )
         )
         self._reader = SceneReader()

@@ -62,9 +62,15 @@ class ReadScene:
             and self.depsgraph == depsgraph.as_pointer()
             and self.shown_kinds == shown_kinds(viewport)
             and self.is_lit == is_lit
-            and all(bpy.data.objects.get(light) is not None for light in self.lights)
-            and self.links == tuple(links_of(bpy.data.objects[light]) for light in self.lights)
         )
+
+    def serves_lights(self, originals: list[Object | None]) -> bool:
+        """Whether its lights may be read alone: ``originals`` are their objects now."""
+        return self.links == tuple(links_of(light) if light is not None else None for light in originals)
+
+    def light_objects(self) -> list[Object | None]:
+        """Original ones; None: there is none of that name. Looking one up walks through all objects of the file."""
+        return [bpy.data.objects.get(light) for light in self.lights]
 
     def moved(self, to: dict[Name, MovedMesh]) -> ReadScene | None:
         """With these objects there; None where that may not be all that there is to change."""
@@ -76,12 +82,11 @@ class ReadScene:
             instances[self.lone[name]] = replace(before, world_from_object=moved.world_from_object)
         return replace(self, description=replace(self.description, instances=tuple(instances)))
 
-    def light_placements(self, depsgraph: Depsgraph) -> list[Placement]:
+    def light_placements(self, depsgraph: Depsgraph, originals: list[Object]) -> list[Placement]:
         """Where its lights are now."""
         placements = []
         lighting = LightingReader.of(depsgraph)
-        for light in self.lights:
-            original = bpy.data.objects[light]
+        for original in originals:
             source = original.evaluated_get(depsgraph)
             placements.append(
                 Placement(

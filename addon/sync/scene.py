@@ -40,7 +40,7 @@ from .worlds import ReadWorld, WorldBakes, read_world
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from bpy.types import Depsgraph, SpaceView3D, ViewLayer, World
+    from bpy.types import Depsgraph, Object, SpaceView3D, ViewLayer, World
 
 
 class SceneReader:
@@ -72,9 +72,9 @@ class SceneReader:
 
     def note_updates(self, depsgraph: Depsgraph) -> None:
         """Call from ``view_update`` and handlers: remembers which geometry changed until the next read."""
-        if not depsgraph.updates:
-            self._last = None
-        for update in depsgraph.updates:
+        has_updates = False
+        for update in depsgraph.updates:  # looked through once: a length, or a list, looks at all of the scene twice
+            has_updates = True
             if self._last is None or isinstance(update.id, bpy.types.Action):  # what it moves has updates of its own
                 pass
             elif is_light(update.id):
@@ -85,6 +85,8 @@ class SceneReader:
                 self._last = None
             if update.is_updated_geometry:
                 self._stale.add(update.id.original.as_pointer())
+        if not has_updates:
+            self._last = None
 
     def read(
         self,
@@ -196,21 +198,30 @@ class SceneReader:
         self, last: ReadScene, depsgraph: Depsgraph, reports: Reports, poll: Callable[[], None]
     ) -> SceneDescription | None:
         """What moved, and lights; None where there is more."""
-        moved = last.moved(self._moved)
-        if moved is None:
-            return None
         only_moved = bool(self._moved) and not self._are_lights_outdated
+        lights = [] if only_moved else last.light_objects()
+        moved = last.moved(self._moved)
+        if moved is None or not (only_moved or last.serves_lights(lights)):
+            return None
         self._moved.clear()
         self._last = moved
-        return moved.description if only_moved else self._read_lights(moved, depsgraph, reports, poll)
+        if only_moved:
+            return moved.description
+        originals = [light for light in lights if light is not None]  # all, if they serve
+        return self._read_lights(moved, depsgraph, originals, reports, poll)
 
     def _read_lights(
-        self, last: ReadScene, depsgraph: Depsgraph, reports: Reports, poll: Callable[[], None]
+        self,
+        last: ReadScene,
+        depsgraph: Depsgraph,
+        originals: list[Object],
+        reports: Reports,
+        poll: Callable[[], None],
     ) -> SceneDescription:
         """The scene of the last read under its lights as they are now; their images join those of the last read."""
         reports.include(last.reports)
         edits = OccluderEditReader(depsgraph, last.drawn, self._images, self._masks, reports, poll)
-        lights = _lights(last.light_placements(depsgraph), edits, last.media, self._images, reports)
+        lights = _lights(last.light_placements(depsgraph, originals), edits, last.media, self._images, reports)
         description = replace(last.description, lights=(*lights, *last.sky_suns), reports=reports.lines())
         self._last, self._are_lights_outdated = replace(last, description=description), False
         return description

@@ -24,8 +24,9 @@ struct SceneWithMedia {
         media = {found, &found->media};
     }
     /// The other with some instances elsewhere.
-    SceneWithMedia(const SceneWithMedia& other, std::span<const MovedInstance> moved, const Progress& progress)
-        : SceneWithMedia(std::make_shared<const Scene>(*other.scene, moved, progress), progress) {}
+    SceneWithMedia(const SceneWithMedia& other, std::span<const MovedInstance> moved, TreeUpdate update,
+                   const Progress& progress)
+        : SceneWithMedia(std::make_shared<const Scene>(*other.scene, moved, update, progress), progress) {}
     /// The other's geometry, materials and media.
     SceneWithMedia(const SceneWithMedia& other, std::vector<Light> lights, World world)
         : scene(std::make_shared<const Scene>(*other.scene, std::move(lights), std::move(world))), media(other.media) {}

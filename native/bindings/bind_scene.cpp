@@ -294,7 +294,7 @@ blocked by. Releases the GIL.)")
         .def(
             "moved",
             [](const SceneWithMedia& built, const py::array& instances, const py::array& world_from_object,
-               const Progress& progress) {
+               bool keeps_tree, const Progress& progress) {
                 const auto indices = to_vector<std::uint32_t, std::uint32_t>(instances, {-1}, "instances");
                 check_array<float>(world_from_object, {static_cast<py::ssize_t>(indices.size()), 4, 4},
                                    "world_from_object");
@@ -302,11 +302,13 @@ blocked by. Releases the GIL.)")
                 std::vector<MovedInstance> moved;
                 for (const std::uint32_t index : indices)
                     moved.push_back({index, to_matrix<mat4, 4>(matrices + 16 * moved.size())});
-                return without_gil([&] { return std::make_unique<SceneWithMedia>(built, moved, progress); });
+                const TreeUpdate update = keeps_tree ? TreeUpdate::Beside : TreeUpdate::Anew;
+                return without_gil([&] { return std::make_unique<SceneWithMedia>(built, moved, update, progress); });
             },
-            "instances"_a, "world_from_object"_a, "progress"_a,
-            "The same with some instances elsewhere, relative to its origin. InvalidInput: one cannot stand there; "
-            "Cancelled. Releases the GIL.")
+            "instances"_a, "world_from_object"_a, "keeps_tree"_a, "progress"_a,
+            "The same with some instances elsewhere, relative to its origin. keeps_tree: over those that did not move, "
+            "where there are thousands; then of two surfaces in one place another one may answer than in a new scene. "
+            "InvalidInput: one cannot stand there; Cancelled. Releases the GIL.")
         .def_property_readonly(
             "instance_count", [](const SceneWithMedia& built) { return built.scene->description().instances.size(); },
             "Of meshes, without those that were left out.")

@@ -3,6 +3,7 @@
 #include "light_shafts/exact_strip.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/partial_shadow.hpp"
+#include "scene/embree.hpp"
 #include "scene/strands.hpp"
 #include "scene/triangle_bvh.hpp"
 #include <tbb/task_arena.h>
@@ -67,7 +68,7 @@ StripScene make_strip_scene(const Scene& scene, const Progress& progress, const 
         box.min -= 4e-7f * reach, box.max += 4e-7f * reach; // what the transform may have rounded away
     }
     if (boxes.size() > 2)
-        strip.top = WideBvh(rtcGetSceneDevice(scene.embree_scene()), boxes, 1, progress);
+        strip.top = WideBvh(embree_device(), boxes, 1, progress);
     return strip;
 }
 

@@ -39,6 +39,7 @@ struct Search {
     vec3 centre;
     float radius_m;
     bool is_found = false;
+    bool is_of_moved = false; ///< Of the tree over those alone.
 };
 } // namespace
 
@@ -79,6 +80,8 @@ static bool look_at_primitive(RTCPointQueryFunctionArguments* found) {
     Search& search = *static_cast<Search*>(found->userPtr);
     const SceneDescription& description = search.scene.description();
     const std::uint32_t instance_index = found->context->instID[found->context->instStackSize - 1];
+    if (!search.is_of_moved && search.scene.trees().has_moved(instance_index))
+        return false;
     if (const PlacedShape* placed = search.scene.placed_shape(instance_index)) {
         const ShapeGeometry& shape = *description.shapes[placed->shape_index];
         CellSearch cells(search, placed->world_from_object);
@@ -110,10 +113,16 @@ static bool look_at_primitive(RTCPointQueryFunctionArguments* found) {
 
 bool has_occluder_within(const Scene& scene, const vec3& centre, float radius_m) {
     Search search{scene, centre, radius_m};
-    RTCPointQuery query{.x = centre.x, .y = centre.y, .z = centre.z, .time = 0.0f, .radius = radius_m};
-    RTCPointQueryContext context;
-    rtcInitPointQueryContext(&context);
-    rtcPointQuery(scene.embree_scene(), &query, &context, look_at_primitive, &search);
+    const auto look_at = [&](RTCScene tree) {
+        RTCPointQuery query{.x = centre.x, .y = centre.y, .z = centre.z, .time = 0.0f, .radius = radius_m};
+        RTCPointQueryContext context;
+        rtcInitPointQueryContext(&context);
+        rtcPointQuery(tree, &query, &context, look_at_primitive, &search);
+    };
+    look_at(scene.trees().all());
+    search.is_of_moved = true;
+    if (!search.is_found && scene.trees().of_moved() != nullptr)
+        look_at(scene.trees().of_moved());
     return search.is_found;
 }
 } // namespace tyndall::light_shafts

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/medium_crossings.hpp"
+#include "scene/embree.hpp"
 #include <algorithm>
 #include <embree3/rtcore_ray.h>
 #include <map>
@@ -178,8 +179,7 @@ struct MediumCrossings::Query {
 
 MediumCrossings::MediumCrossings(const Scene& scene, std::span<const MediumBoundary> boundaries,
                                  const Progress& progress)
-    : scene_(scene), boundaries_(boundaries), device_(rtcGetSceneDevice(scene.embree_scene())),
-      top_(rtcNewScene(device_)) {
+    : scene_(scene), boundaries_(boundaries), top_(rtcNewScene(embree_device())) {
     rtcSetSceneFlags(top_, RTC_SCENE_FLAG_ROBUST);
     const SceneDescription& description = scene.description();
     std::map<std::uint32_t, RTCScene> scene_of_mesh;
@@ -193,10 +193,10 @@ MediumCrossings::MediumCrossings(const Scene& scene, std::span<const MediumBound
             const TriangleMesh& mesh = *description.meshes[of_scene.mesh_index];
             RTCScene& mesh_scene = scene_of_mesh[of_scene.mesh_index];
             if (mesh_scene == nullptr) {
-                mesh_scene = rtcNewScene(device_);
+                mesh_scene = rtcNewScene(embree_device());
                 meshes_.push_back(mesh_scene);
                 rtcSetSceneFlags(mesh_scene, RTC_SCENE_FLAG_ROBUST);
-                RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+                RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_TRIANGLE);
                 void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                          sizeof(vec3), mesh.arrays().positions.size());
                 std::ranges::copy(mesh.arrays().positions, static_cast<vec3*>(vertices));
@@ -209,7 +209,7 @@ MediumCrossings::MediumCrossings(const Scene& scene, std::span<const MediumBound
                 rtcReleaseGeometry(geometry);
                 rtcCommitScene(mesh_scene);
             }
-            RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
+            RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_INSTANCE);
             rtcSetGeometryInstancedScene(geometry, mesh_scene);
             rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &of_scene.world_from_object);
             rtcCommitGeometry(geometry);
@@ -231,7 +231,6 @@ MediumCrossings::~MediumCrossings() {
     rtcReleaseScene(top_);
     for (RTCScene mesh : meshes_)
         rtcReleaseScene(mesh);
-    rtcReleaseDevice(device_);
 }
 
 void MediumCrossings::collect(const vec3& origin, const vec3& direction, std::vector<Hit>& hits) const {

@@ -50,7 +50,6 @@ private:
     const Scene& scene_;
     std::span<const MediumBoundary> boundaries_;
     std::vector<Instance> instances_; ///< By geometry id.
-    RTCDevice device_ = nullptr;
     RTCScene top_ = nullptr;
     std::vector<RTCScene> meshes_;
 };

@@ -3,6 +3,7 @@
 // Based on: Embree 3's packets: camera rays with its coherent flag (culling by a frustum), shadow rays without.
 // Differs:  its coherent flag never goes with rtcOccluded16: in Embree 3.13.5 that does not return for some packets that
 //           meet instances.
+//           What has moved is asked for in a tree of its own, and passed where it stood (instance_trees.hpp).
 // Bound:    16 rays cost what 4 to 6 single ones cost; a CPU without AVX-512 takes them as narrower packets.
 #include "scene/embree.hpp"
 #include "scene/instance_masks.hpp"
@@ -49,6 +50,26 @@ struct QueryContext : CellQuery {
     dvec3* passing;
     const std::uint64_t* bits_of_instance = nullptr;
     std::uint64_t ignored = 0;
+    bool asks_materials = false;           ///< Of what is met: it may have holes, or let light pass.
+    const InstanceTrees* passed = nullptr; ///< What has moved of these is passed.
+
+    [[nodiscard]] bool passes(unsigned int instance) const { return passed != nullptr && passed->has_moved(instance); }
+
+    /// Calls trace with one tree after the other.
+    template <typename Trace>
+    void trace_all(RTCFilterFunctionN filter, const Trace& trace) {
+        const InstanceTrees& trees = scene.trees();
+        passed = trees.of_moved() != nullptr ? &trees : nullptr;
+        if (asks_materials || ignored != 0 || passed != nullptr)
+            embree.filter = filter;
+        trace(trees.all());
+        if (passed == nullptr)
+            return;
+        passed = nullptr;
+        if (!asks_materials && ignored == 0)
+            embree.filter = nullptr;
+        trace(trees.of_moved());
+    }
 };
 
 static const QueryContext& context_of(const RTCFilterFunctionNArguments* arguments) {
@@ -64,14 +85,16 @@ static Hit hit_of(const RTCRay& ray, const RTCHit& hit) {
             .geometric_normal = vec3(hit.Ng_x, hit.Ng_y, hit.Ng_z)};
 }
 
-/// Lets view rays through triangles whose slot has no surface, on an instance that has surfaces elsewhere.
-static void skip_holes(const RTCFilterFunctionNArguments* arguments) {
+/// Lets view rays through what has moved, and through triangles whose slot has no surface, on an instance that has
+/// surfaces elsewhere.
+static void skip_absent(const RTCFilterFunctionNArguments* arguments) {
     const QueryContext& context = context_of(arguments);
     for (unsigned int lane = 0; lane < arguments->N; ++lane) {
         if (arguments->valid[lane] != -1)
             continue;
         const RTCHit hit = rtcGetHitFromHitN(arguments->hit, arguments->N, lane);
-        if (!context.scene.material(hit.instID[0], hit.primID).has_surface)
+        if (context.passes(hit.instID[0]) ||
+            (context.asks_materials && !context.scene.material(hit.instID[0], hit.primID).has_surface))
             arguments->valid[lane] = 0;
     }
 }
@@ -84,10 +107,14 @@ static void attenuate(const RTCFilterFunctionNArguments* arguments) {
             continue;
         const RTCRay ray = rtcGetRayFromRayN(arguments->ray, arguments->N, lane);
         const RTCHit hit = rtcGetHitFromHitN(arguments->hit, arguments->N, lane);
-        if (context.ignored != 0 && (context.bits_of_instance[hit.instID[0]] & context.ignored) != 0) {
+        const bool is_ignored =
+            context.ignored != 0 && (context.bits_of_instance[hit.instID[0]] & context.ignored) != 0;
+        if (is_ignored || context.passes(hit.instID[0])) {
             arguments->valid[lane] = 0;
             continue;
         }
+        if (!context.asks_materials)
+            continue;
         dvec3& passing = context.passing[ray.id];
         passing *= dvec3(context.scene.transparency(context.rays[ray.id], hit_of(ray, hit)));
         if (Rgb(passing) != Rgb(0.0f))
@@ -115,12 +142,11 @@ Hit Scene::closest_hit(const Ray& ray, unsigned int mask, const RayDetail& detai
         context.shape_lengths = geometry_->shape_lengths;
         context.first_shape = static_cast<unsigned int>(description().instances.size());
     }
-    if (geometry_->has_holes)
-        context.embree.filter = skip_holes;
+    context.asks_materials = geometry_->has_holes;
     RTCRayHit query;
     query.ray = embree_ray(ray, mask);
     query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(embree_scene(), &context.embree, &query);
+    context.trace_all(skip_absent, [&](RTCScene tree) { rtcIntersect1(tree, &context.embree, &query); });
     return query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? Hit{} : in_scene(ray, hit_of(query.ray, query.hit));
 }
 
@@ -141,13 +167,13 @@ void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits, unsigne
             context.first_shape = static_cast<unsigned int>(description().instances.size());
         }
         context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-        if (geometry_->has_holes)
-            context.embree.filter = skip_holes;
+        context.asks_materials = geometry_->has_holes;
         RTCRayHit16 query;
         alignas(64) const std::array<int, packet_size> valid = fill(query.ray, these, mask);
         std::fill_n(query.hit.geomID, packet_size, RTC_INVALID_GEOMETRY_ID);
         std::fill_n(query.hit.instID[0], packet_size, RTC_INVALID_GEOMETRY_ID);
-        rtcIntersect16(valid.data(), embree_scene(), &context.embree, &query);
+        context.trace_all(skip_absent,
+                          [&](RTCScene tree) { rtcIntersect16(valid.data(), tree, &context.embree, &query); });
         for (std::size_t lane = 0; lane < these.size(); ++lane)
             hits[first + lane] =
                 query.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID
@@ -170,10 +196,12 @@ Rgb Scene::shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> b
     QueryContext context(*this, &ray, &passing);
     context.bits_of_instance = bits_of_instance.data();
     context.ignored = ignored;
-    if (geometry_->lets_light_pass || ignored != 0)
-        context.embree.filter = attenuate;
+    context.asks_materials = geometry_->lets_light_pass;
     RTCRay query = embree_ray(ray, shadow_mask);
-    rtcOccluded1(embree_scene(), &context.embree, &query);
+    context.trace_all(attenuate, [&](RTCScene tree) {
+        if (query.tfar >= 0.0f) // less: something stops it
+            rtcOccluded1(tree, &context.embree, &query);
+    });
     const bool is_occluded = query.tfar < 0.0f;
     return is_occluded ? Rgb(0.0f) : Rgb(passing);
 }
@@ -192,11 +220,15 @@ void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> pass
         QueryContext context(*this, these.data(), passing_of.data());
         context.bits_of_instance = bits_of_instance.data();
         context.ignored = ignored;
-        if (geometry_->lets_light_pass || ignored != 0)
-            context.embree.filter = attenuate;
+        context.asks_materials = geometry_->lets_light_pass;
         RTCRay16 query;
-        alignas(64) const std::array<int, packet_size> valid = fill(query, these, shadow_mask);
-        rtcOccluded16(valid.data(), embree_scene(), &context.embree, &query);
+        alignas(64) std::array<int, packet_size> valid = fill(query, these, shadow_mask);
+        context.trace_all(attenuate, [&](RTCScene tree) {
+            for (std::size_t lane = 0; lane < packet_size; ++lane)
+                if (query.tfar[lane] < 0.0f) // something stops it
+                    valid[lane] = 0;
+            rtcOccluded16(valid.data(), tree, &context.embree, &query);
+        });
         for (std::size_t lane = 0; lane < these.size(); ++lane)
             passing[first + lane] = query.tfar[lane] < 0.0f ? Rgb(0.0f) : Rgb(passing_of[lane]);
     }

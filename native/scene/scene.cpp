@@ -4,6 +4,7 @@
 #include "core/errors.hpp"
 #include "scene/embree.hpp"
 #include "scene/instance_masks.hpp"
+#include "scene/instance_places.hpp"
 #include "scene/strands.hpp"
 #include "shading/surface_program.hpp"
 #include <algorithm>
@@ -28,20 +29,8 @@ Scene::Scene(const Scene& other, std::vector<Light> lights, World world)
     drop_unusable_lights();
 }
 
-Scene::Scene(const Scene& other, std::span<const MovedInstance> moved, const Progress& progress)
-    : lights_(other.lights_), world_(other.world_) {
-    const StageTimer timer(statistics_, "scene");
-    for (const MovedInstance& instance : moved) {
-        require(instance.index < other.description().instances.size(), "instance ", instance.index, " of ",
-                other.description().instances.size(), " is to move");
-        const char* reason = cannot_move(instance);
-        require(reason == nullptr, "instance ", instance.index, " is to move, but ", reason);
-    }
-    geometry_ = std::make_shared<const Geometry>(*other.geometry_, moved, progress);
-    statistics_.append(geometry_->statistics);
-}
-
 Scene::~Scene() = default;
+Scene::Geometry::~Geometry() = default;
 
 Scene::Geometry::Geometry(SceneDescription scene, const Progress& progress) : description(std::move(scene)) {
     validate();
@@ -64,8 +53,6 @@ void Scene::Geometry::set_blocker_bits() {
     for (const PlacedShape& placed : description.placed_shapes)
         add(placed.name_index);
 }
-
-Scene::Geometry::~Geometry() { rtcReleaseScene(embree_scene); }
 
 void Scene::Geometry::validate() const {
     const SceneDescription& scene = description;
@@ -112,67 +99,6 @@ void Scene::Geometry::validate() const {
             scene.world_medium_index, " of ", medium_count);
 }
 
-/// Relative to the product of the axes' lengths: a crystal of 1e-12 m is no flat object.
-static bool is_regular(const mat4& matrix) {
-    const glm::dmat3 linear{mat3(matrix)};
-    const double axes = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
-    return std::abs(glm::determinant(linear)) > 1e-12 * axes;
-}
-
-/// Gives an object that one scale of 0 has made flat a millionth of its width as thickness: a plane scaled by (1, 1, 0)
-/// stands in many a scene, Cycles draws it, and Embree's instances need an inverse. Other matrices stay as they are.
-static mat4 thickened(const mat4& scene_from_object) {
-    const glm::dmat3 linear{mat3(scene_from_object)};
-    if (is_regular(scene_from_object))
-        return scene_from_object;
-    // The columns of the adjugate of a matrix of rank 2 are what it sends to 0, its rows what no image has a share of.
-    const glm::dmat3 cofactors(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
-                               glm::cross(linear[0], linear[1]));
-    const auto longest = [](const glm::dmat3& matrix) {
-        const auto shorter = [](const dvec3& a, const dvec3& b) { return glm::dot(a, a) < glm::dot(b, b); };
-        return std::max({matrix[0], matrix[1], matrix[2]}, shorter);
-    };
-    const dvec3 lost = longest(glm::transpose(cofactors)), normal = longest(cofactors);
-    const double width = glm::length(longest(linear));
-    if (!(glm::length(lost) > 1e-12 * width * width))
-        return scene_from_object;
-    const glm::dmat3 thick = linear + glm::outerProduct(glm::normalize(normal), 1e-6 * width * glm::normalize(lost));
-    mat4 result{mat3(thick)};
-    result[3] = scene_from_object[3];
-    return result;
-}
-
-static bool is_finite(const mat4& scene_from_object) {
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 3; ++row)
-            if (!(std::abs(scene_from_object[column][row]) < largest_coordinate_m)) // true for a NaN, too
-                return false;
-    return true;
-}
-
-/// Embree takes rays into the object's space, where they must not leave what it reckons with: 1e18.
-static constexpr double largest_inverse = 1e13;
-
-static bool takes_rays(const mat4& scene_from_object) {
-    const glm::dmat4 inverse = glm::inverse(glm::dmat4(scene_from_object));
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 3; ++row)
-            if (!(std::abs(inverse[column][row]) < (column < 3 ? largest_inverse : double{largest_coordinate_m})))
-                return false;
-    return true;
-}
-
-/// Why an instance cannot be drawn; nullptr if it can.
-static const char* reason_to_drop(const mat4& scene_from_object) {
-    if (!is_finite(scene_from_object))
-        return "its transform is not finite";
-    if (!is_regular(scene_from_object))
-        return "its transform leaves no more than a line of it (scales of 0)";
-    if (!takes_rays(scene_from_object))
-        return "it is too small for rays (scales below 1e-13)";
-    return nullptr;
-}
-
 static std::string kind_of(const ShapeGeometry& shape) {
     if (shape.cells() != nullptr)
         return "voxels";
@@ -196,10 +122,6 @@ void Scene::Geometry::report_unusable_strands(const Strands& strands) {
                     kind;
     if (!what.empty())
         statistics.report((has_strands ? "strands '" : "points '") + strands.name() + "': left out " + what);
-}
-
-const char* Scene::cannot_move(const MovedInstance& moved) {
-    return reason_to_drop(thickened(moved.world_from_object));
 }
 
 void Scene::Geometry::drop_unusable_instances() {
@@ -309,23 +231,13 @@ mat3 Scene::normal_matrix(const mat4& object_from_scene) {
     return glm::transpose(mat3(object_from_scene)) * (1.0f / largest);
 }
 
-static mat4 inverse_of(const mat4& scene_from_object) { return mat4(glm::inverse(glm::dmat4(scene_from_object))); }
-
 void Scene::prepare_detail(const Progress& progress) const {
     for (const auto& shape : description().shapes)
         if (const CellShape* cells = shape->cells())
             cells->prepare_detail(progress);
 }
 
-/// Of an instance or a placed shape.
-static unsigned int mask_of(const auto& placed) {
-    return (placed.is_camera_visible ? camera_mask : 0u) | (placed.casts_shadow ? shadow_mask : 0u) |
-           (placed.is_bounce_visible ? bounce_mask : 0u) | (placed.is_mirror_visible ? mirror_mask : 0u);
-}
-
 void Scene::Geometry::attach_instances(const Progress& progress) {
-    embree_scene = rtcNewScene(embree_device());
-    rtcSetSceneFlags(embree_scene, traced_scene_flags);
     objects_from_scene.resize(description.instances.size() + description.placed_shapes.size());
     shape_lengths.resize(description.placed_shapes.size());
     for (std::uint32_t index = 0; index < description.instances.size(); ++index) {
@@ -347,7 +259,7 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
         has_holes |= (mask_of(instance) & ~shadow_mask) != 0 && surface_slots < instance.slot_count;
         lets_light_pass |= instance.casts_shadow && opaque_slots < instance.slot_count;
 
-        attach_instance(embree_scene, mesh.embree_scene(), instance.world_from_object, index, mask_of(instance));
+        trees.take(mesh.embree_scene(), instance.world_from_object, index, mask_of(instance));
     }
     for (std::size_t i = 0; i < description.placed_shapes.size(); ++i) {
         const PlacedShape& placed = description.placed_shapes[i];
@@ -366,19 +278,9 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
             statistics.report("object '" + description.object_names[placed.name_index] +
                               "': its material lets a part of the light pass, but " + kind_of(shape) + " are opaque");
         surface_bounds.grow(box);
-        attach_instance(embree_scene, shape.embree_scene(), placed.world_from_object, static_cast<std::uint32_t>(index),
-                        mask_of(placed));
+        trees.take(shape.embree_scene(), placed.world_from_object, static_cast<std::uint32_t>(index), mask_of(placed));
     }
-    commit_embree_scene(progress);
-}
-
-void Scene::Geometry::commit_embree_scene(const Progress& progress) {
-    try {
-        commit(embree_scene, "the scene", progress);
-    } catch (...) {
-        rtcReleaseScene(embree_scene);
-        throw;
-    }
+    trees.commit(progress);
 }
 
 bool Scene::Geometry::has_surface(const Instance& instance) const {
@@ -386,73 +288,5 @@ bool Scene::Geometry::has_surface(const Instance& instance) const {
         if (slot_material(instance, slot).has_surface)
             return true;
     return false;
-}
-
-/// Whether a part of a box that is taken away may be all that reaches so far.
-static bool may_bound(const Bounds3& part, const Bounds3& all) {
-    for (int axis = 0; axis < 3; ++axis)
-        if (part.min[axis] <= all.min[axis] || part.max[axis] >= all.max[axis])
-            return true;
-    return false;
-}
-
-Scene::Geometry::Geometry(const Geometry& other, std::span<const MovedInstance> moved, const Progress& progress)
-    : description(other.description), bounds(other.bounds), surface_bounds(other.surface_bounds),
-      objects_from_scene(other.objects_from_scene), shape_lengths(other.shape_lengths),
-      transparent_operations(other.transparent_operations), lets_light_pass(other.lets_light_pass),
-      blocker_bits(other.blocker_bits), has_holes(other.has_holes) {
-    statistics.reports = other.statistics.reports;
-    bool may_shrink = false;
-    std::vector<bool> is_moved(description.instances.size());
-    for (const auto& [index, world_from_object] : moved) {
-        Instance& instance = description.instances[index];
-        const Bounds3& of_mesh = description.meshes[instance.mesh_index]->bounds();
-        may_shrink |= may_bound(transformed(of_mesh, instance.world_from_object), bounds) ||
-                      may_bound(transformed(of_mesh, instance.world_from_object), surface_bounds);
-        instance.world_from_object = thickened(world_from_object);
-        objects_from_scene[index] = inverse_of(instance.world_from_object);
-        const Bounds3 box = transformed(of_mesh, instance.world_from_object);
-        bounds.grow(box);
-        if (has_surface(instance))
-            surface_bounds.grow(box);
-        is_moved[index] = true;
-    }
-    if (may_shrink) {
-        bounds = surface_bounds = {};
-        for (const Instance& instance : description.instances) {
-            const Bounds3 box =
-                transformed(description.meshes[instance.mesh_index]->bounds(), instance.world_from_object);
-            bounds.grow(box);
-            if (has_surface(instance))
-                surface_bounds.grow(box);
-        }
-        for (const PlacedShape& placed : description.placed_shapes) {
-            const Bounds3 box = bounds_of(description, placed);
-            bounds.grow(box);
-            if (stops_light(description, placed))
-                surface_bounds.grow(box);
-        }
-    }
-    embree_scene = rtcNewScene(embree_device());
-    rtcSetSceneFlags(embree_scene, traced_scene_flags);
-    const StageTimer timer(statistics, "scene: tree");
-    const auto share = [&](std::size_t index) {
-        const auto id = static_cast<unsigned int>(index);
-        rtcAttachGeometryByID(embree_scene, rtcGetGeometry(other.embree_scene, id), id);
-    };
-    for (std::uint32_t index = 0; index < description.instances.size(); ++index) {
-        const Instance& instance = description.instances[index];
-        if (!has_surface(instance))
-            continue;
-        if (is_moved[index])
-            attach_instance(embree_scene, description.meshes[instance.mesh_index]->embree_scene(),
-                            instance.world_from_object, index, mask_of(instance));
-        else
-            share(index);
-    }
-    for (std::size_t i = 0; i < description.placed_shapes.size(); ++i)
-        if (stops_light(description, description.placed_shapes[i]))
-            share(description.instances.size() + i);
-    commit_embree_scene(progress);
 }
 } // namespace tyndall

@@ -6,6 +6,7 @@
 #include "core/statistics.hpp"
 #include "scene/camera.hpp"
 #include "scene/instance_masks.hpp"
+#include "scene/instance_trees.hpp"
 #include "scene/light.hpp"
 #include "scene/placed_shapes.hpp"
 #include "scene/shape_geometry.hpp"
@@ -91,6 +92,12 @@ struct MovedInstance {
     mat4 world_from_object{1.0f};
 };
 
+/// Of the trees over instances, where some of these moved.
+enum class TreeUpdate : std::uint8_t {
+    Anew,   ///< Built again: what the scene shows is, bit for bit, what one shows that was made so.
+    Beside, ///< One beside it, of what moved: of two surfaces in one place another one may answer than in such a scene.
+};
+
 class Scene {
 public:
     /// Checks indices and commits Embree. Leaves out of the description, with one report per object: instances that cannot
@@ -100,10 +107,10 @@ public:
     Scene(SceneDescription description, const Progress& progress);
     /// The same geometry, materials and media under other lights and another world: shared, nothing is built again.
     Scene(const Scene& other, std::vector<Light> lights, World world);
-    /// The same with some instances elsewhere, under the same lights: only the tree over all instances is built again.
-    /// What it shows is, bit for bit, what a scene shows that was made so. Throws InvalidInput for what cannot_move(), and
-    /// Cancelled.
-    Scene(const Scene& other, std::span<const MovedInstance> moved, const Progress& progress);
+    /// The same with some instances elsewhere, under the same lights: only the tree over all instances is built again, or
+    /// where there are thousands of them, and it may be, one over those that moved. Throws InvalidInput for what
+    /// cannot_move(), and Cancelled.
+    Scene(const Scene& other, std::span<const MovedInstance> moved, TreeUpdate update, const Progress& progress);
     Scene(const Scene&) = delete;
     Scene& operator=(const Scene&) = delete;
     ~Scene();
@@ -119,9 +126,8 @@ public:
         return geometry_->surface_bounds;
     } ///< Of those with a surface.
     [[nodiscard]] const Statistics& statistics() const { return statistics_; }
-    [[nodiscard]] RTCScene embree_scene() const {
-        return geometry_->embree_scene;
-    } ///< Instance i, as a Hit counts them, is geometry i, if it has a surface.
+    /// Instance i, as a Hit counts them, is geometry i of one of them, if it has a surface.
+    [[nodiscard]] const InstanceTrees& trees() const { return geometry_->trees; }
     /// Everything but lights and world. Scenes that share it have the same; while it is held, no other takes its place.
     [[nodiscard]] std::shared_ptr<const void> geometry() const { return geometry_; }
 
@@ -212,7 +218,7 @@ private:
         SceneDescription description; ///< Its lights and world are moved out.
         Bounds3 bounds, surface_bounds;
         Statistics statistics;
-        RTCScene embree_scene = nullptr;
+        InstanceTrees trees;
         std::vector<mat4> objects_from_scene;                      ///< Per instance, then per placed shape.
         std::vector<float> shape_lengths;                          ///< Per placed shape: see CellQuery.
         std::vector<TransparentOperations> transparent_operations; ///< Per material.
@@ -221,7 +227,8 @@ private:
         bool has_holes = false;                  ///< Some instance that is seen has slots without a surface.
 
         Geometry(SceneDescription scene, const Progress& progress);
-        Geometry(const Geometry& other, std::span<const MovedInstance> moved, const Progress& progress);
+        Geometry(const Geometry& other, std::span<const MovedInstance> moved, TreeUpdate update,
+                 const Progress& progress);
         Geometry(const Geometry&) = delete;
         Geometry& operator=(const Geometry&) = delete;
         ~Geometry();
@@ -231,7 +238,9 @@ private:
         void report_unusable_strands(const Strands& strands);
         void drop_unusable_volumes();
         void attach_instances(const Progress& progress);
-        void commit_embree_scene(const Progress& progress);
+        void find_bounds();
+        void take(std::uint32_t index); ///< One of the instances, into the trees.
+        void share_trees(const Geometry& other, std::span<const std::uint32_t> but);
         [[nodiscard]] bool has_surface(const Instance& instance) const;
         [[nodiscard]] const Material& slot_material(const Instance& instance, std::size_t slot) const;
     };

@@ -36,12 +36,13 @@ from .scene_description import (
     TextureUse,
     World,
 )
-from .scene_origin import origin_of, places_of
+from .scene_origin import free_places, origin_of, places_of
 
 #: Radiances and coefficients beyond it would overflow where they are summed; Blender makes 3.4e38 of infinite ones.
 _LARGEST_VALUE = 1e30
 #: What Blender shows where a mesh has no material.
 _DEFAULT_MATERIAL = Material(name="(no material)")
+_FEW_PLACES = 4096
 _Part = TypeVar("_Part")
 
 
@@ -56,6 +57,8 @@ class KeptGeometry:
     reports: list[str]  #: About its parts.
     places: NDArray[np.float64]  #: (n, 3), in the world: of all instances, then of what else has one.
     firsts: NDArray[np.int64]  #: Of each group: the number of its first instance; then that of all.
+    free_places: int = 0  #: So many of them may go anywhere: the origin stays.
+    moved: frozenset[int] = frozenset()  #: Numbers of the instances that did since that was found.
     fingerprint: bytes = b""  #: Empty: not found yet, but ``description`` is there.
     #: Of sessions that follow what moves, where all of it is in the scene.
     description: SceneDescription | None = None
@@ -97,6 +100,7 @@ class NativeParts:
     world: tuple[tuple[bytes, int], _native.World] | None = None
     geometry: KeptGeometry | None = None  #: Of the last scene.
     follows_moves: bool = False  #: At the cost of keeping the description.
+    keeps_trees: bool = False  #: Of what did not move; see ``Session``.
     counts: dict[str, float] = field(default_factory=dict)
 
     def begin_update(self) -> None:
@@ -150,7 +154,7 @@ def update_geometry(description: SceneDescription, parts: NativeParts, progress:
     kept = parts.geometry
     if kept is not None:
         changed = None if kept.description is None else moved_groups(kept.description, description)
-        moved = _moved(kept, description, changed, progress) if changed else None
+        moved = _moved(kept, description, changed, parts, progress) if changed else None
         if moved is not None:
             parts.counts["scene moved"] = 1
         elif changed == [] or (not changed and kept.serves(description)):
@@ -200,7 +204,11 @@ def light_scene(description: SceneDescription, kept: KeptGeometry, parts: Native
 
 
 def _moved(
-    kept: KeptGeometry, description: SceneDescription, changed: list[int], progress: _native.Progress
+    kept: KeptGeometry,
+    description: SceneDescription,
+    changed: list[int],
+    parts: NativeParts,
+    progress: _native.Progress,
 ) -> KeptGeometry | None:
     """With some groups elsewhere; None where that takes a new scene."""
     firsts = kept.firsts
@@ -210,14 +218,22 @@ def _moved(
     indices = np.concatenate([np.arange(firsts[index], firsts[index + 1], dtype=np.uint32) for index in changed])
     places = kept.places.copy()
     places[indices] = np.concatenate([group.world_from_object[:, :3, 3] for group in groups])
-    if not np.array_equal(origin_of(places), kept.origin_in_world):
-        return None
+    free, indices_moved = kept.free_places, kept.moved.union(indices.tolist())
+    if len(indices_moved) > free:
+        if not np.array_equal(origin_of(places), kept.origin_in_world):
+            return None
+        free, indices_moved = _free_places(places) if free else 0, frozenset()
     matrices = relative_matrices([group.world_from_object for group in groups], kept.origin_in_world)
     try:
-        scene = kept.scene.moved(indices, matrices, progress)
+        scene = kept.scene.moved(indices, matrices, parts.keeps_trees, progress)
     except _native.InvalidInput:  # a new scene reports what it leaves out
         return None
-    return replace(kept, scene=scene, places=places, fingerprint=b"")
+    return replace(kept, scene=scene, places=places, free_places=free, moved=indices_moved, fingerprint=b"")
+
+
+def _free_places(places: NDArray[np.float64]) -> int:
+    """None of a few: their origin is found as soon."""
+    return free_places(places) if len(places) > _FEW_PLACES else 0
 
 
 def _build_geometry(description: SceneDescription, parts: NativeParts, progress: _native.Progress) -> KeptGeometry:
@@ -280,6 +296,7 @@ def _build_geometry(description: SceneDescription, parts: NativeParts, progress:
         reports=reports,
         places=places if follows else np.zeros((0, 3)),
         firsts=np.cumsum([0, *counts]),
+        free_places=_free_places(places) if follows else 0,
         fingerprint=b"" if follows else geometry_fingerprint(description),
         description=description if follows else None,
     )

@@ -164,6 +164,7 @@ class Session:
         kept_maps_bytes: int = 0,
         kept_surfaces_bytes: int = 0,
         follows_moves: bool = False,
+        keeps_trees: bool = False,
     ) -> None:
         """Keep nothing from picture to picture but the scene, or more of it.
 
@@ -174,13 +175,15 @@ class Session:
         trace no ray, and a changed light only its own. Pictures are the same, bit for bit.
         ``follows_moves``: the last description, so that an update that shares all but a few ``instances`` with it,
         which stand elsewhere, looks at these alone.
+        ``keeps_trees``: where it does, and there are thousands, those over what did not move stay as they are. The only
+        difference in pictures is which of two surfaces in one place shows.
         """
         self._unstyled = UnstyledPictures(kept_pictures)
         self._kept_maps: _native.MapCache | None = None
         if kept_maps_bytes > 0:
             self.keep_maps(kept_maps_bytes)
         self._kept_surfaces = _native.KeptSurfaces(kept_surfaces_bytes) if kept_surfaces_bytes > 0 else None
-        self._parts = NativeParts(follows_moves=follows_moves)
+        self._parts = NativeParts(follows_moves=follows_moves, keeps_trees=keeps_trees)
         self._function_textures: dict[str, _native.Texture] = {}
         self._kept_air = KeptAir()
         self._scene: _native.Scene | None = None

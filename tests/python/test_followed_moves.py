@@ -24,6 +24,7 @@ from tyndall.scene_description import (
     SceneDescription,
     World,
 )
+from tyndall.scene_origin import free_places, origin_of
 
 CONFIG = RenderConfig(
     pixel_samples=2,
@@ -151,6 +152,56 @@ def test_a_scene_that_moves_as_a_whole_gets_a_new_origin() -> None:
     for index in range(len(description.instances)):
         description = moved(description, index, translation(500.0, 0.0, 0.0))
     assert updated(session, description)["scene rebuilt"] == 1
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_free_places_may_go_anywhere_and_the_origin_stays(seed: int) -> None:
+    """The worst that they can do: all to one side, from the other or from the middle, or be lost.
+
+    Seen to fail where a median is thought to move by half as many steps.
+    """
+    rng = np.random.default_rng(seed)
+    spread_m = 10.0 ** rng.uniform(-1, 4)
+    # So that a coordinate of the median is not far from where it is rounded to another.
+    places = rng.normal(size=(rng.integers(3000, 9000), 3), scale=spread_m) + rng.uniform(-9, 9, 3) * spread_m
+    count = free_places(places)
+    origin = origin_of(places)
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            for first in np.argsort(-side * places[:, axis]), np.argsort(np.abs(places - origin).max(axis=1)):
+                for target in (side * 1e9, np.nan):
+                    moved = places.copy()
+                    moved[first[:count]] = target
+                    assert np.array_equal(origin_of(moved), origin)
+
+
+def test_origins_of_even_scenes_stay_where_hundreds_move() -> None:
+    places = np.random.default_rng(1).uniform(-4.0, 4.0, (100_000, 3))
+    assert free_places(places) >= 512
+    on_edge = places - np.median(places, axis=0) + (8.0, 0.0, 0.0)
+    assert free_places(on_edge) == 0, "it is rounded to one side or to the other"
+    assert free_places(places[:3]) == free_places(places[:0]) == 0
+
+
+def test_trees_of_thousands_are_kept_and_no_picture_can_tell() -> None:
+    """Fog that moves with them takes no tree; what had moved before is met where it is now."""
+    rng = np.random.default_rng(6)
+    session = Session(follows_moves=True, keeps_trees=True)
+    swarm = rng.uniform((-4, -3, 0.3), (4, 3, 2.0), (4200, 3))
+    small = np.diag([0.03, 0.03, 0.03, 1.0])
+    description = scene()
+    for index in range(FIRST_CUBE, FOG):  # which of two faces in one plane shows may change
+        description = moved(description, index, translation(0.0, 0.0, rng.uniform(0.0, 0.2)))
+    gnats = placed(replace(unit_cube(), key="gnat"), *(translation(*place) @ small for place in swarm))
+    description = replace(description, instances=(*description.instances, gnats))
+    updated(session, description)
+    for _ in range(16):
+        for _ in range(rng.integers(1, 3)):
+            index = int(rng.integers(FLOOR, FOG + 1))
+            mirror = np.diag([1.0, rng.choice([-1.0, 1.0]), 1.0, 1.0])
+            description = moved(description, index, translation(*rng.normal(size=3, scale=0.3)) @ mirror)
+        counts = updated(session, description)
+        assert counts["scene rebuilt"] + counts["scene moved"] == 1
 
 
 def test_equal_descriptions_that_share_nothing_change_nothing() -> None:

@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 #include "core/sampling.hpp"
 #include "light_shafts/scattering_lights.hpp"
+#include "support/scenes.hpp"
 #include "support/soup.hpp"
 #include <algorithm>
 #include <doctest/doctest.h>
@@ -246,5 +247,26 @@ TEST_CASE("the average visibility counts every metre of a ray in one cell") {
              run(*scene, {.position = rays[0].origin}, rays, config, progress).average_visibility)
             CHECK(std::abs(visibility - 1.0f) < 0.01f);
     }
+}
+
+// Seen to fail where the second tree is not asked, and where what has moved is found where it stood.
+TEST_CASE("what moved is near where it stands, not where it stood, whichever tree it is in") {
+    SceneDescription description;
+    description.meshes = {support::cube()};
+    description.object_names = {"cubes"};
+    description.materials = {Material{.name = "grey"}};
+    description.slot_materials = {0};
+    for (std::size_t index = 0; index < InstanceTrees::fewest_instances; ++index)
+        description.instances.push_back(
+            {.world_from_object = support::translation({4.0f * static_cast<float>(index), 0, 0})});
+    const Scene before(description, Progress());
+    const MovedInstance move{.index = 7, .world_from_object = support::translation({28, 0, 9})};
+    const Scene after(before, std::span(&move, 1), TreeUpdate::Beside, Progress());
+    REQUIRE(after.trees().of_moved() != nullptr);
+    CHECK(has_occluder_within(before, {28, 0, 1.2f}, 0.5f));
+    CHECK(!has_occluder_within(after, {28, 0, 1.2f}, 0.5f));
+    CHECK(!has_occluder_within(before, {28, 0, 7.8f}, 0.5f));
+    CHECK(has_occluder_within(after, {28, 0, 7.8f}, 0.5f));
+    CHECK(has_occluder_within(after, {24, 0, 1.2f}, 0.5f));
 }
 } // namespace turning_disc_test
