@@ -82,7 +82,14 @@ class Bench:
         # What a viewport's engine hears of.
         bpy.app.handlers.depsgraph_update_post.append(lambda _, depsgraph: self._reader.note_updates(depsgraph))
         self._worker = ViewportWorker(
-            Session(kept_pictures=1, kept_maps_bytes=KEPT_MAPS_BYTES, kept_surfaces_bytes=KEPT_SURFACES_BYTES)
+            Session(
+                kept_pictures=1,
+                kept_maps_bytes=KEPT_MAPS_BYTES,
+                kept_surfaces_bytes=KEPT_SURFACES_BYTES,
+                follows_moves=True,
+                keeps_trees=True,
+                builds_hastily=True,
+            )
         )
         scene = bpy.context.scene
         depsgraph = bpy.context.evaluated_depsgraph_get()

@@ -118,6 +118,7 @@ class Bench:
                 kept_surfaces_bytes=KEPT_SURFACES_BYTES,
                 follows_moves=True,
                 keeps_trees=True,
+                builds_hastily=True,
             )
         )
         scene = bpy.context.scene

@@ -64,6 +64,7 @@ class Viewport:
                 kept_surfaces_bytes=KEPT_SURFACES_BYTES,
                 follows_moves=True,
                 keeps_trees=True,
+                builds_hastily=True,
             )
         )
         self._reader = SceneReader()

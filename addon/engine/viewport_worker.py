@@ -82,6 +82,7 @@ def coarser(view: View, scale: int) -> View:
         shafts,
         error_target=min(shafts.error_target * scale, 0.1),
         grid_error_target=min(shafts.grid_error_target * scale, 0.3),
+        walks_maps=True,
         light_samples=min(shafts.light_samples, 4),
         world_samples=min(shafts.world_samples, 8),
     )
@@ -126,6 +127,7 @@ class ViewportWorker:
         self._is_outdated = False  # the job at work, by a later one
         self._is_closed = False
         self._progress = Progress()  # of the job at work
+        self._is_disturbed = False  # a call came while trees were finished
         self._patience_s = PATIENCE_S
         self._patience_ends = 0.0  # before this moment the job at work is left alone
         self._read_s = 0.0  # of the description
@@ -257,9 +259,20 @@ class ViewportWorker:
         def show_so_far(film: Film) -> None:
             self._publish(_picture(film, view, view, 1), "Rendering")
 
+        if not self._is_disturbed:
+            self._finish_trees(session, progress)
         film = session.render(finished.camera, finished.config, progress, show_so_far)
         self._first_s = self._first_s or time.monotonic() - job.asked_at
         self._publish(_picture(film, view, view, 1), "", film)
+        self._finish_trees(session, progress)
+
+    def _finish_trees(self, session: Session, progress: Progress) -> None:
+        """A view that moves is not held up twice: after that they wait for a finished picture."""
+        if session.has_hasty_trees:
+            self._publish(None, "Finishing the scene")
+            self._is_disturbed = True
+            session.finish_trees(progress)
+        self._is_disturbed = False
 
     def _publish(self, picture: Picture | None, status: str, film: Film | None = None) -> None:
         """``film``: complete, with its statistics."""

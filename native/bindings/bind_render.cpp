@@ -38,7 +38,7 @@ static Camera make_camera(int kind, const py::array& world_from_camera, const st
 static light_shafts::Config make_shafts(int method, float error_target, std::uint32_t resolution,
                                         std::uint32_t light_samples, std::uint32_t world_samples, bool attenuates_light,
                                         bool adapts_strata, bool shares_strata, int grid_method,
-                                        float grid_error_target, std::uint32_t seed,
+                                        float grid_error_target, bool walks_maps, std::uint32_t seed,
                                         const std::optional<std::shared_ptr<light_shafts::MapCache>>& kept_maps) {
     return {.method = static_cast<light_shafts::Method>(method),
             .error_target = error_target,
@@ -51,6 +51,7 @@ static light_shafts::Config make_shafts(int method, float error_target, std::uin
             .visibility_light = {},
             .grid_method = static_cast<light_shafts::GridMethod>(grid_method),
             .grid_error_target = grid_error_target,
+            .walks_maps = walks_maps,
             .seed = seed,
             .kept_maps = kept_maps.value_or(nullptr)};
 }
@@ -216,7 +217,7 @@ void bind_render(py::module_& native) {
     py::class_<light_shafts::Config>(native, "ShaftConfig")
         .def(py::init(&make_shafts), "method"_a, "error_target"_a, "resolution"_a, "light_samples"_a, "world_samples"_a,
              "attenuates_light"_a, "adapts_strata"_a, "shares_strata"_a, "grid_method"_a, "grid_error_target"_a,
-             "seed"_a, "kept_maps"_a = py::none());
+             "walks_maps"_a, "seed"_a, "kept_maps"_a = py::none());
     py::class_<render::IndirectConfig>(native, "IndirectConfig")
         .def(py::init(&make_indirect), "ambient_occlusion"_a, "ambient_distance_m"_a, "ambient_samples"_a, "bounce"_a,
              "bounce_samples"_a, "mirror_depth"_a);

@@ -15,7 +15,7 @@ static std::shared_ptr<TriangleMesh> make_mesh(std::string name, const py::array
                                                const std::optional<py::array>& material_slots,
                                                const std::optional<py::array>& corner_normals,
                                                const std::vector<std::pair<std::string, py::array>>& uv_maps,
-                                               const Progress& progress) {
+                                               const Progress& progress, bool is_hasty) {
     MeshArrays arrays;
     arrays.name = std::move(name);
     arrays.positions = to_vector<vec3, float>(positions, {-1, 3}, "positions");
@@ -26,7 +26,8 @@ static std::shared_ptr<TriangleMesh> make_mesh(std::string name, const py::array
         arrays.corner_normals = to_vector<vec3, float>(*corner_normals, {-1, 3, 3}, "corner_normals");
     for (const auto& [uv_name, uvs] : uv_maps)
         arrays.uv_maps.push_back({uv_name, to_vector<vec2, float>(uvs, {-1, 3, 2}, "UV map " + uv_name)});
-    return without_gil([&] { return std::make_shared<TriangleMesh>(std::move(arrays), progress); });
+    const TreeQuality quality = is_hasty ? TreeQuality::Hasty : TreeQuality::Best;
+    return without_gil([&] { return std::make_shared<TriangleMesh>(std::move(arrays), progress, quality); });
 }
 
 static Light make_light(std::string name, int kind, const Triple& strength, const Triple& position, const Triple& axis,
@@ -233,10 +234,19 @@ void bind_scene(py::module_& native) {
     py::class_<TriangleMesh, std::shared_ptr<TriangleMesh>>(native, "TriangleMesh",
                                                             "Triangles with their BVH; keeps a copy of the arrays.")
         .def(py::init(&make_mesh), "name"_a, "positions"_a, "triangles"_a, "material_slots"_a, "corner_normals"_a,
-             "uv_maps"_a, "progress"_a,
+             "uv_maps"_a, "progress"_a, "is_hasty"_a = false,
              R"(positions: float32 (v, 3); triangles: uint32 (t, 3); material_slots: uint16 (t,) or None;
-corner_normals: float32 (t, 3, 3) or None; uv_maps: pairs of name and float32 (t, 3, 2). Releases the GIL.
-TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
+corner_normals: float32 (t, 3, 3) or None; uv_maps: pairs of name and float32 (t, 3, 2). is_hasty: its BVH is there in
+0.3 of the time, until finish_tree(). Releases the GIL. TypeError: dtype or shape; InvalidInput: a value; Cancelled.)")
+        .def_property_readonly("has_hasty_tree", &TriangleMesh::has_hasty_tree)
+        .def(
+            "finish_tree",
+            [](const TriangleMesh& mesh, const Progress& progress) {
+                without_gil([&] { mesh.finish_tree(progress); });
+            },
+            "progress"_a,
+            "The BVH as of a mesh that was not hasty, in all scenes of the mesh: nothing may be rendered meanwhile. "
+            "Cancelled: it is as it was. Releases the GIL.")
         .def_property_readonly("triangle_count", &TriangleMesh::triangle_count)
         .def_property_readonly("non_finite_triangle_count", &TriangleMesh::non_finite_triangle_count)
         .def_property_readonly("degenerate_triangle_count", &TriangleMesh::degenerate_triangle_count)

@@ -68,7 +68,10 @@ struct Config {
     std::optional<std::uint32_t> visibility_light = {};
     GridMethod grid_method = GridMethod::March;
     float grid_error_target = 0.005f; ///< Relative RMS error of what grids scatter, over the frame, [1e-4, 0.3].
-    bool keeps_groups_apart = false;  ///< Light groups have slots of their own, see Shafts::slots.
+    /// Rays too close to a light's direction for rows are walked along the map that SHADOW_MAP's rows come from, instead of
+    /// asked of hierarchies for cuts, which take 0.5 us per triangle to build: for a coarse picture that is to come at once.
+    bool walks_maps = false;
+    bool keeps_groups_apart = false; ///< Light groups have slots of their own, see Shafts::slots.
     std::uint32_t seed = 0;
     std::shared_ptr<MapCache> kept_maps = {}; ///< Maps and rows of other frames; nothing: none are kept.
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/occluders.hpp"
+#include "core/huge_pages.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/map_cache.hpp"
 #include "light_shafts/shape_faces.hpp"
@@ -132,17 +133,21 @@ std::vector<std::uint32_t> order_in_space(std::span<const vec3> positions, std::
     const auto cells = static_cast<float>(1u << bits);
     const vec3 per_m = cells / glm::max(3.0f * (bounds.max - bounds.min), vec3(1e-30f));
     std::vector<std::uint32_t> cell_of(triangles.size()), next((std::size_t{1} << (3 * bits)) + 1, 0);
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        const uvec3 corners = triangles[t];
-        const vec3 at = per_m * ((positions[corners.x] - bounds.min) + (positions[corners.y] - bounds.min) +
-                                 (positions[corners.z] - bounds.min));
-        std::uint32_t cell = 0;
-        for (int axis = 0; axis < 3; ++axis) // a NaN lands in cell 0
-            cell |= every_third(at[axis] > 0.0f ? static_cast<std::uint32_t>(std::min(at[axis], cells - 1.0f)) : 0u)
-                    << axis;
-        cell_of[t] = cell;
+    parallel_for(
+        triangles.size(), Progress(),
+        [&](std::size_t t) {
+            const uvec3 corners = triangles[t];
+            const vec3 at = per_m * ((positions[corners.x] - bounds.min) + (positions[corners.y] - bounds.min) +
+                                     (positions[corners.z] - bounds.min));
+            std::uint32_t cell = 0;
+            for (int axis = 0; axis < 3; ++axis) // a NaN lands in cell 0
+                cell |= every_third(at[axis] > 0.0f ? static_cast<std::uint32_t>(std::min(at[axis], cells - 1.0f)) : 0u)
+                        << axis;
+            cell_of[t] = cell;
+        },
+        1 << 13);
+    for (const std::uint32_t cell : cell_of)
         ++next[cell + 1];
-    }
     std::partial_sum(next.begin(), next.end(), next.begin());
     for (std::uint32_t t = 0; t < triangles.size(); ++t)
         order[next[cell_of[t]]++] = t;
@@ -160,11 +165,14 @@ std::unique_ptr<const OccluderMesh> make_occluder_mesh(std::span<const vec3> pos
     const std::vector<std::uint32_t>& order = mesh->order;
     const auto padded = [](std::size_t count) { return (count + 15) / 16 * 16; };
     constexpr std::size_t capacity = OccluderBlock::capacity;
-    mesh->columns.resize(9 * (triangles.size() / capacity * capacity + padded(triangles.size() % capacity)));
-    for (std::size_t start = 0; start < triangles.size(); start += capacity) {
+    mesh->columns =
+        large_vector<float>(9 * (triangles.size() / capacity * capacity + padded(triangles.size() % capacity)));
+    mesh->blocks.resize((triangles.size() + capacity - 1) / capacity);
+    const auto fill = [&](std::size_t index) {
+        const std::size_t start = index * capacity;
         const std::size_t count = std::min(capacity, triangles.size() - start), stride = padded(count);
         float* columns = mesh->columns.data() + 9 * start;
-        OccluderBlock& block = mesh->blocks.emplace_back();
+        OccluderBlock& block = mesh->blocks[index];
         block.columns = columns;
         block.stride = static_cast<std::uint32_t>(stride);
         block.count = static_cast<std::uint32_t>(count);
@@ -177,7 +185,8 @@ std::unique_ptr<const OccluderMesh> make_occluder_mesh(std::span<const vec3> pos
                     columns[(3 * c + axis) * stride + t] = corner[static_cast<int>(axis)];
             }
         }
-    }
+    };
+    parallel_for(mesh->blocks.size(), Progress(), fill, 16);
     return mesh;
 }
 

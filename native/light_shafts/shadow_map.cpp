@@ -198,7 +198,9 @@ std::unique_ptr<Visibility> make_shadow_map_beam(const Scene& scene, const Occlu
     if (prepared.instead)
         return std::move(prepared.instead);
     const Layout& made = prepared.rows->layout;
-    KeepAs keep_as{CastKind::ShadowMapRows, in_rows_of_map(made, light, texel_of_map(made, light, layout.lines)),
+    std::optional<KeepAs> keep_as;
+    if (!config.walks_maps) // kept rows have no map
+        keep_as = {CastKind::ShadowMapRows, in_rows_of_map(made, light, texel_of_map(made, light, layout.lines)),
                    layout.lines};
     return fill_rows(
         preparation, std::move(prepared), config.seed, std::move(keep_as),
@@ -213,7 +215,7 @@ std::unique_ptr<Visibility> make_shadow_map_beam(const Scene& scene, const Occlu
                 rectify(map, rows, progress);
             }
             statistics.count("shadow map: faces", static_cast<double>(map.faces.size()));
-            return nullptr;
+            return config.walks_maps ? std::make_shared<const MapVisibility>(std::move(map)) : nullptr;
         });
 }
 

@@ -52,7 +52,8 @@ static void keep_only(std::vector<Item>& items, const std::vector<std::uint32_t>
     items.resize(kept.size() * per_triangle);
 }
 
-TriangleMesh::TriangleMesh(MeshArrays arrays, const Progress& progress) : arrays_(std::move(arrays)) {
+TriangleMesh::TriangleMesh(MeshArrays arrays, const Progress& progress, TreeQuality quality)
+    : arrays_(std::move(arrays)), quality_(arrays_.triangles.size() < fewest_for_haste ? TreeQuality::Best : quality) {
     validate(arrays_);
     progress.poll();
     drop_unusable_triangles();
@@ -100,11 +101,32 @@ void TriangleMesh::build(const Progress& progress) {
     rtcReleaseGeometry(geometry);
     try {
         rtcSetSceneFlags(embree_scene_, traced_scene_flags);
-        commit(embree_scene_, "mesh '" + arrays_.name + "'", progress);
+        commit_tree(quality_, progress);
     } catch (...) {
         rtcReleaseScene(embree_scene_);
         throw;
     }
+}
+
+void TriangleMesh::commit_tree(TreeQuality quality, const Progress& progress) const {
+    const RTCBuildQuality build = quality == TreeQuality::Best ? RTC_BUILD_QUALITY_MEDIUM : RTC_BUILD_QUALITY_LOW;
+    const RTCGeometry geometry = rtcGetGeometry(embree_scene_, 0);
+    rtcSetGeometryBuildQuality(geometry, build);
+    rtcCommitGeometry(geometry);
+    rtcSetSceneBuildQuality(embree_scene_, build);
+    commit(embree_scene_, "mesh '" + arrays_.name + "'", progress);
+}
+
+void TriangleMesh::finish_tree(const Progress& progress) const {
+    if (quality_ == TreeQuality::Best)
+        return;
+    try {
+        commit_tree(TreeQuality::Best, progress);
+    } catch (const Cancelled&) { // which leaves no tree at all
+        commit_tree(TreeQuality::Hasty, Progress());
+        throw;
+    }
+    quality_ = TreeQuality::Best;
 }
 
 TriangleMesh::~TriangleMesh() { rtcReleaseScene(embree_scene_); }

@@ -101,6 +101,7 @@ class NativeParts:
     geometry: KeptGeometry | None = None  #: Of the last scene.
     follows_moves: bool = False  #: At the cost of keeping the description.
     keeps_trees: bool = False  #: Of what did not move; see ``Session``.
+    builds_hastily: bool = False  #: See ``Session``.
     counts: dict[str, float] = field(default_factory=dict)
 
     def begin_update(self) -> None:
@@ -325,6 +326,7 @@ def _build_meshes(
                     mesh.corner_normals,
                     mesh.uv_maps,
                     progress,
+                    parts.builds_hastily,
                 )
             except _native.InvalidInput as error:
                 reports.append(f"{error}: left out")

@@ -142,6 +142,18 @@ class PatientSession:
         self.updates = 0
         self.is_rebuilt = True
         self.is_kept = False
+        self.has_hasty_trees = False
+        self.finishing_s = 0.0
+        self.finished: list[int] = []  # how many pictures there were when trees were finished
+
+    def finish_trees(self, progress: Progress) -> None:
+        ends = time.monotonic() + self.finishing_s
+        while time.monotonic() < ends:
+            if progress.is_cancelled:
+                raise Cancelled
+            time.sleep(0.001)
+        self.has_hasty_trees = False
+        self.finished.append(len(self.rendered))
 
     @property
     def statistics(self) -> dict[str, dict[str, float]]:
@@ -235,6 +247,35 @@ def test_a_moving_view_shows_coarse_pictures_of_where_it_is(workers: Callable[[o
             shown.add(float(worker.picture.rgba[0, 0, 0]))
     assert len(shown) >= 5
     assert session.updates == 1
+
+
+def test_hasty_trees_are_finished_before_the_full_picture(workers: Callable[[object], ViewportWorker]) -> None:
+    """They were for the first one."""
+    session = PatientSession(lambda _camera: 0.0)
+    session.has_hasty_trees = True
+    worker = workers(session)
+    worker.show(a_view(), SceneDescription())
+    wait_until(lambda: is_finished(worker, (203, 101)))
+    assert session.finished == [1]
+    assert session.rendered == [(26, 13), (203, 101)]
+
+
+def test_a_view_that_moves_while_trees_are_finished_waits_for_them_no_more(
+    workers: Callable[[object], ViewportWorker],
+) -> None:
+    """They are finished when it rests: after a full picture with the trees that there are."""
+    session = PatientSession(lambda _camera: 0.0)
+    session.has_hasty_trees, session.finishing_s = True, 60.0
+    worker = workers(session)
+    worker.show(a_view(), SceneDescription())
+    wait_until(lambda: worker.status == "Finishing the scene")
+    session.finishing_s = 0.0
+    view = a_view()
+    worker.show(replace(view, camera=replace(view.camera, window=(-2.0, 1.0, -0.5, 0.5))))
+    wait_until(lambda: is_finished(worker, (203, 101)))
+    wait_until(lambda: not session.has_hasty_trees and not worker.status)
+    assert session.rendered == [(26, 13), (26, 13), (203, 101)]
+    assert session.finished == [3]
 
 
 def test_a_moving_view_of_a_slow_scene_is_not_empty(workers: Callable[[object], ViewportWorker]) -> None:

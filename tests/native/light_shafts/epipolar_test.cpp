@@ -46,9 +46,9 @@ std::vector<double> lit_lengths_m(const Visibility& visibility, std::span<const 
     return lengths;
 }
 std::vector<double> lengths_by(MakeVisibility make, const Case& made, std::uint32_t resolution,
-                               std::span<const ViewRay> asked = {}) {
+                               std::span<const ViewRay> asked = {}, bool walks_maps = false) {
     Progress progress;
-    const Config config{.resolution = resolution};
+    const Config config{.resolution = resolution, .walks_maps = walks_maps};
     const auto visibility = make(*made.scene, made.setting.view, made.setting.light, made.rays, config, progress);
     return lit_lengths_m(*visibility, asked.empty() ? std::span<const ViewRay>(made.rays) : asked);
 }
@@ -89,24 +89,27 @@ TEST_CASE("size and place of a scene do not matter: microns, thousands of kilome
     }
 }
 
+/// Through and next to the epipole, on both sides.
+static std::vector<ViewRay> rays_at_epipole(const Setting& setting) {
+    const vec3 epipole = setting.light.is_directional ? setting.light.towards_light
+                                                      : glm::normalize(setting.light.position - setting.view.position);
+    const auto [side, up] = orthonormal_basis(epipole);
+    std::vector<ViewRay> rays;
+    for (const float sign : {1.0f, -1.0f})
+        for (const float angle_rad : {0.0f, 1e-7f, 1e-5f, 1e-3f, 3e-3f})
+            for (int turn = 0; turn < 8; ++turn) {
+                const auto phi = static_cast<float>(turn);
+                const vec3 off = std::cos(phi) * side + std::sin(phi) * up;
+                rays.push_back({setting.view.position, glm::normalize(sign * epipole + angle_rad * off), 0.01f, 9.0f});
+            }
+    return rays;
+}
+
 TEST_CASE("rays through and next to the epipole are answered exactly") {
     for (const std::size_t index : {std::size_t{1}, std::size_t{2}, std::size_t{4}, std::size_t{5}}) {
         const Case made = make_case(settings()[index], 1.0f, vec3(0.0f));
-        const Setting& setting = made.setting;
-        CAPTURE(setting.name);
-        const vec3 epipole = setting.light.is_directional
-                                 ? setting.light.towards_light
-                                 : glm::normalize(setting.light.position - setting.view.position);
-        const auto [side, up] = orthonormal_basis(epipole);
-        std::vector<ViewRay> rays;
-        for (const float sign : {1.0f, -1.0f})
-            for (const float angle_rad : {0.0f, 1e-7f, 1e-5f, 1e-3f, 3e-3f})
-                for (int turn = 0; turn < 8; ++turn) {
-                    const auto phi = static_cast<float>(turn);
-                    const vec3 off = std::cos(phi) * side + std::sin(phi) * up;
-                    rays.push_back(
-                        {setting.view.position, glm::normalize(sign * epipole + angle_rad * off), 0.01f, 9.0f});
-                }
+        CAPTURE(made.setting.name);
+        const std::vector<ViewRay> rays = rays_at_epipole(made.setting);
         const auto exact = lengths_by(make_exact_strip, made, 0, rays);
         for (const auto make : {make_epipolar, make_shadow_map}) {
             const auto found = lengths_by(make, made, 512, rays);
@@ -116,6 +119,28 @@ TEST_CASE("rays through and next to the epipole are answered exactly") {
             }
         }
     }
+}
+
+// Seen to fail where the map is not handed on: then they are exact.
+TEST_CASE("where maps are walked, those rays are as right as the map, and all others have the same bits") {
+    double coarse = 0.0, fine = 0.0;
+    for (const std::size_t index : {std::size_t{1}, std::size_t{2}, std::size_t{4}, std::size_t{5}}) {
+        const Case made = make_case(settings()[index], 1.0f, vec3(0.0f));
+        CAPTURE(made.setting.name);
+        const std::vector<ViewRay> rays = rays_at_epipole(made.setting);
+        const auto exact = lengths_by(make_exact_strip, made, 0, rays);
+        coarse += relative_rmse(lengths_by(make_shadow_map, made, 64, rays, true), exact);
+        fine += relative_rmse(lengths_by(make_shadow_map, made, 1024, rays, true), exact);
+        const auto walked = lengths_by(make_shadow_map, made, 512, {}, true);
+        const auto asked = lengths_by(make_shadow_map, made, 512);
+        std::size_t differing = 0;
+        for (std::size_t r = 0; r < walked.size(); ++r)
+            differing += walked[r] != asked[r];
+        CHECK(differing < walked.size() / 20);
+    }
+    CHECK(coarse > 0.0);
+    CHECK(coarse < 4 * 0.4);
+    CHECK(fine < coarse / 4.0);
 }
 
 TEST_CASE("rays that were not announced are right as well") {
