@@ -85,12 +85,13 @@ std::unique_ptr<Visibility> fill_rows(const Preparation& preparation, PreparedRo
         std::optional<MapCache::Key> key;
         if (kept) {
             key = kept->key(keep_as->kind, partial, own->layout, keep_as->may_show, keep_as->resolution);
-            if (std::shared_ptr<const slope_rows::Rows> found = kept->cache().find(*key))
-                return std::make_unique<RowsVisibility>(preparation, std::move(found), std::move(to_keep));
+            if (MapCache::Kept found = kept->cache().find_all(*key); found.rows)
+                return std::make_unique<RowsVisibility>(preparation, std::move(found.rows), std::move(to_keep),
+                                                        std::move(found.instead));
         }
         std::shared_ptr<const Visibility> instead = fill(*own, partial, statistics);
         if (key)
-            kept->cache().keep(*key, own);
+            kept->cache().keep_all(*key, {own, instead}, keep_as->instead_bytes);
         return std::make_unique<RowsVisibility>(preparation, std::move(own), std::move(to_keep), std::move(instead));
     };
     const slope_rows::Layout& layout = prepared.rows->layout;

@@ -21,6 +21,7 @@ struct KeepAs {
     CastKind kind;
     MayShow may_show; ///< May refer to the layout of the prepared rows.
     std::uint32_t resolution = 0;
+    std::size_t instead_bytes = 0; ///< Of what FillRows returns.
 };
 /// `prepared` has rows. `seed` is of what is drawn for surfaces that let a part of the light pass. Rows that are kept are
 /// not filled again; without `keep_as`, none are. Throws what fill does.

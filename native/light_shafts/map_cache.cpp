@@ -39,18 +39,22 @@ static constexpr std::uint64_t last_pictures = 8;
 static bool is_map(CastKind kind) { return kind == CastKind::ParallelMap || kind == CastKind::PerspectiveMap; }
 
 std::shared_ptr<const Rows> MapCache::find(const Key& key, const std::function<bool(const Rows&)>& are_enough) {
+    return find_all(key, are_enough).rows;
+}
+
+MapCache::Kept MapCache::find_all(const Key& key, const std::function<bool(const Rows&)>& are_enough) {
     const std::lock_guard lock(mutex_);
     const auto found = entry_of_.find(key.digest);
     // The same address, but another object: the one before is gone.
     const bool is_kept = found != entry_of_.end() && *found->second->key.parts == *key.parts &&
-                         (!are_enough || are_enough(*found->second->rows));
+                         (!are_enough || are_enough(*found->second->kept.rows));
     ++(is_map(key.kind) ? (is_kept ? counts_.found_maps : counts_.missed_maps)
                         : (is_kept ? counts_.found_rows : counts_.missed_rows));
     if (!is_kept)
-        return nullptr;
+        return {};
     entries_.splice(entries_.begin(), entries_, found->second);
     found->second->picture = picture_;
-    return found->second->rows;
+    return found->second->kept;
 }
 
 static std::size_t bytes_of(const Layout& layout) {
@@ -58,8 +62,9 @@ static std::size_t bytes_of(const Layout& layout) {
            (layout.x_at_centre.size() + layout.x_at_edge.size()) * sizeof(float);
 }
 
-void MapCache::keep(const Key& key, std::shared_ptr<const Rows> rows) {
-    const std::size_t bytes = sizeof(Entry) + key.parts->bytes() + rows->bytes() + bytes_of(rows->layout);
+void MapCache::keep_all(const Key& key, Kept kept, std::size_t instead_bytes) {
+    const std::size_t bytes =
+        sizeof(Entry) + key.parts->bytes() + kept.rows->bytes() + bytes_of(kept.rows->layout) + instead_bytes;
     const std::lock_guard lock(mutex_);
     if (const auto old = entry_of_.find(key.digest); old != entry_of_.end())
         remove(old->second);
@@ -70,7 +75,7 @@ void MapCache::keep(const Key& key, std::shared_ptr<const Rows> rows) {
             return;
         remove(std::prev(entries_.end()));
     }
-    entries_.push_front({key, std::move(rows), bytes, picture_});
+    entries_.push_front({key, std::move(kept), bytes, picture_});
     entry_of_[key.digest] = entries_.begin();
     bytes_ += bytes;
 }

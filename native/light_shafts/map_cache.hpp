@@ -56,7 +56,12 @@ enum class CastKind : std::uint8_t {
     PerspectiveMap = 1, ///< A face of a lamp's.
     EpipolarRows = 2,
     ShadowMapRows = 3, ///< Slope rows that a depth map was rectified to.
+    /// The same with the map, which answers the rays that rows cannot. An occluder that shows to those rays alone is no part
+    /// of the key: for coarse pictures.
+    WalkedMapRows = 4,
 };
+
+class Visibility; // visibility.hpp
 
 /// Safe from any thread.
 class MapCache {
@@ -71,13 +76,22 @@ public:
     /// Nothing where no such rows are kept, or they are not enough.
     [[nodiscard]] std::shared_ptr<const slope_rows::Rows>
     find(const Key& key, const std::function<bool(const slope_rows::Rows&)>& are_enough = {});
+    struct Kept {
+        std::shared_ptr<const slope_rows::Rows> rows;
+        std::shared_ptr<const Visibility>
+            instead; ///< What answers the rays that rows cannot; nothing: the exact strip.
+    };
+    /// The same with what was kept beside them.
+    [[nodiscard]] Kept find_all(const Key& key, const std::function<bool(const slope_rows::Rows&)>& are_enough = {});
     /// Call it before each picture.
     void begin_picture();
     /// What of a scene stops light: gathered once for all scenes that share their geometry, as long as no other is asked
     /// about. Not for two threads at once. Throws Cancelled.
     [[nodiscard]] std::shared_ptr<const Occluders> occluders_of(const Scene& scene, const Progress& progress);
     /// Rows for which there is no room are not kept.
-    void keep(const Key& key, std::shared_ptr<const slope_rows::Rows> rows);
+    void keep(const Key& key, std::shared_ptr<const slope_rows::Rows> rows) { keep_all(key, {std::move(rows), {}}, 0); }
+    /// The same with what takes `instead_bytes` beside them.
+    void keep_all(const Key& key, Kept kept, std::size_t instead_bytes);
 
     [[nodiscard]] std::size_t bytes() const;
     /// Of depth maps and of slope rows since the cache was made: those that were found, and those that were not.
@@ -89,7 +103,7 @@ public:
 private:
     struct Entry {
         Key key;
-        std::shared_ptr<const slope_rows::Rows> rows;
+        Kept kept;
         std::size_t bytes;
         std::uint64_t picture; ///< That asked for it last.
     };

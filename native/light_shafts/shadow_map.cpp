@@ -198,10 +198,13 @@ std::unique_ptr<Visibility> make_shadow_map_beam(const Scene& scene, const Occlu
     if (prepared.instead)
         return std::move(prepared.instead);
     const Layout& made = prepared.rows->layout;
-    std::optional<KeepAs> keep_as;
-    if (!config.walks_maps) // kept rows have no map
-        keep_as = {CastKind::ShadowMapRows, in_rows_of_map(made, light, texel_of_map(made, light, layout.lines)),
+    KeepAs keep_as{CastKind::ShadowMapRows, in_rows_of_map(made, light, texel_of_map(made, light, layout.lines)),
                    layout.lines};
+    if (config.walks_maps) {
+        keep_as.kind = CastKind::WalkedMapRows;
+        const std::size_t faces = light.is_directional || is_narrow_spot(light) ? 1 : 6;
+        keep_as.instead_bytes = faces * layout.lines * layout.lines * sizeof(float);
+    }
     return fill_rows(
         preparation, std::move(prepared), config.seed, std::move(keep_as),
         [&](Rows& rows, const PartialShading& partial, Statistics& statistics) -> std::shared_ptr<const Visibility> {

@@ -4,6 +4,7 @@
 #include "support/soup.hpp"
 #include <doctest/doctest.h>
 
+namespace hasty_tree_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
@@ -71,3 +72,4 @@ TEST_CASE("rays meet what they meet in any tree: a hasty one, one that was cance
 TEST_CASE("a small mesh has the best tree at once") {
     CHECK(!soup(TreeQuality::Hasty, TriangleMesh::fewest_for_haste - 1)->has_hasty_tree());
 }
+} // namespace hasty_tree_test

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <random>
 
+namespace instance_trees_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
@@ -151,3 +152,4 @@ TEST_CASE("a scene whose first tree is gone with all others keeps what it needs 
     first.reset();
     CHECK(moved.closest_hit(ray).instance == 3);
 }
+} // namespace instance_trees_test
