@@ -11,6 +11,7 @@ from tyndall.scene_description import Material, Medium, attribute_maps
 from ..shader_nodes import ALWAYS_HAS_NODES, shader_tree
 from .aov_nodes import read_aovs
 from .displacement_nodes import displaced_normal, read_displacement
+from .field_media import read_fields
 from .lobe_nodes import plain_principled
 from .mesh_attributes import uv_maps_of, what_is_missing
 from .node_graph import output_input
@@ -18,7 +19,6 @@ from .program import BLACK, WHITE, grey
 from .reports import Reports
 from .surface_nodes import Shares, read_surface
 from .value_nodes import Domain, ValueReader
-from .volume_nodes import read_volume
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 
     from tyndall.scene_description import Mesh
 
+    from .field_media import DensityField
     from .images import ImageReader
+    from .node_graph import Socket
     from .seen_camera import SeenCamera
 
 _OF_ATTRIBUTES = attribute_maps("")[0]  #: What names of their first maps begin with.
@@ -71,6 +73,7 @@ class MaterialReader:
         self._has_lobes = has_lobes
         self._camera = camera
         self._index_of: dict[bpy.types.Material | None, int] = {}
+        self._fields: dict[int, list[tuple[DensityField, int]]] = {}
 
     def index(self, material: bpy.types.Material | None) -> int:
         """None is an empty slot: Blender's default, which is grey and diffuse before 5.0."""
@@ -81,6 +84,10 @@ class MaterialReader:
             read = self._with_displacement(self._read(material), material)
             self.materials.append(self._with_aovs(read, material))
         return self._index_of[material]
+
+    def fields(self, material: bpy.types.Material | None) -> list[tuple[DensityField, int]]:
+        """What varies in its volume, and the media that this multiplies."""
+        return self._fields.get(self.index(material), [])
 
     def add_medium(self, medium: Medium | None) -> int:
         if medium is None:
@@ -117,7 +124,7 @@ class MaterialReader:
         surface, volume = (output_input(tree, name) for name in ("Surface", "Volume"))
         medium = -1
         if volume is not None and volume.is_connected():
-            medium = self.add_medium(read_volume(self._values(material, Domain.CONSTANT), volume, material.name))
+            medium = self._medium(volume, material)
             if surface is None or not surface.is_connected():
                 return Material(name=material.name, has_surface=False, medium=medium)
         values = self._values(material, Domain.SURFACE)
@@ -143,6 +150,14 @@ class MaterialReader:
         results = (shares.diffuse, shares.transparent, shares.emission)
         lobes = shares.lobes if self._is_lit and shares.lobes is not None else ()
         return values.program.material(material.name, results, shares.gloss, lobes, shares.held_out, medium=medium)
+
+    def _medium(self, volume: Socket, material: bpy.types.Material) -> int:
+        """Of what does not vary; notes what does."""
+        of_all, fields = read_fields(self._values(material, Domain.SURFACE), volume, material.name)
+        medium = self.add_medium(of_all)
+        if fields:
+            self._fields[len(self.materials)] = [(field, self.add_medium(field.medium)) for field in fields]
+        return medium
 
     def _with_displacement(self, read: Material, material: bpy.types.Material | None) -> Material:
         tree = None if material is None else shader_tree(material)

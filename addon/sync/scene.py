@@ -15,6 +15,7 @@ import bpy
 from tyndall.scene_description import ALL_SETS, Instances, Light, Mesh, SceneDescription
 
 from .displaced_meshes import DisplacedMeshes
+from .field_media import FieldVolumes, with_fields
 from .images import ImageReader
 from .instances import Placement, read_placements, shown_kinds
 from .light_linking import LinkedMedia
@@ -31,6 +32,7 @@ from .reports import Reports
 from .seen_camera import seen_camera
 from .strands import StrandReader, is_strands
 from .texture_budget import budget_bytes
+from .volume_nodes import IGNORES_RAY_VISIBILITY
 from .volume_sources import is_volume
 from .volumes import VolumeReader
 from .voxel_objects import VoxelReader, without_and_with_voxels
@@ -50,6 +52,7 @@ class SceneReader:
         self._images = ImageReader()
         self._masks = MaskReader()
         self._volumes = VolumeReader()
+        self._fields = FieldVolumes()
         self._voxels = VoxelReader()
         self._strands = StrandReader()
         self._suns = WorldSuns()
@@ -137,7 +140,12 @@ class SceneReader:
         strand_objects = self._strands.read(strands, depsgraph, materials, reports, poll)
         media = LinkedMedia(materials)
         lone: dict[Name, int] = {}
-        instances = self._instances(meshes, (materials, media), reports, poll, lone, is_viewport=is_viewport)
+        found_meshes = self._instances(meshes, (materials, media), reports, poll, lone, is_viewport=is_viewport)
+        instances = tuple(group for _, group in found_meshes)
+        varying = with_fields(found_meshes, materials)
+        of_fields = self._fields.read(varying, reports, poll, is_viewport=is_viewport)
+        for placement, _, _ in varying:
+            lone.pop(name_of(placement.source.original), None)  # its grids move with it
         shown_world = _world_of(depsgraph)
         found = self._read_world(shown_world, placements, reports)
         groups = light_groups(layer)
@@ -160,7 +168,7 @@ class SceneReader:
             world=world,
             light_groups=groups,
             materials=tuple(materials.materials),
-            volumes=read_volumes,
+            volumes=(*read_volumes, *of_fields),
             media=tuple(materials.media),
             reports=reports.lines(),
         )
@@ -250,10 +258,10 @@ class SceneReader:
         lone: dict[Name, int],
         *,
         is_viewport: bool,
-    ) -> tuple[Instances, ...]:
+    ) -> list[tuple[Placement, Instances]]:
         """``lone`` becomes where in them objects are that are drawn once, as themselves."""
         materials, media = materials_and_media
-        groups: list[Instances] = []
+        groups: list[tuple[Placement, Instances]] = []
         met: set[Name] = set()
         seen: dict[tuple[int, frozenset[str]], tuple[Mesh | None, set[int]]] = {}
         try:
@@ -278,14 +286,15 @@ class SceneReader:
                     met.add(name)
                     slots = [materials.materials[materials.index(one)] for one in placement.materials]
                     drawn = self._displaced.moved(mesh, slots, placement, reports)
-                    groups.append(_group(placement, drawn, materials, media))
-                    note_missing_attributes(placement.object_name, mesh, groups[-1].materials, materials, reports)
-                    _note_hidden_medium(groups[-1], materials, reports)
+                    group = _group(placement, drawn, materials, media)
+                    groups.append((placement, group))
+                    note_missing_attributes(placement.object_name, mesh, group.materials, materials, reports)
+                    _note_hidden_medium(group, materials, reports)
         except BaseException:
             self._live |= seen  # a viewport reads in slices: the next one goes on from here
             raise
         self._live = seen
-        return tuple(groups)
+        return groups
 
     def _read_mesh(
         self,
@@ -345,10 +354,7 @@ def _group(placement: Placement, mesh: Mesh, materials: MaterialReader, media: L
 def _note_hidden_medium(group: Instances, materials: MaterialReader, reports: Reports) -> None:
     is_hidden = not (group.is_camera_visible and group.casts_shadow)
     if is_hidden and any(materials.materials[index].medium >= 0 for index in group.materials):
-        reports.add(
-            f'Object "{group.object_names[0]}"',
-            "ray visibility does not reach its volume, which the camera sees and which dims light",
-        )
+        reports.add(f'Object "{group.object_names[0]}"', IGNORES_RAY_VISIBILITY)
 
 
 def _world_of(depsgraph: Depsgraph) -> World | None:

@@ -57,6 +57,10 @@ class ValueReader:
         """Of a volume object's grid, at the place for which the reader answers; None: it has no such grid."""
         return None
 
+    def field_value(self, _at: Socket | None) -> float | None:
+        """What an input that varies has, at the place for which the reader answers; None: it is read as a constant."""
+        return None
+
     def image(self, at: Socket) -> Value:
         """The value of an image node, in a domain that has them all alike."""
         self.unsupported(at, "is read as mid grey: textures do not reach here")

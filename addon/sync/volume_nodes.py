@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Volume shaders as homogeneous media, or as media that a volume object's grids modulate, as Cycles reads them.
 
-In a mesh a varying density is read as 0.5 and other varying inputs as mid grey, with a note.
+Where nodes vary a density or an emission's strength, `field_media.py` says by how much; other varying inputs are read
+as 0.5 or mid grey, with a note.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
     Rgb64 = NDArray[np.float64]
 
+IGNORES_RAY_VISIBILITY = "ray visibility does not reach its volume, which the camera sees and which dims light"
 _LARGEST_ASYMMETRY = 0.999  #: Cycles, too, keeps away from the limit, at which all light goes straight on.
 
 
@@ -91,8 +93,24 @@ def _add(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficie
     add(reader, source, weight, coefficients)
 
 
+def difference(here: Coefficients, nothing: Coefficients) -> Coefficients:
+    """What there is more of; not below 0."""
+    before = nothing.lobes()
+    return Coefficients(
+        scatter=[(np.maximum(sigma_s - before.get(g, np.zeros(3)), 0.0), g) for g, sigma_s in here.lobes().items()],
+        absorption=np.maximum(here.absorption - nothing.absorption, 0.0),
+        emission=np.maximum(here.emission - nothing.emission, 0.0),
+    )
+
+
+def _factor(reader: ValueReader, at: Socket | None) -> float:
+    """Of an input in which the shader is linear."""
+    field = reader.field_value(at)
+    return reader.constant(at) if field is None else field
+
+
 def _density(reader: ValueReader, at: Socket) -> float:
-    return max(reader.constant(at.input("Density")), 0.0)
+    return max(_factor(reader, at.input("Density")), 0.0)
 
 
 def _colour(reader: ValueReader, at: Socket, name: str = "Color") -> Rgb64:
@@ -126,7 +144,7 @@ def _principled(reader: ValueReader, at: Socket, weight: float, coefficients: Co
     coefficients.absorption += density * np.maximum(1.0 - colour, 0.0) * np.maximum(1.0 - kept, 0.0)
     # Emission does not depend on density; nor, in 3.x, on the factor of a Mix Shader.
     emission_weight = weight if bpy.app.version >= (4, 0, 0) else 1.0
-    strength = max(reader.constant(at.input("Emission Strength")), 0.0)
+    strength = max(_factor(reader, at.input("Emission Strength")), 0.0)
     coefficients.emission += emission_weight * strength * _colour(reader, at, "Emission Color")
     coefficients.emission += emission_weight * _flame(reader, at)
 
@@ -157,7 +175,7 @@ def _volume_coefficients(reader: ValueReader, at: Socket, weight: float, coeffic
 
 
 def _emission(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
-    coefficients.emission += weight * reader.constant(at.input("Strength")) * _colour(reader, at)
+    coefficients.emission += weight * _factor(reader, at.input("Strength")) * _colour(reader, at)
 
 
 def _mix_shader(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:

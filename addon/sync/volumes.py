@@ -19,7 +19,7 @@ from ..shader_nodes import shader_tree
 from .node_graph import output_input
 from .program import BLACK, Value, grey
 from .value_nodes import Domain, ValueReader
-from .volume_nodes import Coefficients, medium_of, read_coefficients
+from .volume_nodes import IGNORES_RAY_VISIBILITY, Coefficients, difference, medium_of, read_coefficients
 from .volume_sources import NoVolumeError, source_of
 
 if TYPE_CHECKING:
@@ -122,9 +122,7 @@ class VolumeReader:
             if not media[key]:
                 reports.add(culprit, "its volume's shader reads none of its grids: not drawn")
             if not (placement.is_camera_visible and placement.casts_shadow):
-                reports.add(
-                    culprit, "ray visibility does not reach its volume, which the camera sees and which dims light"
-                )
+                reports.add(culprit, IGNORES_RAY_VISIBILITY)
             for name, medium in media[key].items():
                 try:
                     grid = source.read(name, self._grids | kept)
@@ -158,9 +156,9 @@ def _media_of(
     found = {}
     for name in tuple(reader.asked):
         reader.values = {name: 1.0}
-        once = _difference(read_coefficients(reader, shader), nothing)
+        once = difference(read_coefficients(reader, shader), nothing)
         reader.values = {name: 2.0}
-        twice = _difference(read_coefficients(reader, shader), nothing)
+        twice = difference(read_coefficients(reader, shader), nothing)
         if _distance(twice, once, 2.0) > _BEND:
             reader.note(f'is not linear in its grid "{name}": drawn as a straight line from 0 to 1')
         medium = medium_of(once, f"{material.name}, {name}")
@@ -168,11 +166,11 @@ def _media_of(
             found[name] = medium
     if len(found) > 1:
         reader.values = dict.fromkeys(found, 1.0)
-        together = _difference(read_coefficients(reader, shader), nothing)
+        together = difference(read_coefficients(reader, shader), nothing)
         alone = Coefficients()
         for name in found:
             reader.values = {name: 1.0}
-            _add(alone, _difference(read_coefficients(reader, shader), nothing))
+            _add(alone, difference(read_coefficients(reader, shader), nothing))
         if _distance(together, alone, 1.0) > _BEND:
             reader.note("multiplies grids: drawn as the sum of what each makes alone")
     return found
@@ -182,16 +180,6 @@ def _add(total: Coefficients, part: Coefficients) -> None:
     total.scatter += part.scatter
     total.absorption = total.absorption + part.absorption
     total.emission = total.emission + part.emission
-
-
-def _difference(here: Coefficients, nothing: Coefficients) -> Coefficients:
-    """Not below 0."""
-    before = nothing.lobes()
-    return Coefficients(
-        scatter=[(np.maximum(sigma_s - before.get(g, np.zeros(3)), 0.0), g) for g, sigma_s in here.lobes().items()],
-        absorption=np.maximum(here.absorption - nothing.absorption, 0.0),
-        emission=np.maximum(here.emission - nothing.emission, 0.0),
-    )
 
 
 def _distance(a: Coefficients, b: Coefficients, times: float) -> float:

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Programs asked at points of an object, before anything is rendered.
 #include "bindings/arrays.hpp"
 #include "bindings/bind.hpp"
 #include "core/errors.hpp"
 #include "core/parallel.hpp"
 #include "shading/point_values.hpp"
+#include <functional>
 #include <pybind11/stl.h>
 
 namespace tyndall::bindings {
@@ -12,54 +14,106 @@ namespace {
 /// No kind of ray asks for it.
 constexpr auto no_ray = static_cast<RayKind>(7);
 
-py::array_t<float> displacements(const Material& material, const py::array& positions, const py::array& normals,
-                                 const py::array& true_normals, const py::array& uvs,
-                                 const std::array<float, 16>& world_from_object, const std::array<float, 4>& color,
-                                 float pass_index, float random) {
-    const py::ssize_t count = positions.shape(0), map_count = static_cast<py::ssize_t>(material.uv_map_names.size());
-    for (const py::array* vectors : {&positions, &normals, &true_normals})
-        check_array<float>(*vectors, {count, 3}, "positions and normals");
-    check_array<float>(uvs, {count, map_count, 2}, "uvs");
-    mat4 linear = to_matrix<mat4, 4>(world_from_object.data());
-    const vec3 place(linear[3]);
-    linear[3] = vec4(0, 0, 0, 1);
-    const mat4 inverse = glm::inverse(linear);
-    const ObjectInfo info{.color = {color[0], color[1], color[2], color[3]}, .pass_index = pass_index};
-    const auto *const at = static_cast<const vec3*>(positions.data()),
-                      *const normal = static_cast<const vec3*>(normals.data()),
-                      *const true_normal = static_cast<const vec3*>(true_normals.data());
-    const auto* const uv = static_cast<const vec2*>(uvs.data());
+/// What a program may read of the object whose points it is asked at.
+class PointsOfObject {
+public:
+    PointsOfObject(const std::array<float, 16>& world_from_object, const std::array<float, 4>& color, float pass_index,
+                   float random)
+        : info_{.color = {color[0], color[1], color[2], color[3]}, .pass_index = pass_index},
+          linear_(to_matrix<mat4, 4>(world_from_object.data())), place_(linear_[3]), random_(random) {
+        linear_[3] = vec4(0, 0, 0, 1);
+        inverse_ = glm::inverse(linear_);
+    }
+
+    /// Normals, unit or zero, in the object's space.
+    [[nodiscard]] ProgramPoint at(const vec3& position, const vec3& normal = vec3(0.0f),
+                                  const vec3& true_normal = vec3(0.0f)) const {
+        ProgramPoint point;
+        point.ray_kind = no_ray;
+        point.object_position = position;
+        point.object = {
+            .scene_from_object = &linear_, .object_from_scene = &inverse_, .info = &info_, .random = random_};
+        point.origin_in_world = place_;
+        point.object_normal = normal;
+        const auto in_scene = [&](const vec3& direction) {
+            const vec3 turned = glm::transpose(mat3(inverse_)) * direction;
+            const float length = glm::length(turned);
+            return length > 0.0f ? turned / length : turned;
+        };
+        point.surface.position = mat3(linear_) * position;
+        point.surface.geometric_normal = in_scene(true_normal);
+        point.surface.shading_normal = point.incoming = in_scene(normal);
+        return point;
+    }
+    [[nodiscard]] vec3 in_object(const vec3& direction) const { return mat3(inverse_) * direction; }
+
+private:
+    ObjectInfo info_;
+    mat4 linear_, inverse_;
+    vec3 place_;
+    float random_;
+};
+
+/// Rows of three numbers, 0 where they are not finite.
+py::array_t<float> finite_rows(py::ssize_t count, const std::function<vec3(std::size_t)>& row_of) {
     std::vector<float> found(3 * static_cast<std::size_t>(count));
     without_gil([&] {
         parallel_for(
             static_cast<std::size_t>(count), Progress(),
             [&](std::size_t index) {
-                ProgramPoint point;
-                point.ray_kind = no_ray;
-                point.object_position = at[index];
-                point.object = {
-                    .scene_from_object = &linear, .object_from_scene = &inverse, .info = &info, .random = random};
-                point.origin_in_world = place;
-                point.object_normal = normal[index];
-                const auto in_scene = [&](const vec3& direction) {
-                    const vec3 turned = glm::transpose(mat3(inverse)) * direction;
-                    const float length = glm::length(turned);
-                    return length > 0.0f ? turned / length : turned;
-                };
-                point.surface.position = mat3(linear) * at[index];
-                point.surface.geometric_normal = in_scene(true_normal[index]);
-                point.surface.shading_normal = point.incoming = in_scene(normal[index]);
-                const Rgb moved = emission_register_at(
-                    material, point,
-                    {uv + index * static_cast<std::size_t>(map_count), static_cast<std::size_t>(map_count)});
-                const vec3 in_object = mat3(inverse) * moved;
+                const vec3 row = row_of(index);
                 for (int axis = 0; axis < 3; ++axis)
-                    found[3 * index + static_cast<std::size_t>(axis)] =
-                        std::isfinite(in_object[axis]) ? in_object[axis] : 0.0f;
+                    found[3 * index + static_cast<std::size_t>(axis)] = std::isfinite(row[axis]) ? row[axis] : 0.0f;
             },
             1024);
     });
     return to_numpy(std::move(found), {count, 3});
+}
+
+/// Of each point the maps of a material, (n, maps, 2).
+class UvsOfPoints {
+public:
+    UvsOfPoints(const Material& material, const py::array& uvs, py::ssize_t count)
+        : map_count_(material.uv_map_names.size()), first_(static_cast<const vec2*>(uvs.data())) {
+        check_array<float>(uvs, {count, static_cast<py::ssize_t>(map_count_), 2}, "uvs");
+    }
+    [[nodiscard]] std::span<const vec2> at(std::size_t point) const {
+        return {first_ + point * map_count_, map_count_};
+    }
+
+private:
+    std::size_t map_count_;
+    const vec2* first_;
+};
+
+py::array_t<float> displacements(const Material& material, const py::array& positions, const py::array& normals,
+                                 const py::array& true_normals, const py::array& uvs,
+                                 const std::array<float, 16>& world_from_object, const std::array<float, 4>& color,
+                                 float pass_index, float random) {
+    const py::ssize_t count = positions.shape(0);
+    for (const py::array* vectors : {&positions, &normals, &true_normals})
+        check_array<float>(*vectors, {count, 3}, "positions and normals");
+    const UvsOfPoints uv(material, uvs, count);
+    const PointsOfObject points(world_from_object, color, pass_index, random);
+    const auto *const at = static_cast<const vec3*>(positions.data()),
+                      *const normal = static_cast<const vec3*>(normals.data()),
+                      *const true_normal = static_cast<const vec3*>(true_normals.data());
+    return finite_rows(count, [&](std::size_t index) {
+        const ProgramPoint point = points.at(at[index], normal[index], true_normal[index]);
+        return points.in_object(emission_register_at(material, point, uv.at(index)));
+    });
+}
+
+py::array_t<float> program_values(const Material& material, const py::array& positions, const py::array& uvs,
+                                  const std::array<float, 16>& world_from_object, const std::array<float, 4>& color,
+                                  float pass_index, float random) {
+    const py::ssize_t count = positions.shape(0);
+    check_array<float>(positions, {count, 3}, "positions");
+    const UvsOfPoints uv(material, uvs, count);
+    const PointsOfObject points(world_from_object, color, pass_index, random);
+    const auto* const at = static_cast<const vec3*>(positions.data());
+    return finite_rows(
+        count, [&](std::size_t index) { return emission_register_at(material, points.at(at[index]), uv.at(index)); });
 }
 } // namespace
 
@@ -71,5 +125,11 @@ void bind_displacement(py::module_& native) {
 
 positions, normals (unit) and true_normals, (n, 3), in the object's space; uvs, (n, maps of the material, 2); all
 float32. What is not finite moves nothing. TypeError: dtype or shape.)");
+    native.def("program_values", &program_values, "material"_a, "positions"_a, "uvs"_a, "world_from_object"_a,
+               "color"_a, "pass_index"_a, "random"_a,
+               R"(A program's emission at points inside an object, (n, 3) float32; 0 where it is not finite.
+
+positions, (n, 3), in the object's space; uvs, (n, maps of the material, 2); both float32. There are no normals.
+TypeError: dtype or shape.)");
 }
 } // namespace tyndall::bindings

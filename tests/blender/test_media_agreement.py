@@ -156,14 +156,14 @@ def test_a_medium_that_fills_the_world() -> None:
     assert described.media[described.world.medium].name == "World"
 
 
-def test_a_density_that_varies_is_read_as_its_middle_and_named() -> None:
+def test_a_colour_that_varies_is_read_as_its_middle_and_named() -> None:
     def build(new: New, link: Link) -> Socket:
         created = new("ShaderNodeVolumeScatter")
-        link(new("ShaderNodeTexNoise").outputs["Fac"], created.inputs["Density"])
+        link(new("ShaderNodeTexNoise").outputs["Color"], created.inputs["Color"])
         return created.outputs[0]
 
     behind_slab(build)
     reports = Reports()
     described = SceneReader().read(bpy.context.evaluated_depsgraph_get(), reports, lambda: None)
-    assert described.media[0].lobes[0].sigma_s_per_m == pytest.approx((0.4, 0.4, 0.4))
+    assert described.media[0].lobes[0].sigma_s_per_m == pytest.approx((0.5, 0.5, 0.5))
     assert sum('"Slab"' in line for line in described.reports) == 1

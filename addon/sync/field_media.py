@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Volume shaders of meshes whose density or emission strength varies by nodes: media that grids of it modulate.
+
+A shader is linear in each of these inputs, as in the grids of volume objects (`volumes.py`): its coefficients where all
+of them are 0 are the mesh's own medium; what it adds where one is 1 is a medium that a grid of this one multiplies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tyndall import InvalidInput, IoError
+from tyndall.closed_meshes import open_edge_count
+from tyndall.density_fields import FieldPlace, SampledField, field_key, sampled
+from tyndall.scene_description import Medium, Volume
+
+from .mesh_attributes import GENERATED, made_maps
+from .program import BLACK, Term
+from .random_numbers import as_unit_floats
+from .value_nodes import Domain, ValueReader
+from .volume_nodes import IGNORES_RAY_VISIBILITY, difference, medium_of, read_coefficients
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+    from tyndall.scene_description import Instances, Material, Mesh
+
+    from .instances import Placement
+    from .materials import MaterialReader
+    from .node_graph import Socket
+    from .reports import Reports
+    from .value_nodes import Value
+
+#: Voxels along the longest side, at most.
+_MOST_VOXELS, _MOST_IN_VIEWPORT = 128, 64
+
+
+@dataclass(frozen=True, eq=False)
+class DensityField:
+    """What varies: a program whose emission is the factor of a medium."""
+
+    program: Material
+    medium: Medium
+
+
+class FieldReader(ValueReader):
+    """A shader's values where those inputs that vary, and in which it is linear, have given values."""
+
+    def __init__(self, at_points: ValueReader) -> None:
+        """``at_points`` reads the same material where it varies."""
+        super().__init__(at_points.culprit, at_points.reports, at_points.images, Domain.CONSTANT)
+        self.values: dict[Value, float] = {}  #: Of those that are not 0.
+        self.asked: dict[Value, None] = {}  #: What varies, in its order.
+        self._at_points = at_points
+
+    def field_value(self, at: Socket | None) -> float | None:
+        if at is None or not at.is_connected():
+            return None
+        value = self._at_points.number(at)
+        if not isinstance(value, Term):
+            return None
+        self.asked[value] = None
+        return self.values.get(value, 0.0)
+
+
+def read_fields(at_points: ValueReader, shader: Socket, name: str) -> tuple[Medium | None, tuple[DensityField, ...]]:
+    """``shader`` is the Volume input of an output node; None for a medium that does nothing where nothing varies."""
+    reader = FieldReader(at_points)
+    nothing = read_coefficients(reader, shader)
+    fields = []
+    for value in tuple(reader.asked):
+        reader.values = {value: 1.0}
+        medium = medium_of(difference(read_coefficients(reader, shader), nothing), f"{name}, varying")
+        if medium is not None:
+            fields.append(DensityField(at_points.program.material(name, (BLACK, BLACK, value)), medium))
+    return medium_of(nothing, name), tuple(fields)
+
+
+Drawn = tuple["Placement", "Mesh", list[tuple[DensityField, int]]]  #: With the media that each field multiplies.
+
+
+def with_fields(found: list[tuple[Placement, Instances]], materials: MaterialReader) -> list[Drawn]:
+    """Objects in which a volume varies."""
+    drawn = []
+    for placement, group in found:
+        fields = [field for material in dict.fromkeys(placement.materials) for field in materials.fields(material)]
+        if fields:
+            drawn.append((placement, group.mesh, fields))
+    return drawn
+
+
+class FieldVolumes:
+    """The grids of frames one after another; what the next frame has, too, is kept."""
+
+    def __init__(self) -> None:
+        self._kept: dict[str, SampledField] = {}
+
+    def read(
+        self,
+        drawn: Iterable[Drawn],
+        reports: Reports,
+        poll: Callable[[], None],
+        *,
+        is_viewport: bool,
+    ) -> tuple[Volume, ...]:
+        """``poll`` may raise."""
+        kept, self._kept = self._kept, {}
+        volumes = []
+        most_voxels = _MOST_IN_VIEWPORT if is_viewport else _MOST_VOXELS
+        for placement, mesh, fields in drawn:
+            culprit = f'Object "{placement.object_name}"'
+            if open_edge_count(mesh):
+                reports.add(culprit, "its varying volume is not drawn: its mesh is open, and has no inside")
+                continue
+            if not (placement.is_camera_visible and placement.casts_shadow):
+                reports.add(culprit, IGNORES_RAY_VISIBILITY)
+            for place in _places(placement, mesh):
+                for field, medium in fields:
+                    key = field_key(field.program, place, most_voxels)
+                    known = self._kept.get(key) or kept.get(key)
+                    try:
+                        self._kept[key] = known or sampled(field.program, place, key, most_voxels, poll)
+                    except (InvalidInput, IoError) as error:
+                        reports.add(culprit, f"its varying volume is not drawn: {error}")
+                        continue
+                    for note in self._kept[key].notes:
+                        reports.add(culprit, note)
+                    volumes.append(
+                        Volume(
+                            name=placement.object_name,
+                            grid=self._kept[key].grid,
+                            world_from_object=place.world_from_object,
+                            medium=medium,
+                        )
+                    )
+        return tuple(volume for volume in volumes if len(volume.grid.grid.leaf_origins))
+
+
+def _places(placement: Placement, mesh: Mesh) -> Iterator[FieldPlace]:
+    texture_space = np.array(placement.data.texspace_location), np.array(placement.data.texspace_size)
+    randoms = as_unit_floats(placement.random_numbers)
+    for matrix, random in zip(placement.world_from_object(), randoms, strict=True):
+        yield FieldPlace(
+            mesh=mesh,
+            world_from_object=matrix,
+            generated=texture_space,
+            generated_maps=made_maps(GENERATED),
+            color=placement.color,
+            pass_index=float(placement.pass_index),
+            random=float(random),
+        )

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fog whose density nodes vary: in boxes and in any closed mesh, what Cycles makes of it, and what closed forms say."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+import pytest
+
+from addon.sync.scene import SceneReader
+from support.clouds import look, rms_difference, wall
+from support.engine_pictures import cycles_pixels, tyndall_pixels
+from support.small_scenes import Build, Node, add, cube, light, material, mesh, node, plane, read
+
+New, Link = Callable[[str], Node], Callable[..., object]
+Socket = bpy.types.NodeSocket
+IS_5 = bpy.app.version >= (5, 0, 0)
+
+
+def lumps(new: New, link: Link) -> Socket:
+    """4 times a noise in the object's space, less a half."""
+    noise = node(new, "ShaderNodeTexNoise", Scale=1.5, Detail=1.0)
+    link(new("ShaderNodeTexCoord").outputs["Object"], noise.inputs["Vector"])
+    times = new("ShaderNodeMath")
+    times.operation = "MULTIPLY_ADD"
+    link(noise.outputs[0], times.inputs[0])
+    times.inputs[1].default_value, times.inputs[2].default_value = 4.0, -1.5
+    return times.outputs[0]
+
+
+def varying(kind: str, socket: str, by: Build = lumps, **inputs: object) -> Build:
+    def build(new: New, link: Link) -> Socket:
+        shader = node(new, kind, **inputs)
+        link(by(new, link), shader.inputs[socket])
+        return shader.outputs[0]
+
+    return build
+
+
+absorbing = varying("ShaderNodeVolumeAbsorption", "Density", Color=(0.2, 0.5, 0.9, 1.0))
+
+
+def ball(shown: bpy.types.Material) -> bpy.types.Object:
+    """Radius 1."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5)
+    bpy.context.object.data.materials.append(shown)
+    return bpy.context.object
+
+
+@pytest.mark.parametrize("shape", ["box", "turned box", "ball"])
+def test_what_noise_absorbs_before_a_wall_is_cycles_pixel_by_pixel(shape: str) -> None:
+    """Absorption has no noise in Cycles before 5.0, but for where its steps begin."""
+    scene = look()
+    plane(-3.0, material("Wall", surface=wall))
+    fog = material("Fog", volume=absorbing)
+    thing = ball(fog) if shape == "ball" else cube("Box", fog)
+    if shape == "turned box":
+        thing.scale, thing.rotation_euler, thing.location = (0.5, 0.8, 1.4), (0.3, 0.5, -0.4), (0.1, -0.2, 0.3)
+    scene.cycles.volume_step_rate = 0.05
+    ours, cycles = tyndall_pixels(scene), cycles_pixels(scene, samples=256 if IS_5 else 64, seed=1)
+    assert cycles.min() < 0.6 * cycles.max()
+    assert ours.mean(axis=(0, 1)) == pytest.approx(cycles.mean(axis=(0, 1)), rel=4e-3)
+    assert rms_difference(ours, cycles) < 0.015
+
+
+def test_lumps_scatter_a_sun_as_in_cycles() -> None:
+    scene = look()
+    light("SUN", (0, 0, 0), energy=3.0, angle=0.0).rotation_euler = (0.7, 0.4, 0.0)
+    cube("Box", material("Fog", volume=varying("ShaderNodeVolumePrincipled", "Density", Anisotropy=0.3)))
+    ours, cycles = tyndall_pixels(scene), cycles_pixels(scene, samples=1024, seed=1)
+    assert ours.mean() == pytest.approx(cycles.mean(), rel=0.01)
+
+
+def slope(new: New, _link: Link) -> Socket:
+    """From 0 to 1 over the box, along x."""
+    split = new("ShaderNodeSeparateXYZ")
+    _link(new("ShaderNodeTexCoord").outputs["Generated"], split.inputs[0])
+    return split.outputs[0]
+
+
+def test_a_glow_that_rises_along_x_is_its_strength_times_the_way_through_it() -> None:
+    """Of a box 3 m wide and 2 m deep; what does not vary adds what it glows by itself."""
+
+    def shader(new: New, link: Link) -> Socket:
+        both = new("ShaderNodeAddShader")
+        link(varying("ShaderNodeEmission", "Strength", slope, Color=(1.0, 0.5, 0.25, 1.0))(new, link), both.inputs[0])
+        link(node(new, "ShaderNodeEmission", Strength=0.1).outputs[0], both.inputs[1])
+        return both.outputs[0]
+
+    scene = look(width_m=2.4, size_px=24)
+    cube("Box", material("Glow", volume=shader)).scale.x = 1.5
+    ours = tyndall_pixels(scene)[12]
+    x = (np.arange(24) + 0.5) * 0.1 - 1.2
+    closed_form = 2.0 * ((x / 3.0 + 0.5)[:, np.newaxis] * [1.0, 0.5, 0.25] + 0.1)
+    assert ours == pytest.approx(closed_form, rel=1e-3)
+
+
+def test_boxes_of_one_mesh_have_lumps_each_of_its_own_place() -> None:
+    """Noise in the world differs between them; the grids follow what moves, and are kept of what does not."""
+
+    def in_the_world(new: New, link: Link) -> Socket:
+        noise = node(new, "ShaderNodeTexNoise", Scale=1.0, Detail=0.0)
+        link(new("ShaderNodeNewGeometry").outputs["Position"], noise.inputs["Vector"])
+        return noise.outputs[0]
+
+    look()
+    first = cube("First", material("Fog", volume=varying("ShaderNodeVolumeScatter", "Density", in_the_world)))
+    second = add("Second", first.data, (5.0, 0.0, 0.0))
+    reader = SceneReader()
+    before = read(reader).volumes
+    assert {volume.name for volume in before} == {"First", "Second"}
+    assert before[0].grid.key != before[1].grid.key
+    second.location.x = 7.0
+    bpy.context.view_layer.update()
+    after = read(reader).volumes
+    assert after[0].grid is before[0].grid
+    assert after[1].grid.key != before[1].grid.key
+    assert after[1].world_from_object[0, 3] == pytest.approx(7.0)
+
+
+def test_density_that_does_not_vary_makes_no_grid() -> None:
+    def by_maths(new: New, _link: Link) -> Socket:
+        number = new("ShaderNodeMath")
+        number.inputs[0].default_value, number.inputs[1].default_value = 0.25, 0.5
+        return number.outputs[0]
+
+    look()
+    cube("Box", material("Fog", volume=varying("ShaderNodeVolumeScatter", "Density", by_maths, Color=(1, 1, 1, 1))))
+    description = read()
+    assert not description.volumes
+    assert description.media[0].lobes[0].sigma_s_per_m == pytest.approx((0.75, 0.75, 0.75))
+
+
+def test_an_open_mesh_holds_no_lumps_and_says_so() -> None:
+    look()
+    corners = [(x, y, z) for z in (-1, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    add(
+        "Trough", mesh("Trough", corners, [(3, 2, 1, 0), (0, 1, 5, 4), (2, 3, 7, 6)], material("Fog", volume=absorbing))
+    )
+    description = read()
+    assert not description.volumes
+    assert any("Trough" in line and "open" in line for line in description.reports)
+
+
+def test_finer_noise_than_voxels_is_said_with_its_error() -> None:
+    def fine(new: New, link: Link) -> Socket:
+        noise = node(new, "ShaderNodeTexNoise", Scale=150.0, Detail=2.0)
+        link(new("ShaderNodeTexCoord").outputs["Object"], noise.inputs["Vector"])
+        return noise.outputs[0]
+
+    look()
+    cube("Box", material("Fog", volume=varying("ShaderNodeVolumeScatter", "Density", fine)))
+    description = read()
+    assert any("voxels" in line and "% off" in line for line in description.reports)
