@@ -30,8 +30,13 @@ class LightingReader:
     blockers: LinkedSets
 
     @classmethod
+    def of_groups(cls, depsgraph: Depsgraph) -> LightingReader:
+        """For objects that are not linked, at no look at all others."""
+        return cls(light_groups(depsgraph.view_layer_eval), LinkedSets(), LinkedSets())
+
+    @classmethod
     def of(cls, depsgraph: Depsgraph, reports: Reports | None = None) -> LightingReader:
-        """Of the view layer that it evaluates."""
+        """Of the view layer that it evaluates. Looks at all that there is."""
         receivers, blockers = read_links(depsgraph, reports)
         return cls(light_groups(depsgraph.view_layer_eval), receivers, blockers)
 

@@ -85,7 +85,8 @@ class ReadScene:
     def light_placements(self, depsgraph: Depsgraph, originals: list[Object]) -> list[Placement]:
         """Where its lights are now."""
         placements = []
-        lighting = LightingReader.of(depsgraph)
+        is_linked = any(collection for collections in self.links for collection in collections)
+        lighting = LightingReader.of(depsgraph) if is_linked else LightingReader.of_groups(depsgraph)
         for original in originals:
             source = original.evaluated_get(depsgraph)
             placements.append(
