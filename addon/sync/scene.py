@@ -172,9 +172,8 @@ class SceneReader:
             media=tuple(materials.media),
             reports=reports.lines(),
         )
-        self._images.end_frame()
-        self._masks.end_frame()
-        self._displaced.end_frame()
+        for kept in (self._images, self._masks, self._displaced):
+            kept.end_frame()
         self._meshes = {group.mesh.key: group.mesh for group in instances}
         self._are_lights_outdated = False
         if is_live:
