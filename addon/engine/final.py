@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from tyndall import Cancelled, Progress
+from tyndall.memory_estimate import picture_part, require_room
 from tyndall.neighbour_frames import Neighbour, Neighbours
 
 from .. import last_render
@@ -104,6 +105,7 @@ class _Frame:
         shutter = read_shutter(scene, view_layer)
         follows_moves = shutter is not None
         kept = kept_frame(scene.name, view_layer.name, keeps_maps=keeps_maps, follows_moves=follows_moves)
+        require_room([picture_part(self.window.region_size_px, ())])
         started = time.perf_counter()
         self.engine.update_stats("", "Tyndall: reading the scene")
         reports = Reports()

@@ -16,6 +16,7 @@ from . import _native
 from .fingerprints import fingerprint
 from .heterogeneity import Heterogeneity
 from .kept_pictures import UnstyledPictures
+from .memory_estimate import picture_part, require_room
 from .native_data_passes import build_data_passes
 from .native_heterogeneity import KeptAir
 from .native_scene import KeptGeometry, NativeParts, light_scene, update_geometry
@@ -144,6 +145,13 @@ class RenderConfig:
     seed: int = 0
     thread_count: int = 0  #: 0: all.
 
+    def region_size_px(self, camera: Camera) -> tuple[int, int]:
+        """Width and height of what is rendered."""
+        if self.region_px is None:
+            return camera.size_px
+        x0, y0, x1, y1 = self.region_px
+        return max(x1 - x0, 0), max(y1 - y0, 0)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Film:
@@ -242,7 +250,8 @@ class Session:
     ) -> Film:
         """A picture of the scene as last updated; ``on_update`` gets the picture so far about twice a second.
 
-        Raises ``InvalidInput``, which names the culprit, and ``Cancelled``.
+        Raises ``InvalidInput``, which names the culprit, also of a picture that memory has no room for, and
+        ``Cancelled``.
         """
         if self._scene is None:
             raise _native.InvalidInput("there is no scene to render: update the session first")
@@ -259,6 +268,8 @@ class Session:
                 "reports": reports,
             }
             return Film(planes=planes, statistics=statistics)
+        asked = picture_part(config.region_size_px(camera), config.passes.intersection(PASSES))
+        require_room([asked])
         self._parts.texture_files.begin_picture()
         planes, native_statistics, unstyled = _native.render(
             self._scene,
@@ -277,6 +288,7 @@ class Session:
         merged = _merged(*parts)
         merged["reports"] += reports
         merged["counts"].update(texture_counts)
+        merged["counts"]["picture's memory, at least, MiB"] = asked.at_least_bytes / (1 << 20)
         merged["counts"]["peak memory, MiB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         return Film(planes=planes, statistics=merged)
 
