@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import Any
+from collections.abc import Callable
 
 import bpy
 import numpy as np
@@ -14,14 +12,13 @@ import pytest
 from addon.sync import scene as sync_scene
 from addon.sync.cameras import read_camera
 from addon.sync.reports import Reports
-from addon.sync.scene import SceneReader
+from support.followed_scene import CONFIG, Followed
 from support.small_scenes import add, cube, empty_scene, light, material, node, plane, read
 from tyndall import Progress
 from tyndall.fingerprints import fingerprint
-from tyndall.renderer import RenderConfig, Session
-from tyndall.scene_description import Camera, SceneDescription
+from tyndall.renderer import Session
+from tyndall.scene_description import Camera
 
-CONFIG = RenderConfig(pixel_samples=1, passes=frozenset({"Shadow", "Normal", "Position"}))
 #: As many instances as it takes for the trees of what stands still to be kept: native/scene/instance_trees.hpp.
 SWARM_SIDE = 65
 Change = Callable[[np.random.Generator], object]
@@ -63,40 +60,6 @@ def swarm_mesh() -> bpy.types.Mesh:
     mesh = bpy.data.meshes.new("Swarm")
     mesh.from_pydata([(x, y, 2.0 + 0.1 * np.sin(9.0 * x * y)) for x in side for y in side], [], [])
     return mesh
-
-
-class Followed:
-    """A reader and a session that hear of every update."""
-
-    def __init__(self) -> None:
-        self._reader = SceneReader()
-        self._session = Session(follows_moves=True, keeps_trees=True)
-
-    @contextmanager
-    def hears(self) -> Iterator[None]:
-        def note(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-            self._reader.note_updates(depsgraph)
-
-        handlers = bpy.app.handlers.depsgraph_update_post, bpy.app.handlers.frame_change_post
-        for events in handlers:
-            events.append(note)
-        try:
-            yield
-        finally:
-            for events in handlers:
-                events.remove(note)
-
-    def read(self) -> SceneDescription:
-        depsgraph = bpy.context.evaluated_depsgraph_get()
-        return self._reader.read(depsgraph, Reports(), lambda: None, is_live=True)
-
-    def update(self, description: SceneDescription) -> bool:
-        """Whether the native scene was not built anew, though something moved."""
-        self._session.update(description, Progress())
-        return bool(self._session.statistics["counts"]["scene moved"])
-
-    def picture(self, camera: Camera) -> dict[str, Any]:
-        return self._session.render(camera, CONFIG, Progress()).planes
 
 
 def thing(name: str) -> bpy.types.Object:

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A viewport in which an artist works all day takes no more memory in the evening."""
+
+from __future__ import annotations
+
+import ctypes
+import gc
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+from addon.sync.cameras import read_camera
+from addon.sync.reports import Reports
+from support.followed_scene import Followed
+from support.small_scenes import add, cube, empty_scene, light, material, node, plane
+from tyndall.renderer import Session
+
+#: From the first quarter on. A leak of each new mesh, its tree and its picture would be some 100 MiB.
+MOST_GROWN_BYTES = 12 << 20
+
+
+SIDE = 101
+GRID = np.stack([*np.meshgrid(*[np.linspace(-3.0, 3.0, SIDE)] * 2, [0.0])], axis=-1).reshape(-1, 3)
+
+
+def _hill() -> bpy.types.Mesh:
+    mesh = bpy.data.meshes.new("Hill")
+    first = np.arange(SIDE * (SIDE - 1)).reshape(-1, SIDE)[:, :-1].ravel()
+    mesh.from_pydata(GRID.tolist(), [], np.stack([first, first + 1, first + SIDE + 1, first + SIDE], axis=1).tolist())
+    return mesh
+
+
+def _resident_bytes() -> int:
+    """Without what the allocator holds for later."""
+    gc.collect()
+    ctypes.CDLL(None).malloc_trim(0)
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def _edits(rng: np.random.Generator) -> list[Callable[[], object]]:
+    def replace_hill() -> None:
+        """20,000 triangles at other heights."""
+        old = bpy.data.objects["Hill"].data
+        mesh = old.copy()
+        places = GRID.copy()
+        places[:, 2] = 0.3 * rng.random(len(places))
+        mesh.vertices.foreach_set("co", places.ravel())
+        mesh.update()
+        bpy.data.objects["Hill"].data = mesh
+        bpy.data.meshes.remove(old)
+
+    def come_and_go() -> None:
+        guest = bpy.data.objects.get("Guest")
+        if guest is None:
+            cube("Guest").location = rng.uniform(-2, 2, 3)
+        else:
+            mesh = guest.data
+            bpy.data.objects.remove(guest)
+            bpy.data.meshes.remove(mesh)
+
+    def move() -> None:
+        bpy.data.objects["Box"].location = rng.uniform(-2, 2, 3)
+
+    def recolour() -> None:
+        tree = bpy.data.materials["Paint"].node_tree
+        next(n for n in tree.nodes if n.type == "BSDF_DIFFUSE").inputs[0].default_value = (*rng.random(3), 1.0)
+
+    def relight() -> None:
+        bpy.data.objects["Sun"].data.energy = rng.uniform(1, 5)
+
+    def hide() -> None:
+        box = bpy.data.objects["Box"]
+        box.hide_viewport = not box.hide_viewport
+
+    return [move, move, recolour, relight, relight, hide, come_and_go, replace_hill]
+
+
+@pytest.mark.parametrize(
+    "edit_count", [pytest.param(160, marks=pytest.mark.costly), pytest.param(1000, marks=pytest.mark.long)]
+)
+def test_edits_leave_no_memory_behind(edit_count: int) -> None:
+    """Seen to fail with sessions that forget no mesh."""
+    rng = np.random.default_rng(1)
+    scene = empty_scene(size_px=64)
+    plane()
+    paint = material("Paint", surface=lambda new, _: node(new, "ShaderNodeBsdfDiffuse").outputs[0])
+    cube("Box", paint)
+    fog = cube(
+        "Fog", material("Fog", volume=lambda new, _: node(new, "ShaderNodeVolumeScatter", Density=0.1).outputs[0])
+    )
+    fog.scale = (4.0, 4.0, 4.0)
+    add("Hill", _hill())
+    light("SUN", (0, 0, 5))
+    followed = Followed(
+        Session(
+            kept_pictures=1,
+            kept_maps_bytes=8 << 20,
+            kept_surfaces_bytes=8 << 20,
+            follows_moves=True,
+            keeps_trees=True,
+            builds_hastily=True,
+        )
+    )
+    camera = read_camera(scene.camera, scene.render, (64, 64), Reports())
+    edits = _edits(rng)
+    sizes = []
+    with followed.hears():
+        for index in range(edit_count):
+            edits[rng.integers(len(edits))]()
+            bpy.context.view_layer.update()
+            followed.update(followed.read())
+            followed.picture(camera)
+            if index % 10 == 9:
+                sizes.append(_resident_bytes())
+    quarter = len(sizes) // 4
+    grown = max(sizes[-quarter:]) - max(sizes[:quarter])
+    assert grown < MOST_GROWN_BYTES, [size >> 20 for size in sizes]
