@@ -105,7 +105,7 @@ class _Frame:
         shutter = read_shutter(scene, view_layer)
         follows_moves = shutter is not None
         kept = kept_frame(scene.name, view_layer.name, keeps_maps=keeps_maps, follows_moves=follows_moves)
-        require_room([picture_part(self.window.region_size_px, ())])
+        require_room([picture_part(self._rendered_size_px(taken), ())])
         started = time.perf_counter()
         self.engine.update_stats("", "Tyndall: reading the scene")
         reports = Reports()
@@ -145,6 +145,13 @@ class _Frame:
         last_render.record(self.settings.name, _statistics(film, look.description, read_s))
         for line in look.description.reports:
             self.engine.report({"WARNING"}, f"Tyndall: {line}")
+
+    def _rendered_size_px(self, taken: film_parts.Taking | None) -> tuple[int, int]:
+        """Of a tile, what it renders: the frame around it is summed up elsewhere."""
+        if taken is None:
+            return self.window.region_size_px
+        x0, y0, x1, y1 = taken.tile.region_px(self.window)
+        return x1 - x0, y1 - y0
 
     def _config(
         self, view_layer: ViewLayer, look: Look, taken: film_parts.Taking | None, *, is_over_engine: bool

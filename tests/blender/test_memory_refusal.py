@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 import pytest
 
-from addon.engine import final
+from addon.engine import film_parts, final
 from support.small_scenes import empty_scene, plane
 from tyndall import memory_estimate
 
@@ -25,3 +25,17 @@ def test_a_picture_without_room_is_an_error_that_says_what_to_change(
     with pytest.raises(RuntimeError, match=r"3000 x 3000 pixels takes 0\.3 GiB .* 0\.1 GiB are free: lower the resol"):
         bpy.ops.render.render(write_still=True)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_tile_takes_no_room_for_the_frame_around_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Seen to fail where the whole frame was asked for: farms cut into tiles what one machine has no room for."""
+    monkeypatch.setattr(memory_estimate, "free_bytes", lambda: 100 << 20)
+    scene = empty_scene(3000)
+    scene.tyndall.pixel_samples = 1
+    plane()
+    tile = film_parts.Tile(column=0, row=0, columns=16, rows=16)
+    part = film_parts.Taking(scene_name=scene.name, layer_name=bpy.context.view_layer.name, tile=tile)
+    with film_parts.taking(part):
+        bpy.ops.render.render()
+    (planes,) = part.films.values()
+    assert planes["Combined"].shape == (187, 187, 4)
