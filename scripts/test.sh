@@ -111,6 +111,8 @@ stage package scripts/package.sh && python_tests packaging $tools/python -m pyte
 
 if ((all)); then
     build asan && native_tests asan
+    export TSAN_OPTIONS=suppressions=$PWD/tests/support/thread_sanitizer.txt
+    build tsan && native_tests tsan
     stage fresh-machine scripts/fresh-machine
 fi
 finish
