@@ -18,7 +18,8 @@ from . import InvalidInput, _native
 from .fingerprints import fingerprint
 from .native_materials import build_material
 from .native_textures import build_texture
-from .scene_description import DensityGrid
+from .scene_description import Code, DensityGrid
+from .surface_inputs import PointInput
 from .volumes import from_dense
 from .voxel_dag import Config, voxelize
 
@@ -62,8 +63,10 @@ class SampledField:
 
 
 def field_key(program: Material, place: FieldPlace, most_voxels: int) -> str:
-    """Equal where the grid is."""
-    of_object = (place.world_from_object, *place.generated, place.color, place.pass_index, place.random)
+    """Equal where the grid is: of all instances, wherever they go, if no more is asked for than places in the mesh."""
+    asks = any(step.code is Code.INPUT and step.option != PointInput.OBJECT_POSITION for step in program.program)
+    object_alone = (place.world_from_object, place.color, place.pass_index, place.random) if asks else ()
+    of_object = (*place.generated, *object_alone)
     return f"{place.mesh.key} holds {fingerprint((program, of_object, most_voxels)).hex()}"
 
 

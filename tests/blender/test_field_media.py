@@ -120,6 +120,19 @@ def test_boxes_of_one_mesh_have_lumps_each_of_its_own_place() -> None:
     assert after[1].world_from_object[0, 3] == pytest.approx(7.0)
 
 
+def test_lumps_of_the_mesh_are_one_grid_wherever_it_stands() -> None:
+    look()
+    first = cube("First", material("Fog", volume=absorbing))
+    second = add("Second", first.data, (5.0, 0.0, 0.0))
+    reader = SceneReader()
+    before = read(reader).volumes
+    second.rotation_euler.x = 1.0
+    bpy.context.view_layer.update()
+    after = read(reader).volumes
+    assert len({volume.grid for volume in (*before, *after)}) == 1
+    assert after[1].world_from_object[1, 2] == pytest.approx(-np.sin(1.0))
+
+
 def test_density_that_does_not_vary_makes_no_grid() -> None:
     def by_maths(new: New, _link: Link) -> Socket:
         number = new("ShaderNodeMath")
