@@ -249,7 +249,6 @@ TEST_CASE("the average visibility counts every metre of a ray in one cell") {
     }
 }
 
-// Seen to fail where the second tree is not asked, and where what has moved is found where it stood.
 TEST_CASE("what moved is near where it stands, not where it stood, whichever tree it is in") {
     SceneDescription description;
     description.meshes = {support::cube()};
