@@ -27,7 +27,7 @@ import numpy as np
 
 import tyndall.blender
 from report import Row, argument_parser, row, write_report
-from tyndall.renderer import RenderConfig, Session, ShaftConfig
+from tyndall.renderer import RenderConfig, ShaftConfig
 from tyndall.scene_description import Camera, SceneDescription
 from tyndall.transfer_functions import (
     Constraint,
@@ -71,7 +71,7 @@ class Bench:
 
     def __init__(self) -> None:
         # The add-on is where enable() has put it.
-        from tyndall.blender.addon.engine.settings import KEPT_MAPS_BYTES, KEPT_SURFACES_BYTES  # noqa: PLC0415
+        from tyndall.blender.addon.engine.sessions import viewport_session  # noqa: PLC0415
         from tyndall.blender.addon.engine.viewport_worker import View, ViewportWorker  # noqa: PLC0415
         from tyndall.blender.addon.sync.cameras import read_camera  # noqa: PLC0415
         from tyndall.blender.addon.sync.reports import Reports  # noqa: PLC0415
@@ -81,16 +81,7 @@ class Bench:
         self._reader = SceneReader()
         # What a viewport's engine hears of.
         bpy.app.handlers.depsgraph_update_post.append(lambda _, depsgraph: self._reader.note_updates(depsgraph))
-        self._worker = ViewportWorker(
-            Session(
-                kept_pictures=1,
-                kept_maps_bytes=KEPT_MAPS_BYTES,
-                kept_surfaces_bytes=KEPT_SURFACES_BYTES,
-                follows_moves=True,
-                keeps_trees=True,
-                builds_hastily=True,
-            )
-        )
+        self._worker = ViewportWorker(viewport_session())
         scene = bpy.context.scene
         depsgraph = bpy.context.evaluated_depsgraph_get()
         camera = scene.camera.evaluated_get(depsgraph)

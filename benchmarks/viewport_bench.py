@@ -103,7 +103,7 @@ class Bench:
 
     def __init__(self) -> None:
         # The add-on is where enable() has put it.
-        from tyndall.blender.addon.engine.settings import KEPT_MAPS_BYTES, KEPT_SURFACES_BYTES  # noqa: PLC0415
+        from tyndall.blender.addon.engine.sessions import viewport_session  # noqa: PLC0415
         from tyndall.blender.addon.engine.viewport_worker import View, ViewportWorker  # noqa: PLC0415
         from tyndall.blender.addon.sync.cameras import read_camera  # noqa: PLC0415
         from tyndall.blender.addon.sync.reports import Reports  # noqa: PLC0415
@@ -111,16 +111,7 @@ class Bench:
 
         self._view, self._reports = View, Reports
         self._reader = SceneReader()
-        self._worker = ViewportWorker(
-            Session(
-                kept_pictures=1,
-                kept_maps_bytes=KEPT_MAPS_BYTES,
-                kept_surfaces_bytes=KEPT_SURFACES_BYTES,
-                follows_moves=True,
-                keeps_trees=True,
-                builds_hastily=True,
-            )
-        )
+        self._worker = ViewportWorker(viewport_session())
         scene = bpy.context.scene
         camera = scene.camera.evaluated_get(bpy.context.evaluated_depsgraph_get())
         self.camera: Camera = read_camera(camera, scene.render, SIZE_PX, Reports())

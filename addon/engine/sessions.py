@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is kept from one frame of a final render to the next: the native scene, and what was read of Blender's.
+"""Native sessions: of viewports, of tools, and of final renders, which keep them from frame to frame.
 
-One session per scene and view layer. All end with the render, unless the scene asks for persistent data.
+Of the last, one per scene and view layer, with what was read of Blender's scene. All end with the render, unless the scene
+asks for persistent data.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from tyndall.renderer import Session
 from ..sync.images import ImageReader
 from ..sync.reports import Reports
 from ..sync.scene import SceneReader
-from .settings import KEPT_MAPS_BYTES
+from .settings import KEPT_MAPS_BYTES, KEPT_SURFACES_BYTES
 
 if TYPE_CHECKING:
     from bpy.types import Depsgraph, Scene
@@ -49,6 +50,18 @@ def kept_frame(scene_name: str, view_layer_name: str, *, keeps_maps: bool, follo
     else:
         kept.session.keep_maps(KEPT_MAPS_BYTES)
     return kept
+
+
+def viewport_session() -> Session:
+    """That of one viewport, which shows picture after picture of a scene that is edited."""
+    return Session(
+        kept_pictures=1,
+        kept_maps_bytes=KEPT_MAPS_BYTES,
+        kept_surfaces_bytes=KEPT_SURFACES_BYTES,
+        follows_moves=True,
+        keeps_trees=True,
+        builds_hastily=True,
+    )
 
 
 def session_of(depsgraph: Depsgraph) -> Session:

@@ -18,7 +18,6 @@ import bpy
 import numpy as np
 from bpy.types import Context, Depsgraph, RenderEngine, SpaceView3D
 
-from tyndall.renderer import Session
 from tyndall.scene_description import CameraKind
 
 from ..frame_size import frame_size_px
@@ -28,7 +27,8 @@ from ..sync.images import ImageReader
 from ..sync.reports import Reports
 from ..sync.scene import SceneReader
 from ..sync.transfer_functions import read_transfer_functions
-from .settings import KEPT_MAPS_BYTES, KEPT_SURFACES_BYTES, render_config
+from .sessions import viewport_session
+from .settings import render_config
 from .viewport_camera import camera_frame_px, camera_of_view, frame_of_view, window_beyond_frame
 from .viewport_hud import draw_hud, hud_lines
 from .viewport_worker import Picture, View, ViewportWorker
@@ -57,16 +57,7 @@ class Viewport:
 
     def __init__(self, engine: RenderEngine) -> None:
         self.engine = weakref.ref(engine)
-        self.worker = ViewportWorker(
-            Session(
-                kept_pictures=1,
-                kept_maps_bytes=KEPT_MAPS_BYTES,
-                kept_surfaces_bytes=KEPT_SURFACES_BYTES,
-                follows_moves=True,
-                keeps_trees=True,
-                builds_hastily=True,
-            )
-        )
+        self.worker = ViewportWorker(viewport_session())
         self._reader = SceneReader()
         self._function_images = ImageReader()
         self._functions: tuple[WeightedFunction, ...] = ()

@@ -19,13 +19,18 @@ Socket = bpy.types.NodeSocket
 IS_5 = bpy.app.version >= (5, 0, 0)
 
 
+def noise_at(new: New, link: Link, place: Socket, **inputs: float) -> Socket:
+    noise = node(new, "ShaderNodeTexNoise", **inputs)
+    link(place, noise.inputs["Vector"])
+    return noise.outputs[0]
+
+
 def lumps(new: New, link: Link) -> Socket:
     """4 times a noise in the object's space, less a half."""
-    noise = node(new, "ShaderNodeTexNoise", Scale=1.5, Detail=1.0)
-    link(new("ShaderNodeTexCoord").outputs["Object"], noise.inputs["Vector"])
+    noise = noise_at(new, link, new("ShaderNodeTexCoord").outputs["Object"], Scale=1.5, Detail=1.0)
     times = new("ShaderNodeMath")
     times.operation = "MULTIPLY_ADD"
-    link(noise.outputs[0], times.inputs[0])
+    link(noise, times.inputs[0])
     times.inputs[1].default_value, times.inputs[2].default_value = 4.0, -1.5
     return times.outputs[0]
 
@@ -101,9 +106,7 @@ def test_boxes_of_one_mesh_have_lumps_each_of_its_own_place() -> None:
     """Noise in the world differs between them; the grids follow what moves, and are kept of what does not."""
 
     def in_the_world(new: New, link: Link) -> Socket:
-        noise = node(new, "ShaderNodeTexNoise", Scale=1.0, Detail=0.0)
-        link(new("ShaderNodeNewGeometry").outputs["Position"], noise.inputs["Vector"])
-        return noise.outputs[0]
+        return noise_at(new, link, new("ShaderNodeNewGeometry").outputs["Position"], Scale=1.0, Detail=0.0)
 
     look()
     first = cube("First", material("Fog", volume=varying("ShaderNodeVolumeScatter", "Density", in_the_world)))
@@ -159,9 +162,7 @@ def test_an_open_mesh_holds_no_lumps_and_says_so() -> None:
 
 def test_finer_noise_than_voxels_is_said_with_its_error() -> None:
     def fine(new: New, link: Link) -> Socket:
-        noise = node(new, "ShaderNodeTexNoise", Scale=150.0, Detail=2.0)
-        link(new("ShaderNodeTexCoord").outputs["Object"], noise.inputs["Vector"])
-        return noise.outputs[0]
+        return noise_at(new, link, new("ShaderNodeTexCoord").outputs["Object"], Scale=150.0, Detail=2.0)
 
     look()
     cube("Box", material("Fog", volume=varying("ShaderNodeVolumeScatter", "Density", fine)))

@@ -13,11 +13,11 @@ import bpy
 import numpy as np
 import pytest
 
+from addon.engine.sessions import viewport_session
 from addon.sync.cameras import read_camera
 from addon.sync.reports import Reports
 from support.followed_scene import Followed
 from support.small_scenes import add, cube, empty_scene, light, material, node, plane
-from tyndall.renderer import Session
 
 #: From the first quarter on. A leak of each new mesh, its tree and its picture would be some 100 MiB.
 MOST_GROWN_BYTES = 12 << 20
@@ -95,16 +95,7 @@ def test_edits_leave_no_memory_behind(edit_count: int) -> None:
     fog.scale = (4.0, 4.0, 4.0)
     add("Hill", _hill())
     light("SUN", (0, 0, 5))
-    followed = Followed(
-        Session(
-            kept_pictures=1,
-            kept_maps_bytes=8 << 20,
-            kept_surfaces_bytes=8 << 20,
-            follows_moves=True,
-            keeps_trees=True,
-            builds_hastily=True,
-        )
-    )
+    followed = Followed(viewport_session())
     camera = read_camera(scene.camera, scene.render, (64, 64), Reports())
     edits = _edits(rng)
     sizes = []

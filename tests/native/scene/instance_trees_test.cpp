@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whatever moved, and however often: rays meet what they meet in a scene that was made so.
 #include "scene/instance_trees.hpp"
+#include "support/panes_and_holes.hpp"
 #include "support/scenes.hpp"
 #include <algorithm>
 #include <doctest/doctest.h>
@@ -25,17 +26,8 @@ mat4 somewhere(Random& random) {
 
 /// Cubes and squares: opaque, see-through, with holes, unseen by the camera, without a shadow, and one of fog.
 SceneDescription crowd(Random& random, std::size_t count) {
-    Material pane{.name = "pane"};
-    pane.constant = {.diffuse_albedo = Rgb(0.1f), .transparent = Rgb(0.5f, 0.7f, 0.9f), .emission = Rgb(0.0f)};
-    Material nothing{.name = "nothing"};
-    nothing.has_surface = false;
-    SceneDescription description;
-    description.meshes = {cube(), square()};
-    MeshArrays with_hole = square()->arrays();
-    with_hole.material_slots = {0, 1};
-    description.meshes.push_back(mesh_of(with_hole));
-    description.materials = {{.name = "white"}, pane, nothing};
-    description.slot_materials = {0, 2, 1, 2, 2, 2}; // white with a hole, pane with a hole, nothing
+    SceneDescription description = panes_and_holes();
+    description.slot_materials.insert(description.slot_materials.end(), {2, 2}); // nothing but holes
     description.object_names = {"crowd", "others"};
     description.object_infos = {{.blocker_set = 0}, {.blocker_set = 1}};
     for (std::uint32_t index = 0; index < count; ++index)

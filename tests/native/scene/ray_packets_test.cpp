@@ -2,6 +2,7 @@
 // Rays in packets find what the same rays find alone: through instances, panes, holes and masks.
 #include "core/random.hpp"
 #include "core/sobol.hpp"
+#include "support/panes_and_holes.hpp"
 #include "support/scenes.hpp"
 #include <doctest/doctest.h>
 
@@ -13,17 +14,7 @@ namespace {
 /// A crowd of turned cubes and squares: opaque, see-through, unseen by the camera, or without a shadow. One mesh has a
 /// slot without a surface: a hole.
 std::unique_ptr<Scene> crowd() {
-    Material pane{.name = "pane"};
-    pane.constant = {.diffuse_albedo = Rgb(0.1f), .transparent = Rgb(0.5f, 0.7f, 0.9f), .emission = Rgb(0.0f)};
-    Material nothing{.name = "nothing"};
-    nothing.has_surface = false;
-    SceneDescription description;
-    description.meshes = {cube(), square()};
-    MeshArrays with_hole = square()->arrays();
-    with_hole.material_slots = {0, 1};
-    description.meshes.push_back(mesh_of(with_hole));
-    description.materials = {{.name = "white"}, pane, nothing};
-    description.slot_materials = {0, 2, 1, 2}; // white with a hole, pane with a hole
+    SceneDescription description = panes_and_holes();
     description.object_names = {"crowd"};
     for (std::uint32_t index = 0; index < 60; ++index) {
         const auto number = [&](std::uint32_t dimension) { return unit_float(hash(index, dimension)); };
