@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Native sessions: of viewports, of tools, and of final renders, which keep them from frame to frame.
 
-Of the last, one per scene and view layer, with what was read of Blender's scene. All end with the render, unless the scene
-asks for persistent data.
+Of the last, one per scene and view layer, with what was read of Blender's scene. All end with the render, unless the
+scene asks for persistent data.
 """
 
 from __future__ import annotations
