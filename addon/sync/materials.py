@@ -17,6 +17,7 @@ from .mesh_attributes import uv_maps_of, what_is_missing
 from .node_graph import output_input
 from .program import BLACK, WHITE, grey
 from .reports import Reports
+from .shadow_rays import passable
 from .surface_nodes import Shares, read_surface
 from .value_nodes import Domain, ValueReader
 
@@ -123,7 +124,8 @@ class MaterialReader:
             return Material(name=material.name, diffuse=diffuse)
         surface, volume = (output_input(tree, name) for name in ("Surface", "Volume"))
         medium = -1
-        if volume is not None and volume.is_connected():
+        has_volume = volume is not None and volume.is_connected()
+        if volume is not None and has_volume:
             medium = self._medium(volume, material)
             if surface is None or not surface.is_connected():
                 return Material(name=material.name, has_surface=False, medium=medium)
@@ -135,6 +137,7 @@ class MaterialReader:
             shares = read_surface(
                 values, surface, self._mirror_roughness, with_finish=self._with_channels, has_lobes=self._has_lobes
             )
+        shares.transparent = passable(values.program, shares.transparent, material, has_volume=has_volume)
         if not self._is_lit:
             shares.diffuse = shares.emission = shares.held_out = BLACK
         if (finish := shares.finish) is not None:

@@ -12,7 +12,7 @@ import pytest
 from addon.sync.reports import Reports
 from addon.sync.scene import SceneReader
 from support.engine_pictures import cycles_pixels, tyndall_pixels
-from support.small_scenes import Build, Node, cube, empty_scene, material, node, plane, read
+from support.small_scenes import Build, Node, block_shadow_rays, cube, empty_scene, light, material, node, plane, read
 
 IS_4, HAS_COEFFICIENTS = bpy.app.version >= (4, 0, 0), hasattr(bpy.types, "ShaderNodeVolumeCoefficients")
 New, Link = Callable[[str], Node], Callable[..., object]
@@ -167,3 +167,25 @@ def test_a_colour_that_varies_is_read_as_its_middle_and_named() -> None:
     described = SceneReader().read(bpy.context.evaluated_depsgraph_get(), reports, lambda: None)
     assert described.media[0].lobes[0].sigma_s_per_m == pytest.approx((0.5, 0.5, 0.5))
     assert sum('"Slab"' in line for line in described.reports) == 1
+
+
+@pytest.mark.parametrize("method", ["EXACT", "EPIPOLAR", "SHADOW_MAP"])
+def test_a_pane_without_transparent_shadows_blocks_shafts_that_the_camera_sees_through_it(method: str) -> None:
+    """As black card that the camera does not see. Above the fog, in a sun of 1 W/m^2."""
+    scene = empty_scene(16)
+    scene.camera.location.z = 9.0
+    scene.tyndall.shafts.method = method
+    light("SUN", (0, 0, 0), energy=1.0, angle=0.0).rotation_euler = (0.1, 0.0, 0.0)
+    behind = material("Fog", volume=scatter)
+    cube("Fog", behind).scale = (3.0, 3.0, 1.0)
+    clear = material("Pane", surface=lambda new, _: new("ShaderNodeBsdfTransparent").outputs[0])
+    pane = plane(3.0, clear, half_side=0.4)
+    free = tyndall_pixels(scene)
+    block_shadow_rays(clear)
+    blocked = tyndall_pixels(scene)
+    pane.data.materials[0] = material(
+        "Card", surface=lambda new, _: node(new, "ShaderNodeBsdfDiffuse", Color=(0, 0, 0, 1)).outputs[0]
+    )
+    pane.visible_camera = False
+    assert blocked.mean() < 0.98 * free.mean()
+    assert blocked == pytest.approx(tyndall_pixels(scene), rel=1e-3, abs=1e-5)

@@ -17,6 +17,7 @@ import pytest
 from numpy.typing import NDArray
 
 from addon.shader_nodes import use_nodes
+from support.small_scenes import block_shadow_rays
 
 SIZE_PX = 36
 BLOCK_PX = 9
@@ -164,9 +165,26 @@ def alpha_texture(_scene: bpy.types.Scene) -> None:
     add_light("SUN", energy=3, angle=0).rotation_euler = (0.8, 0.3, 0)
 
 
+def pane_whose_shadow_is_opaque(_scene: bpy.types.Scene) -> None:
+    """Of the material's switch, the other way than by default: two thirds of what the camera sees pass."""
+    bpy.ops.mesh.primitive_plane_add(size=1.9, location=(0.23, 0.04, 1.17), rotation=(0.47, 0.21, 0.1))
+    pane = diffuse_material("Pane", (0.8, 0.5, 0.3, 1))
+    nodes, links = pane.node_tree.nodes, pane.node_tree.links
+    mix = nodes.new("ShaderNodeMixShader")
+    mix.inputs[0].default_value = 2.0 / 3.0
+    diffuse = next(node for node in nodes if node.type == "BSDF_DIFFUSE")
+    links.new(diffuse.outputs[0], mix.inputs[1])
+    links.new(nodes.new("ShaderNodeBsdfTransparent").outputs[0], mix.inputs[2])
+    links.new(mix.outputs[0], next(node for node in nodes if node.type == "OUTPUT_MATERIAL").inputs["Surface"])
+    block_shadow_rays(pane)
+    bpy.context.object.data.materials.append(pane)
+    add_light("POINT", energy=300, shadow_soft_size=0).location = (0.4, -0.3, 3)
+
+
 @pytest.mark.parametrize(
     "build",
     [
+        pane_whose_shadow_is_opaque,
         sun_on_a_coarse_smooth_ball,
         sun_on_a_flat_ball,
         wide_sun,

@@ -119,3 +119,9 @@ def displace(shown: bpy.types.Material, moved: Build, method: str) -> None:
     tree = shown.node_tree
     output = next(each for each in tree.nodes if each.type == "OUTPUT_MATERIAL")
     tree.links.new(moved(tree.nodes.new, tree.links.new), output.inputs["Displacement"])
+
+
+def block_shadow_rays(shown: bpy.types.Material) -> None:
+    """Switch "Transparent Shadows" off, which moved out of Cycles' settings in 4.2."""
+    owner = shown if hasattr(shown, "use_transparent_shadow") else shown.cycles
+    owner.use_transparent_shadow = False
