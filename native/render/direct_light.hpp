@@ -156,6 +156,10 @@ private:
     void add_world(const LitSurface& surface, const PairIndex& pair, float share,
                    std::span<Irradiance> irradiance) const;
     void aim_at_world(const LitSurface& surface, const PairIndex& pair, float share, ShadowRays& shadow) const;
+    /// What counts of the world's light from a direction that leads below the surface, where shading normals see it, too:
+    /// nothing, and of an image what its own share in Cycles' power heuristic is. 1 above.
+    [[nodiscard]] float share_below_surface(const SurfacePoint& point, const vec3& direction,
+                                            float image_pdf_per_sr) const;
     /// One ray of a point in a direction that one of several strategies draws.
     void aim_by_strategies(const SurfacePoint& point, const LobeSet& lobes, vec2 u, float share, std::size_t index,
                            ShadowRays& shadow) const;

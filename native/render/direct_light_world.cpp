@@ -26,6 +26,15 @@ static float lobe_share(const SurfacePoint& point, const LobeSet& set) {
     return std::clamp(with_directions / (with_directions + std::max(without, 0.0f)), least_lobe_share, most_lobe_share);
 }
 
+float DirectLight::share_below_surface(const SurfacePoint& point, const vec3& direction, float image_pdf_per_sr) const {
+    const ShadingPoint& shading = point.shading;
+    const bool is_off = (glm::dot(direction, shading.geometric_normal) > 0.0f) != shading.is_backface;
+    if (is_off || scene_.is_cube(point.hit))
+        return 1.0f;
+    const float cosine = glm::dot(shading.shading_normal, direction);
+    return scene_.world().has_image() ? power_share(image_pdf_per_sr, cosine_hemisphere_pdf_per_sr(cosine)) : 0.0f;
+}
+
 /// What is left of a number that chose the part [first, first + width): even again within it.
 static float within(float u, float first, float width) { return std::min((u - first) / width, 0x1.fffffep-1f); }
 
@@ -59,7 +68,10 @@ void DirectLight::aim_by_strategies(const SurfacePoint& point, const LobeSet& lo
         density += p_lobes * lobes.pdf_per_sr(direction);
     if (!(density > 0.0f) || !std::isfinite(density))
         return;
-    const Rgb arriving = look.radiance * (share * cosine / density);
+    const float counted = share_below_surface(point, direction, look.pdf_per_sr);
+    const Rgb arriving = look.radiance * (counted * share * cosine / density);
+    if (arriving == Rgb(0.0f))
+        return;
     const bool is_lifted = by_image || by_lobes;
     const Ray ray = is_lifted ? shadow_ray(point, direction)
                               : Ray{.origin = point.spawn.towards(direction), .direction = direction};
@@ -82,6 +94,8 @@ void DirectLight::aim_at_world(const LitSurface& surface, const PairIndex& pair,
              left &= left - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(left));
             const Ray ray = ray_of(towards, lane);
+            if (share_below_surface(surface.points[lane], ray.direction, 0.0f) == 0.0f)
+                continue;
             const Rgb arriving = pi * share * world.radiance(ray.direction);
             shadow.push(ray, arriving, lane,
                         surface.lobes == nullptr || (*surface.lobes)[lane].lobes.empty()
