@@ -108,5 +108,5 @@ def test_edits_leave_no_memory_behind(edit_count: int) -> None:
             if index % 10 == 9:
                 sizes.append(_resident_bytes())
     quarter = len(sizes) // 4
-    grown = max(sizes[-quarter:]) - max(sizes[:quarter])
+    grown = min(sizes[-quarter:]) - min(sizes[:quarter])
     assert grown < MOST_GROWN_BYTES, [size >> 20 for size in sizes]
