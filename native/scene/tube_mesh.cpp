@@ -24,7 +24,7 @@ static void add_ring(MeshArrays& mesh, const StrandPoint& at) {
 static void join_rings(MeshArrays& mesh) {
     const auto from = static_cast<std::uint32_t>(mesh.positions.size() - 2 * side_count);
     for (std::uint32_t side = 0; side < side_count; ++side) {
-        const std::uint32_t next = (side + 1) % side_count;
+        const auto next = static_cast<std::uint32_t>((side + 1) % side_count);
         mesh.triangles.emplace_back(from + side, from + next, from + side_count + next);
         mesh.triangles.emplace_back(from + side, from + side_count + next, from + side_count + side);
     }
