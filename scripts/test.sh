@@ -72,10 +72,18 @@ finish() {
     exit
 }
 
+# beside COMMAND...: runs it while what follows goes on, beside one other at most: a stage keeps little more than one of
+# two cores busy.
+beside() {
+    while (($(jobs -pr | wc -l) >= 2)); do wait -n; done
+    "$@" &
+}
+
 python_tests() { # NAME COMMAND... : pytest with our usual arguments
     local name=$1
     shift
-    stage "$name" "$@" -c pyproject.toml --rootdir . -p no:cacheprovider -m "$long" "--junitxml=$results/$name.xml"
+    BLENDER_USER_RESOURCES=$PWD/build/test-user/$name stage "$name" "$@" -c pyproject.toml --rootdir . \
+        -p no:cacheprovider -m "$long" "--junitxml=$results/$name.xml"
 }
 
 native_tests() { # PRESET
@@ -94,20 +102,24 @@ tools=.deps/build/bin
 build release || finish
 native_tests release
 
-stage layers scripts/check_layers.py
-stage clang-format bash -c 'git ls-files -z -- "*.cpp" "*.hpp" | xargs -0 clang-format --dry-run --Werror'
-stage ruff-check $tools/ruff check
-stage ruff-format $tools/ruff format --check
-stage mypy $tools/mypy
+package() {
+    stage package scripts/package.sh && python_tests packaging $tools/python -m pytest tests/packaging
+}
 
-export BLENDER_USER_RESOURCES=$PWD/build/test-user
-python_tests python $tools/python -m pytest tests/python
-python_tests bpy-4.5 .deps/bpy45/bin/python -m pytest tests/blender
-python_tests bpy-5.0 .deps/bpy50/bin/python -m pytest tests/blender
-python_tests blender-3.4 env PATH=/usr/bin:/bin blender -b --factory-startup --python-exit-code 1 \
+# The longest first, so that both ends are met at about the same time.
+beside python_tests bpy-4.5 .deps/bpy45/bin/python -m pytest tests/blender
+beside python_tests bpy-5.0 .deps/bpy50/bin/python -m pytest tests/blender
+beside python_tests window .deps/bpy45/bin/python -m pytest tests/window
+beside python_tests blender-3.4 env PATH=/usr/bin:/bin blender -b --factory-startup --python-exit-code 1 \
     --python tests/support/pytest_in_blender.py -- tests/blender
-python_tests window .deps/bpy45/bin/python -m pytest tests/window
-stage package scripts/package.sh && python_tests packaging $tools/python -m pytest tests/packaging
+beside python_tests python $tools/python -m pytest tests/python
+beside package
+beside stage mypy $tools/mypy
+beside stage clang-format bash -c 'git ls-files -z -- "*.cpp" "*.hpp" | xargs -0 clang-format --dry-run --Werror'
+beside stage ruff-check $tools/ruff check
+beside stage ruff-format $tools/ruff format --check
+beside stage layers scripts/check_layers.py
+wait
 
 if ((all)); then
     build asan && native_tests asan
