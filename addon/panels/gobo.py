@@ -11,9 +11,6 @@ from .light import LightPanel
 
 
 def draw_gobo(layout: UILayout, context: Context, light: Light) -> None:
-    if light.type == "AREA":
-        draw_text(layout, context, "Area lights shine in one colour: use a spot for a gobo", icon="INFO")
-        return
     settings = light.tyndall
     layout.template_ID(settings, "gobo_image", new="image.new", open="image.open")
     if settings.gobo_image is None:

@@ -49,7 +49,7 @@ class TyndallLightSettings(PropertyGroup):
     gobo_image: PointerProperty(
         name="Gobo",
         description="Image that colours the light, in the air and on surfaces. A spot throws it over its cone, a point "
-        "light all around",
+        "light all around, and an area light shows it on itself",
         type=Image,
         update=tag_pointer,
         override=OVERRIDABLE,

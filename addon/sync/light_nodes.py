@@ -10,7 +10,7 @@ import numpy as np
 from .affine_colours import AffineColour, affine_colour
 from .light_textures import LightValueReader
 from .node_graph import Socket, output_input
-from .program import BLACK, WHITE, Value, grey
+from .program import BLACK, WHITE, Value
 from .shader_limits import followed
 
 if TYPE_CHECKING:
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from .images import ImageReader
     from .reports import Reports
+    from .value_nodes import ValueReader
 
 
 def emission_of_light(
@@ -28,7 +29,7 @@ def emission_of_light(
     surface = output_input(light.node_tree if light.use_nodes else None, "Surface")
     colour = AffineColour(np.ones(3))
     if surface is not None:
-        read = affine_colour(reader.program, _emission(reader, surface))
+        read = affine_colour(reader.program, emission_value(reader, surface))
         if read is None:
             reader.note("its colour is read as white: it is not linear in one image")
         else:
@@ -37,7 +38,8 @@ def emission_of_light(
 
 
 @followed(otherwise=BLACK)
-def _emission(reader: LightValueReader, at: Socket) -> Value:
+def emission_value(reader: ValueReader, at: Socket) -> Value:
+    """Of a surface input: the colour times strength of its Emission nodes."""
     source = at.source()
     if not source.socket.is_output:
         return BLACK
@@ -46,21 +48,21 @@ def _emission(reader: LightValueReader, at: Socket) -> Value:
         return program.multiply(reader.colour(source.input("Color")), _strength(reader, source.input("Strength")))
     if node_type == "ADD_SHADER":
         first, second = source.inputs()[:2]
-        return program.add(_emission(reader, first), _emission(reader, second))
+        return program.add(emission_value(reader, first), emission_value(reader, second))
     if node_type == "MIX_SHADER":
         share, first, second = source.inputs()[:3]
-        return program.mix(_emission(reader, first), _emission(reader, second), reader.number(share))
+        return program.mix(emission_value(reader, first), emission_value(reader, second), reader.number(share))
     if source.socket.type != "SHADER":
         return reader.colour(at)
     reader.unsupported(source, "does not light: read as white")
     return WHITE
 
 
-def _strength(reader: LightValueReader, at: Socket) -> Value:
+def _strength(reader: ValueReader, at: Socket) -> Value:
     """A Light Falloff node's quadratic output is its strength; its others cannot be told from it here."""
     source = at.source()
     if source.socket.is_output and source.node.type == "LIGHT_FALLOFF":
         if source.socket.identifier != "Quadratic":
             reader.note(f"{source.socket.name} falloff is drawn as quadratic")
-        return grey(reader.constant(source.input("Strength"), 1.0))
+        return reader.number(source.input("Strength"), 1.0)
     return reader.number(at)

@@ -108,18 +108,11 @@ _ONE = np.array([0.0, 0.0, 0.0, 1.0])
 def read_gobo(
     data: bpy.types.Light, images: ImageReader, reports: Reports, culprit: str, world_from_light: NDArray[np.float64]
 ) -> LightTexture | None:
-    """The light's own property. ``data`` is evaluated; its pointer is not read: it may outlive what it points to."""
-    image = data.original.tyndall.gobo_image
-    if image is None:
-        return None
-    if image.size[0] * image.size[1] == 0:
-        place = image.filepath or image.source.lower()
-        reports.add(culprit, f'its gobo, image "{image.name}", is left out: it is missing or has no pixels ({place})')
+    """The light's own property, of one that is no area light."""
+    use = gobo_use(data, images, reports, culprit)
+    if use is None:
         return None
     settings = data.tyndall
-    use = TextureUse(
-        image=images.read(image, reports, culprit, associated=True), extension=EXTENSIONS[settings.gobo_extension]
-    )
     share = settings.gobo_strength
     blend = {"offset": (1.0 - share,) * 3, "gain": np.eye(3) * share}
     if data.type == "SUN":
@@ -140,3 +133,16 @@ def read_gobo(
         axes_from_world=Frame.LIGHT.axes_from_world(world_from_light[:3, :3]),
         **blend,
     )
+
+
+def gobo_use(data: bpy.types.Light, images: ImageReader, reports: Reports, culprit: str) -> TextureUse | None:
+    """``data`` is evaluated; its pointer is not read: it may outlive what it points to."""
+    image = data.original.tyndall.gobo_image
+    if image is None:
+        return None
+    if image.size[0] * image.size[1] == 0:
+        place = image.filepath or image.source.lower()
+        reports.add(culprit, f'its gobo, image "{image.name}", is left out: it is missing or has no pixels ({place})')
+        return None
+    read = images.read(image, reports, culprit, associated=True)
+    return TextureUse(image=read, extension=EXTENSIONS[data.tyndall.gobo_extension])

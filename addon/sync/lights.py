@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
+from tyndall.emitter_programs import EmitterPictures
 from tyndall.scene_description import Light, LightBody, LightKind, ObjectLighting, SpotFalloff
 
+from .area_light_nodes import emitter_of, emitter_texture, read_area_emission
 from .light_nodes import emission_of_light
 from .light_textures import read_gobo
 
@@ -35,29 +37,26 @@ _SHEAR = 1e-3
 
 
 def read_lights(
-    placement: Placement, edits: OccluderEditReader, images: ImageReader, reports: Reports
+    placement: Placement, edits: OccluderEditReader, images: ImageReader, pictures: EmitterPictures, reports: Reports
 ) -> Iterator[Light]:
     """One light per instance. One that no air scatters needs only those edits of its occluders that surfaces see."""
     thing, data = placement.source, placement.source.data
     name = placement.object_name
-    colour, nodes = emission_of_light(data, images, reports, f'Light "{name}"')
     strength = _strength(data)
-    if colour.texture is None:
-        strength *= colour.offset
-    elif data.type == "AREA":
-        reports.add(f'Light "{name}"', "the picture in its nodes is read as white: area lights shine in one colour")
-        strength *= colour.offset + colour.gain @ np.ones(3)
     scatters_in_media = thing.visible_volume_scatter and data.tyndall.scatters_in_media
     occluder_edits = tuple(edit for edit in edits.read(data, name) if scatters_in_media or edit.affects_surfaces)
     radius_m = 0.0 if data.type in {"SUN", "AREA"} else data.shadow_soft_size
     lighting = placement.lighting or ObjectLighting()
-    for matrix in placement.world_from_object():
-        if data.type == "AREA":
-            if thing.visible_camera:
-                reports.add(f'Light "{name}"', "cameras do not see it: lights are not drawn")
-            if (light := _area_light(data, name, matrix, strength, reports)) is not None:
+    if data.type == "AREA":
+        if thing.visible_camera:
+            reports.add(f'Light "{name}"', "cameras do not see it: lights are not drawn")
+        emission = read_area_emission(data, images, reports, f'Light "{name}"')
+        for matrix in placement.world_from_object():
+            shown = emission.on(emitter_of(matrix, _size_m(data), is_ellipse=_is_ellipse(data)), pictures)
+            if (light := _area_light(data, name, matrix, strength * shown.mean, reports)) is not None:
                 yield replace(
                     light,
+                    texture=emitter_texture(shown, matrix),
                     casts_shadow=_casts_shadow(data),
                     lights_surfaces=thing.visible_diffuse,
                     scatters_in_media=scatters_in_media,
@@ -65,7 +64,11 @@ def read_lights(
                     light_group=lighting.light_group,
                     links=lighting.links,
                 )
-            continue
+        return
+    colour, nodes = emission_of_light(data, images, reports, f'Light "{name}"')
+    if colour.texture is None:
+        strength *= colour.offset
+    for matrix in placement.world_from_object():
         texture = nodes.texture(colour, matrix)
         gobo = read_gobo(data, images, reports, f'Light "{name}"', matrix)
         if texture is not None and gobo is not None:
@@ -95,12 +98,9 @@ def _area_light(
     data: bpy.types.AreaLight, name: str, matrix: NDArray[np.float64], strength: NDArray[np.float64], reports: Reports
 ) -> Light | None:
     """The same of an area light; ``strength`` is that of 1 m^2, if it grows with the area."""
-    if data.original.tyndall.gobo_image is not None:
-        reports.add(f'Light "{name}"', "its gobo is left out: area lights shine in one colour")
     sides = matrix[:3, 0], matrix[:3, 1]
     lengths_m = [float(np.linalg.norm(side)) for side in sides]
-    is_ellipse = data.shape in {"DISK", "ELLIPSE"}
-    size_m = (data.size, data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size)
+    is_ellipse, size_m = _is_ellipse(data), _size_m(data)
     area_m2 = size_m[0] * size_m[1] * lengths_m[0] * lengths_m[1] * (math.pi / 4 if is_ellipse else 1.0)
     if not area_m2 > 0.0:
         reports.add(f'Light "{name}"', "left out: it has no area, and Cycles gives it no light")
@@ -118,6 +118,15 @@ def _area_light(
         is_ellipse=is_ellipse,
         spread_rad=data.spread if _IS_BLENDER_4 else max(data.spread, _LEAST_SPREAD_3_RAD),
     )
+
+
+def _is_ellipse(data: bpy.types.AreaLight) -> bool:
+    return data.shape in {"DISK", "ELLIPSE"}
+
+
+def _size_m(data: bpy.types.AreaLight) -> tuple[float, float]:
+    """Before the object's scale."""
+    return data.size, data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size
 
 
 def _intensity_per_watt(data: bpy.types.AreaLight) -> float:

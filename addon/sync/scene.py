@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from tyndall.emitter_programs import EmitterPictures
 from tyndall.scene_description import ALL_SETS, Instances, Light, Mesh, SceneDescription
 
 from .displaced_meshes import DisplacedMeshes
@@ -57,6 +58,7 @@ class SceneReader:
         self._strands = StrandReader()
         self._suns = WorldSuns()
         self._bakes = WorldBakes()
+        self._pictures = EmitterPictures()
         self._displaced = DisplacedMeshes()
         self._meshes: dict[str, Mesh] = {}
         # By address of the evaluated mesh, while it lives, and by what its materials ask of it.
@@ -164,7 +166,7 @@ class SceneReader:
             instances=instances,
             voxel_objects=voxel_objects,
             strand_objects=strand_objects,
-            lights=(*_lights(placements, edits, media, self._images, reports), *sky_suns),
+            lights=(*_lights(placements, edits, media, (self._images, self._pictures), reports), *sky_suns),
             world=world,
             light_groups=groups,
             materials=tuple(materials.materials),
@@ -228,7 +230,9 @@ class SceneReader:
         """The scene of the last read under its lights as they are now; their images join those of the last read."""
         reports.include(last.reports)
         edits = OccluderEditReader(depsgraph, last.drawn, self._images, self._masks, reports, poll)
-        lights = _lights(last.light_placements(depsgraph, originals), edits, last.media, self._images, reports)
+        lights = _lights(
+            last.light_placements(depsgraph, originals), edits, last.media, (self._images, self._pictures), reports
+        )
         description = replace(last.description, lights=(*lights, *last.sky_suns), reports=reports.lines())
         self._last, self._are_lights_outdated = replace(last, description=description), False
         return description
@@ -376,11 +380,15 @@ def _make_dark_media(
 
 
 def _lights(
-    placements: list[Placement], edits: OccluderEditReader, media: LinkedMedia, images: ImageReader, reports: Reports
+    placements: list[Placement],
+    edits: OccluderEditReader,
+    media: LinkedMedia,
+    images_and_pictures: tuple[ImageReader, EmitterPictures],
+    reports: Reports,
 ) -> tuple[Light, ...]:
     return tuple(
         replace(light, unlit_media=media.unlit_by(light.links)) if light.links is not None else light
         for placement in placements
         if placement.data is None
-        for light in read_lights(placement, edits, images, reports)
+        for light in read_lights(placement, edits, *images_and_pictures, reports)
     )

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bindings/arrays.hpp"
 #include "bindings/bind.hpp"
+#include "core/errors.hpp"
 #include "scene/light_texture.hpp"
+#include "shading/emitter_program.hpp"
 #include <pybind11/stl.h>
 
 namespace tyndall::bindings {
@@ -33,7 +35,33 @@ static std::shared_ptr<LightTexture> make_light_texture(
     return texture;
 }
 
+static py::array_t<float> emitter_image(const EmitterProgram& program, const std::array<float, 16>& world_from_object,
+                                        const std::array<float, 2>& size, bool is_object, std::uint32_t width,
+                                        std::uint32_t height, const Progress& progress) {
+    constexpr std::uint32_t largest = 1u << 14;
+    require(width > 0 && height > 0 && width <= largest && height <= largest, "a picture of ", width, " x ", height,
+            " texels");
+    const FlatEmitter emitter{.world_from_object = to_matrix<mat4, 4>(world_from_object.data()),
+                              .size = {size[0], size[1]},
+                              .is_object = is_object};
+    const std::vector<Rgb> pixels = without_gil([&] { return program.image(emitter, width, height, progress); });
+    const auto* floats = reinterpret_cast<const float*>(pixels.data());
+    return to_numpy(std::vector<float>(floats, floats + 3 * pixels.size()),
+                    {static_cast<py::ssize_t>(height), static_cast<py::ssize_t>(width), 3});
+}
+
+static void bind_emitter_program(py::module_& native) {
+    py::class_<EmitterProgram, std::shared_ptr<EmitterProgram>>(native, "EmitterProgram",
+                                                                "A material's emission over an area light.")
+        .def(py::init<Material>(), "material"_a)
+        .def("image", &emitter_image, "world_from_object"_a, "size"_a, "is_object"_a, "width"_a, "height"_a,
+             "progress"_a,
+             "float32 (height, width, 3), rows along the light's +Y; world_from_object: 4x4, row by row. Releases the "
+             "GIL. Cancelled.");
+}
+
 void bind_light_textures(py::module_& native) {
+    bind_emitter_program(native);
     py::class_<FilteredTexture, std::shared_ptr<FilteredTexture>>(native, "FilteredTexture")
         .def(py::init(&make_filtered), "texture"_a, "With its means over squares. Releases the GIL.");
     py::class_<LightTexture, std::shared_ptr<LightTexture>>(native, "LightTexture")

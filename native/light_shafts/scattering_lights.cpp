@@ -5,6 +5,7 @@
 #include "light_shafts/local_scatter.hpp"
 #include "light_shafts/scatter_pieces.hpp"
 #include "scene/area_light.hpp"
+#include "scene/light_texture.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -62,6 +63,23 @@ LightSample stratum_of(const Light& light, std::uint32_t light_index, std::uint3
     }
     sample.strength *= 1.0f / static_cast<float>(count);
     return sample;
+}
+
+/// Each stratum of an area light shines in the mean colour of its part of the light. Together they send what the whole light
+/// sends: few are evened out, and where they miss what it shows by too much, each shines in the mean of all.
+static void paint(const Light& light, std::span<LightSample> strata) {
+    const auto count = static_cast<std::uint32_t>(strata.size());
+    const Rgb whole = mean_colour(light, light.position, 1);
+    std::vector<Rgb> colours;
+    Rgb sum(0.0f);
+    for (const LightSample& stratum : strata)
+        sum += colours.emplace_back(mean_colour(light, stratum.position, count));
+    for (std::size_t index = 0; index < strata.size(); ++index)
+        for (int channel = 0; channel < 3; ++channel) {
+            const float evened = whole[channel] * static_cast<float>(count) / sum[channel];
+            const bool is_met = evened > 0.5f && evened < 2.0f; // not by a sum of 0
+            strata[index].strength[channel] *= is_met ? evened * colours[index][channel] : whole[channel];
+        }
 }
 
 /// The strata of a lamp with something inside it: points of a disc in each of many cells of directions.
@@ -167,6 +185,8 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
         }
         for (std::uint32_t sample = 0; sample < count; ++sample)
             scattering.samples.push_back(stratum_of(light, index, sample, count, config.seed));
+        if (light.kind == LightKind::Area && light.texture)
+            paint(light, scattering.samples);
     }
     const World& world = scene.world();
     if (world.is_black())

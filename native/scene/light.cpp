@@ -77,7 +77,7 @@ static LightSample centre_sample(const Light& light, std::uint32_t light_index) 
             .strength = light.strength,
             .emission_normal = light.kind == LightKind::Area ? light.spot_axis : vec3(0.0f),
             .spot = light.kind == LightKind::Spot || light.kind == LightKind::Area ? &light : nullptr,
-            .textured = light.texture ? &light : nullptr,
+            .textured = light.texture && light.kind != LightKind::Area ? &light : nullptr,
             .light_index = light_index,
             .casts_shadow = light.casts_shadow};
 }

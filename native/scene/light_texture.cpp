@@ -16,7 +16,7 @@ static bool is_finite(const mat3& matrix) {
 void require_usable(const LightTexture& texture) {
     constexpr float largest_m = 1e6f, smallest_m = 1e-6f;
     require(texture.image != nullptr, "it has no image");
-    require(texture.projection <= LightProjection::Sphere, "projection ", static_cast<int>(texture.projection),
+    require(texture.projection <= LightProjection::Emitter, "projection ", static_cast<int>(texture.projection),
             " is unknown");
     require_in(texture.size_m.x, smallest_m, largest_m, "size_m");
     require_in(texture.size_m.y, smallest_m, largest_m, "height in metres");
@@ -70,8 +70,16 @@ vec2 uv_of_axes(const LightTexture& texture, const vec3& axes) {
     return vec2(texture.uv_from_projected * vec3(projected(texture.projection, place), 1.0f));
 }
 
+static vec2 on_emitter(const Light& light, const vec3& emitter) {
+    const mat3 axes = light_axes(light);
+    const vec3 way = emitter - light.position;
+    return 0.5f + 0.5f * vec2(glm::dot(way, axes[0]), glm::dot(way, axes[1])) / light.half_size_m;
+}
+
 vec2 texture_uv(const Light& light, const vec3& emitter, const vec3& point) {
     const LightTexture& texture = *light.texture;
+    if (texture.projection == LightProjection::Emitter)
+        return vec2(texture.uv_from_projected * vec3(on_emitter(light, emitter), 1.0f));
     if (texture.projection == LightProjection::Planar)
         return planar_placement(light, texture).uv(point);
     const bool has_normal = texture.follows_normal && light.body == LightBody::Sphere && light.radius_m > 0.0f;
@@ -83,5 +91,13 @@ vec2 texture_uv(const Light& light, const vec3& emitter, const vec3& point) {
 
 Rgb texture_colour(const Light& light, const vec3& emitter, const vec3& point) {
     return light.texture ? light.texture->colour(texture_uv(light, emitter, point)) : Rgb(1.0f);
+}
+
+Rgb mean_colour(const Light& light, const vec3& emitter, std::uint32_t part_count) {
+    const LightTexture& texture = *light.texture;
+    const vec2 size = texture.image->size();
+    const float texels =
+        part_count == 1 ? std::max(size.x, size.y) : std::sqrt(size.x * size.y / static_cast<float>(part_count));
+    return texture.colour(texture_uv(light, emitter, emitter), texels);
 }
 } // namespace tyndall

@@ -2,7 +2,8 @@
 // What colours the beam of a light: an image in its node tree, read as Cycles reads it, or a gobo before a sun.
 // Based on: blender/cycles v3.4.0, v4.5.0 and v5.0.0, src/kernel/light and src/kernel/svm: which vectors a light's shader
 //           sees. Measured in the three; tests/blender/test_gobos.py compares pictures.
-// Differs:  a sun's shader sees no position, so that a sun's image is ours alone: it lies across the light in metres.
+// Differs:  a sun's shader sees no position, so that a sun's image is ours alone: it lies across the light in metres. What an
+//           area light's nodes show is such a picture, too, drawn once (shading/emitter_program.hpp).
 #pragma once
 #include "core/math.hpp"
 #include "image/filtered_texture.hpp"
@@ -17,11 +18,12 @@ enum class LightProjection : std::uint8_t {
     Direct = 1,      ///< Its first two components.
     Perspective = 2, ///< Those divided by the third: how a slide is thrown.
     Sphere = 3,      ///< Longitude and latitude, as Cycles' map_to_sphere.
+    Emitter = 4,     ///< Area: where the light leaves it; its box is (0, 0) to (1, 1) along its light_axes.
 };
 
 /// Of a point and a light: vector = the direction in which the light leaves, or the emitter's normal there; axes =
 /// axes_from_world * vector, of unit length; place = place_from_axes * (axes, 1); projected to a uv; uv_from_projected *
-/// (uv, 1). A planar picture has its place from the light's axes, and uses none of it.
+/// (uv, 1). A planar picture has its place from the light's axes, and uses none of it; one on the emitter only the last.
 struct LightTexture {
     std::shared_ptr<const FilteredTexture> image = {};
     LightProjection projection = LightProjection::Planar;
@@ -53,6 +55,8 @@ void require_usable(const LightTexture& texture);
 [[nodiscard]] vec2 uv_of_axes(const LightTexture& texture, const vec3& axes);
 /// offset + gain * image there; white for a light without a texture.
 [[nodiscard]] Rgb texture_colour(const Light& light, const vec3& emitter, const vec3& point);
+/// Of an area light, the mean over one of `part_count` equal parts of it around a point on it; 1: over all of it.
+[[nodiscard]] Rgb mean_colour(const Light& light, const vec3& emitter, std::uint32_t part_count);
 /// How a planar picture lies across a sun.
 [[nodiscard]] PlanarPlacement planar_placement(const Light& sun, const LightTexture& texture);
 } // namespace tyndall

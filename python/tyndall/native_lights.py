@@ -10,7 +10,7 @@ import numpy as np
 from . import _native
 from .native_light_links import link_masks
 from .occluder_edits import build_occluder_edits
-from .scene_description import LightKind
+from .scene_description import LightKind, LightProjection
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,10 +38,11 @@ def build_light(
         light_from_world = np.linalg.inv(rotation_and_scale)
     except np.linalg.LinAlgError:
         raise _native.InvalidInput("its matrix is singular (scale 0)") from None
+    is_on_emitter = light.texture is not None and light.texture.projection is LightProjection.EMITTER
+    if light.texture is not None and is_on_emitter != (light.kind is LightKind.AREA):
+        raise _native.InvalidInput("area lights, and no others, show a picture where the light leaves them")
     half_size_m = np.zeros(2)
     if light.kind is LightKind.AREA:
-        if texture is not None:
-            raise _native.InvalidInput("an area light shines in one colour: it takes no picture")
         half_size_m = 0.5 * np.array(light.size_m) * np.linalg.norm(rotation_and_scale[:, :2], axis=0)
     return _native.Light(
         name=light.name,

@@ -506,6 +506,7 @@ class LightProjection(IntEnum):
     DIRECT = 1  #: Its first two components.
     PERSPECTIVE = 2  #: Those divided by the third: how a slide is thrown.
     SPHERE = 3  #: Longitude and latitude, as Cycles' ``map_to_sphere``.
+    EMITTER = 4  #: Area light: where the light leaves it; its box along its axes is (0, 0) to (1, 1).
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -513,9 +514,10 @@ class LightTexture:
     """A picture that colours the beam of a light: its strength is multiplied by ``offset + gain @ picture``.
 
     ``PLANAR``: ``width_m`` wide, upright along the light's axes, its middle ``centre_m`` along them from the line
-    through the light's origin. Else, of the direction in which the light leaves, or of the normal of the sphere that
-    emits it: the unit vector along ``axes_from_world @ vector``, extended by 1, times ``place_from_axes``, projected to
-    (u, v), extended by 1, times ``uv_from_projected``.
+    through the light's origin. ``EMITTER``: the place on an area light, (u, v, 1), times ``uv_from_projected``. Else,
+    of the direction in which the light leaves, or of the normal of the sphere that emits it: the unit vector along
+    ``axes_from_world @ vector``, extended by 1, times ``place_from_axes``, projected to (u, v), extended by 1, times
+    ``uv_from_projected``.
     """
 
     use: TextureUse

@@ -78,13 +78,13 @@ def test_what_has_no_area_is_left_out_and_named(bad: dict[str, object]) -> None:
     assert any("Panel" in line for line in film.statistics["reports"])
 
 
-def test_a_picture_before_it_is_refused_with_its_name() -> None:
+def test_a_picture_that_does_not_lie_on_it_is_refused_with_its_name() -> None:
     image = Image(key="image", name="image", pixels=np.ones((2, 2, 4), np.float32), is_srgb=False)
     session = Session()
     session.update(lit_square(lights=(panel(texture=LightTexture(use=TextureUse(image=image))),)), Progress())
     film = session.render(camera_above(), RenderConfig(pixel_samples=1), Progress())
     (line,) = [line for line in film.statistics["reports"] if "Panel" in line]
-    assert "one colour" in line
+    assert "area lights, and no others, show a picture where the light leaves them" in line
 
 
 def foggy(*lights: Light) -> SceneDescription:

@@ -2,6 +2,7 @@
 // Shafts of area lights, against marching with points of the light that each point of a ray samples for itself.
 #include "core/parallel.hpp"
 #include "light_shafts/scattering_lights.hpp"
+#include "scene/light_texture.hpp"
 #include "support/area_lights.hpp"
 #include "support/forest.hpp"
 #include "support/relative_error.hpp"
@@ -186,5 +187,37 @@ TEST_CASE("what lies behind an area light gets nothing of it, and no sample is p
     CHECK(find_scattering_lights(*farther, same, {}, {.of_light = {16}}, statistics).empty());
     const std::vector<ViewRay> rays = rays_past(vec3(0.0f), 16);
     CHECK(mean(radiance(*scene, rays, {.method = Method::Exact, .light_samples = 16})) == 0.0);
+}
+TEST_CASE("however few its strata, an area light that shows a picture sends what the whole of it sends") {
+    auto bright_corner = std::make_shared<Texture>();
+    bright_corner->width = bright_corner->height = 64;
+    bright_corner->extension = TextureExtension::Extend;
+    std::vector<float> texels;
+    for (int texel = 0; texel < 64 * 64; ++texel) {
+        const bool is_bright = texel % 64 < 20 && texel / 64 < 11;
+        texels.insert(texels.end(), {is_bright ? 9.0f : 0.0f, static_cast<float>(texel % 64), 1.0f, 1.0f});
+    }
+    bright_corner->floats = std::move(texels);
+    Light light = cases()[0].light;
+    light.strength = {1, 2, 3};
+    light.texture = std::make_shared<const LightTexture>(LightTexture{
+        .image = std::make_shared<const FilteredTexture>(bright_corner), .projection = LightProjection::Emitter});
+    const std::unique_ptr<Scene> scene = scene_of(light);
+    const Media media(*scene, Progress());
+    const Rgb whole = light.strength * Rgb(9.0f * 20 * 11 / 4096, 31.5f, 1.0f);
+    for (const std::uint32_t count : {1u, 4u, 16u, 256u}) {
+        CAPTURE(count);
+        Statistics statistics;
+        StrataCounts counts;
+        counts.of_light = {count};
+        const auto lights = find_scattering_lights(*scene, media, {}, counts, statistics);
+        REQUIRE(lights.size() == 1);
+        Rgb sum(0.0f);
+        for (const LightSample& sample : lights[0].samples) {
+            sum += sample.strength;
+            CHECK(sample.textured == nullptr);
+        }
+        CHECK(glm::length(sum / whole - 1.0f) < 1e-4f);
+    }
 }
 } // namespace area_shafts_test

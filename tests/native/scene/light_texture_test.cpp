@@ -3,6 +3,7 @@
 #include "core/errors.hpp"
 #include "scene/light_axes.hpp"
 #include "scene/light_texture.hpp"
+#include "support/area_lights.hpp"
 #include <doctest/doctest.h>
 #include <numbers>
 
@@ -86,5 +87,34 @@ TEST_CASE("a picture that cannot be laid out is named") {
     CHECK_THROWS_AS(with([](LightTexture& t) { t.place_from_axes[3].y = nan; }), InvalidInput);
     CHECK_THROWS_AS(with([](LightTexture& t) { t.gain[1].z = nan; }), InvalidInput);
     CHECK_THROWS_AS(with([](LightTexture& t) { t.projection = static_cast<LightProjection>(9); }), InvalidInput);
+}
+TEST_CASE(
+    "a picture on an area light goes from corner to corner of it, wherever it stands, and has the mean of its parts") {
+    Light panel = support::area_light({0.6f, 0.2f});
+    auto halves = std::make_shared<Texture>();
+    halves->width = 8, halves->height = 2;
+    halves->extension = TextureExtension::Extend;
+    std::vector<float> texels;
+    for (int texel = 0; texel < 16; ++texel) {
+        const float value = texel % 8 < 4 ? 0.0f : 1.0f;
+        texels.insert(texels.end(), {value, 0.5f, 1.0f - value, 1.0f});
+    }
+    halves->floats = std::move(texels);
+    LightTexture texture{.image = std::make_shared<const FilteredTexture>(halves),
+                         .projection = LightProjection::Emitter,
+                         .gain = mat3(2.0f)};
+    panel.texture = std::make_shared<const LightTexture>(texture);
+    const mat3 axes = light_axes(panel);
+    const auto place = [&](float x, float y) { return panel.position + x * axes[0] + y * axes[1]; };
+    const auto uv = [&](float x, float y) { return texture_uv(panel, place(x, y), vec3(9.0f)); };
+    CHECK(glm::length(uv(-0.6f, -0.2f) - vec2(0.0f)) < 1e-6f);
+    CHECK(glm::length(uv(0.6f, 0.1f) - vec2(1.0f, 0.75f)) < 1e-6f);
+    CHECK(glm::length(texture_colour(panel, place(-0.5f, 0.0f), vec3(9.0f)) - Rgb(0, 1, 2)) < 1e-6f);
+    CHECK(glm::length(texture_colour(panel, place(0.5f, 0.0f), vec3(9.0f)) - Rgb(2, 1, 0)) < 1e-6f);
+    CHECK(glm::length(mean_colour(panel, place(0.5f, 0.1f), 1) - Rgb(1.0f)) < 1e-6f);
+    CHECK(glm::length(mean_colour(panel, place(0.5f, 0.0f), 16) - Rgb(2, 1, 0)) < 1e-6f);
+    texture.uv_from_projected = mat3(vec3(1, 0, 0), vec3(0, -1, 0), vec3(0, 1, 1)); // of a mirrored light
+    panel.texture = std::make_shared<const LightTexture>(texture);
+    CHECK(glm::length(uv(0.6f, 0.1f) - vec2(1.0f, 0.25f)) < 1e-6f);
 }
 } // namespace light_texture_test

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "shading/emitter_program.hpp"
+#include "core/parallel.hpp"
+#include "shading/surface_program.hpp"
+#include <algorithm>
+
+namespace tyndall {
+EmitterProgram::EmitterProgram(Material material) : material_(std::move(material)) { validate(material_); }
+
+std::vector<Rgb> EmitterProgram::image(const FlatEmitter& emitter, std::uint32_t width, std::uint32_t height,
+                                       const Progress& progress) const {
+    const mat4 &to_world = emitter.world_from_object, to_object = glm::inverse(to_world);
+    const vec3 normal = glm::normalize(-vec3(to_world[2]));
+    std::vector<Rgb> pixels(std::size_t{width} * height);
+    parallel_for(
+        height, progress,
+        [&](std::size_t row) {
+            std::vector<vec2> uvs(material_.uv_map_names.size());
+            for (std::uint32_t column = 0; column < width; ++column) {
+                const vec2 uv((static_cast<float>(column) + 0.5f) / static_cast<float>(width),
+                              (static_cast<float>(row) + 0.5f) / static_cast<float>(height));
+                if (emitter.is_object)
+                    std::ranges::fill(uvs, uv);
+                const vec3 local((uv - 0.5f) * emitter.size, 0.0f), position(to_world * vec4(local, 1.0f));
+                ProgramPoint point{
+                    .surface = {.position = position,
+                                .geometric_normal = normal,
+                                .shading_normal = normal,
+                                .barycentrics = {uv.y, 1.0f - uv.x - uv.y}}, // which Parametric turns into the uv
+                    .ray_kind = RayKind::Diffuse,
+                    .incoming = normal,
+                    .object_position = emitter.is_object ? local : position};
+                if (emitter.is_object)
+                    point.object = {.scene_from_object = &to_world, .object_from_scene = &to_object};
+                pixels[row * width + column] = evaluate(material_, point, uvs).emission;
+            }
+        },
+        4);
+    return pixels;
+}
+} // namespace tyndall
