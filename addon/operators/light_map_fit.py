@@ -26,7 +26,7 @@ def why_no_fit(light: Light | None) -> str | None:
     if (reason := why_not_editable(light)) is not None:
         return reason
     if light is not None and light.type == "AREA":
-        return "An area light shines in one colour: paint the shafts of a sun, a spot or a point light"
+        return "An area light has no beam to paint: paint the shafts of a sun, a spot or a point light"
     if light is not None and light.library is not None:
         return "The light is linked: make a library override of it first"
     return None

@@ -15,7 +15,7 @@ void validate(const Scene& scene, std::span<const Strokes> strokes, const LightM
     require(config.light < scene.lights().size(), "light map fit: there is no light ", config.light);
     const Light& light = scene.lights()[config.light];
     require(light.kind != LightKind::Area, "Light \"", light.name,
-            "\" is an area light, which shines in one colour: paint the shafts of a sun, a spot or a point light");
+            "\" is an area light, which has no beam to paint: paint the shafts of a sun, a spot or a point light");
     require(
         light.kind != LightKind::Point || light.body != LightBody::Sphere || light.radius_m == 0.0f, "Light \"",
         light.name,

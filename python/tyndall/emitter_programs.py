@@ -19,8 +19,8 @@ from .surface_operations import is_known_without_point
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: Texels along a side: where patterns start, and where all end; 48 MiB.
-_FEWEST, _MOST = 64, 2048
+_FEWEST, _MOST = 256, 1024  #: Texels along a side of a pattern: where it starts, and as fine as it gets.
+_MOST_OF_IMAGES = 2048  #: The same of images, which show their own texels; 48 MiB.
 _TOLERANCE = 2e-3  #: Mean error of the colours between texels, of their mean, at which a picture is fine enough.
 #: What these read is the same wherever the light stands.
 _OF_PLACES_ON_IT = {Code.TEXTURE, Code.TEXTURE_ALPHA, Code.UV, Code.IMAGE_AT, Code.IMAGE_ALPHA_AT, Code.ENVIRONMENT_AT}
@@ -107,8 +107,8 @@ def _drawn(material: Material, emitter: Emitter) -> NDArray[np.float32]:
     while 2 * max(width, height) <= _MOST:
         width, height = 2 * width, 2 * height
         finer = at(width, height)
-        error = np.abs(_twice_as_fine(pixels) - finer)[1:-1, 1:-1].mean()  # images that repeat jump at their borders
-        if not error > _TOLERANCE * np.abs(finer).mean():
+        apart = np.abs(_twice_as_fine(pixels) - finer)[1:-1, 1:-1]  # images that repeat jump at their borders
+        if not apart.mean(dtype=np.float64) > _TOLERANCE * finer.mean(dtype=np.float64):
             break
         pixels = finer
     return pixels
@@ -119,7 +119,7 @@ def _first_size(material: Material) -> tuple[int, int, int]:
     sizes = [use.image.shape[1::-1] for use in material.textures]
     width, height = max(sizes, key=max, default=(_FEWEST, _FEWEST))
     halvings = 0
-    while max(width, height) > _MOST:
+    while max(width, height) > _MOST_OF_IMAGES:
         width, height, halvings = max(1, width // 2), max(1, height // 2), min(halvings + 1, 2)
     while max(width, height) < _FEWEST:
         width, height = 2 * width, 2 * height

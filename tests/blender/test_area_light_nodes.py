@@ -183,6 +183,20 @@ def test_a_light_of_a_white_and_a_black_half_is_one_of_half_the_size() -> None:
     assert abs(halves.mean() / half.mean() - 1.0) < 1e-3
 
 
+def test_lights_that_are_drawn_from_a_tree_show_their_pictures() -> None:
+    """More than 32 of them, in one place, are one."""
+    lamp = stage()
+    shows(lamp, slide)
+    one = tyndall_pixels(bpy.context.scene, 128)
+    lamp.data.energy /= 36.0
+    for _ in range(35):
+        other = lamp.copy()
+        bpy.context.scene.collection.objects.link(other)
+    many = tyndall_pixels(bpy.context.scene, 128)
+    assert np.abs(blocks(many) - blocks(one)).mean() < 0.01 * one.mean()
+    np.testing.assert_allclose(many.mean(axis=(0, 1)), one.mean(axis=(0, 1)), rtol=2e-3)
+
+
 def test_the_air_is_lit_in_the_pictures_colours() -> None:
     build(Arrangement("area", "camera inside", "perspective", "grid"))
     lamp = next(thing for thing in bpy.context.scene.objects if thing.type == "LIGHT")
