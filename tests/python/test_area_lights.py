@@ -14,9 +14,11 @@ from tyndall import InvalidInput, Progress
 from tyndall.light_map_fit import LightMapFit, StrokeView
 from tyndall.renderer import RenderConfig, Session, ShaftConfig
 from tyndall.scene_description import (
+    Extension,
     Image,
     Light,
     LightKind,
+    LightProjection,
     LightTexture,
     Material,
     Medium,
@@ -105,10 +107,18 @@ def test_its_map_cannot_be_painted() -> None:
         LightMapFit(session, "Panel", [view], Progress())
 
 
-@pytest.mark.parametrize("spread", [180.0, 20.0])
-def test_the_methods_agree_about_its_shafts(spread: float) -> None:
+def slide() -> LightTexture:
+    """Red on one side, blue on the other."""
+    pixels = np.zeros((2, 2, 4), np.float32)
+    pixels[:, 0, 0] = pixels[:, 1, 2] = pixels[..., 3] = 1.0
+    image = Image(key="halves", name="halves", pixels=pixels, is_srgb=False)
+    return LightTexture(use=TextureUse(image=image, extension=Extension.EXTEND), projection=LightProjection.EMITTER)
+
+
+@pytest.mark.parametrize(("spread", "texture"), [(180.0, slide()), (20.0, None)])
+def test_the_methods_agree_about_its_shafts(spread: float, texture: LightTexture | None) -> None:
     session = Session()
-    session.update(foggy(panel(spread_rad=math.radians(spread))), Progress())
+    session.update(foggy(panel(spread_rad=math.radians(spread), texture=texture)), Progress())
 
     def shafts(method: str) -> np.ndarray:
         config = ShaftConfig(method=method, light_samples=16, shares_strata=False)
@@ -121,3 +131,10 @@ def test_the_methods_agree_about_its_shafts(spread: float) -> None:
     assert exact.mean() > 1e-4
     for method in ("EPIPOLAR", "SHADOW_MAP"):
         assert np.abs(shafts(method) - exact).mean() < 0.005 * exact.mean()
+    if texture is not None:  # a red half and a blue one are the light, and nothing of it is green
+        session.update(foggy(panel(spread_rad=math.radians(spread))), Progress())
+        (red, green, blue), plain = (
+            one.reshape(-1, 3).mean(axis=0) / (2.0, 1.0, 0.5) for one in (exact, shafts("EXACT"))
+        )
+        assert green == 0.0
+        assert red + blue == pytest.approx(plain[0], rel=0.01)
