@@ -111,8 +111,8 @@ make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px
             std::optional<std::uint32_t> reference_light, std::optional<Heterogeneity> heterogeneity,
             const render::IndirectConfig& indirect,
             const std::optional<std::shared_ptr<render::KeptSurfaces>>& kept_surfaces, bool adapts_shadow_rays,
-            bool keeps_unstyled, std::uint32_t seed, int thread_count, bool is_tile, std::uint32_t first_sample,
-            std::uint32_t sample_count) {
+            bool lights_take_turns, bool keeps_unstyled, std::uint32_t seed, int thread_count, bool is_tile,
+            std::uint32_t first_sample, std::uint32_t sample_count) {
     render::FrameConfig config{.pixel_samples = pixel_samples,
                                .first_sample = first_sample,
                                .sample_count = sample_count,
@@ -133,6 +133,7 @@ make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px
                                .indirect = indirect,
                                .kept_surfaces = kept_surfaces.value_or(nullptr),
                                .adapts_shadow_rays = adapts_shadow_rays,
+                               .lights_take_turns = lights_take_turns,
                                .keeps_unstyled = keeps_unstyled,
                                .seed = seed,
                                .thread_count = thread_count};
@@ -233,8 +234,8 @@ void bind_render(py::module_& native) {
         .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "noise_threshold"_a,
              "region_px"_a, "voxel_detail_px"_a, "film_transparent"_a, "passes"_a, "data"_a, "light_groups"_a,
              "shafts"_a, "transfer_functions"_a, "reference_light"_a, "heterogeneity"_a, "indirect"_a,
-             "kept_surfaces"_a, "adapts_shadow_rays"_a, "keeps_unstyled"_a, "seed"_a, "thread_count"_a, "is_tile"_a,
-             "first_sample"_a = 0, "sample_count"_a = 0);
+             "kept_surfaces"_a, "adapts_shadow_rays"_a, "lights_take_turns"_a, "keeps_unstyled"_a, "seed"_a,
+             "thread_count"_a, "is_tile"_a, "first_sample"_a = 0, "sample_count"_a = 0);
     py::class_<render::UnstyledFilm, std::shared_ptr<render::UnstyledFilm>>(native, "UnstyledFilm");
     native.def(
         "render", &render_film, "scene"_a, "camera"_a, "config"_a, "progress"_a, "on_update"_a = py::none(),

@@ -51,6 +51,7 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
                           "\" shines through its own endless medium, which lets nothing through: bound the fog with a "
                           "fog box");
     ray_counts_.assign(light_count(), 1);
+    turns_.assign(light_count(), 1);
 }
 
 void DirectLight::report_glow(Statistics& statistics, const IndirectConfig& indirect) const {
@@ -130,13 +131,13 @@ void DirectLight::at(std::span<const SurfacePoint> points, const PairIndex& firs
             continue;
         const std::span<Irradiance> of_light = irradiance.subspan(light * points.size(), points.size());
         std::ranges::fill(of_light, Irradiance{});
-        add(light, ray_counts_[light], {points, lanes, lobes}, first_pair, of_light, many_by_group);
+        add(light, count_of(light), {points, lanes, lobes}, first_pair, of_light, many_by_group);
     }
 }
 
 void DirectLight::add_one(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,
                           std::span<Irradiance> irradiance, const PointLobes* lobes) const {
-    add(light, ray_counts_[light], {points, lanes_of(points), lobes}, first_pair, irradiance);
+    add(light, count_of(light), {points, lanes_of(points), lobes}, first_pair, irradiance);
 }
 
 void DirectLight::add_all_once(std::span<const SurfacePoint> points, const PairIndex& first_pair,
@@ -147,7 +148,7 @@ void DirectLight::add_all_once(std::span<const SurfacePoint> points, const PairI
         const bool is_grouped = !by_group.empty() && !is_many(light) && group_of(light) != no_light_group;
         if (is_grouped)
             std::ranges::copy(irradiance.first(points.size()), before.begin());
-        add(light, 1, {points, lanes, nullptr}, first_pair, irradiance, by_group);
+        add(light, {}, {points, lanes, nullptr}, first_pair, irradiance, by_group);
         for (std::size_t point = 0; is_grouped && point < points.size(); ++point) {
             Irradiance more; // the sums keep the bits that they have without groups
             more.from_lights = irradiance[point].from_lights - before[point].from_lights;
@@ -157,14 +158,14 @@ void DirectLight::add_all_once(std::span<const SurfacePoint> points, const PairI
     }
 }
 
-void DirectLight::add(std::size_t light, std::uint32_t ray_count, const LitSurface& surface,
-                      const PairIndex& first_pair, std::span<Irradiance> irradiance,
-                      std::span<Irradiance> many_by_group) const {
-    if (light < lights_.size() && lights_[light].aim.may_light(surface.lanes) == 0)
+void DirectLight::add(std::size_t light, const RayCount& count, const LitSurface& surface, const PairIndex& first_pair,
+                      std::span<Irradiance> irradiance, std::span<Irradiance> many_by_group) const {
+    if (!is_on_turn(light, count, first_pair) ||
+        (light < lights_.size() && lights_[light].aim.may_light(surface.lanes) == 0))
         return;
-    const float share = 1.0f / static_cast<float>(ray_count);
-    for (std::uint32_t ray = 0; ray < ray_count; ++ray) {
-        const PairIndex pair = pair_of(light, ray, ray_count, first_pair);
+    const float share = static_cast<float>(count.turn) / static_cast<float>(count.rays);
+    for (std::uint32_t ray = 0; ray < count.rays; ++ray) {
+        const PairIndex pair = pair_of(light, ray, count, first_pair);
         if (is_world(light))
             add_world(surface, pair, share, irradiance);
         else if (is_many(light))
@@ -175,9 +176,10 @@ void DirectLight::add(std::size_t light, std::uint32_t ray_count, const LitSurfa
 }
 
 /// A light has the same pair wherever it shines: what one point skips does not shift another light's numbers.
-PairIndex DirectLight::pair_of(std::size_t light, std::uint32_t ray, std::uint32_t ray_count,
+PairIndex DirectLight::pair_of(std::size_t light, std::uint32_t ray, const RayCount& count,
                                const PairIndex& first_pair) {
-    return {first_pair.sample_index * ray_count + ray, first_pair.pair_index + static_cast<std::uint32_t>(light)};
+    return {first_pair.sample_index / count.turn * count.rays + ray,
+            first_pair.pair_index + static_cast<std::uint32_t>(light)};
 }
 
 void DirectLight::finish(const Light& light, const SurfacePoint& point, Ray& ray, Rgb& arriving) const {
@@ -312,7 +314,9 @@ void DirectLight::aim_by_lobes(const AimedLight& aimed, const LitSurface& surfac
 
 LaneSet DirectLight::may_meet(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,
                               const MovedBoxes& boxes, const PointLobes* lobes) const {
-    if (light < lights_.size() && !scene_.lights()[lights_[light].index].casts_shadow)
+    const RayCount ray_count = count_of(light);
+    if (!is_on_turn(light, ray_count, first_pair) ||
+        (light < lights_.size() && !scene_.lights()[lights_[light].index].casts_shadow))
         return 0;
     const LitPoints lanes = lanes_of(points);
     if (light < lights_.size() && lights_[light].aim.may_light(lanes) == 0)
@@ -326,8 +330,8 @@ LaneSet DirectLight::may_meet(std::size_t light, std::span<const SurfacePoint> p
                 found |= boxes.may_meet(shadow.rays[index]) ? lane : 0;
         shadow.count = 0;
     };
-    for (std::uint32_t ray = 0; ray < ray_counts_[light]; ++ray) {
-        const PairIndex pair = pair_of(light, ray, ray_counts_[light], first_pair);
+    for (std::uint32_t ray = 0; ray < ray_count.rays; ++ray) {
+        const PairIndex pair = pair_of(light, ray, ray_count, first_pair);
         if (is_many(light)) {
             aim_at_many(surface, pair, 1.0f, shadow);
             test();

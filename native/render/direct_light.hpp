@@ -90,6 +90,9 @@ public:
     [[nodiscard]] bool has_strata(std::size_t light) const;
     /// Shadow rays per point, to as many strata of a light; 1 before. Powers of two keep them well spread.
     void set_ray_counts(std::vector<std::uint32_t> per_light) { ray_counts_ = std::move(per_light); }
+    /// A light is asked at every so many-th sample of a point's pixel, for all of them; 1 before.
+    void set_turns(std::vector<std::uint32_t> per_light) { turns_ = std::move(per_light); }
+    [[nodiscard]] std::uint32_t turn(std::size_t light) const { return turns_[light]; }
     [[nodiscard]] bool is_world(std::size_t light) const { return light >= lights_.size() + (many_ ? 1 : 0); }
     /// Of all lights, with one shadow ray each: what a point that few will see is worth. Adds what comes from each group to
     /// by_group, as at() does for the many.
@@ -123,7 +126,13 @@ private:
         const LitPoints& lanes;
         const PointLobes* lobes; ///< Nothing: no point has any.
     };
-    void add(std::size_t light, std::uint32_t ray_count, const LitSurface& surface, const PairIndex& first_pair,
+    /// Shadow rays of a point in one sample.
+    struct RayCount {
+        std::uint32_t rays = 1;
+        std::uint32_t turn = 1; ///< Samples that they stand for.
+    };
+    [[nodiscard]] RayCount count_of(std::size_t light) const { return {ray_counts_[light], turns_[light]}; }
+    void add(std::size_t light, const RayCount& count, const LitSurface& surface, const PairIndex& first_pair,
              std::span<Irradiance> irradiance, std::span<Irradiance> many_by_group = {}) const;
     /// One stratum, which stands for `share` of the light.
     void add_light(const AimedLight& aimed, const LitSurface& surface, const PairIndex& pair, float share,
@@ -163,17 +172,21 @@ private:
     /// One ray of a point in a direction that one of several strategies draws.
     void aim_by_strategies(const SurfacePoint& point, const LobeSet& lobes, vec2 u, float share, std::size_t index,
                            ShadowRays& shadow) const;
-    [[nodiscard]] static PairIndex pair_of(std::size_t light, std::uint32_t ray, std::uint32_t ray_count,
+    [[nodiscard]] static PairIndex pair_of(std::size_t light, std::uint32_t ray, const RayCount& count,
                                            const PairIndex& first_pair);
+    /// Lights that stand for as many samples take turns, by their numbers.
+    [[nodiscard]] static bool is_on_turn(std::size_t light, const RayCount& count, const PairIndex& first_pair) {
+        return (first_pair.sample_index + light) % count.turn == 0;
+    }
     void add_from_world(ShadowRays& shadow, std::span<Irradiance> irradiance) const;
     /// Towards the light, lifted off a smooth surface's terminator.
     [[nodiscard]] Ray shadow_ray(const SurfacePoint& point, const vec3& direction) const;
 
     const Scene& scene_;
     const Media& media_;
-    std::vector<AimedLight> lights_;         ///< Those that light surfaces.
-    std::unique_ptr<const ManyLights> many_; ///< Nothing: all are asked each.
-    std::vector<std::uint32_t> ray_counts_;  ///< Per light_count.
+    std::vector<AimedLight> lights_;                ///< Those that light surfaces.
+    std::unique_ptr<const ManyLights> many_;        ///< Nothing: all are asked each.
+    std::vector<std::uint32_t> ray_counts_, turns_; ///< Per light_count.
     bool has_media_, has_world_light_;
     float world_reach_m_;
 };

@@ -55,7 +55,7 @@ public:
           is_active_(pixel_count(), 1), active_count_(pixel_count()), round_samples_(config.pixel_samples) {
         if (config.noise_threshold > 0.0f && samples_per_round(config.taken_samples()) < config.taken_samples()) {
             round_samples_ = samples_per_round(config.taken_samples());
-            noise_.emplace(width(), region_.y1 - region_.y0);
+            noise_.emplace(width(), region_.y1 - region_.y0, surfaces_.turn_samples());
         }
         if (config.data.is_wanted())
             data_.emplace(pixel_count(), config.taken_samples(), scene, config.data);
@@ -71,7 +71,12 @@ public:
     Film render() {
         const std::vector<Band> bands = all_bands();
         for (std::uint32_t sample = config_.first_sample; sample < end_sample(); ++sample) {
+            has_asked_all_ = surfaces_.turn_samples() == 1;
             render_sample(sample, bands);
+            if (!has_asked_all_ && (sample - config_.first_sample + 1) % surfaces_.turn_samples() == 0) {
+                has_asked_all_ = true;
+                update_now_and_then();
+            }
             sample_count_ += active_count_;
             if (noise_ && !has_noise_after(sample))
                 break;
@@ -142,8 +147,10 @@ private:
     }
     /// After a round of samples: whether some pixels go on.
     bool has_noise_after(std::uint32_t sample) {
+        constexpr std::uint32_t least_turns = 4; // to tell noise from
+        const std::uint32_t taken = sample - config_.first_sample + 1;
         noise_->end_sample(is_active_);
-        if ((sample - config_.first_sample + 1) % round_samples_ == 0 && sample + 1 < end_sample())
+        if (taken % round_samples_ == 0 && taken >= least_turns * surfaces_.turn_samples() && sample + 1 < end_sample())
             active_count_ = noise_->keep_noisy(config_.noise_threshold, is_active_, progress_);
         return active_count_ > 0;
     }
@@ -311,7 +318,8 @@ private:
 
     void update_now_and_then() {
         const bool is_complete = progress_.fraction() >= 1.0f; // the caller gets that film anyway
-        if (!on_update_ || is_complete || (last_update_ && Clock::now() - *last_update_ < update_interval_))
+        if (!on_update_ || is_complete || !has_asked_all_ ||
+            (last_update_ && Clock::now() - *last_update_ < update_interval_))
             return;
         const auto start = Clock::now();
         on_update_(picture());
@@ -332,6 +340,7 @@ private:
     FilmSums sums_;
     std::optional<DataSums> data_;        ///< Of data passes; nothing: none is asked for.
     std::optional<GroupSums> groups_;     ///< Of light groups; nothing: none is asked for.
+    bool has_asked_all_ = true;           ///< Each light has had its turn: the picture so far can be shown.
     std::optional<PixelNoise> noise_;     ///< None: every pixel takes all samples.
     std::vector<std::uint8_t> is_active_; ///< Per pixel: takes further samples.
     std::size_t active_count_, sample_count_ = 0;

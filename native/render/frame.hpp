@@ -53,6 +53,9 @@ struct FrameConfig {
     std::shared_ptr<KeptSurfaces> kept_surfaces = {};
     /// A pilot finds how many shadow rays each light is worth at a surface point; false: one.
     bool adapts_shadow_rays = true;
+    /// It may find lights that are not worth a ray at every sample: they are asked at every second or fourth alone. What is
+    /// shown on the way waits until each has had its turn.
+    bool lights_take_turns = false;
     bool keeps_unstyled = false; ///< The film carries what a change of the functions' layers needs.
     std::uint32_t seed = 0;
     int thread_count = 0; ///< 0: all.

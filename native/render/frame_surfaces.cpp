@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/frame_surfaces.hpp"
 #include "render/frame_shafts.hpp"
+#include "render/pixel_noise.hpp"
 #include <algorithm>
 #include <numeric>
 
@@ -56,10 +57,25 @@ SurfaceKey FrameSurfaces::key(std::uint32_t sample_index, bool collects_parts) c
             .parts = PackedSamples::parts_for(config_.passes, world_reach_px_ > 0)};
 }
 
+/// Samples among which lights may take turns: each is asked four times or more, and as often in every round after which
+/// pixels may stop.
+static std::uint32_t longest_turn(const FrameConfig& config) {
+    constexpr std::uint32_t longest = 4, least_asked = 4;
+    const std::uint32_t samples = config.taken_samples();
+    const bool has_rounds = config.noise_threshold > 0.0f;
+    // Noise is told from turns, of which a round has to have several.
+    const std::uint32_t within = has_rounds ? samples_per_round(samples) : samples;
+    std::uint32_t turn = config.lights_take_turns ? (has_rounds ? longest / 2 : longest) : 1;
+    while (turn > 1 && (within % turn != 0 || least_asked * turn > samples))
+        turn /= 2;
+    return turn;
+}
+
 /// How many shadow rays a light gets per surface point, and how far neighbours share those of the world.
 void FrameSurfaces::set_shadow_rays() {
     const bool may_share = shares_strata(config_.shafts) && shared_reach_px(config_.pixel_samples) > 0;
-    ShadowRayCounts counts{.of_light = std::vector<std::uint32_t>(light_.light_count(), 1)};
+    const std::vector<std::uint32_t> ones(light_.light_count(), 1);
+    ShadowRayCounts counts{.of_light = ones, .turn_of_light = ones};
     const IndirectLight* bounce = indirect_.has_bounce() && config_.indirect.bounce_samples == 0 ? &indirect_ : nullptr;
     if (config_.adapts_shadow_rays) {
         CountsKey key{.surfaces = this->key(0, false),
@@ -67,6 +83,7 @@ void FrameSurfaces::set_shadow_rays() {
                       .may_share_world = may_share,
                       .attenuates_light = config_.shafts.attenuates_light,
                       .world_scatters = config_.shafts.world_samples > 0,
+                      .longest_turn = longest_turn(config_),
                       .grid_method = config_.shafts.grid_method,
                       .grid_error_target = config_.shafts.grid_error_target,
                       .shafts_seed = config_.shafts.seed,
@@ -75,18 +92,23 @@ void FrameSurfaces::set_shadow_rays() {
         if (kept == nullptr)
             light_.prepare_edits(std::vector<std::uint8_t>(light_.light_count(), 1), camera_, config_.shafts,
                                  statistics_, progress_);
-        counts = kept != nullptr
-                     ? *kept
-                     : count_shadow_rays(scene_, media_, light_, bounce, camera_, filter_, config_.seed, may_share,
-                                         view_path().config().voxel_detail_px, config_.shafts, progress_);
+        counts = kept != nullptr ? *kept
+                                 : count_shadow_rays(scene_, media_, light_, bounce, camera_, filter_, config_.seed,
+                                                     may_share, view_path().config().voxel_detail_px,
+                                                     longest_turn(config_), config_.shafts, progress_);
         if (config_.kept_surfaces && kept == nullptr)
             config_.kept_surfaces->keep_counts(std::move(key), counts);
     }
     statistics_.count("direct light: shadow rays per surface point",
-                      std::accumulate(counts.of_light.begin(), counts.of_light.end(), 0.0));
+                      std::transform_reduce(counts.of_light.begin(), counts.of_light.end(),
+                                            counts.turn_of_light.begin(), 0.0, std::plus<>(),
+                                            [](double rays, double turn) { return rays / turn; }));
+    if (!counts.turn_of_light.empty())
+        turn_samples_ = *std::ranges::max_element(counts.turn_of_light);
     if (counts.is_world_shared)
         world_reach_px_ = shared_reach_px(std::uint64_t{counts.of_light.back()} * config_.pixel_samples);
     light_.set_ray_counts(std::move(counts.of_light));
+    light_.set_turns(std::move(counts.turn_of_light));
     indirect_.set_bounce_rays(bounce != nullptr ? counts.of_bounce : std::max(config_.indirect.bounce_samples, 1u));
     if (indirect_.has_bounce())
         statistics_.count("colour bleeding: rays per surface point", indirect_.bounce_rays());
@@ -103,6 +125,7 @@ std::vector<KeptLight> FrameSurfaces::lights_now() const {
     for (std::size_t light = 0; light < light_.light_count(); ++light) {
         KeptLight now;
         now.ray_count = light_.ray_count(light);
+        now.turn = light_.turn(light);
         if (light_.is_many(light)) {
             for (const std::uint32_t lamp : light_.many_lamps())
                 now.many.push_back(scene_.lights()[lamp]);

@@ -17,6 +17,9 @@ public:
     [[nodiscard]] std::uint32_t world_reach_px() const { return world_reach_px_; }
     [[nodiscard]] ViewPath view_path(bool collects_parts = true) const;
 
+    /// Samples after which each light has been asked as often as it is worth.
+    [[nodiscard]] std::uint32_t turn_samples() const { return turn_samples_; }
+
     [[nodiscard]] const FilterSampler& filter() const { return filter_; }
     [[nodiscard]] SurfacePass::Config pass_config() const { return {config_.pixel_samples, config_.seed}; }
 
@@ -63,6 +66,7 @@ private:
     bool follows_mirrors_ = false;
     bool has_lobes_ = false;
     std::uint32_t world_reach_px_ = 0;
+    std::uint32_t turn_samples_ = 1;
     bool has_detail_ = false; ///< Cubes of voxels are met.
 
     std::uint32_t sample_index_ = 0; ///< Of the pass at work, as is all that follows.

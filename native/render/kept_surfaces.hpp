@@ -44,10 +44,11 @@ struct KeptLight {
     Light light;
     std::vector<Light> many = {}; ///< Lamps that are drawn: all together are one light.
     std::uint32_t ray_count = 0;  ///< Shadow rays per point; 0: its light has to be asked for.
+    std::uint32_t turn = 1;       ///< Samples that they stand for.
     /// Where edits of its occluders cast shadows.
     std::optional<light_shafts::SurfaceShadows::Config> edited_shadows = {};
     [[nodiscard]] bool operator==(const KeptLight& other) const {
-        return ray_count == other.ray_count && edited_shadows == other.edited_shadows &&
+        return ray_count == other.ray_count && turn == other.turn && edited_shadows == other.edited_shadows &&
                lights_surfaces_alike(light, other.light) && std::ranges::equal(many, other.many, lights_surfaces_alike);
     }
 };
@@ -73,6 +74,7 @@ struct CountsKey {
     SurfaceKey surfaces;
     std::vector<Light> lights;
     bool may_share_world = false, attenuates_light = true, world_scatters = true;
+    std::uint32_t longest_turn = 1;
     light_shafts::GridMethod grid_method = light_shafts::GridMethod::March;
     float grid_error_target = 0.0f;
     std::uint32_t shafts_seed = 0;

@@ -7,8 +7,9 @@ namespace tyndall::render {
 /// A pixel that has met no light yet, as deep in a room before a small window, may still be lit: its variance says nothing.
 static constexpr std::uint32_t least_samples_of_black = 16;
 
-PixelNoise::PixelNoise(std::uint32_t width_px, std::uint32_t height_px)
-    : width_px_(width_px), height_px_(height_px), pixels_(std::size_t{width_px} * height_px) {}
+PixelNoise::PixelNoise(std::uint32_t width_px, std::uint32_t height_px, std::uint32_t turn_samples)
+    : width_px_(width_px), height_px_(height_px), turn_samples_(turn_samples),
+      pixels_(std::size_t{width_px} * height_px) {}
 
 void PixelNoise::add(std::size_t pixel, const Rgb& radiance) { pixels_[pixel].current += average(radiance); }
 
@@ -16,10 +17,12 @@ void PixelNoise::end_sample(const std::vector<std::uint8_t>& is_active) {
     for (std::size_t pixel = 0; pixel < pixels_.size(); ++pixel)
         if (is_active[pixel]) {
             Moments& moments = pixels_[pixel];
-            moments.sum += moments.current;
-            moments.sum_of_squares += moments.current * moments.current;
+            if (++moments.samples % turn_samples_ != 0)
+                continue;
+            const float mean = moments.current / static_cast<float>(turn_samples_);
+            moments.sum += mean;
+            moments.sum_of_squares += mean * mean;
             moments.current = 0.0f;
-            ++moments.count;
         }
 }
 
@@ -30,12 +33,12 @@ std::size_t PixelNoise::keep_noisy(float threshold, std::vector<std::uint8_t>& i
         pixels_.size(), progress,
         [&](std::size_t pixel) {
             const Moments& moments = pixels_[pixel];
-            const auto count = static_cast<float>(moments.count);
+            const auto count = static_cast<float>(moments.turns(turn_samples_));
             const float mean = moments.sum / count;
             const float variance = (moments.sum_of_squares - moments.sum * mean) / std::max(count - 1.0f, 1.0f);
             // A NaN or an infinity has no use for more samples.
             const bool is_uncertain = variance / count > threshold * threshold * std::abs(mean);
-            is_noisy[pixel] = is_uncertain || (moments.sum == 0.0f && moments.count < least_samples_of_black) ? 1 : 0;
+            is_noisy[pixel] = is_uncertain || (moments.sum == 0.0f && moments.samples < least_samples_of_black) ? 1 : 0;
         },
         1 << 14);
     const auto width = static_cast<std::int64_t>(width_px_), height = static_cast<std::int64_t>(height_px_);

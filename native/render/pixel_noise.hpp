@@ -14,7 +14,8 @@
 namespace tyndall::render {
 class PixelNoise {
 public:
-    PixelNoise(std::uint32_t width_px, std::uint32_t height_px);
+    /// turn_samples: so many samples differ by which lights were asked, and tell of noise only together.
+    PixelNoise(std::uint32_t width_px, std::uint32_t height_px, std::uint32_t turn_samples = 1);
     /// Light of the pixel's current sample. Threads may add to different pixels.
     void add(std::size_t pixel, const Rgb& radiance);
     /// The current sample of the pixels that `is_active` is complete.
@@ -27,9 +28,11 @@ public:
 private:
     struct Moments {
         float current = 0.0f, sum = 0.0f, sum_of_squares = 0.0f;
-        std::uint32_t count = 0;
+        std::uint32_t samples = 0;
+
+        [[nodiscard]] std::uint32_t turns(std::uint32_t turn_samples) const { return samples / turn_samples; }
     };
-    std::uint32_t width_px_, height_px_;
+    std::uint32_t width_px_, height_px_, turn_samples_;
     std::vector<Moments> pixels_;
 };
 

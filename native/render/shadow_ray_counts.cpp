@@ -21,6 +21,8 @@ static constexpr double image_ray_cost = 1.7;
 static constexpr std::uint32_t most_rays = 16;
 /// Of the noise in a fixed time, that twice the rays of a light save where no fog takes its time, too.
 static constexpr double least_saving_on_surfaces = 0.15;
+/// The same of all turns together: fewer rays make shadows' edges coarser.
+static constexpr double least_saving_of_turns = 0.08;
 /// Noise counts relative to its pixel, but for pixels darker than this share of the frame's mean.
 static constexpr double darkest_share = 0.05;
 
@@ -56,6 +58,53 @@ std::vector<std::uint32_t> best_ray_counts(std::span<const PixelVariances> pixel
     return counts;
 }
 
+std::vector<std::uint32_t> best_turns(std::span<const PixelVariances> pixels, const RayCosts& costs,
+                                      std::span<const std::uint32_t> counts, std::uint32_t longest) {
+    const std::size_t light_count = counts.size();
+    std::vector<std::uint32_t> turns(light_count, 1);
+    double cost = costs.of_camera;
+    for (std::size_t light = 0; light < costs.of_light.size(); ++light)
+        cost += costs.of_light[light] * (light < light_count ? counts[light] : 1);
+    std::vector<double> variances;
+    for (const PixelVariances& pixel : pixels) {
+        variances.push_back(pixel.of_camera);
+        for (std::size_t light = 0; light < pixel.of_light.size(); ++light)
+            variances.back() += pixel.of_light[light] / (light < light_count ? counts[light] : 1);
+    }
+    /// What one more sample without the light adds to a pixel's variance.
+    const auto more_variance = [&](const PixelVariances& pixel, std::size_t light) {
+        return pixel.of_light[light] + (pixel.of_camera_by_light.empty() ? 0.0 : pixel.of_camera_by_light[light]);
+    };
+    const auto noise_at = [&](double cost_then, std::size_t light, double more) {
+        double noise = 0.0;
+        for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel)
+            noise += std::sqrt(variances[pixel] + (more > 0.0 ? more * more_variance(pixels[pixel], light) : 0.0));
+        return noise * std::sqrt(cost_then);
+    };
+    const double noise_before = noise_at(cost, 0, 0.0);
+    double noise = noise_before;
+    for (bool is_better = true; is_better;) {
+        is_better = false;
+        for (std::size_t light = 0; light < light_count; ++light) {
+            if (counts[light] > 1 || 2 * turns[light] > longest)
+                continue;
+            const double cost_then = cost - 0.5 * costs.of_light[light] / turns[light];
+            const double noise_then = noise_at(cost_then, light, turns[light]);
+            if (noise_then >= noise)
+                continue;
+            for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel)
+                variances[pixel] += turns[light] * more_variance(pixels[pixel], light);
+            cost = cost_then;
+            noise = noise_then;
+            turns[light] *= 2;
+            is_better = true;
+        }
+    }
+    if (noise > (1.0 - least_saving_of_turns) * noise_before)
+        std::ranges::fill(turns, 1u);
+    return turns;
+}
+
 namespace {
 /// Pixels of a square of the pilot: neighbours, which trace faster together.
 constexpr std::uint32_t square_px = 4;
@@ -69,8 +118,9 @@ struct OfPixel {
     std::array<std::array<double, shadow_rays>, camera_rays> brightness{};
     std::array<double, camera_rays> opacity{}; ///< Of the fog in front of these.
     std::vector<double> light_variances;
-    double neighbour_count = 1.0; ///< Pixels of its square that lie in its plane, itself included.
-    double fog = 0.0;             ///< Brightness of opaque fog here.
+    std::vector<double> camera_variances; ///< Of a camera ray, by each light alone.
+    double neighbour_count = 1.0;         ///< Pixels of its square that lie in its plane, itself included.
+    double fog = 0.0;                     ///< Brightness of opaque fog here.
 
     [[nodiscard]] double mean() const {
         double sum = 0.0;
@@ -222,7 +272,15 @@ private:
     }
 
     static OfPixel of_pixel(std::size_t pixel, std::span<const Lit> lights, const Seen& seen) {
-        OfPixel found{.light_variances = std::vector<double>(lights.size())};
+        OfPixel found{.light_variances = std::vector<double>(lights.size()),
+                      .camera_variances = std::vector<double>(lights.size())};
+        for (std::size_t light = 0; light < lights.size(); ++light) {
+            const auto& of_light = lights[light].of_pixel[pixel];
+            double sum = 0.0;
+            for (std::size_t ray = 0; ray < camera_rays; ray += 2)
+                sum += double{of_light[ray][0] - of_light[ray + 1][0]} * (of_light[ray][1] - of_light[ray + 1][1]);
+            found.camera_variances[light] = std::max(0.0, sum / camera_rays);
+        }
         for (std::uint32_t ray = 0; ray < camera_rays; ++ray) {
             found.opacity[ray] = seen.opacity[pixel][ray];
             found.brightness[ray].fill(seen.emitted[pixel][ray]);
@@ -296,13 +354,14 @@ RayCosts costs_where(double plane_share, const DirectLight& light, bool has_boun
 ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const DirectLight& light,
                                   const IndirectLight* bounce, const Camera& camera, const FilterSampler& filter,
                                   std::uint32_t seed, bool may_share_world, float voxel_detail_px,
-                                  const light_shafts::Config& shafts, Progress& progress) {
+                                  std::uint32_t longest_turn, const light_shafts::Config& shafts, Progress& progress) {
     const std::size_t light_count = light.light_count();
-    bool has_choice = bounce != nullptr;
+    bool has_choice = bounce != nullptr || (longest_turn > 1 && light_count > 1);
     for (std::size_t index = 0; index < light_count; ++index)
         has_choice = has_choice || light.has_strata(index);
     if (!has_choice)
-        return {.of_light = std::vector<std::uint32_t>(light_count, 1)};
+        return {.of_light = std::vector<std::uint32_t>(light_count, 1),
+                .turn_of_light = std::vector<std::uint32_t>(light_count, 1)};
     const Pilot pilot(scene, media, light, bounce, camera, filter, seed, voxel_detail_px);
     std::vector<std::vector<OfPixel>> squares(pilot.square_count());
     parallel_for(
@@ -327,11 +386,13 @@ ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const 
     std::vector<PixelVariances> variances;
     for (OfPixel& pixel : pixels) {
         const double scale = scale_of(pixel);
-        for (double& variance : pixel.light_variances)
-            variance /= scale * scale;
-        variances.push_back({pixel.camera_variance() / (scale * scale), std::move(pixel.light_variances)});
+        for (std::vector<double>* of_light : {&pixel.light_variances, &pixel.camera_variances})
+            for (double& variance : *of_light)
+                variance /= scale * scale;
+        variances.push_back({pixel.camera_variance() / (scale * scale), std::move(pixel.light_variances),
+                             std::move(pixel.camera_variances)});
     }
-    ShadowRayCounts counts{.of_light = best_ray_counts(variances, costs)};
+    ShadowRayCounts counts{.of_light = best_ray_counts(variances, costs), .turn_of_light = {}};
     const std::size_t world = light_count - 1; // where there is one
     counts.is_world_shared = may_share_world && light.has_even_world() && counts.of_light[world] > 1;
     if (counts.is_world_shared) {
@@ -343,6 +404,9 @@ ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const 
         counts.of_bounce = counts.of_light.back();
         counts.of_light.pop_back();
     }
+    counts.turn_of_light = best_turns(variances, costs, counts.of_light, longest_turn);
+    if (counts.is_world_shared) // neighbours look for what each pixel found
+        counts.turn_of_light[world] = 1;
     return counts;
 }
 } // namespace tyndall::render

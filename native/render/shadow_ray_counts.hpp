@@ -5,6 +5,7 @@
 //           noise per time, Bolin and Meyer, An Error Metric for Monte Carlo Ray Tracing, EGWR 1997:
 //           (v_0 + sum v_l / n_l) (c_0 + sum n_l c_l), with the variances v and costs c of a camera ray (0) and of a
 //           light's shadow ray, is least at n_l = sqrt((v_l / c_l) / (v_0 / c_0)).
+//           A number below one: the light takes turns, and is asked at every second or fourth sample of a pixel alone.
 // Differs:  one number per light and frame, from a pilot, for the least mean standard error of a pixel (edges with much
 //           variance, which no shadow ray lessens, do not decide for all); fog hides noise, and its brightness is found by
 //           a few rays; without fog, rays are not doubled for the last sixth of the noise, since who asks for few samples
@@ -20,23 +21,27 @@
 namespace tyndall::render {
 struct ShadowRayCounts {
     std::vector<std::uint32_t> of_light; ///< Per light of DirectLight::light_count: a power of two up to 16.
+    /// Per light: asked at every so many-th sample, for as many; a power of two.
+    std::vector<std::uint32_t> turn_of_light;
     /// Alone, a pixel would need several rays of the world; with what its neighbours find, it needs as many as are here.
     bool is_world_shared = false;
     std::uint32_t of_bounce = 1; ///< Rays that gather the light of other surfaces.
 };
 /// `bounce`: nothing, or what gathers the light of other surfaces, which counts as one more light.
 /// `may_share_world`: neighbours in one plane may share its light, see shared_irradiance.hpp. `voxel_detail_px`:
-/// see FrameConfig. Throws Cancelled.
+/// see FrameConfig. `longest_turn`: samples after which each light must have been asked; 1: at each. Throws Cancelled.
 [[nodiscard]] ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const DirectLight& light,
                                                 const IndirectLight* bounce, const Camera& camera,
                                                 const FilterSampler& filter, std::uint32_t seed, bool may_share_world,
-                                                float voxel_detail_px, const light_shafts::Config& shafts,
-                                                Progress& progress);
+                                                float voxel_detail_px, std::uint32_t longest_turn,
+                                                const light_shafts::Config& shafts, Progress& progress);
 
 /// Of the samples of one pixel, relative to the square of its brightness.
 struct PixelVariances {
     double of_camera;             ///< Of one camera ray, if its light were known.
     std::vector<double> of_light; ///< Of one shadow ray to each light.
+    /// Of one camera ray, if only this light were there and known; empty: nothing.
+    std::vector<double> of_camera_by_light = {};
 };
 /// Times, up to a factor: of a camera ray with its shading and its shafts, and of a shadow ray to each light.
 struct RayCosts {
@@ -47,4 +52,8 @@ struct RayCosts {
 };
 /// The powers of two up to 16 with the least mean standard error of a pixel in a fixed time.
 [[nodiscard]] std::vector<std::uint32_t> best_ray_counts(std::span<const PixelVariances> pixels, const RayCosts& costs);
+/// The powers of two up to `longest` with the same for the lights of one ray: what is asked for less often is as much
+/// noisier, with all that differs between camera rays. All 1 where that saves little.
+[[nodiscard]] std::vector<std::uint32_t> best_turns(std::span<const PixelVariances> pixels, const RayCosts& costs,
+                                                    std::span<const std::uint32_t> counts, std::uint32_t longest);
 } // namespace tyndall::render

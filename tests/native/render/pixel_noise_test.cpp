@@ -36,6 +36,25 @@ TEST_CASE("the standard error of a mean decides: sigma / sqrt(n) against thresho
     CHECK(noise.keep_noisy(0.99f * error, stopped, progress) == 0);
 }
 
+TEST_CASE("lights that take turns are no noise, and what turns differ by is") {
+    constexpr std::uint32_t turn_samples = 2, steady = 0, noisy = 4;
+    render::PixelNoise noise(7, 1, turn_samples);
+    std::vector<std::uint8_t> is_active(7, 1);
+    for (std::uint32_t sample = 0; sample < 20; ++sample) { // means of turns: 2, and 2 +- 1
+        for (std::uint32_t pixel = 0; pixel < 7; ++pixel)
+            if (sample % turn_samples == 0)
+                noise.add(pixel, Rgb(pixel != noisy ? 4.0f : sample % 4 == 0 ? 6.0f : 2.0f));
+        noise.end_sample(is_active);
+    }
+    Progress progress;
+    const float error = 1.0f / 3.0f / std::sqrt(2.0f); // of ten turns, as of ten samples above
+    auto active = is_active;
+    CHECK(noise.keep_noisy(1.01f * error, active, progress) == 0);
+    active = is_active;
+    CHECK(noise.keep_noisy(0.99f * error, active, progress) == 3);
+    CHECK(active[steady] == 0);
+}
+
 // Seen as black specks in a room that the sky lights through a gap.
 TEST_CASE("what has met no light in a few samples is not known to be dark") {
     render::PixelNoise noise(3, 1);

@@ -35,7 +35,7 @@ render::ShadowRayCounts rays_to_sky(const Scene& scene, bool may_share = false) 
     const render::DirectLight light(scene, media, statistics);
     const render::FilterSampler filter(render::PixelFilter::BlackmanHarris, 1.5f);
     Progress progress;
-    return render::count_shadow_rays(scene, media, light, nullptr, camera_above_ground(), filter, 3, may_share, 0.0f,
+    return render::count_shadow_rays(scene, media, light, nullptr, camera_above_ground(), filter, 3, may_share, 0.0f, 1,
                                      {}, progress);
 }
 } // namespace
@@ -67,6 +67,65 @@ TEST_CASE("rays are doubled only where that saves as much of the noise as is ask
     CHECK(render::best_ray_counts(pixels, {8.0, {1.0}, {0.15}}).front() == 8);
     CHECK(render::best_ray_counts(pixels, {8.0, {1.0}, {0.2}}).front() == 4);
     CHECK(render::best_ray_counts(pixels, {8.0, {1.0}, {0.5}}).front() == 1);
+}
+
+TEST_CASE("lights take the turns with the least noise in a fixed time, and none where that is little") {
+    // By one camera ray, by the choice on a light, and by what lies beside: of a camera ray as long as ten shadow rays.
+    for (const double by_camera : {0.0, 0.1, 1.0})
+        for (const double by_light : {0.01, 0.3, 1.0}) {
+            const std::array pixels{
+                render::PixelVariances{.of_camera = 1.0, .of_light = {by_light}, .of_camera_by_light = {by_camera}}};
+            for (const double cost : {0.5, 20.0}) {
+                const std::uint32_t best =
+                    render::best_turns(pixels, {10.0, {cost}}, std::array<std::uint32_t, 1>{1}, 8).front();
+                const auto noise = [&](double turn) {
+                    return std::sqrt((1.0 + by_light + (turn - 1.0) * (by_light + by_camera)) * (10.0 + cost / turn));
+                };
+                double least = noise(1);
+                for (std::uint32_t turn = 2; turn <= 8; turn *= 2)
+                    least = std::min(least, noise(turn));
+                CHECK(noise(best) == doctest::Approx(least > 0.92 * noise(1) ? noise(1) : least));
+            }
+        }
+    const std::vector<render::PixelVariances> pixels(
+        4, render::PixelVariances{.of_camera = 1.0, .of_light = {1e-4, 3.0, 1e-4}});
+    const std::vector<std::uint32_t> turns =
+        render::best_turns(pixels, {4.0, {8.0, 4.0, 4.0}}, std::array<std::uint32_t, 3>{1, 1, 2}, 4);
+    CHECK(turns == std::vector<std::uint32_t>{4, 1, 1}); // a light of several rays is worth one at each sample
+    CHECK(render::best_turns({}, {4.0, {4.0}}, std::array<std::uint32_t, 1>{1}, 4).front() == 1);
+}
+
+TEST_CASE("a light's turn is worth its samples, and each comes once in as many") {
+    const auto scene = room_under_sky(true);
+    const Media media(*scene, Progress());
+    Statistics statistics;
+    render::DirectLight light(*scene, media, statistics);
+    const Ray down{.origin = {0.1f, 0.2f, 0.4f}, .direction = {0, 0, -1}};
+    const render::SurfacePoint point = render::surface_point(*scene, down, scene->closest_hit(down), 7);
+    constexpr std::array<std::uint8_t, 1> only_light{1};
+    const auto at = [&](std::uint32_t sample) {
+        render::DirectLight::Irradiance irradiance;
+        light.at({&point, 1}, {.sample_index = sample, .pair_index = 0}, only_light, {&irradiance, 1});
+        return double{irradiance.sum().x};
+    };
+    for (const std::uint32_t first : {0u, 1u, 6u}) {
+        double in_turns = 0.0;
+        std::uint32_t asked = 0;
+        light.set_turns({4});
+        for (std::uint32_t sample = first; sample < first + 16; ++sample) {
+            const double found = at(sample);
+            in_turns += found;
+            asked += found > 0.0 ? 1 : 0;
+            CHECK((found == 0.0 || sample % 4 == 0));
+        }
+        light.set_turns({1});
+        double each = 0.0;
+        const std::uint32_t first_turn = (first + 3) / 4;
+        for (std::uint32_t turn = first_turn; turn < first_turn + 4; ++turn)
+            each += 4.0 * at(turn);
+        CHECK(asked > 0);
+        CHECK(in_turns == doctest::Approx(each).epsilon(1e-6));
+    }
 }
 
 TEST_CASE("under an open sky one ray says all, below a slit it takes many") {
