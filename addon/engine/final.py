@@ -157,9 +157,7 @@ class _Frame:
         self, view_layer: ViewLayer, look: Look, taken: film_parts.Taking | None, *, is_over_engine: bool
     ) -> RenderConfig:
         config = render_config(self.settings, view_layer, self.window, look.functions, look.heterogeneity)
-        config = replace(
-            config, data=data_passes.data_config(self.depsgraph, view_layer), lights_take_turns=True
-        )
+        config = replace(config, data=data_passes.data_config(self.depsgraph, view_layer), lights_take_turns=True)
         if is_over_engine:
             config = over_engine.air_config(config)
         if taken is not None:

@@ -142,8 +142,8 @@ class RenderConfig:
     indirect: IndirectConfig = field(default_factory=IndirectConfig)
     #: A pilot finds how many shadow rays each light is worth at a surface point; False: one, for the coarsest picture.
     adapts_shadow_rays: bool = True
-    #: It may find lights that are not worth a ray at every sample: they are asked at every second or fourth alone, and what
-    #: is shown on the way waits until each has had its turn.
+    #: It may find lights that are not worth a ray at every sample: they are asked at every second or fourth alone, and
+    #: what is shown on the way waits until each has had its turn.
     lights_take_turns: bool = False
     seed: int = 0
     thread_count: int = 0  #: 0: all.
