@@ -224,8 +224,7 @@ in brackets, the clock's{beside}; "times faster" compares the processor's.
 Noise is that of one render, relative to each pixel, measured between seeds. Cycles draws one light per sample, ours
 asks lamps each, weak ones by turns, and the world with as many rays as its noise is worth; the last column is the ratio
 of time times variance, what a picture of the same noise costs. `scripts/bench.sh surfaces_race_bench` makes this page
-anew at full
-HD; scenes of other people are rendered where `../shared/data/blend` lies beside the repository.
+anew at full HD; scenes of other people are rendered where `../shared/data/blend` lies beside the repository.
 
 | scene | ours | Cycles | times faster | noise, ours / Cycles | mean | times faster at equal noise |
 |---|---|---|---|---|---|---|

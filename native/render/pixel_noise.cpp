@@ -33,7 +33,7 @@ std::size_t PixelNoise::keep_noisy(float threshold, std::vector<std::uint8_t>& i
         pixels_.size(), progress,
         [&](std::size_t pixel) {
             const Moments& moments = pixels_[pixel];
-            const auto count = static_cast<float>(moments.turns(turn_samples_));
+            const auto count = static_cast<float>(moments.samples / turn_samples_);
             const float mean = moments.sum / count;
             const float variance = (moments.sum_of_squares - moments.sum * mean) / std::max(count - 1.0f, 1.0f);
             // A NaN or an infinity has no use for more samples.

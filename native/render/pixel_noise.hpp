@@ -29,8 +29,6 @@ private:
     struct Moments {
         float current = 0.0f, sum = 0.0f, sum_of_squares = 0.0f;
         std::uint32_t samples = 0;
-
-        [[nodiscard]] std::uint32_t turns(std::uint32_t turn_samples) const { return samples / turn_samples; }
     };
     std::uint32_t width_px_, height_px_, turn_samples_;
     std::vector<Moments> pixels_;

@@ -2,6 +2,7 @@
 #include "render/shadow_ray_counts.hpp"
 #include "core/parallel.hpp"
 #include "core/random.hpp"
+#include "render/best_ray_counts.hpp"
 #include "render/pixel_samples.hpp"
 #include <algorithm>
 #include <array>
@@ -18,92 +19,10 @@ static constexpr double camera_ray_cost_in_plane = 8.0, camera_ray_cost_in_leave
 static constexpr double lamp_ray_cost_in_plane = 0.9, lamp_ray_cost_in_leaves = 0.25;
 /// Of a ray to an image of the world: it is drawn, and weighed by the image's density.
 static constexpr double image_ray_cost = 1.7;
-static constexpr std::uint32_t most_rays = 16;
 /// Of the noise in a fixed time, that twice the rays of a light save where no fog takes its time, too.
 static constexpr double least_saving_on_surfaces = 0.15;
-/// The same of all turns together: fewer rays make shadows' edges coarser.
-static constexpr double least_saving_of_turns = 0.08;
 /// Noise counts relative to its pixel, but for pixels darker than this share of the frame's mean.
 static constexpr double darkest_share = 0.05;
-
-std::vector<std::uint32_t> best_ray_counts(std::span<const PixelVariances> pixels, const RayCosts& costs) {
-    const std::size_t light_count = costs.of_light.size();
-    std::vector<std::uint32_t> counts(light_count, 1);
-    double cost = std::accumulate(costs.of_light.begin(), costs.of_light.end(), costs.of_camera);
-    std::vector<double> variances;
-    for (const PixelVariances& pixel : pixels)
-        variances.push_back(std::accumulate(pixel.of_light.begin(), pixel.of_light.end(), pixel.of_camera));
-    // Up to a factor, the mean standard error of a pixel in a fixed time if a light's variance changed.
-    const auto noise_with = [&](std::size_t light, double variance_gain, double more_cost) {
-        double noise = 0.0;
-        for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel)
-            noise += std::sqrt(std::max(0.0, variances[pixel] + variance_gain * pixels[pixel].of_light[light]));
-        return noise * std::sqrt(cost + more_cost);
-    };
-    for (bool is_better = true; is_better;) {
-        is_better = false;
-        for (std::size_t light = 0; light < light_count; ++light) {
-            const double least_saving = costs.least_savings.empty() ? 0.0 : costs.least_savings[light];
-            const double more_cost = counts[light] * costs.of_light[light], variance_gain = -0.5 / counts[light];
-            if (counts[light] == most_rays ||
-                noise_with(light, variance_gain, more_cost) >= (1.0 - least_saving) * noise_with(light, 0.0, 0.0))
-                continue;
-            for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel)
-                variances[pixel] += variance_gain * pixels[pixel].of_light[light];
-            cost += more_cost;
-            counts[light] *= 2;
-            is_better = true;
-        }
-    }
-    return counts;
-}
-
-std::vector<std::uint32_t> best_turns(std::span<const PixelVariances> pixels, const RayCosts& costs,
-                                      std::span<const std::uint32_t> counts, std::uint32_t longest) {
-    const std::size_t light_count = counts.size();
-    std::vector<std::uint32_t> turns(light_count, 1);
-    double cost = costs.of_camera;
-    for (std::size_t light = 0; light < costs.of_light.size(); ++light)
-        cost += costs.of_light[light] * (light < light_count ? counts[light] : 1);
-    std::vector<double> variances;
-    for (const PixelVariances& pixel : pixels) {
-        variances.push_back(pixel.of_camera);
-        for (std::size_t light = 0; light < pixel.of_light.size(); ++light)
-            variances.back() += pixel.of_light[light] / (light < light_count ? counts[light] : 1);
-    }
-    /// What one more sample without the light adds to a pixel's variance.
-    const auto more_variance = [&](const PixelVariances& pixel, std::size_t light) {
-        return pixel.of_light[light] + (pixel.of_camera_by_light.empty() ? 0.0 : pixel.of_camera_by_light[light]);
-    };
-    const auto noise_at = [&](double cost_then, std::size_t light, double more) {
-        double noise = 0.0;
-        for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel)
-            noise += std::sqrt(variances[pixel] + (more > 0.0 ? more * more_variance(pixels[pixel], light) : 0.0));
-        return noise * std::sqrt(cost_then);
-    };
-    const double noise_before = noise_at(cost, 0, 0.0);
-    double noise = noise_before;
-    for (bool is_better = true; is_better;) {
-        is_better = false;
-        for (std::size_t light = 0; light < light_count; ++light) {
-            if (counts[light] > 1 || 2 * turns[light] > longest)
-                continue;
-            const double cost_then = cost - 0.5 * costs.of_light[light] / turns[light];
-            const double noise_then = noise_at(cost_then, light, turns[light]);
-            if (noise_then >= noise)
-                continue;
-            for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel)
-                variances[pixel] += turns[light] * more_variance(pixels[pixel], light);
-            cost = cost_then;
-            noise = noise_then;
-            turns[light] *= 2;
-            is_better = true;
-        }
-    }
-    if (noise > (1.0 - least_saving_of_turns) * noise_before)
-        std::ranges::fill(turns, 1u);
-    return turns;
-}
 
 namespace {
 /// Pixels of a square of the pilot: neighbours, which trace faster together.

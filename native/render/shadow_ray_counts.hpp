@@ -2,14 +2,12 @@
 // How many shadow rays of each light a camera ray is worth: the camera ray, its shading and its shafts cost as much as
 // many shadow rays, and a pixel's noise may come from the light rather than from its surfaces' edges.
 // Based on: splitting, Arvo and Kirk, Particle Transport and Image Synthesis, SIGGRAPH 1990; the number with the least
-//           noise per time, Bolin and Meyer, An Error Metric for Monte Carlo Ray Tracing, EGWR 1997:
-//           (v_0 + sum v_l / n_l) (c_0 + sum n_l c_l), with the variances v and costs c of a camera ray (0) and of a
-//           light's shadow ray, is least at n_l = sqrt((v_l / c_l) / (v_0 / c_0)).
-//           A number below one: the light takes turns, and is asked at every second or fourth sample of a pixel alone.
+//           noise per time, see best_ray_counts.hpp.
 // Differs:  one number per light and frame, from a pilot, for the least mean standard error of a pixel (edges with much
 //           variance, which no shadow ray lessens, do not decide for all); fog hides noise, and its brightness is found by
 //           a few rays; without fog, rays are not doubled for the last sixth of the noise, since who asks for few samples
-//           wants them soon, and more samples smooth edges, too; costs are guessed by how fine the geometry is: results must not depend on the clock.
+//           wants them soon, and more samples smooth edges, too; costs are guessed by how fine the geometry is: results
+//           must not depend on the clock.
 // Bound:    8 shadow rays per light and 4 camera rays, of 1,024 pixels: some 20 ms with 15 lights; and 64 rays through
 //           the fog.
 #pragma once
@@ -35,25 +33,4 @@ struct ShadowRayCounts {
                                                 const FilterSampler& filter, std::uint32_t seed, bool may_share_world,
                                                 float voxel_detail_px, std::uint32_t longest_turn,
                                                 const light_shafts::Config& shafts, Progress& progress);
-
-/// Of the samples of one pixel, relative to the square of its brightness.
-struct PixelVariances {
-    double of_camera;             ///< Of one camera ray, if its light were known.
-    std::vector<double> of_light; ///< Of one shadow ray to each light.
-    /// Of one camera ray, if only this light were there and known; empty: nothing.
-    std::vector<double> of_camera_by_light = {};
-};
-/// Times, up to a factor: of a camera ray with its shading and its shafts, and of a shadow ray to each light.
-struct RayCosts {
-    double of_camera;
-    std::vector<double> of_light;
-    /// Per light, of the error in a fixed time: what twice its rays must save. Empty: anything.
-    std::vector<double> least_savings = {};
-};
-/// The powers of two up to 16 with the least mean standard error of a pixel in a fixed time.
-[[nodiscard]] std::vector<std::uint32_t> best_ray_counts(std::span<const PixelVariances> pixels, const RayCosts& costs);
-/// The powers of two up to `longest` with the same for the lights of one ray: what is asked for less often is as much
-/// noisier, with all that differs between camera rays. All 1 where that saves little.
-[[nodiscard]] std::vector<std::uint32_t> best_turns(std::span<const PixelVariances> pixels, const RayCosts& costs,
-                                                    std::span<const std::uint32_t> counts, std::uint32_t longest);
 } // namespace tyndall::render

@@ -13,8 +13,8 @@ namespace tyndall {
 struct FlatEmitter {
     mat4 world_from_object{1.0f};
     vec2 size{1.0f}; ///< In the object's space.
-    bool is_object =
-        true; ///< Its points know an object's space and UV maps; up to 3.x only the world's, and UV maps are 0.
+    /// Its points know an object's space and UV maps; up to 3.x only the world's, and UV maps are 0.
+    bool is_object = true;
 };
 
 class EmitterProgram {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where a pixel's noise comes from its light, a camera ray is worth several shadow rays.
+#include "render/best_ray_counts.hpp"
 #include "render/shadow_ray_counts.hpp"
 #include "support/scenes.hpp"
 #include <algorithm>
@@ -38,6 +39,22 @@ render::ShadowRayCounts rays_to_sky(const Scene& scene, bool may_share = false) 
     return render::count_shadow_rays(scene, media, light, nullptr, camera_above_ground(), filter, 3, may_share, 0.0f, 1,
                                      {}, progress);
 }
+/// On the ground, under the sky and the lid with a slit.
+struct PointBelowSlit {
+    std::unique_ptr<Scene> scene = room_under_sky(true);
+    Media media{*scene, Progress()};
+    Statistics statistics;
+    render::DirectLight light{*scene, media, statistics};
+    Ray down{.origin = {0.1f, 0.2f, 0.4f}, .direction = {0, 0, -1}};
+    render::SurfacePoint point = render::surface_point(*scene, down, scene->closest_hit(down), 7);
+
+    [[nodiscard]] glm::dvec3 irradiance(std::uint32_t sample) const {
+        constexpr std::array<std::uint8_t, 1> only_light{1};
+        render::DirectLight::Irradiance found;
+        light.at({&point, 1}, {.sample_index = sample, .pair_index = 0}, only_light, {&found, 1});
+        return glm::dvec3(found.sum());
+    }
+};
 } // namespace
 
 TEST_CASE("the best number of shadow rays is sqrt((v_light / c_light) / (v_camera / c_camera)), as powers of two go") {
@@ -96,33 +113,22 @@ TEST_CASE("lights take the turns with the least noise in a fixed time, and none 
 }
 
 TEST_CASE("a light's turn is worth its samples, and each comes once in as many") {
-    const auto scene = room_under_sky(true);
-    const Media media(*scene, Progress());
-    Statistics statistics;
-    render::DirectLight light(*scene, media, statistics);
-    const Ray down{.origin = {0.1f, 0.2f, 0.4f}, .direction = {0, 0, -1}};
-    const render::SurfacePoint point = render::surface_point(*scene, down, scene->closest_hit(down), 7);
-    constexpr std::array<std::uint8_t, 1> only_light{1};
-    const auto at = [&](std::uint32_t sample) {
-        render::DirectLight::Irradiance irradiance;
-        light.at({&point, 1}, {.sample_index = sample, .pair_index = 0}, only_light, {&irradiance, 1});
-        return double{irradiance.sum().x};
-    };
+    PointBelowSlit below;
     for (const std::uint32_t first : {0u, 1u, 6u}) {
         double in_turns = 0.0;
         std::uint32_t asked = 0;
-        light.set_turns({4});
+        below.light.set_turns({4});
         for (std::uint32_t sample = first; sample < first + 16; ++sample) {
-            const double found = at(sample);
+            const double found = below.irradiance(sample).x;
             in_turns += found;
             asked += found > 0.0 ? 1 : 0;
             CHECK((found == 0.0 || sample % 4 == 0));
         }
-        light.set_turns({1});
+        below.light.set_turns({1});
         double each = 0.0;
         const std::uint32_t first_turn = (first + 3) / 4;
         for (std::uint32_t turn = first_turn; turn < first_turn + 4; ++turn)
-            each += 4.0 * at(turn);
+            each += 4.0 * below.irradiance(turn).x;
         CHECK(asked > 0);
         CHECK(in_turns == doctest::Approx(each).epsilon(1e-6));
     }
@@ -166,25 +172,15 @@ TEST_CASE("with what neighbours find, a pixel needs fewer; where one ray says al
 }
 
 TEST_CASE("several shadow rays are the mean of as many samples with one") {
-    const auto scene = room_under_sky(true);
-    const Media media(*scene, Progress());
-    Statistics statistics;
-    render::DirectLight light(*scene, media, statistics);
-    const Ray down{.origin = {0.1f, 0.2f, 0.4f}, .direction = {0, 0, -1}};
-    const render::SurfacePoint point = render::surface_point(*scene, down, scene->closest_hit(down), 7);
-    constexpr std::array<std::uint8_t, 1> only_light{1};
+    PointBelowSlit below;
     for (const std::uint32_t sample : {0u, 1u, 5u}) {
         glm::dvec3 mean(0.0);
-        light.set_ray_counts({1});
-        render::DirectLight::Irradiance irradiance;
-        for (std::uint32_t ray = 0; ray < 8; ++ray) {
-            light.at({&point, 1}, {.sample_index = sample * 8 + ray, .pair_index = 0}, only_light, {&irradiance, 1});
-            mean += glm::dvec3(irradiance.sum()) / 8.0;
-        }
-        light.set_ray_counts({8});
-        light.at({&point, 1}, {.sample_index = sample, .pair_index = 0}, only_light, {&irradiance, 1});
+        below.light.set_ray_counts({1});
+        for (std::uint32_t ray = 0; ray < 8; ++ray)
+            mean += below.irradiance(sample * 8 + ray) / 8.0;
+        below.light.set_ray_counts({8});
         CHECK(mean.x > 0.0);
-        CHECK(glm::length(glm::dvec3(irradiance.sum()) - mean) < 1e-6 * glm::length(mean));
+        CHECK(glm::length(below.irradiance(sample) - mean) < 1e-6 * glm::length(mean));
     }
 }
 } // namespace shadow_ray_counts_test
