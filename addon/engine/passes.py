@@ -43,6 +43,7 @@ _PASSES = (
     _Pass("Emit", "Emission" if _HAS_LONG_NAMES else "Emit", "RGB", "COLOR", "use_pass_emit"),
     _Pass("Shadow", "Shadow", "RGB", "COLOR", "use_pass_shadow"),
     _Pass("AO", "Ambient Occlusion" if _HAS_LONG_NAMES else "AO", "RGB", "COLOR", "use_pass_ambient_occlusion"),
+    _Pass("Shadow Catcher", "Shadow Catcher", "RGB", "COLOR", "tyndall.use_pass_shadow_catcher"),
     _Pass("Shafts", "Shafts", "RGB", "COLOR", "tyndall.use_pass_shafts"),
     _Pass("Shafts Visibility", "Shafts Visibility", "X", "VALUE", "tyndall.use_pass_shafts_visibility"),
     _Pass("Transmittance", "Transmittance", "RGB", "COLOR", "tyndall.use_pass_transmittance"),

@@ -50,6 +50,7 @@ class TYNDALL_PT_passes(PropertiesPanel, Panel):
         column.prop(view_layer, "use_pass_emit", text="Emission")
         column.prop(view_layer, "use_pass_shadow")
         column.prop(view_layer, "use_pass_ambient_occlusion", text="Ambient Occlusion")
+        column.prop(view_layer.tyndall, "use_pass_shadow_catcher")
         draw_media_passes(layout.column(heading="Media", align=True), view_layer)
         column = layout.column(heading="Cryptomatte", align=True)
         column.prop(view_layer, "use_pass_cryptomatte_object", text="Object")

@@ -45,6 +45,14 @@ class TyndallViewLayerSettings(PropertyGroup):
         update=update_passes,
         override=OVERRIDABLE,
     )
+    use_pass_shadow_catcher: BoolProperty(
+        name="Shadow Catcher",
+        description="What the shadows on shadow catchers leave of a picture that is put behind the render: multiply "
+        "it by this. The render itself then shows no caught shadow",
+        default=False,
+        update=update_passes,
+        override=OVERRIDABLE,
+    )
     use_pass_transmittance: BoolProperty(
         name="Transmittance",
         description="Share of the light of the surface that media let through to the camera. Costs memory only",

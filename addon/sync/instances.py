@@ -81,6 +81,7 @@ class Placement:
     is_bounce_visible: bool = True
     is_mirror_visible: bool = True
     is_held_out: bool = False
+    is_shadow_catcher: bool = False  #: Of a light: its shadows show on catchers.
     lighting: ObjectLighting | None = None
     color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
     pass_index: int = 0
@@ -257,11 +258,8 @@ class _Grouping:
         casts_shadow, is_bounce_visible, is_mirror_visible = (
             getattr(source, switch) and (parent is None or getattr(parent, switch)) for switch in _OTHER_RAYS
         )
-        if has_shape:
-            if source.is_shadow_catcher:
-                self._reports.add(f'Object "{source.name}"', "drawn as it is: shadow catchers are not supported")
-            if not (is_camera_visible or casts_shadow or is_bounce_visible or is_mirror_visible):
-                return None
+        if has_shape and not (is_camera_visible or casts_shadow or is_bounce_visible or is_mirror_visible):
+            return None
         return Placement(
             object_name=owner.name,
             data=thing.data if has_shape else None,
@@ -272,6 +270,7 @@ class _Grouping:
             is_bounce_visible=is_bounce_visible,
             is_mirror_visible=is_mirror_visible,
             is_held_out=has_shape and self._is_held_out(parent or source),
+            is_shadow_catcher=source.is_shadow_catcher or (parent is not None and parent.is_shadow_catcher),
             lighting=self._lighting.read(source, parent),
             depends_on={thing.original.as_pointer() for thing in (thing.data, owner, parent) if thing is not None},
             is_instanced=parent is not None,

@@ -97,6 +97,7 @@ class ReadScene:
                     source=source,
                     is_camera_visible=source.visible_camera,
                     casts_shadow=source.visible_shadow,
+                    is_shadow_catcher=source.is_shadow_catcher,
                     lighting=lighting.read(source, None),
                     matrices=[source.matrix_world.copy()],
                 )

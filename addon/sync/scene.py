@@ -347,6 +347,7 @@ def _group(placement: Placement, mesh: Mesh, materials: MaterialReader, media: L
         is_bounce_visible=placement.is_bounce_visible,
         is_mirror_visible=placement.is_mirror_visible,
         is_held_out=placement.is_held_out,
+        is_shadow_catcher=placement.is_shadow_catcher,
         lighting=placement.lighting,
         color=placement.color,
         pass_index=float(placement.pass_index),

@@ -34,7 +34,8 @@ static Light make_light(std::string name, int kind, const Triple& strength, cons
                         const py::array& light_from_world_directions, float half_angle_rad, float radius_m,
                         float spot_half_angle_rad, float spot_blend, int spot_falloff, int body,
                         const std::array<float, 2>& half_size_m, bool is_ellipse, bool casts_shadow,
-                        bool lights_surfaces, bool scatters_in_media, std::vector<OccluderEdit> occluder_edits,
+                        bool lights_surfaces, bool lights_catchers, bool scatters_in_media,
+                        std::vector<OccluderEdit> occluder_edits,
                         const std::optional<std::shared_ptr<LightTexture>>& texture, std::uint8_t light_group,
                         const std::array<std::uint64_t, 2>& links,
                         const std::vector<std::array<std::uint16_t, 2>>& unlit_media) {
@@ -56,6 +57,7 @@ static Light make_light(std::string name, int kind, const Triple& strength, cons
     light.light_from_world_directions = to_matrix<mat3, 3>(light_from_world_directions, "light_from_world_directions");
     light.casts_shadow = casts_shadow;
     light.lights_surfaces = lights_surfaces;
+    light.lights_catchers = lights_catchers;
     light.scatters_in_media = scatters_in_media;
     light.occluder_edits = std::move(occluder_edits);
     light.texture = texture.value_or(nullptr);
@@ -104,7 +106,7 @@ struct InstanceArrays {
 } // namespace
 
 /// Of shows_to, beside the masks of kinds of rays.
-static constexpr unsigned int held_out_flag = 16u;
+static constexpr unsigned int held_out_flag = 16u, shadow_catcher_flag = 32u;
 
 static std::vector<Instance> make_instances(const InstanceArrays& arrays) {
     const auto count = static_cast<py::ssize_t>(arrays.mesh_indices.size());
@@ -122,6 +124,7 @@ static std::vector<Instance> make_instances(const InstanceArrays& arrays) {
                         .is_bounce_visible = (arrays.shows_to[i] & bounce_mask) != 0,
                         .is_mirror_visible = (arrays.shows_to[i] & mirror_mask) != 0,
                         .is_held_out = (arrays.shows_to[i] & held_out_flag) != 0,
+                        .is_shadow_catcher = (arrays.shows_to[i] & shadow_catcher_flag) != 0,
                         .random = arrays.randoms[i]};
     return instances;
 }
@@ -146,7 +149,8 @@ static std::vector<PlacedShape> make_placed_shapes(const py::array& shape_indice
                      .casts_shadow = (mask[i] & shadow_mask) != 0,
                      .is_bounce_visible = (mask[i] & bounce_mask) != 0,
                      .is_mirror_visible = (mask[i] & mirror_mask) != 0,
-                     .is_held_out = (mask[i] & held_out_flag) != 0};
+                     .is_held_out = (mask[i] & held_out_flag) != 0,
+                     .is_shadow_catcher = (mask[i] & shadow_catcher_flag) != 0};
     return placed;
 }
 
@@ -258,8 +262,8 @@ corner_normals: float32 (t, 3, 3) or None; uv_maps: pairs of name and float32 (t
         .def(py::init(&make_light), "name"_a, "kind"_a, "strength"_a, "position"_a, "axis"_a,
              "light_from_world_directions"_a, "half_angle_rad"_a, "radius_m"_a, "spot_half_angle_rad"_a, "spot_blend"_a,
              "spot_falloff"_a, "body"_a, "half_size_m"_a, "is_ellipse"_a, "casts_shadow"_a, "lights_surfaces"_a,
-             "scatters_in_media"_a, "occluder_edits"_a, "texture"_a, "light_group"_a = no_light_group,
-             "links"_a = std::array<std::uint64_t, 2>{~0ull, ~0ull},
+             "lights_catchers"_a, "scatters_in_media"_a, "occluder_edits"_a, "texture"_a,
+             "light_group"_a = no_light_group, "links"_a = std::array<std::uint64_t, 2>{~0ull, ~0ull},
              "unlit_media"_a = std::vector<std::array<std::uint16_t, 2>>(),
              "position: relative to the scene's origin; axis: unit vector along which the light shines; light_group: "
              "255 "
@@ -295,7 +299,7 @@ float32 (strands, 2); randoms: float32 (strands,) or None. Releases the GIL. Typ
              "shape_materials"_a, "shape_shows_to"_a, "materials"_a, "media"_a, "volumes"_a, "world_medium"_a,
              "progress"_a,
              R"(In the dark, see relit. Per instance: mesh_indices and first_slot_materials uint32, slot_counts uint16,
-shows_to uint8, a bit each for cameras, lights' shadows, bounces and mirrors, and one for what is held out, world_from_object float32 (n, 4, 4)
+shows_to uint8, a bit each for cameras, lights' shadows, bounces and mirrors, and one each for what is held out and for shadow catchers, world_from_object float32 (n, 4, 4)
 relative to origin_in_world. The same per placed shape, of which
 shape_materials, uint32, is the one material. object_names: those that name_indices, uint32 per instance, point to, of
 which object_colors and object_indices are, too; then one per shape. Of all of these, object_light_groups, uint8 (255:

@@ -124,14 +124,14 @@ bool DirectLight::has_strata(std::size_t light) const {
 
 void DirectLight::at(std::span<const SurfacePoint> points, const PairIndex& first_pair,
                      std::span<const std::uint8_t> is_asked, std::span<Irradiance> irradiance, const PointLobes* lobes,
-                     std::span<Irradiance> many_by_group) const {
+                     std::span<Irradiance> many_by_group, Among among) const {
     const LitPoints lanes = lanes_of(points);
     for (std::size_t light = 0; light < light_count(); ++light) {
         if (is_asked[light] == 0)
             continue;
         const std::span<Irradiance> of_light = irradiance.subspan(light * points.size(), points.size());
         std::ranges::fill(of_light, Irradiance{});
-        add(light, count_of(light), {points, lanes, lobes}, first_pair, of_light, many_by_group);
+        add(light, count_of(light), {points, lanes, lobes, among}, first_pair, of_light, many_by_group);
     }
 }
 
@@ -141,14 +141,14 @@ void DirectLight::add_one(std::size_t light, std::span<const SurfacePoint> point
 }
 
 void DirectLight::add_all_once(std::span<const SurfacePoint> points, const PairIndex& first_pair,
-                               std::span<Irradiance> irradiance, std::span<Irradiance> by_group) const {
+                               std::span<Irradiance> irradiance, std::span<Irradiance> by_group, Among among) const {
     const LitPoints lanes = lanes_of(points);
     std::array<Irradiance, most_points> before;
     for (std::size_t light = 0; light < light_count(); ++light) {
         const bool is_grouped = !by_group.empty() && !is_many(light) && group_of(light) != no_light_group;
         if (is_grouped)
             std::ranges::copy(irradiance.first(points.size()), before.begin());
-        add(light, {}, {points, lanes, nullptr}, first_pair, irradiance, by_group);
+        add(light, {}, {points, lanes, nullptr, among}, first_pair, irradiance, by_group);
         for (std::size_t point = 0; is_grouped && point < points.size(); ++point) {
             Irradiance more; // the sums keep the bits that they have without groups
             more.from_lights = irradiance[point].from_lights - before[point].from_lights;
@@ -162,6 +162,8 @@ void DirectLight::add(std::size_t light, const RayCount& count, const LitSurface
                       std::span<Irradiance> irradiance, std::span<Irradiance> many_by_group) const {
     if (!is_on_turn(light, count, first_pair) ||
         (light < lights_.size() && lights_[light].aim.may_light(surface.lanes) == 0))
+        return;
+    if (surface.among == Among::Catchers && light < lights_.size() && !scene_.lights()[index_of(light)].lights_catchers)
         return;
     const float share = static_cast<float>(count.turn) / static_cast<float>(count.rays);
     for (std::uint32_t ray = 0; ray < count.rays; ++ray) {
@@ -230,6 +232,13 @@ vec3 DirectLight::towards_lamp(const Light& light, const SurfacePoint& point, co
 
 void DirectLight::let_pass(const AimedLight& aimed, const LitSurface& surface, ShadowRays& shadow) const {
     const Light& light = scene_.lights()[aimed.index];
+    if (surface.among == Among::Catchers) {
+        if (light.casts_shadow)
+            scene_.shadow_transmittances(shadow.all(), shadow.passing, light.links, surface.among);
+        else
+            shadow.passing.fill(Rgb(1.0f));
+        return;
+    }
     if (light.casts_shadow && aimed.holes)
         aimed.holes->shadow_transmittances(shadow.all(), shadow.passing);
     else if (light.casts_shadow && !light.links.is_blocked_by_all())

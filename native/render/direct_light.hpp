@@ -65,9 +65,10 @@ public:
     /// shading normals: irradiance[light * points.size() + point]. Takes random numbers from `first_pair` on. Faster where
     /// the points are neighbours; the results depend neither on it nor on the other lights. `lobes`: null where no point
     /// has any. Adds that of the many lights to many_by_group[group * points.size() + point], for as many groups as it has.
+    /// Among catchers alone no medium and no edit of occluders counts, and of what glows only catchers.
     void at(std::span<const SurfacePoint> points, const PairIndex& first_pair, std::span<const std::uint8_t> is_asked,
             std::span<Irradiance> irradiance, const PointLobes* lobes = nullptr,
-            std::span<Irradiance> many_by_group = {}) const;
+            std::span<Irradiance> many_by_group = {}, Among among = Among::All) const;
 
     /// Those that light surfaces: those that are asked each, the many as one, the world's light last. index_of: into
     /// Scene::lights, of the first of these.
@@ -97,7 +98,8 @@ public:
     /// Of all lights, with one shadow ray each: what a point that few will see is worth. Adds what comes from each group to
     /// by_group, as at() does for the many.
     void add_all_once(std::span<const SurfacePoint> points, const PairIndex& first_pair,
-                      std::span<Irradiance> irradiance, std::span<Irradiance> by_group = {}) const;
+                      std::span<Irradiance> irradiance, std::span<Irradiance> by_group = {},
+                      Among among = Among::All) const;
     /// The world is the last light.
     [[nodiscard]] bool has_world() const { return has_world_light_; }
     /// There is a world of one radiance.
@@ -125,6 +127,7 @@ private:
         std::span<const SurfacePoint> points;
         const LitPoints& lanes;
         const PointLobes* lobes; ///< Nothing: no point has any.
+        Among among = Among::All;
     };
     /// Shadow rays of a point in one sample.
     struct RayCount {
@@ -150,7 +153,7 @@ private:
                   std::span<Irradiance> by_group) const;
     /// Irradiance from triangles that a ray in a direction drawn with that density meets; the share of that strategy.
     /// by_group: of each group that is asked for, or empty.
-    [[nodiscard]] Rgb of_triangles(const SurfacePoint& point, const vec3& direction, float pdf_per_sr,
+    [[nodiscard]] Rgb of_triangles(const SurfacePoint& point, const vec3& direction, float pdf_per_sr, Among among,
                                    std::span<Rgb> by_group) const;
     void report_glow(Statistics& statistics, const IndirectConfig& indirect) const;
     /// What a lamp with a size adds to lobes, in their own directions.
@@ -178,7 +181,7 @@ private:
     [[nodiscard]] static bool is_on_turn(std::size_t light, const RayCount& count, const PairIndex& first_pair) {
         return (first_pair.sample_index + light) % count.turn == 0;
     }
-    void add_from_world(ShadowRays& shadow, std::span<Irradiance> irradiance) const;
+    void add_from_world(ShadowRays& shadow, Among among, std::span<Irradiance> irradiance) const;
     /// Towards the light, lifted off a smooth surface's terminator.
     [[nodiscard]] Ray shadow_ray(const SurfacePoint& point, const vec3& direction) const;
 

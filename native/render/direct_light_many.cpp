@@ -26,6 +26,9 @@ void DirectLight::aim_at_many(const LitSurface& surface, const PairIndex& pair, 
         std::optional<ManyLights::Aimed> aimed = many_->aim(point, choice, place);
         if (!aimed || (aimed->links != nullptr && !may_light(*aimed->links, point)))
             continue;
+        if (surface.among == Among::Catchers &&
+            !(aimed->lamp != nullptr ? aimed->lamp->lights_catchers : scene_.is_shadow_catcher(aimed->instance)))
+            continue;
         const bool is_met = aimed->lamp == nullptr && is_met_by_chance(*aimed);
         const vec3 towards = aimed->ray.direction; // before a smooth surface's terminator lifts the ray
         if (aimed->lamp != nullptr)
@@ -64,11 +67,11 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
         if (!shadow.casts[index])
             shadow.passing[index] = Rgb(1.0f);
         else if (shadow.links[index] == nullptr)
-            shadow.passing[index] = scene_.shadow_transmittance(shadow.rays[index]);
+            shadow.passing[index] = scene_.shadow_transmittance(shadow.rays[index], surface.among);
         else
             scene_.shadow_transmittances(shadow.all().subspan(index, 1), std::span(shadow.passing).subspan(index, 1),
-                                         *shadow.links[index]);
-    if (has_media_)
+                                         *shadow.links[index], surface.among);
+    if (has_media_ && surface.among == Among::All)
         media_.attenuate(shadow.all(), shadow.passing);
     for (std::size_t index = 0; index < shadow.count; ++index) {
         Irradiance found;
@@ -86,7 +89,7 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
         const vec3 direction = from_frame(point.shading.shading_normal, sample_cosine_hemisphere(u));
         const float cosine = glm::dot(point.shading.shading_normal, direction);
         irradiance[index].from_lights +=
-            share * of_triangles(point, direction, cosine_hemisphere_pdf_per_sr(cosine), of_groups);
+            share * of_triangles(point, direction, cosine_hemisphere_pdf_per_sr(cosine), surface.among, of_groups);
         for (std::size_t group = 0; group < of_groups.size(); ++group)
             by_group[group * surface.points.size() + index].from_lights += share * of_groups[group];
         if (surface.lobes == nullptr || !(*surface.lobes)[index].has_directions())
@@ -94,15 +97,16 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
         const LobeSet& lobes = (*surface.lobes)[index];
         const vec3 mirrored =
             lobes.sample(pixel_pair(point.pixel_seed, pair.sample_index, lobe_pairs + pair.pair_index));
-        irradiance[index].reflected += share * of_triangles(point, mirrored, lobes.pdf_per_sr(mirrored), of_groups) *
-                                       lobes.per_irradiance(mirrored);
+        irradiance[index].reflected +=
+            share * of_triangles(point, mirrored, lobes.pdf_per_sr(mirrored), surface.among, of_groups) *
+            lobes.per_irradiance(mirrored);
         for (std::size_t group = 0; group < of_groups.size(); ++group)
             by_group[group * surface.points.size() + index].reflected +=
                 share * of_groups[group] * lobes.per_irradiance(mirrored);
     }
 }
 
-Rgb DirectLight::of_triangles(const SurfacePoint& point, const vec3& direction, float pdf_per_sr,
+Rgb DirectLight::of_triangles(const SurfacePoint& point, const vec3& direction, float pdf_per_sr, Among among,
                               std::span<Rgb> by_group) const {
     std::ranges::fill(by_group, Rgb(0.0f));
     const float cosine = glm::dot(point.shading.shading_normal, direction);
@@ -113,13 +117,13 @@ Rgb DirectLight::of_triangles(const SurfacePoint& point, const vec3& direction, 
     if (!many_->may_meet_triangle(ray))
         return sum;
     for (int passed = 0; passed < most_surfaces_passed; ++passed) {
-        const Hit hit = scene_.closest_hit(ray, bounce_mask);
+        const Hit hit = scene_.closest_hit(ray, mask_among(among, bounce_mask));
         if (!hit.is_hit())
             break;
         if (const std::optional<ManyLights::Aimed> met = many_->met(point, ray, hit);
             met && is_met_by_chance(*met) && (met->links == nullptr || may_light(*met->links, point))) {
-            std::array<Rgb, 1> passing{scene_.shadow_transmittance(met->ray)};
-            if (has_media_)
+            std::array<Rgb, 1> passing{scene_.shadow_transmittance(met->ray, among)};
+            if (has_media_ && among == Among::All)
                 media_.attenuate({&met->ray, 1}, passing);
             const Rgb found =
                 met->arriving * passing[0] * (power_share(pdf_per_sr, met->pdf_per_sr) * cosine / pdf_per_sr);

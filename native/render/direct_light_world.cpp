@@ -121,17 +121,17 @@ void DirectLight::add_world(const LitSurface& surface, const PairIndex& pair, fl
                             std::span<Irradiance> irradiance) const {
     ShadowRays shadow;
     aim_at_world(surface, pair, share, shadow);
-    add_from_world(shadow, irradiance);
+    add_from_world(shadow, surface.among, irradiance);
 }
 
 /// One ray at a time: in packets, rays into all directions are slower.
-void DirectLight::add_from_world(ShadowRays& shadow, std::span<Irradiance> irradiance) const {
+void DirectLight::add_from_world(ShadowRays& shadow, Among among, std::span<Irradiance> irradiance) const {
     for (std::size_t index = 0; index < shadow.count; ++index) {
         Ray within_reach = shadow.rays[index]; // media dim the light all the way
         within_reach.far_m = std::min(within_reach.far_m, world_reach_m_);
-        shadow.passing[index] = scene_.shadow_transmittance(within_reach);
+        shadow.passing[index] = scene_.shadow_transmittance(within_reach, among);
     }
-    if (has_media_)
+    if (has_media_ && among == Among::All)
         media_.attenuate(shadow.all(), shadow.passing);
     for (std::size_t index = 0; index < shadow.count; ++index) {
         irradiance[shadow.points[index]].from_world += shadow.arriving[index] * shadow.passing[index];

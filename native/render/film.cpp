@@ -24,8 +24,9 @@ const Plane* Film::find(Pass pass) const {
     return plane == planes.end() ? nullptr : &*plane;
 }
 
-FilmSums::FilmSums(std::uint32_t width_px, std::uint32_t height_px, const PassSet& passes, const dvec3& origin_in_world)
-    : width_px_(width_px), height_px_(height_px), origin_in_world_(origin_in_world) {
+FilmSums::FilmSums(std::uint32_t width_px, std::uint32_t height_px, const PassSet& passes, const dvec3& origin_in_world,
+                   CatcherFilm catchers)
+    : width_px_(width_px), height_px_(height_px), origin_in_world_(origin_in_world), catchers_(catchers) {
     for (std::size_t index = 0; index < pass_count; ++index)
         if (passes.has(static_cast<Pass>(index))) {
             offsets_[index] = stride_;
@@ -38,6 +39,8 @@ FilmSums::FilmSums(std::uint32_t width_px, std::uint32_t height_px, const PassSe
     const std::size_t pixel_count = std::size_t{width_px} * height_px;
     sums_.resize(pixel_count * stride_);
     sample_counts_.resize(pixel_count);
+    if (catchers != CatcherFilm::None)
+        caught_.resize(pixel_count);
 }
 
 void FilmSums::add_colour(std::size_t pixel, Pass pass, const Rgb& colour) {
@@ -53,6 +56,8 @@ void FilmSums::add(std::size_t pixel, const PathSample& sample) {
     const bool is_first = sample_counts_[pixel]++ == 0;
     add_colour(pixel, Pass::Combined, sample.radiance);
     channels(pixel, Pass::Combined)[3] += sample.alpha;
+    if (!caught_.empty())
+        caught_[pixel] += *sample.caught;
     if (is_first && wants(Pass::Depth))
         *channels(pixel, Pass::Depth) = sample.depth_m;
     if (is_first && sample.depth_m > 0.0f)
@@ -95,6 +100,26 @@ float FilmSums::resolved(std::size_t pixel, Pass pass, std::uint32_t channel) co
     }
 }
 
+vec4 FilmSums::caught_colour(std::size_t pixel) const {
+    const CaughtLight& caught = caught_[pixel];
+    if (!(caught.weight > 0.0f) || wants(Pass::ShadowCatcher)) // then whoever composes has the shadows apart
+        return vec4(0.0f);
+    const float kept = caught.kept_as_seen(), per_sample = 1.0f / static_cast<float>(sample_counts_[pixel]);
+    if (catchers_ == CatcherFilm::World)
+        return {caught.backdrop * (kept * per_sample), caught.weight * per_sample};
+    return {Rgb(0.0f), caught.weight * (1.0f - kept) * per_sample};
+}
+
+Rgb FilmSums::shadow_catcher(std::size_t pixel) const {
+    if (caught_.empty() || !(caught_[pixel].weight > 0.0f))
+        return Rgb(1.0f);
+    // For what is put behind the picture: beside what the picture itself covers.
+    const float alpha = sums_[pixel * stride_ + *offsets_[static_cast<std::size_t>(Pass::Combined)] + 3];
+    const float uncovered = static_cast<float>(sample_counts_[pixel]) - alpha;
+    const float share = caught_[pixel].weight / std::max(uncovered, caught_[pixel].weight);
+    return Rgb(1.0f) - share * (Rgb(1.0f) - caught_[pixel].kept());
+}
+
 Film FilmSums::resolve(const Progress& progress) const {
     Film film{.width_px = width_px_, .height_px = height_px_, .planes = {}, .data_planes = {}, .statistics = {}};
     const std::size_t pixel_count = sample_counts_.size();
@@ -112,6 +137,24 @@ Film FilmSums::resolve(const Progress& progress) const {
                     plane.values[pixel * channel_count + channel] = resolved(pixel, pass, channel);
             },
             pixels_per_block);
+        if (pass == Pass::Combined && !caught_.empty())
+            parallel_for(
+                pixel_count, progress,
+                [&](std::size_t pixel) {
+                    const vec4 more = caught_colour(pixel);
+                    for (int channel = 0; channel < 4; ++channel)
+                        plane.values[pixel * 4 + static_cast<std::size_t>(channel)] += more[channel];
+                },
+                pixels_per_block);
+        if (pass == Pass::ShadowCatcher)
+            parallel_for(
+                pixel_count, progress,
+                [&](std::size_t pixel) {
+                    const Rgb kept = shadow_catcher(pixel);
+                    for (int channel = 0; channel < 3; ++channel)
+                        plane.values[pixel * 3 + static_cast<std::size_t>(channel)] = kept[channel];
+                },
+                pixels_per_block);
         film.planes.push_back(std::move(plane));
     }
     return film;

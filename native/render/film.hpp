@@ -4,6 +4,7 @@
 #include "core/math.hpp"
 #include "core/progress.hpp"
 #include "core/statistics.hpp"
+#include "render/caught_light.hpp"
 #include "render/data_passes.hpp"
 #include "render/shared_irradiance.hpp"
 #include <array>
@@ -29,9 +30,10 @@ enum class Pass : std::uint8_t {
     ShaftsVisibility = 8,
     Transmittance = 9,
     AmbientOcclusion = 10,
-    Unshadowed = 11, ///< What Shadow is a share of: films that are averaged weigh it by this.
+    Unshadowed = 11,    ///< What Shadow is a share of: films that are averaged weigh it by this.
+    ShadowCatcher = 12, ///< What the shadows on catchers leave of what lies behind; then Combined does without it.
 };
-inline constexpr std::size_t pass_count = 12;
+inline constexpr std::size_t pass_count = 13;
 struct PassLayout {
     std::string_view name; ///< As Blender names the pass.
     std::uint32_t channel_count;
@@ -47,7 +49,8 @@ inline constexpr std::array<PassLayout, pass_count> pass_layouts{{{"Combined", 4
                                                                   {"Shafts Visibility", 1},
                                                                   {"Transmittance", 3},
                                                                   {"AO", 3},
-                                                                  {"Unshadowed", 3}}};
+                                                                  {"Unshadowed", 3},
+                                                                  {"Shadow Catcher", 3}}};
 [[nodiscard]] constexpr const PassLayout& layout(Pass pass) { return pass_layouts[static_cast<std::size_t>(pass)]; }
 /// The pass of this name; throws InvalidInput that lists the names there are.
 [[nodiscard]] Pass pass_named(std::string_view name);
@@ -92,18 +95,32 @@ struct PathSample {
     WorldLit world_lit;                       ///< Its light is in `radiance`, too.
     /// Of `radiance`, what comes from the lights of each group; empty where nobody asks.
     std::span<Rgb> by_group = {};
+    /// Of shadow catchers, none of which is in what stands above; nothing: the scene has none.
+    CaughtLight* caught = nullptr;
 
-    void add_light(const Rgb& light, std::uint8_t group) {
-        radiance += light;
-        if (group < by_group.size())
+    [[nodiscard]] Rgb& light_of(LightOf of) {
+        return of == LightOf::Picture ? radiance : of == LightOf::CatcherAmongAll ? caught->lit : caught->alone;
+    }
+    /// By itself a sample of the shadow on catchers, in no colour: whether a pixel's samples agree.
+    [[nodiscard]] Rgb shadow() const {
+        return caught == nullptr ? Rgb(0.0f) : Rgb(caught->weight * (1.0f - caught->kept_as_seen()));
+    }
+    /// As in Cycles, light of catchers is in no group.
+    void add_light(const Rgb& light, std::uint8_t group, LightOf of = LightOf::Picture) {
+        light_of(of) += light;
+        if (of == LightOf::Picture && group < by_group.size())
             by_group[group] += light;
     }
 };
 
+/// Whether there are shadow catchers, and what is to be seen behind them.
+enum class CatcherFilm : std::uint8_t { None = 0, Transparent = 1, World = 2 };
+
 /// Sums of samples. Pixels are independent: threads may add to different ones. Samples of a pixel come in order.
 class FilmSums {
 public:
-    FilmSums(std::uint32_t width_px, std::uint32_t height_px, const PassSet& passes, const dvec3& origin_in_world);
+    FilmSums(std::uint32_t width_px, std::uint32_t height_px, const PassSet& passes, const dvec3& origin_in_world,
+             CatcherFilm catchers = CatcherFilm::None);
     [[nodiscard]] bool wants(Pass pass) const { return offsets_[static_cast<std::size_t>(pass)].has_value(); }
     void add(std::size_t pixel, const PathSample& sample);
     /// More light of the sample that was added last to this pixel.
@@ -119,6 +136,9 @@ private:
     }
     [[nodiscard]] float resolved(std::size_t pixel, Pass pass, std::uint32_t channel) const;
     void add_colour(std::size_t pixel, Pass pass, const Rgb& colour);
+    /// What shadow catchers add to a pixel's picture.
+    [[nodiscard]] vec4 caught_colour(std::size_t pixel) const;
+    [[nodiscard]] Rgb shadow_catcher(std::size_t pixel) const;
 
     std::uint32_t width_px_, height_px_;
     dvec3 origin_in_world_;
@@ -127,5 +147,7 @@ private:
     std::uint32_t stride_ = 0;
     std::vector<float> sums_;
     std::vector<std::uint32_t> sample_counts_;
+    CatcherFilm catchers_;
+    std::vector<CaughtLight> caught_; ///< Per pixel; empty without a catcher.
 };
 } // namespace tyndall::render

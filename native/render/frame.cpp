@@ -44,6 +44,12 @@ Region checked_region(const Camera& camera, const FrameConfig& config) {
     return region;
 }
 
+CatcherFilm catcher_film(const Scene& scene, const FrameConfig& config) {
+    if (!scene.has_shadow_catchers())
+        return CatcherFilm::None;
+    return config.is_film_transparent ? CatcherFilm::Transparent : CatcherFilm::World;
+}
+
 class FrameRenderer {
 public:
     FrameRenderer(const Scene& scene, const Media& media, const Camera& camera, const FrameConfig& config,
@@ -51,7 +57,8 @@ public:
         : scene_(scene), camera_(camera), config_(config), progress_(progress), on_update_(on_update),
           region_(checked_region(camera, config)), media_(media),
           surfaces_(scene, media, camera, region_, config, statistics_, progress),
-          sums_(region_.x1 - region_.x0, region_.y1 - region_.y0, config.passes, scene.description().origin_in_world),
+          sums_(region_.x1 - region_.x0, region_.y1 - region_.y0, config.passes, scene.description().origin_in_world,
+                catcher_film(scene, config)),
           is_active_(pixel_count(), 1), active_count_(pixel_count()), round_samples_(config.pixel_samples) {
         if (config.noise_threshold > 0.0f && samples_per_round(config.taken_samples()) < config.taken_samples()) {
             round_samples_ = samples_per_round(config.taken_samples());
@@ -255,7 +262,7 @@ private:
                 if (style_)
                     style_->see(pixel, found);
                 if (noise_)
-                    noise_->add(pixel, found.radiance);
+                    noise_->add(pixel, found.radiance + found.shadow());
                 if (surfaces_.world_reach_px() > 0)
                     world_lit_[pixel] = found.world_lit;
             },

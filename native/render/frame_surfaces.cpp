@@ -184,10 +184,10 @@ void FrameSurfaces::choose_what_is_kept(std::uint32_t sample_index, bool collect
     pass_.reset();
     moved_.reset();
     is_new_ = true;
-    const SurfaceForm form =
-        config_.kept_surfaces && may_keep && !config_.data.is_wanted() && config_.light_groups.empty()
-            ? form_for_pass()
-            : SurfaceForm::Nothing;
+    const SurfaceForm form = config_.kept_surfaces && may_keep && !config_.data.is_wanted() &&
+                                     config_.light_groups.empty() && !scene_.has_shadow_catchers()
+                                 ? form_for_pass()
+                                 : SurfaceForm::Nothing;
     if (form == SurfaceForm::Nothing)
         return;
     SurfaceKey key = this->key(sample_index, collects_parts);

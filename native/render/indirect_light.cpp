@@ -40,11 +40,11 @@ void IndirectLight::add(const SurfaceWalk& walked, std::uint32_t sample_index, s
     std::array<Rgb, DirectLight::most_points> found;
     thread_local std::vector<Rgb> by_group;
     std::size_t first = 0;
-    for (const auto [end, layer] : walked.batches) {
+    for (const auto [end, layer, among] : walked.batches) {
         progress.poll();
         const auto points = std::span(walked.points).subspan(first, end - first);
         const auto shades = std::span(walked.shades).subspan(first, end - first);
-        if (finds_ambient_) {
+        if (finds_ambient_ && among == Among::All) {
             found.fill(Rgb(0.0f));
             find_ambient(points, sample_index, layer, found);
             for (std::size_t i = 0; i < points.size(); ++i)
@@ -53,10 +53,12 @@ void IndirectLight::add(const SurfaceWalk& walked, std::uint32_t sample_index, s
         if (has_bounce_) {
             found.fill(Rgb(0.0f));
             by_group.assign(group_count * points.size(), Rgb(0.0f));
-            gather(points, sample_index, layer, bounce_rays_, found, by_group);
+            gather(points, sample_index, layer, bounce_rays_, found, by_group, among);
             const auto add = [&](std::size_t point, const Rgb& per_irradiance) {
                 PathSample& sample = samples[shades[point].sample];
-                sample.radiance += per_irradiance * found[point];
+                sample.light_of(shades[point].of) += per_irradiance * found[point];
+                if (shades[point].of != LightOf::Picture)
+                    return;
                 for (std::size_t group = 0; group < sample.by_group.size(); ++group)
                     sample.by_group[group] += per_irradiance * by_group[group * points.size() + point];
             };
@@ -94,7 +96,8 @@ struct IndirectLight::Gatherer {
 };
 
 void IndirectLight::gather(std::span<const SurfacePoint> points, std::uint32_t sample_index, std::uint32_t layer,
-                           std::uint32_t ray_count, std::span<Rgb> irradiance, std::span<Rgb> by_group) const {
+                           std::uint32_t ray_count, std::span<Rgb> irradiance, std::span<Rgb> by_group,
+                           Among among) const {
     const LitPoints lanes = lanes_of(points);
     thread_local std::vector<Gatherer> gatherers;
     for (std::uint32_t ray = 0; ray < ray_count; ++ray) {
@@ -116,21 +119,22 @@ void IndirectLight::gather(std::span<const SurfacePoint> points, std::uint32_t s
         for (std::uint32_t passed = 0; passed < max_layer_count && !gatherers.empty(); ++passed) {
             const std::uint32_t place = layer * layers_apart + std::min(passed, layers_apart - 1);
             catch_light(points, gatherers, {sample, first_gathered_pair + place * pairs_per_gathered_layer}, irradiance,
-                        by_group);
+                        by_group, among);
         }
     }
 }
 
 void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vector<Gatherer>& gatherers,
-                                const PairIndex& first_pair, std::span<Rgb> irradiance, std::span<Rgb> by_group) const {
+                                const PairIndex& first_pair, std::span<Rgb> irradiance, std::span<Rgb> by_group,
+                                Among among) const {
     std::array<SurfacePoint, DirectLight::most_points> met;
     std::array<Rgb, DirectLight::most_points> weights; ///< Irradiance per irradiance.
     std::array<std::size_t, DirectLight::most_points> caught_by;
     std::size_t met_count = 0, going_on = 0;
     for (Gatherer& gatherer : gatherers) {
         const auto& [point, part, weight] = gatherer;
-        const Hit hit = scene_.closest_hit(part, bounce_mask);
-        if (!media_.is_empty()) {
+        const Hit hit = scene_.closest_hit(part, mask_among(among, bounce_mask));
+        if (!media_.is_empty() && among == Among::All) {
             Ray inside = part;
             if (hit.is_hit())
                 inside.far_m = hit.distance_m;
@@ -165,7 +169,7 @@ void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vecto
     const std::size_t group_count = by_group.empty() ? 0 : by_group.size() / points.size();
     thread_local std::vector<DirectLight::Irradiance> lit_by_group;
     lit_by_group.assign(group_count * met_count, {});
-    light_.add_all_once(std::span(met).first(met_count), first_pair, lit, lit_by_group);
+    light_.add_all_once(std::span(met).first(met_count), first_pair, lit, lit_by_group, among);
     for (std::size_t i = 0; i < met_count; ++i) {
         irradiance[caught_by[i]] += weights[i] * lit[i].sum();
         for (std::size_t group = 0; group < group_count; ++group)

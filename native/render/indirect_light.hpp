@@ -36,13 +36,15 @@ public:
     /// Adds the irradiance of one bounce on up to DirectLight::most_points points, W/m^2. Takes the random numbers of a
     /// layer of surfaces along the pixels' rays. Adds what comes from each group to by_group[group * points.size() + point].
     void gather(std::span<const SurfacePoint> points, std::uint32_t sample_index, std::uint32_t layer,
-                std::uint32_t ray_count, std::span<Rgb> irradiance, std::span<Rgb> by_group = {}) const;
+                std::uint32_t ray_count, std::span<Rgb> irradiance, std::span<Rgb> by_group = {},
+                Among among = Among::All) const;
 
 private:
     struct Gatherer;
     /// Up to the next surface: its light comes to the points; what passes goes on.
     void catch_light(std::span<const SurfacePoint> points, std::vector<Gatherer>& gatherers,
-                     const PairIndex& first_pair, std::span<Rgb> irradiance, std::span<Rgb> by_group) const;
+                     const PairIndex& first_pair, std::span<Rgb> irradiance, std::span<Rgb> by_group,
+                     Among among) const;
     /// Shares of the world that the points see, within reach.
     void find_ambient(std::span<const SurfacePoint> points, std::uint32_t sample_index, std::uint32_t layer,
                       std::span<Rgb> seen) const;

@@ -162,6 +162,7 @@ std::optional<ManyLights::Aimed> ManyLights::aim_at_triangle(const SurfacePoint&
         return std::nullopt;
     return Aimed{.ray = ray_to(point, hit, direction),
                  .arriving = radiance * (cosine / place.pdf_per_sr),
+                 .instance = triangle.instance,
                  .pdf_per_sr = place.pdf_per_sr,
                  .light_group = scene_.object_info(triangle.instance).light_group,
                  .links = links_of(triangle)};
@@ -177,6 +178,7 @@ std::optional<ManyLights::Aimed> ManyLights::met(const SurfacePoint& point, cons
     const vec3 place = ray.origin + hit.distance_m * ray.direction;
     return Aimed{.ray = ray_to(point, hit, ray.direction),
                  .arriving = MeshEmitters::radiance(scene_, triangle, ray, hit),
+                 .instance = triangle.instance,
                  .pdf_per_sr = probability * triangle_pdf_per_sr(triangle.corners, point.shading.position, place),
                  .light_group = scene_.object_info(triangle.instance).light_group,
                  .links = links_of(triangle)};

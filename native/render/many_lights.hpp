@@ -26,8 +26,9 @@ public:
     struct Aimed {
         Ray ray;      ///< Up to the light.
         Rgb arriving; ///< Irradiance over the probability of the choice; of a lamp without a spot's cone.
-        const Light* lamp = nullptr; ///< Nothing: a triangle.
-        float pdf_per_sr = 0.0f;     ///< Of a triangle, with the choice.
+        const Light* lamp = nullptr;  ///< Nothing: a triangle.
+        std::uint32_t instance = ~0u; ///< Of a triangle, as of a Hit.
+        float pdf_per_sr = 0.0f;      ///< Of a triangle, with the choice.
         std::uint8_t light_group = no_light_group;
         const LightLinks* links = nullptr; ///< Of a triangle, where they leave something out; lamps here light all.
     };

@@ -2,6 +2,7 @@
 // What camera rays meet before any light is asked for, and what each light then gives: apart, so that a light that moved
 // is asked anew while rays, materials and the other lights stay.
 #pragma once
+#include "render/caught_light.hpp"
 #include "render/surface_point.hpp"
 #include "shading/lobes/lobe_set.hpp"
 #include <algorithm>
@@ -16,12 +17,14 @@ struct SurfaceWalk {
         Rgb throughput;           ///< Share of the point's light that reaches the camera.
         Rgb radiance;             ///< Of that, per irradiance, 1/sr.
         Rgb cover{0.0f};          ///< Share of what lies behind the point that it hides from the camera.
-        std::uint32_t sample = 0; ///< The ray's, among those that were walked.
+        std::uint16_t sample = 0; ///< The ray's, among those that were walked.
+        LightOf of = LightOf::Picture;
     };
     /// Points of neighbouring rays in one layer, which are lit together.
     struct Batch {
         std::uint32_t end = 0; ///< It begins where the one before ends.
         std::uint32_t layer = 0;
+        Among among = Among::All; ///< What may stand in the way of their light.
     };
     /// What a point's lobes add to its ray, beside Lambert's share.
     struct LobedPoint {
@@ -52,10 +55,23 @@ struct SurfaceWalk {
         lobes.shrink_to_fit();
     }
     /// After the points of a layer; none: no batch.
-    void end_batch(std::uint32_t layer) {
+    void end_batch(std::uint32_t layer, Among among) {
         const auto end = static_cast<std::uint32_t>(points.size());
         if (end > (batches.empty() ? 0 : batches.back().end))
-            batches.push_back({end, layer});
+            batches.push_back({end, layer, among});
+    }
+    /// Points that another walk has not put into batches, as one.
+    void append_batch(const SurfaceWalk& other, std::uint32_t layer, Among among) {
+        const auto first_point = static_cast<std::uint32_t>(points.size());
+        const auto first_lobe = static_cast<std::uint32_t>(lobes.size());
+        points.insert(points.end(), other.points.begin(), other.points.end());
+        shades.insert(shades.end(), other.shades.begin(), other.shades.end());
+        lobes.insert(lobes.end(), other.lobes.begin(), other.lobes.end());
+        for (LobedPoint of : other.lobed) {
+            of.point += first_point, of.first_lobe += first_lobe, of.end_lobe += first_lobe;
+            lobed.push_back(of);
+        }
+        end_batch(layer, among);
     }
     [[nodiscard]] std::size_t bytes() const {
         return points.capacity() * sizeof(SurfacePoint) + shades.capacity() * sizeof(Shade) +

@@ -3,14 +3,10 @@
 #include "render/pixel_footprint.hpp"
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <numbers>
 
 namespace tyndall::render {
-// Random pairs set aside for the light of one layer: 2 for each of 100 lights and 2 of the world fit; beyond, layers
-// share pairs, which adds noise but no bias.
-static constexpr std::uint32_t pairs_per_layer = 256;
 // Blender's default: a surface that covers less does not show in Depth, Normal and Position.
 static constexpr float alpha_threshold = 0.5f;
 // Of a mirrored ray, to be followed: between two panes that mirror a little, rays would double at each.
@@ -26,6 +22,7 @@ struct ViewPath::Follower {
     Rgb through_surfaces{1.0f}, through_media{1.0f};
     FeatureSearch features{}; ///< Where a denoiser is to be shown some.
     bool has_first_surface = false;
+    LightOf of = LightOf::Picture; ///< What it brings home.
     [[nodiscard]] Rgb throughput() const { return through_surfaces * through_media; }
 };
 
@@ -34,6 +31,32 @@ struct ViewPath::Rays {
     std::span<Follower> followers;
     std::span<const std::uint32_t> pixel_seeds, targets;
     std::span<const RayDetail> details = {}; ///< By the index of a camera ray; empty where every cell is met.
+    Among among = Among::All;                ///< What they meet.
+};
+
+/// A surface that waits for light.
+struct ViewPath::Lit {
+    const SurfacePoint& point;
+    const SurfaceClosures& closures;
+    std::span<const Lobe> lobes;
+    vec3 towards_viewer;
+    bool is_unseen; ///< By the passes: in a mirror, or a shadow catcher.
+};
+/// Where its light goes.
+struct ViewPath::Share {
+    Rgb throughput;
+    std::uint16_t sample;
+    LightOf of;
+};
+
+/// Points of a layer beside those that a walk holds already.
+struct ViewPath::Beside {
+    SurfaceWalk behind;              ///< What lights the other sides.
+    SurfaceWalk alone, behind_alone; ///< Of shadow catchers, with none but catchers around.
+    void clear() {
+        for (SurfaceWalk* walk : {&behind, &alone, &behind_alone})
+            walk->clear();
+    }
 };
 
 void ViewPath::pass_media(Follower& follower, const Hit& hit, PathSample& sample,
@@ -55,15 +78,27 @@ void ViewPath::reach_world(const Follower& follower, bool is_in_mirror, PathSamp
         sample.alpha -= average(follower.throughput());
     else
         sample.add_light(follower.throughput() * scene_.world().seen_radiance(follower.part.direction),
-                         scene_.world().light_group());
+                         scene_.world().light_group(), follower.of);
+}
+
+/// A catcher takes the place of what lies behind it: of the world, if the film shows it, by the share that its shadow leaves.
+void ViewPath::catch_shadow(const Follower& follower, const SurfaceClosures& closures, PathSample& sample) const {
+    const Rgb covered = follower.through_surfaces * (1.0f - closures.transparent);
+    CaughtLight& caught = *sample.caught;
+    sample.alpha -= average(covered);
+    caught.weight += average(covered);
+    caught.alone += follower.through_surfaces * closures.emission;
+    if (!config_.is_film_transparent)
+        caught.backdrop += covered * scene_.world().seen_radiance(follower.part.direction);
 }
 
 void ViewPath::show(Follower& follower, const SurfacePoint& point, const SurfaceClosures& closures, bool is_in_mirror,
-                    PathSample& sample) const {
+                    LightOf of, PathSample& sample) const {
     const Rgb throughput = follower.throughput();
     if (closures.emission != Rgb(0.0f))
         sample.add_light(throughput * closures.emission,
-                         sample.by_group.empty() ? no_light_group : scene_.object_info(point.hit.instance).light_group);
+                         sample.by_group.empty() ? no_light_group : scene_.object_info(point.hit.instance).light_group,
+                         of);
     if (is_in_mirror)
         return;
     if (!follower.has_first_surface && 1.0f - average(closures.transparent) >= alpha_threshold) {
@@ -117,8 +152,12 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
         followers[index].width_m = footprint.width_m;
         followers[index].features.passed_m = camera_rays[index].near_m;
         const std::span<Rgb> by_group = samples[index].by_group;
+        CaughtLight* const caught = samples[index].caught;
         samples[index] = {};
         samples[index].by_group = by_group;
+        samples[index].caught = caught;
+        if (caught != nullptr)
+            *caught = {};
     }
     std::array<RayDetail, DirectLight::most_points> details; // of camera rays; what mirrors show is met cell by cell
     const bool has_details = config_.voxel_detail_px > 0.0f;
@@ -138,14 +177,39 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
         const bool is_past = mirror_count > depth;
         following.swap(mirrored);
         mirrored.clear();
-        for (std::size_t first = 0; first < following.size(); first += DirectLight::most_points) {
-            const std::size_t count = std::min(DirectLight::most_points, following.size() - first);
-            follow({.followers = std::span(following).subspan(first, count),
-                    .pixel_seeds = pixel_seeds,
-                    .targets = targets},
-                   mirror_count, samples, parts, data, is_past ? nullptr : &mirrored, is_past ? nullptr : walked);
-        }
+        const auto alone = std::ranges::stable_partition(
+            following, [](const Follower& follower) { return follower.of != LightOf::CatcherAlone; });
+        const auto among_all = std::span(following).first(following.size() - alone.size());
+        for (const std::span<Follower> these : {among_all, std::span<Follower>(alone)})
+            for (std::size_t first = 0; first < these.size(); first += DirectLight::most_points) {
+                const std::size_t count = std::min(DirectLight::most_points, these.size() - first);
+                follow({.followers = these.subspan(first, count),
+                        .pixel_seeds = pixel_seeds,
+                        .targets = targets,
+                        .among = these.data() == among_all.data() ? Among::All : Among::Catchers},
+                       mirror_count, samples, parts, data, is_past ? nullptr : &mirrored, is_past ? nullptr : walked);
+            }
     }
+}
+
+void ViewPath::await_light(const Lit& lit, const Share& share, SurfaceWalk& walked, SurfaceWalk& behind) const {
+    const SurfaceClosures& closures = lit.closures;
+    constexpr float per_irradiance = std::numbers::inv_pi_v<float>;
+    if (closures.diffuse_albedo != Rgb(0.0f) || !lit.lobes.empty() || config_.lights_black_surfaces ||
+        (config_.finds_ambient && !lit.is_unseen && closures.transparent != Rgb(1.0f))) {
+        const Rgb seen = lit.is_unseen ? Rgb(0.0f) : share.throughput;
+        walked.points.push_back(lit.point);
+        walked.points.back().lambert_share = average(closures.diffuse_albedo);
+        walked.shades.push_back({seen, share.throughput * (closures.diffuse_albedo * per_irradiance),
+                                 seen * (1.0f - closures.transparent), share.sample, share.of});
+        if (!lit.lobes.empty())
+            walked.push_lobes(lit.lobes, lit.towards_viewer, share.throughput);
+    }
+    if (closures.translucent == Rgb(0.0f))
+        return;
+    behind.points.push_back(other_side(lit.point));
+    behind.shades.push_back(
+        {Rgb(0.0f), share.throughput * closures.translucent * per_irradiance, Rgb(0.0f), share.sample, share.of});
 }
 
 void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<PathSample> samples,
@@ -156,27 +220,28 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
     const std::span<Follower> followers = rays.followers;
     std::size_t count = followers.size();
     const bool has_details = !rays.details.empty();
-    const bool has_features = !data.each.empty() && data.config->has_features();
+    const bool has_features = !data.each.empty() && data.config->has_features() && rays.among == Among::All;
     const bool has_data = !data.each.empty() && !is_in_mirror;
     std::array<Ray, size> next;
     std::array<RayDetail, size> details;
     std::array<Hit, size> hits;
-    thread_local SurfaceWalk behind; // what lights the other sides of a layer's points
+    thread_local Beside beside;
     for (std::uint32_t layer = 0; layer < max_layer_count && count > 0; ++layer) {
-        behind.clear();
+        beside.clear();
         for (std::size_t i = 0; i < count; ++i) {
             next[i] = followers[i].part;
             if (has_details)
                 details[i] = rays.details[followers[i].index];
         }
-        scene_.closest_hits(std::span(next).first(count), hits, is_in_mirror ? mirror_mask : camera_mask,
+        scene_.closest_hits(std::span(next).first(count), hits,
+                            mask_among(rays.among, is_in_mirror ? mirror_mask : camera_mask),
                             std::span(details).first(has_details ? count : 0));
         std::size_t going_on = 0;
         for (std::size_t i = 0; i < count; ++i) {
             Follower& follower = followers[i];
             const Hit& hit = hits[i];
             PathSample& sample = samples[follower.index];
-            if (!media_.is_empty())
+            if (!media_.is_empty() && rays.among == Among::All)
                 pass_media(follower, hit, sample, is_in_mirror ? nullptr : &parts[follower.index]);
             if (!hit.is_hit()) {
                 reach_world(follower, is_in_mirror, sample);
@@ -205,7 +270,11 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
                 if (removed == Rgb(1.0f))
                     continue; // a hole: no pass sees anything there
             }
-            show(follower, point, closures, is_in_mirror, sample);
+            const bool is_caught = !is_in_mirror && sample.caught != nullptr && scene_.catches_shadows(hit.instance);
+            const LightOf of = is_caught ? LightOf::CatcherAmongAll : follower.of;
+            show(follower, point, closures, is_in_mirror, of, sample);
+            if (is_caught)
+                catch_shadow(follower, closures, sample);
             if (has_data) {
                 PathData& of_ray = data.each[follower.index];
                 see_layer(scene_, camera_, hit, point.shading.position,
@@ -218,35 +287,33 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
                     follower.features, hit.distance_m, closures,
                     {.lobes = lobes, .normal = point.shading.shading_normal, .outgoing = -follower.part.direction},
                     camera_.world_from_camera, mirrored != nullptr, data.each[follower.index].features);
-            if (walked != nullptr && rays.targets[follower.index] != nowhere &&
-                (closures.diffuse_albedo != Rgb(0.0f) || !lobes.empty() || config_.lights_black_surfaces ||
-                 (config_.finds_ambient && !is_in_mirror && closures.transparent != Rgb(1.0f)))) {
-                const Rgb albedo = closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
-                const Rgb seen = is_in_mirror ? Rgb(0.0f) : throughput;
-                walked->points.push_back(point);
-                walked->points.back().lambert_share = average(closures.diffuse_albedo);
-                walked->shades.push_back(
-                    {seen, throughput * albedo, seen * (1.0f - closures.transparent), rays.targets[follower.index]});
-                if (!lobes.empty())
-                    walked->push_lobes(lobes, -follower.part.direction, throughput);
+            if (walked != nullptr && rays.targets[follower.index] != nowhere) {
+                const Lit lit{point, closures, lobes, -follower.part.direction, is_in_mirror || is_caught};
+                const auto target = static_cast<std::uint16_t>(rays.targets[follower.index]);
+                await_light(lit, {throughput, target, of}, *walked, beside.behind);
+                if (is_caught) // media dim what it is divided by no more than the world behind
+                    await_light(lit, {follower.through_surfaces, target, LightOf::CatcherAlone}, beside.alone,
+                                beside.behind_alone);
             }
             if (!lobes.empty() && !is_in_mirror)
                 sample.diffuse_colour += throughput * LobeSet{.lobes = lobes}.diffuse_colour();
-            if (closures.translucent != Rgb(0.0f) && walked != nullptr && rays.targets[follower.index] != nowhere) {
-                behind.points.push_back(other_side(point));
-                behind.shades.push_back({Rgb(0.0f), throughput * closures.translucent * std::numbers::inv_pi_v<float>,
-                                         Rgb(0.0f), rays.targets[follower.index]});
-            }
-            if (const Rgb weight = throughput * closures.mirrored;
-                mirrored != nullptr && std::max({weight.x, weight.y, weight.z}) >= least_mirrored) {
-                mirrored->push_back(follower);
-                mirrored->back().part = mirrored_ray(point, follower.part);
-                mirrored->back().width_m = footprint_m;
-                mirrored->back().near_m = 0.0f;
-                mirrored->back().through_surfaces *= closures.mirrored;
-                mirrored->back().has_first_surface = true;
-                mirrored->back().features = searches.mirrored;
-            }
+            const auto mirror = [&](const Rgb& through_media, LightOf mirrored_of) {
+                const Rgb weight = follower.through_surfaces * through_media * closures.mirrored;
+                if (mirrored == nullptr || std::max({weight.x, weight.y, weight.z}) < least_mirrored)
+                    return;
+                Follower& sent = mirrored->emplace_back(follower);
+                sent.part = mirrored_ray(point, follower.part);
+                sent.width_m = footprint_m;
+                sent.near_m = 0.0f;
+                sent.through_surfaces *= closures.mirrored;
+                sent.through_media = through_media;
+                sent.has_first_surface = true;
+                sent.features = searches.mirrored;
+                sent.of = mirrored_of;
+            };
+            mirror(follower.through_media, of);
+            if (is_caught)
+                mirror(Rgb(1.0f), LightOf::CatcherAlone);
             follower.features = searches.passing;
             follower.through_surfaces *= closures.transparent;
             if (follower.through_surfaces == Rgb(0.0f))
@@ -256,147 +323,13 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
             followers[going_on++] = follower;
         }
         count = going_on;
-        if (walked != nullptr)
-            walked->end_batch(mirror_count * max_layer_count + layer);
-        if (!behind.points.empty()) {
-            walked->points.insert(walked->points.end(), behind.points.begin(), behind.points.end());
-            walked->shades.insert(walked->shades.end(), behind.shades.begin(), behind.shades.end());
-            walked->end_batch(mirror_count * max_layer_count + layer);
-        }
+        if (walked == nullptr)
+            continue;
+        const std::uint32_t place = mirror_count * max_layer_count + layer;
+        walked->end_batch(place, rays.among);
+        walked->append_batch(beside.behind, place, rays.among);
+        walked->append_batch(beside.alone, place, Among::Catchers);
+        walked->append_batch(beside.behind_alone, place, Among::Catchers);
     }
-}
-
-void ViewPath::ask_lights(const SurfaceWalk& walked, std::uint32_t sample_index, std::span<const std::uint8_t> is_asked,
-                          SurfaceLight& light, std::size_t group_count) const {
-    const std::size_t light_count = light_.light_count();
-    light.lights.resize(light_count);
-    light.many_by_group.resize(light_.has_many() ? group_count : 0);
-    for (SurfaceLight::OfLight& of_group : light.many_by_group) {
-        of_group.irradiance.resize(walked.points.size());
-        of_group.reflected.resize(walked.lobed.size());
-    }
-    for (std::size_t index = 0; index < light_count; ++index)
-        if (is_asked[index] != 0) {
-            light.lights[index].irradiance.resize(walked.points.size());
-            light.lights[index].unshadowed.resize(
-                config_.lights_black_surfaces && !light_.is_world(index) ? walked.points.size() : 0);
-            light.lights[index].reflected.resize(walked.lobed.size());
-        }
-    thread_local std::vector<DirectLight::Irradiance> irradiance;
-    irradiance.resize(light_count * DirectLight::most_points);
-    thread_local std::vector<DirectLight::Irradiance> many_by_group;
-    std::size_t first = 0;
-    for (const auto [end, layer] : walked.batches) {
-        const std::size_t count = end - first;
-        many_by_group.assign(light.many_by_group.size() * count, {});
-        const std::span<const SurfaceWalk::LobedPoint> lobed = walked.lobed_of(first, end);
-        const auto first_lobed = static_cast<std::size_t>(lobed.data() - walked.lobed.data());
-        DirectLight::PointLobes lobes;
-        for (const SurfaceWalk::LobedPoint& of : lobed)
-            lobes[of.point - first] = walked.lobes_of(of);
-        light_.at(std::span(walked.points).subspan(first, count), {sample_index, 1 + layer * pairs_per_layer}, is_asked,
-                  irradiance, lobed.empty() ? nullptr : &lobes, many_by_group);
-        for (std::size_t index = 0; index < light_count; ++index) {
-            if (is_asked[index] == 0)
-                continue;
-            SurfaceLight::OfLight& of_light = light.lights[index];
-            for (std::size_t i = 0; i < count; ++i) {
-                const DirectLight::Irradiance& found = irradiance[index * count + i];
-                of_light.irradiance[first + i] = found.sum();
-                if (!of_light.unshadowed.empty())
-                    of_light.unshadowed[first + i] = found.unshadowed;
-            }
-            for (std::size_t i = 0; i < lobed.size(); ++i)
-                of_light.reflected[first_lobed + i] = irradiance[index * count + lobed[i].point - first].reflected;
-        }
-        for (std::size_t group = 0; group < light.many_by_group.size(); ++group) {
-            SurfaceLight::OfLight& of_group = light.many_by_group[group];
-            for (std::size_t i = 0; i < count; ++i)
-                of_group.irradiance[first + i] = many_by_group[group * count + i].sum();
-            for (std::size_t i = 0; i < lobed.size(); ++i)
-                of_group.reflected[first_lobed + i] = many_by_group[group * count + lobed[i].point - first].reflected;
-        }
-        first = end;
-    }
-}
-
-std::size_t ViewPath::ask_again(const SurfaceWalk& walked, std::uint32_t sample_index,
-                                std::span<const std::uint8_t> is_asked, const MovedBoxes& moved,
-                                SurfaceLight& light) const {
-    std::array<SurfacePoint, DirectLight::most_points> again;
-    std::array<std::uint32_t, DirectLight::most_points> index_of;
-    std::array<DirectLight::Irradiance, DirectLight::most_points> irradiance;
-    DirectLight::PointLobes lobes, lobes_again;
-    std::array<std::size_t, DirectLight::most_points> lobed_index;
-    std::size_t again_count = 0, first = 0;
-    for (const auto [end, layer] : walked.batches) {
-        const auto points = std::span(walked.points).subspan(first, end - first);
-        const std::span<const SurfaceWalk::LobedPoint> lobed = walked.lobed_of(first, end);
-        if (!lobed.empty())
-            lobes.fill({});
-        for (std::size_t i = 0; i < lobed.size(); ++i) {
-            lobes[lobed[i].point - first] = walked.lobes_of(lobed[i]);
-            lobed_index[lobed[i].point - first] = static_cast<std::size_t>(&lobed[i] - walked.lobed.data());
-        }
-        const PairIndex first_pair{sample_index, 1 + layer * pairs_per_layer};
-        for (std::size_t index = 0; index < light_.light_count(); ++index) {
-            if (is_asked[index] != 0)
-                continue;
-            std::size_t count = 0;
-            for (LaneSet left = light_.may_meet(index, points, first_pair, moved, lobed.empty() ? nullptr : &lobes);
-                 left != 0; left &= left - 1) {
-                const auto point = static_cast<std::uint32_t>(std::countr_zero(left));
-                again[count] = points[point];
-                lobes_again[count] = lobed.empty() ? LobeSet{} : lobes[point];
-                irradiance[count] = {};
-                index_of[count++] = static_cast<std::uint32_t>(first) + point;
-            }
-            if (count == 0)
-                continue;
-            light_.add_one(index, std::span(again).first(count), first_pair, irradiance,
-                           lobed.empty() ? nullptr : &lobes_again);
-            SurfaceLight::OfLight& of_light = light.lights[index];
-            for (std::size_t i = 0; i < count; ++i) {
-                of_light.irradiance[index_of[i]] = irradiance[i].sum(); // no occluder changes what is unshadowed
-                if (!lobes_again[i].lobes.empty())
-                    of_light.reflected[lobed_index[index_of[i] - first]] = irradiance[i].reflected;
-            }
-            again_count += count;
-        }
-        first = end;
-    }
-    return again_count;
-}
-
-void ViewPath::add_light(const SurfaceWalk& walked, const SurfaceLight& light, std::span<PathSample> samples) const {
-    const std::size_t lamp_count = light_.light_count() - (light_.has_world() ? 1 : 0);
-    for (std::size_t point = 0; point < walked.points.size(); ++point) {
-        const auto& [throughput, radiance, cover, target] = walked.shades[point];
-        PathSample& sample = samples[target];
-        Rgb from_lights(0.0f), unshadowed(0.0f), from_world(0.0f);
-        for (std::size_t lamp = 0; lamp < lamp_count; ++lamp) {
-            from_lights += light.lights[lamp].irradiance[point];
-            if (!light.lights[lamp].unshadowed.empty())
-                unshadowed += light.lights[lamp].unshadowed[point];
-        }
-        if (light_.has_world())
-            from_world = light.lights.back().irradiance[point];
-        sample.radiance += radiance * (from_lights + from_world);
-        if (sample.world_lit.albedo == Rgb(0.0f)) {
-            const ShadingPoint& shading = walked.points[point].shading;
-            sample.world_lit = {shading.position, shading.shading_normal, radiance, from_world};
-        }
-        sample.lit += throughput * from_lights;
-        sample.unshadowed += throughput * unshadowed;
-    }
-    for (std::size_t lobed = 0; lobed < walked.lobed.size(); ++lobed) {
-        Rgb reflected(0.0f);
-        for (const SurfaceLight::OfLight& of_light : light.lights)
-            reflected += of_light.reflected[lobed];
-        const SurfaceWalk::LobedPoint& of = walked.lobed[lobed];
-        samples[walked.shades[of.point].sample].radiance += of.throughput * reflected;
-    }
-    if (!walked.shades.empty() && !samples[walked.shades.front().sample].by_group.empty())
-        add_light_to_groups(walked, light, samples);
 }
 } // namespace tyndall::render

@@ -40,6 +40,7 @@ public:
         : scene_(scene), media_(media), light_(light), camera_(camera), config_(config) {}
 
     [[nodiscard]] const ViewPathConfig& config() const { return config_; }
+    [[nodiscard]] bool catches_shadows() const { return scene_.has_shadow_catchers(); }
     static constexpr std::uint32_t nowhere = ~0u;
     /// Follows the rays of up to DirectLight::most_points neighbouring pixels through all that they pass. Overwrites
     /// `samples` with what they bring home without light on surfaces (adding to their groups), and appends the parts of each that lie in media to
@@ -65,13 +66,19 @@ private:
     struct Follower;
     /// Of rays that went one way by as many mirrors.
     struct Rays;
+    struct Beside;
+    struct Lit;
+    struct Share;
+    /// Appends a surface's points on the viewer's side and behind.
+    void await_light(const Lit& lit, const Share& share, SurfaceWalk& walked, SurfaceWalk& behind) const;
+    void catch_shadow(const Follower& follower, const SurfaceClosures& closures, PathSample& sample) const;
     /// Follows up to most_points rays by their layers; what is mirrored on the way goes to `mirrored`, where there is one.
     void follow(const Rays& rays, std::uint32_t mirror_count, std::span<PathSample> samples,
                 std::span<std::vector<MediumPart>> parts, const DataOfRays& data, std::vector<Follower>* mirrored,
                 SurfaceWalk* walked) const;
     /// Light of a surface that is not what lamps and world throw on it; the first one that covers tells what it is.
     void show(Follower& follower, const SurfacePoint& point, const SurfaceClosures& closures, bool is_in_mirror,
-              PathSample& sample) const;
+              LightOf of, PathSample& sample) const;
     /// Where it goes on from there.
     [[nodiscard]] static Ray mirrored_ray(const SurfacePoint& point, const Ray& ray);
     /// Light of the media up to the hit, and their parts: nothing, where they do not count.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Which rays see which instances of Scene::trees().
 #pragma once
+#include <cstdint>
 
 namespace tyndall {
 inline constexpr unsigned int camera_mask = 1u; ///< Camera rays.
@@ -8,9 +9,18 @@ inline constexpr unsigned int shadow_mask = 2u; ///< Rays towards a light.
 inline constexpr unsigned int bounce_mask = 4u; ///< Rays that gather the light of other surfaces.
 inline constexpr unsigned int mirror_mask = 8u; ///< What mirrors show.
 
+/// What else there is for a ray: the light on a shadow catcher is compared with what it would be without all but catchers.
+enum class Among : std::uint8_t { All = 0, Catchers = 1 };
+/// The mask of the same rays there.
+[[nodiscard]] constexpr unsigned int mask_among(Among among, unsigned int mask) {
+    return among == Among::Catchers ? mask << 8u : mask;
+}
+
 /// Of an instance or a placed shape.
 [[nodiscard]] unsigned int mask_of(const auto& placed) {
-    return (placed.is_camera_visible ? camera_mask : 0u) | (placed.casts_shadow ? shadow_mask : 0u) |
-           (placed.is_bounce_visible ? bounce_mask : 0u) | (placed.is_mirror_visible ? mirror_mask : 0u);
+    const unsigned int mask = (placed.is_camera_visible ? camera_mask : 0u) | (placed.casts_shadow ? shadow_mask : 0u) |
+                              (placed.is_bounce_visible ? bounce_mask : 0u) |
+                              (placed.is_mirror_visible ? mirror_mask : 0u);
+    return mask | (placed.is_shadow_catcher ? mask_among(Among::Catchers, mask) : 0u);
 }
 } // namespace tyndall

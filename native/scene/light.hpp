@@ -51,6 +51,7 @@ struct Light {
     mat3 light_from_world_directions{1.0f}; ///< Spot: rotation and scale that Cycles 4 applies before the cone test.
     bool casts_shadow = true;
     bool lights_surfaces = true;
+    bool lights_catchers = true; ///< It shines on shadow catchers without all that stands on them, too.
     bool scatters_in_media = true;
     std::vector<OccluderEdit> occluder_edits = {};    ///< In the order in which they are made.
     std::shared_ptr<const LightTexture> texture = {}; ///< Colours its beam; nothing: white.

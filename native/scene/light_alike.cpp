@@ -20,8 +20,8 @@ bool lights_surfaces_alike(const Light& a, const Light& b) {
         return std::tie(light.kind, light.strength, light.position, light.towards_light, light.spot_axis,
                         light.half_angle_rad, light.radius_m, light.spot_half_angle_rad, light.spot_blend,
                         light.spot_falloff, light.body, light.light_from_world_directions, light.casts_shadow,
-                        light.lights_surfaces, light.half_size_m, light.is_ellipse, light.links.receiver_sets,
-                        light.links.blocker_sets);
+                        light.lights_surfaces, light.lights_catchers, light.half_size_m, light.is_ellipse,
+                        light.links.receiver_sets, light.links.blocker_sets);
     };
     const bool have_same_texture = a.texture == b.texture || (a.texture && b.texture && *a.texture == *b.texture);
     const auto seen = std::views::filter(is_seen_by_surfaces);

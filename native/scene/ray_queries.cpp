@@ -188,16 +188,16 @@ void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits, unsigne
     }
 }
 
-Rgb Scene::shadow_transmittance(const Ray& ray) const { return shadow_transmittance(ray, {}, 0); }
+Rgb Scene::shadow_transmittance(const Ray& ray, Among among) const { return shadow_transmittance(ray, {}, 0, among); }
 
-Rgb Scene::shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> bits_of_instance,
-                                std::uint64_t ignored) const {
+Rgb Scene::shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> bits_of_instance, std::uint64_t ignored,
+                                Among among) const {
     dvec3 passing(1.0);
     QueryContext context(*this, &ray, &passing);
     context.bits_of_instance = bits_of_instance.data();
     context.ignored = ignored;
     context.asks_materials = geometry_->lets_light_pass;
-    RTCRay query = embree_ray(ray, shadow_mask);
+    RTCRay query = embree_ray(ray, mask_among(among, shadow_mask));
     context.trace_all(attenuate, [&](RTCScene tree) {
         if (query.tfar >= 0.0f) // less: something stops it
             rtcOccluded1(tree, &context.embree, &query);
@@ -207,12 +207,13 @@ Rgb Scene::shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> b
 }
 
 void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing,
-                                  std::span<const std::uint64_t> bits_of_instance, std::uint64_t ignored) const {
+                                  std::span<const std::uint64_t> bits_of_instance, std::uint64_t ignored,
+                                  Among among) const {
     for (std::size_t first = 0; first < rays.size(); first += packet_size) {
         const std::span<const Ray> these = rays.subspan(first, std::min(packet_size, rays.size() - first));
         if (these.size() < smallest_packet) {
             for (std::size_t lane = 0; lane < these.size(); ++lane)
-                passing[first + lane] = shadow_transmittance(these[lane], bits_of_instance, ignored);
+                passing[first + lane] = shadow_transmittance(these[lane], bits_of_instance, ignored, among);
             continue;
         }
         std::array<dvec3, packet_size> passing_of;
@@ -222,7 +223,7 @@ void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> pass
         context.ignored = ignored;
         context.asks_materials = geometry_->lets_light_pass;
         RTCRay16 query;
-        alignas(64) std::array<int, packet_size> valid = fill(query, these, shadow_mask);
+        alignas(64) std::array<int, packet_size> valid = fill(query, these, mask_among(among, shadow_mask));
         context.trace_all(attenuate, [&](RTCScene tree) {
             for (std::size_t lane = 0; lane < packet_size; ++lane)
                 if (query.tfar[lane] < 0.0f) // something stops it
@@ -234,11 +235,12 @@ void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> pass
     }
 }
 
-void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing, const LightLinks& links) const {
+void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing, const LightLinks& links,
+                                  Among among) const {
     if (!blocker_bits().empty())
-        return shadow_transmittances(rays, passing, blocker_bits(), ~links.blocker_sets);
+        return shadow_transmittances(rays, passing, blocker_bits(), ~links.blocker_sets, among);
     if (links.is_blocked_by(0)) // all are in that set
-        return shadow_transmittances(rays, passing);
+        return shadow_transmittances(rays, passing, {}, 0, among);
     std::fill_n(passing.begin(), rays.size(), Rgb(1.0f));
 }
 } // namespace tyndall

@@ -238,6 +238,9 @@ void Scene::prepare_detail(const Progress& progress) const {
 }
 
 void Scene::Geometry::attach_instances(const Progress& progress) {
+    has_catchers =
+        std::ranges::any_of(description.instances, [](const Instance& one) { return one.is_shadow_catcher; }) ||
+        std::ranges::any_of(description.placed_shapes, &PlacedShape::is_shadow_catcher);
     objects_from_scene.resize(description.instances.size() + description.placed_shapes.size());
     shape_lengths.resize(description.placed_shapes.size());
     for (std::uint32_t index = 0; index < description.instances.size(); ++index) {
@@ -256,7 +259,8 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
         if (surface_slots == 0)
             continue; // light and view pass: the media have an Embree scene of their own
         surface_bounds.grow(box);
-        has_holes |= (mask_of(instance) & ~shadow_mask) != 0 && surface_slots < instance.slot_count;
+        has_holes |=
+            (mask_of(instance) & (camera_mask | bounce_mask | mirror_mask)) != 0 && surface_slots < instance.slot_count;
         lets_light_pass |= instance.casts_shadow && opaque_slots < instance.slot_count;
 
         trees.take(mesh.embree_scene(), instance.world_from_object, index, mask_of(instance));

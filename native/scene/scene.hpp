@@ -35,7 +35,9 @@ struct Instance {
     bool is_bounce_visible : 1 = true; ///< Its light falls on other surfaces by a bounce.
     bool is_mirror_visible : 1 = true;
     bool is_held_out : 1 = false; ///< What of it cameras see is cut out of the picture.
-    float random = 0.0f;          ///< Its own, [0, 1): what Object Info calls so.
+    /// Of it cameras see only the shadows that others cast on it.
+    bool is_shadow_catcher : 1 = false;
+    float random = 0.0f; ///< Its own, [0, 1): what Object Info calls so.
 };
 
 struct TransparentOperations;
@@ -147,6 +149,15 @@ public:
         const PlacedShape* const placed = placed_shape(instance);
         return placed != nullptr ? placed->is_held_out : description().instances[instance].is_held_out;
     }
+    /// Whether cameras see only the shadows that others cast on it: what is held out too has none.
+    [[nodiscard]] bool catches_shadows(std::uint32_t instance) const {
+        return is_shadow_catcher(instance) && !is_held_out(instance);
+    }
+    [[nodiscard]] bool is_shadow_catcher(std::uint32_t instance) const {
+        const PlacedShape* const placed = placed_shape(instance);
+        return placed != nullptr ? placed->is_shadow_catcher : description().instances[instance].is_shadow_catcher;
+    }
+    [[nodiscard]] bool has_shadow_catchers() const { return geometry_->has_catchers; }
     /// What the object of an instance is by itself.
     [[nodiscard]] const ObjectInfo& object_info(std::uint32_t instance) const {
         static const ObjectInfo plain;
@@ -188,19 +199,21 @@ public:
     void prepare_detail(const Progress& progress) const;
     /// Light that passes along the ray through transparent surfaces, per channel; 0 behind an opaque one. Media are
     /// not included. Only instances that cast shadows count.
-    [[nodiscard]] Rgb shadow_transmittance(const Ray& ray) const;
+    [[nodiscard]] Rgb shadow_transmittance(const Ray& ray, Among among = Among::All) const;
     /// The same without the instances of which bits_of_instance, one per instance, shares a bit with `ignored`.
     [[nodiscard]] Rgb shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> bits_of_instance,
-                                           std::uint64_t ignored) const;
+                                           std::uint64_t ignored, Among among = Among::All) const;
     /// The same for rays of neighbouring points towards one light: at less than half of the time.
     void shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing,
-                               std::span<const std::uint64_t> bits_of_instance = {}, std::uint64_t ignored = 0) const;
+                               std::span<const std::uint64_t> bits_of_instance = {}, std::uint64_t ignored = 0,
+                               Among among = Among::All) const;
     /// Whether an instance may cast an emitter's shadows.
     [[nodiscard]] bool blocks(std::uint32_t instance, const LightLinks& links) const {
         return links.is_blocked_by_all() || links.is_blocked_by(object_info(instance).blocker_set);
     }
     /// The same as shadow_transmittances, of those that may.
-    void shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing, const LightLinks& links) const;
+    void shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing, const LightLinks& links,
+                               Among among = Among::All) const;
     /// Per instance the bit of its object's blocker set; empty where all are in set 0.
     [[nodiscard]] std::span<const std::uint64_t> blocker_bits() const { return geometry_->blocker_bits; }
 
@@ -225,6 +238,7 @@ private:
         bool lets_light_pass = false;            ///< Some shadow-casting instance is transparent, or has holes.
         std::vector<std::uint64_t> blocker_bits; ///< Per instance, then per placed shape; see blocker_bits().
         bool has_holes = false;                  ///< Some instance that is seen has slots without a surface.
+        bool has_catchers = false;               ///< Some instance catches shadows.
 
         Geometry(SceneDescription scene, const Progress& progress);
         Geometry(const Geometry& other, std::span<const MovedInstance> moved, TreeUpdate update,

@@ -41,6 +41,7 @@ PASSES = (
     "Transmittance",
     "AO",
     "Unshadowed",
+    "Shadow Catcher",
 )
 #: Names of planes; those of mattes have a number of two digits behind it.
 DATA_PASSES = (

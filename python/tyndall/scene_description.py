@@ -85,6 +85,7 @@ class Instances:
     is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
     is_mirror_visible: bool = True
     is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
+    is_shadow_catcher: bool = False  #: Of it cameras see only the shadows that others cast on it.
     lighting: ObjectLighting | None = None  #: None: as it begins.
     color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)  #: The object's own, for materials that ask.
     pass_index: float = 0.0
@@ -104,6 +105,7 @@ class VoxelObjects:
     is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
     is_mirror_visible: bool = True
     is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
+    is_shadow_catcher: bool = False  #: Of it cameras see only the shadows that others cast on it.
     lighting: ObjectLighting | None = None  #: None: as it begins.
 
 
@@ -149,6 +151,7 @@ class StrandObjects:
     is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
     is_mirror_visible: bool = True
     is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
+    is_shadow_catcher: bool = False  #: Of it cameras see only the shadows that others cast on it.
     lighting: ObjectLighting | None = None  #: None: as it begins.
 
 
@@ -554,6 +557,8 @@ class Light:
     spread_rad: float = math.pi  #: Area: between the outermost directions in which it shines, [0, pi].
     casts_shadow: bool = True
     lights_surfaces: bool = True
+    #: Shadows of its light show on shadow catchers; else it only brightens what they show.
+    lights_catchers: bool = True
     scatters_in_media: bool = True
     occluder_edits: tuple[OccluderEdit, ...] = ()  #: In the order in which they are made.
     texture: LightTexture | None = None  #: Colours its beam.

@@ -522,6 +522,7 @@ def test_changed_lights_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None:
         lambda: setattr(lamp.data, "energy", 7.0),
         lambda: setattr(lamp, "location", (1, 2, 3)),
         lambda: setattr(lamp, "visible_diffuse", False),
+        lambda: setattr(lamp, "is_shadow_catcher", False),
         lambda: setattr(lamp.data.tyndall, "scatters_in_media", False),
         add_edit,
     ]

@@ -68,6 +68,7 @@ class State:
     floor: Material = field(default_factory=lambda: Material(name="grey"))
     pane: Material = field(default_factory=lambda: Material(name="pane", transparent=(0.5,) * 3))
     sigma_s_per_m: float = 0.05
+    floor_catches: bool = False
     camera: Camera = field(default_factory=lambda: camera_above(size_px=(24, 24)))
     config: RenderConfig = field(
         default_factory=lambda: RenderConfig(
@@ -80,7 +81,7 @@ class State:
     def description(self) -> SceneDescription:
         return SceneDescription(
             instances=(
-                placed(square(), WIDE),
+                replace(placed(square(), WIDE), is_shadow_catcher=self.floor_catches),
                 placed(square("pane"), translation(*self.pane_at), materials=(2,)),
                 placed(square("roof"), translation(1.2, 1.2, 1.9)),
                 placed(unit_cube(), np.diag([40.0, 40.0, 3.0, 1.0]), materials=(1,)),
@@ -146,6 +147,7 @@ OF_THE_SCENE: dict[str, Change] = {
     "clipping": lambda state: replace(state, camera=replace(state.camera, clip_m=(4.0, 100.0))),
     "object moved": lambda state: replace(state, pane_at=(0.4, 0.5, 1.2)),
     "material": lambda state: replace(state, pane=replace(state.pane, diffuse=(0.1, 0.5, 0.9))),
+    "floor catches shadows": lambda state: replace(state, floor_catches=True),
     "medium": lambda state: replace(state, sigma_s_per_m=0.2),
     "samples": lambda state: state.with_config(pixel_samples=3),
     "centres": lambda state: state.with_config(pixel_samples=1),
