@@ -9,7 +9,7 @@ import bpy
 
 from tyndall.scene_description import BumpShadowing, LobeModel
 
-from .math_nodes import math_operation
+from .math_nodes import math_operation, vector_operation
 from .program import BLACK, WHITE, LobeNormals, LobeValues, Program, Term, Value, grey
 
 if TYPE_CHECKING:
@@ -43,6 +43,10 @@ def through_one_side(program: Program, base: Value) -> Value:
 
 def _root(program: Program, value: Value) -> Value:
     return math_operation(program, "SQRT", math_operation(program, "MAXIMUM", value, BLACK))
+
+
+def _positive(program: Program, value: Value) -> Value:
+    return vector_operation(program, "MAXIMUM", value, BLACK)
 
 
 def _is_old() -> bool:
@@ -150,9 +154,15 @@ def _glass(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bo
     return _push(shares, model, *inputs, normals=_normals(reader, at))
 
 
+def _sheen(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
+    """From 4.0 on; its older distribution is what was called velvet."""
+    if getattr(at.node, "distribution", "ASHIKHMIN") == "ASHIKHMIN":
+        return _velvet(reader, at, weight, shares)
+    roughness, colour = reader.number(at.input("Roughness"), 0.5), reader.colour(at.input("Color"), _GREY)
+    return _push(shares, LobeModel.SHEEN, weight, colour, roughness, normals=_normals(reader, at))
+
+
 def _velvet(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
-    if at.node.type == "BSDF_SHEEN" and getattr(at.node, "distribution", "ASHIKHMIN") != "ASHIKHMIN":
-        return False
     sigma = reader.number(at.input("Sigma") or at.input("Roughness"), 1.0)
     colour = reader.colour(at.input("Color"), _GREY)
     return _push(shares, LobeModel.VELVET, weight, colour, sigma, normals=_normals(reader, at))
@@ -173,7 +183,7 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
     coat = reader.number(at.input("Coat Weight") or at.input("Clearcoat"))
     sheen = reader.number(at.input("Sheen Weight") or at.input("Sheen"))
     diffuse_roughness = reader.number(at.input("Diffuse Roughness"))
-    rough, normals = (specular, metallic, transmission, coat, diffuse_roughness), _normals(reader, at)
+    rough, normals = (specular, metallic, transmission, coat, sheen, diffuse_roughness), _normals(reader, at)
     if not _is_old() and normals.diffuse is None and all(value == BLACK for value in rough):
         return False
     _note_direction(reader, at)
@@ -183,7 +193,7 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
 
     emission = at.input("Emission Color") or at.input("Emission")  # renamed in 4.0
     radiance = program.multiply(reader.colour(emission), reader.number(at.input("Emission Strength"), 1.0))
-    if _is_old() or coat == BLACK:  # else it shines through the coat
+    if _is_old() or coat == sheen == BLACK:  # else it shines through these
         shares.emission = program.add(shares.emission, program.multiply(weight, radiance))
         radiance = BLACK
 
@@ -206,8 +216,6 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
         inputs = [specular, tint, sheen, sheen_tint, coat, coat_roughness, transmission, ior]
         model = LobeModel.PRINCIPLED_3
     else:
-        if sheen != BLACK:
-            reader.note("sheen is not drawn")
         if reader.number(at.input("Thin Film Thickness")) != BLACK:
             reader.note("thin films are not drawn")
         coat_ior, coat_tint = reader.number(at.input("Coat IOR"), 1.5), reader.colour(at.input("Coat Tint"), WHITE)
@@ -215,6 +223,11 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
         inputs = [specular, tint, transmission, ior, coat, coat_roughness, coat_ior, coat_tint]
         inputs += [diffuse_roughness, radiance]
         model = LobeModel.PRINCIPLED
+        if sheen != BLACK:
+            sheen_tint = reader.colour(at.input("Sheen Tint"), WHITE)
+            inputs += [program.multiply(_positive(program, sheen), _positive(program, sheen_tint))]
+            inputs += [reader.number(at.input("Sheen Roughness"), 0.5)]
+            model = LobeModel.PRINCIPLED_SHEEN
     inputs = [weight, base, metallic, roughness, *inputs]
     return _push(shares, model, *inputs, preserves_energy=is_multiple, normals=normals)
 
@@ -227,7 +240,7 @@ _SHADERS: dict[str, Callable[[ValueReader, Socket, Value, Shares], bool]] = {
     "BSDF_METALLIC": _metallic,
     "BSDF_GLASS": _glass,
     "BSDF_VELVET": _velvet,
-    "BSDF_SHEEN": _velvet,
+    "BSDF_SHEEN": _sheen,
     "BSDF_TOON": _toon,
     "BSDF_PRINCIPLED": _principled,
 }

@@ -249,6 +249,8 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
         _add_finish(reader, shares, program.multiply(weight, alpha), roughness, metallic, _reflectance(reader, at))
     weight = program.multiply(weight, alpha)
     _note_bumps(reader, at)
+    if reader.number(at.input("Sheen Weight") or at.input("Sheen")) != BLACK:
+        reader.note("sheen is not drawn on voxels, nor where reflections are followed")
 
     emission = at.input("Emission Color") or at.input("Emission")  # renamed in 4.0
     radiance = program.multiply(reader.colour(emission), reader.number(at.input("Emission Strength"), 1.0))

@@ -2,6 +2,7 @@
 #include "render/lamp_hits.hpp"
 #include "core/sampling.hpp"
 #include "scene/area_light.hpp"
+#include "shading/lobes/sheen.hpp"
 #include <cmath>
 #include <limits>
 
@@ -88,12 +89,18 @@ LampHit lamp_hit(const LightAim::Form& form, const vec3& position, const vec3& d
     return {far_m, far_m * far_m / (pi * radius2 * cosine), 1.0f / (pi * radius2)};
 }
 
-/// Of directions that lobes draw: nothing is denser, roughly.
+/// Of directions that lobes draw: nothing is denser, roughly. Broad sheens are nowhere dense enough to count.
 static float most_pdf_per_sr(const LobeSet& set) {
     float sum = 0.0f, all = 0.0f;
     for (const Lobe& lobe : set.lobes) {
         if (lobe.sampling <= 0.0f)
             continue;
+        if (lobe.kind == Lobe::Kind::Sheen) {
+            if (sheen::is_narrow(lobe.alpha))
+                sum += lobe.sampling * sheen::most_pdf_per_sr(lobe.alpha, lobe.ior);
+            all += lobe.sampling;
+            continue;
+        }
         if (lobe.kind != Lobe::Kind::Ggx)
             return std::numeric_limits<float>::infinity();
         const vec3& normal = lobe.has_own_normal() ? lobe.normal : set.normal;

@@ -327,6 +327,8 @@ class LobeModel(IntEnum):
     PRINCIPLED_3 = 12
     PRINCIPLED = 13
     LAMBERT = 14
+    PRINCIPLED_SHEEN = 15
+    SHEEN = 16
 
 
 class BumpShadowing(IntEnum):

@@ -145,6 +145,7 @@ TESTS = {
         "test_material_agreement",
     ),
     **dict.fromkeys(["ShaderNodeValue", "ShaderNodeVertexColor"], "test_sync"),
+    "ShaderNodeBsdfSheen": "test_sheen_agreement",
     "ShaderNodeHairInfo": "test_hair_agreement",
     "ShaderNodeHoldout": "test_holdouts",
     **dict.fromkeys(["ShaderNodeDisplacement", "ShaderNodeVectorDisplacement"], "test_normal_agreement"),

@@ -14,6 +14,7 @@ struct Lobe {
         OrenNayar,
         Burley,
         BurleySheen,
+        Sheen,
         DiffuseToon,
         Velvet,
         GlossyToon,
@@ -28,8 +29,9 @@ struct Lobe {
     bool is_separable = false;                          ///< Ggx: shadowing and masking are apart, as up to Blender 3.x.
     BumpShadowing bump_shadowing = BumpShadowing::None; ///< With a normal of its own.
     /// Ggx, Clearcoat: width, (0, 1]. OrenNayar: its A. Burley: roughness. Velvet: 1 / sigma^2. Toon: angle of full light.
+    /// Sheen: its a.
     float alpha = 1.0f;
-    float ior = 1.5f;      ///< OrenNayar: its B. Toon: angle over which light fades.
+    float ior = 1.5f;      ///< OrenNayar: its B. Sheen: its b. Toon: angle over which light fades.
     float sampling = 0.0f; ///< Share of directions that are drawn for it; shares need not add up to 1.
     Rgb weight{0.0f};
     Rgb a{0.0f}, b{1.0f}; ///< Of `fresnel`. OrenNayar: b is what scatters on between facets.

@@ -5,6 +5,7 @@
 #include "shading/lobes/fresnel_colours.hpp"
 #include "shading/lobes/ggx_energy.hpp"
 #include "shading/lobes/lobe_set.hpp"
+#include "shading/lobes/sheen.hpp"
 #include "shading/material.hpp"
 
 namespace tyndall {
@@ -20,11 +21,14 @@ std::size_t input_count(Model model) {
     case Model::Glossy3:
     case Model::Glossy:
     case Model::Velvet:
+    case Model::Sheen:
         return 3;
     case Model::Principled3:
         return 12;
     case Model::Principled:
         return 14;
+    case Model::PrincipledSheen:
+        return 16;
     case Model::MetalF82:
     case Model::Conductor:
     case Model::Glass3:
@@ -111,7 +115,11 @@ public:
         case Model::Principled3:
             return principled_of_blender3();
         case Model::Principled:
+        case Model::PrincipledSheen:
             return principled();
+        case Model::Sheen:
+            sheen(weight_ * colour(1), number(2));
+            return;
         }
     }
 
@@ -242,6 +250,16 @@ private:
              .normal = normals_.diffuse});
     }
 
+    /// Its albedo.
+    Rgb sheen(const Rgb& weight, float roughness) {
+        const auto [a, b, albedo] = sheen::shape(roughness, diffuse_cosine_);
+        Lobe lobe{
+            .kind = Lobe::Kind::Sheen, .alpha = a, .ior = b, .weight = weight * albedo, .normal = normals_.diffuse};
+        lobe.sampling = average(lobe.weight);
+        add(lobe);
+        return lobe.weight;
+    }
+
     void toon() {
         constexpr float quarter_turn = 1.57079633f;
         add({.kind = source_.model == Model::DiffuseToon ? Lobe::Kind::DiffuseToon : Lobe::Kind::GlossyToon,
@@ -291,10 +309,13 @@ private:
         const Rgb base = colour(1);
         const float metallic = clamped(number(2)), roughness = clamped(number(3)), transmission = clamped(number(6));
         const Rgb tint = non_negative(inputs_[5]);
-        Rgb weight = weight_;
+        const bool has_sheen = source_.model == Model::PrincipledSheen;
+        const Rgb below_sheen =
+            has_sheen ? below(sheen(weight_ * non_negative(inputs_[14]), number(15)), weight_) : weight_;
+        Rgb weight = below_sheen;
         if (const float coat = std::max(number(8), 0.0f); coat > least_share)
             weight = below_coat(weight, coat);
-        closures_.emission += weight * non_negative(inputs_[13]);
+        closures_.emission += weight * non_negative(inputs_[principled_emission]);
         if (metallic > least_share) {
             const Rgb straight = clamped(base);
             metal(weight * metallic, straight, f82_dark(straight, glm::min(tint, Rgb(1.0f))), roughness);
@@ -302,7 +323,9 @@ private:
         }
         const float ior = index(7);
         if (transmission > least_share) {
-            const Rgb share = weight_ * ((1.0f - metallic) * transmission);
+            const Rgb all = weight_ * ((1.0f - metallic) * transmission);
+            const Rgb share = below_sheen * ((1.0f - metallic) * transmission);
+            closures_.transparent = glm::max(closures_.transparent - (all - share) * base, Rgb(0.0f));
             glass(weight * transmission, share * base, weight * transmission, clamped(straight_share(ior) * tint),
                   roughness, ior, false);
             weight *= 1.0f - transmission;

@@ -35,9 +35,12 @@ enum class LobeModel : std::uint8_t {
     /// base, metallic, roughness, specular level, specular tint, transmission, index, coat, coat roughness, coat index,
     /// coat tint, diffuse roughness, emission.
     Principled = 13,
-    Lambert = 14, ///< Around a normal of its own: colour.
+    Lambert = 14,         ///< Around a normal of its own: colour.
+    PrincipledSheen = 15, ///< As Principled; the sheen's colour by its share of the surface, its roughness.
+    Sheen = 16,           ///< colour, roughness.
 };
 inline constexpr std::size_t most_lobe_inputs = 16;
+inline constexpr std::size_t principled_emission = 13; ///< Which of its inputs that is, with and without a sheen.
 using LobeInputs = std::array<Rgb, most_lobe_inputs>;
 /// Unit normals of a shader's lobes at a point; zero: the point's own.
 struct LobeNormals {

@@ -4,6 +4,7 @@
 #include "shading/lobes/diffuse_lobes.hpp"
 #include "shading/lobes/fresnel_colours.hpp"
 #include "shading/lobes/ggx.hpp"
+#include "shading/lobes/sheen.hpp"
 
 namespace tyndall {
 namespace {
@@ -44,6 +45,8 @@ Rgb reflected(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const 
         return Rgb(burley::diffuse(lobe.alpha, angles.light, angles.view, angles.between));
     case Lobe::Kind::BurleySheen:
         return Rgb(burley::sheen(angles.view_half));
+    case Lobe::Kind::Sheen:
+        return Rgb(sheen::per_irradiance(lobe.alpha, lobe.ior, angles.light, angles.view, angles.between));
     case Lobe::Kind::Velvet:
         return Rgb(velvet(lobe.alpha, angles.light, angles.view, std::sqrt(angles.normal_half2), angles.view_half));
     case Lobe::Kind::DiffuseToon:
@@ -73,12 +76,17 @@ Rgb reflected_around_own(const Lobe& lobe, const LobeSet& set, const vec3& incom
     const float between = glm::dot(set.normal, lobe.normal);
     if (angles.light <= 0.0f || between <= 0.0f || (angles.view <= 0.0f && !lobe.is_matte()))
         return Rgb(0.0f);
-    angles.view = std::max(angles.view, 0.0f);
+    if (lobe.kind != Lobe::Kind::Sheen)
+        angles.view = std::max(angles.view, 0.0f);
     const float left = unshadowed_by_bumps(lobe.bump_shadowing, light, angles.light, between);
     return reflected(lobe, set, incoming, angles) * (left * angles.light / std::max(light, least_light));
 }
 
 float pdf_of(const Lobe& lobe, const Angles& angles) {
+    if (lobe.kind == Lobe::Kind::Sheen)
+        return angles.light > 0.0f ? angles.light * sheen::per_irradiance(lobe.alpha, lobe.ior, angles.light,
+                                                                          angles.view, angles.between)
+                                   : 0.0f;
     if (angles.view <= 0.0f)
         return 0.0f;
     if (lobe.kind == Lobe::Kind::Clearcoat)
@@ -87,6 +95,15 @@ float pdf_of(const Lobe& lobe, const Angles& angles) {
     if (angles.normal_half <= 0.0f) // no facet that is seen sends light there
         return 0.0f;
     return ggx::reflected_pdf_per_sr(lobe.alpha, angles.view, angles.normal_half_sine2, angles.normal_half2);
+}
+
+/// The axes are the sheen's: x along the view's part in the surface.
+vec3 sample_sheen(const Lobe& lobe, const vec3& normal, const vec3& outgoing, vec2 u) {
+    const vec3 across = outgoing - glm::dot(outgoing, normal) * normal;
+    const float sine = glm::length(across);
+    const vec3 x = sine > 1e-6f ? across / sine : orthonormal_basis(normal).first;
+    const vec3 direction = sheen::sample(lobe.alpha, lobe.ior, u);
+    return glm::normalize(direction.x * x + direction.y * glm::cross(normal, x) + direction.z * normal);
 }
 
 float sum_of_sampling(std::span<const Lobe> lobes) {
@@ -142,6 +159,8 @@ vec3 LobeSet::sample(vec2 u) const {
     }
     u.x = std::min(left / drawn->sampling, 0.99999994f); // what chose a lobe is even again within it
     const vec3& around = normal_of(*drawn, *this);
+    if (drawn->kind == Lobe::Kind::Sheen)
+        return sample_sheen(*drawn, around, outgoing, u);
     const auto [tangent, bitangent] = orthonormal_basis(around);
     const vec3 view(glm::dot(outgoing, tangent), glm::dot(outgoing, bitangent), glm::dot(outgoing, around));
     const vec3 facet = drawn->kind == Lobe::Kind::Clearcoat ? clearcoat::sample_normal(drawn->alpha, u)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The lobes of one point together: what they send back, and directions drawn as often as they shine there.
 // Based on: Veach, dissertation, Stanford 1997, section 9.2: one of the lobes is drawn from, the density is that of all.
-// Differs:  broad lobes have no directions of their own: those by the cosine serve them.
+// Differs:  broad lobes but sheen have no directions of their own: those by the cosine serve them.
 //           A lobe's own normal changes its cosine, too: irradiance is that around the point's normal, so that what the lobe
 //           sends back is scaled by the quotient of the cosines.
 // Bound:    10 to 30 ns a lobe and direction.
