@@ -252,7 +252,7 @@ private:
 
     /// Its albedo.
     Rgb sheen(const Rgb& weight, float roughness) {
-        const auto [a, b, albedo] = sheen::shape(roughness, diffuse_cosine_);
+        const auto [a, b, albedo] = sheen::shape(clamped(roughness), diffuse_cosine_);
         Lobe lobe{
             .kind = Lobe::Kind::Sheen, .alpha = a, .ior = b, .weight = weight * albedo, .normal = normals_.diffuse};
         lobe.sampling = average(lobe.weight);

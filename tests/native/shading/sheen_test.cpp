@@ -178,6 +178,13 @@ TEST_CASE("directions come as often as a sheen reflects there, and no density is
             }
 }
 
+TEST_CASE("a roughness that is no number is none") {
+    Lobes lobes;
+    built(LobeModel::Sheen, {white, white, Rgb(std::nanf(""))}, at_angle(89.9f), lobes);
+    for (const Lobe& lobe : lobes)
+        CHECK(lobe.weight.x == sheen::shape(0.0f, at_angle(89.9f).z).albedo);
+}
+
 TEST_CASE("a sheen that is seen from behind its own normal is as bright as along it") {
     const vec3 outgoing = at_angle(60.0f), normal = at_angle(-50.0f); // 110 degrees apart
     Lobes lobes;
