@@ -41,7 +41,7 @@ def emission_of_light(
 def emission_value(reader: ValueReader, at: Socket) -> Value:
     """Of a surface input: the colour times strength of its Emission nodes."""
     source = at.source()
-    if not source.socket.is_output:
+    if source.is_bare_shader():
         return BLACK
     node_type, program = source.node.type, reader.program
     if node_type == "EMISSION":

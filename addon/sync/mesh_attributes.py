@@ -13,6 +13,8 @@ import numpy as np
 
 from tyndall.scene_description import ATTRIBUTE_MARK, attribute_maps
 
+from .corner_tangents import corner_tangents
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -72,11 +74,7 @@ def what_is_missing(asked: Iterable[str], has: Iterable[str]) -> list[str]:
         made = name[len(first) :]
         uv_map = made[len(_TANGENT) :]
         of_map = f'of UV map "{uv_map}" ' if uv_map else ""
-        missing.append(
-            f"tangents {of_map}(a UV map and faces of three or four corners)"
-            if made.startswith(_TANGENT)
-            else "texture space"
-        )
+        missing.append(f"tangents {of_map}(no UV map)" if made.startswith(_TANGENT) else "texture space")
     return missing
 
 
@@ -136,7 +134,7 @@ def _tangents(mesh: bpy.types.Mesh, uv_map: str) -> NDArray[np.float32] | None:
     try:
         mesh.calc_tangents(uvmap=uv_map)
     except RuntimeError:  # of polygons with more than four corners
-        return None
+        return _tangents_by_triangles(mesh, uv_map)
     values = np.empty((len(mesh.loops), 4), np.float32)
     tangents = np.empty((len(mesh.loops), 3), np.float32)
     signs = np.empty(len(mesh.loops), np.float32)
@@ -145,6 +143,20 @@ def _tangents(mesh: bpy.types.Mesh, uv_map: str) -> NDArray[np.float32] | None:
     values[:, :3], values[:, 3] = tangents, signs
     mesh.free_tangents()
     return values
+
+
+def _tangents_by_triangles(mesh: bpy.types.Mesh, uv_map: str) -> NDArray[np.float32]:
+    corners = len(mesh.loops)
+    vertices, triangles = np.empty(corners, np.int32), np.empty((len(mesh.loop_triangles), 3), np.int32)
+    mesh.loops.foreach_get("vertex_index", vertices)
+    mesh.loop_triangles.foreach_get("loops", triangles.reshape(-1))
+    if bpy.app.version >= (4, 1, 0):
+        normals = _stored(mesh.corner_normals, "vector", 3)
+    else:
+        mesh.calc_normals_split()
+        normals = _stored(mesh.loops, "normal", 3)
+    uvs = _stored(mesh.uv_layers[uv_map].data, "uv", 2)
+    return corner_tangents(_positions(mesh)[vertices], normals, uvs, triangles.astype(np.intp))
 
 
 def _any_attribute(mesh: bpy.types.Mesh, name: str, vertex_of_corner: NDArray[np.uint32]) -> NDArray[np.float32] | None:

@@ -41,6 +41,10 @@ class Socket:
     def is_connected(self) -> bool:
         return self.source().socket.is_output
 
+    def is_bare_shader(self) -> bool:
+        """Whether no shader feeds a source: black. A colour that a group is given in its place glows, as in Cycles."""
+        return not self.socket.is_output and self.socket.type == "SHADER"
+
     def source(self) -> Socket:
         """What feeds this input: an output of a node that computes, or the input whose own value counts."""
         return self.path()[-1]

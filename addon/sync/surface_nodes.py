@@ -82,8 +82,8 @@ def _add(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None
     if weight == BLACK:
         return
     source = at.source()
-    if not source.socket.is_output:
-        return  # nothing connected: black
+    if source.is_bare_shader():
+        return
     if source.socket.type != "SHADER":  # a colour in place of a shader glows, as in Cycles
         program = reader.program
         shares.emission = program.add(shares.emission, program.multiply(weight, reader.colour(at)))

@@ -120,7 +120,7 @@ def _suns(reader: WorldReader, name: str, seen: Material, without: Material) -> 
 @followed(otherwise=BLACK)
 def _background(reader: ValueReader, at: Socket, weight: Value) -> Value:
     program, source = reader.program, at.source()
-    if not source.socket.is_output or weight == BLACK:
+    if source.is_bare_shader() or weight == BLACK:
         return BLACK
     if source.socket.type != "SHADER":
         return program.multiply(weight, reader.colour(at))
