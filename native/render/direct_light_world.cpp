@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The world's part of direct_light.hpp: by the cosine, by the image, and by lobes' own directions, one of them by chance.
+// Each meets what Cycles' rays of that strategy meet: those by the image are shadow rays, the others diffuse or glossy.
 #include "core/sampling.hpp"
 #include "render/direct_light.hpp"
 #include "render/shadow_rays.hpp"
@@ -45,6 +46,7 @@ void DirectLight::aim_by_strategies(const SurfacePoint& point, const LobeSet& lo
     const float p_image = world.has_image() ? image_share : 0.0f, p_lobes = (1.0f - p_image) * of_lobes,
                 p_cosine = 1.0f - p_image - p_lobes;
     const vec3& normal = point.shading.shading_normal;
+    const bool is_gloss = of_lobes == most_lobe_share; // alone, or nearly so
     vec3 direction;
     World::Look look{};
     const bool by_image = u.x < p_image, by_lobes = !by_image && u.x < p_image + p_lobes;
@@ -62,10 +64,17 @@ void DirectLight::aim_by_strategies(const SurfacePoint& point, const LobeSet& lo
     if (!by_image)
         look = world.look(direction);
     float density = p_cosine * cosine_hemisphere_pdf_per_sr(cosine);
-    if (world.has_image())
-        density += p_image * look.pdf_per_sr;
     if (p_lobes > 0.0f)
         density += p_lobes * lobes.pdf_per_sr(direction);
+    if (world.has_image()) {
+        const float by_surface = density, of_image = p_image * look.pdf_per_sr;
+        density += of_image;
+        // Where these meet other things, each gives what it gives in Cycles, which weighs by squares.
+        if (scene_.tells_rays_apart()) {
+            const float a = by_surface / (1.0f - p_image), b = look.pdf_per_sr;
+            density = by_image ? of_image / power_share(b, a) : by_surface / power_share(a, b);
+        }
+    }
     if (!(density > 0.0f) || !std::isfinite(density))
         return;
     const float counted = share_below_surface(point, direction, look.pdf_per_sr);
@@ -75,8 +84,9 @@ void DirectLight::aim_by_strategies(const SurfacePoint& point, const LobeSet& lo
     const bool is_lifted = by_image || by_lobes;
     const Ray ray = is_lifted ? shadow_ray(point, direction)
                               : Ray{.origin = point.spawn.towards(direction), .direction = direction};
-    shadow.push(ray, arriving, index,
-                lobes.lobes.empty() ? Rgb(0.0f) : Rgb(arriving * lobes.per_irradiance(direction)));
+    const RayKind kind = by_image ? RayKind::Shadow : by_lobes || is_gloss ? RayKind::Glossy : RayKind::Diffuse;
+    shadow.push(ray, arriving, index, lobes.lobes.empty() ? Rgb(0.0f) : Rgb(arriving * lobes.per_irradiance(direction)),
+                kind);
 }
 
 void DirectLight::aim_at_world(const LitSurface& surface, const PairIndex& pair, float share,
@@ -100,7 +110,8 @@ void DirectLight::aim_at_world(const LitSurface& surface, const PairIndex& pair,
             shadow.push(ray, arriving, lane,
                         surface.lobes == nullptr || (*surface.lobes)[lane].lobes.empty()
                             ? Rgb(0.0f)
-                            : arriving * (*surface.lobes)[lane].per_irradiance(ray.direction));
+                            : arriving * (*surface.lobes)[lane].per_irradiance(ray.direction),
+                        RayKind::Diffuse);
         }
     }
     if (alone == 0)
@@ -129,7 +140,7 @@ void DirectLight::add_from_world(ShadowRays& shadow, Among among, std::span<Irra
     for (std::size_t index = 0; index < shadow.count; ++index) {
         Ray within_reach = shadow.rays[index]; // media dim the light all the way
         within_reach.far_m = std::min(within_reach.far_m, world_reach_m_);
-        shadow.passing[index] = scene_.shadow_transmittance(within_reach, among);
+        shadow.passing[index] = scene_.shadow_transmittance(within_reach, among, shadow.kinds[index]);
     }
     if (has_media_ && among == Among::All)
         media_.attenuate(shadow.all(), shadow.passing);

@@ -17,10 +17,13 @@ struct DirectLight::ShadowRays {
     std::array<float, most_points> shares; ///< Of these: of the irradiance that is found this way, not by the cosine.
     std::array<std::uint8_t, most_points> groups;     ///< Of these: the light's group.
     std::array<const LightLinks*, most_points> links; ///< Of these.
+    std::array<RayKind, most_points> kinds;           ///< Of the world's.
     std::size_t count = 0;
 
-    void push(const Ray& ray, const Rgb& unshadowed, std::size_t point, const Rgb& by_lobes = Rgb(0.0f)) {
+    void push(const Ray& ray, const Rgb& unshadowed, std::size_t point, const Rgb& by_lobes = Rgb(0.0f),
+              RayKind kind = RayKind::Shadow) {
         rays[count] = ray;
+        kinds[count] = kind;
         reflected[count] = by_lobes;
         arriving[count] = unshadowed;
         points[count++] = static_cast<std::uint8_t>(point);

@@ -1,13 +1,32 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Which rays see which instances of Scene::trees().
 #pragma once
+#include "shading/program_point.hpp"
 #include <cstdint>
 
 namespace tyndall {
 inline constexpr unsigned int camera_mask = 1u; ///< Camera rays.
 inline constexpr unsigned int shadow_mask = 2u; ///< Rays towards a light.
 inline constexpr unsigned int bounce_mask = 4u; ///< Rays that gather the light of other surfaces.
-inline constexpr unsigned int mirror_mask = 8u; ///< What mirrors show.
+inline constexpr unsigned int mirror_mask = 8u; ///< What mirrors show, and rays by gloss.
+
+/// Of what stands in the way of light that a ray of this kind gathers.
+[[nodiscard]] constexpr unsigned int blocking_mask(RayKind kind) {
+    switch (kind) {
+    case RayKind::Diffuse:
+        return bounce_mask;
+    case RayKind::Glossy:
+        return mirror_mask;
+    default:
+        return shadow_mask;
+    }
+}
+
+/// Of masks: of what stops some of the rays that gather light, and not all.
+[[nodiscard]] constexpr bool tells_rays_apart(unsigned int mask) {
+    const unsigned int of_light = mask & (shadow_mask | bounce_mask | mirror_mask);
+    return of_light != 0 && of_light != (shadow_mask | bounce_mask | mirror_mask);
+}
 
 /// What else there is for a ray: the light on a shadow catcher is compared with what it would be without all but catchers.
 enum class Among : std::uint8_t { All = 0, Catchers = 1 };

@@ -53,7 +53,8 @@ Scene::Geometry::Geometry(const Geometry& other, std::span<const MovedInstance> 
     : description(other.description), bounds(other.bounds), surface_bounds(other.surface_bounds),
       objects_from_scene(other.objects_from_scene), shape_lengths(other.shape_lengths),
       transparent_operations(other.transparent_operations), lets_light_pass(other.lets_light_pass),
-      blocker_bits(other.blocker_bits), has_holes(other.has_holes), has_catchers(other.has_catchers) {
+      blocker_bits(other.blocker_bits), has_holes(other.has_holes), has_catchers(other.has_catchers),
+      tells_rays_apart(other.tells_rays_apart) {
     statistics.reports = other.statistics.reports;
     bool may_shrink = false;
     std::vector<std::uint32_t> indices;

@@ -50,6 +50,7 @@ struct QueryContext : CellQuery {
     dvec3* passing;
     const std::uint64_t* bits_of_instance = nullptr;
     std::uint64_t ignored = 0;
+    RayKind kind = RayKind::Shadow;        ///< Of those that gather light.
     bool asks_materials = false;           ///< Of what is met: it may have holes, or let light pass.
     const InstanceTrees* passed = nullptr; ///< What has moved of these is passed.
 
@@ -116,7 +117,7 @@ static void attenuate(const RTCFilterFunctionNArguments* arguments) {
         if (!context.asks_materials)
             continue;
         dvec3& passing = context.passing[ray.id];
-        passing *= dvec3(context.scene.transparency(context.rays[ray.id], hit_of(ray, hit)));
+        passing *= dvec3(context.scene.transparency(context.rays[ray.id], hit_of(ray, hit), context.kind));
         if (Rgb(passing) != Rgb(0.0f))
             arguments->valid[lane] = 0;
     }
@@ -188,7 +189,24 @@ void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits, unsigne
     }
 }
 
-Rgb Scene::shadow_transmittance(const Ray& ray, Among among) const { return shadow_transmittance(ray, {}, 0, among); }
+/// Of one ray.
+static Rgb passing_along(QueryContext& context, const Ray& ray, Among among, const dvec3& passing) {
+    RTCRay query = embree_ray(ray, mask_among(among, blocking_mask(context.kind)));
+    context.trace_all(attenuate, [&](RTCScene tree) {
+        if (query.tfar >= 0.0f) // less: something stops it
+            rtcOccluded1(tree, &context.embree, &query);
+    });
+    const bool is_occluded = query.tfar < 0.0f;
+    return is_occluded ? Rgb(0.0f) : Rgb(passing);
+}
+
+Rgb Scene::shadow_transmittance(const Ray& ray, Among among, RayKind kind) const {
+    dvec3 passing(1.0);
+    QueryContext context(*this, &ray, &passing);
+    context.kind = kind;
+    context.asks_materials = geometry_->lets_light_pass;
+    return passing_along(context, ray, among, passing);
+}
 
 Rgb Scene::shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> bits_of_instance, std::uint64_t ignored,
                                 Among among) const {
@@ -197,13 +215,7 @@ Rgb Scene::shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> b
     context.bits_of_instance = bits_of_instance.data();
     context.ignored = ignored;
     context.asks_materials = geometry_->lets_light_pass;
-    RTCRay query = embree_ray(ray, mask_among(among, shadow_mask));
-    context.trace_all(attenuate, [&](RTCScene tree) {
-        if (query.tfar >= 0.0f) // less: something stops it
-            rtcOccluded1(tree, &context.embree, &query);
-    });
-    const bool is_occluded = query.tfar < 0.0f;
-    return is_occluded ? Rgb(0.0f) : Rgb(passing);
+    return passing_along(context, ray, among, passing);
 }
 
 void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing,

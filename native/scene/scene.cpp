@@ -259,10 +259,12 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
         if (surface_slots == 0)
             continue; // light and view pass: the media have an Embree scene of their own
         surface_bounds.grow(box);
-        has_holes |=
-            (mask_of(instance) & (camera_mask | bounce_mask | mirror_mask)) != 0 && surface_slots < instance.slot_count;
-        lets_light_pass |= instance.casts_shadow && opaque_slots < instance.slot_count;
+        const unsigned int mask = mask_of(instance);
+        has_holes |= (mask & (camera_mask | bounce_mask | mirror_mask)) != 0 && surface_slots < instance.slot_count;
+        lets_light_pass |=
+            (mask & (shadow_mask | bounce_mask | mirror_mask)) != 0 && opaque_slots < instance.slot_count;
 
+        tells_rays_apart |= tyndall::tells_rays_apart(mask_of(instance));
         trees.take(mesh.embree_scene(), instance.world_from_object, index, mask_of(instance));
     }
     for (std::size_t i = 0; i < description.placed_shapes.size(); ++i) {
@@ -282,6 +284,7 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
             statistics.report("object '" + description.object_names[placed.name_index] +
                               "': its material lets a part of the light pass, but " + kind_of(shape) + " are opaque");
         surface_bounds.grow(box);
+        tells_rays_apart |= tyndall::tells_rays_apart(mask_of(placed));
         trees.take(shape.embree_scene(), placed.world_from_object, static_cast<std::uint32_t>(index), mask_of(placed));
     }
     trees.commit(progress);

@@ -158,6 +158,8 @@ public:
         return placed != nullptr ? placed->is_shadow_catcher : description().instances[instance].is_shadow_catcher;
     }
     [[nodiscard]] bool has_shadow_catchers() const { return geometry_->has_catchers; }
+    /// Whether some instance stands in the way of one kind of rays that gather light, and not of another.
+    [[nodiscard]] bool tells_rays_apart() const { return geometry_->tells_rays_apart; }
     /// What the object of an instance is by itself.
     [[nodiscard]] const ObjectInfo& object_info(std::uint32_t instance) const {
         static const ObjectInfo plain;
@@ -173,8 +175,8 @@ public:
     /// Appends lobes to `lobes`, where there is such a list; see evaluate().
     [[nodiscard]] SurfaceClosures closures(const AskingRay& asking, const ShadingPoint& point, const Hit& hit,
                                            std::vector<Lobe>* lobes = nullptr) const;
-    /// closures().transparent alone, as shadow rays see it, at less cost.
-    [[nodiscard]] Rgb transparency(const Ray& ray, const Hit& hit) const;
+    /// closures().transparent alone, as rays of this kind see it, at less cost.
+    [[nodiscard]] Rgb transparency(const Ray& ray, const Hit& hit, RayKind kind = RayKind::Shadow) const;
 
     /// Where rays leave a hit from.
     [[nodiscard]] SpawnPoint spawn_point(const Hit& hit) const;
@@ -198,8 +200,9 @@ public:
     /// Once before rays ask for less than every cell; without it, they meet them all. Throws Cancelled.
     void prepare_detail(const Progress& progress) const;
     /// Light that passes along the ray through transparent surfaces, per channel; 0 behind an opaque one. Media are
-    /// not included. Only instances that cast shadows count.
-    [[nodiscard]] Rgb shadow_transmittance(const Ray& ray, Among among = Among::All) const;
+    /// not included. Only instances that cast shadows count; for rays of another kind, those that show to it.
+    [[nodiscard]] Rgb shadow_transmittance(const Ray& ray, Among among = Among::All,
+                                           RayKind kind = RayKind::Shadow) const;
     /// The same without the instances of which bits_of_instance, one per instance, shares a bit with `ignored`.
     [[nodiscard]] Rgb shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> bits_of_instance,
                                            std::uint64_t ignored, Among among = Among::All) const;
@@ -235,10 +238,11 @@ private:
         std::vector<mat4> objects_from_scene;                      ///< Per instance, then per placed shape.
         std::vector<float> shape_lengths;                          ///< Per placed shape: see CellQuery.
         std::vector<TransparentOperations> transparent_operations; ///< Per material.
-        bool lets_light_pass = false;            ///< Some shadow-casting instance is transparent, or has holes.
+        bool lets_light_pass = false;            ///< Some instance in light's way is transparent, or has holes.
         std::vector<std::uint64_t> blocker_bits; ///< Per instance, then per placed shape; see blocker_bits().
         bool has_holes = false;                  ///< Some instance that is seen has slots without a surface.
         bool has_catchers = false;               ///< Some instance catches shadows.
+        bool tells_rays_apart = false;           ///< See there.
 
         Geometry(SceneDescription scene, const Progress& progress);
         Geometry(const Geometry& other, std::span<const MovedInstance> moved, TreeUpdate update,

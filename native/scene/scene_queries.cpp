@@ -281,7 +281,7 @@ SurfaceClosures Scene::closures(const Ray& ray, const Hit& hit) const {
     return closures({.ray = ray}, shading_point(ray, hit), hit);
 }
 
-Rgb Scene::transparency(const Ray& ray, const Hit& hit) const {
+Rgb Scene::transparency(const Ray& ray, const Hit& hit, RayKind kind) const {
     if (placed_shape(hit.instance) != nullptr)
         return Rgb(0.0f);
     const Material& surface = material(hit.instance, hit.triangle);
@@ -296,7 +296,7 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit) const {
     look_up_uvs(mesh_of(hit.instance), surface, hit.triangle, hit.barycentrics, uvs);
     Hit with_normal = hit;
     with_normal.geometric_normal = glm::normalize(normal_in_scene(hit.instance, hit.geometric_normal));
-    const AskingRay asking{.ray = ray, .kind = RayKind::Shadow};
+    const AskingRay asking{.ray = ray, .kind = kind};
     return evaluate_transparent(
         surface, geometry_->transparent_operations[static_cast<std::size_t>(&surface - description().materials.data())],
         program_point(asking, shading_point(ray, with_normal), with_normal), uvs);

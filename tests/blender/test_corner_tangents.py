@@ -35,7 +35,7 @@ def _bent(shape: str) -> bpy.types.Mesh:
     for loop in data.loops:
         x, y, _ = corners[loop.vertex_index]
         layer.data[loop.index].uv = {
-            "with a mirrored map": (abs(x), y + 0.3 * x * x),
+            "with a mirrored map": (abs(x - steps[4]), y + 0.3 * x * x),
             "with a map of a point": (max(x, -0.1), max(y, 0.05)),
         }.get(shape, (1.4 * x + 0.4 * y, 1.6 * y - 0.2 * x + 0.8 * x * x))
     return data
