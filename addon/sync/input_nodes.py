@@ -14,7 +14,7 @@ from . import coordinates
 from .coordinates import point_input
 from .domains import MID_GREY, Domain, on_surfaces
 from .math_nodes import vector_operation
-from .mesh_attributes import tangent_of
+from .mesh_attributes import ISLAND, POINTINESS, tangent_of
 from .program import BLACK, WHITE, Value, grey
 
 if TYPE_CHECKING:
@@ -157,9 +157,7 @@ def _geometry(reader: ValueReader, at: Socket) -> Value:
         return point_input(program, _GEOMETRY[output])
     if output == "Tangent":
         return _radial_tangent(program, "Z")
-    fallback = 0.5 if output == "Pointiness" else 0.0
-    reader.unsupported(at, f"{at.socket.name} is read as {fallback:g}")
-    return grey(fallback)
+    return coordinates.made(program, POINTINESS if output == "Pointiness" else ISLAND)
 
 
 def _radial_tangent(program: Program, axis: str) -> Value:

@@ -14,6 +14,7 @@ import numpy as np
 from tyndall.scene_description import ATTRIBUTE_MARK, attribute_maps
 
 from .corner_tangents import corner_tangents
+from .mesh_structure import pointiness, random_per_island
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 GENERATED = "generated"
 VERTEX_NORMAL = "vertex normal"  #: Smooth, also where faces are flat.
 UNDISPLACED = "undisplaced"  #: Position before the material's displacement, in the object.
+POINTINESS = "pointiness"
+ISLAND = "random per island"
 _TANGENT = "tangent "  #: And the name of a UV map.
 _OF_COLOURS = attribute_maps("")[0]
 #: Properties of an attribute's elements, and how many numbers they are; a fourth number is 1.
@@ -74,7 +77,13 @@ def what_is_missing(asked: Iterable[str], has: Iterable[str]) -> list[str]:
         made = name[len(first) :]
         uv_map = made[len(_TANGENT) :]
         of_map = f'of UV map "{uv_map}" ' if uv_map else ""
-        missing.append(f"tangents {of_map}(no UV map)" if made.startswith(_TANGENT) else "texture space")
+        missing.append(
+            f"tangents {of_map}(no UV map)"
+            if made.startswith(_TANGENT)
+            else made
+            if made in {POINTINESS, ISLAND}
+            else "texture space"
+        )
     return missing
 
 
@@ -99,7 +108,7 @@ def read_asked(
 
 
 def _made(mesh: bpy.types.Mesh, name: str, vertex_of_corner: NDArray[np.uint32]) -> NDArray[np.float32] | None:
-    of_vertices = {GENERATED: _generated, VERTEX_NORMAL: _vertex_normals, UNDISPLACED: _positions}.get(name)
+    of_vertices = _OF_VERTICES.get(name)
     if of_vertices is not None:
         return _with_one(of_vertices(mesh).take(vertex_of_corner.astype(np.intp), axis=0))
     return _tangents(mesh, name[len(_TANGENT) :]) if name.startswith(_TANGENT) else None
@@ -115,6 +124,20 @@ def _positions(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
     return _stored(mesh.vertices, "co", 3)
 
 
+def _edges(mesh: bpy.types.Mesh) -> NDArray[np.intp]:
+    edges = np.empty((len(mesh.edges), 2), np.int32)
+    mesh.edges.foreach_get("vertices", edges.reshape(-1))
+    return edges.astype(np.intp)
+
+
+def _pointiness(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
+    return np.repeat(pointiness(_positions(mesh), _vertex_normals(mesh), _edges(mesh))[:, None], 3, axis=1)
+
+
+def _island(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
+    return np.repeat(random_per_island(len(mesh.vertices), _edges(mesh))[:, None], 3, axis=1)
+
+
 def _generated(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
     """(vertices, 3), as Cycles scales them."""
     undeformed = np.empty((len(mesh.vertices), 3), np.float32)
@@ -123,6 +146,15 @@ def _generated(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
     per_metre = np.divide(np.float32(0.5), size, out=np.zeros(3, np.float32), where=size != 0.0)
     scaled: NDArray[np.float32] = (undeformed - location) * per_metre + np.float32(0.5)
     return scaled
+
+
+_OF_VERTICES = {
+    GENERATED: _generated,
+    VERTEX_NORMAL: _vertex_normals,
+    UNDISPLACED: _positions,
+    POINTINESS: _pointiness,
+    ISLAND: _island,
+}
 
 
 def _tangents(mesh: bpy.types.Mesh, uv_map: str) -> NDArray[np.float32] | None:

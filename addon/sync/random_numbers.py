@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _BITS = 0xFFFFFFFF
+_SEED_OF_ONE = np.uint32((0xDEADBEEF + (1 << 2) + 13) & _BITS)
 _SEED_OF_TWO = np.uint32((0xDEADBEEF + (2 << 2) + 13) & _BITS)
 #: The last rounds of lookup3: each mixes one of the three by the one before it.
 _TURNS = ((2, 1, 14), (0, 2, 11), (1, 0, 25), (2, 1, 16), (0, 2, 4), (1, 0, 14), (2, 1, 24))
@@ -36,6 +37,17 @@ def hashes_of_two(count: int) -> NDArray[np.uint32]:
     with np.errstate(over="ignore"):
         first = np.arange(count, dtype=np.uint32)
         state = [first + _SEED_OF_TWO, np.full(count, _SEED_OF_TWO), np.full(count, _SEED_OF_TWO)]
+        for target, source, turn in _TURNS:
+            turned = (state[source] << np.uint32(turn)) | (state[source] >> np.uint32(32 - turn))
+            state[target] = (state[target] ^ state[source]) - turned
+    return state[2]
+
+
+def hashes_of_one(numbers: NDArray[np.uint32]) -> NDArray[np.uint32]:
+    """Of each."""
+    with np.errstate(over="ignore"):
+        seed = np.full(len(numbers), _SEED_OF_ONE)
+        state = [numbers + _SEED_OF_ONE, seed, seed]
         for target, source, turn in _TURNS:
             turned = (state[source] << np.uint32(turn)) | (state[source] >> np.uint32(32 - turn))
             state[target] = (state[target] ^ state[source]) - turned

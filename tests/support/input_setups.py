@@ -43,7 +43,7 @@ INPUT_SETUPS: dict[str, Build] = {
     },
     **{
         f"geometry {name}": output("ShaderNodeNewGeometry", name)
-        for name in ("Position", "Normal", "Tangent", "True Normal", "Incoming", "Backfacing")
+        for name in ("Position", "Normal", "Tangent", "True Normal", "Incoming", "Backfacing", "Pointiness")
     },
     **{
         f"object {name}": output("ShaderNodeObjectInfo", name)
