@@ -141,8 +141,18 @@ def _metallic(reader: ValueReader, at: Socket, weight: Value, shares: Shares) ->
     return _push(shares, model, *inputs, preserves_energy=_is_multiple(at), normals=normals)
 
 
+def _pass_straight(reader: ValueReader, shares: Shares, passing: Value, base: Value) -> None:
+    """What a Principled BSDF transmits."""
+    reader.note("transmission is drawn as transparent in its colour, with its reflections")
+    program = reader.program
+    shares.has_glass = True
+    coloured = program.multiply(passing, through_one_side(program, base))
+    shares.transparent = program.add(shares.transparent, coloured)
+
+
 def _glass(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
     reader.unsupported(at, "is drawn as transparent in its colour, with its reflections")
+    shares.has_glass = True
     _note_distribution(reader, at)
     program = reader.program
     colour = reader.colour(at.input("Color"), WHITE)
@@ -205,10 +215,8 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
         if _is_old():
             base = program.mix(base, reader.colour(at.input("Subsurface Color")), subsurface)
     if transmission != BLACK:
-        reader.note("transmission is drawn as transparent in its colour, with its reflections")
         passing = program.multiply(program.clamp(transmission), program.complement(program.clamp(metallic)))
-        passing = program.multiply(program.multiply(weight, passing), through_one_side(program, base))
-        shares.transparent = program.add(shares.transparent, passing)
+        _pass_straight(reader, shares, program.multiply(weight, passing), base)
     coat_roughness = reader.number(at.input("Coat Roughness") or at.input("Clearcoat Roughness"), 0.03)
     ior, is_multiple = reader.number(at.input("IOR"), 1.45), _is_multiple(at)
     if _is_old():

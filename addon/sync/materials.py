@@ -137,7 +137,7 @@ class MaterialReader:
             shares = read_surface(
                 values, surface, self._mirror_roughness, with_finish=self._with_channels, has_lobes=self._has_lobes
             )
-        shares.transparent = passable(values.program, shares.transparent, material, has_volume=has_volume)
+        shares.transparent = passable(values.program, shares, material, has_volume=has_volume)
         if not self._is_lit:
             shares.diffuse = shares.emission = shares.held_out = BLACK
         if (finish := shares.finish) is not None:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A material's switch "Transparent Shadows": without it no light passes where rays from the camera do, as in Cycles.
+"""A material's switch "Transparent Shadows": without it shadow rays pass nowhere, as in Cycles.
 
-Materials with a volume let it pass all the same.
+Materials with a volume let them pass all the same. What is transparent in place of glass then lets no rays pass that
+gather light: in Cycles those that surfaces scatter pass what is transparent, and no glass.
 """
 
 from __future__ import annotations
@@ -16,14 +17,16 @@ if TYPE_CHECKING:
     import bpy
 
     from .program import Program, Value
+    from .surface_nodes import Shares
 
 
-def passable(program: Program, transparent: Value, material: bpy.types.Material, *, has_volume: bool) -> Value:
-    """How much of each ray a surface lets through, ``transparent`` of those from the camera."""
+def passable(program: Program, shares: Shares, material: bpy.types.Material, *, has_volume: bool) -> Value:
+    """How much of each ray a surface lets through: of those from the camera what is transparent."""
     if has_volume or _lets_shadow_rays_pass(material):
-        return transparent
-    of_shadows = point_input(program, PointInput.IS_RAY, selector=int(RayBit.SHADOW))
-    return program.multiply(transparent, program.complement(of_shadows))
+        return shares.transparent
+    kinds = RayBit.SHADOW | RayBit.DIFFUSE | RayBit.GLOSSY if shares.has_glass else RayBit.SHADOW
+    of_light = point_input(program, PointInput.IS_RAY, selector=int(kinds))
+    return program.multiply(shares.transparent, program.complement(of_light))
 
 
 def _lets_shadow_rays_pass(material: bpy.types.Material) -> bool:

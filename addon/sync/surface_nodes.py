@@ -40,6 +40,7 @@ class Shares:
 
     diffuse: Value = BLACK
     transparent: Value = BLACK
+    has_glass: bool = False  #: What is transparent is so in place of glass, at least in part.
     emission: Value = BLACK
     held_out: Value = BLACK
     gloss: GlossValues | None = None
@@ -101,6 +102,7 @@ def _add(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None
         _SHADERS[node_type](reader, source, weight, shares)
     elif node_type in _TRANSPARENT_LIKE:
         reader.unsupported(source, "is drawn as transparent in its colour")
+        shares.has_glass = True
         _transparent(reader, source, weight, shares)
     elif node_type in _DIFFUSE_LIKE:
         reader.unsupported(source, "is drawn as diffuse in its colour")
@@ -265,6 +267,7 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
     transmission = program.multiply(transmission, program.complement(metallic))
     if transmission != BLACK:
         reader.note("transmission is drawn as transparent in its colour")
+        shares.has_glass = True
     passing = program.multiply(weight, program.multiply(through_one_side(program, base), transmission))
     shares.transparent = program.add(shares.transparent, passing)
     opaque = program.multiply(weight, program.complement(transmission))

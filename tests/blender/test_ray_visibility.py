@@ -78,6 +78,16 @@ def test_opaque_shadows_dim_no_world_of_one_colour() -> None:
     assert ours == pytest.approx(cycles_pixels(scene, samples=16, seed=1).mean(), rel=1e-3)
 
 
+def test_glass_without_transparent_shadows_stops_a_world_of_one_colour() -> None:
+    """Where it lets light pass at all, it does so straight: not what Cycles makes of it without bounces."""
+    empty_scene(4)
+    glass = material("Lid", lambda new, _: new("ShaderNodeBsdfGlass").outputs[0])
+    block_shadow_rays(glass)
+    scene, _ = _floor_below_a_lid(_COLOUR, glass, is_gloss=False)
+    ours = tyndall_pixels(scene, 256).mean()
+    assert ours == pytest.approx(cycles_pixels(scene, samples=2048, seed=1).mean(), rel=0.02)
+
+
 def test_a_window_for_shadow_rays_alone_stops_a_world_of_one_colour() -> None:
     """The usual trick with Light Path > Is Shadow Ray: in Cycles, too, it lets lamps through, and no such world."""
 
