@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The world: one radiance, an equirectangular image, or a program of directions; and the medium that fills space.
 
-A program is baked into an image, which gives the light; cameras see the program itself. The suns of sky textures are
-lights of their own.
+A program is baked into an image, which gives the light, or one colour where it has no other; cameras see the program
+itself. The suns of sky textures are lights of their own.
 """
 
 from __future__ import annotations
@@ -96,7 +96,17 @@ def read_world(
         suns = found or ()
     width = image_width(reader.program, background, has_sharp_disc=has_sharp_disc)
     light = (bakes or WorldBakes()).image(seen if has_sharp_disc else material, width)
+    if (even := _one_colour(light)) is not None:  # but for cameras: as in Cycles it has no shadow rays then
+        return ReadWorld(World(name=world.name, radiance=even, seen_program=seen), medium, suns)
     return ReadWorld(World(name=world.name, radiance=WHITE, image=light, seen_program=seen), medium, suns)
+
+
+def _one_colour(image: Image) -> tuple[float, float, float] | None:
+    first = image.pixels[0, 0, :3]
+    if not (np.isfinite(first).all() and (image.pixels[..., :3] == first).all()):
+        return None
+    red, green, blue = (float(channel) for channel in first)
+    return red, green, blue
 
 
 def _suns(reader: WorldReader, name: str, seen: Material, without: Material) -> tuple[SkySun, ...] | None:

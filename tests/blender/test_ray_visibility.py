@@ -14,13 +14,15 @@ from support.engine_pictures import cycles_pixels, tyndall_pixels
 from support.patch_nodes import Link, New
 from support.small_scenes import block_shadow_rays, empty_scene, material, node, plane
 
-_COLOUR, _VARYING = "one colour", "varying"
+_COLOUR, _VARYING, _UNSEEN = "one colour", "varying", "one colour that cameras do not see"
 _CASES = [
     (False, _COLOUR, ()),
     (False, _COLOUR, ("visible_shadow",)),
     (False, _COLOUR, ("visible_diffuse",)),
     (True, _COLOUR, ("visible_shadow",)),
     (True, _COLOUR, ("visible_glossy",)),
+    (False, _UNSEEN, ("visible_shadow",)),
+    (False, _UNSEEN, ("visible_diffuse",)),
     (False, _VARYING, ("visible_shadow",)),
     (False, _VARYING, ("visible_diffuse",)),
     (True, _VARYING, ("visible_shadow",)),
@@ -49,6 +51,11 @@ def _floor_below_a_lid(
         tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"], gradient.inputs[0])
         tree.links.new(gradient.outputs["Fac"], less.inputs[0])
         tree.links.new(less.outputs[0], colour)
+    if kind == _UNSEEN:
+        mix, output = tree.nodes.new("ShaderNodeMixShader"), next(node for node in tree.nodes if "OUTPUT" in node.type)
+        tree.links.new(tree.nodes.new("ShaderNodeLightPath").outputs["Is Camera Ray"], mix.inputs[0])
+        tree.links.new(tree.nodes["Background"].outputs[0], mix.inputs[1])
+        tree.links.new(mix.outputs[0], output.inputs["Surface"])
     white = material("Floor", gloss if is_gloss else lambda new, _: node(new, "ShaderNodeBsdfDiffuse").outputs[0])
     plane(0.0, white)
     lid = plane(1.0, lid_surface, half_side=1.0)
