@@ -122,6 +122,8 @@ void SurfacePass::walk_block(const Call& call, SurfaceBlock& block, Catch& caugh
     }
     block.parts.clear();
     block.samples = {};
+    if (!path_.config().collects_parts)
+        return; // nor is memory for any: one thread would free that of all blocks
     const std::size_t pixel_count = block.pixel_count();
     block.parts.first.reserve(pixel_count + 1);
     block.parts.rays.reserve(pixel_count);
@@ -207,14 +209,14 @@ std::vector<SurfaceBlock> SurfacePass::blocks_of(const Rows& rows) const {
     return blocks;
 }
 
-/// Rows of the picture out of the rows of blocks side by side.
+/// Rows of the picture out of the rows of blocks side by side. One thread looks at rows of blocks alone, not at pixels.
 void SurfacePass::append(std::span<const SurfaceBlock> blocks, WaitingParts& waiting, const Progress& progress) {
     struct Slice {
         const SurfaceBlock* block;
-        std::size_t first_pixel, to;
+        std::size_t first_pixel, to, to_pixel;
     };
     std::vector<Slice> slices;
-    std::size_t to = waiting.rays.size();
+    std::size_t to = waiting.rays.size(), to_pixel = waiting.first.size();
     for (auto row_begin = blocks.begin(); row_begin != blocks.end();) {
         const auto row_end = std::find_if(row_begin, blocks.end(), [&](const SurfaceBlock& block) {
             return block.pixels.y0 != row_begin->pixels.y0;
@@ -223,21 +225,25 @@ void SurfacePass::append(std::span<const SurfaceBlock> blocks, WaitingParts& wai
             for (auto block = row_begin; block != row_end; ++block) {
                 const std::vector<std::uint32_t>& first = block->parts.first;
                 const std::size_t first_pixel = block->index_of(block->pixels.x0, y);
-                slices.push_back({&*block, first_pixel, to});
-                for (std::size_t pixel = first_pixel; pixel < first_pixel + block->width_px(); ++pixel)
-                    waiting.first.push_back(static_cast<std::uint32_t>(to + first[pixel + 1] - first[first_pixel]));
-                to = waiting.first.back();
+                slices.push_back({&*block, first_pixel, to, to_pixel});
+                to_pixel += block->width_px();
+                to += first[first_pixel + block->width_px()] - first[first_pixel];
             }
         row_begin = row_end;
     }
+    waiting.first.resize(to_pixel);
     waiting.rays.resize(to);
     waiting.weights.resize(to);
     parallel_for(
         slices.size(), progress,
         [&](std::size_t index) {
-            const auto [block, first_pixel, destination] = slices[index];
-            const std::size_t begin = block->parts.first[first_pixel];
-            const std::size_t count = block->parts.first[first_pixel + block->width_px()] - begin;
+            const auto [block, first_pixel, destination, destination_pixel] = slices[index];
+            const std::vector<std::uint32_t>& first = block->parts.first;
+            const std::size_t begin = first[first_pixel];
+            const std::size_t count = first[first_pixel + block->width_px()] - begin;
+            for (std::size_t pixel = 0; pixel < block->width_px(); ++pixel)
+                waiting.first[destination_pixel + pixel] =
+                    static_cast<std::uint32_t>(destination + first[first_pixel + pixel + 1] - begin);
             std::copy_n(block->parts.rays.data() + begin, count, waiting.rays.data() + destination);
             std::copy_n(block->parts.weights.data() + begin, count, waiting.weights.data() + destination);
         },
@@ -260,6 +266,7 @@ void SurfacePass::trace(const Rows& rows, std::span<const std::uint8_t> is_activ
     const Call call{rows.sample_index, is_active, kept, deliver, progress};
     parallel_for(
         blocks.size(), progress, [&](std::size_t index) { trace_block(call, blocks[index]); }, 1);
-    append(blocks, waiting, progress);
+    if (path_.config().collects_parts)
+        append(blocks, waiting, progress);
 }
 } // namespace tyndall::render
