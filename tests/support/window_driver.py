@@ -142,6 +142,9 @@ def main(session_path: str, folder: str) -> None:
     import addon  # noqa: PLC0415  after the path is set
 
     bpy.context.preferences.view.show_splash = False
+    # Drawn on the CPU, each change would be drawn again for every sample of its smooth edges: most of a session's time.
+    bpy.context.preferences.system.viewport_aa = "OFF"
+    bpy.context.preferences.system.use_overlay_smooth_wire = False
     window = Window(Path(folder))
     watch_operators(window)
     addon.register()
