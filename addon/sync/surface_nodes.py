@@ -306,6 +306,7 @@ _SHADERS: dict[str, Callable[[ValueReader, Socket, Value, Shares], None]] = {
     "BSDF_METALLIC": _metallic,
     "BSDF_PRINCIPLED": _principled,
     "EMISSION": _emission,
+    "BACKGROUND": _emission,  # of a world: on a surface it glows, in Cycles, too
     "MIX_SHADER": _mix_shader,
     "ADD_SHADER": _add_shader,
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A colour that a group is given glows where the group passes it on in place of a shader, as in Cycles."""
+"""What is no surface's shader and glows: a colour that a group passes on in a shader's place, a world's Background."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from addon.node_groups import add_socket
 from support.engine_pictures import FloatArray, cycles_pixels, tyndall_pixels
 from support.patch_nodes import Link, New
-from support.small_scenes import empty_scene, light, material, plane
+from support.small_scenes import empty_scene, light, material, node, plane
 
 _COLOUR = (0.1, 0.4, 0.7)
 
@@ -48,6 +48,16 @@ def test_a_surface() -> None:
     plane(0.0, material("Given", _passed_on))
     ours, cycles = _both(scene)
     assert cycles[0, 0] == pytest.approx(np.array(_COLOUR) / 2.0, rel=1e-5)
+    np.testing.assert_allclose(ours, cycles, rtol=1e-5)
+
+
+def test_the_background_of_a_world_on_a_surface_glows() -> None:
+    scene = empty_scene()
+    plane(
+        0.0, material("Background", lambda new, _: node(new, "ShaderNodeBackground", Color=(*_COLOUR, 1.0)).outputs[0])
+    )
+    ours, cycles = _both(scene)
+    assert cycles[0, 0] == pytest.approx(_COLOUR, rel=1e-5)
     np.testing.assert_allclose(ours, cycles, rtol=1e-5)
 
 
