@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 _IS_3 = bpy.app.version < (4, 0, 0)
 _CLAMPS_ALL = bpy.app.version < (3, 6, 0)  #: Up to 3.5 every normal of a closure is one that a mirror could have.
+_STRAIGHT = (0.5, 0.5, 1.0)  #: A map's colour where it bends nothing.
 _SPACES = {
     "TANGENT": NormalSpace.TANGENT,
     "OBJECT": NormalSpace.OBJECT,
@@ -83,6 +84,8 @@ def _normal_map(reader: ValueReader, at: Socket) -> Value:
     if getattr(node, "convention", "OPENGL") == "DIRECTX":
         reader.note("a DirectX normal map is read as one of OpenGL, upside down")
     space = _SPACES[node.space]
+    if space is NormalSpace.TANGENT and colour == _STRAIGHT:  # the node's own colour: it asks for no tangents
+        return coordinates.point_input(program, PointInput.NORMAL)
     tangent: Value = BLACK
     sign: Value = BLACK
     if space is NormalSpace.TANGENT:

@@ -55,6 +55,17 @@ def test_a_normal_map_without_its_uv_map_is_named() -> None:
     assert "Nothing" in reports[0]
 
 
+def test_a_normal_map_that_bends_nothing_asks_for_no_uv_map() -> None:
+    def unbent(new: New, _: Link) -> Socket:
+        created = new("ShaderNodeNormalMap")
+        created.uv_map = "Nothing"
+        return created.outputs[0]
+
+    shown = shown_on_patches({"unbent": unbent})["unbent"]
+    assert shown.off() < BOUND
+    assert not [line for line in last_render.statistics_of("Scene")["reports"] if "tangents" in line]
+
+
 def test_tiles_and_frames_come_from_their_files(tmp_path: Path) -> None:
     """Beside Cycles: two tiles of a UV map, and the third frame of a sequence."""
     for number, colour in (("1001", (0.2, 0.4, 0.6, 1)), ("1002", (0.9, 0.3, 0.1, 1)), ("0003", (0.1, 0.8, 0.3, 1))):
