@@ -6,6 +6,7 @@
 #include "scene/instance_masks.hpp"
 #include "scene/instance_places.hpp"
 #include "scene/strands.hpp"
+#include "shading/op_inputs.hpp"
 #include "shading/surface_program.hpp"
 #include <algorithm>
 #include <cmath>
@@ -32,10 +33,24 @@ Scene::Scene(const Scene& other, std::vector<Light> lights, World world)
 Scene::~Scene() = default;
 Scene::Geometry::~Geometry() = default;
 
+/// Whether what it lets pass differs between kinds of rays that gather light.
+static bool tells_light_apart(const Material& material, const TransparentOperations& operations) {
+    constexpr auto bit = [](RayKind kind) { return 1u << static_cast<unsigned int>(kind); };
+    constexpr unsigned int of_light = bit(RayKind::Shadow) | bit(RayKind::Diffuse) | bit(RayKind::Glossy);
+    return std::ranges::any_of(operations.places, [&](std::uint16_t place) {
+        const SurfaceOp& op = material.program[place];
+        const unsigned int asked = op.selector & of_light;
+        return op.code == SurfaceOp::Code::Input && static_cast<PointInput>(op.option) == PointInput::IsRay &&
+               asked != 0 && asked != of_light;
+    });
+}
+
 Scene::Geometry::Geometry(SceneDescription scene, const Progress& progress) : description(std::move(scene)) {
     validate();
-    for (const Material& material : description.materials)
+    for (const Material& material : description.materials) {
         transparent_operations.emplace_back(material);
+        tells_rays_apart |= tells_light_apart(material, transparent_operations.back());
+    }
     drop_unusable_instances();
     drop_unusable_volumes();
     set_blocker_bits();

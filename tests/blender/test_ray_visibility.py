@@ -76,13 +76,17 @@ def test_the_world_is_dimmed_by_what_its_rays_meet(kind: str, hidden: tuple[str,
     assert ours == pytest.approx(cycles, rel=0.02)
 
 
-def test_opaque_shadows_dim_no_world_of_one_colour() -> None:
+# Seen to fail by the balance heuristic (0.85 in place of 0.93).
+@pytest.mark.parametrize("kind", [_COLOUR, _VARYING])
+def test_opaque_shadows_dim_no_rays_but_shadow_rays(kind: str) -> None:
+    if kind == _VARYING and bpy.app.version < (4, 0, 0):
+        pytest.skip("Cycles 3.4 lets shadow rays to such a world pass")
     empty_scene(4)
     clear = material("Lid", lambda new, _: new("ShaderNodeBsdfTransparent").outputs[0])
     block_shadow_rays(clear)
-    scene, _ = _floor_below_a_lid(_COLOUR, clear, is_gloss=False)
-    ours = tyndall_pixels(scene, 16).mean()
-    assert ours == pytest.approx(cycles_pixels(scene, samples=16, seed=1).mean(), rel=1e-3)
+    scene, _ = _floor_below_a_lid(kind, clear, is_gloss=False)
+    ours = tyndall_pixels(scene, 256).mean()
+    assert ours == pytest.approx(cycles_pixels(scene, samples=512, seed=1).mean(), rel=0.02)
 
 
 def test_glass_without_transparent_shadows_stops_a_world_of_one_colour() -> None:
