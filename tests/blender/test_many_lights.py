@@ -26,7 +26,8 @@ SAMPLES = 256
 def test_equals_cycles(light: str) -> None:
     """The mean within 1 %, as is the median block, beyond what is noise."""
     scene = build_lit_by(light)
-    ours_samples = SAMPLES // 2 if light == "200 lamps" else SAMPLES  # each costs Cycles the same, and it has 200 of them
+    # Each lamp costs Cycles the same, and it has 200 of them.
+    ours_samples = SAMPLES // 2 if light == "200 lamps" else SAMPLES
     samples = 4 * ours_samples
     cycles = cycles_pixels(scene, samples, seed=1), cycles_pixels(scene, samples, seed=2)
     on_edges = pixels_on_edges(scene)

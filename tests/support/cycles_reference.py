@@ -147,7 +147,8 @@ def pixels_on_edges(scene: bpy.types.Scene, margin_px: float = 0.03) -> NDArray[
     """
     _prepare_tyndall(scene, 1, 0)
     scene.tyndall.shafts.light_samples, scene.tyndall.shafts.world_samples = 1, 4
-    resolution, scene.tyndall.shafts.resolution = scene.tyndall.shafts.resolution, 2048  # the finest takes 20 s a picture
+    # The finest takes 20 s a picture.
+    resolution, scene.tyndall.shafts.resolution = scene.tyndall.shafts.resolution, 2048
     lens = scene.camera.data
     shift = lens.shift_x, lens.shift_y
     step = margin_px / max(scene.render.resolution_x, scene.render.resolution_y)
