@@ -79,6 +79,18 @@ float alpha_of_texel(const Texels& texels, std::int64_t column, std::int64_t row
                              : 1.0f;
 }
 
+/// Encoded, of an image without alpha.
+template <typename Texels>
+float colour_of_texel(const Texels& texels, int index, std::int64_t column, std::int64_t row) {
+    const Texture& texture = texels.texture;
+    const std::int64_t x = wrap(column, texture.width, texture.extension);
+    const std::int64_t y = wrap(row, texture.height, texture.extension);
+    if (x < 0 || y < 0)
+        return 0.0f;
+    return texels.value(
+        texels.at(static_cast<std::size_t>(x), static_cast<std::size_t>(y))[static_cast<std::size_t>(index)]);
+}
+
 /// Encoded colour with associated alpha.
 template <typename Texels>
 vec4 texel(const Texels& texels, std::int64_t column, std::int64_t row) {
@@ -160,6 +172,17 @@ float Texture::alpha(vec2 uv) const {
     return with_texels(*this, [&](const auto& texels) {
         return interpolated(*this, uv,
                             [&](std::int64_t column, std::int64_t row) { return alpha_of_texel(texels, column, row); });
+    });
+}
+
+float Texture::colour(vec2 uv, int index) const {
+    if (width == 0 || height == 0)
+        return missing_image[index];
+    return with_texels(*this, [&]<typename Texels>(const Texels& texels) {
+        const float value = interpolated(*this, uv, [&](std::int64_t column, std::int64_t row) {
+            return colour_of_texel(texels, index, column, row);
+        });
+        return Texels::may_be_encoded && is_srgb ? linear_from_srgb(value) : value;
     });
 }
 

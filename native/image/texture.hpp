@@ -33,6 +33,8 @@ struct Texture {
     [[nodiscard]] vec4 lookup(vec2 uv) const;
     /// lookup(uv).w alone, at less cost.
     [[nodiscard]] float alpha(vec2 uv) const;
+    /// lookup(uv)[index] alone, of red, green and blue, at less cost. For images without alpha.
+    [[nodiscard]] float colour(vec2 uv, int index) const;
     /// As lookup, of one texel, without interpolation; `column` and `row` may lie outside.
     [[nodiscard]] vec4 at(std::int64_t column, std::int64_t row) const;
 };

@@ -106,6 +106,8 @@ static ProgramPoint program_point(const PartialSurface& surface, const vec2& wei
 float PartialSurface::transmittance(const vec2& weights) const {
     if (slot->lookup->is_straight())
         return slot->lookup->at(uv + weights.x * uv_run[0] + weights.y * uv_run[1])[channel];
+    if (slot->lookup->is_straight_by_channel())
+        return slot->lookup->at(uv + weights.x * uv_run[0] + weights.y * uv_run[1], channel);
     thread_local std::vector<vec2> uvs;
     uvs.clear();
     for (const vec2* corners : slot->corner_uvs) {

@@ -46,12 +46,28 @@ TransparencyLookup::TransparencyLookup(const Material& material)
             evaluate_transparent(material, operations_, vec4(alpha), false) - (at_no_alpha_ + alpha * per_alpha_);
         is_straight_ = glm::length(bend) < 1e-6f;
     }
+    find_lines_by_channel();
     class_columns_ = static_cast<std::int32_t>(texture().width) + margin + 1;
     const std::size_t count = static_cast<std::size_t>(class_columns_) * (texture().height + margin + 1) + 3;
     for (std::size_t side = 0; side < (reads_facing_ ? 2 : 1); ++side) {
         classes_[side].reset(static_cast<std::uint8_t*>(std::calloc(count, 1)));
         if (classes_[side] == nullptr)
             throw std::bad_alloc();
+    }
+}
+
+void TransparencyLookup::find_lines_by_channel() {
+    // Beyond 1, where only images of floats are, a program may do what it does not below.
+    if (is_straight_ || reads_facing_ || texture().has_alpha || !texture().floats.empty() || texture().tiles)
+        return;
+    const auto of = [&](const vec4& value) { return evaluate_transparent(material_, operations_, value, false); };
+    at_black_ = of(vec4(0, 0, 0, 1));
+    per_colour_ = of(vec4(1)) - at_black_;
+    is_straight_by_channel_ = true;
+    vec4 value(0.0f);
+    for (int step = 0; is_straight_by_channel_ && step < 256; ++step) {
+        value = glm::fract(value + vec4(0.856f, 0.733f, 0.628f, 0.538f)); // spread evenly over all four
+        is_straight_by_channel_ = glm::length(of(value) - (at_black_ + vec3(value) * per_colour_)) < 1e-6f;
     }
 }
 

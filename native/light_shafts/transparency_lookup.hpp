@@ -2,7 +2,8 @@
 // The share of light that a material lets pass, for millions of points: where an image decides, each of its texels
 // remembers whether all points around it stop light, or all let it pass, so that only borders run the material's program.
 // Bound:    a byte per texel, found out when it is first asked for; one gather per 4 to 16 points, and one at a time on a
-//           border, or where the image is neither 0 nor 1: 10 ns where opacity is the image's alpha, else some 100 ns.
+//           border, or where the image is neither 0 nor 1: 10 ns where opacity is the image's alpha or what passes is its
+//           colour, else some 100 ns.
 #pragma once
 #include "core/math.hpp"
 #include "shading/program_point.hpp"
@@ -54,6 +55,12 @@ public:
     [[nodiscard]] Rgb at(const vec2& uv_in_image) const {
         return at_no_alpha_ + texture().alpha(uv_in_image) * per_alpha_;
     }
+    /// The program gives each channel of the deciding image back by a straight line of its own, on both sides.
+    [[nodiscard]] bool is_straight_by_channel() const { return is_straight_by_channel_; }
+    /// If that is so: one channel at a point of the deciding image.
+    [[nodiscard]] float at(const vec2& uv_in_image, int channel) const {
+        return at_black_[channel] + texture().colour(uv_in_image, channel) * per_colour_[channel];
+    }
     /// By the material's program. uvs as evaluate_transparent takes them.
     [[nodiscard]] Rgb at(const ProgramPoint& point, std::span<const vec2> uvs) const;
 
@@ -64,8 +71,9 @@ private:
     const Material& material_;
     TransparentOperations operations_;
     const SurfaceOp* image_ = nullptr;
-    bool is_coloured_ = false, reads_facing_ = false, is_straight_ = false;
-    Rgb at_no_alpha_{0.0f}, per_alpha_{0.0f};
+    bool is_coloured_ = false, reads_facing_ = false, is_straight_ = false, is_straight_by_channel_ = false;
+    Rgb at_no_alpha_{0.0f}, per_alpha_{0.0f}, at_black_{0.0f}, per_colour_{0.0f};
+    void find_lines_by_channel();
     std::int32_t class_columns_ = 0;
     std::unique_ptr<std::uint8_t[], Free> classes_[2]; ///< Front; back, if that differs. Zeroed pages until touched.
 };

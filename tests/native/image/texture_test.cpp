@@ -76,7 +76,7 @@ TEST_CASE("a masked texel's colour does not bleed into its neighbour") {
     leaf.has_alpha = false;
     CHECK(leaf.lookup({0.75f, 0.5f}) == vec4(9, 0, 9, 1));
 }
-TEST_CASE("alpha alone is the alpha of a whole lookup, and a texel alone what a closest lookup shows") {
+TEST_CASE("alpha or a colour alone is that of a whole lookup, and a texel alone what a closest lookup shows") {
     Texture leaf{.name = "leaf", .width = 3, .height = 2};
     std::vector<std::uint8_t> texels;
     for (int index = 0; index < 24; ++index)
@@ -89,6 +89,9 @@ TEST_CASE("alpha alone is the alpha of a whole lookup, and a texel alone what a 
                 leaf.has_alpha = has_alpha, leaf.extension = extension, leaf.interpolation = interpolation;
                 for (float u = -2.7f; u < 3.0f; u += 0.13f)
                     CHECK(leaf.alpha({u, 0.8f - u}) == leaf.lookup({u, 0.8f - u}).w);
+                for (float u = -2.7f; u < 3.0f && !has_alpha; u += 0.13f)
+                    for (int index = 0; index < 3; ++index)
+                        CHECK(leaf.colour({u, 0.8f - u}, index) == leaf.lookup({u, 0.8f - u})[index]);
                 leaf.interpolation = TextureInterpolation::Closest;
                 CHECK(leaf.at(4, -1) == leaf.lookup({4.5f / 3.0f, -0.5f / 2.0f}));
             }

@@ -69,4 +69,51 @@ TEST_CASE("opacity that is an image's alpha needs no program; a bent one does, a
     CHECK(at(lookup, {}, false) == Rgb(0.0f));
     CHECK(at(lookup, {}, true) == Rgb(1.0f));
 }
+/// What passes is the image's colour: a stained pane.
+static Material pane() {
+    Texture texture{.name = "pane", .width = 5, .height = 3};
+    std::vector<std::uint8_t> texels;
+    for (int index = 0; index < 60; ++index)
+        texels.push_back(static_cast<std::uint8_t>(41 * index % 256));
+    texture.bytes = std::move(texels);
+    Material material{.name = "pane"};
+    material.program = {{.code = SurfaceOp::Code::Texture, .out = 0},
+                        {.code = SurfaceOp::Code::Constant, .out = 1, .value = Rgb(0.9f, 0.5f, 0.7f)},
+                        {.code = SurfaceOp::Code::Multiply, .out = 2, .a = 0, .b = 1}};
+    material.transparent_register = 2, material.diffuse_register = material.emission_register = 3;
+    material.textures = {std::make_shared<const Texture>(std::move(texture))};
+    material.uv_map_names = {""};
+    return material;
+}
+
+TEST_CASE("a pane in an image's colours needs no program, channel by channel; one that mixes or bends them does") {
+    const Material material = pane();
+    const TransparencyLookup lookup(material);
+    REQUIRE(lookup.is_straight_by_channel());
+    CHECK(!lookup.is_straight());
+    for (float u = -1.5f; u < 2.0f; u += 0.017f) {
+        const vec2 uv(u, 1.3f * u);
+        const Rgb by_program = at(lookup, {&uv, 1}, false);
+        for (int channel = 0; channel < 3; ++channel)
+            CHECK(std::abs(lookup.at(uv, channel) - by_program[channel]) < 1e-6f);
+    }
+    const auto needs_program = [](const SurfaceOp& last, bool has_alpha = false, bool is_float = false) {
+        Material other = pane();
+        other.program.push_back(last);
+        other.transparent_register = last.out;
+        Texture texture = *other.textures[0];
+        texture.has_alpha = has_alpha;
+        if (is_float)
+            texture.floats = std::vector<float>(60, 2.0f), texture.bytes = {};
+        other.textures = {std::make_shared<const Texture>(std::move(texture))};
+        return !TransparencyLookup(other).is_straight_by_channel();
+    };
+    const SurfaceOp same{.code = SurfaceOp::Code::Clamp, .out = 4, .a = 2};
+    CHECK(!needs_program(same));
+    CHECK(needs_program({.code = SurfaceOp::Code::Multiply, .out = 4, .a = 2, .b = 2}));
+    CHECK(needs_program({.code = SurfaceOp::Code::Average, .out = 4, .a = 2}));
+    CHECK(needs_program({.code = SurfaceOp::Code::TextureAlpha, .out = 4}));
+    CHECK(needs_program(same, true));
+    CHECK(needs_program(same, false, true));
+}
 } // namespace transparency_lookup_test
