@@ -6,7 +6,6 @@ What a node cannot be here takes a stated fallback and one note under its culpri
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import bpy
@@ -33,6 +32,7 @@ _CONVERTS_ON_THE_WAY = bpy.app.version < (5, 0, 0)  #: From then on Blender hand
 #: Values read for each other, one in the other, before those below are read in their order instead: Python's stack
 #: has room for some two hundred.
 _MOST_NESTED = 40
+_BLENDER_INFINITY = 3.402823e38  #: What its properties make of infinity is a little more.
 _NUMBERS = {"VALUE", "INT", "BOOLEAN"}  #: Types of sockets.
 
 
@@ -166,7 +166,7 @@ class ValueReader:
 
     def own_value(self, at: Socket) -> Value:
         value = _default(at)
-        if all(map(math.isfinite, value)):
+        if all(abs(number) < _BLENDER_INFINITY for number in value):
             return value
         self.note(f"{at.node.bl_label} has a value that is not finite: read as the nearest that is, or 0")
         return nearest_finite(value)

@@ -67,8 +67,10 @@ constexpr float least_share = 1e-5f;
 float largest(const Rgb& value) { return std::max({value.x, value.y, value.z}); }
 float clamped(float x) { return x > 0.0f ? std::min(x, 1.0f) : 0.0f; }
 Rgb clamped(const Rgb& value) { return {clamped(value.x), clamped(value.y), clamped(value.z)}; }
+/// Nor so large that light on it would be infinite, of which a mean is no number.
 Rgb non_negative(const Rgb& value) {
-    return {value.x > 0.0f ? value.x : 0.0f, value.y > 0.0f ? value.y : 0.0f, value.z > 0.0f ? value.z : 0.0f};
+    const auto channel = [](float x) { return x > 0.0f ? std::min(x, 1e18f) : 0.0f; };
+    return {channel(value.x), channel(value.y), channel(value.z)};
 }
 
 /// One shader at one point.
