@@ -260,7 +260,6 @@ void DirectLight::add_light(const AimedLight& aimed, const LitSurface& surface, 
                             std::span<Irradiance> irradiance) const {
     ShadowRays shadow;
     aim(aimed, surface.points, surface.lanes, pair, share, shadow);
-    const float sharpest = aimed.aim.has_size() ? 0.0f : least_alpha;
     for (std::size_t index = 0; surface.lobes != nullptr && index < shadow.count; ++index) {
         const LobeSet& lobes = (*surface.lobes)[shadow.points[index]];
         if (lobes.lobes.empty())
@@ -273,7 +272,9 @@ void DirectLight::add_light(const AimedLight& aimed, const LitSurface& surface, 
             if (const LampHit hit = lamp_hit(aimed.aim.form(), position, direction); hit.pdf_per_sr > 0.0f)
                 weight = power_share(hit.pdf_per_sr, lobes.pdf_per_sr(direction));
         }
-        shadow.reflected[index] = shadow.arriving[index] * lobes.per_irradiance(direction, sharpest) * weight;
+        const Rgb per_irradiance =
+            aimed.aim.has_size() ? lobes.per_irradiance(direction) : lobes.per_irradiance_of_point(direction);
+        shadow.reflected[index] = shadow.arriving[index] * per_irradiance * weight;
     }
     let_pass(aimed, surface, shadow);
     for (std::size_t index = 0; index < shadow.count; ++index) {

@@ -46,7 +46,8 @@ void DirectLight::aim_at_many(const LitSurface& surface, const PairIndex& pair, 
             float weight = 1.0f;
             if (is_met && lobes.has_directions())
                 weight = power_share(aimed->pdf_per_sr, lobes.pdf_per_sr(towards));
-            reflected = arriving * lobes.per_irradiance(towards, is_a_point ? least_alpha : 0.0f) * weight;
+            reflected = arriving *
+                        (is_a_point ? lobes.per_irradiance_of_point(towards) : lobes.per_irradiance(towards)) * weight;
         }
         shadow.push(aimed->ray, arriving, index, reflected);
         const float cosine = glm::dot(point.shading.shading_normal, towards);

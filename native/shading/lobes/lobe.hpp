@@ -31,8 +31,9 @@ struct Lobe {
     /// Ggx, Clearcoat: width, (0, 1]. OrenNayar: its A. Burley: roughness. Velvet: 1 / sigma^2. Toon: angle of full light.
     /// Sheen: its a.
     float alpha = 1.0f;
-    float ior = 1.5f;      ///< OrenNayar: its B. Sheen: its b. Toon: angle over which light fades.
-    float sampling = 0.0f; ///< Share of directions that are drawn for it; shares need not add up to 1.
+    float own_alpha = 1.0f; ///< Ggx, Clearcoat: before it was made as wide as directions can be drawn.
+    float ior = 1.5f;       ///< OrenNayar: its B. Sheen: its b. Toon: angle over which light fades.
+    float sampling = 0.0f;  ///< Share of directions that are drawn for it; shares need not add up to 1.
     Rgb weight{0.0f};
     Rgb a{0.0f}, b{1.0f}; ///< Of `fresnel`. OrenNayar: b is what scatters on between facets.
     vec3 normal{0.0f};    ///< Its own, unit; zero: the point's.

@@ -155,6 +155,7 @@ private:
         const float alpha = clamped(roughness) * clamped(roughness);
         return {.kind = Lobe::Kind::Ggx,
                 .alpha = std::max(alpha, least_alpha),
+                .own_alpha = alpha,
                 .weight = weight,
                 .normal = normals_.facets};
     }

@@ -128,18 +128,31 @@ Rgb facet_colour(const Lobe& lobe, float cosine) {
     return Rgb(1.0f);
 }
 
-Rgb LobeSet::per_irradiance(const vec3& incoming, float sharpest) const {
+/// What Cycles takes for a mirror, up to 3.x and since: a square of alpha that is no more than 1e-7 and 2e-10.
+static bool is_mirror(const Lobe& lobe) {
+    const bool is_old = lobe.is_separable || lobe.kind == Lobe::Kind::Clearcoat;
+    return lobe.own_alpha * lobe.own_alpha <= (is_old ? 1e-7f : 2e-10f);
+}
+
+Rgb LobeSet::sum_of(const vec3& incoming, bool is_of_point) const {
     const Angles angles(normal, outgoing, incoming);
     Rgb sum(0.0f);
     if (angles.light <= 0.0f)
         return sum;
     for (const Lobe& lobe : lobes) {
-        if (lobe.kind >= Lobe::Kind::Ggx && lobe.alpha <= sharpest)
+        const bool is_narrowed = is_of_point && lobe.kind >= Lobe::Kind::Ggx && lobe.own_alpha < lobe.alpha;
+        if (is_narrowed && is_mirror(lobe))
             continue;
+        Lobe narrow;
+        if (is_narrowed) {
+            narrow = lobe;
+            narrow.alpha = lobe.own_alpha;
+        }
+        const Lobe& seen = is_narrowed ? narrow : lobe;
         if (lobe.has_own_normal())
-            sum += lobe.weight * reflected_around_own(lobe, *this, incoming, angles.light);
+            sum += lobe.weight * reflected_around_own(seen, *this, incoming, angles.light);
         else if (angles.view > 0.0f)
-            sum += lobe.weight * reflected(lobe, *this, incoming, angles);
+            sum += lobe.weight * reflected(seen, *this, incoming, angles);
     }
     return sum;
 }

@@ -10,7 +10,7 @@
 #include <span>
 
 namespace tyndall {
-/// Facets that are no wider are taken for as wide: floats have no digits for less.
+/// Facets that are no wider are taken for as wide where directions are drawn: floats have no digits for less.
 inline constexpr float least_alpha = 1e-3f;
 
 /// Unit vectors: the point's normal, and to the viewer; lobes of one point.
@@ -18,9 +18,12 @@ struct LobeSet {
     std::span<const Lobe> lobes;
     vec3 normal{0, 0, 1}, outgoing{0, 0, 1};
 
-    /// Radiance towards the viewer per irradiance from a unit direction, 1/sr. Lobes no wider than `sharpest` are left out:
-    /// of a light without a size a mirror shows nothing. Nothing comes back of light behind the point's normal.
-    [[nodiscard]] Rgb per_irradiance(const vec3& incoming, float sharpest = 0.0f) const;
+    /// Radiance towards the viewer per irradiance from a unit direction, 1/sr. Nothing comes back of light behind the
+    /// point's normal.
+    [[nodiscard]] Rgb per_irradiance(const vec3& incoming) const { return sum_of(incoming, false); }
+    /// The same of a light without a size. Lobes are then as narrow as they are; of mirrors, for which Cycles takes the
+    /// narrowest, nothing comes back.
+    [[nodiscard]] Rgb per_irradiance_of_point(const vec3& incoming) const { return sum_of(incoming, true); }
     /// False: no lobe has directions of its own.
     [[nodiscard]] bool has_directions() const;
     /// A unit direction, which may lie below the horizon.
@@ -29,6 +32,9 @@ struct LobeSet {
     /// Share of even light from all around that they send back, roughly, and what of it Cycles counts as diffuse colour.
     [[nodiscard]] Rgb albedo() const;
     [[nodiscard]] Rgb diffuse_colour() const;
+
+private:
+    [[nodiscard]] Rgb sum_of(const vec3& incoming, bool is_of_point) const;
 };
 /// What facets of the lobe reflect at this cosine, without the lobe's weight.
 [[nodiscard]] Rgb facet_colour(const Lobe& lobe, float cosine);
