@@ -314,7 +314,7 @@ def smooth_picture(name: str = "Slide") -> bpy.types.Image:
         ("point", "incoming", False),
         pytest.param("spot 0.1 m", "thrown", False, marks=pytest.mark.long),
         pytest.param("spot 0.1 m", "thrown", True, marks=pytest.mark.long),
-        ("point 0.2 m", "normal", True),
+        pytest.param("point 0.2 m", "normal", True, marks=pytest.mark.costly),
     ],
 )
 def test_a_lamps_picture_colours_the_fog(light_name: str, place: str, is_soft: bool) -> None:  # noqa: FBT001

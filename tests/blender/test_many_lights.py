@@ -18,7 +18,7 @@ SAMPLES = 256
 @pytest.mark.parametrize(
     "light",
     [
-        pytest.param(light, marks=pytest.mark.costly if light == "200 lamps" else ())
+        pytest.param(light, marks=pytest.mark.costly if light in {"200 lamps", "ball", "picture"} else ())
         for light in LIT_BY
         if "points" not in light
     ],
