@@ -186,7 +186,7 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
                 follow({.followers = these.subspan(first, count),
                         .pixel_seeds = pixel_seeds,
                         .targets = targets,
-                        .among = these.data() == among_all.data() ? Among::All : Among::Catchers},
+                        .among = these.front().of == LightOf::CatcherAlone ? Among::Catchers : Among::All},
                        mirror_count, samples, parts, data, is_past ? nullptr : &mirrored, is_past ? nullptr : walked);
             }
     }

@@ -248,3 +248,29 @@ def test_mirrors_show_catchers_as_they_are() -> None:
     assert np.count_nonzero(shows_floor) > 4
     floor.is_shadow_catcher = False
     assert np.array_equal(caught[shows_floor], tyndall_pixels(scene, 4, "RGBA")[shows_floor])
+
+
+def test_what_catchers_would_mirror_alone_meets_no_others_at_any_depth() -> None:
+    """Between two mirrors a slab stops light that goes up from the floor and comes back: half of half of what glows."""
+
+    def mirror(share: float) -> Build:
+        name = "ShaderNodeBsdfGlossy" if bpy.app.version < (4, 0, 0) else "ShaderNodeBsdfAnisotropic"
+
+        def build(new: New, link: Link) -> Socket:
+            mix = new("ShaderNodeMixShader")
+            mix.inputs[0].default_value = share
+            link(node(new, "ShaderNodeEmission", Strength=1.0).outputs[0], mix.inputs[1])
+            link(node(new, name, Roughness=0.0, Color=(1.0, 1.0, 1.0, 1.0)).outputs[0], mix.inputs[2])
+            return mix.outputs[0]
+
+        return build
+
+    scene, floor, slab = stage((0.0, 0.0, 0.0))
+    floor.active_material = material("Half a mirror", surface=mirror(0.5))
+    ceiling = plane(3.0, material("Mirror", surface=mirror(1.0)), half_side=5.0)
+    slab.scale, slab.active_material = (8.0, 8.0, 0.1), material("Black", surface=diffuse((0.0, 0.0, 0.0)))
+    ceiling.is_shadow_catcher, ceiling.visible_camera, slab.visible_camera = True, False, False
+    scene.tyndall.indirect.has_mirrors, scene.tyndall.indirect.mirror_depth = True, 1
+    scene.render.film_transparent = True
+    kept = 0.5 / (0.5 + 0.5 * 0.5)
+    assert tyndall_pixels(scene, 1, "RGBA")[..., 3] == pytest.approx(np.full((16, 16), 1.0 - kept), abs=1e-4)
