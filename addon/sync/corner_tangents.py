@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .unit_vectors import unit_vectors
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -41,7 +43,7 @@ def corner_tangents(
         [np.bincount(group.ravel(), weighted[..., axis].ravel(), minlength=group.size) for axis in range(3)], axis=1
     )
     of_corners = np.zeros((len(positions), 4), np.float32)
-    of_corners[triangles, :3] = _unit(sums)[group]
+    of_corners[triangles, :3] = unit_vectors(sums)[group]
     of_corners[triangles, 3] = np.where(is_turned_over, -1.0, 1.0)[:, None]
     return of_corners
 
@@ -54,7 +56,7 @@ def _along_u(
     first, second = places[:, 1] - places[:, 0], places[:, 2] - places[:, 0]
     (u1, v1), (u2, v2) = ((on_map[:, i] - on_map[:, 0]).T for i in (1, 2))
     area = u1 * v2 - v1 * u2
-    along = _unit((first * v2[:, None] - second * v1[:, None]) * np.sign(area)[:, None])
+    along = unit_vectors((first * v2[:, None] - second * v1[:, None]) * np.sign(area)[:, None])
     return along, area < 0.0, area != 0.0
 
 
@@ -102,19 +104,12 @@ def _connected(count: int, one: NDArray[np.intp], other: NDArray[np.intp]) -> ND
 def _weighted(corners: NDArray[np.float32], normals: FloatArray, along: FloatArray) -> FloatArray:
     """The triangles' directions at their corners, (n, 3, 3): across the normal there, times the angle."""
     corners = corners.astype(np.float64)
-    ahead, back = (_unit(_across(corners[:, turn] - corners, normals)) for turn in (_NEXT, _LAST))
+    ahead, back = (unit_vectors(_across(corners[:, turn] - corners, normals)) for turn in (_NEXT, _LAST))
     angles = np.arccos(np.clip((ahead * back).sum(axis=2), -1.0, 1.0))
-    weighted: FloatArray = _unit(_across(along[:, None], normals)) * angles[..., None]
+    weighted: FloatArray = unit_vectors(_across(along[:, None], normals)) * angles[..., None]
     return weighted
 
 
 def _across(vectors: FloatArray, normals: FloatArray) -> FloatArray:
     across: FloatArray = vectors - normals * (vectors * normals).sum(axis=-1, keepdims=True)
     return across
-
-
-def _unit(vectors: FloatArray) -> FloatArray:
-    """What has no length stays 0."""
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    unit: FloatArray = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)
-    return unit

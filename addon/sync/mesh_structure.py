@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .random_numbers import as_unit_floats, hashes_of_one
+from .unit_vectors import unit_vectors
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,8 +29,8 @@ def pointiness(
     place = place.reshape(-1)
     ends = np.unique(np.sort(place[edges], axis=1), axis=0)  # each edge once
     places, count = positions[first].astype(np.float64), len(first)
-    normal = _unit(_sums(count, [(place, normals.astype(np.float64))]))
-    along = _unit(places[ends[:, 1]] - places[ends[:, 0]])
+    normal = unit_vectors(_sums(count, [(place, normals.astype(np.float64))]))
+    along = unit_vectors(places[ends[:, 1]] - places[ends[:, 0]])
     edge_count = np.bincount(ends.ravel(), minlength=count)
     mean = _sums(count, [(ends[:, 0], along), (ends[:, 1], -along)]) / np.maximum(edge_count, 1)[:, None]
     own = np.where(edge_count > 0, np.arccos(np.clip((normal * mean).sum(axis=1), -1.0, 1.0)) / np.pi, 0.0)
@@ -66,10 +67,3 @@ def _sums(count: int, parts: list[tuple[NDArray[np.intp], NDArray[np.float64]]])
     channels = range(parts[0][1].shape[1])
     columns = [sum(np.bincount(at, rows[:, i], minlength=count) for at, rows in parts) for i in channels]
     return np.stack(columns, axis=1)
-
-
-def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What has no length stays 0."""
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    unit: NDArray[np.float64] = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)
-    return unit

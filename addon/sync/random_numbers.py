@@ -34,20 +34,19 @@ def random_number_of(name: str) -> int:
 
 def hashes_of_two(count: int) -> NDArray[np.uint32]:
     """Of each number below ``count``, and 0: what Cycles gives hairs by."""
-    with np.errstate(over="ignore"):
-        first = np.arange(count, dtype=np.uint32)
-        state = [first + _SEED_OF_TWO, np.full(count, _SEED_OF_TWO), np.full(count, _SEED_OF_TWO)]
-        for target, source, turn in _TURNS:
-            turned = (state[source] << np.uint32(turn)) | (state[source] >> np.uint32(32 - turn))
-            state[target] = (state[target] ^ state[source]) - turned
-    return state[2]
+    return _hashes(np.arange(count, dtype=np.uint32), _SEED_OF_TWO)
 
 
 def hashes_of_one(numbers: NDArray[np.uint32]) -> NDArray[np.uint32]:
     """Of each."""
+    return _hashes(numbers, _SEED_OF_ONE)
+
+
+def _hashes(first: NDArray[np.uint32], seed: np.uint32) -> NDArray[np.uint32]:
+    """Where all numbers after the first are 0."""
     with np.errstate(over="ignore"):
-        seed = np.full(len(numbers), _SEED_OF_ONE)
-        state = [numbers + _SEED_OF_ONE, seed, seed]
+        rest = np.full(len(first), seed)
+        state = [first + seed, rest, rest]
         for target, source, turn in _TURNS:
             turned = (state[source] << np.uint32(turn)) | (state[source] >> np.uint32(32 - turn))
             state[target] = (state[target] ^ state[source]) - turned

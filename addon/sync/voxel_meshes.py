@@ -23,6 +23,7 @@ from .instances import materials_of
 from .materials import MaterialReader, note_missing_attributes
 from .meshes import read_mesh
 from .reports import Reports
+from .unit_vectors import unit_vectors
 from .voxel_colours import EMISSION, Colouring, colouring_of, luminance, plain_colouring
 
 if TYPE_CHECKING:
@@ -346,6 +347,4 @@ def _turned(normals: NDArray[np.float32], world_from_object: NDArray[np.float64]
     turned = normals.astype(np.float64) @ cofactors.T
     if np.linalg.det(world_from_object[:3, :3]) < 0.0:
         turned = -turned
-    lengths = np.linalg.norm(turned, axis=-1, keepdims=True)
-    unit: NDArray[np.float32] = (turned / np.where(lengths > 0.0, lengths, 1.0)).astype(np.float32)
-    return unit
+    return unit_vectors(turned).astype(np.float32)

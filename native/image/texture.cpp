@@ -68,44 +68,41 @@ auto with_texels(const Texture& texture, const Look& look) {
     return texture.floats.empty() ? look(Bytes{texture}) : look(Floats{texture});
 }
 
-template <typename Texels>
-float alpha_of_texel(const Texels& texels, std::int64_t column, std::int64_t row) {
-    const Texture& texture = texels.texture;
+/// What `look` makes of the texel there, by its column and row inside of the image; 0 of what reads transparent black.
+template <typename Look>
+auto texel_by(const Texture& texture, std::int64_t column, std::int64_t row, const Look& look) {
     const std::int64_t x = wrap(column, texture.width, texture.extension);
     const std::int64_t y = wrap(row, texture.height, texture.extension);
     if (x < 0 || y < 0)
-        return 0.0f;
-    return texture.has_alpha ? texels.value(texels.at(static_cast<std::size_t>(x), static_cast<std::size_t>(y))[3])
-                             : 1.0f;
+        return decltype(look(std::size_t{}, std::size_t{}))(0.0f);
+    return look(static_cast<std::size_t>(x), static_cast<std::size_t>(y));
+}
+
+template <typename Texels>
+float alpha_of_texel(const Texels& texels, std::int64_t column, std::int64_t row) {
+    return texel_by(texels.texture, column, row, [&](std::size_t x, std::size_t y) {
+        return texels.texture.has_alpha ? texels.value(texels.at(x, y)[3]) : 1.0f;
+    });
 }
 
 /// Encoded, of an image without alpha.
 template <typename Texels>
 float colour_of_texel(const Texels& texels, int index, std::int64_t column, std::int64_t row) {
-    const Texture& texture = texels.texture;
-    const std::int64_t x = wrap(column, texture.width, texture.extension);
-    const std::int64_t y = wrap(row, texture.height, texture.extension);
-    if (x < 0 || y < 0)
-        return 0.0f;
-    return texels.value(
-        texels.at(static_cast<std::size_t>(x), static_cast<std::size_t>(y))[static_cast<std::size_t>(index)]);
+    return texel_by(texels.texture, column, row, [&](std::size_t x, std::size_t y) {
+        return texels.value(texels.at(x, y)[static_cast<std::size_t>(index)]);
+    });
 }
 
 /// Encoded colour with associated alpha.
 template <typename Texels>
 vec4 texel(const Texels& texels, std::int64_t column, std::int64_t row) {
-    const Texture& texture = texels.texture;
-    const std::int64_t x = wrap(column, texture.width, texture.extension);
-    const std::int64_t y = wrap(row, texture.height, texture.extension);
-    if (x < 0 || y < 0)
-        return vec4(0.0f);
-    const auto stored = texels.at(static_cast<std::size_t>(x), static_cast<std::size_t>(y));
-    vec4 value;
-    for (int channel = 0; channel < 4; ++channel)
-        value[channel] = texels.value(stored[static_cast<std::size_t>(channel)]);
-    if (!texture.has_alpha)
-        return {vec3(value), 1.0f};
-    return {vec3(value) * value.w, value.w};
+    return texel_by(texels.texture, column, row, [&](std::size_t x, std::size_t y) {
+        const auto stored = texels.at(x, y);
+        vec4 value;
+        for (int channel = 0; channel < 4; ++channel)
+            value[channel] = texels.value(stored[static_cast<std::size_t>(channel)]);
+        return texels.texture.has_alpha ? vec4(vec3(value) * value.w, value.w) : vec4(vec3(value), 1.0f);
+    });
 }
 
 /// Of a coordinate that is not finite, or farther than 64 bits count texels: the first texel.

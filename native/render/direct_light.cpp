@@ -232,21 +232,17 @@ vec3 DirectLight::towards_lamp(const Light& light, const SurfacePoint& point, co
 
 void DirectLight::let_pass(const AimedLight& aimed, const LitSurface& surface, ShadowRays& shadow) const {
     const Light& light = scene_.lights()[aimed.index];
-    if (surface.among == Among::Catchers) {
-        if (light.casts_shadow)
-            scene_.shadow_transmittances(shadow.all(), shadow.passing, light.links, surface.among);
-        else
-            shadow.passing.fill(Rgb(1.0f));
-        return;
-    }
-    if (light.casts_shadow && aimed.holes)
+    const bool is_among_all = surface.among == Among::All; // else neither edits nor media count
+    if (light.casts_shadow && aimed.holes && is_among_all)
         aimed.holes->shadow_transmittances(shadow.all(), shadow.passing);
     else if (light.casts_shadow && !light.links.is_blocked_by_all())
-        scene_.shadow_transmittances(shadow.all(), shadow.passing, light.links);
+        scene_.shadow_transmittances(shadow.all(), shadow.passing, light.links, surface.among);
     else if (light.casts_shadow)
-        scene_.shadow_transmittances(shadow.all(), shadow.passing);
+        scene_.shadow_transmittances(shadow.all(), shadow.passing, {}, 0, surface.among);
     else
         shadow.passing.fill(Rgb(1.0f));
+    if (!is_among_all)
+        return;
     for (std::size_t index = 0; aimed.shadows && index < shadow.count; ++index) {
         const ShadingPoint& point = surface.points[shadow.points[index]].shading;
         if (aimed.shadows->is_dark(point.position, point.geometric_normal, shadow.rays[index]))

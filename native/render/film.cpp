@@ -133,28 +133,21 @@ Film FilmSums::resolve(const Progress& progress) const {
         parallel_for(
             pixel_count, progress,
             [&](std::size_t pixel) {
+                float* to = &plane.values[pixel * channel_count];
+                if (pass == Pass::ShadowCatcher) {
+                    const Rgb kept = shadow_catcher(pixel);
+                    std::copy_n(&kept.x, 3, to);
+                    return;
+                }
                 for (std::uint32_t channel = 0; channel < channel_count; ++channel)
-                    plane.values[pixel * channel_count + channel] = resolved(pixel, pass, channel);
-            },
-            pixels_per_block);
-        if (pass == Pass::Combined && !caught_.empty())
-            parallel_for(
-                pixel_count, progress,
-                [&](std::size_t pixel) {
+                    to[channel] = resolved(pixel, pass, channel);
+                if (pass == Pass::Combined && !caught_.empty()) {
                     const vec4 more = caught_colour(pixel);
                     for (int channel = 0; channel < 4; ++channel)
-                        plane.values[pixel * 4 + static_cast<std::size_t>(channel)] += more[channel];
-                },
-                pixels_per_block);
-        if (pass == Pass::ShadowCatcher)
-            parallel_for(
-                pixel_count, progress,
-                [&](std::size_t pixel) {
-                    const Rgb kept = shadow_catcher(pixel);
-                    for (int channel = 0; channel < 3; ++channel)
-                        plane.values[pixel * 3 + static_cast<std::size_t>(channel)] = kept[channel];
-                },
-                pixels_per_block);
+                        to[channel] += more[channel];
+                }
+            },
+            pixels_per_block);
         film.planes.push_back(std::move(plane));
     }
     return film;

@@ -143,6 +143,7 @@ void ViewPath::add_light(const SurfaceWalk& walked, const SurfaceLight& light, s
     if (!walked.shades.empty() && !samples[walked.shades.front().sample].by_group.empty())
         add_light_to_groups(walked, light, samples);
 }
+
 void ViewPath::add_light_to_groups(const SurfaceWalk& walked, const SurfaceLight& light,
                                    std::span<PathSample> samples) const {
     const auto add = [&](const SurfaceLight::OfLight& of_light, std::size_t group) {

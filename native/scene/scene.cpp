@@ -253,15 +253,13 @@ void Scene::prepare_detail(const Progress& progress) const {
 }
 
 void Scene::Geometry::attach_instances(const Progress& progress) {
-    has_catchers =
-        std::ranges::any_of(description.instances, [](const Instance& one) { return one.is_shadow_catcher; }) ||
-        std::ranges::any_of(description.placed_shapes, &PlacedShape::is_shadow_catcher);
     objects_from_scene.resize(description.instances.size() + description.placed_shapes.size());
     shape_lengths.resize(description.placed_shapes.size());
     for (std::uint32_t index = 0; index < description.instances.size(); ++index) {
         const Instance& instance = description.instances[index];
         const TriangleMesh& mesh = *description.meshes[instance.mesh_index];
         const Bounds3 box = transformed(mesh.bounds(), instance.world_from_object);
+        has_catchers |= instance.is_shadow_catcher;
         bounds.grow(box);
         objects_from_scene[index] = inverse_of(instance.world_from_object);
 
@@ -279,14 +277,15 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
         lets_light_pass |=
             (mask & (shadow_mask | bounce_mask | mirror_mask)) != 0 && opaque_slots < instance.slot_count;
 
-        tells_rays_apart |= tyndall::tells_rays_apart(mask_of(instance));
-        trees.take(mesh.embree_scene(), instance.world_from_object, index, mask_of(instance));
+        tells_rays_apart |= tyndall::tells_rays_apart(mask);
+        trees.take(mesh.embree_scene(), instance.world_from_object, index, mask);
     }
     for (std::size_t i = 0; i < description.placed_shapes.size(); ++i) {
         const PlacedShape& placed = description.placed_shapes[i];
         const ShapeGeometry& shape = *description.shapes[placed.shape_index];
         const std::size_t index = description.instances.size() + i;
         const Bounds3 box = bounds_of(description, placed);
+        has_catchers |= placed.is_shadow_catcher;
         bounds.grow(box);
         objects_from_scene[index] = inverse_of(placed.world_from_object);
         float longest_edge = 0.0f; // of a cube of 1 m there
@@ -299,8 +298,9 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
             statistics.report("object '" + description.object_names[placed.name_index] +
                               "': its material lets a part of the light pass, but " + kind_of(shape) + " are opaque");
         surface_bounds.grow(box);
-        tells_rays_apart |= tyndall::tells_rays_apart(mask_of(placed));
-        trees.take(shape.embree_scene(), placed.world_from_object, static_cast<std::uint32_t>(index), mask_of(placed));
+        const unsigned int mask = mask_of(placed);
+        tells_rays_apart |= tyndall::tells_rays_apart(mask);
+        trees.take(shape.embree_scene(), placed.world_from_object, static_cast<std::uint32_t>(index), mask);
     }
     trees.commit(progress);
 }

@@ -112,7 +112,7 @@ def _build_voxels(groups: tuple[VoxelObjects, ...], parts: NativeParts) -> None:
 
 
 def shows_to(group: Instances | VoxelObjects | StrandObjects) -> int:
-    """A bit for each kind of ray, as native/scene/instance_masks.hpp numbers them, and one for what is held out."""
+    """A bit for each kind of ray, as native/scene/instance_masks.hpp numbers them, then: held out, catches shadows."""
     rays = (group.is_camera_visible, group.casts_shadow, group.is_bounce_visible, group.is_mirror_visible)
     flags = (*rays, group.is_held_out, group.is_shadow_catcher)
     return sum(flag << bit for bit, flag in enumerate(flags))

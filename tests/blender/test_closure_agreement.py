@@ -10,7 +10,7 @@ from __future__ import annotations
 import bpy
 import pytest
 
-from support.closure_scenes import IS_OLD, errors, lamp, scene_of, shader, sun, world
+from support.closure_scenes import IS_OLD, assert_like_cycles, errors, lamp, scene_of, shader, sun, world
 from support.engine_pictures import cycles_pixels, tyndall_pixels
 from support.small_scenes import Build, empty_scene, material, plane
 
@@ -82,12 +82,7 @@ LONG: dict[str, Build] = {
 
 
 def check(build: Build, light_it: object, samples: int = 1, cycles_samples: int = 2) -> None:
-    scene = scene_of(build, light_it)
-    ours, cycles = tyndall_pixels(scene, samples), cycles_pixels(scene, cycles_samples, seed=1)
-    mean, median = errors(ours, cycles)
-    print(f"mean {mean:.4f}, median block {median:.4f}")
-    assert mean <= BOUND
-    assert median <= BOUND
+    assert_like_cycles(scene_of(build, light_it), BOUND, samples, cycles_samples)
 
 
 @pytest.mark.parametrize("name", SHADERS)

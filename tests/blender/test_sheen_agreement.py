@@ -12,8 +12,8 @@ import bpy
 import pytest
 
 from addon import last_render
-from support.closure_scenes import IS_OLD, ball, errors, lamp, scene_of, shader, sun, world
-from support.engine_pictures import cycles_pixels, tyndall_pixels
+from support.closure_scenes import IS_OLD, assert_like_cycles, ball, lamp, scene_of, shader, sun, world
+from support.engine_pictures import tyndall_pixels
 from support.small_scenes import Build, empty_scene, light, material, node
 
 pytestmark = pytest.mark.skipif(IS_OLD, reason="up to 3.x sheen is another: test_closure_agreement has it")
@@ -73,33 +73,25 @@ def varying(new: Callable[[str], bpy.types.Node], link: Callable[..., object]) -
     return surface
 
 
-def check(scene: bpy.types.Scene, bound: float, samples: int = 1, cycles_samples: int = 2) -> None:
-    ours, cycles = tyndall_pixels(scene, samples), cycles_pixels(scene, cycles_samples, seed=1)
-    mean, median = errors(ours, cycles)
-    print(f"mean {mean:.5f}, median block {median:.5f}")
-    assert mean <= bound
-    assert median <= bound
-
-
 # Seen to fail: with what is below dimmed by the mean of the tint; with b of the other sign.
 @pytest.mark.parametrize("name", SHADERS)
 def test_a_sheen_under_a_sun(name: str) -> None:
     scene = scene_of(SHADERS[name], sun(50.0))
-    check(scene, WITHOUT_NOISE)
+    assert_like_cycles(scene, WITHOUT_NOISE)
     assert not any("sheen" in str(line).lower() for line in last_render.statistics_of(scene.name)["reports"])
 
 
 @pytest.mark.parametrize("tilt", [0.0, 110.0])
 @pytest.mark.parametrize("name", ["node 0.12", "node 0.5", "tinted"])
 def test_a_sheen_from_ahead_and_from_behind(name: str, tilt: float) -> None:
-    check(scene_of(SHADERS[name], sun(tilt)), WITHOUT_NOISE)
+    assert_like_cycles(scene_of(SHADERS[name], sun(tilt)), WITHOUT_NOISE)
 
 
 @pytest.mark.parametrize("light_it", [lamp(0.3), area, world()], ids=["lamp", "area", "world"])
 @pytest.mark.parametrize("name", ["node 0.3", "principled"])
 def test_a_sheen_under_lights_with_a_size(name: str, light_it: LightIt) -> None:
     """The first is narrow, and drawn by directions of its own; the other is broad."""
-    check(scene_of(SHADERS[name], light_it), WITH_NOISE, 96, 192)
+    assert_like_cycles(scene_of(SHADERS[name], light_it), WITH_NOISE, 96, 192)
 
 
 # Seen to fail: without what looks away from its normal.
@@ -111,7 +103,7 @@ def test_a_sheen_around_a_bump(name: str, *, is_smooth: bool) -> None:
     scene.camera.data.ortho_scale = 2.1
     ball(material("Shown", bent(SHADERS[name])), is_smooth=is_smooth)
     sun(60.0)(scene)
-    check(scene, 5 * WITHOUT_NOISE, 4, 8)
+    assert_like_cycles(scene, 5 * WITHOUT_NOISE, 4, 8)
 
 
 def test_what_glows_shines_through_the_sheen() -> None:
@@ -119,7 +111,7 @@ def test_what_glows_shines_through_the_sheen() -> None:
     glowing = {"Emission_Color": (1.0, 0.5, 0.2, 1.0), "Emission_Strength": 1.0, "Sheen_Roughness": 1.0}
     scene = scene_of(principled(**glowing, Base_Color=BLACK), sun(50.0))
     bpy.data.materials["Shown"].cycles.emission_sampling = "NONE"  # else Cycles asks lights by turns
-    check(scene, WITHOUT_NOISE)
+    assert_like_cycles(scene, WITHOUT_NOISE)
 
 
 def test_a_mirror_says_that_it_shows_no_sheen() -> None:
@@ -130,14 +122,14 @@ def test_a_mirror_says_that_it_shows_no_sheen() -> None:
 
 
 def test_a_sheen_that_is_cut_out_lets_its_own_back_be_seen() -> None:
-    check(scene_of(principled(Alpha=0.5, Sheen_Roughness=0.8), sun(50.0)), WITH_NOISE, 4, 64)
+    assert_like_cycles(scene_of(principled(Alpha=0.5, Sheen_Roughness=0.8), sun(50.0)), WITH_NOISE, 4, 64)
 
 
 def test_a_sheen_that_varies() -> None:
-    check(scene_of(varying, sun(30.0)), WITHOUT_NOISE)
+    assert_like_cycles(scene_of(varying, sun(30.0)), WITHOUT_NOISE)
 
 
 # Velvet from 4.0 on.
 @pytest.mark.parametrize("roughness", [0.05, 0.3, 1.0])
 def test_the_older_distribution(roughness: float) -> None:
-    check(scene_of(sheen(roughness, "ASHIKHMIN"), sun(50.0)), WITHOUT_NOISE)
+    assert_like_cycles(scene_of(sheen(roughness, "ASHIKHMIN"), sun(50.0)), WITHOUT_NOISE)

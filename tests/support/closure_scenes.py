@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
+from .engine_pictures import cycles_pixels, tyndall_pixels
 from .small_scenes import add, empty_scene, light, material, mesh, node
 
 if TYPE_CHECKING:
@@ -110,3 +111,12 @@ def errors(ours: NDArray[np.float64], cycles: NDArray[np.float64]) -> tuple[floa
     a, b = blocks(ours), blocks(cycles)
     lit = b.min(axis=2) > 0.01 * b.max()
     return float(mean), float(np.median(np.abs(a[lit] / b[lit] - 1.0), axis=0).max())
+
+
+def assert_like_cycles(scene: bpy.types.Scene, bound: float, samples: int = 1, cycles_samples: int = 2) -> None:
+    """``bound``: of the mean and of the median block, both relative."""
+    ours, cycles = tyndall_pixels(scene, samples), cycles_pixels(scene, cycles_samples, seed=1)
+    mean, median = errors(ours, cycles)
+    print(f"mean {mean:.5f}, median block {median:.5f}")
+    assert mean <= bound
+    assert median <= bound
