@@ -32,6 +32,7 @@ public:
                                 [&](float sum, const Beam& beam) { return sum + shares.share(beam.share); });
             beams_.push_back({&*strongest, share});
             beam_count_ += light.beams.size();
+            stratum_count_ += light.stratum_count();
         }
         std::ranges::stable_sort(beams_, std::ranges::greater(), &WeightedBeam::share);
         beams_.resize(std::min(beams_.size(), most_beams));
@@ -42,14 +43,18 @@ public:
 
     void dim(const GridLoss& loss) {
         for (const WeightedBeam& weighted : beams_)
-            weighted.beam->dim_by_grids(loss, progress_);
+            weighted.beam->dim_by_grids(loss);
     }
-    /// Of the largest beam.
-    [[nodiscard]] double bytes() const {
-        std::size_t most = 0;
-        for (const WeightedBeam& weighted : beams_)
-            most = std::max(most, weighted.beam->grid_bytes());
-        return static_cast<double>(most);
+    /// Of all beams, if they were as the largest of these, after rays have asked them. Beams that share a stratum are
+    /// asked for different columns.
+    [[nodiscard]] double most_bytes() const {
+        double most = 0.0;
+        for (const WeightedBeam& weighted : beams_) {
+            const ColumnBytes bytes = weighted.beam->column_bytes();
+            most = std::max(most, bytes.of_places * static_cast<double>(beam_count_) +
+                                      bytes.of_values * static_cast<double>(stratum_count_));
+        }
+        return most;
     }
     /// Beam by beam, ray by ray.
     [[nodiscard]] std::vector<Rgb> radiance(const StepLimits& limits) const {
@@ -128,7 +133,7 @@ private:
     const Media& media_;
     const Progress& progress_;
     std::vector<WeightedBeam> beams_;
-    std::size_t beam_count_ = 0;
+    std::size_t beam_count_ = 0, stratum_count_ = 0;
     std::vector<ViewRay> rays_;
     std::vector<std::uint32_t> first_segment_{0};
     std::vector<MediumSegment> segments_;
@@ -163,10 +168,11 @@ GridResolution choose_grid_resolution(const Media& media, std::span<const ViewRa
         GridLoss loss = result.loss;
         loss.spacing_voxels = spacing_voxels;
         pilot.dim(loss);
-        if (pilot.bytes() * static_cast<double>(pilot.beam_count()) > most_bytes)
+        const float error = pilot.error(pilot.radiance(result.step_limits), by_steps);
+        if (pilot.most_bytes() > most_bytes)
             break;
         result.loss = loss;
-        result.loss_error = pilot.error(pilot.radiance(result.step_limits), by_steps);
+        result.loss_error = error;
         if (result.loss_error <= of_loss)
             break;
     }

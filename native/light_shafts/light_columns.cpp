@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/light_columns.hpp"
-#include "core/parallel.hpp"
 #include "scene/media.hpp"
 #include <algorithm>
 #include <tuple>
@@ -15,13 +14,15 @@ void LightColumns::add_face(const vec3& forward, const vec2& low, const vec2& hi
     const vec2 size = (high - low) / spacing_uv_;
     face.width = static_cast<std::uint32_t>(std::ceil(size.x)) + 3;
     face.height = static_cast<std::uint32_t>(std::ceil(size.y)) + 3;
-    face.first_column = columns_.size();
-    columns_.resize(columns_.size() + std::size_t{face.width} * face.height);
+    if (faces_.size() > 1) {
+        const Face& before = faces_[faces_.size() - 2];
+        face.first_column = before.first_column + std::size_t{before.width} * before.height;
+    }
 }
 
-LightColumns::LightColumns(const PlacedGrid& placed, const LightSample& light, float spacing_voxels,
-                           const Progress& progress)
-    : is_directional_(light.is_directional), origin_(light.position), spacing_m_(spacing_voxels * placed.voxel_m) {
+LightColumns::LightColumns(const PlacedGrid& placed, const LightSample& light, float spacing_voxels)
+    : placed_(&placed), is_directional_(light.is_directional), origin_(light.position),
+      spacing_m_(spacing_voxels * placed.voxel_m) {
     const vec3 centre = placed.bounds.centre();
     const float radius_m = 0.5f * placed.bounds.diagonal_m();
     if (is_directional_) {
@@ -54,75 +55,69 @@ LightColumns::LightColumns(const PlacedGrid& placed, const LightSample& light, f
                 }
         }
     }
-    fill(placed, progress);
+    const Face& last = faces_.back();
+    const std::size_t count = last.first_column + std::size_t{last.width} * last.height;
+    columns_ = Columns(new std::atomic<const Column*>[count](), { .count = count });
+}
+
+void LightColumns::DeleteColumns::operator()(std::atomic<const Column*>* columns) const {
+    for (std::size_t index = 0; index < count; ++index)
+        delete columns[index].load(std::memory_order_relaxed);
+    delete[] columns;
 }
 
 /// Its parameter is the way from the origin in metres.
-GridLine LightColumns::line_of(const PlacedGrid& placed, const Face& face, std::uint32_t x, std::uint32_t y) const {
+GridLine LightColumns::line_of(const Face& face, std::uint32_t x, std::uint32_t y) const {
     const vec2 uv = face.first + spacing_uv_ * vec2(static_cast<float>(x), static_cast<float>(y));
     const vec3 offset = uv.x * face.across + uv.y * face.up;
-    return is_directional_ ? placed.line(origin_ + offset, face.forward)
-                           : placed.line(origin_, glm::normalize(face.forward + offset));
+    return is_directional_ ? placed_->line(origin_ + offset, face.forward)
+                           : placed_->line(origin_, glm::normalize(face.forward + offset));
 }
 
-void LightColumns::fill(const PlacedGrid& placed, const Progress& progress) {
-    struct Row {
-        const Face* face;
-        std::uint32_t y;
-        std::vector<float> values;
+LightColumns::Column LightColumns::walk(const GridLine& line) const {
+    Column column;
+    double sum = 0.0, place_m = 0.0; // of the next place
+    const auto add_place = [&] {
+        column.values.push_back(static_cast<float>(sum));
+        place_m += spacing_m_;
     };
-    std::vector<Row> rows;
-    for (const Face& face : faces_)
-        for (std::uint32_t y = 0; y < face.height; ++y)
-            rows.push_back({&face, y, {}});
-    parallel_for(
-        rows.size(), progress,
-        [&](std::size_t index) {
-            auto& [face, y, values] = rows[index];
-            for (std::uint32_t x = 0; x < face->width; ++x) {
-                Column& column = columns_[face->first_column + std::size_t{y} * face->width + x];
-                column = {.first = values.size(), .begin = 0, .count = 0};
-                double sum = 0.0, place_m = 0.0; // of the next place
-                const auto add_place = [&] {
-                    values.push_back(static_cast<float>(sum));
-                    ++column.count;
-                    place_m += spacing_m_;
-                };
-                for_each_cell(*placed.grid, line_of(placed, *face, x, y), first_m_,
-                              std::numeric_limits<double>::infinity(), [&](const CellSpan& span) {
-                                  if (column.count == 0) {
-                                      const double before = std::floor((span.near_m - first_m_) / spacing_m_);
-                                      column.begin = static_cast<std::uint32_t>(std::max(0.0, before));
-                                      place_m = first_m_ + column.begin * double{spacing_m_};
-                                      add_place();
-                                  }
-                                  double at = span.near_m;
-                                  for (; place_m < span.far_m; at = std::max(at, place_m), add_place())
-                                      if (place_m > at)
-                                          sum += span.integral(at, place_m), at = place_m;
-                                  sum += span.integral(at, span.far_m);
-                                  return true;
-                              });
-                if (column.count > 0)
-                    add_place(); // all that there is
-            }
-        },
-        1);
-    for (Row& row : rows) {
-        for (std::uint32_t x = 0; x < row.face->width; ++x)
-            columns_[row.face->first_column + std::size_t{row.y} * row.face->width + x].first += values_.size();
-        values_.insert(values_.end(), row.values.begin(), row.values.end());
-    }
+    for_each_cell(*placed_->grid, line, first_m_, std::numeric_limits<double>::infinity(), [&](const CellSpan& span) {
+        if (column.values.empty()) {
+            column.begin = static_cast<std::uint32_t>(std::max(0.0, std::floor((span.near_m - first_m_) / spacing_m_)));
+            place_m = first_m_ + column.begin * double{spacing_m_};
+            add_place();
+        }
+        double at = span.near_m;
+        for (; place_m < span.far_m; at = std::max(at, place_m), add_place())
+            if (place_m > at)
+                sum += span.integral(at, place_m), at = place_m;
+        sum += span.integral(at, span.far_m);
+        return true;
+    });
+    if (!column.values.empty())
+        add_place(); // all that there is
+    column.values.shrink_to_fit();
+    return column;
 }
 
-float LightColumns::at(const Column& column, float place) const {
-    if (column.count == 0)
+const LightColumns::Column& LightColumns::column(const Face& face, std::uint32_t x, std::uint32_t y) const {
+    std::atomic<const Column*>& place = columns_[face.first_column + std::size_t{y} * face.width + x];
+    const Column* known = place.load(std::memory_order_acquire);
+    if (known != nullptr)
+        return *known;
+    // Whoever makes the same one at the same time makes the same values: the first one to be done counts.
+    auto made = std::make_unique<const Column>(walk(line_of(face, x, y)));
+    if (place.compare_exchange_strong(known, made.get(), std::memory_order_acq_rel, std::memory_order_acquire))
+        known = made.release();
+    return *known;
+}
+
+float LightColumns::Column::at(float place) const {
+    if (values.empty())
         return 0.0f;
-    const float inside =
-        std::clamp(place - static_cast<float>(column.begin), 0.0f, static_cast<float>(column.count - 1));
-    const auto index = std::min(static_cast<std::uint32_t>(inside), column.count - 2);
-    const float* value = values_.data() + column.first + index;
-    return value[0] + (inside - static_cast<float>(index)) * (value[1] - value[0]);
+    const float inside = std::clamp(place - static_cast<float>(begin), 0.0f, static_cast<float>(values.size() - 1));
+    const std::size_t index = std::min(static_cast<std::size_t>(inside), values.size() - 2);
+    return values[index] + (inside - static_cast<float>(index)) * (values[index + 1] - values[index]);
 }
 
 float LightColumns::depth(const Face& face, const vec2& uv, float way_m) const {
@@ -133,11 +128,11 @@ float LightColumns::depth(const Face& face, const vec2& uv, float way_m) const {
     const auto x = std::min(static_cast<std::uint32_t>(place.x), face.width - 2);
     const auto y = std::min(static_cast<std::uint32_t>(place.y), face.height - 2);
     const float along = (way_m - first_m_) / spacing_m_;
-    const Column* column = columns_.data() + face.first_column + std::size_t{y} * face.width + x;
     const float share = place.x - static_cast<float>(x);
-    const float lower = std::lerp(at(column[0], along), at(column[1], along), share);
-    const float upper = std::lerp(at(column[face.width], along), at(column[face.width + 1], along), share);
-    return std::lerp(lower, upper, place.y - static_cast<float>(y));
+    const auto across = [&](std::uint32_t row) {
+        return std::lerp(column(face, x, row).at(along), column(face, x + 1, row).at(along), share);
+    };
+    return std::lerp(across(y), across(y + 1), place.y - static_cast<float>(y));
 }
 
 float LightColumns::depth(const vec3& point) const {
@@ -157,14 +152,22 @@ float LightColumns::depth(const vec3& point) const {
                  glm::length(way));
 }
 
-std::size_t LightColumns::bytes() const { return columns_.size() * sizeof(Column) + values_.size() * sizeof(float); }
+ColumnBytes LightColumns::bytes() const {
+    const std::size_t count = columns_.get_deleter().count;
+    std::size_t made = 0, bytes = 0;
+    for (std::size_t index = 0; index < count; ++index)
+        if (const Column* column = columns_[index].load(std::memory_order_acquire); column != nullptr)
+            ++made, bytes += sizeof(Column) + column->values.size() * sizeof(float);
+    const double each = made > 0 ? static_cast<double>(bytes) / static_cast<double>(made) : 0.0;
+    return {.of_places = static_cast<double>(sizeof(Column*) * count), .of_values = each * static_cast<double>(count)};
+}
 
 GridLightDepth::GridLightDepth(const Media& media, const LightSample& light) : grids_(media.grids()), light_(light) {}
 
-void GridLightDepth::tabulate(float spacing_voxels, const Progress& progress) {
+void GridLightDepth::tabulate(float spacing_voxels) {
     columns_.clear();
     for (const PlacedGrid& placed : grids_.all())
-        columns_.emplace_back(placed, light_, spacing_voxels, progress);
+        columns_.emplace_back(placed, light_, spacing_voxels);
 }
 
 Rgb GridLightDepth::depth(const vec3& point) const {
@@ -186,10 +189,13 @@ Rgb GridLightDepth::exact_depth(const vec3& point) const {
                : Rgb(0.0f);
 }
 
-std::size_t GridLightDepth::bytes() const {
-    std::size_t sum = 0;
-    for (const LightColumns& columns : columns_)
-        sum += columns.bytes();
+ColumnBytes GridLightDepth::bytes() const {
+    ColumnBytes sum;
+    for (const LightColumns& columns : columns_) {
+        const ColumnBytes bytes = columns.bytes();
+        sum.of_places += bytes.of_places;
+        sum.of_values += bytes.of_values;
+    }
     return sum;
 }
 

@@ -4,25 +4,33 @@
 // Based on: Lokovic and Veach, Deep Shadow Maps, SIGGRAPH 2000; optical depth instead of transmittance, which would
 //           underflow and does not interpolate (von Radziewsky et al., Visibility Sweeps, TVCG 2017).
 // Differs:  a column's values are exact integrals at its places, not sums of earlier interpolations as in a sweep:
-//           nothing smears, and the only error is that of interpolating between columns.
-// Bound:    one walk through the grid per column; 4 bytes per place that has density before it and behind it; 8 loads per
-//           lookup.
+//           nothing smears, and the only error is that of interpolating between columns. A column is made when a point
+//           first asks for it: of a lamp among many grids, or one of thousands of cells, few are.
+// Bound:    one walk through the grid per column that is asked for; 8 bytes per column, 4 per place of those with density
+//           before it and behind it; 8 loads per lookup.
 #pragma once
-#include "core/progress.hpp"
 #include "scene/light.hpp"
 #include "scene/media.hpp"
+#include <atomic>
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace tyndall::light_shafts {
+/// Of light columns: what stands in any case, and what would if all of them were made, as those that are.
+struct ColumnBytes {
+    double of_places = 0.0, of_values = 0.0;
+};
+
 class LightColumns {
 public:
-    /// Columns and places in them are `spacing_voxels` apart: for a lamp, in the middle of the grid. Throws Cancelled.
-    LightColumns(const PlacedGrid& placed, const LightSample& light, float spacing_voxels, const Progress& progress);
+    /// Columns and places in them are `spacing_voxels` apart: for a lamp, in the middle of the grid, which must outlive
+    /// this.
+    LightColumns(const PlacedGrid& placed, const LightSample& light, float spacing_voxels);
 
-    /// Density times metres between the point and the light.
+    /// Density times metres between the point and the light. Safe from any thread.
     [[nodiscard]] float depth(const vec3& point) const;
-    [[nodiscard]] std::size_t bytes() const;
+    [[nodiscard]] ColumnBytes bytes() const;
 
 private:
     /// Columns through a rectangle of the (u, v) plane: across a sun, or at unit distance from a lamp.
@@ -32,25 +40,31 @@ private:
         std::uint32_t width = 0, height = 0;
         std::size_t first_column = 0;
     };
-    /// values[first ..]: at places begin, begin + 1, ..; 0 before, the last one behind.
+    /// Values at places begin, begin + 1, ..; 0 before, the last one behind. None: no density along it.
     struct Column {
-        std::size_t first;
-        std::uint32_t begin, count;
+        std::uint32_t begin = 0;
+        std::vector<float> values;
+        [[nodiscard]] float at(float place) const;
     };
+    struct DeleteColumns {
+        std::size_t count; ///< Of the array.
+        void operator()(std::atomic<const Column*>* columns) const;
+    };
+    using Columns = std::unique_ptr<std::atomic<const Column*>[], DeleteColumns>;
     void add_face(const vec3& forward, const vec2& low, const vec2& high);
-    [[nodiscard]] GridLine line_of(const PlacedGrid& placed, const Face& face, std::uint32_t x, std::uint32_t y) const;
-    void fill(const PlacedGrid& placed, const Progress& progress);
-    [[nodiscard]] float at(const Column& column, float place) const;
+    [[nodiscard]] GridLine line_of(const Face& face, std::uint32_t x, std::uint32_t y) const;
+    [[nodiscard]] Column walk(const GridLine& line) const;
+    [[nodiscard]] const Column& column(const Face& face, std::uint32_t x, std::uint32_t y) const;
     [[nodiscard]] float depth(const Face& face, const vec2& uv, float way_m) const;
 
+    const PlacedGrid* placed_;
     bool is_directional_;
     vec3 origin_;             ///< The lamp, or a point before the grid as the sun sees it.
     float spacing_uv_ = 1.0f; ///< Between columns.
     float spacing_m_ = 1.0f;  ///< Between places.
     float first_m_ = 0.0f;    ///< Way from the origin of place 0.
     std::vector<Face> faces_;
-    std::vector<Column> columns_;
-    std::vector<float> values_;
+    Columns columns_; ///< Null: not asked for yet.
 };
 
 /// How a light sample's loss in density grids is found.
@@ -65,7 +79,7 @@ public:
     /// `media` must outlive this. Exact until tabulated.
     GridLightDepth(const Media& media, const LightSample& light);
     /// From now on by LightColumns.
-    void tabulate(float spacing_voxels, const Progress& progress);
+    void tabulate(float spacing_voxels);
 
     [[nodiscard]] Rgb depth(const vec3& point) const;
     [[nodiscard]] Rgb exact_depth(const vec3& point) const;
@@ -74,7 +88,7 @@ public:
                         std::vector<LinePart>& parts) const;
     /// Whether there is such a part.
     [[nodiscard]] bool reaches(const vec3& origin, const vec3& direction, float near_m, float far_m) const;
-    [[nodiscard]] std::size_t bytes() const;
+    [[nodiscard]] ColumnBytes bytes() const;
 
 private:
     const GridMedia& grids_;

@@ -190,12 +190,12 @@ void LocalScatter::scatter_in_grids(const LocalRays& rays, const MediumSteps& st
     }
 }
 
-void LocalScatter::dim_by_grids(const GridLoss& loss, const Progress& progress) {
+void LocalScatter::dim_by_grids(const GridLoss& loss) {
     if (!attenuates_light_ || media_.grids().is_empty())
         return;
     grid_depth_.emplace(media_, light_);
     if (loss.spacing_voxels > 0.0f)
-        grid_depth_->tabulate(loss.spacing_voxels, progress);
+        grid_depth_->tabulate(loss.spacing_voxels);
     grid_piece_m_ = loss.piece_voxels * media_.grids().least_voxel_m();
 }
 

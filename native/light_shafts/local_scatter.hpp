@@ -58,8 +58,8 @@ public:
     void scatter_in_grids(const LocalRays& rays, const MediumSteps& steps, std::span<const std::uint32_t> step_rows,
                           const Visibility* visibility, std::span<Rgb> radiance, std::span<Rgb> unshadowed) const;
     /// As DirectionalScatter's.
-    void dim_by_grids(const GridLoss& loss, const Progress& progress);
-    [[nodiscard]] std::size_t grid_bytes() const { return grid_depth_ ? grid_depth_->bytes() : 0; }
+    void dim_by_grids(const GridLoss& loss);
+    [[nodiscard]] ColumnBytes column_bytes() const { return grid_depth_ ? grid_depth_->bytes() : ColumnBytes{}; }
     /// Whether a grid may stand between the light and some point of the ray.
     [[nodiscard]] bool is_dimmed_by_grids(const ViewRay& ray) const;
     /// Appends what is lit of each ray, in media or not: within the light's cone, half of it in the cone's soft edge.

@@ -227,7 +227,7 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         all_beams.size(), progress,
         [&](std::size_t index) {
             auto& [beam, share_of_light, of_light, blocked_by, error_target] = all_beams[index];
-            beam->dim_by_grids(grid_loss, progress);
+            beam->dim_by_grids(grid_loss);
             if (config.method == Method::Exact && of_light == nullptr) {
                 beam->visibility = make_exact_strip(scene, beam->sample, blocked_by->strip);
                 return;
@@ -253,12 +253,6 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
                 finest = beam.visibility.get();
             }
         statistics.append(light.beams.front().visibility->statistics()); // one tells of its light; a world has many
-    }
-    if (!media.grids().is_empty()) {
-        double bytes = 0.0;
-        for (const BeamToPrepare& prepared : all_beams)
-            bytes += static_cast<double>(prepared.beam->grid_bytes());
-        statistics.count("light shafts in grids: bytes of light columns", bytes);
     }
     statistics.count("light shafts: light samples", static_cast<double>(all_beams.size()));
     if (config.kept_maps)

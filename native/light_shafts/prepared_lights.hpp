@@ -28,17 +28,17 @@ struct Beam {
     std::optional<DirectionalScatter> directional; ///< Or `local`: one of the two.
     std::optional<LocalScatter> local;
 
-    void dim_by_grids(const GridLoss& loss, const Progress& progress) {
+    void dim_by_grids(const GridLoss& loss) {
         if (directional)
-            directional->dim_by_grids(loss, progress);
+            directional->dim_by_grids(loss);
         else
-            local->dim_by_grids(loss, progress);
+            local->dim_by_grids(loss);
     }
     [[nodiscard]] bool is_dimmed_by_grids(const ViewRay& ray) const {
         return directional ? directional->is_dimmed_by_grids(ray) : local->is_dimmed_by_grids(ray);
     }
-    [[nodiscard]] std::size_t grid_bytes() const {
-        return directional ? directional->grid_bytes() : local->grid_bytes();
+    [[nodiscard]] ColumnBytes column_bytes() const {
+        return directional ? directional->column_bytes() : local->column_bytes();
     }
 };
 struct LightBeams {

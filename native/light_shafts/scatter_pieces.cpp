@@ -225,12 +225,12 @@ void DirectionalScatter::append_grid_pieces(const ViewRay& ray, std::span<const 
             {.near_m = steps.back().far_m, .far_m = segments.back().far_m, .depth_at_near = Rgb(camera_depth)});
 }
 
-void DirectionalScatter::dim_by_grids(const GridLoss& loss, const Progress& progress) {
+void DirectionalScatter::dim_by_grids(const GridLoss& loss) {
     if (!attenuates_light_ || media_.grids().is_empty())
         return;
     grid_depth_.emplace(media_, light_);
     if (loss.spacing_voxels > 0.0f)
-        grid_depth_->tabulate(loss.spacing_voxels, progress);
+        grid_depth_->tabulate(loss.spacing_voxels);
     grid_piece_m_ = loss.piece_voxels * media_.grids().least_voxel_m();
 }
 

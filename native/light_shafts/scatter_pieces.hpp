@@ -47,11 +47,11 @@ public:
     void append_grid_pieces(const ViewRay& ray, std::span<const MediumSegment> segments, const MediumSteps& steps,
                             std::size_t index, std::vector<ScatterPiece>& pieces) const;
     /// From now on grids dim the light on its way to a point, too. Throws Cancelled.
-    void dim_by_grids(const GridLoss& loss, const Progress& progress);
+    void dim_by_grids(const GridLoss& loss);
     /// Whether a grid may stand between the light and some point of the ray.
     [[nodiscard]] bool is_dimmed_by_grids(const ViewRay& ray) const;
-    /// Of what dim_by_grids has tabulated.
-    [[nodiscard]] std::size_t grid_bytes() const { return grid_depth_ ? grid_depth_->bytes() : 0; }
+    /// Of what dim_by_grids tabulates.
+    [[nodiscard]] ColumnBytes column_bytes() const { return grid_depth_ ? grid_depth_->bytes() : ColumnBytes{}; }
 
 private:
     const Media& media_;
