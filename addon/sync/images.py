@@ -155,6 +155,13 @@ def _note_space(image: bpy.types.Image, reports: Reports, culprit: str, *, is_fl
         reports.add(culprit, f'image "{image.name}": colour space {space} is read as sRGB')
 
 
+def texel_of_missing(image: bpy.types.Image) -> Image:
+    """What Cycles reads in place of a file that is missing: at a clipped border it fades out."""
+    is_srgb = image.colorspace_settings.name not in _LINEAR
+    pixels = np.array([[[*MAGENTA, 1.0]]], np.uint8) * np.uint8(255)
+    return Image(key=f"missing {is_srgb}", name=image.name, pixels=pixels, is_srgb=is_srgb)
+
+
 def without_pixels(image: bpy.types.Image) -> str | None:
     """What to say of an image that has none, because its file is missing or nothing was rendered; None: it has."""
     if image.size[0] * image.size[1] > 0:

@@ -14,7 +14,7 @@ from tyndall.surface_inputs import IMAGE_HAS_TILES, EnvironmentProjection, Image
 
 from . import coordinates
 from .domains import MID_GREY, Domain
-from .images import MAGENTA
+from .images import MAGENTA, texel_of_missing
 from .program import WHITE, Value
 
 if TYPE_CHECKING:
@@ -107,7 +107,10 @@ def image_use(reader: ValueReader, at: Socket) -> TextureUse | Value:
         user=node.image_user,
         stays_whole=reader.domain is not Domain.SURFACE,
     )
-    return MAGENTA if image is None else _use_of(image, node)
+    if image is not None:
+        return _use_of(image, node)
+    is_seen_to_end = node.image is not None and getattr(node, "extension", "") == "CLIP"
+    return _use_of(texel_of_missing(node.image), node) if is_seen_to_end else MAGENTA
 
 
 def _use_of(image: Image, node: bpy.types.Node) -> TextureUse:

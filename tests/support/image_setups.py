@@ -64,6 +64,21 @@ def alpha_outside(new: New, link: Link) -> Socket:
     return texture.outputs["Alpha"]
 
 
+def lost(output: str, interpolation: str = "Linear", space: str = "sRGB") -> Build:
+    """A file that is missing, beyond whose borders there is nothing."""
+
+    def build(new: New, link: Link) -> Socket:
+        texture = new("ShaderNodeTexImage")
+        texture.image = bpy.data.images.new("Lost", 4, 4)
+        texture.image.source, texture.image.filepath = "FILE", f"//lost {space}.png"
+        texture.image.colorspace_settings.name = space
+        texture.extension, texture.interpolation = "CLIP", interpolation
+        link(new("ShaderNodeTexCoord").outputs["UV"], texture.inputs["Vector"])
+        return texture.outputs[output]
+
+    return build
+
+
 IMAGES: dict[str, Build] = {
     "flat": textured(),
     "flat on object coordinates": textured("Object", 2.0),
@@ -79,6 +94,10 @@ IMAGES: dict[str, Build] = {
     "extended": textured("Object", 4.0, extension="EXTEND"),
     "clipped": textured("Object", 4.0, extension="CLIP"),
     "alpha of a clipped one": alpha_outside,
+    "missing and clipped": lost("Color"),
+    "missing and clipped, closest": lost("Color", "Closest"),
+    "missing and clipped, no colour": lost("Color", space="Non-Color"),
+    "alpha of a missing and clipped one": lost("Alpha"),
     "where an image says": warped,
     "environment": textured("Normal", kind="ShaderNodeTexEnvironment"),
     "mirror ball": textured("Reflection", kind="ShaderNodeTexEnvironment", projection="MIRROR_BALL"),
