@@ -121,7 +121,7 @@ void build_hierarchy(benchmark::State& state, char name) {
         state.SkipWithError("Sponza-LowPoly is not here");
         return;
     }
-    const MeshArrays& arrays = scene->scene->description().meshes[0]->arrays();
+    const SharedMeshArrays& arrays = scene->scene->description().meshes[0]->arrays();
     for (auto _ : state)
         benchmark::DoNotOptimize(TriangleBvh(rtcGetSceneDevice(scene->scene->trees().all()), arrays, Progress()));
     state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(arrays.triangles.size()));

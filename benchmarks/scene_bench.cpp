@@ -67,7 +67,7 @@ static void over_pixels(benchmark::State& state, const Visit& visit) {
 }
 
 static void bare_embree(benchmark::State& state) {
-    const MeshArrays& arrays = mesh()->arrays();
+    const SharedMeshArrays& arrays = mesh()->arrays();
     const RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, arrays.positions.data(), 0,
                                sizeof(vec3), arrays.positions.size());

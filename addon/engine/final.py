@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from tyndall import Cancelled, Progress
+from tyndall._native import return_free_memory
 from tyndall.memory_estimate import picture_part, require_room
 from tyndall.neighbour_frames import Neighbour, Neighbours
 
@@ -123,6 +124,7 @@ class _Frame:
         )
         wants_vectors = view_layer.use_pass_vector and shutter is None and not is_over_engine
         look = reader.read(reports, begins_moments=shutter is not None or wants_vectors)
+        return_free_memory()  # that reading took for a while, before trees are built
         config = self._config(view_layer, look, taken, is_over_engine=is_over_engine)
         if wants_vectors:
             config = replace(config, data=replace(config.data, neighbours=self._neighbours(reader, look)))

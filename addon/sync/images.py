@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
-from tyndall._native import texel_array
+from tyndall._native import shared_array
 from tyndall.scene_description import Image
 
 from .image_files import frame_file, is_of_floats, read_file, tile_files
@@ -92,7 +92,7 @@ class ImageReader:
                 floats, is_float = _floats(original), original.is_float
                 if file_key is not None and not was_loaded:
                     original.buffers_free()  # Blender reads it again when it wants it
-                found = _as_read(original, floats, key, associated=associated, is_float=is_float)
+                found = _as_read(original, floats, key, associated=associated, is_float=is_float, is_shared=True)
         else:
             key = file_key or ""
         _note_space(original, reports, culprit, is_float=found.is_float)
@@ -204,11 +204,11 @@ def _key(image: bpy.types.Image, *, associated: bool) -> str:
 
 
 def _floats(image: bpy.types.Image) -> NDArray[np.float32]:
-    """(height, width, channels); Blender loads the pixels if it must."""
+    """(height, width, channels), shared; Blender loads the pixels if it must."""
     width, height, channels = image.size[0], image.size[1], image.channels
-    flat = np.empty(width * height * channels, np.float32)
-    image.pixels.foreach_get(flat)
-    return flat.reshape(height, width, channels)
+    stored: NDArray[np.float32] = shared_array((height, width, channels), np.dtype(np.float32))
+    image.pixels.foreach_get(stored.reshape(-1))
+    return stored
 
 
 def _rgba(stored: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -222,19 +222,29 @@ def _rgba(stored: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def _as_read(
-    image: bpy.types.Image, stored: NDArray[np.float32], key: str, *, associated: bool, is_float: bool
+    image: bpy.types.Image,
+    stored: NDArray[np.float32],
+    key: str,
+    *,
+    associated: bool,
+    is_float: bool,
+    is_shared: bool = False,
 ) -> Image:
     """Blender keeps float pixels multiplied with alpha, others not; Cycles multiplies those while they are encoded.
 
-    A few rows at a time: of a large image nothing but ``stored`` and the texels is in memory.
+    A few rows at a time: of a large image nothing but ``stored`` and the texels is in memory; of floats that are
+    ``is_shared``, ``stored`` alone.
     """
     height, width, channels = stored.shape
     step = max(1, _ROWS_AT_ONCE // (width * channels))
     blocks = [slice(first, first + step) for first in range(0, height, step)]
     is_seen_through = channels in {len("YA"), len("RGBA")} and any((stored[rows, :, -1] < 1.0).any() for rows in blocks)
     has_alpha = is_seen_through and image.alpha_mode not in {"NONE", "CHANNEL_PACKED"}
-    texels: NDArray[Any] = texel_array(height, width, is_float)
-    for rows in blocks:
+    is_kept = is_shared and is_float and channels == len("RGBA")
+    texels: NDArray[Any] = (
+        stored if is_kept else shared_array((height, width, 4), np.dtype(np.float32 if is_float else np.uint8))
+    )
+    for rows in [] if is_kept and (associated or not has_alpha) else blocks:
         pixels = _rgba(stored[rows])
         alpha = pixels[..., 3:]
         if has_alpha and associated and not is_float:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
+from tyndall._native import shared_array
 from tyndall.scene_description import Mesh, attribute_maps
 
 from .mesh_attributes import read_asked
@@ -54,7 +55,7 @@ class _StoredMesh:
 
     def expand(self, key: str, poll: Callable[[], None]) -> Mesh:
         corners = self.corners.astype(np.intp)  # what numpy.take wants: half the time of indexing with uint32
-        vertices = self.vertex_of_corner.take(corners)
+        vertices = _taken(self.vertex_of_corner, corners)
         poll()
         return Mesh(
             key=key,
@@ -63,19 +64,25 @@ class _StoredMesh:
             triangles=vertices,
             material_slots=self.slots,
             corner_normals=self._expanded_normals(corners, vertices),
-            uv_maps=tuple((name, uvs.take(corners, axis=0)) for name, uvs in self.uv_maps),
+            uv_maps=tuple((name, _taken(uvs, corners)) for name, uvs in self.uv_maps),
         )
 
     def _expanded_normals(self, corners: NDArray[np.intp], vertices: NDArray[np.uint32]) -> NDArray[np.float32] | None:
         if self.corner_normals is not None:
-            normals = self.corner_normals.take(corners, axis=0)
+            normals = _taken(self.corner_normals, corners)
         elif self.vertex_normals is not None:
-            normals = self.vertex_normals.take(vertices.astype(np.intp), axis=0)
+            normals = _taken(self.vertex_normals, vertices.astype(np.intp))
         else:
             return None
         if self.is_flat is not None:
             normals[self.is_flat] = 0.0  # a zero vector says: flat at this corner
         return normals
+
+
+def _taken(values: NDArray[Any], indices: NDArray[np.intp]) -> NDArray[Any]:
+    """Rows of values, shared with native code. Indices are in range."""
+    taken: NDArray[Any] = shared_array((*indices.shape, *values.shape[1:]), values.dtype)
+    return values.take(indices, axis=0, out=taken, mode="clip")  # which needs no copy of the result
 
 
 def read_mesh(
@@ -154,11 +161,13 @@ def _attribute(mesh: bpy.types.Mesh, name: str) -> Any:  # noqa: ANN401  a colle
 
 
 def _positions(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
-    shape = (len(mesh.vertices), 3)
-    position = _attribute(mesh, "position")
-    if position is not None and len(position) == shape[0]:
-        return _read(position, "vector", shape, np.float32)
-    return _read(mesh.vertices, "co", shape, np.float32)
+    positions: NDArray[np.float32] = shared_array((len(mesh.vertices), 3), np.dtype(np.float32))
+    stored = _attribute(mesh, "position")
+    if stored is not None and len(stored) == len(positions):
+        stored.foreach_get("vector", positions.reshape(-1))
+    else:
+        mesh.vertices.foreach_get("co", positions.reshape(-1))
+    return positions
 
 
 def _corner_vertices(mesh: bpy.types.Mesh) -> NDArray[np.uint32]:

@@ -103,7 +103,7 @@ def read_world(
 
 def _one_colour(image: Image) -> tuple[float, float, float] | None:
     first = image.pixels[0, 0, :3]
-    if not (np.isfinite(first).all() and (image.pixels[..., :3] == first).all()):
+    if not (np.isfinite(first).all() and all((row[:, :3] == first).all() for row in image.pixels)):
         return None
     red, green, blue = (float(channel) for channel in first)
     return red, green, blue

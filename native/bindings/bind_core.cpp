@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bindings/bind.hpp"
+#include "bindings/shared_arrays.hpp"
 #include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/simd.hpp"
 #include "core/statistics.hpp"
 #include <pybind11/stl.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 namespace tyndall::bindings {
 using namespace py::literals;
@@ -19,6 +23,12 @@ static py::dict to_dict(const Statistics& statistics) {
     for (const Statistics::Count& count : statistics.counts)
         counts[py::str(count.name)] = count.value;
     return py::dict("stages"_a = stages, "skipped"_a = skipped, "counts"_a = counts, "reports"_a = statistics.reports);
+}
+
+static void return_free_memory() {
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
 }
 
 /// By the name that simd_target_name() has for it.
@@ -47,6 +57,12 @@ void bind_core(py::module_& native) {
         .def_property("message", &Progress::message, &Progress::set_message, "The stage at work.")
         .def_property_readonly("elapsed_s", &Progress::elapsed_s)
         .def_property_readonly("remaining_s", &Progress::remaining_s, "Negative while nothing is known yet.");
+    native.def("return_free_memory", &return_free_memory,
+               "Give the system what was freed and is kept for later, where the allocator keeps such memory.");
+    native.def(
+        "shared_array", &make_shared_array, "shape"_a, "dtype"_a,
+        "An array, not yet filled, that meshes, textures and worlds share instead of copying it; from then on it "
+        "cannot be written. Raises InvalidInput.");
     py::class_<Statistics>(native, "Statistics")
         .def("to_dict", &to_dict, "Stages, skipped, counts and reports as plain lists and dictionaries, for JSON.");
 }

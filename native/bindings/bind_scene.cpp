@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bindings/arrays.hpp"
 #include "bindings/bind.hpp"
+#include "bindings/shared_arrays.hpp"
 #include "core/errors.hpp"
+#include "scene/embree.hpp"
 #include "scene/light_texture.hpp"
 #include "scene/scene.hpp"
 #include "scene/strands.hpp"
@@ -16,16 +18,17 @@ static std::shared_ptr<TriangleMesh> make_mesh(std::string name, const py::array
                                                const std::optional<py::array>& corner_normals,
                                                const std::vector<std::pair<std::string, py::array>>& uv_maps,
                                                const Progress& progress, bool is_hasty) {
-    MeshArrays arrays;
+    static_assert(shared_slack_bytes >= SharedMeshArrays::position_slack_bytes);
+    SharedMeshArrays arrays;
     arrays.name = std::move(name);
-    arrays.positions = to_vector<vec3, float>(positions, {-1, 3}, "positions");
-    arrays.triangles = to_vector<uvec3, std::uint32_t>(triangles, {-1, 3}, "triangles");
+    arrays.positions = to_shared<vec3, float>(positions, {-1, 3}, "positions");
+    arrays.triangles = to_shared<uvec3, std::uint32_t>(triangles, {-1, 3}, "triangles");
     if (material_slots)
-        arrays.material_slots = to_vector<std::uint16_t, std::uint16_t>(*material_slots, {-1}, "material_slots");
+        arrays.material_slots = to_shared<std::uint16_t, std::uint16_t>(*material_slots, {-1}, "material_slots");
     if (corner_normals)
-        arrays.corner_normals = to_vector<vec3, float>(*corner_normals, {-1, 3, 3}, "corner_normals");
+        arrays.corner_normals = to_shared<vec3, float>(*corner_normals, {-1, 3, 3}, "corner_normals");
     for (const auto& [uv_name, uvs] : uv_maps)
-        arrays.uv_maps.push_back({uv_name, to_vector<vec2, float>(uvs, {-1, 3, 2}, "UV map " + uv_name)});
+        arrays.uv_maps.push_back({uv_name, to_shared<vec2, float>(uvs, {-1, 3, 2}, "UV map " + uv_name)});
     const TreeQuality quality = is_hasty ? TreeQuality::Hasty : TreeQuality::Best;
     return without_gil([&] { return std::make_shared<TriangleMesh>(std::move(arrays), progress, quality); });
 }
@@ -74,7 +77,7 @@ environment_image(const std::string& name, const std::optional<py::array>& pixel
         return nullptr;
     auto image = std::make_shared<EnvironmentImage>();
     image->name = name;
-    image->pixels = to_vector<Rgb, float>(*pixels, {-1, -1, 3}, argument);
+    image->pixels = to_shared<vec4, float>(*pixels, {-1, -1, 4}, argument);
     image->height = static_cast<std::uint32_t>(pixels->shape(0));
     image->width = static_cast<std::uint32_t>(pixels->shape(1));
     return image;
@@ -235,8 +238,9 @@ static std::shared_ptr<Strands> make_strands(std::string name, int form, const p
 }
 
 void bind_scene(py::module_& native) {
-    py::class_<TriangleMesh, std::shared_ptr<TriangleMesh>>(native, "TriangleMesh",
-                                                            "Triangles with their BVH; keeps a copy of the arrays.")
+    native.def("most_embree_bytes", &most_embree_bytes, "The most memory that Embree has held at one time.");
+    py::class_<TriangleMesh, std::shared_ptr<TriangleMesh>>(
+        native, "TriangleMesh", "Triangles with their BVH; copies all arrays but a shared_array.")
         .def(py::init(&make_mesh), "name"_a, "positions"_a, "triangles"_a, "material_slots"_a, "corner_normals"_a,
              "uv_maps"_a, "progress"_a, "is_hasty"_a = false,
              R"(positions: float32 (v, 3); triangles: uint32 (t, 3); material_slots: uint16 (t,) or None;
@@ -273,7 +277,7 @@ corner_normals: float32 (t, 3, 3) or None; uv_maps: pairs of name and float32 (t
     py::class_<World>(native, "World")
         .def(py::init(&make_world), "name"_a, "radiance"_a, "pixels"_a, "image_from_world"_a,
              "seen_pixels"_a = py::none(), "seen_program"_a = py::none(), "light_group"_a = no_light_group,
-             "pixels: float32 (height, width, 3), rows bottom to top, or None; image_from_world: float32 (3, 3); "
+             "pixels: float32 (height, width, 4), rows bottom to top, or None; image_from_world: float32 (3, 3); "
              "seen_pixels: as pixels, what cameras see instead of them; seen_program: the radiance that they see.");
     py::class_<ShapeGeometry, std::shared_ptr<ShapeGeometry>>(native, "Shape", "What scenes place beside meshes.");
     py::class_<Strands, ShapeGeometry, std::shared_ptr<Strands>>(native, "Strands", "Hair, or points, with their BVH.")

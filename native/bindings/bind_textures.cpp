@@ -2,6 +2,7 @@
 #include "bindings/arrays.hpp"
 #include "bindings/bind.hpp"
 #include "bindings/paths.hpp"
+#include "bindings/shared_arrays.hpp"
 #include "core/errors.hpp"
 #include "image/texture.hpp"
 #include "image/tiled_texels.hpp"
@@ -11,38 +12,6 @@
 namespace tyndall::bindings {
 using namespace py::literals;
 namespace {
-using Block = std::shared_ptr<std::byte[]>;
-constexpr const char* block_name = "tyndall texels";
-
-/// Memory that textures share with Python: it needs no lock of the interpreter to end.
-py::array make_texel_array(py::ssize_t height, py::ssize_t width, bool is_float) {
-    require(height > 0 && width > 0 && height <= 1 << 20 && width <= 1 << 20, "texels of ", width, " x ", height);
-    const auto value_bytes = static_cast<py::ssize_t>(is_float ? sizeof(float) : 1);
-    // Uninitialised, and aligned for floats.
-    auto block = std::make_unique<Block>(new std::byte[static_cast<std::size_t>(4 * height * width * value_bytes)]);
-    std::byte* const first = block->get();
-    const py::capsule capsule(block.get(), block_name, [](PyObject* object) {
-        delete static_cast<Block*>(PyCapsule_GetPointer(object, block_name));
-    });
-    block.release();
-    const py::dtype type = is_float ? py::dtype::of<float>() : py::dtype::of<std::uint8_t>();
-    return py::array(type, {height, width, py::ssize_t{4}}, first, capsule);
-}
-
-/// The texels of an array, which are shared where `texel_array` made it, and copied from any other.
-template <typename Value>
-SharedTexels<Value> texels_of(const py::array& pixels) {
-    check_array<Value>(pixels, {-1, -1, 4}, "pixels");
-    const std::span values(static_cast<const Value*>(pixels.data()), static_cast<std::size_t>(pixels.size()));
-    const py::object base = pixels.base() ? pixels.base() : py::none();
-    if (PyCapsule_IsValid(base.ptr(), block_name) != 0) {
-        const Block& block = *static_cast<Block*>(PyCapsule_GetPointer(base.ptr(), block_name));
-        if (static_cast<const void*>(block.get()) == values.data())
-            return {block, values};
-    }
-    return std::vector<Value>(values.begin(), values.end());
-}
-
 std::shared_ptr<Texture> make_texture(std::string name,
                                       const std::variant<std::shared_ptr<TiledTexels>, py::array>& texels, bool is_srgb,
                                       bool has_alpha, int extension, int interpolation) {
@@ -53,9 +22,9 @@ std::shared_ptr<Texture> make_texture(std::string name,
     } else {
         const auto& pixels = std::get<py::array>(texels);
         if (pixels.dtype().kind() == 'u')
-            texture->bytes = texels_of<std::uint8_t>(pixels);
+            texture->bytes = to_shared<std::uint8_t, std::uint8_t>(pixels, {-1, -1, 4}, "pixels");
         else
-            texture->floats = texels_of<float>(pixels);
+            texture->floats = to_shared<float, float>(pixels, {-1, -1, 4}, "pixels");
         require(pixels.size() > 0, "image \"", name, "\" has no pixels");
         texture->height = static_cast<std::uint32_t>(pixels.shape(0));
         texture->width = static_cast<std::uint32_t>(pixels.shape(1));
@@ -82,7 +51,8 @@ std::shared_ptr<TiledTexels> make_tiled(const std::shared_ptr<TileCache>& cache,
 }
 
 py::array whole_texels(const TiledTexels& tiled) {
-    py::array texels = make_texel_array(tiled.height(), tiled.width(), tiled.is_float());
+    const py::dtype type = tiled.is_float() ? py::dtype::of<float>() : py::dtype::of<std::uint8_t>();
+    py::array texels = make_shared_array({tiled.height(), tiled.width(), 4}, type);
     const std::span bytes(static_cast<std::byte*>(texels.mutable_data()), static_cast<std::size_t>(texels.nbytes()));
     without_gil([&] { tiled.copy_to(bytes); });
     return texels;
@@ -90,10 +60,6 @@ py::array whole_texels(const TiledTexels& tiled) {
 } // namespace
 
 void bind_textures(py::module_& native) {
-    native.def(
-        "texel_array", &make_texel_array, "height"_a, "width"_a, "is_float"_a,
-        "(height, width, 4) of uint8 or float32, not yet filled, that textures share instead of copying it: leave "
-        "it as it is once one has it. Raises InvalidInput.");
     py::class_<TileCache, std::shared_ptr<TileCache>>(
         native, "TileCache", "Tiles of images that lie in a file without a name, some of them in memory.")
         .def(py::init([](const py::object& folder, std::size_t budget_bytes) {
@@ -114,7 +80,7 @@ void bind_textures(py::module_& native) {
             "shape", [](const TiledTexels& tiled) { return py::make_tuple(tiled.height(), tiled.width(), 4); })
         .def("whole", &whole_texels, "All texels, as they were given. Raises IoError.");
     py::class_<Texture, std::shared_ptr<Texture>>(native, "Texture",
-                                                  "An image as one node uses it; copies all but a texel_array.")
+                                                  "An image as one node uses it; copies all but a shared_array.")
         .def(py::init(&make_texture), "name"_a, "pixels"_a, "is_srgb"_a, "has_alpha"_a, "extension"_a,
              "interpolation"_a, "pixels: uint8 or float32 (height, width, 4), rows bottom to top; or tiled ones.");
 }

@@ -28,19 +28,6 @@ PiecewiseConstant1d::Sample PiecewiseConstant1d::sample(float u) const {
     return {cell, std::clamp(offset, 0.0f, 0x1.fffffep-1f)};
 }
 
-PiecewiseConstant2d::PiecewiseConstant2d(std::span<const float> weights, std::uint32_t columns) {
-    std::vector<float> row_weights;
-    for (std::size_t first = 0; first + columns <= weights.size(); first += columns) {
-        const auto row = weights.subspan(first, columns);
-        double sum = 0.0;
-        for (const float weight : row)
-            sum += weight;
-        row_weights.push_back(static_cast<float>(sum));
-        columns_of_row_.emplace_back(row);
-    }
-    rows_ = PiecewiseConstant1d(row_weights);
-}
-
 PiecewiseConstant2d::Sample PiecewiseConstant2d::sample(vec2 u) const {
     const auto [row, row_offset] = rows_.sample(u.y);
     const auto [column, column_offset] = columns_of_row_[row].sample(u.x);

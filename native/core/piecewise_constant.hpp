@@ -20,6 +20,7 @@ public:
         std::uint32_t cell;
         float offset; ///< Within the cell, [0, 1): what is left of u, uniform again.
     };
+    [[nodiscard]] std::uint32_t cells() const { return static_cast<std::uint32_t>(sums_.size() - 1); }
     [[nodiscard]] Sample sample(float u) const;
     [[nodiscard]] float probability(std::uint32_t cell) const { return sums_[cell + 1] - sums_[cell]; }
 
@@ -27,11 +28,14 @@ private:
     std::vector<float> sums_; ///< cells + 1, from 0 to 1.
 };
 
+/// Rows of cells; each may have another number of them.
 class PiecewiseConstant2d {
 public:
     PiecewiseConstant2d() = default;
-    /// Weights row by row, rows * columns of them.
-    PiecewiseConstant2d(std::span<const float> weights, std::uint32_t columns);
+    PiecewiseConstant2d(std::vector<PiecewiseConstant1d> columns_of_row, std::span<const float> row_weights)
+        : rows_(row_weights), columns_of_row_(std::move(columns_of_row)) {}
+    [[nodiscard]] std::uint32_t rows() const { return static_cast<std::uint32_t>(columns_of_row_.size()); }
+    [[nodiscard]] std::uint32_t columns(std::uint32_t row) const { return columns_of_row_[row].cells(); }
 
     struct Sample {
         std::uint32_t column, row;

@@ -2,7 +2,7 @@
 // A scene-linear image that shading looks up, with Blender's extension and interpolation rules.
 #pragma once
 #include "core/math.hpp"
-#include "image/shared_texels.hpp"
+#include "core/shared_array.hpp"
 #include <cstdint>
 #include <string>
 
@@ -19,8 +19,8 @@ struct Texture {
     std::string name;
     std::uint32_t width = 0, height = 0;
     /// width * height * 4 bytes or floats (exactly one is filled), rows bottom to top; stored with alpha unassociated.
-    SharedTexels<std::uint8_t> bytes = {}; ///< sRGB-encoded when is_srgb.
-    SharedTexels<float> floats = {};
+    SharedArray<std::uint8_t> bytes = {}; ///< sRGB-encoded when is_srgb.
+    SharedArray<float> floats = {};
     std::shared_ptr<const TiledTexels> tiles = {}; ///< In place of both: texels in a file, of either kind.
     bool is_srgb = true;
     /// Colours are masked by alpha: multiplied while they are filtered, and divided again. False: alpha is 1 in the image

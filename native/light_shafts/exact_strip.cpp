@@ -34,7 +34,7 @@ StripScene make_strip_scene(const Scene& scene, const Progress& progress, const 
         strip.meshes.push_back({.bvh = &mesh.cut_bvh(progress),
                                 .world_from_object = instance.world_from_object,
                                 .occlusion_of_slot = std::move(slots),
-                                .slot_of_triangle = &mesh.arrays().material_slots,
+                                .slot_of_triangle = mesh.arrays().material_slots,
                                 .instance = index});
         boxes.push_back(transformed(mesh.bounds(), instance.world_from_object));
     }
@@ -51,7 +51,7 @@ StripScene make_strip_scene(const Scene& scene, const Progress& progress, const 
         strip.meshes.push_back({.bvh = &tubes.cut_bvh(progress),
                                 .world_from_object = placed.world_from_object,
                                 .occlusion_of_slot = {},
-                                .slot_of_triangle = &tubes.arrays().material_slots});
+                                .slot_of_triangle = tubes.arrays().material_slots});
         boxes.push_back(transformed(tubes.bounds(), placed.world_from_object));
     }
     for (const PlacedShape& placed : description.placed_shapes)

@@ -98,7 +98,7 @@ static bool look_at_primitive(RTCPointQueryFunctionArguments* found) {
         return false;
     if (is_transparent_everywhere(search.scene.material(instance_index, found->primID)))
         return false;
-    const MeshArrays& mesh = description.meshes[instance.mesh_index]->arrays();
+    const SharedMeshArrays& mesh = description.meshes[instance.mesh_index]->arrays();
     vec3 corners[3];
     for (int corner = 0; corner < 3; ++corner)
         corners[corner] =

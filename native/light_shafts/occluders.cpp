@@ -52,7 +52,7 @@ Uses uses_of(const SceneDescription& scene, const Instance& instance) {
 
 /// Triangles of the slots for which `is_wanted`.
 template <typename IsWanted>
-std::vector<std::uint32_t> select(const MeshArrays& mesh, std::size_t slot_count, const IsWanted& is_wanted) {
+std::vector<std::uint32_t> select(const SharedMeshArrays& mesh, std::size_t slot_count, const IsWanted& is_wanted) {
     std::vector<std::uint32_t> selected;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         if (is_wanted(std::min<std::size_t>(mesh.slot_of(t), slot_count - 1)))
@@ -60,22 +60,22 @@ std::vector<std::uint32_t> select(const MeshArrays& mesh, std::size_t slot_count
     }
     return selected;
 }
-std::unique_ptr<const OccluderMesh> make_mesh(const MeshArrays& mesh, std::span<const std::uint32_t> selected) {
+std::unique_ptr<const OccluderMesh> make_mesh(const SharedMeshArrays& mesh, std::span<const std::uint32_t> selected) {
     std::vector<uvec3> triangles;
     for (const std::uint32_t t : selected)
         triangles.push_back(mesh.triangles[t]);
     return make_occluder_mesh(mesh.positions, triangles);
 }
-std::vector<std::uint32_t> select(const MeshArrays& mesh, const std::vector<bool>& has_slot) {
+std::vector<std::uint32_t> select(const SharedMeshArrays& mesh, const std::vector<bool>& has_slot) {
     return select(mesh, has_slot.size(), [&](std::size_t slot) { return has_slot[slot]; });
 }
-std::unique_ptr<const OccluderMesh> make_mesh(const MeshArrays& mesh, const std::vector<bool>& has_slot) {
+std::unique_ptr<const OccluderMesh> make_mesh(const SharedMeshArrays& mesh, const std::vector<bool>& has_slot) {
     return has_slot.empty() ? make_occluder_mesh(mesh.positions, mesh.triangles)
                             : make_mesh(mesh, select(mesh, has_slot));
 }
 
 /// `lookup_of` is by material.
-std::unique_ptr<const PartialOccluderMesh> make_partial_mesh(const MeshArrays& mesh, const PartialUse& use,
+std::unique_ptr<const PartialOccluderMesh> make_partial_mesh(const SharedMeshArrays& mesh, const PartialUse& use,
                                                              const std::vector<bool>& has_slot,
                                                              std::shared_ptr<const OccluderMesh> geometry,
                                                              std::span<const TransparencyLookup* const> lookup_of) {
@@ -92,7 +92,7 @@ std::unique_ptr<const PartialOccluderMesh> make_partial_mesh(const MeshArrays& m
         slot.lookup = lookup_of[material];
         partial->is_coloured |= slot.lookup->is_coloured();
         for (const std::string& name : slot.lookup->material().uv_map_names) {
-            const MeshArrays::UvMap* map = mesh.uv_map(name);
+            const SharedMeshArrays::UvMap* map = mesh.uv_map(name);
             slot.corner_uvs.push_back(map == nullptr ? nullptr : map->corner_uvs.data());
         }
     }
@@ -289,7 +289,7 @@ Occluders gather_occluders(const SceneDescription& scene, const Progress& progre
         [&](std::size_t i) {
             const bool is_partial = i >= opaque.uses.size();
             const std::size_t of_partial = i - opaque.uses.size();
-            const MeshArrays& arrays =
+            const SharedMeshArrays& arrays =
                 scene.meshes[is_partial ? partial.uses[of_partial].mesh : opaque.uses[i].mesh]->arrays();
             if (another != nullptr)
                 meshes[i] = another->mesh_of(sources[i]);

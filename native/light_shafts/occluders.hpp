@@ -46,7 +46,7 @@ struct PartialOccluderMesh {
     };
     std::shared_ptr<const OccluderMesh> geometry;
     std::vector<std::uint32_t> triangles; ///< Of the scene's mesh, in the order of the blocks.
-    const MeshArrays* arrays = nullptr;
+    const SharedMeshArrays* arrays = nullptr;
     std::vector<Slot> slots;
     bool is_coloured = false;
 };

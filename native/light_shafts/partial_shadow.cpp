@@ -65,9 +65,9 @@ double onto_ray(const StripRay& ray, double x, double y) {
 }
 
 /// UV coordinates of an image's operation at the corners of a triangle; nothing where the mesh lacks the UV map.
-std::optional<std::array<dvec2, 3>> image_corners(const Material& material, const SurfaceOp& op, const MeshArrays& mesh,
-                                                  std::uint32_t triangle) {
-    const MeshArrays::UvMap* map = mesh.uv_map(material.uv_map_names[op.texture_uv]);
+std::optional<std::array<dvec2, 3>> image_corners(const Material& material, const SurfaceOp& op,
+                                                  const SharedMeshArrays& mesh, std::uint32_t triangle) {
+    const SharedMeshArrays::UvMap* map = mesh.uv_map(material.uv_map_names[op.texture_uv]);
     if (map == nullptr)
         return std::nullopt;
     std::array<dvec2, 3> corners;
@@ -119,7 +119,7 @@ void append_partial_shadows(const Scene& scene, const StripScene& strip, const P
     const StripMesh& mesh = strip.meshes[cut.mesh];
     const SceneDescription& description = scene.description();
     const Instance& instance = description.instances[mesh.instance];
-    const MeshArrays& arrays = description.meshes[instance.mesh_index]->arrays();
+    const SharedMeshArrays& arrays = description.meshes[instance.mesh_index]->arrays();
     const Material& material = scene.material(mesh.instance, cut.triangle);
     if (material.is_constant()) {
         shadows.push_back({cut.near_m, cut.far_m, material.constant.transparent});

@@ -27,7 +27,7 @@ static vec3 towards(const LightSample& light, const vec3& from) {
 
 /// As shadow rays see it, which go from the lit point to the light: they leave a triangle by its back.
 static bool faces_away(const PartialOccluderInstance& instance, std::uint32_t triangle, const LightSample& light) {
-    const MeshArrays& arrays = *instance.mesh->arrays;
+    const SharedMeshArrays& arrays = *instance.mesh->arrays;
     const glm::dmat4 scene_from_object(*instance.scene_from_object);
     const auto corner = [&](int c) {
         return dvec3(scene_from_object * glm::dvec4(arrays.positions[arrays.triangles[triangle][c]], 1.0));
@@ -41,7 +41,7 @@ static bool faces_away(const PartialOccluderInstance& instance, std::uint32_t tr
 PartialSurface partial_surface(const PartialShading& shading, std::uint32_t instance, std::uint32_t triangle,
                                std::int32_t slice) {
     const PartialOccluderInstance& placed = shading.instances[instance];
-    const MeshArrays& arrays = *placed.mesh->arrays;
+    const SharedMeshArrays& arrays = *placed.mesh->arrays;
     const std::size_t slot = arrays.slot_of(triangle);
     PartialSurface surface{.slot = &placed.mesh->slots[std::min(slot, placed.mesh->slots.size() - 1)],
                            .triangle = triangle,
@@ -76,7 +76,7 @@ static ProgramPoint program_point(const PartialSurface& surface, const vec2& wei
     if (surface.placed == nullptr)
         return point;
     const PartialOccluderInstance& placed = *surface.placed;
-    const MeshArrays& arrays = *placed.mesh->arrays;
+    const SharedMeshArrays& arrays = *placed.mesh->arrays;
     const mat4& scene_from_object = *placed.scene_from_object;
     const auto between = [&](const vec3& a, const vec3& b, const vec3& c) {
         return a + weights.x * (b - a) + weights.y * (c - a);

@@ -254,7 +254,7 @@ HWY_ATTR void find(const StripScene& scene, const StripRay& ray, StripShadows& s
                          if (!mesh.occlusion_of_slot.empty()) {
                              const std::uint32_t triangle = block.triangle[lane];
                              const std::size_t slot =
-                                 mesh.slot_of_triangle->empty() ? 0 : (*mesh.slot_of_triangle)[triangle];
+                                 mesh.slot_of_triangle.empty() ? 0 : mesh.slot_of_triangle[triangle];
                              const Occlusion occlusion =
                                  mesh.occlusion_of_slot[std::min(slot, mesh.occlusion_of_slot.size() - 1)];
                              if (occlusion == Occlusion::Partial)

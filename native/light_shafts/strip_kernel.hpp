@@ -16,6 +16,7 @@
 #include "scene/plane_cut.hpp"
 #include "scene/triangle_bvh.hpp"
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace tyndall::light_shafts {
@@ -33,7 +34,7 @@ struct StripMesh {
     mat4 world_from_object{1.0f};
     /// Occlusion of each material slot; empty: all opaque.
     std::vector<Occlusion> occlusion_of_slot;
-    const std::vector<std::uint16_t>* slot_of_triangle = nullptr;
+    std::span<const std::uint16_t> slot_of_triangle = {};
     std::uint32_t instance = 0; ///< Into SceneDescription::instances.
 };
 struct StripShape {

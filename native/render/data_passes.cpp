@@ -47,8 +47,8 @@ static bool find_uv(const Scene& scene, const Hit& hit, vec2& uv) {
     if (scene.placed_shape(hit.instance) != nullptr)
         return false;
     const SceneDescription& description = scene.description();
-    const MeshArrays& mesh = description.meshes[description.instances[hit.instance].mesh_index]->arrays();
-    const MeshArrays::UvMap* map = mesh.uv_map("");
+    const SharedMeshArrays& mesh = description.meshes[description.instances[hit.instance].mesh_index]->arrays();
+    const SharedMeshArrays::UvMap* map = mesh.uv_map("");
     if (map == nullptr)
         return false;
     const vec2* corners = &map->corner_uvs[3 * std::size_t{hit.triangle}];

@@ -13,7 +13,7 @@ static constexpr float least_share = 0.02f;
 static constexpr float back_of_closed = 0.05f;
 
 /// Each edge is passed once in each direction.
-static bool is_closed(const MeshArrays& mesh) {
+static bool is_closed(const SharedMeshArrays& mesh) {
     std::vector<std::uint64_t> there, back;
     for (const uvec3& corners : mesh.triangles)
         for (int corner = 0; corner < 3; ++corner) {
@@ -75,7 +75,7 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
             has_light |= glows[description.slot_materials[instance.first_slot_material + slot]] != 0;
         if (!has_light || !instance.is_bounce_visible)
             continue;
-        const MeshArrays& mesh = description.meshes[instance.mesh_index]->arrays();
+        const SharedMeshArrays& mesh = description.meshes[instance.mesh_index]->arrays();
         if (!closed.contains(instance.mesh_index))
             closed[instance.mesh_index] = is_closed(mesh);
         first_of_instance_[index] = static_cast<std::uint32_t>(index_of_triangle_.size());

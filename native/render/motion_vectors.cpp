@@ -29,7 +29,7 @@ static vec3 place_in(const NeighbourFrame& frame, const Scene& scene, const Hit&
     if (hit.instance >= description.instances.size())
         return position;
     if (const auto moved = frame.vertices.find(hit.instance); moved != frame.vertices.end()) {
-        const MeshArrays& mesh = description.meshes[description.instances[hit.instance].mesh_index]->arrays();
+        const SharedMeshArrays& mesh = description.meshes[description.instances[hit.instance].mesh_index]->arrays();
         const uvec3& corners = mesh.triangles[hit.triangle];
         const vec2 b = hit.barycentrics;
         return (1.0f - b.x - b.y) * moved->second[corners.x] + b.x * moved->second[corners.y] +

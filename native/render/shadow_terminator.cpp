@@ -73,7 +73,7 @@ vec3 terminator_lift(const Scene& scene, const Hit& hit, const ShadingPoint& poi
         return lift_over_steps(scene, *placed, hit, point, towards_light);
     const SceneDescription& description = scene.description();
     const Instance& instance = description.instances[hit.instance];
-    const MeshArrays& arrays = description.meshes[instance.mesh_index]->arrays();
+    const SharedMeshArrays& arrays = description.meshes[instance.mesh_index]->arrays();
     const vec3 viewed_normal = point.is_backface ? -hit.geometric_normal : hit.geometric_normal;
     const float share =
         lift_share(glm::dot(point.shading_normal, towards_light), glm::dot(viewed_normal, towards_light));

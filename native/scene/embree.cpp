@@ -2,11 +2,13 @@
 #include "scene/embree.hpp"
 #include "core/errors.hpp"
 #include "core/simd.hpp"
+#include <atomic>
 #include <string>
 
 namespace tyndall {
 // Embree reports on the thread that made the call, also where a worker failed.
 static thread_local std::string last_message;
+static std::atomic<std::ptrdiff_t> held_bytes{0}, most_held_bytes{0};
 
 /// Embree's choice, or the instruction set that is forced.
 static const char* device_settings() {
@@ -29,6 +31,16 @@ static RTCDevice new_device() {
         throw Error("Embree did not start, error " + std::to_string(rtcGetDeviceError(nullptr)));
     rtcSetDeviceErrorFunction(
         device, [](void*, RTCError, const char* message) { last_message = message; }, nullptr);
+    rtcSetDeviceMemoryMonitorFunction(
+        device,
+        [](void*, ssize_t bytes, bool) {
+            const std::ptrdiff_t held = held_bytes.fetch_add(bytes, std::memory_order_relaxed) + bytes;
+            std::ptrdiff_t most = most_held_bytes.load(std::memory_order_relaxed);
+            while (held > most && !most_held_bytes.compare_exchange_weak(most, held, std::memory_order_relaxed)) {
+            }
+            return true;
+        },
+        nullptr);
     return device;
 }
 
@@ -37,6 +49,8 @@ RTCDevice embree_device() {
     static const RTCDevice device = new_device();
     return device;
 }
+
+std::size_t most_embree_bytes() { return static_cast<std::size_t>(most_held_bytes.load(std::memory_order_relaxed)); }
 
 void check_embree(std::string_view what) {
     const RTCError error = rtcGetDeviceError(embree_device());

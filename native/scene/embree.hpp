@@ -16,6 +16,8 @@ constexpr RTCSceneFlags traced_scene_flags =
 
 /// Made when first asked for. Throws Error where Embree does not start.
 [[nodiscard]] RTCDevice embree_device();
+/// The most memory that the device has held at one time.
+[[nodiscard]] std::size_t most_embree_bytes();
 /// Throws Error with Embree's own message, or Cancelled, after a call of this thread that failed.
 void check_embree(std::string_view what);
 /// Builds the BVH of `scene`; `what` names it in errors. Throws Cancelled within a few milliseconds of a cancel.

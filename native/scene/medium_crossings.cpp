@@ -9,7 +9,7 @@
 
 namespace tyndall {
 /// Six times the enclosed volume; the centre of the bounds as origin keeps a box far from its object's origin exact.
-static double signed_volume6(const MeshArrays& arrays, const vec3& centre) {
+static double signed_volume6(const SharedMeshArrays& arrays, const vec3& centre) {
     double sum = 0.0;
     for (const uvec3& triangle : arrays.triangles) {
         const dvec3 a(arrays.positions[triangle.x] - centre);
@@ -22,7 +22,7 @@ static double signed_volume6(const MeshArrays& arrays, const vec3& centre) {
 
 /// Each edge is there as often in one direction as in the other. Corners at one position are one corner: meshes come
 /// with vertices split along seams.
-static bool is_closed(const MeshArrays& arrays) {
+static bool is_closed(const SharedMeshArrays& arrays) {
     std::vector<std::uint32_t> by_position(arrays.positions.size());
     std::iota(by_position.begin(), by_position.end(), 0u);
     const auto place = [&](std::uint32_t vertex) {
@@ -110,7 +110,7 @@ std::vector<MediumBoundary> find_medium_boundaries(const SceneDescription& descr
         const auto [entry, is_new] = facts_of_mesh.try_emplace(instance.mesh_index);
         MeshFacts& facts = entry->second;
         if (is_new) {
-            facts.slots = mesh.arrays().material_slots;
+            facts.slots.assign(mesh.arrays().material_slots.begin(), mesh.arrays().material_slots.end());
             if (facts.slots.empty())
                 facts.slots.push_back(0);
             std::ranges::sort(facts.slots);
@@ -161,7 +161,7 @@ struct MediumCrossings::Query {
         const MediumCrossings::Instance& instance = self->instances_[hit.instID[0]];
         const SceneDescription& description = self->scene_.description();
         const tyndall::Instance& of_scene = description.instances[instance.scene_instance];
-        const MeshArrays& arrays = description.meshes[of_scene.mesh_index]->arrays();
+        const SharedMeshArrays& arrays = description.meshes[of_scene.mesh_index]->arrays();
         const std::uint16_t slot = arrays.slot_of(hit.primID);
         const std::int32_t boundary =
             instance.boundary_of_slot[std::min<std::size_t>(slot, instance.boundary_of_slot.size() - 1)];

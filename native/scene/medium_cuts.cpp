@@ -41,7 +41,7 @@ void for_each_near_plane(const TriangleBvh& bvh, const PlaneCoordinates<double>&
 void append_medium_cuts(const SceneDescription& scene, const MediumBoundary& boundary,
                         const PlaneCoordinates<double>& plane, std::vector<MediumCut>& cuts) {
     const Instance& instance = scene.instances[boundary.instance];
-    const MeshArrays& arrays = scene.meshes[instance.mesh_index]->arrays();
+    const SharedMeshArrays& arrays = scene.meshes[instance.mesh_index]->arrays();
     const auto cut_one = [&](std::size_t triangle) {
         const std::uint16_t slot = arrays.slot_of(triangle);
         if (medium_of_slot(scene, instance, slot) != boundary.medium)

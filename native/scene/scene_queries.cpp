@@ -16,7 +16,7 @@ const Material& Scene::material(std::uint32_t instance_index, std::uint32_t tria
     return geometry_->slot_material(instance, description().meshes[instance.mesh_index]->arrays().slot_of(triangle));
 }
 
-const MeshArrays& Scene::mesh_of(std::uint32_t instance) const {
+const SharedMeshArrays& Scene::mesh_of(std::uint32_t instance) const {
     return description().meshes[description().instances[instance].mesh_index]->arrays();
 }
 
@@ -34,10 +34,10 @@ static Value interpolate(const Value& a, const Value& b, const Value& c, vec2 ba
 }
 
 /// The values of the material's UV maps and attributes at a hit; what the mesh lacks is (0, 0), as in Cycles.
-static void look_up_uvs(const MeshArrays& mesh, const Material& material, std::uint32_t triangle,
+static void look_up_uvs(const SharedMeshArrays& mesh, const Material& material, std::uint32_t triangle,
                         const vec2& barycentrics, std::vector<vec2>& uvs) {
     for (const std::string& name : material.uv_map_names) {
-        const MeshArrays::UvMap* map = mesh.uv_map(name);
+        const SharedMeshArrays::UvMap* map = mesh.uv_map(name);
         if (map == nullptr) {
             uvs.emplace_back(0.0f);
             continue;
@@ -164,7 +164,7 @@ ShadingPoint Scene::shading_point(const Ray& ray, const Hit& hit) const {
     if (const PlacedShape* placed = placed_shape(hit.instance))
         return shading_point(*placed, ray, hit);
     const Instance& instance = description().instances[hit.instance];
-    const MeshArrays& mesh = description().meshes[instance.mesh_index]->arrays();
+    const SharedMeshArrays& mesh = description().meshes[instance.mesh_index]->arrays();
     const uvec3& corners = mesh.triangles[hit.triangle];
     const vec3 in_object =
         interpolate(mesh.positions[corners.x], mesh.positions[corners.y], mesh.positions[corners.z], hit.barycentrics);
@@ -197,7 +197,7 @@ ShadingPoint Scene::shading_point(const Ray& ray, const Hit& hit) const {
 }
 
 /// In the object's space, not of unit length; zero where the mesh is flat.
-static vec3 smooth_normal(const MeshArrays& mesh, const Hit& hit) {
+static vec3 smooth_normal(const SharedMeshArrays& mesh, const Hit& hit) {
     if (mesh.corner_normals.empty())
         return vec3(0.0f);
     const vec3* corner = &mesh.corner_normals[std::size_t{3} * hit.triangle];
@@ -258,7 +258,7 @@ SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& poi
             const CellShape& shape = *shape_of(*placed).cells();
             look_up_uvs(shape, shape.look(hit.cell), surface, uvs);
         } else {
-            const MeshArrays& mesh = mesh_of(hit.instance);
+            const SharedMeshArrays& mesh = mesh_of(hit.instance);
             look_up_uvs(mesh, surface, hit.triangle, hit.barycentrics, uvs);
             if (at.footprint_m > 0.0f && reads_beside(surface)) {
                 const uvec3& corners = mesh.triangles[hit.triangle];
@@ -319,7 +319,7 @@ SpawnPoint Scene::spawn_point(const Hit& hit) const {
                                     placed->world_from_object, object_from_scene);
     }
     const Instance& instance = description().instances[hit.instance];
-    const MeshArrays& mesh = description().meshes[instance.mesh_index]->arrays();
+    const SharedMeshArrays& mesh = description().meshes[instance.mesh_index]->arrays();
     const uvec3& corners = mesh.triangles[hit.triangle];
     return tyndall::spawn_point({mesh.positions[corners.x], mesh.positions[corners.y], mesh.positions[corners.z]},
                                 hit.barycentrics, instance.world_from_object, object_from_scene);

@@ -32,7 +32,7 @@ struct StrandArrays {
     std::vector<std::uint32_t> first_points = {};
     std::uint32_t ribbon_pieces = 4; ///< Straight pieces that Embree makes of a ribbon's segment, [1, 16].
     struct Map {
-        std::string name;         ///< As those of a mesh: see MeshArrays::uv_maps.
+        std::string name;         ///< As those of a mesh: see SharedMeshArrays::uv_maps.
         std::vector<vec2> values; ///< One per strand, or sphere.
     };
     std::vector<Map> maps = {};

@@ -3,7 +3,7 @@
 #include "core/parallel.hpp"
 
 namespace tyndall {
-TriangleBvh::TriangleBvh(RTCDevice device, const MeshArrays& arrays, const Progress& progress) {
+TriangleBvh::TriangleBvh(RTCDevice device, const SharedMeshArrays& arrays, const Progress& progress) {
     std::vector<Bounds3> boxes(arrays.triangles.size());
     parallel_for(boxes.size(), progress, [&](std::size_t triangle) {
         for (int corner = 0; corner < 3; ++corner)

@@ -15,7 +15,7 @@ public:
         std::uint32_t count; ///< Used lanes, the first.
     };
     /// Throws Cancelled.
-    TriangleBvh(RTCDevice device, const MeshArrays& arrays, const Progress& progress);
+    TriangleBvh(RTCDevice device, const SharedMeshArrays& arrays, const Progress& progress);
 
     [[nodiscard]] std::span<const WideBvh::Node> nodes() const { return tree_.nodes(); }
     [[nodiscard]] std::span<const Block> blocks() const { return blocks_; } ///< One per leaf.

@@ -6,13 +6,22 @@
 #include <algorithm>
 
 namespace tyndall {
-const MeshArrays::UvMap* MeshArrays::uv_map(const std::string& map_name) const {
+SharedMeshArrays::SharedMeshArrays(MeshArrays arrays)
+    : name(std::move(arrays.name)), triangles(std::move(arrays.triangles)),
+      material_slots(std::move(arrays.material_slots)), corner_normals(std::move(arrays.corner_normals)) {
+    arrays.positions.reserve(arrays.positions.size() + 1); // the slack
+    positions = std::move(arrays.positions);
+    for (MeshArrays::UvMap& map : arrays.uv_maps)
+        uv_maps.push_back({std::move(map.name), std::move(map.corner_uvs)});
+}
+
+const SharedMeshArrays::UvMap* SharedMeshArrays::uv_map(const std::string& map_name) const {
     const auto found =
         std::ranges::find_if(uv_maps, [&](const UvMap& map) { return attribute_pairs::answers(map.name, map_name); });
     return found == uv_maps.end() ? nullptr : &*found;
 }
 
-static void validate(const MeshArrays& arrays) {
+static void validate(const SharedMeshArrays& arrays) {
     const std::size_t triangle_count = arrays.triangles.size();
     const auto has_length = [&](std::size_t length, std::size_t expected, const auto&... what) {
         require(length == 0 || length == expected, "mesh '", arrays.name, "': ", what..., " has ", length,
@@ -20,7 +29,7 @@ static void validate(const MeshArrays& arrays) {
     };
     has_length(arrays.material_slots.size(), triangle_count, "material_slots");
     has_length(arrays.corner_normals.size(), 3 * triangle_count, "corner_normals");
-    for (const MeshArrays::UvMap& map : arrays.uv_maps)
+    for (const SharedMeshArrays::UvMap& map : arrays.uv_maps)
         has_length(map.corner_uvs.size(), 3 * triangle_count, "UV map '", map.name, "'");
     for (std::size_t triangle = 0; triangle < triangle_count; ++triangle) {
         const uvec3& corners = arrays.triangles[triangle];
@@ -41,18 +50,19 @@ static bool has_area(const vec3& a, const vec3& b, const vec3& c) {
     return cross.x != 0.0 || cross.y != 0.0 || cross.z != 0.0;
 }
 
-/// Keeps of `items` the groups of `per_triangle` whose triangle is in `kept` (ascending).
+/// Of `items` a copy of the groups of `per_triangle` whose triangle is in `kept`.
 template <typename Item>
-static void keep_only(std::vector<Item>& items, const std::vector<std::uint32_t>& kept, std::size_t per_triangle) {
+static void keep_only(SharedArray<Item>& items, const std::vector<std::uint32_t>& kept, std::size_t per_triangle) {
     if (items.empty())
         return;
-    for (std::size_t to = 0; to < kept.size(); ++to)
-        std::copy_n(items.begin() + static_cast<std::ptrdiff_t>(kept[to] * per_triangle), per_triangle,
-                    items.begin() + static_cast<std::ptrdiff_t>(to * per_triangle));
-    items.resize(kept.size() * per_triangle);
+    std::vector<Item> some;
+    some.reserve(kept.size() * per_triangle);
+    for (const std::uint32_t triangle : kept)
+        some.insert(some.end(), items.begin() + triangle * per_triangle, items.begin() + (triangle + 1) * per_triangle);
+    items = std::move(some);
 }
 
-TriangleMesh::TriangleMesh(MeshArrays arrays, const Progress& progress, TreeQuality quality)
+TriangleMesh::TriangleMesh(SharedMeshArrays arrays, const Progress& progress, TreeQuality quality)
     : arrays_(std::move(arrays)), quality_(arrays_.triangles.size() < fewest_for_haste ? TreeQuality::Best : quality) {
     validate(arrays_);
     progress.poll();
@@ -82,13 +92,11 @@ void TriangleMesh::drop_unusable_triangles() {
     keep_only(arrays_.triangles, kept, 1);
     keep_only(arrays_.material_slots, kept, 1);
     keep_only(arrays_.corner_normals, kept, 3);
-    for (MeshArrays::UvMap& map : arrays_.uv_maps)
+    for (SharedMeshArrays::UvMap& map : arrays_.uv_maps)
         keep_only(map.corner_uvs, kept, 3);
 }
 
 void TriangleMesh::build(const Progress& progress) {
-    // Embree reads our arrays in place, 16 bytes at a time: the last vertex needs memory behind it.
-    arrays_.positions.reserve(arrays_.positions.size() + 2);
     const RTCDevice device = embree_device();
     const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, arrays_.positions.data(), 0,

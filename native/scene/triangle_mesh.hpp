@@ -3,6 +3,7 @@
 #pragma once
 #include "core/math.hpp"
 #include "core/progress.hpp"
+#include "core/shared_array.hpp"
 #include <embree3/rtcore.h>
 #include <memory>
 #include <mutex>
@@ -12,18 +13,39 @@
 namespace tyndall {
 class TriangleBvh; // scene/triangle_bvh.hpp: for cuts with planes
 
+/// To make a mesh of.
 struct MeshArrays {
     std::string name;
     std::vector<vec3> positions = {};
     std::vector<uvec3> triangles = {};
-    std::vector<std::uint16_t> material_slots = {}; ///< Per triangle; empty: all 0.
-    std::vector<vec3> corner_normals = {};          ///< 3 per triangle; empty: flat. Zero vectors: flat at that corner.
+    std::vector<std::uint16_t> material_slots = {};
+    std::vector<vec3> corner_normals = {};
     struct UvMap {
         std::string name;
-        std::vector<vec2> corner_uvs; ///< 3 per triangle.
+        std::vector<vec2> corner_uvs;
+    };
+    std::vector<UvMap> uv_maps = {};
+};
+
+/// What a mesh is: read by many, such as who made it, and changed by none.
+struct SharedMeshArrays {
+    SharedMeshArrays() = default;
+    SharedMeshArrays(MeshArrays arrays); // NOLINT(google-explicit-constructor): nothing is lost
+
+    std::string name;
+    SharedArray<vec3> positions; ///< With position_slack_bytes behind the last one.
+    SharedArray<uvec3> triangles;
+    SharedArray<std::uint16_t> material_slots; ///< Per triangle; empty: all 0.
+    SharedArray<vec3> corner_normals;          ///< 3 per triangle; empty: flat. Zero vectors: flat at that corner.
+    struct UvMap {
+        std::string name;
+        SharedArray<vec2> corner_uvs; ///< 3 per triangle.
     };
     /// And pairs of attributes (attribute_pairs.hpp). The first of either is the active one for rendering.
-    std::vector<UvMap> uv_maps = {};
+    std::vector<UvMap> uv_maps;
+
+    /// Embree reads positions in place, 16 bytes at a time.
+    static constexpr std::size_t position_slack_bytes = 4;
 
     [[nodiscard]] std::uint16_t slot_of(std::size_t triangle) const {
         return material_slots.empty() ? std::uint16_t{0} : material_slots[triangle];
@@ -45,12 +67,12 @@ public:
 
     /// Drops triangles with a non-finite vertex or zero area and counts them; commits an Embree BVH in object space.
     /// Throws InvalidInput, naming the mesh, for an index out of range or arrays of wrong length; Cancelled.
-    TriangleMesh(MeshArrays arrays, const Progress& progress, TreeQuality quality = TreeQuality::Best);
+    TriangleMesh(SharedMeshArrays arrays, const Progress& progress, TreeQuality quality = TreeQuality::Best);
     TriangleMesh(const TriangleMesh&) = delete;
     TriangleMesh& operator=(const TriangleMesh&) = delete;
     ~TriangleMesh();
 
-    [[nodiscard]] const MeshArrays& arrays() const { return arrays_; }
+    [[nodiscard]] const SharedMeshArrays& arrays() const { return arrays_; }
     [[nodiscard]] const Bounds3& bounds() const { return bounds_; }
     [[nodiscard]] std::size_t triangle_count() const { return arrays_.triangles.size(); }
     /// With a vertex that is not finite or beyond largest_coordinate_m.
@@ -69,7 +91,7 @@ private:
     void build(const Progress& progress);
     void commit_tree(TreeQuality quality, const Progress& progress) const;
 
-    MeshArrays arrays_;
+    SharedMeshArrays arrays_;
     Bounds3 bounds_;
     std::size_t non_finite_triangle_count_ = 0, degenerate_triangle_count_ = 0;
     RTCScene embree_scene_ = nullptr;

@@ -17,13 +17,14 @@ static bool is_finite_colour(const Rgb& value) {
 }
 
 static std::shared_ptr<const EnvironmentImage> without_broken_pixels(std::shared_ptr<const EnvironmentImage> image) {
-    if (std::all_of(image->pixels.begin(), image->pixels.end(), is_finite_colour))
+    const auto is_whole = [](const vec4& pixel) { return is_finite_colour(Rgb(pixel)); };
+    if (std::ranges::all_of(image->pixels, is_whole))
         return image;
-    EnvironmentImage mended = *image;
-    for (Rgb& pixel : mended.pixels)
-        if (!is_finite_colour(pixel))
-            pixel = Rgb(0.0f);
-    return std::make_shared<const EnvironmentImage>(std::move(mended));
+    std::vector<vec4> mended(image->pixels.begin(), image->pixels.end());
+    for (vec4& pixel : mended)
+        if (!is_whole(pixel))
+            pixel = vec4(0.0f);
+    return std::make_shared<const EnvironmentImage>(image->name, image->width, image->height, std::move(mended));
 }
 
 World::World(std::string name, Rgb radiance, std::shared_ptr<const EnvironmentImage> image, mat3 image_from_world,
@@ -44,8 +45,7 @@ World::World(std::string name, Rgb radiance, std::shared_ptr<const EnvironmentIm
     if (image_ == nullptr)
         return;
     importance_ = std::make_shared<const EnvironmentImportance>(*image_);
-    is_black_ |=
-        std::all_of(image_->pixels.begin(), image_->pixels.end(), [](const Rgb& pixel) { return pixel == Rgb(0.0f); });
+    is_black_ |= std::ranges::all_of(image_->pixels, [](const vec4& pixel) { return Rgb(pixel) == Rgb(0.0f); });
 }
 
 /// Position in the image, [0, 1]^2, of a unit direction in the image's space.
@@ -67,10 +67,10 @@ static Rgb bilinear(const EnvironmentImage& image, vec2 uv) {
     };
     const auto column = static_cast<std::int32_t>(whole.x), row = static_cast<std::int32_t>(whole.y);
     const std::size_t left = wrap(column, image.width), right = wrap(column + 1, image.width);
-    const Rgb* lower = &image.pixels[wrap(row, image.height) * image.width];
-    const Rgb* upper = &image.pixels[wrap(row + 1, image.height) * image.width];
-    return glm::mix(glm::mix(lower[left], lower[right], share.x), glm::mix(upper[left], upper[right], share.x),
-                    share.y);
+    const vec4* lower = &image.pixels[wrap(row, image.height) * image.width];
+    const vec4* upper = &image.pixels[wrap(row + 1, image.height) * image.width];
+    return Rgb(
+        glm::mix(glm::mix(lower[left], lower[right], share.x), glm::mix(upper[left], upper[right], share.x), share.y));
 }
 
 Rgb World::radiance(const vec3& unit_direction) const {

@@ -2,6 +2,7 @@
 // Light from infinitely far away: one radiance, or an equirectangular image of it, importance-sampled by luminance.
 #pragma once
 #include "core/math.hpp"
+#include "core/shared_array.hpp"
 #include "shading/direction_program.hpp"
 #include "shading/light_links.hpp"
 #include <memory>
@@ -13,7 +14,7 @@ namespace tyndall {
 struct EnvironmentImage {
     std::string name;
     std::uint32_t width = 0, height = 0;
-    std::vector<Rgb> pixels = {}; ///< width * height, scene-linear.
+    SharedArray<vec4> pixels = {}; ///< width * height, scene-linear; the fourth value counts for nothing.
 };
 
 class EnvironmentImportance; // environment_importance.hpp

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ._native import shared_array
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -24,6 +26,17 @@ def srgb_from_linear(linear: NDArray[Any]) -> NDArray[Any]:
 
 
 _SRGB_TO_LINEAR = linear_from_srgb(np.arange(256) / 255.0)
+
+
+def linear_texels(image: Image) -> NDArray[np.float32]:
+    """Float32 ``(height, width, 4)`` for a world: linear colours, and what alpha there is; of floats the pixels."""
+    texels = image.pixels
+    if texels.dtype == np.float32:
+        return np.ascontiguousarray(texels)
+    linear: NDArray[np.float32] = shared_array(texels.shape, np.dtype(np.float32))
+    table = (_SRGB_TO_LINEAR if image.is_srgb else np.arange(256) / 255.0).astype(np.float32)
+    table.take(texels, out=linear, mode="clip")
+    return linear
 
 
 def linear_colours(image: Image) -> NDArray[np.float32]:

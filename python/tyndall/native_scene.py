@@ -17,7 +17,7 @@ from .direction_programs import build_direction_program
 from .fingerprints import fingerprint
 from .instance_arrays import colors_of, names_of, randoms_of, repeated
 from .light_textures import build_light_textures
-from .linear_colours import linear_colours
+from .linear_colours import linear_texels
 from .memory_estimate import require_room, trees_part
 from .moved_instances import moved_groups
 from .native_light_links import group_index, lighting_arrays
@@ -449,9 +449,9 @@ def _make_world(world: World, light_group: int) -> _native.World:
     return _native.World(
         name=world.name,
         radiance=world.radiance,
-        pixels=None if world.image is None else linear_colours(world.image),
+        pixels=None if world.image is None else linear_texels(world.image),
         image_from_world=world.image_from_world.astype(np.float32, order="C"),
-        seen_pixels=None if world.seen_image is None else linear_colours(world.seen_image),
+        seen_pixels=None if world.seen_image is None else linear_texels(world.seen_image),
         seen_program=None if world.seen_program is None else build_direction_program(world.seen_program),
         light_group=light_group,
     )

@@ -24,8 +24,15 @@ def move_to_file(image: Image, cache: _native.TileCache) -> None:
 
 
 def _finite(pixels: NDArray[Any]) -> tuple[NDArray[Any], int]:
-    """With black in place of what is not finite, and of how many pixels that was so."""
-    broken = 0 if pixels.dtype == np.uint8 else int((~np.isfinite(pixels).all(axis=2)).sum())
+    """With black in place of what is not finite, and of how many pixels that was so.
+
+    Row by row: for a large image a mask of all its pixels is large, too.
+    """
+    broken = 0
+    if pixels.dtype != np.uint8:
+        with np.errstate(over="ignore", invalid="ignore"):
+            suspects = [row for row in pixels if not np.isfinite(row.sum())]
+        broken = sum(int((~np.isfinite(row).all(axis=1)).sum()) for row in suspects)
     return (np.nan_to_num(pixels, nan=0.0, posinf=0.0, neginf=0.0) if broken else pixels), broken
 
 

@@ -31,7 +31,10 @@ ATTRIBUTE_MARK = "\x1f"  #: What no UV map's name begins with.
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Mesh:
-    """Triangles in object space. Normals and UVs are per corner of a triangle."""
+    """Triangles in object space. Normals and UVs are per corner of a triangle.
+
+    What ``_native.shared_array`` made is shared with native code, any other array copied.
+    """
 
     key: str
     name: str
@@ -159,7 +162,7 @@ class Image:
     """Pixels as Blender's ``Image.pixels`` orders them: rows bottom to top, RGBA, alpha unassociated.
 
     ``key``: the same key in the next frame promises the same content. uint8 is encoded as ``is_srgb`` says, float32 is
-    scene-linear. What ``_native.texel_array`` made is shared with textures, any other array copied into each.
+    scene-linear. What ``_native.shared_array`` made is shared with textures, any other array copied into each.
     """
 
     def __init__(

@@ -13,7 +13,7 @@ inline SceneDescription panes_and_holes() {
     nothing.has_surface = false;
     SceneDescription description;
     description.meshes = {cube(), square()};
-    MeshArrays with_hole = square()->arrays();
+    MeshArrays with_hole = arrays_of(*square());
     with_hole.material_slots = {0, 1};
     description.meshes.push_back(mesh_of(with_hole));
     description.materials = {{.name = "white"}, pane, nothing};

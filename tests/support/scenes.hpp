@@ -9,6 +9,18 @@ namespace tyndall::support {
 inline std::shared_ptr<const TriangleMesh> mesh_of(MeshArrays arrays) {
     return std::make_shared<const TriangleMesh>(std::move(arrays), Progress());
 }
+/// A copy that can be changed.
+inline MeshArrays arrays_of(const TriangleMesh& mesh) {
+    const SharedMeshArrays& shared = mesh.arrays();
+    MeshArrays arrays{.name = shared.name,
+                      .positions = {shared.positions.begin(), shared.positions.end()},
+                      .triangles = {shared.triangles.begin(), shared.triangles.end()},
+                      .material_slots = {shared.material_slots.begin(), shared.material_slots.end()},
+                      .corner_normals = {shared.corner_normals.begin(), shared.corner_normals.end()}};
+    for (const SharedMeshArrays::UvMap& map : shared.uv_maps)
+        arrays.uv_maps.push_back({map.name, {map.corner_uvs.begin(), map.corner_uvs.end()}});
+    return arrays;
+}
 /// The square [-1, 1]^2 in the plane z = 0, facing +Z.
 inline std::shared_ptr<const TriangleMesh> square() {
     return mesh_of({.name = "square",

@@ -10,7 +10,14 @@ using namespace tyndall;
 TEST_CASE("cells are drawn as often as they weigh, and the offset within a cell is uniform") {
     constexpr std::uint32_t columns = 5, rows = 3, parts = 2;
     const std::vector<float> weights{0, 1, 2, 0, 3, 0, 0, 0, 0, 0, 5, 0.5f, 0, 0, 8};
-    const PiecewiseConstant2d grid(weights, columns);
+    std::vector<PiecewiseConstant1d> columns_of_row;
+    std::vector<float> row_weights;
+    for (std::uint32_t row = 0; row < rows; ++row) {
+        const std::span cells = std::span(weights).subspan(row * columns, columns);
+        columns_of_row.emplace_back(cells);
+        row_weights.push_back(std::accumulate(cells.begin(), cells.end(), 0.0f));
+    }
+    const PiecewiseConstant2d grid(std::move(columns_of_row), row_weights);
     const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
     constexpr std::uint32_t count = 100000;
     std::vector<double> observed(weights.size() * parts * parts), expected(observed.size());

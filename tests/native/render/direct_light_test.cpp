@@ -2,6 +2,7 @@
 // Irradiance from an image of the world, against the integral over the sphere; and what is said about light left out.
 #include "core/random.hpp"
 #include "render/direct_light.hpp"
+#include "support/environment_images.hpp"
 #include "support/scenes.hpp"
 #include <algorithm>
 #include <array>
@@ -16,14 +17,11 @@ using namespace tyndall::support;
 namespace {
 /// Dim noise with one texel that holds most of the light: hard for the cosine, easy for the image's own sampling.
 World bright_spot_world() {
-    auto image = std::make_shared<EnvironmentImage>();
-    image->name = "sky";
-    image->width = 16;
-    image->height = 8;
+    std::vector<Rgb> colours;
     for (std::uint32_t texel = 0; texel < 16 * 8; ++texel)
-        image->pixels.push_back(Rgb(0.2f + unit_float(hash(texel)), 0.5f, unit_float(hash(texel, 1u))));
-    image->pixels[6 * 16 + 5] = Rgb(80.0f, 60.0f, 40.0f);
-    return World("sky", Rgb(1.0f), image);
+        colours.push_back(Rgb(0.2f + unit_float(hash(texel)), 0.5f, unit_float(hash(texel, 1u))));
+    colours[6 * 16 + 5] = Rgb(80.0f, 60.0f, 40.0f);
+    return World("sky", Rgb(1.0f), support::environment_image(16, 8, colours));
 }
 /// Integral of radiance times cosine over the upper hemisphere by the midpoint rule.
 glm::dvec3 irradiance_by_quadrature(const World& world) {

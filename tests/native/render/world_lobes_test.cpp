@@ -4,6 +4,7 @@
 #include "render/direct_light.hpp"
 #include "render/lamp_hits.hpp"
 #include "scene/media.hpp"
+#include "support/environment_images.hpp"
 #include "support/scenes.hpp"
 #include <doctest/doctest.h>
 #include <numbers>
@@ -15,14 +16,11 @@ using namespace tyndall::support;
 namespace {
 
 World patchy_world() {
-    auto image = std::make_shared<EnvironmentImage>();
-    image->name = "sky";
-    image->width = 32;
-    image->height = 16;
+    std::vector<Rgb> colours;
     for (std::uint32_t texel = 0; texel < 32 * 16; ++texel)
-        image->pixels.push_back(Rgb(0.2f + unit_float(hash(texel)), 0.5f, unit_float(hash(texel, 1u))));
-    image->pixels[12 * 32 + 9] = Rgb(60.0f, 40.0f, 20.0f);
-    return World("sky", Rgb(1.0f), image);
+        colours.push_back(Rgb(0.2f + unit_float(hash(texel)), 0.5f, unit_float(hash(texel, 1u))));
+    colours[12 * 32 + 9] = Rgb(60.0f, 40.0f, 20.0f);
+    return World("sky", Rgb(1.0f), support::environment_image(32, 16, colours));
 }
 Lobe facets(float alpha, float share) {
     return {.kind = Lobe::Kind::Ggx, .alpha = alpha, .sampling = share, .weight = Rgb(share)};

@@ -12,8 +12,8 @@ namespace {
 const Bounds3 box{vec3(-1.0f), vec3(1.0f)};
 
 std::shared_ptr<const TriangleMesh> soup(TreeQuality quality, std::size_t triangle_count) {
-    MeshArrays arrays = soup_mesh(triangle_count, box, 0.02f, 7)->arrays();
-    return std::make_shared<const TriangleMesh>(std::move(arrays), Progress(), quality);
+    return std::make_shared<const TriangleMesh>(soup_mesh(triangle_count, box, 0.02f, 7)->arrays(), Progress(),
+                                                quality);
 }
 
 /// Of two panes of the soup, one of them turned and mirrored.

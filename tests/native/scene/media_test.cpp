@@ -44,7 +44,7 @@ std::shared_ptr<const TriangleMesh> sphere(int subdivisions, bool is_inside_out 
 }
 /// The cube, with one face cut into four: closed, but no box to the fast path.
 std::shared_ptr<const TriangleMesh> odd_cube() {
-    MeshArrays arrays = support::cube()->arrays();
+    MeshArrays arrays = support::arrays_of(*support::cube());
     const uvec3 cut = arrays.triangles.back();
     arrays.triangles.pop_back();
     arrays.positions.push_back((arrays.positions[cut.x] + arrays.positions[cut.y] + arrays.positions[cut.z]) / 3.0f);
@@ -90,7 +90,7 @@ TEST_CASE("no medium leaks where a ray passes exactly through edges and vertices
     for (const bool is_inside_out : {false, true}) {
         const auto scene = support::make_scene({{sphere(3, is_inside_out), mat4(1.0f), fog_material(0)}}, {fog(1.0f)});
         const Media media(*scene, Progress());
-        const MeshArrays& arrays = scene->description().meshes[0]->arrays();
+        const SharedMeshArrays& arrays = scene->description().meshes[0]->arrays();
         for (const uvec3& triangle : arrays.triangles) {
             const vec3 a = arrays.positions[triangle.x], b = arrays.positions[triangle.y];
             for (const vec3& target : {a, 0.5f * (a + b)})
@@ -130,7 +130,7 @@ TEST_CASE("objects that overlap add their media; a mesh that overlaps itself is 
     CHECK(found[1].set.count == 2);
     CHECK(std::abs(Media(*two, Progress()).sigma_t_per_m(found[1].set).x - 0.2f) < 1e-7f);
 
-    MeshArrays doubled = odd_cube()->arrays();
+    MeshArrays doubled = support::arrays_of(*odd_cube());
     const auto first = static_cast<std::uint32_t>(doubled.positions.size());
     const auto count = doubled.triangles.size();
     for (std::uint32_t index = 0; index < first; ++index)

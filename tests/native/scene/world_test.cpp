@@ -5,6 +5,7 @@
 #include "core/sobol.hpp"
 #include "scene/world.hpp"
 #include "support/chi_square.hpp"
+#include "support/environment_images.hpp"
 #include <algorithm>
 #include <doctest/doctest.h>
 
@@ -12,16 +13,16 @@ namespace world_test {
 using namespace tyndall;
 
 /// A dim sky, a bright sun of one texel and a black ground.
-static std::shared_ptr<EnvironmentImage> sky(std::uint32_t width = 16, std::uint32_t height = 8) {
-    auto image = std::make_shared<EnvironmentImage>();
-    image->name = "sky";
-    image->width = width;
-    image->height = height;
+static std::vector<Rgb> sky_colours(std::uint32_t width = 16, std::uint32_t height = 8) {
+    std::vector<Rgb> colours;
     for (std::uint32_t row = 0; row < height; ++row)
         for (std::uint32_t column = 0; column < width; ++column)
-            image->pixels.push_back(row < height / 2 ? Rgb(0.0f) : Rgb(0.1f, 0.2f, 0.1f * static_cast<float>(column)));
-    image->pixels[(height * 3 / 4) * width + 2] = Rgb(500.0f, 400.0f, 300.0f);
-    return image;
+            colours.push_back(row < height / 2 ? Rgb(0.0f) : Rgb(0.1f, 0.2f, 0.1f * static_cast<float>(column)));
+    colours[(height * 3 / 4) * width + 2] = Rgb(500.0f, 400.0f, 300.0f);
+    return colours;
+}
+static std::shared_ptr<const EnvironmentImage> sky(std::uint32_t width = 16, std::uint32_t height = 8) {
+    return support::environment_image(width, height, sky_colours(width, height));
 }
 static const glm::mat3 turn(glm::rotate(glm::mat4(1.0f), 1.0f, glm::vec3(0.3f, 0.5f, 1.0f)));
 
@@ -38,11 +39,9 @@ static void over_sphere(int rows, const Visit& visit) {
 }
 
 TEST_CASE("Blender's convention: +X is the image's middle, +Y lies left of it, up is the top row") {
-    auto image = std::make_shared<EnvironmentImage>();
-    image->width = 4;
-    image->height = 2;
     // Columns from left: -X to +Y, +Y to +X, +X to -Y, -Y to -X. Rows from below.
-    image->pixels = {{1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {4, 0, 0}, {0, 1, 0}, {0, 2, 0}, {0, 3, 0}, {0, 4, 0}};
+    const auto image = support::environment_image(
+        4, 2, {{1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {4, 0, 0}, {0, 1, 0}, {0, 2, 0}, {0, 3, 0}, {0, 4, 0}});
     const World world("w", Rgb(1.0f), image);
     const auto texel_centre = [](double longitude, double latitude) {
         return vec3(dvec3(std::cos(longitude) * std::cos(latitude), std::sin(longitude) * std::cos(latitude),
@@ -59,8 +58,7 @@ TEST_CASE("Blender's convention: +X is the image's middle, +Y lies left of it, u
           1e-5f); // across the seam
 }
 TEST_CASE("the PDF integrates to 1, for a colour, an image and a black image") {
-    auto black = sky();
-    std::fill(black->pixels.begin(), black->pixels.end(), Rgb(0.0f));
+    const auto black = support::environment_image(16, 8, std::vector<Rgb>(16 * 8, Rgb(0.0f)));
     for (const World& world :
          {World("colour", Rgb(1, 2, 3)), World("image", Rgb(1.0f), sky(), turn), World("black", Rgb(1.0f), black)}) {
         CAPTURE(world.name());
@@ -98,11 +96,11 @@ TEST_CASE("directions fall where the PDF says, by chi-square, and the PDF of a s
 // Seen to fail with the PDF of the texel alone: the sun's bilinear skirt over the black ground is lost.
 TEST_CASE("sampled light adds up to the light that is there, the bilinear skirt of the sun included") {
     for (const bool is_alone : {false, true}) {
-        auto image = sky();
+        std::vector<Rgb> colours = sky_colours();
         if (is_alone) // nothing but the sun, so that all around it only its skirt shines
-            for (Rgb& pixel : image->pixels)
-                pixel = pixel.x > 1.0f ? pixel : Rgb(0.0f);
-        const World world("image", Rgb(2.0f), image, turn);
+            for (Rgb& colour : colours)
+                colour = colour.x > 1.0f ? colour : Rgb(0.0f);
+        const World world("image", Rgb(2.0f), support::environment_image(16, 8, colours), turn);
         dvec3 exact(0.0), sampled(0.0);
         over_sphere(
             2000, [&](vec3 direction, double solid_angle) { exact += dvec3(world.radiance(direction)) * solid_angle; });
@@ -115,19 +113,19 @@ TEST_CASE("sampled light adds up to the light that is there, the bilinear skirt 
     }
 }
 TEST_CASE("pixels that are not finite are black; a world that cannot be is named") {
-    auto image = sky();
-    image->pixels[100] = Rgb(std::numeric_limits<float>::quiet_NaN(), 1, 1);
-    image->pixels[101] = Rgb(std::numeric_limits<float>::infinity());
-    const World world("W", Rgb(1.0f), image);
+    std::vector<Rgb> colours = sky_colours();
+    colours[100] = Rgb(std::numeric_limits<float>::quiet_NaN(), 1, 1);
+    colours[101] = Rgb(std::numeric_limits<float>::infinity());
+    const World world("W", Rgb(1.0f), support::environment_image(16, 8, colours));
     for (std::uint32_t index = 0; index < 1000; ++index)
         CHECK(glm::length(world.sample(sobol_point(index, 2)).radiance) < 1e4f);
     CHECK_THROWS_WITH_AS(World("W", Rgb(std::nanf(""))), "world 'W': its radiance is not finite", InvalidInput);
-    image->pixels.pop_back();
-    CHECK_THROWS_AS(World("W", Rgb(1.0f), image), InvalidInput);
+    colours.pop_back();
+    CHECK_THROWS_AS(World("W", Rgb(1.0f), support::environment_image(16, 8, colours)), InvalidInput);
 }
 
 TEST_CASE("cameras may see another image than the one that gives light") {
-    const std::shared_ptr<EnvironmentImage> lit = sky(), seen = sky(8, 4);
+    const std::shared_ptr<const EnvironmentImage> lit = sky(), seen = sky(8, 4);
     const World world("world", Rgb(2.0f), lit, turn, {.image = seen}), as_lit("lit", Rgb(2.0f), lit, turn),
         as_seen("seen", Rgb(2.0f), seen, turn);
     for (const vec3& direction : {vec3(1, 0, 0), vec3(0, 0, 1), glm::normalize(vec3(-1, 2, 0.5f))}) {
@@ -137,7 +135,7 @@ TEST_CASE("cameras may see another image than the one that gives light") {
         CHECK(world.pdf_per_sr(direction) == as_lit.pdf_per_sr(direction));
     }
     CHECK(!world.shines_as(as_lit));
-    seen->pixels.pop_back();
-    CHECK_THROWS_AS(World("world", Rgb(1.0f), lit, turn, SeenWorld{.image = seen}), InvalidInput);
+    const auto short_one = support::environment_image(8, 4, std::vector<Rgb>(31));
+    CHECK_THROWS_AS(World("world", Rgb(1.0f), lit, turn, SeenWorld{.image = short_one}), InvalidInput);
 }
 } // namespace world_test

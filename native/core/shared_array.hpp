@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Texels that several textures look up and nobody changes: copies share them.
+// Values that several owners read and nobody changes: copies share them.
 #pragma once
 #include <cstddef>
 #include <initializer_list>
@@ -10,17 +10,17 @@
 
 namespace tyndall {
 template <typename Value>
-class SharedTexels {
+class SharedArray {
 public:
-    SharedTexels() = default;
-    SharedTexels(std::vector<Value> values) { // NOLINT(google-explicit-constructor): as a vector is assigned
+    SharedArray() = default;
+    SharedArray(std::vector<Value> values) { // NOLINT(google-explicit-constructor): as a vector is assigned
         auto kept = std::make_shared<const std::vector<Value>>(std::move(values));
         values_ = *kept;
         owner_ = std::move(kept);
     }
-    SharedTexels(std::initializer_list<Value> values) : SharedTexels(std::vector<Value>(values)) {}
+    SharedArray(std::initializer_list<Value> values) : SharedArray(std::vector<Value>(values)) {}
     /// Those that `owner` keeps alive.
-    SharedTexels(std::shared_ptr<const void> owner, std::span<const Value> values)
+    SharedArray(std::shared_ptr<const void> owner, std::span<const Value> values)
         : owner_(std::move(owner)), values_(values) {}
 
     [[nodiscard]] bool empty() const { return values_.empty(); }
