@@ -3,7 +3,6 @@
 
 Based on: blender v4.5.0, intern/cycles/blender/curves.cpp and pointcloud.cpp, for which points and radii there are, and
 which of them a child has.
-Differs: values of a hair's points that materials read are those at its root.
 ``ParticleSystem.co_hair`` tells one point at a time: what a live depsgraph has not updated is not read again.
 """
 
@@ -112,13 +111,13 @@ class StrandReader:
             form, pieces = StrandForm.SPHERES, 1
             points = _points(placement.data, len(placement.data.points), _POINT_RADIUS_M)
             firsts = np.zeros(0, np.uint32)
-            maps = _attributes(placement.data, asked, firsts, "POINT")
+            maps = _attributes(placement.data, asked)
         else:
             points = _points(placement.data, len(placement.data.points), _CURVE_RADIUS_M)
             firsts = np.zeros(len(placement.data.curves), np.int32)
             placement.data.curves.foreach_get("first_point_index", firsts)
             firsts = firsts.astype(np.uint32)
-            maps = _attributes(placement.data, asked, firsts, "CURVE")
+            maps = _attributes(placement.data, asked)
             if bpy.app.version >= (5, 0, 0) and _has_poly_curves(placement.data):
                 reports.add(name, "poly curves are drawn smooth; Cycles 5.0 draws them straight from point to point")
         if len(points) == 0:
@@ -310,10 +309,8 @@ _VALUES = {
 def _attributes(
     data: Any,  # noqa: ANN401  Curves, PointCloud
     asked: Iterable[str],
-    firsts: NDArray[np.uint32],
-    own_domain: str,
 ) -> tuple[tuple[str, NDArray[np.float32]], ...]:
-    """Of what materials ask, one per strand or point."""
+    """Of what materials ask, one per strand or per point, as it is stored."""
     maps: dict[str, NDArray[np.float32]] = {}
     of_colours = attribute_maps("")[0]
     for name in sorted(asked):
@@ -325,8 +322,6 @@ def _attributes(
         stored = np.empty(len(attribute.data) * width, np.float32)
         attribute.data.foreach_get(field, stored)
         values = stored.reshape(-1, width)
-        if attribute.domain != own_domain:
-            values = values[firsts.astype(np.intp)]
         if not is_colour:
             both = np.repeat(values, 2, axis=1) if width == 1 else values
             maps[attribute.name] = np.ascontiguousarray(both[:, :2])

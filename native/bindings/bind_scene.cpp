@@ -285,7 +285,7 @@ corner_normals: float32 (t, 3, 3) or None; uv_maps: pairs of name and float32 (t
             py::init(&make_strands), "name"_a, "form"_a, "points"_a, "first_points"_a, "ribbon_pieces"_a, "maps"_a,
             "randoms"_a, "progress"_a,
             R"(points: float32 (n, 4), position and radius; first_points: uint32, of each strand; maps: pairs of name and
-float32 (strands, 2); randoms: float32 (strands,) or None. Releases the GIL. TypeError, InvalidInput, Cancelled.)")
+float32 (strands, 2) or (n, 2); randoms: float32 (strands,) or None. Releases the GIL. TypeError, InvalidInput, Cancelled.)")
         .def_property_readonly("strand_count", &Strands::strand_count)
         .def_property_readonly("segment_count", &Strands::segment_count);
     py::class_<CellGeometry, ShapeGeometry, std::shared_ptr<CellGeometry>>(native, "VoxelShape",

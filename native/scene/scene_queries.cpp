@@ -35,11 +35,11 @@ static Value interpolate(const Value& a, const Value& b, const Value& c, vec2 ba
 
 /// The values of the material's UV maps and attributes at a hit; what the mesh lacks is (0, 0), as in Cycles.
 static void look_up_uvs(const SharedMeshArrays& mesh, const Material& material, std::uint32_t triangle,
-                        const vec2& barycentrics, std::vector<vec2>& uvs) {
+                        const vec2& barycentrics, const mat4& world_from_object, std::vector<vec2>& uvs) {
     for (const std::string& name : material.uv_map_names) {
         const SharedMeshArrays::UvMap* map = mesh.uv_map(name);
         if (map == nullptr) {
-            uvs.emplace_back(0.0f);
+            uvs.push_back(strand_maps::of_edge(name, mesh, triangle, world_from_object));
             continue;
         }
         const vec2* corner = &map->corner_uvs[std::size_t{3} * triangle];
@@ -253,21 +253,23 @@ SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& poi
                 mat3(placed->world_from_object) * strands->on_spline(segment, hit.barycentrics.x).tangent;
             for (const std::string& name : surface.uv_map_names)
                 uvs.push_back(
-                    strands->look_up(name, segment, hit.barycentrics, across(tangent, -asking.ray.direction)));
+                    strands->look_up(name, segment, hit.barycentrics, across(tangent, -asking.ray.direction), tangent));
         } else if (placed != nullptr) {
             const CellShape& shape = *shape_of(*placed).cells();
             look_up_uvs(shape, shape.look(hit.cell), surface, uvs);
         } else {
             const SharedMeshArrays& mesh = mesh_of(hit.instance);
-            look_up_uvs(mesh, surface, hit.triangle, hit.barycentrics, uvs);
+            const mat4& world_from_object = description().instances[hit.instance].world_from_object;
+            look_up_uvs(mesh, surface, hit.triangle, hit.barycentrics, world_from_object, uvs);
             if (at.footprint_m > 0.0f && reads_beside(surface)) {
                 const uvec3& corners = mesh.triangles[hit.triangle];
-                const mat3 to_scene(description().instances[hit.instance].world_from_object);
+                const mat3 to_scene(world_from_object);
                 const vec3 first_edge = to_scene * (mesh.positions[corners.y] - mesh.positions[corners.x]),
                            second_edge = to_scene * (mesh.positions[corners.z] - mesh.positions[corners.x]);
                 for (const vec3& step : pixel_steps(at))
                     look_up_uvs(mesh, surface, hit.triangle,
-                                hit.barycentrics + barycentric_step(first_edge, second_edge, step), uvs);
+                                hit.barycentrics + barycentric_step(first_edge, second_edge, step), world_from_object,
+                                uvs);
             }
         }
         closures = evaluate(surface, at, uvs, lobes);
@@ -293,7 +295,8 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit, RayKind kind) const {
         return Rgb(0.0f);
     thread_local std::vector<vec2> uvs;
     uvs.clear();
-    look_up_uvs(mesh_of(hit.instance), surface, hit.triangle, hit.barycentrics, uvs);
+    look_up_uvs(mesh_of(hit.instance), surface, hit.triangle, hit.barycentrics,
+                description().instances[hit.instance].world_from_object, uvs);
     Hit with_normal = hit;
     with_normal.geometric_normal = glm::normalize(normal_in_scene(hit.instance, hit.geometric_normal));
     const AskingRay asking{.ray = ray, .kind = kind};

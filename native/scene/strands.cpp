@@ -33,8 +33,9 @@ static void validate(const StrandArrays& arrays) {
     require(arrays.randoms.empty() || arrays.randoms.size() == count, "strands '", arrays.name,
             "': ", arrays.randoms.size(), " random numbers for ", count);
     for (const StrandArrays::Map& map : arrays.maps)
-        require(map.values.size() == count, "strands '", arrays.name, "': map '", map.name, "' has ", map.values.size(),
-                " values for ", count);
+        require(map.values.size() == count || map.values.size() == arrays.points.size(), "strands '", arrays.name,
+                "': map '", map.name, "' has ", map.values.size(), " values for ", count, " strands of ",
+                arrays.points.size(), " points");
 }
 
 Strands::Strands(StrandArrays arrays, const Progress& progress) : arrays_(std::move(arrays)) {
@@ -81,8 +82,18 @@ void Strands::drop_unusable() {
         std::ranges::for_each(points, add);
         if (has_strands)
             add(points.back());
-        for (std::size_t map = 0; map < kept.maps.size(); ++map)
-            kept.maps[map].values.push_back(arrays_.maps[map].values[strand]);
+        for (std::size_t map = 0; map < kept.maps.size(); ++map) {
+            const std::vector<vec2>& values = arrays_.maps[map].values;
+            std::vector<vec2>& of_kept = kept.maps[map].values;
+            if (values.size() == count) {
+                of_kept.push_back(values[strand]);
+                continue;
+            }
+            of_kept.push_back(values[first]);
+            of_kept.insert(of_kept.end(), values.begin() + static_cast<std::ptrdiff_t>(first),
+                           values.begin() + static_cast<std::ptrdiff_t>(end));
+            of_kept.push_back(values[end - 1]);
+        }
         if (!arrays_.randoms.empty())
             kept.randoms.push_back(arrays_.randoms[strand]);
     }
@@ -130,6 +141,19 @@ static RTCGeometryType embree_type(StrandForm form) {
     return RTC_GEOMETRY_TYPE_SPHERE_POINT;
 }
 
+/// Tubes and spheres are met from outside: light that passes a hair leaves it freely, as in Cycles.
+static void pass_from_within(const RTCFilterFunctionNArguments* arguments) {
+    const unsigned int count = arguments->N;
+    for (unsigned int lane = 0; lane < count; ++lane) {
+        const vec3 direction(RTCRayN_dir_x(arguments->ray, count, lane), RTCRayN_dir_y(arguments->ray, count, lane),
+                             RTCRayN_dir_z(arguments->ray, count, lane));
+        const vec3 normal(RTCHitN_Ng_x(arguments->hit, count, lane), RTCHitN_Ng_y(arguments->hit, count, lane),
+                          RTCHitN_Ng_z(arguments->hit, count, lane));
+        if (glm::dot(direction, normal) > 0.0f)
+            arguments->valid[lane] = 0;
+    }
+}
+
 void Strands::build(const Progress& progress) {
     const RTCDevice device = embree_device();
     embree_scene_ = rtcNewScene(device);
@@ -159,8 +183,12 @@ void Strands::build(const Progress& progress) {
                 }
             }
         }
-        if (arrays_.form == StrandForm::Ribbon)
+        if (arrays_.form == StrandForm::Ribbon) {
             rtcSetGeometryTessellationRate(geometry, static_cast<float>(arrays_.ribbon_pieces));
+        } else {
+            rtcSetGeometryIntersectFilterFunction(geometry, pass_from_within);
+            rtcSetGeometryOccludedFilterFunction(geometry, pass_from_within);
+        }
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(embree_scene_, geometry, 0);
         rtcReleaseGeometry(geometry);
@@ -242,7 +270,33 @@ float Strands::linear_radius(std::uint32_t segment, float along) const {
     return p[1].w + along * (p[2].w - p[1].w);
 }
 
-vec2 Strands::look_up(std::string_view name, std::uint32_t segment, vec2 on, const vec3& normal) const {
+vec2 Strands::value_of(const StrandArrays::Map& map, std::uint32_t segment, float along) const {
+    const std::uint32_t strand = strand_of(segment);
+    if (map.values.size() != arrays_.points.size() || arrays_.form == StrandForm::Spheres)
+        return map.values[strand];
+    const vec2* ends = &map.values[segment + 3 * strand + 1];
+    return ends[0] + along * (ends[1] - ends[0]);
+}
+
+vec2 strand_maps::of_edge(std::string_view name, const SharedMeshArrays& mesh, std::uint32_t triangle,
+                          const mat4& world_from_object) {
+    const bool is_xy = name.starts_with(along_xy);
+    if (!is_xy && !name.starts_with(along_z))
+        return vec2(0.0f);
+    const auto corner = [&](std::size_t from_end) -> const vec3& {
+        const auto number = static_cast<glm::length_t>(name[name.size() - from_end] - '0');
+        return mesh.positions[mesh.triangles[triangle][std::clamp(number, 0, 2)]];
+    };
+    const vec3 along = mat3(world_from_object) * (corner(1) - corner(2));
+    return is_xy ? vec2(along.x, along.y) : vec2(along.z, 0.0f);
+}
+
+vec2 Strands::look_up(std::string_view name, std::uint32_t segment, vec2 on, const vec3& normal,
+                      const vec3& along) const {
+    if (name.starts_with(strand_maps::along_xy))
+        return {along.x, along.y};
+    if (name.starts_with(strand_maps::along_z))
+        return {along.z, 0.0f};
     if (name == strand_maps::normal_xy)
         return {normal.x, normal.y};
     if (name == strand_maps::normal_z)
@@ -268,7 +322,7 @@ vec2 Strands::look_up(std::string_view name, std::uint32_t segment, vec2 on, con
     }
     const auto found = std::ranges::find_if(
         arrays_.maps, [&](const StrandArrays::Map& map) { return attribute_pairs::answers(map.name, name); });
-    return found == arrays_.maps.end() ? vec2(0.0f) : found->values[strand];
+    return found == arrays_.maps.end() ? vec2(0.0f) : value_of(*found, segment, on.x);
 }
 
 const TriangleMesh& Strands::tubes(const Progress& progress) const {

@@ -33,7 +33,7 @@ struct StrandArrays {
     std::uint32_t ribbon_pieces = 4; ///< Straight pieces that Embree makes of a ribbon's segment, [1, 16].
     struct Map {
         std::string name;         ///< As those of a mesh: see SharedMeshArrays::uv_maps.
-        std::vector<vec2> values; ///< One per strand, or sphere.
+        std::vector<vec2> values; ///< One per strand, or sphere; or one per point, straight between them.
     };
     std::vector<Map> maps = {};
     std::vector<float> randoms = {}; ///< Likewise, [0, 1); empty: all 0.
@@ -72,7 +72,9 @@ public:
     [[nodiscard]] StrandPoint on_spline(std::uint32_t segment, float along) const;
     [[nodiscard]] Bounds3 segment_bounds(std::uint32_t segment) const;
     /// What a program reads there under a name of uv_map_names; (0, 0) where there is no such thing.
-    [[nodiscard]] vec2 look_up(std::string_view name, std::uint32_t segment, vec2 on, const vec3& normal) const;
+    /// normal, along: of the strand, as strand_maps tells them.
+    [[nodiscard]] vec2 look_up(std::string_view name, std::uint32_t segment, vec2 on, const vec3& normal,
+                               const vec3& along = vec3(0.0f)) const;
     /// Of triangles, as wide on average over all sides; built when first asked for.
     [[nodiscard]] const TriangleMesh& tubes(const Progress& progress) const;
 
@@ -81,6 +83,7 @@ private:
     void build(const Progress& progress);
     [[nodiscard]] std::uint32_t strand_of(std::uint32_t segment) const;
     [[nodiscard]] float linear_radius(std::uint32_t segment, float along) const;
+    [[nodiscard]] vec2 value_of(const StrandArrays::Map& map, std::uint32_t segment, float along) const;
     [[nodiscard]] std::span<const vec4> points_of(std::uint32_t strand) const; ///< With both ends doubled.
 
     StrandArrays arrays_; ///< Ends doubled.
@@ -96,6 +99,12 @@ namespace strand_maps {
 inline constexpr std::string_view is_strand = "\x1f"
                                               "hair is",                        // 1, 0
     intercept_and_length = "\x1fhair il", random_and_thickness = "\x1fhair rt", // each in metres or [0, 1]
-    normal_xy = "\x1fhair xy", normal_z = "\x1fhair z";                         // of the strand, facing the ray
+    normal_xy = "\x1fhair xy", normal_z = "\x1fhair z",                         // of the strand, facing the ray
+    along_xy = "\x1fhair axy",
+                                  along_z =
+                                      "\x1fhair az"; // from root to tip, of any length; behind it two corners' numbers
+/// Meshes have this one: along their triangle's edge from one of those corners to the other, 0 to 2. 0 for other names.
+[[nodiscard]] vec2 of_edge(std::string_view name, const SharedMeshArrays& mesh, std::uint32_t triangle,
+                           const mat4& world_from_object);
 } // namespace strand_maps
 } // namespace tyndall

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Strands and spheres are met where closed forms say, with normals of a round hair, and rays leave them freely.
 #include "scene/scene.hpp"
+#include "scene/strand_spawn.hpp"
 #include "scene/strands.hpp"
 #include "scene/tube_mesh.hpp"
 #include "support/forest.hpp"
@@ -164,7 +165,7 @@ TEST_CASE("curved strands are met where the nearest of many small spheres along 
         wrong += hit.is_hit() != std::isfinite(nearest) ||
                  (hit.is_hit() && std::abs(hit.distance_m - nearest) > 0.02 * 0.06);
     }
-    CHECK(hits > 150);
+    CHECK(hits > 140);
     CHECK(wrong < asked / 100); // the spheres round the strands' ends, and leave dents
 }
 
@@ -174,7 +175,7 @@ TEST_CASE("a strand does not shadow its own lit side, and shadows what lies behi
         for (const float distance_m : {0.0f, 2000.0f}) {
             const auto scene = scene_of(straight(form, 0.01f), {translation({distance_m, 0, 0})});
             SceneRandom random(7);
-            int lit = 0, dark = 0;
+            int lit = 0, passed = 0;
             for (Ray ray : rays_around(1000, 0.01f, 4)) {
                 ray.origin.x += distance_m;
                 const Hit hit = scene->closest_hit(ray);
@@ -189,12 +190,13 @@ TEST_CASE("a strand does not shadow its own lit side, and shadows what lies behi
                 if (cosine > 0.0f) {
                     ++lit;
                     CHECK(is_lit);
-                } else if (form != StrandForm::Ribbon) { // bands have no back: none is lit there
-                    dark += !is_lit;
+                } else if (form != StrandForm::Ribbon) { // what passes a tube leaves it
+                    ++passed;
+                    CHECK(is_lit);
                 }
             }
             CHECK(lit > 100);
-            CHECK((form == StrandForm::Ribbon || dark > 100));
+            CHECK((form == StrandForm::Ribbon || passed > 100));
             CHECK(scene->shadow_transmittance(
                       {.origin = {distance_m + 1.0f, 0, 0.1f}, .direction = {-1, 0, 0}, .far_m = 2.0f}) == Rgb(0.0f));
             CHECK(scene->shadow_transmittance(
@@ -262,6 +264,72 @@ TEST_CASE("strands that cannot be drawn are left out, counted and said; their ne
     CHECK(scene_of({.name = "bald", .form = StrandForm::Ribbon})->instance_count() == 0);
     arrays.first_points[1] = 7;
     CHECK_THROWS_AS(Strands(arrays, Progress()), InvalidInput);
+}
+
+TEST_CASE("values of points are straight between them, whatever strands before were left out") {
+    const StrandArrays arrays{.name = "fur",
+                              .form = StrandForm::Ribbon,
+                              .points = {{0, 0, 0, not_a_number},
+                                         {0, 0, 1, 0.1f},
+                                         {1, 0, 0, 0.1f},
+                                         {1, 0, 1, 0.1f},
+                                         {2, 0, 0, 0.1f},
+                                         {2, 0, 1, 0.1f},
+                                         {2, 0, 3, 0.1f}},
+                              .first_points = {0, 2, 4},
+                              .maps = {{"along", {{0, 9}, {1, 9}, {2, 8}, {4, 8}, {8, 7}, {16, 5}, {32, 1}}},
+                                       {"root", {{0, 0}, {1, 1}, {2, 2}}}}};
+    const Strands strands(arrays, Progress());
+    REQUIRE(strands.segment_count() == 3);
+    CHECK(strands.look_up("along", 0, {0.0f, 0.3f}, {}) == vec2(2.0f, 8.0f));
+    CHECK(strands.look_up("along", 0, {0.25f, 0.3f}, {}) == vec2(2.5f, 8.0f));
+    CHECK(strands.look_up("along", 1, {0.5f, -0.3f}, {}) == vec2(12.0f, 6.0f));
+    CHECK(strands.look_up("along", 2, {1.0f, 0.0f}, {}) == vec2(32.0f, 1.0f));
+    CHECK(strands.look_up("root", 2, {1.0f, 0.0f}, {}) == vec2(2.0f));
+}
+
+TEST_CASE("what lies along: a strand's tangent, of a mesh the edge that is asked for, as its object stands") {
+    const Strands strands(straight(StrandForm::Round, 0.1f), Progress());
+    CHECK(strands.look_up(std::string(strand_maps::along_xy) + "01", 0, {0.5f, 0.0f}, {}, {1, 2, 3}) == vec2(1, 2));
+    CHECK(strands.look_up(std::string(strand_maps::along_z) + "01", 0, {0.5f, 0.0f}, {}, {1, 2, 3}).x == 3.0f);
+    const MeshArrays mesh{.name = "card", .positions = {{0, 0, 0}, {1, 0, 0}, {0, 2, 1}}, .triangles = {{0, 1, 2}}};
+    const mat4 twice = glm::scale(mat4(1.0f), vec3(2.0f));
+    const auto edge = [&](std::string_view name, const char* corners) {
+        return strand_maps::of_edge(std::string(name) + corners, mesh, 0, twice);
+    };
+    CHECK(edge(strand_maps::along_xy, "01") == vec2(2, 0));
+    CHECK(edge(strand_maps::along_xy, "20") == vec2(0, -4));
+    CHECK(edge(strand_maps::along_z, "02").x == 2.0f);
+    CHECK(edge(strand_maps::normal_xy, "") == vec2(0.0f));
+}
+
+TEST_CASE("rays to all sides of a strand leave it, and begin within its width") {
+    constexpr float radius_m = 0.3f;
+    for (const StrandForm form :
+         {StrandForm::Round, StrandForm::RoundLinear, StrandForm::Ribbon, StrandForm::Spheres}) {
+        CAPTURE(static_cast<int>(form));
+        StrandArrays arrays = straight(form, radius_m);
+        if (form == StrandForm::Spheres)
+            arrays.points = {{0, 0, 0, radius_m}}, arrays.first_points.clear();
+        const auto scene = scene_of(arrays);
+        SceneRandom random(9);
+        int passed = 0;
+        for (const Ray& ray : rays_around(1000, 0.25f, 3)) {
+            const Hit hit = scene->closest_hit(ray);
+            if (!hit.is_hit() || std::abs(ray.direction.z) > 0.9f)
+                continue;
+            const ShadingPoint point = scene->shading_point(ray, hit);
+            const SpawnPoint spawn = strand_spawn_point(*scene, hit, scene->spawn_point(ray, hit, point));
+            const vec3 direction = random.direction();
+            if (std::abs(direction.z) > 0.99f) // along the strand, whose end is near
+                continue;
+            const vec3 origin = spawn.towards(direction);
+            CHECK(glm::length(origin - spawn.position) < 1.01f * radius_m);
+            CHECK_FALSE(scene->closest_hit({.origin = origin, .direction = direction}).is_hit());
+            ++passed;
+        }
+        CHECK(passed > 200);
+    }
 }
 
 TEST_CASE("the triangles of a tube are as wide, and those of a sphere as large, as what they stand for on average") {
