@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from tyndall.scene_description import Code, hair_maps
+from tyndall.scene_description import hair_maps
 from tyndall.surface_inputs import PointInput, RayBit
 
 from . import coordinates
 from .coordinates import point_input
 from .domains import MID_GREY, Domain, on_surfaces
+from .hair_nodes import hair_number, hair_vector
 from .math_nodes import vector_operation
 from .mesh_attributes import ISLAND, POINTINESS, tangent_of
 from .program import BLACK, WHITE, Value, grey
@@ -263,14 +264,8 @@ def _hair_info(reader: ValueReader, at: Socket) -> Value:
     program, maps = reader.program, hair_maps()
     output = at.socket.identifier
     if output == "Tangent Normal":
-        z = program.uv_map_index(maps["z"])
-        return program.add(
-            coordinates.uv(program, maps["xy"]),
-            program.operation(Code.UV, uv_map=z, uv_matrix=(0, 0, 0, 0, 0, 0, 1, 0, 0)),
-        )
-    name, which = _HAIR[output]
-    row = (0, 1, 0) if which else (1, 0, 0)
-    return program.operation(Code.UV, uv_map=program.uv_map_index(maps[name]), uv_matrix=row * 3)
+        return hair_vector(program, maps["xy"], maps["z"])
+    return hair_number(program, *_HAIR[output])
 
 
 def _generated(reader: ValueReader, _: Socket) -> Value:

@@ -9,6 +9,7 @@ import bpy
 
 from tyndall.scene_description import BumpShadowing, LobeModel
 
+from .hair_nodes import hair_bsdf, principled_hair
 from .math_nodes import math_operation, vector_operation
 from .program import BLACK, WHITE, LobeNormals, LobeValues, Program, Term, Value, grey
 
@@ -240,6 +241,13 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
     return _push(shares, model, *inputs, preserves_energy=is_multiple, normals=normals)
 
 
+def _of_fibre(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
+    if shares.lobes is None:
+        return False
+    shares.lobes.append((hair_bsdf if at.node.type == "BSDF_HAIR" else principled_hair)(reader, at, weight))
+    return True
+
+
 _SHADERS: dict[str, Callable[[ValueReader, Socket, Value, Shares], bool]] = {
     "BSDF_DIFFUSE": _diffuse,
     "BSDF_TRANSLUCENT": _translucent,
@@ -251,4 +259,6 @@ _SHADERS: dict[str, Callable[[ValueReader, Socket, Value, Shares], bool]] = {
     "BSDF_SHEEN": _sheen,
     "BSDF_TOON": _toon,
     "BSDF_PRINCIPLED": _principled,
+    "BSDF_HAIR": _of_fibre,
+    "BSDF_HAIR_PRINCIPLED": _of_fibre,
 }

@@ -18,7 +18,7 @@ struct LobeAlbedos {
 static LobeAlbedos albedos_of(const LobeSet& lobes) {
     LobeAlbedos found;
     for (const Lobe& lobe : lobes.lobes) {
-        const bool is_sharp = lobe.kind >= Lobe::Kind::Ggx && lobe.alpha <= sharpest_alpha;
+        const bool is_sharp = lobe.is_of_facets() && lobe.alpha <= sharpest_alpha;
         const LobeSet alone{.lobes = {&lobe, 1}, .normal = lobes.normal, .outgoing = lobes.outgoing};
         // Weights of facets make up for what these hide from one another.
         const float cosine =

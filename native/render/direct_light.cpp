@@ -311,7 +311,8 @@ void DirectLight::aim_by_lobes(const AimedLight& aimed, const LitSurface& surfac
             continue;
         Ray ray{.origin = point.spawn.towards(direction), .direction = direction, .far_m = hit.far_m};
         const float weight = power_share(pdf, hit.pdf_per_sr) * cosine / pdf;
-        Rgb arriving = light.strength * (share * weight * hit.radiance_per_strength) * lobes.per_irradiance(direction);
+        Rgb arriving =
+            light.strength * (share * weight * hit.radiance_per_strength) * lobes.per_irradiance_as_drawn(direction);
         finish(light, point, ray, arriving);
         if (arriving != Rgb(0.0f))
             shadow.push(ray, arriving, index);

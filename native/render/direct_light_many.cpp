@@ -100,10 +100,10 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
             lobes.sample(pixel_pair(point.pixel_seed, pair.sample_index, lobe_pairs + pair.pair_index));
         irradiance[index].reflected +=
             share * of_triangles(point, mirrored, lobes.pdf_per_sr(mirrored), surface.among, of_groups) *
-            lobes.per_irradiance(mirrored);
+            lobes.per_irradiance_as_drawn(mirrored);
         for (std::size_t group = 0; group < of_groups.size(); ++group)
             by_group[group * surface.points.size() + index].reflected +=
-                share * of_groups[group] * lobes.per_irradiance(mirrored);
+                share * of_groups[group] * lobes.per_irradiance_as_drawn(mirrored);
     }
 }
 

@@ -85,8 +85,12 @@ void DirectLight::aim_by_strategies(const SurfacePoint& point, const LobeSet& lo
     const Ray ray = is_lifted ? shadow_ray(point, direction)
                               : Ray{.origin = point.spawn.towards(direction), .direction = direction};
     const RayKind kind = by_image ? RayKind::Shadow : by_lobes || is_gloss ? RayKind::Glossy : RayKind::Diffuse;
-    shadow.push(ray, arriving, index, lobes.lobes.empty() ? Rgb(0.0f) : Rgb(arriving * lobes.per_irradiance(direction)),
-                kind);
+    Rgb per_irradiance = lobes.lobes.empty() ? Rgb(0.0f) : lobes.per_irradiance(direction);
+    if (lobes.draws_on_both_sides()) {
+        const float drawn = world.has_image() ? power_share(lobes.pdf_per_sr(direction), look.pdf_per_sr) : 1.0f;
+        per_irradiance = glm::mix(per_irradiance, lobes.per_irradiance_as_drawn(direction), drawn);
+    }
+    shadow.push(ray, arriving, index, arriving * per_irradiance, kind);
 }
 
 void DirectLight::aim_at_world(const LitSurface& surface, const PairIndex& pair, float share,

@@ -2,6 +2,7 @@
 #include "render/lamp_hits.hpp"
 #include "core/sampling.hpp"
 #include "scene/area_light.hpp"
+#include "shading/lobes/fibre.hpp"
 #include "shading/lobes/sheen.hpp"
 #include <cmath>
 #include <limits>
@@ -98,6 +99,11 @@ static float most_pdf_per_sr(const LobeSet& set) {
         if (lobe.kind == Lobe::Kind::Sheen) {
             if (sheen::is_narrow(lobe.alpha))
                 sum += lobe.sampling * sheen::most_pdf_per_sr(lobe.alpha, lobe.ior);
+            all += lobe.sampling;
+            continue;
+        }
+        if (lobe.is_of_fibre()) {
+            sum += lobe.sampling * fibre::most_pdf_per_sr(lobe, set.outgoing);
             all += lobe.sampling;
             continue;
         }

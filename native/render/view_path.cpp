@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/view_path.hpp"
 #include "render/pixel_footprint.hpp"
+#include "scene/strand_spawn.hpp"
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 namespace tyndall::render {
@@ -122,7 +124,8 @@ static Rgb cut_out(bool is_held_out, SurfaceClosures& closures, std::vector<Lobe
 }
 
 /// The point as light from behind meets it, with random numbers of its own.
-static SurfacePoint other_side(SurfacePoint point) {
+static SurfacePoint other_side(const Scene& scene, SurfacePoint point) {
+    point.spawn = strand_spawn_point(scene, point.hit, point.spawn);
     point.shading.shading_normal = -point.shading.shading_normal;
     point.shading.is_backface = !point.shading.is_backface;
     point.pixel_seed = hash(point.pixel_seed, 1);
@@ -194,6 +197,7 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
 
 void ViewPath::await_light(const Lit& lit, const Share& share, SurfaceWalk& walked, SurfaceWalk& behind) const {
     const SurfaceClosures& closures = lit.closures;
+    const bool has_fibres = std::ranges::any_of(lit.lobes, &Lobe::is_of_fibre); // which light meets from all around
     constexpr float per_irradiance = std::numbers::inv_pi_v<float>;
     if (closures.diffuse_albedo != Rgb(0.0f) || !lit.lobes.empty() || config_.lights_black_surfaces ||
         (config_.finds_ambient && !lit.is_unseen && closures.transparent != Rgb(1.0f))) {
@@ -205,11 +209,18 @@ void ViewPath::await_light(const Lit& lit, const Share& share, SurfaceWalk& walk
         if (!lit.lobes.empty())
             walked.push_lobes(lit.lobes, lit.towards_viewer, share.throughput);
     }
-    if (closures.translucent == Rgb(0.0f))
+    if (closures.translucent == Rgb(0.0f) && !has_fibres)
         return;
-    behind.points.push_back(other_side(lit.point));
+    behind.points.push_back(other_side(scene_, lit.point));
     behind.shades.push_back(
         {Rgb(0.0f), share.throughput * closures.translucent * per_irradiance, Rgb(0.0f), share.sample, share.of});
+    if (!has_fibres)
+        return;
+    thread_local std::vector<Lobe> fibres;
+    fibres.clear();
+    std::ranges::copy_if(lit.lobes, std::back_inserter(fibres), &Lobe::is_of_fibre);
+    behind.points.back().lambert_share = average(closures.translucent);
+    behind.push_lobes(fibres, lit.towards_viewer, share.throughput);
 }
 
 void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<PathSample> samples,

@@ -131,14 +131,18 @@ class Strands:
     points: FloatArray  #: (points, 4), metres: position and radius.
     first_points: NDArray[np.uint32]  #: (strands,), ascending from 0; of SPHERES empty.
     ribbon_pieces: int = 4  #: Straight pieces that a ribbon's segment is made of, [1, 16].
-    #: As those of Mesh, with one (strands, 2) or (points, 2) of SPHERES each.
+    #: As those of Mesh, with one (strands, 2) or (points, 2) each; of points straight between them.
     uv_maps: tuple[tuple[str, FloatArray], ...] = ()
     randoms: FloatArray | None = None  #: Likewise, [0, 1), for materials that ask.
 
 
 def hair_maps() -> dict[str, str]:
-    """Names of UV maps that only strands have: what materials may ask of them, two numbers each."""
-    return {name: f"{ATTRIBUTE_MARK}hair {name}" for name in ("is", "il", "rt", "xy", "z")}
+    """Names of UV maps that only strands have: what materials may ask of them, two numbers each.
+
+    ``axy`` and ``az``, the way along a strand, are followed by two digits, the corners of a triangle between which a
+    mesh's way is.
+    """
+    return {name: f"{ATTRIBUTE_MARK}hair {name}" for name in ("is", "il", "rt", "xy", "z", "axy", "az")}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -332,6 +336,11 @@ class LobeModel(IntEnum):
     LAMBERT = 14
     PRINCIPLED_SHEEN = 15
     SHEEN = 16
+    HAIR_OF_COLOUR = 17
+    HAIR_OF_MELANIN = 18
+    HAIR_OF_ABSORPTION = 19
+    HAIR_REFLECTION = 20
+    HAIR_TRANSMISSION = 21
 
 
 class BumpShadowing(IntEnum):

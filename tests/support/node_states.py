@@ -106,9 +106,10 @@ def _add_materials(name: str) -> tuple[str, ...]:
         for socket in shown.inputs:
             if socket.type == "VALUE" and socket.default_value == 0.0:
                 socket.default_value = 0.5
-        kinds = shown.bl_rna.properties.get("distribution")
-        for kind in [item.identifier for item in kinds.enum_items] if kinds else ():
-            _show(bpy.data.materials.new(f"{name}.{_CHOICE} {kind}"), name, outputs[0]).distribution = kind
+        for which in ("distribution", "model"):
+            kinds = shown.bl_rna.properties.get(which)
+            for kind in [item.identifier for item in kinds.enum_items] if kinds else ():
+                setattr(_show(bpy.data.materials.new(f"{name}.{_CHOICE} {kind}"), name, outputs[0]), which, kind)
     return tuple(outputs)
 
 
@@ -147,6 +148,7 @@ TESTS = {
     **dict.fromkeys(["ShaderNodeValue", "ShaderNodeVertexColor"], "test_sync"),
     "ShaderNodeBsdfSheen": "test_sheen_agreement",
     "ShaderNodeHairInfo": "test_hair_agreement",
+    **dict.fromkeys(["ShaderNodeBsdfHair", "ShaderNodeBsdfHairPrincipled"], "test_hair_shaders"),
     "ShaderNodeHoldout": "test_holdouts",
     **dict.fromkeys(["ShaderNodeDisplacement", "ShaderNodeVectorDisplacement"], "test_normal_agreement"),
     **dict.fromkeys(

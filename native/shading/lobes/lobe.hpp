@@ -20,29 +20,40 @@ struct Lobe {
         GlossyToon,
         Ggx,
         Clearcoat,
+        Fibre, ///< One of a Principled Hair's: `normal` is along the fibre, as in the two below. See fibre.hpp.
+        FibreReflection,
+        FibreTransmission,
     };
     /// How a microfacet reflects: all of it; from `a` to `b` as a dielectric of index `ior` rises from its own share to 1;
     /// from `a` as metals do, darkened by `b` (see fresnel_f82); as a conductor of index a + i b.
     enum class Fresnel : std::uint8_t { None, Dielectric, F82, Conductor };
     Kind kind = Kind::Ggx;
     Fresnel fresnel = Fresnel::None;
-    bool is_separable = false;                          ///< Ggx: shadowing and masking are apart, as up to Blender 3.x.
+    /// As up to Blender 3.x. Ggx: shadowing and masking are apart. Fibre: its tilt is of the light's angle, not the viewer's.
+    bool is_separable = false;
     BumpShadowing bump_shadowing = BumpShadowing::None; ///< With a normal of its own.
     /// Ggx, Clearcoat: width, (0, 1]. OrenNayar: its A. Burley: roughness. Velvet: 1 / sigma^2. Toon: angle of full light.
-    /// Sheen: its a.
+    /// Sheen: its a. Fibre: variance along. Its others: width along.
     float alpha = 1.0f;
     float own_alpha = 1.0f; ///< Ggx, Clearcoat: before it was made as wide as directions can be drawn.
-    float ior = 1.5f;       ///< OrenNayar: its B. Sheen: its b. Toon: angle over which light fades.
-    float sampling = 0.0f;  ///< Share of directions that are drawn for it; shares need not add up to 1.
+    /// OrenNayar: its B. Sheen: its b. Toon: angle over which light fades. Fibre: scale around, 0: even. Its others: width
+    /// around.
+    float ior = 1.5f;
+    float sampling = 0.0f; ///< Share of directions that are drawn for it; shares need not add up to 1.
     Rgb weight{0.0f};
-    Rgb a{0.0f}, b{1.0f}; ///< Of `fresnel`. OrenNayar: b is what scatters on between facets.
-    vec3 normal{0.0f};    ///< Its own, unit; zero: the point's.
+    /// Of `fresnel`. OrenNayar: b is what scatters on between facets. Fibre: a is sine and cosine of its tilt, and phi of its
+    /// middle. Its others: a.x is the angle by which their middle is off.
+    Rgb a{0.0f}, b{1.0f};
+    vec3 normal{0.0f}; ///< Its own, unit; zero: the point's.
 
     /// Cycles counts it among what is diffuse.
     [[nodiscard]] bool is_diffuse() const { return kind <= Kind::Velvet; }
     /// It is seen from every side, and bumps shadow it.
     [[nodiscard]] bool is_matte() const { return kind <= Kind::DiffuseToon; }
-    [[nodiscard]] bool has_own_normal() const { return normal != vec3(0.0f); }
+    [[nodiscard]] bool is_of_facets() const { return kind == Kind::Ggx || kind == Kind::Clearcoat; }
+    /// It is lit from all around, whatever side is seen, and has a direction along the fibre in place of a normal.
+    [[nodiscard]] bool is_of_fibre() const { return kind >= Kind::Fibre; }
+    [[nodiscard]] bool has_own_normal() const { return normal != vec3(0.0f) && !is_of_fibre(); }
 };
 using Lobes = std::vector<Lobe>;
 } // namespace tyndall

@@ -1,64 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "shading/lobes/lobe_models.hpp"
-#include "core/errors.hpp"
 #include "shading/lobes/diffuse_lobes.hpp"
 #include "shading/lobes/fresnel_colours.hpp"
 #include "shading/lobes/ggx_energy.hpp"
+#include "shading/lobes/hair_models.hpp"
 #include "shading/lobes/lobe_set.hpp"
 #include "shading/lobes/sheen.hpp"
 #include "shading/material.hpp"
 
 namespace tyndall {
 using Model = LobeModel;
-
-std::size_t input_count(Model model) {
-    switch (model) {
-    case Model::Translucent:
-    case Model::Lambert:
-        return 2;
-    case Model::OrenNayar3:
-    case Model::OrenNayar:
-    case Model::Glossy3:
-    case Model::Glossy:
-    case Model::Velvet:
-    case Model::Sheen:
-        return 3;
-    case Model::Principled3:
-        return 12;
-    case Model::Principled:
-        return 14;
-    case Model::PrincipledSheen:
-        return 16;
-    case Model::MetalF82:
-    case Model::Conductor:
-    case Model::Glass3:
-    case Model::Glass:
-    case Model::DiffuseToon:
-    case Model::GlossyToon:
-        return 4;
-    }
-    return 0;
-}
-
-void validate(const LobeSource& source, const std::string& material_name) {
-    const std::size_t count = input_count(source.model);
-    require(count > 0, "material \"", material_name, "\" has a model ", static_cast<int>(source.model),
-            " of lobes, which this version does not know");
-    require(source.constants.size() == count && source.registers.size() == count, "material \"", material_name,
-            "\" has ", source.constants.size(), " inputs of lobes in place of ", count);
-    for (const Rgb& input : source.constants)
-        require(std::isfinite(input.x) && std::isfinite(input.y) && std::isfinite(input.z), "material \"",
-                material_name, "\" has a value that is not finite");
-    require(source.bump_shadowing < BumpShadowing::Count, "material \"", material_name, "\" has a shadowing of bumps ",
-            static_cast<int>(source.bump_shadowing), ", which this version does not know");
-}
-
-std::vector<std::uint16_t> registers_of(const LobeSource& source) {
-    std::vector<std::uint16_t> all = source.registers;
-    all.insert(all.end(), {source.diffuse_normal, source.facet_normal, source.coat_normal});
-    std::erase(all, LobeSource::no_register);
-    return all;
-}
 
 namespace {
 /// Shares below do not count.
@@ -122,6 +73,12 @@ public:
         case Model::Sheen:
             sheen(weight_ * colour(1), number(2));
             return;
+        case Model::HairOfColour:
+        case Model::HairOfMelanin:
+        case Model::HairOfAbsorption:
+        case Model::HairReflection:
+        case Model::HairTransmission:
+            return add_hair_lobes(source_, inputs_, point_, normals_.outgoing, closures_, lobes_);
         }
     }
 
@@ -147,7 +104,7 @@ private:
             closures_.diffuse_albedo += lobe.weight * (lobe.is_diffuse() ? Rgb(1.0f) : facet_colour(lobe, cosine));
             return;
         }
-        if (lobe.kind >= Lobe::Kind::Ggx)
+        if (lobe.is_of_facets())
             lobe.sampling = std::max(average(lobe.weight * facet_colour(lobe, cosine)), 1e-3f * average(lobe.weight));
         lobes_->push_back(lobe);
     }

@@ -38,6 +38,14 @@ enum class LobeModel : std::uint8_t {
     Lambert = 14,         ///< Around a normal of its own: colour.
     PrincipledSheen = 15, ///< As Principled; the sheen's colour by its share of the surface, its roughness.
     Sheen = 16,           ///< colour, roughness.
+    /// Principled Hair: colour, and of HairOfMelanin the tint, or absorption; melanin, redness, roughness, radial roughness,
+    /// coat, index, offset in radians, the hair's number, how much that makes the colour and the roughness differ, along.
+    HairOfColour = 17,
+    HairOfMelanin = 18,
+    HairOfAbsorption = 19,
+    /// Hair BSDF: colour, offset in radians, roughness along, and around, along.
+    HairReflection = 20,
+    HairTransmission = 21,
 };
 inline constexpr std::size_t most_lobe_inputs = 16;
 inline constexpr std::size_t principled_emission = 13; ///< Which of its inputs that is, with and without a sheen.

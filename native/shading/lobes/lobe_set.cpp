@@ -2,12 +2,16 @@
 #include "shading/lobes/lobe_set.hpp"
 #include "shading/lobes/clearcoat.hpp"
 #include "shading/lobes/diffuse_lobes.hpp"
+#include "shading/lobes/fibre.hpp"
 #include "shading/lobes/fresnel_colours.hpp"
 #include "shading/lobes/ggx.hpp"
 #include "shading/lobes/sheen.hpp"
+#include <algorithm>
 
 namespace tyndall {
 namespace {
+constexpr float least_light = 1e-6f; ///< Cosine, for a quotient that is finite.
+
 /// What lobes ask of two directions, once for all of them.
 struct Angles {
     float view, light, between;     ///< Cosines.
@@ -60,6 +64,9 @@ Rgb reflected(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const 
                (clearcoat::distribution(lobe.alpha, angles.normal_half2) *
                 ggx::masking_and_shadowing(clearcoat::masking_alpha, angles.view, angles.light, true) /
                 (4.0f * angles.view * angles.light));
+    case Lobe::Kind::Fibre: // and its others: see LobeSet::of_fibre
+    case Lobe::Kind::FibreReflection:
+    case Lobe::Kind::FibreTransmission:
     case Lobe::Kind::Ggx:
         break;
     }
@@ -71,7 +78,6 @@ Rgb reflected(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const 
 
 /// The same around the lobe's own normal; `light`: the cosine that is in the irradiance.
 Rgb reflected_around_own(const Lobe& lobe, const LobeSet& set, const vec3& incoming, float light) {
-    constexpr float least_light = 1e-6f; // a quotient that is finite
     Angles angles(lobe.normal, set.outgoing, incoming);
     const float between = glm::dot(set.normal, lobe.normal);
     if (angles.light <= 0.0f || between <= 0.0f || (angles.view <= 0.0f && !lobe.is_matte()))
@@ -134,13 +140,26 @@ static bool is_mirror(const Lobe& lobe) {
     return lobe.own_alpha * lobe.own_alpha <= (is_old ? 1e-7f : 2e-10f);
 }
 
-Rgb LobeSet::sum_of(const vec3& incoming, bool is_of_point) const {
+float LobeSet::of_fibre(const Lobe& lobe, const vec3& incoming, Way way) const {
+    if (way == Way::Drawn)
+        return fibre::pdf_per_sr(lobe, outgoing, incoming);
+    const bool is_seen_side = glm::dot(normal, outgoing) > 0.0f;
+    if (lobe.kind == (is_seen_side ? Lobe::Kind::FibreTransmission : Lobe::Kind::FibreReflection))
+        return 0.0f;
+    return fibre::scattered(lobe, outgoing, incoming);
+}
+
+Rgb LobeSet::sum_of(const vec3& incoming, Way way) const {
     const Angles angles(normal, outgoing, incoming);
     Rgb sum(0.0f);
     if (angles.light <= 0.0f)
         return sum;
     for (const Lobe& lobe : lobes) {
-        const bool is_narrowed = is_of_point && lobe.kind >= Lobe::Kind::Ggx && lobe.own_alpha < lobe.alpha;
+        if (lobe.is_of_fibre()) {
+            sum += lobe.weight * (of_fibre(lobe, incoming, way) / std::max(angles.light, least_light));
+            continue;
+        }
+        const bool is_narrowed = way == Way::FromPoint && lobe.is_of_facets() && lobe.own_alpha < lobe.alpha;
         if (is_narrowed && is_mirror(lobe))
             continue;
         Lobe narrow;
@@ -157,6 +176,10 @@ Rgb LobeSet::sum_of(const vec3& incoming, bool is_of_point) const {
     return sum;
 }
 
+bool LobeSet::draws_on_both_sides() const {
+    return std::ranges::any_of(lobes, [](const Lobe& lobe) { return lobe.kind > Lobe::Kind::Fibre; });
+}
+
 bool LobeSet::has_directions() const { return sum_of_sampling(lobes) > 0.0f; }
 
 vec3 LobeSet::sample(vec2 u) const {
@@ -171,6 +194,8 @@ vec3 LobeSet::sample(vec2 u) const {
         left -= lobe.sampling;
     }
     u.x = std::min(left / drawn->sampling, 0.99999994f); // what chose a lobe is even again within it
+    if (drawn->is_of_fibre())
+        return fibre::sample(*drawn, outgoing, u);
     const vec3& around = normal_of(*drawn, *this);
     if (drawn->kind == Lobe::Kind::Sheen)
         return sample_sheen(*drawn, around, outgoing, u);
@@ -185,13 +210,18 @@ vec3 LobeSet::sample(vec2 u) const {
 float LobeSet::pdf_per_sr(const vec3& incoming) const {
     const Angles angles(normal, outgoing, incoming);
     const float all = sum_of_sampling(lobes);
-    if (angles.view_half <= 0.0f || all <= 0.0f)
+    if (all <= 0.0f)
         return 0.0f;
     float sum = 0.0f;
-    for (const Lobe& lobe : lobes)
-        if (lobe.sampling > 0.0f)
+    for (const Lobe& lobe : lobes) {
+        if (lobe.sampling <= 0.0f)
+            continue;
+        if (lobe.is_of_fibre())
+            sum += lobe.sampling * fibre::pdf_per_sr(lobe, outgoing, incoming);
+        else if (angles.view_half > 0.0f)
             sum +=
                 lobe.sampling * pdf_of(lobe, lobe.has_own_normal() ? Angles(lobe.normal, outgoing, incoming) : angles);
+    }
     return sum / all;
 }
 

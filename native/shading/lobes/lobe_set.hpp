@@ -20,10 +20,14 @@ struct LobeSet {
 
     /// Radiance towards the viewer per irradiance from a unit direction, 1/sr. Nothing comes back of light behind the
     /// point's normal.
-    [[nodiscard]] Rgb per_irradiance(const vec3& incoming) const { return sum_of(incoming, false); }
+    [[nodiscard]] Rgb per_irradiance(const vec3& incoming) const { return sum_of(incoming, Way::Aimed); }
     /// The same of a light without a size. Lobes are then as narrow as they are; of mirrors, for which Cycles takes the
     /// narrowest, nothing comes back.
-    [[nodiscard]] Rgb per_irradiance_of_point(const vec3& incoming) const { return sum_of(incoming, true); }
+    [[nodiscard]] Rgb per_irradiance_of_point(const vec3& incoming) const { return sum_of(incoming, Way::FromPoint); }
+    /// The same along a way that sample() may have drawn. Of the Hair BSDF, Cycles takes all that is drawn, on whichever side
+    /// of the point, and of aimed light what comes from the component's own side.
+    [[nodiscard]] Rgb per_irradiance_as_drawn(const vec3& incoming) const { return sum_of(incoming, Way::Drawn); }
+    [[nodiscard]] bool draws_on_both_sides() const;
     /// False: no lobe has directions of its own.
     [[nodiscard]] bool has_directions() const;
     /// A unit direction, which may lie below the horizon.
@@ -34,7 +38,9 @@ struct LobeSet {
     [[nodiscard]] Rgb diffuse_colour() const;
 
 private:
-    [[nodiscard]] Rgb sum_of(const vec3& incoming, bool is_of_point) const;
+    enum class Way : std::uint8_t { Aimed, FromPoint, Drawn };
+    [[nodiscard]] Rgb sum_of(const vec3& incoming, Way way) const;
+    [[nodiscard]] float of_fibre(const Lobe& lobe, const vec3& incoming, Way way) const;
 };
 /// What facets of the lobe reflect at this cosine, without the lobe's weight.
 [[nodiscard]] Rgb facet_colour(const Lobe& lobe, float cosine);

@@ -12,7 +12,8 @@ enum class LobeModel : std::uint8_t; // lobe_models.hpp
 struct LobeSource {
     static constexpr std::uint16_t no_register = 0xffff; ///< The constant counts.
     LobeModel model{};
-    bool preserves_energy = false; ///< What facets hide from one another comes back, too.
+    /// What facets hide from one another comes back, too; scales of hair tilt what is seen without a loss.
+    bool preserves_energy = false;
     std::vector<Rgb> constants = {};
     std::vector<std::uint16_t> registers = {}; ///< As many.
     /// Where the unit normals are of what is diffuse, of facets, and of a coat; no_register: the point's own.

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a source of lobes must hold, by its model.
+#include "core/errors.hpp"
+#include "shading/lobes/hair_models.hpp"
+#include <cmath>
+
+namespace tyndall {
+using Model = LobeModel;
+
+std::size_t input_count(Model model) {
+    switch (model) {
+    case Model::Translucent:
+    case Model::Lambert:
+        return 2;
+    case Model::OrenNayar3:
+    case Model::OrenNayar:
+    case Model::Glossy3:
+    case Model::Glossy:
+    case Model::Velvet:
+    case Model::Sheen:
+        return 3;
+    case Model::Principled3:
+        return 12;
+    case Model::Principled:
+        return 14;
+    case Model::PrincipledSheen:
+        return 16;
+    case Model::MetalF82:
+    case Model::Conductor:
+    case Model::Glass3:
+    case Model::Glass:
+    case Model::DiffuseToon:
+    case Model::GlossyToon:
+        return 4;
+    case Model::HairOfColour:
+    case Model::HairOfMelanin:
+    case Model::HairOfAbsorption:
+    case Model::HairReflection:
+    case Model::HairTransmission:
+        return hair_input_count(model);
+    }
+    return 0;
+}
+
+void validate(const LobeSource& source, const std::string& material_name) {
+    const std::size_t count = input_count(source.model);
+    require(count > 0, "material \"", material_name, "\" has a model ", static_cast<int>(source.model),
+            " of lobes, which this version does not know");
+    require(source.constants.size() == count && source.registers.size() == count, "material \"", material_name,
+            "\" has ", source.constants.size(), " inputs of lobes in place of ", count);
+    for (const Rgb& input : source.constants)
+        require(std::isfinite(input.x) && std::isfinite(input.y) && std::isfinite(input.z), "material \"",
+                material_name, "\" has a value that is not finite");
+    require(source.bump_shadowing < BumpShadowing::Count, "material \"", material_name, "\" has a shadowing of bumps ",
+            static_cast<int>(source.bump_shadowing), ", which this version does not know");
+}
+
+std::vector<std::uint16_t> registers_of(const LobeSource& source) {
+    std::vector<std::uint16_t> all = source.registers;
+    all.insert(all.end(), {source.diffuse_normal, source.facet_normal, source.coat_normal});
+    std::erase(all, LobeSource::no_register);
+    return all;
+}
+} // namespace tyndall
