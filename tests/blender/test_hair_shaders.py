@@ -91,6 +91,7 @@ def transmission() -> bpy.types.Material:
     return hair_bsdf("Transmission", RoughnessU=0.2, RoughnessV=0.6, Offset=0.1)
 
 
+# Seen to fail: by 11 % of the mean with 3.x's scales in 4.5, by 13 % and more without the light from the other side.
 @pytest.mark.parametrize(
     ("shape", "look", "light"),
     [
