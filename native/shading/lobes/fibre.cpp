@@ -58,24 +58,37 @@ float around(const Lobe& lobe, float phi, bool is_drawn) {
     return 0.5f * width / (std::atan(quarter_turn / width) * (p * p + width * width));
 }
 
-float of_hair_bsdf(const Lobe& lobe, const Frame& frame, const vec3& outgoing, const vec3& incoming, bool is_drawn) {
-    const Angles light = angles_of(frame, incoming), viewer = angles_of(frame, outgoing);
+float of_hair_bsdf(const Lobe& lobe, const Meeting& meeting, bool is_drawn) {
+    const Angles& light = meeting.light;
     if (light.cosine_theta < least_cosine)
         return 0.0f;
-    const float viewer_theta = asin_of(viewer);
+    const float viewer_theta = std::atan2(meeting.viewer_sine, meeting.viewer_cosine);
     const Cauchy along(lobe, viewer_theta);
-    return along.pdf(asin_of(light), viewer_theta) / light.cosine_theta * around(lobe, light.phi, is_drawn);
+    return along.pdf(std::atan2(light.sine_theta, light.cosine_theta), viewer_theta) / light.cosine_theta *
+           around(lobe, light.phi, is_drawn);
 }
 
-float of_principled(const Lobe& lobe, const Frame& frame, const vec3& outgoing, const vec3& incoming, bool is_drawn) {
-    const Angles at = angles_of(frame, incoming);
-    Theta light{at.sine_theta, at.cosine_theta}, viewer = theta_of(lobe, outgoing);
+/// M times its integral.
+float unscaled_along(const Theta& a, const Theta& b, float variance) {
+    const float sum = a.sine + b.sine, difference = a.cosine - b.cosine;
+    const float exponent = 0.5f * (sum * sum + difference * difference) / variance;
+    return exponent > 80.0f ? 0.0f : scaled_bessel_i0(a.cosine * b.cosine / variance) * std::exp(-exponent);
+}
+float unscaled_logistic(float phi, float scale) {
+    const float e = std::exp(-std::abs(phi) / scale);
+    return e / ((1.0f + e) * (1.0f + e));
+}
+
+float of_principled(const Lobe& lobe, const Meeting& meeting, bool is_drawn) {
+    Theta light{meeting.light.sine_theta, meeting.light.cosine_theta},
+        viewer{meeting.viewer_sine, meeting.viewer_cosine};
     Theta& turned = lobe.is_separable && !is_drawn ? light : viewer;
     turned = tilted(turned, lobe);
-    const float along = along_fibre(light.sine, light.cosine, viewer.sine, viewer.cosine, lobe.alpha);
+    const float along = unscaled_along(light, viewer, lobe.alpha) * lobe.b.x;
     if (along == 0.0f)
         return 0.0f;
-    return along * (lobe.ior > 0.0f ? trimmed_logistic(wrapped(at.phi - lobe.a.z), lobe.ior) : 0.5f / pi);
+    return along * (lobe.ior > 0.0f ? unscaled_logistic(wrapped(meeting.light.phi - lobe.a.z), lobe.ior) * lobe.b.y
+                                    : 0.5f / pi);
 }
 } // namespace
 
@@ -116,18 +129,17 @@ float scaled_bessel_i0(float x) {
            std::sqrt(x);
 }
 
+Rgb inverse_integrals(float variance_along, float scale_around) {
+    return {1.0f / (variance_along * -std::expm1(-2.0f / variance_along)),
+            scale_around > 0.0f ? 1.0f / (scale_around * std::tanh(quarter_turn / scale_around)) : 0.0f, 0.0f};
+}
+
 float along_fibre(float sine, float cosine, float viewer_sine, float viewer_cosine, float variance) {
-    const float sum = sine + viewer_sine, difference = cosine - viewer_cosine;
-    const float exponent = 0.5f * (sum * sum + difference * difference) / variance;
-    if (exponent > 80.0f)
-        return 0.0f;
-    return scaled_bessel_i0(cosine * viewer_cosine / variance) * std::exp(-exponent) /
-           (variance * -std::expm1(-2.0f / variance));
+    return unscaled_along({sine, cosine}, {viewer_sine, viewer_cosine}, variance) * inverse_integrals(variance, 1.0f).x;
 }
 
 float trimmed_logistic(float phi, float scale) {
-    const float e = std::exp(-std::abs(phi) / scale);
-    return e / (scale * (1.0f + e) * (1.0f + e) * std::tanh(quarter_turn / scale));
+    return unscaled_logistic(phi, scale) * inverse_integrals(1.0f, scale).y;
 }
 
 float sample_trimmed_logistic(float u, float scale) {
@@ -136,16 +148,17 @@ float sample_trimmed_logistic(float u, float scale) {
     return std::clamp(2.0f * scale * std::atanh(std::clamp(t, -0.9999999f, 0.9999999f)), -pi, pi);
 }
 
-float scattered(const Lobe& lobe, const vec3& outgoing, const vec3& incoming) {
-    const Frame frame(lobe.normal, outgoing);
-    return lobe.kind == Lobe::Kind::Fibre ? of_principled(lobe, frame, outgoing, incoming, false)
-                                          : of_hair_bsdf(lobe, frame, outgoing, incoming, false);
+Meeting::Meeting(const vec3& along, const vec3& outgoing, const vec3& incoming)
+    : frame(along, outgoing), light(angles_of(frame, incoming)),
+      viewer_sine(std::clamp(glm::dot(outgoing, along), -1.0f, 1.0f)),
+      viewer_cosine(root(1.0f - viewer_sine * viewer_sine)) {}
+
+float scattered(const Lobe& lobe, const Meeting& meeting) {
+    return lobe.kind == Lobe::Kind::Fibre ? of_principled(lobe, meeting, false) : of_hair_bsdf(lobe, meeting, false);
 }
 
-float pdf_per_sr(const Lobe& lobe, const vec3& outgoing, const vec3& incoming) {
-    const Frame frame(lobe.normal, outgoing);
-    return lobe.kind == Lobe::Kind::Fibre ? of_principled(lobe, frame, outgoing, incoming, true)
-                                          : of_hair_bsdf(lobe, frame, outgoing, incoming, true);
+float pdf_per_sr(const Lobe& lobe, const Meeting& meeting) {
+    return lobe.kind == Lobe::Kind::Fibre ? of_principled(lobe, meeting, true) : of_hair_bsdf(lobe, meeting, true);
 }
 
 vec3 sample(const Lobe& lobe, const vec3& outgoing, vec2 u) {

@@ -10,7 +10,7 @@
 //           directions, of which floats keep all digits where lobes are narrow. Cycles' I0 is a series cut short: it is up
 //           to 1.5 % too dark where x is near 12. Up to Blender 3.x scales tilt the light's angle, which keeps not all light:
 //           what is drawn is then not quite as often as what is sent back, and weighed by it.
-// Bound:    60 ns a lobe and direction; two numbers draw a direction, of which the second is used twice.
+// Bound:    15 ns a direction and 25 a lobe; two numbers draw a direction, of which the second is used twice.
 #pragma once
 #include "core/math.hpp"
 #include "shading/lobes/lobe.hpp"
@@ -37,10 +37,20 @@ struct Angles {
 /// Of [0, 1), as often.
 [[nodiscard]] float sample_trimmed_logistic(float u, float scale);
 
-/// Of a lobe of these kinds, both directions unit, 1/sr. How bright it is, with the light's cosine on no surface but on the
-/// fibre, which is that of the model; and how often sample() draws it.
-[[nodiscard]] float scattered(const Lobe& lobe, const vec3& outgoing, const vec3& incoming);
-[[nodiscard]] float pdf_per_sr(const Lobe& lobe, const vec3& outgoing, const vec3& incoming);
+/// What lobes along one fibre ask of two unit directions, once for all of them.
+struct Meeting {
+    Frame frame;
+    Angles light;
+    float viewer_sine, viewer_cosine; ///< Of its theta.
+    Meeting(const vec3& along, const vec3& outgoing, const vec3& incoming);
+};
+/// What M and the logistic are divided by, for Lobe::b: (along, around, 0).
+[[nodiscard]] Rgb inverse_integrals(float variance_along, float scale_around);
+
+/// Of a lobe of these kinds, 1/sr. How bright it is, with the light's cosine on no surface but on the fibre, which is that of
+/// the model; and how often sample() draws it.
+[[nodiscard]] float scattered(const Lobe& lobe, const Meeting& meeting);
+[[nodiscard]] float pdf_per_sr(const Lobe& lobe, const Meeting& meeting);
 [[nodiscard]] vec3 sample(const Lobe& lobe, const vec3& outgoing, vec2 u);
 /// No direction is denser.
 [[nodiscard]] float most_pdf_per_sr(const Lobe& lobe, const vec3& outgoing);

@@ -118,6 +118,7 @@ void add_principled(const LobeSource& source, const LobeInputs& inputs, const Rg
              .ior = around_scale,
              .weight = weight * share,
              .a = {std::sin(tilt), std::cos(tilt), phi},
+             .b = fibre::inverse_integrals(along_variance, around_scale),
              .normal = along},
             closures, lobes);
     };

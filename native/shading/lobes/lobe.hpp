@@ -42,7 +42,7 @@ struct Lobe {
     float sampling = 0.0f; ///< Share of directions that are drawn for it; shares need not add up to 1.
     Rgb weight{0.0f};
     /// Of `fresnel`. OrenNayar: b is what scatters on between facets. Fibre: a is sine and cosine of its tilt, and phi of its
-    /// middle. Its others: a.x is the angle by which their middle is off.
+    /// middle, b is fibre::inverse_integrals. Its others: a.x is the angle by which their middle is off.
     Rgb a{0.0f}, b{1.0f};
     vec3 normal{0.0f}; ///< Its own, unit; zero: the point's.
 

@@ -7,6 +7,7 @@
 #include "shading/lobes/ggx.hpp"
 #include "shading/lobes/sheen.hpp"
 #include <algorithm>
+#include <optional>
 
 namespace tyndall {
 namespace {
@@ -140,13 +141,30 @@ static bool is_mirror(const Lobe& lobe) {
     return lobe.own_alpha * lobe.own_alpha <= (is_old ? 1e-7f : 2e-10f);
 }
 
-float LobeSet::of_fibre(const Lobe& lobe, const vec3& incoming, Way way) const {
+namespace {
+/// Of neighbouring lobes along one fibre, worked out once.
+class Meetings {
+public:
+    Meetings(const vec3& outgoing, const vec3& incoming) : outgoing_(outgoing), incoming_(incoming) {}
+    const fibre::Meeting& along(const vec3& fibre) {
+        if (!last_ || last_->frame.along != fibre)
+            last_.emplace(fibre, outgoing_, incoming_);
+        return *last_;
+    }
+
+private:
+    const vec3 &outgoing_, &incoming_;
+    std::optional<fibre::Meeting> last_;
+};
+} // namespace
+
+float LobeSet::of_fibre(const Lobe& lobe, const fibre::Meeting& meeting, Way way) const {
     if (way == Way::Drawn)
-        return fibre::pdf_per_sr(lobe, outgoing, incoming);
+        return fibre::pdf_per_sr(lobe, meeting);
     const bool is_seen_side = glm::dot(normal, outgoing) > 0.0f;
     if (lobe.kind == (is_seen_side ? Lobe::Kind::FibreTransmission : Lobe::Kind::FibreReflection))
         return 0.0f;
-    return fibre::scattered(lobe, outgoing, incoming);
+    return fibre::scattered(lobe, meeting);
 }
 
 Rgb LobeSet::sum_of(const vec3& incoming, Way way) const {
@@ -154,9 +172,11 @@ Rgb LobeSet::sum_of(const vec3& incoming, Way way) const {
     Rgb sum(0.0f);
     if (angles.light <= 0.0f)
         return sum;
+    Meetings meetings(outgoing, incoming);
     for (const Lobe& lobe : lobes) {
         if (lobe.is_of_fibre()) {
-            sum += lobe.weight * (of_fibre(lobe, incoming, way) / std::max(angles.light, least_light));
+            sum +=
+                lobe.weight * (of_fibre(lobe, meetings.along(lobe.normal), way) / std::max(angles.light, least_light));
             continue;
         }
         const bool is_narrowed = way == Way::FromPoint && lobe.is_of_facets() && lobe.own_alpha < lobe.alpha;
@@ -213,11 +233,12 @@ float LobeSet::pdf_per_sr(const vec3& incoming) const {
     if (all <= 0.0f)
         return 0.0f;
     float sum = 0.0f;
+    Meetings meetings(outgoing, incoming);
     for (const Lobe& lobe : lobes) {
         if (lobe.sampling <= 0.0f)
             continue;
         if (lobe.is_of_fibre())
-            sum += lobe.sampling * fibre::pdf_per_sr(lobe, outgoing, incoming);
+            sum += lobe.sampling * fibre::pdf_per_sr(lobe, meetings.along(lobe.normal));
         else if (angles.view_half > 0.0f)
             sum +=
                 lobe.sampling * pdf_of(lobe, lobe.has_own_normal() ? Angles(lobe.normal, outgoing, incoming) : angles);

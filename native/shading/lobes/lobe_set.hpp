@@ -10,6 +10,10 @@
 #include <span>
 
 namespace tyndall {
+namespace fibre {
+struct Meeting; // lobes/fibre.hpp
+}
+
 /// Facets that are no wider are taken for as wide where directions are drawn: floats have no digits for less.
 inline constexpr float least_alpha = 1e-3f;
 
@@ -40,7 +44,7 @@ struct LobeSet {
 private:
     enum class Way : std::uint8_t { Aimed, FromPoint, Drawn };
     [[nodiscard]] Rgb sum_of(const vec3& incoming, Way way) const;
-    [[nodiscard]] float of_fibre(const Lobe& lobe, const vec3& incoming, Way way) const;
+    [[nodiscard]] float of_fibre(const Lobe& lobe, const fibre::Meeting& meeting, Way way) const;
 };
 /// What facets of the lobe reflect at this cosine, without the lobe's weight.
 [[nodiscard]] Rgb facet_colour(const Lobe& lobe, float cosine);

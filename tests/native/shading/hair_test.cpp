@@ -224,7 +224,8 @@ TEST_CASE("principled hair's directions come as often as its density says") {
             // And the density is what is sent back.
             const vec3 incoming = viewer_at(-degrees);
             for (const Lobe& lobe : lobes)
-                CHECK(fibre::scattered(lobe, outgoing, incoming) == fibre::pdf_per_sr(lobe, outgoing, incoming));
+                CHECK(fibre::scattered(lobe, {along, outgoing, incoming}) ==
+                      fibre::pdf_per_sr(lobe, {along, outgoing, incoming}));
         }
 }
 
@@ -233,11 +234,12 @@ TEST_CASE(
     const vec3 outgoing = viewer_at(35.0f), incoming = viewer_at(-20.0f);
     for (Lobe lobe : lobes_of({.offset_rad = 0.1f}, normal_at(0.0f, outgoing), outgoing)) {
         lobe.a.z = 0.0f; // both are in one plane with the fibre
-        const float since = fibre::scattered(lobe, incoming, outgoing);
+        const float since = fibre::scattered(lobe, {along, incoming, outgoing});
         lobe.is_separable = true;
-        CHECK(fibre::scattered(lobe, outgoing, incoming) == doctest::Approx(since).epsilon(1e-4));
+        CHECK(fibre::scattered(lobe, {along, outgoing, incoming}) == doctest::Approx(since).epsilon(1e-4));
         lobe.is_separable = false;
-        CHECK(fibre::pdf_per_sr(lobe, outgoing, incoming) == fibre::scattered(lobe, outgoing, incoming));
+        CHECK(fibre::pdf_per_sr(lobe, {along, outgoing, incoming}) ==
+              fibre::scattered(lobe, {along, outgoing, incoming}));
     }
 }
 
@@ -252,9 +254,9 @@ TEST_CASE("the Hair BSDF's directions come as often as its density says, which i
                 for (const float towards : {0.3f, -0.3f}) {
                     const vec3 incoming = glm::normalize(side + towards * outgoing + 0.2f * along);
                     const bool is_lit = (towards > 0.0f) == (kind == Lobe::Kind::FibreReflection);
-                    const float seen = fibre::scattered(lobe, outgoing, incoming);
+                    const float seen = fibre::scattered(lobe, {along, outgoing, incoming});
                     if (is_lit)
-                        CHECK(seen == fibre::pdf_per_sr(lobe, outgoing, incoming));
+                        CHECK(seen == fibre::pdf_per_sr(lobe, {along, outgoing, incoming}));
                 }
             }
 }
