@@ -127,7 +127,7 @@ def test_hair_is_lit_as_in_cycles(
 def test_cards_of_hair_are_lit_as_in_cycles(look: Callable[[], bpy.types.Material], towards: float) -> None:
     """Meshes have a direction along them for each triangle."""
     if look is coloured and bpy.app.version >= (5, 0, 0):
-        pytest.skip("Cycles 5.0 leaves some light out, by what rule is not known")
+        pytest.skip("Cycles 5.0 leaves out what comes from across the plane through hair and viewer")
     scene = stage()
     for name in ("Plane", "Camera"):
         bpy.data.objects.remove(bpy.data.objects[name])
