@@ -80,6 +80,7 @@ class Placement:
     casts_shadow: bool
     is_bounce_visible: bool = True
     is_mirror_visible: bool = True
+    lights_media: bool = True  #: Of a mesh, if it glows.
     is_held_out: bool = False
     is_shadow_catcher: bool = False  #: Of a light: its shadows show on catchers.
     lighting: ObjectLighting | None = None
@@ -169,7 +170,9 @@ class _Grouping:
 
     def _is_limited(self, thing: Object) -> bool:
         """Whether it is hidden from something, or lit by itself, and what it instances with it."""
-        is_seen_by_all = self._is_camera_visible(thing) and all(getattr(thing, switch) for switch in _OTHER_RAYS)
+        is_seen_by_all = self._is_camera_visible(thing) and all(
+            getattr(thing, switch) for switch in (*_OTHER_RAYS, "visible_volume_scatter")
+        )
         if not is_seen_by_all or self._lighting.concerns(thing):
             return True
         return self._is_held_out(thing) or self._is_hidden(thing)
@@ -269,6 +272,7 @@ class _Grouping:
             casts_shadow=casts_shadow,
             is_bounce_visible=is_bounce_visible,
             is_mirror_visible=is_mirror_visible,
+            lights_media=source.visible_volume_scatter and (parent is None or parent.visible_volume_scatter),
             is_held_out=has_shape and self._is_held_out(parent or source),
             is_shadow_catcher=source.is_shadow_catcher or (parent is not None and parent.is_shadow_catcher),
             lighting=self._lighting.read(source, parent),

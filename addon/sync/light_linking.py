@@ -124,7 +124,9 @@ class LinkedMedia:
         if receiver_set == 0 or material.medium < 0:
             return index
         if (index, receiver_set) not in self._copies:
-            medium = self._materials.add_medium(self._materials.media[material.medium])
+            medium = self._materials.add_medium(
+                replace(self._materials.media[material.medium], receiver_set=receiver_set)
+            )
             self._set_of[medium] = receiver_set
             self._copies[index, receiver_set] = len(self._materials.materials)
             self._materials.materials.append(replace(material, medium=medium))

@@ -109,7 +109,7 @@ struct InstanceArrays {
 } // namespace
 
 /// Of shows_to, beside the masks of kinds of rays.
-static constexpr unsigned int held_out_flag = 16u, shadow_catcher_flag = 32u;
+static constexpr unsigned int held_out_flag = 16u, shadow_catcher_flag = 32u, lights_media_flag = 64u;
 
 static std::vector<Instance> make_instances(const InstanceArrays& arrays) {
     const auto count = static_cast<py::ssize_t>(arrays.mesh_indices.size());
@@ -126,6 +126,7 @@ static std::vector<Instance> make_instances(const InstanceArrays& arrays) {
                         .casts_shadow = (arrays.shows_to[i] & shadow_mask) != 0,
                         .is_bounce_visible = (arrays.shows_to[i] & bounce_mask) != 0,
                         .is_mirror_visible = (arrays.shows_to[i] & mirror_mask) != 0,
+                        .lights_media = (arrays.shows_to[i] & lights_media_flag) != 0,
                         .is_held_out = (arrays.shows_to[i] & held_out_flag) != 0,
                         .is_shadow_catcher = (arrays.shows_to[i] & shadow_catcher_flag) != 0,
                         .random = arrays.randoms[i]};

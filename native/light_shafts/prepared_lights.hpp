@@ -3,6 +3,7 @@
 #pragma once
 #include "light_shafts/light_shafts.hpp"
 #include "light_shafts/local_scatter.hpp"
+#include "light_shafts/media_ray.hpp"
 #include "light_shafts/scatter_pieces.hpp"
 #include "light_shafts/scattering_lights.hpp"
 #include "light_shafts/texture_rows.hpp"
@@ -10,15 +11,6 @@
 #include <optional>
 
 namespace tyndall::light_shafts {
-/// The stretch of a ray that lies in media, in front of its surface.
-struct MediaRay {
-    ViewRay clipped;
-    float length_in_media_m = 0.0f;
-};
-
-/// Appends the segments of a ray; in the world's medium an endless ray ends where 1e-17 of its light would be left.
-MediaRay clip_to_media(const Media& media, const ViewRay& ray, std::vector<MediumSegment>& segments);
-
 /// One light sample, ready for rays.
 struct Beam {
     LightSample sample;

@@ -19,8 +19,8 @@ namespace tyndall::render {
 using light_shafts::SurfaceShadows;
 
 DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& statistics, const IndirectConfig& indirect)
-    : scene_(scene), media_(media), has_media_(!media.is_empty()), has_world_light_(!scene.world().is_black()),
-      world_reach_m_(indirect.reach_m()) {
+    : scene_(scene), media_(media), emitters_(std::make_shared<const MeshEmitters>(scene)),
+      has_media_(!media.is_empty()), has_world_light_(!scene.world().is_black()), world_reach_m_(indirect.reach_m()) {
     for (std::uint32_t index = 0; index < scene.lights().size(); ++index) {
         const Light& light = scene.lights()[index];
         if (!light.lights_surfaces || light.strength == Rgb(0.0f))
@@ -43,7 +43,7 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
                 drawn.push_back(aimed.index);
         std::erase_if(lights_, is_drawn);
     }
-    if (auto many = std::make_unique<const ManyLights>(scene, std::move(drawn)); !many->is_empty())
+    if (auto many = std::make_unique<const ManyLights>(scene, std::move(drawn), emitters_); !many->is_empty())
         many_ = std::move(many);
     report_glow(statistics, indirect);
     if (has_world_light_ && media.fills_world())
@@ -56,11 +56,7 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
 
 void DirectLight::report_glow(Statistics& statistics, const IndirectConfig& indirect) const {
     const SceneDescription& description = scene_.description();
-    std::vector<bool> is_on_mesh(description.materials.size());
     std::vector<const char*> shape_with(description.materials.size(), nullptr);
-    for (const Instance& instance : description.instances)
-        for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot)
-            is_on_mesh[description.slot_materials[instance.first_slot_material + slot]] = true;
     for (const PlacedShape& placed : description.placed_shapes)
         shape_with[placed.material_index] =
             description.shapes[placed.shape_index]->cells() != nullptr ? "voxels" : "hair or points";
@@ -73,8 +69,6 @@ void DirectLight::report_glow(Statistics& statistics, const IndirectConfig& indi
                               " lights no " +
                               (indirect.has_bounce ? "fog, and other surfaces by rays that meet it by chance"
                                                    : "other surface and no fog"));
-        if (is_on_mesh[index] && has_media_)
-            statistics.report("Material \"" + material.name + "\" glows, but lights no fog");
     }
 }
 

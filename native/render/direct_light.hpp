@@ -77,6 +77,8 @@ public:
     }
     [[nodiscard]] bool is_many(std::size_t light) const { return many_ && light == lights_.size(); }
     [[nodiscard]] bool has_many() const { return many_ != nullptr; }
+    /// All triangles that glow.
+    [[nodiscard]] const MeshEmitters& emitters() const { return *emitters_; }
     /// The light group of one that is not the many.
     [[nodiscard]] std::uint8_t group_of(std::size_t light) const {
         return is_world(light) ? scene_.world().light_group() : scene_.lights()[lights_[light].index].light_group;
@@ -187,6 +189,7 @@ private:
 
     const Scene& scene_;
     const Media& media_;
+    std::shared_ptr<const MeshEmitters> emitters_;
     std::vector<AimedLight> lights_;                ///< Those that light surfaces.
     std::unique_ptr<const ManyLights> many_;        ///< Nothing: all are asked each.
     std::vector<std::uint32_t> ray_counts_, turns_; ///< Per light_count.

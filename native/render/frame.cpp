@@ -221,16 +221,29 @@ private:
                                                        asks_for(transfer_functions::Axis::AverageVisibility),
                                    .wants_lit_moments = asks_for(transfer_functions::Axis::MeanLitPosition),
                                    .of_frame = config_.is_tile ? &of_frame : nullptr,
-                                   .air = air_ ? &*air_ : nullptr};
+                                   .air = air_ ? &*air_ : nullptr,
+                                   .pixel_samples = config_.pixel_samples,
+                                   .seed = config_.seed,
+                                   .emitters = &surfaces_.emitters()};
         config.shafts.keeps_groups_apart = groups_.has_value();
         if (style_)
             config.shafts.visibility_light = style_->parameters().visibility_light();
-        shafts_.emplace(scene_, media_, camera_, region_, waiting_, config, progress_);
-        statistics_.append(shafts_->prepared().statistics());
+        shafts_.emplace(scene_, media_, camera_, region_, waiting_, config, statistics_, progress_);
+        if (style_ && shafts_->glow_draws() > 0)
+            report_glow_in_style();
         if (shafts_->is_empty())
             shafts_.reset();
         else if (style_)
             style_->see_shafts(surfaces_.view_path(), shafts_->prepared(), progress_);
+    }
+    void report_glow_in_style() {
+        using transfer_functions::Axis;
+        if (!asks_for(Axis::AverageVisibility) && !asks_for(Axis::MeanLitPosition))
+            return;
+        const std::uint32_t instance = surfaces_.emitters().triangles().front().instance;
+        const SceneDescription& description = scene_.description();
+        statistics_.report("Object \"" + description.object_names[description.name_index_of(instance)] +
+                           "\" glows in fog: transfer functions know of the visibility of lamps and the world alone");
     }
     [[nodiscard]] vec2 pixel_centre(std::size_t pixel) const {
         return {static_cast<float>(region_.x0 + pixel % width()) + 0.5f,
@@ -309,7 +322,7 @@ private:
             if (seen.meets_medium)
                 sums_.add_shafts(pixel, seen.textured_radiance, seen.visibility);
             for (std::size_t slot = 0; groups_ && slot < by_slot.size(); ++slot)
-                groups_->add_shafts(pixel, shafts_->prepared().slots()[slot], by_slot[slot]);
+                groups_->add_shafts(pixel, shafts_->slots()[slot], by_slot[slot]);
             if (style_ && is_active_[pixel])
                 style_->add(pixel, pixel_centre(pixel), seen);
             if (noise_)

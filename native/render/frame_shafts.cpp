@@ -2,6 +2,7 @@
 #include "render/frame_shafts.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/shared_strata.hpp"
+#include "render/pixel_samples.hpp"
 #include <algorithm>
 
 namespace tyndall::render {
@@ -19,10 +20,26 @@ static std::span<const light_shafts::ViewRay> rays_to_prepare(const WaitingParts
 }
 
 FrameShafts::FrameShafts(const Scene& scene, const Media& media, const Camera& camera, const Region& region,
-                         const WaitingParts& waiting, const Config& config, Progress& progress)
+                         const WaitingParts& waiting, const Config& config, Statistics& statistics, Progress& progress)
     : camera_(camera), waiting_(waiting), region_(region), config_(config),
       shafts_(scene, media, light_shafts::view_of(camera), rays_to_prepare(waiting, config.of_frame, config.air),
-              config.shafts, progress) {}
+              config.shafts, progress) {
+    statistics.append(shafts_.statistics());
+    slots_.assign(shafts_.slots().begin(), shafts_.slots().end());
+    if (config.emitters != nullptr)
+        glow_.emplace(scene, media, *config.emitters, config.shafts.attenuates_light, statistics);
+    if (glow_ && glow_->is_empty())
+        glow_.reset();
+    if (!glow_)
+        return;
+    const StageTimer timer(statistics, "glow in fog: pilot");
+    glow_draws_ = glow_->count_draws(rays_to_prepare(waiting, config.of_frame, nullptr), config.shafts.error_target,
+                                     config.pixel_samples, progress);
+    statistics.count("glow in fog: draws per ray", glow_draws_);
+    for (const std::uint8_t group : glow_->light_groups())
+        if (config.shafts.keeps_groups_apart && std::ranges::find(slots_, group) == slots_.end())
+            slots_.push_back(group);
+}
 
 /// Between neighbouring rays in the picture's middle: radians, or metres of an orthographic camera.
 static float pixel_spacing(const Camera& camera) {
@@ -45,6 +62,7 @@ void FrameShafts::deal_cells(std::uint32_t round, const Progress& progress) {
 }
 
 void FrameShafts::begin_pass(std::uint32_t sample_index, const Progress& progress) {
+    sample_index_ = sample_index;
     turn_ = {sample_index % config_.round_samples, config_.round_samples};
     std::array used{true, false, false};
     if (shares_strata(config_.shafts))
@@ -58,7 +76,7 @@ void FrameShafts::begin_pass(std::uint32_t sample_index, const Progress& progres
     }
     if (config_.wants_lit_moments)
         lit_moments_.resize(waiting_.rays.size());
-    of_slot_.resize(shafts_.slots().size());
+    of_slot_.resize(slots_.size());
     if (of_slot_.size() > 1) {
         of_all_.radiance.resize(waiting_.rays.size());
         of_all_.visibility.resize(config_.wants_visibility ? waiting_.rays.size() : 0);
@@ -79,7 +97,7 @@ void FrameShafts::begin_pass(std::uint32_t sample_index, const Progress& progres
 std::size_t FrameShafts::scatter(const Band& band, const Progress& progress) {
     const std::size_t first = waiting_.first[std::size_t{band.first_row} * width()];
     const std::size_t count = waiting_.first[std::size_t{band.end_row} * width()] - first;
-    std::vector<light_shafts::ScatteredBySide> out(of_slot_.size());
+    std::vector<light_shafts::ScatteredBySide> out(shafts_.slots().size());
     for (std::size_t slot = 0; slot < out.size(); ++slot)
         for (std::size_t side = 0; side < out[slot].size(); ++side) {
             auto& [radiance, visibility, from_points, unshadowed] = of_slot_[slot][side];
@@ -91,10 +109,54 @@ std::size_t FrameShafts::scatter(const Band& band, const Progress& progress) {
     const std::span<const light_shafts::ViewRay> rays = std::span(waiting_.rays).subspan(first, count);
     const std::span<const std::uint8_t> cells(cells_);
     shafts_.scatter(rays, cells.empty() ? cells : cells.subspan(first, count), out, progress, turn_);
+    if (glow_)
+        add_glow(band, progress);
     if (!lit_moments_.empty())
         std::ranges::copy(shafts_.find_lit_moments(rays, progress, turn_),
                           lit_moments_.begin() + static_cast<std::ptrdiff_t>(first));
     return count;
+}
+
+void FrameShafts::add_glow(const Band& band, const Progress& progress) {
+    const std::size_t first_pixel = std::size_t{band.first_row} * width(), first = waiting_.first[first_pixel],
+                      end = waiting_.first[std::size_t{band.end_row} * width()];
+    for (std::size_t slot = shafts_.slots().size(); slot < slots_.size(); ++slot) {
+        const auto clear = [&]<class Value>(std::vector<Value>& values) {
+            if (!values.empty())
+                std::ranges::fill(std::span(values).subspan(first, end - first), Value(0.0f));
+        };
+        for (OfSide& side : of_slot_[slot]) {
+            clear(side.radiance);
+            clear(side.visibility);
+            clear(side.from_points);
+            clear(side.from_points_unshadowed);
+        }
+    }
+    parallel_for(
+        std::size_t{band.end_row} * width() - first_pixel, progress,
+        [&](std::size_t index) {
+            const std::size_t pixel = first_pixel + index;
+            thread_local MediaLine line;
+            for (std::size_t part = waiting_.first[pixel]; part < waiting_.first[pixel + 1]; ++part) {
+                glow_->assign(line, waiting_.rays[part]);
+                if (line.is_empty())
+                    continue;
+                const std::uint32_t seed =
+                    pixel_seed(camera_, config_.seed, region_.x0 + static_cast<std::uint32_t>(pixel % width()),
+                               region_.y0 + static_cast<std::uint32_t>(pixel / width()));
+                const auto number = static_cast<std::uint32_t>(part - waiting_.first[pixel]);
+                for (std::uint32_t draw = 0; draw < glow_draws_; ++draw) {
+                    const auto [radiance, group] =
+                        glow_->draw(line, {seed, sample_index_ * glow_draws_ + draw, number});
+                    const std::size_t slot =
+                        slots_.size() == 1
+                            ? 0
+                            : static_cast<std::size_t>(std::ranges::find(slots_, group) - slots_.begin());
+                    of_slot_[slot][0].radiance[part] += radiance / static_cast<float>(glow_draws_);
+                }
+            }
+        },
+        64);
 }
 
 void FrameShafts::find_heterogeneity(const Band& band, const Progress& progress) {

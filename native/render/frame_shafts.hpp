@@ -3,11 +3,13 @@
 // neighbouring pixels share.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
+#include "render/fog_glow.hpp"
 #include "render/frame_air.hpp"
 #include "render/ray_parameters.hpp"
 #include "render/surface_pass.hpp"
 #include <array>
 #include <functional>
+#include <optional>
 
 namespace tyndall::render {
 /// Rows [first_row, end_row) of the region.
@@ -28,23 +30,29 @@ public:
         bool wants_visibility = false, wants_lit_moments = false;
         /// Of the first pass of the full frame, which the lights are prepared for; nothing: those that wait.
         const WaitingParts* of_frame = nullptr;
-        FrameAir* air = nullptr; ///< Whose texture the light gets; must outlive this. None: even air.
+        FrameAir* air = nullptr;                   ///< Whose texture the light gets; must outlive this. None: even air.
+        std::uint32_t pixel_samples = 1, seed = 0; ///< As FrameConfig's.
+        const MeshEmitters* emitters = nullptr;    ///< What glows; must outlive this. None: nothing does.
     };
     /// For the parts of the first pass. The references must outlive this; `waiting` may change between passes. Throws
     /// InvalidInput and Cancelled.
     FrameShafts(const Scene& scene, const Media& media, const Camera& camera, const Region& region,
-                const WaitingParts& waiting, const Config& config, Progress& progress);
+                const WaitingParts& waiting, const Config& config, Statistics& statistics, Progress& progress);
 
     [[nodiscard]] const light_shafts::Shafts& prepared() const { return shafts_; }
     /// No light scatters in any medium.
-    [[nodiscard]] bool is_empty() const { return shafts_.is_empty(); }
+    [[nodiscard]] bool is_empty() const { return shafts_.is_empty() && !glow_; }
+    /// As light_shafts::Shafts::slots, with those of what glows.
+    [[nodiscard]] std::span<const std::uint8_t> slots() const { return slots_; }
+    /// Draws of what glows, per part and sample; 0: nothing does.
+    [[nodiscard]] std::uint32_t glow_draws() const { return glow_draws_; }
     /// Before the bands of a pass, whose parts wait now.
     void begin_pass(std::uint32_t sample_index, const Progress& progress);
     /// Asks for the light that the media scatter into the parts of a band; returns how many.
     std::size_t scatter(const Band& band, const Progress& progress);
     /// Hands out that light with what the neighbours of each pixel have found, which may be pixels of the next band.
     /// `deliver` is called from any thread, once per pixel; where light groups are kept apart, with what of the light is
-    /// in each of prepared().slots().
+    /// in each of slots().
     using Deliver = std::function<void(std::size_t pixel, const SeenShafts& seen, std::span<const Rgb> by_slot)>;
     void sum(const Band& band, const Deliver& deliver, const Progress& progress);
 
@@ -55,6 +63,8 @@ private:
         std::vector<Rgb> from_points, from_points_unshadowed; ///< Of what is shared.
     };
     using OfSides = std::array<OfSide, light_shafts::shared_sides.size()>;
+    /// Adds what glows to the light of a band.
+    void add_glow(const Band& band, const Progress& progress);
     /// The slots' light, together.
     void add_slots(const Band& band);
     /// Of the parts of a pixel.
@@ -70,6 +80,9 @@ private:
     Region region_;
     Config config_;
     light_shafts::Shafts shafts_;
+    std::optional<FogGlow> glow_; ///< Nothing: nothing that glows lights media.
+    std::uint32_t glow_draws_ = 0, sample_index_ = 0;
+    std::vector<std::uint8_t> slots_;
     light_shafts::Turn turn_{};
     std::vector<OfSides> of_slot_;    ///< One for all light, or one per slot; kept from pass to pass for their memory.
     OfSide of_all_;                   ///< Where there are several slots: their sum.

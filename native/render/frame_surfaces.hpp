@@ -17,6 +17,8 @@ public:
     [[nodiscard]] std::uint32_t world_reach_px() const { return world_reach_px_; }
     [[nodiscard]] ViewPath view_path(bool collects_parts = true) const;
 
+    /// What glows.
+    [[nodiscard]] const MeshEmitters& emitters() const { return light_.emitters(); }
     /// Samples after which each light has been asked as often as it is worth.
     [[nodiscard]] std::uint32_t turn_samples() const { return turn_samples_; }
 

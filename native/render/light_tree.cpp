@@ -68,23 +68,12 @@ LightTree::Choice choose_of(std::span<const LightTree::Node> nodes, const vec3& 
         const float sum = weigh(node, point, normal, weights);
         if (!(sum > 0.0f))
             return {};
-        const float target = u * sum;
-        float before = 0.0f;
-        std::size_t chosen = LightTree::width;
-        for (std::size_t slot = 0; slot < LightTree::width; ++slot) {
-            if (!(weights[slot] > 0.0f))
-                continue;
-            if (chosen != LightTree::width && target < before)
-                break;
-            chosen = slot; // the last one that is bright takes what rounding leaves
-            before += weights[slot];
-        }
-        const float weight = weights[chosen];
-        u = std::min(std::max((target - (before - weight)) / weight, 0.0f), 0x1.fffffep-1f);
-        probability *= weight / sum;
-        if ((node.child[chosen] & LightTree::is_light) != 0)
-            return {node.child[chosen] & ~LightTree::is_light, probability};
-        index = node.child[chosen];
+        const LightTree::Slot chosen = LightTree::slot_at(weights, sum, u);
+        u = chosen.rest;
+        probability *= weights[chosen.slot] / sum;
+        if ((node.child[chosen.slot] & LightTree::is_light) != 0)
+            return {node.child[chosen.slot] & ~LightTree::is_light, probability};
+        index = node.child[chosen.slot];
     }
 }
 

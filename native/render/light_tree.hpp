@@ -8,6 +8,7 @@
 // Bound:    some 90 ns a draw of 10,000 lights; 60 bytes a light.
 #pragma once
 #include "core/math.hpp"
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -41,6 +42,14 @@ public:
     static constexpr std::uint32_t none = ~0u;
     /// A light that may shine on a surface there with that unit normal, by a number in [0, 1). Nothing: none does.
     [[nodiscard]] Choice choose(const vec3& point, const vec3& normal, float u) const;
+    /// A stretch of a view ray, whose media let exp(-sigma_t_per_m * distance) of the light pass in the mean.
+    struct Line {
+        vec3 origin, direction; ///< The latter unit.
+        float near_m, far_m;    ///< near < far < infinity
+        float sigma_t_per_m = 0.0f;
+    };
+    /// A light that may shine on some of its points, by a number in [0, 1); see light_tree_along.cpp.
+    [[nodiscard]] Choice choose_along(const Line& line, float u) const;
     /// With which choose() returns that light.
     [[nodiscard]] float probability(std::uint32_t light, const vec3& point, const vec3& normal) const;
     [[nodiscard]] bool is_empty() const { return nodes_.empty(); }
@@ -57,6 +66,27 @@ public:
         std::array<std::uint32_t, width> child{}; ///< Index of a node; with is_light, of a light.
     };
     static constexpr std::uint32_t is_light = 0x8000'0000u;
+    /// A child of a node, and a number in [0, 1) to choose below it by.
+    struct Slot {
+        std::size_t slot;
+        float rest;
+    };
+    /// That of the weights, which add up to `sum`, in which `u` of the sum lies.
+    [[nodiscard]] static Slot slot_at(const Row& weights, float sum, float u) {
+        const float target = u * sum;
+        float before = 0.0f;
+        std::size_t chosen = width;
+        for (std::size_t slot = 0; slot < width; ++slot) {
+            if (!(weights[slot] > 0.0f))
+                continue;
+            if (chosen != width && target < before)
+                break;
+            chosen = slot; // the last one that is bright takes what rounding leaves
+            before += weights[slot];
+        }
+        const float weight = weights[chosen];
+        return {chosen, std::min(std::max((target - (before - weight)) / weight, 0.0f), 0x1.fffffep-1f)};
+    }
 
 private:
     std::uint32_t build(std::span<const LightBounds> lights, std::span<std::uint32_t> members);

@@ -52,16 +52,25 @@ LightBounds bounds_of(const Light& lamp) {
     return bounds;
 }
 
-ManyLights::ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps)
-    : scene_(scene), lamps_(std::move(lamps)), emitters_(scene) {
+ManyLights::ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps,
+                       std::shared_ptr<const MeshEmitters> emitters)
+    : scene_(scene), lamps_(std::move(lamps)), emitters_(std::move(emitters)) {
+    const auto lights_surfaces = [&](const EmissiveTriangle& triangle) {
+        return scene.description().instances[triangle.instance].is_bounce_visible;
+    };
     std::vector<LightBounds> bounds;
     for (const std::uint32_t lamp : lamps_)
         bounds.push_back(bounds_of(scene.lights()[lamp]));
-    for (const EmissiveTriangle& triangle : emitters_.triangles())
-        bounds.push_back(emitters_.bounds_of(triangle));
+    for (const EmissiveTriangle& triangle : emitters_->triangles()) {
+        bounds.push_back(MeshEmitters::bounds_of(triangle));
+        if (!lights_surfaces(triangle))
+            bounds.back().power = 0.0f;
+    }
     tree_ = LightTree(bounds);
     std::uint32_t instance = ~0u;
-    for (const EmissiveTriangle& triangle : emitters_.triangles()) {
+    for (const EmissiveTriangle& triangle : emitters_->triangles()) {
+        if (!lights_surfaces(triangle))
+            continue;
         if (triangle_boxes_.empty() || (triangle.instance != instance && triangle_boxes_.size() < most_boxes))
             triangle_boxes_.emplace_back();
         instance = triangle.instance;
@@ -98,7 +107,7 @@ std::optional<ManyLights::Aimed> ManyLights::aim(const SurfacePoint& point, floa
         return std::nullopt;
     std::optional<Aimed> aimed = light < lamps_.size()
                                      ? aim_at_lamp(point, lamps_[light], u_place)
-                                     : aim_at_triangle(point, emitters_.triangles()[light - lamps_.size()], u_place);
+                                     : aim_at_triangle(point, emitters_->triangles()[light - lamps_.size()], u_place);
     if (aimed) {
         aimed->arriving /= probability;
         aimed->pdf_per_sr *= probability;
@@ -169,10 +178,10 @@ std::optional<ManyLights::Aimed> ManyLights::aim_at_triangle(const SurfacePoint&
 }
 
 std::optional<ManyLights::Aimed> ManyLights::met(const SurfacePoint& point, const Ray& ray, const Hit& hit) const {
-    const std::uint32_t index = emitters_.index_of(hit);
+    const std::uint32_t index = emitters_->index_of(hit);
     if (index == LightTree::none)
         return std::nullopt;
-    const EmissiveTriangle& triangle = emitters_.triangles()[index];
+    const EmissiveTriangle& triangle = emitters_->triangles()[index];
     const float probability = tree_.probability(static_cast<std::uint32_t>(lamps_.size()) + index,
                                                 point.shading.position, point.shading.shading_normal);
     const vec3 place = ray.origin + hit.distance_m * ray.direction;

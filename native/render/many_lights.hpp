@@ -4,6 +4,7 @@
 #pragma once
 #include "render/mesh_emitters.hpp"
 #include "render/surface_point.hpp"
+#include <memory>
 #include <optional>
 
 namespace tyndall::render {
@@ -15,13 +16,13 @@ public:
     /// Up to so many lamps are asked one by one: that has no noise, and takes no longer than a few draws.
     static constexpr std::size_t most_asked_each = 32;
 
-    /// `lamps`: into Scene::lights. The scene must outlive this.
-    ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps);
+    /// `lamps`: into Scene::lights; `emitters`: those of the scene, which must outlive this.
+    ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps, std::shared_ptr<const MeshEmitters> emitters);
     [[nodiscard]] bool is_empty() const { return tree_.is_empty(); }
     [[nodiscard]] std::span<const std::uint32_t> lamps() const { return lamps_; }
-    [[nodiscard]] bool has_triangles() const { return !emitters_.triangles().empty(); }
+    [[nodiscard]] bool has_triangles() const { return !triangle_boxes_.empty(); }
     /// Whether what glows there is one of these lights.
-    [[nodiscard]] bool has(const Hit& hit) const { return emitters_.index_of(hit) != LightTree::none; }
+    [[nodiscard]] bool has(const Hit& hit) const { return emitters_->index_of(hit) != LightTree::none; }
 
     struct Aimed {
         Ray ray;      ///< Up to the light.
@@ -52,8 +53,8 @@ private:
 
     const Scene& scene_;
     std::vector<std::uint32_t> lamps_;
-    MeshEmitters emitters_;
-    LightTree tree_;                      ///< Lamps first.
+    std::shared_ptr<const MeshEmitters> emitters_; ///< Those among them that light surfaces are in the tree.
+    LightTree tree_;                               ///< Lamps first.
     std::vector<Bounds3> triangle_boxes_; ///< Around all triangles: one for each object that glows, or one for many.
 };
 } // namespace tyndall::render

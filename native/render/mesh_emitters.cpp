@@ -36,10 +36,11 @@ static Hit hit_at(const EmissiveTriangle& triangle, vec2 barycentrics, float dis
     return hit;
 }
 
-Rgb MeshEmitters::radiance(const Scene& scene, const EmissiveTriangle& triangle, const Ray& ray, const Hit& hit) {
+Rgb MeshEmitters::radiance(const Scene& scene, const EmissiveTriangle& triangle, const Ray& ray, const Hit& hit,
+                           RayKind kind) {
     if (triangle.is_constant)
         return scene.material(triangle.instance, triangle.triangle).constant.emission;
-    return scene.closures({.ray = ray, .kind = RayKind::Diffuse}, scene.shading_point(ray, hit), hit).emission;
+    return scene.closures({.ray = ray, .kind = kind}, scene.shading_point(ray, hit), hit).emission;
 }
 
 /// Mean of some places, seen from both sides.
@@ -73,7 +74,7 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
         bool has_light = false;
         for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot)
             has_light |= glows[description.slot_materials[instance.first_slot_material + slot]] != 0;
-        if (!has_light || !instance.is_bounce_visible)
+        if (!has_light || !(instance.is_bounce_visible || instance.lights_media))
             continue;
         const SharedMeshArrays& mesh = description.meshes[instance.mesh_index]->arrays();
         if (!closed.contains(instance.mesh_index))
@@ -132,7 +133,7 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
                 std::max({triangles_[index].radiance, least_share * radiance_m2 / area_m2, 1e-6f});
 }
 
-LightBounds MeshEmitters::bounds_of(const EmissiveTriangle& triangle) const {
+LightBounds MeshEmitters::bounds_of(const EmissiveTriangle& triangle) {
     LightBounds bounds;
     for (const vec3& corner : triangle.corners)
         bounds.box.grow(corner);

@@ -27,18 +27,19 @@ struct TrianglePoint {
     float pdf_per_sr = 0.0f; ///< 0: there is none.
 };
 
+/// Of the instances that light surfaces, or media.
 class MeshEmitters {
 public:
     MeshEmitters() = default;
     explicit MeshEmitters(const Scene& scene);
 
     [[nodiscard]] std::span<const EmissiveTriangle> triangles() const { return triangles_; }
-    [[nodiscard]] LightBounds bounds_of(const EmissiveTriangle& triangle) const;
+    [[nodiscard]] static LightBounds bounds_of(const EmissiveTriangle& triangle);
     /// Index of a hit's triangle; LightTree::none where it is no light.
     [[nodiscard]] std::uint32_t index_of(const Hit& hit) const;
     /// Radiance that leaves the triangle towards where the ray comes from.
     [[nodiscard]] static Rgb radiance(const Scene& scene, const EmissiveTriangle& triangle, const Ray& ray,
-                                      const Hit& hit);
+                                      const Hit& hit, RayKind kind = RayKind::Diffuse);
 
 private:
     std::vector<EmissiveTriangle> triangles_;

@@ -208,10 +208,10 @@ Rgb Media::transmittance(const Ray& ray) const {
     return grids().is_empty() || passing == Rgb(0.0f) ? passing : passing * glm::exp(-grids().optical_depth(ray));
 }
 
-Rgb Media::homogeneous_transmittance(const Ray& ray) const {
+Rgb Media::homogeneous_depth(const Ray& ray) const {
     if (const MediumBoundary* box = boundaries_->only_box()) {
         const auto [near_m, far_m] = part_in_box(*box, ray);
-        return near_m < far_m ? glm::exp(-boundaries_->sigma_t_per_m[box->medium] * (far_m - near_m)) : Rgb(1.0f);
+        return near_m < far_m ? boundaries_->sigma_t_per_m[box->medium] * (far_m - near_m) : Rgb(0.0f);
     }
     thread_local std::vector<MediumSegment> along;
     along.clear();
@@ -223,7 +223,7 @@ Rgb Media::homogeneous_transmittance(const Ray& ray) const {
             if (sigma_t[channel] > 0.0f)
                 optical_depth[channel] += sigma_t[channel] * (segment.far_m - segment.near_m);
     }
-    return glm::exp(-optical_depth);
+    return optical_depth;
 }
 
 void Media::attenuate(std::span<const Ray> rays, std::span<Rgb> passing) const {

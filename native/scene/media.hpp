@@ -66,8 +66,9 @@ public:
     void segments(const Ray& ray, std::vector<MediumSegment>& segments) const;
     /// exp(-optical depth) of [near_m, far_m] of the ray, per channel.
     [[nodiscard]] Rgb transmittance(const Ray& ray) const;
-    /// The same of the homogeneous media alone.
-    [[nodiscard]] Rgb homogeneous_transmittance(const Ray& ray) const;
+    /// The same of the homogeneous media alone, and their optical depth.
+    [[nodiscard]] Rgb homogeneous_transmittance(const Ray& ray) const { return glm::exp(-homogeneous_depth(ray)); }
+    [[nodiscard]] Rgb homogeneous_depth(const Ray& ray) const;
     /// Multiplies the same of each ray into `passing`: a tenth of the time where a fog box is all there is.
     void attenuate(std::span<const Ray> rays, std::span<Rgb> passing) const;
     /// Radiance that the media emit along the ray towards its origin, attenuated. An endless segment that emits in a

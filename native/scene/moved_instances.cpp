@@ -25,8 +25,8 @@ static bool are_same(const Material& a, const Material& b) {
 }
 static bool are_same(const Medium& a, const Medium& b) {
     const auto all = [](const Medium& medium) {
-        const auto& [name, lobes, sigma_a_per_m, emission_w_per_m3_sr] = medium;
-        return std::tie(name, sigma_a_per_m, emission_w_per_m3_sr);
+        const auto& [name, lobes, sigma_a_per_m, emission_w_per_m3_sr, receiver_set] = medium;
+        return std::tie(name, sigma_a_per_m, emission_w_per_m3_sr, receiver_set);
     };
     const auto of_lobe = [](const ScatterLobe& lobe) {
         const auto& [sigma_s_per_m, asymmetry_g] = lobe;
@@ -48,10 +48,10 @@ static bool are_same(const VolumeInstance& a, const VolumeInstance& b) {
 static bool are_alike(const Instance& a, const Instance& b) {
     const auto all = [](const Instance& instance) {
         const auto& [mesh_index, world_from_object, name_index, first_slot_material, slot_count, is_camera_visible,
-                     casts_shadow, is_bounce_visible, is_mirror_visible, is_held_out, is_shadow_catcher, random] =
-            instance;
+                     casts_shadow, is_bounce_visible, is_mirror_visible, lights_media, is_held_out, is_shadow_catcher,
+                     random] = instance;
         return std::tuple(mesh_index, name_index, first_slot_material, slot_count, is_camera_visible, casts_shadow,
-                          is_bounce_visible, is_mirror_visible, is_held_out, is_shadow_catcher, random);
+                          is_bounce_visible, is_mirror_visible, lights_media, is_held_out, is_shadow_catcher, random);
     };
     return all(a) == all(b);
 }

@@ -5,7 +5,15 @@
 
 namespace tyndall {
 /// Which ray asks: a node program may answer each in its own way.
-enum class RayKind : std::uint8_t { Camera = 0, Shadow = 1, Diffuse = 2, Glossy = 3, Mirror = 4, Transmission = 5 };
+enum class RayKind : std::uint8_t {
+    Camera = 0,
+    Shadow = 1,
+    Diffuse = 2,
+    Glossy = 3,
+    Mirror = 4,
+    Transmission = 5,
+    Scatter = 6 ///< By media.
+};
 
 /// The object that a point is on. Pointers may be null, and must outlive the program's run.
 struct ShadedObject {

@@ -2,6 +2,7 @@
 // A participating medium, as Blender's volume shaders describe it; one Blender unit is one metre.
 #pragma once
 #include "core/math.hpp"
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct Medium {
     std::vector<ScatterLobe> lobes = {};
     Rgb sigma_a_per_m{0.0f};        ///< Absorption coefficient per channel, [0, 1e6].
     Rgb emission_w_per_m3_sr{0.0f}; ///< Emitted radiance per metre.
+    std::uint8_t receiver_set = 0;  ///< Of the objects that hold it: which emitters light it, see LightLinks.
 
     [[nodiscard]] Rgb sigma_s_per_m() const {
         Rgb sum{0.0f};

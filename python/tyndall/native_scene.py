@@ -431,6 +431,7 @@ def _build_medium(medium: Medium) -> _native.Medium:
         lobes=[(lobe.sigma_s_per_m, lobe.asymmetry_g) for lobe in medium.lobes],
         sigma_a_per_m=medium.sigma_a_per_m,
         emission_w_per_m3_sr=medium.emission_w_per_m3_sr,
+        receiver_set=medium.receiver_set,
     )
 
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _native
-from .scene_description import StrandObjects
+from .scene_description import Instances, StrandObjects
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .native_scene import NativeParts
-    from .scene_description import Instances, ObjectLighting, SceneDescription, VoxelObjects
+    from .scene_description import ObjectLighting, SceneDescription, VoxelObjects
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,9 +112,10 @@ def _build_voxels(groups: tuple[VoxelObjects, ...], parts: NativeParts) -> None:
 
 
 def shows_to(group: Instances | VoxelObjects | StrandObjects) -> int:
-    """A bit for each kind of ray, as native/scene/instance_masks.hpp numbers them, then: held out, catches shadows."""
+    """A bit per kind of ray, as native/scene/instance_masks.hpp has them; then held out, catcher, lights media."""
     rays = (group.is_camera_visible, group.casts_shadow, group.is_bounce_visible, group.is_mirror_visible)
-    flags = (*rays, group.is_held_out, group.is_shadow_catcher)
+    lights_media = isinstance(group, Instances) and group.lights_media
+    flags = (*rays, group.is_held_out, group.is_shadow_catcher, lights_media)
     return sum(flag << bit for bit, flag in enumerate(flags))
 
 

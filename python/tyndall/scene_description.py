@@ -87,6 +87,7 @@ class Instances:
     casts_shadow: bool = True
     is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
     is_mirror_visible: bool = True
+    lights_media: bool = True  #: Its light falls on media.
     is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
     is_shadow_catcher: bool = False  #: Of it cameras see only the shadows that others cast on it.
     lighting: ObjectLighting | None = None  #: None: as it begins.
@@ -414,6 +415,7 @@ class Medium:
     lobes: tuple[ScatterLobe, ...] = ()
     sigma_a_per_m: Rgb = (0.0, 0.0, 0.0)
     emission_w_per_m3_sr: Rgb = (0.0, 0.0, 0.0)
+    receiver_set: int = 0  #: As ObjectLighting's, of the objects that hold it.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -42,6 +42,7 @@ class RayBit(IntEnum):
     GLOSSY = 8
     MIRROR = 16
     TRANSMISSION = 32
+    SCATTER = 64
 
 
 class NormalSpace(IntEnum):

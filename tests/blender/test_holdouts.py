@@ -143,7 +143,6 @@ def test_what_a_held_out_instancer_shows_is_held_out_and_nothing_else() -> None:
 def test_fog_before_a_hole_stays_as_in_cycles() -> None:
     scene = stage()
     cover(diffuse).is_holdout = True
-    bpy.data.objects["Plane"].active_material = material("Dull", surface=diffuse)  # what glows lights no fog of ours
     fog = cube(
         "Fog", material("Fog", volume=lambda new, _: node(new, "ShaderNodeVolumeScatter", Density=0.3).outputs[0])
     )

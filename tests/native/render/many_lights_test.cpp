@@ -113,7 +113,7 @@ TEST_CASE("rays that are said to miss all that glows meet none of it") {
         if (index != 5 && index != 39)
             continue;
         const auto scene = in_world(parts, Rgb(0.0f));
-        const render::ManyLights many(*scene, {});
+        const render::ManyLights many(*scene, {}, std::make_shared<const render::MeshEmitters>(*scene));
         int met = 0, missed = 0;
         for (std::uint32_t number = 0; number < 4096; ++number) {
             const vec2 place = sobol_point(number, 3u);
