@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/fog_glow.hpp"
-#include "core/parallel.hpp"
 #include "render/glow_distances.hpp"
 #include "render/pixel_samples.hpp"
 #include <algorithm>
 #include <array>
-#include <bit>
 
 namespace tyndall::render {
-/// Far behind those of lights on surfaces; two pairs for each part of a ray.
-static constexpr std::uint32_t first_pair = 0x2000'0000;
-/// Of the pilot.
-static constexpr std::size_t most_pilot_parts = 512;
-static constexpr std::uint32_t pilot_draws = 8;
+/// Far behind those of lights on surfaces; as many for each part of a ray.
+static constexpr std::uint32_t first_pair = 0x2000'0000, pairs_of_part = 4;
+/// Surfaces that let light through, on a ray by chance.
+static constexpr int most_panes = 16;
 
 static bool scatters(const Medium& medium) { return medium.sigma_s_per_m() != Rgb(0.0f); }
 
@@ -69,32 +66,49 @@ Rgb FogGlow::passing_to(const vec3& point, const Hit& hit, const vec3& direction
     return attenuates_light_ && passing[0] != Rgb(0.0f) ? passing[0] * media_.transmittance(ray) : passing[0];
 }
 
-FogGlow::Found FogGlow::draw(const MediaLine& line, const Numbers& numbers) const {
-    const std::uint32_t pair = first_pair + 2 * numbers.part;
-    const vec2 along = pixel_pair(numbers.pixel_seed, numbers.draw, pair);
-    const auto [index, probability] = tree_.choose_along({line.origin(), line.direction(), line.pieces().front().near_m,
-                                                          line.pieces().back().far_m, line.sigma_t_per_m()},
-                                                         along.x);
+/// Veach's power heuristic; densities may be larger than what has a square.
+static float share_of(float own, float other) {
+    const float ratio = other / own;
+    return 1.0f / (1.0f + ratio * ratio);
+}
+static LightTree::Line tree_line(const MediaLine& line) {
+    return {line.origin(), line.direction(), line.pieces().front().near_m, line.pieces().back().far_m,
+            line.sigma_t_per_m()};
+}
+static vec2 pair_of(const FogGlow::Numbers& numbers, std::uint32_t pair) {
+    return pixel_pair(numbers.pixel_seed, numbers.draw, first_pair + pairs_of_part * numbers.part + pair);
+}
+
+void FogGlow::draw(const MediaLine& line, const Numbers& numbers, std::vector<Found>& found) const {
+    if (!draws_directions_ && !line.has_peak())
+        return draw_triangle(line, numbers, nullptr, found);
+    const PhaseDirections directions(line);
+    draw_triangle(line, numbers, &directions, found);
+    draw_direction(line, numbers, directions, found);
+}
+
+void FogGlow::draw_triangle(const MediaLine& line, const Numbers& numbers, const PhaseDirections* directions,
+                            std::vector<Found>& found) const {
+    const vec2 along = pair_of(numbers, 0);
+    const auto [index, probability] = tree_.choose_along(tree_line(line), along.x);
     if (index == LightTree::none)
-        return {};
+        return;
     const EmissiveTriangle& triangle = emitters_.triangles()[index];
     const GlowDistances::Distance distance =
         GlowDistances(line, triangle, attenuates_light_ ? &media_ : nullptr).at(along.y);
     if (!(distance.pdf_per_m > 0.0f))
-        return {};
+        return;
     const vec3 point = line.origin() + distance.at_m * line.direction();
-    const TrianglePoint place =
-        triangle_point(triangle.corners, point, pixel_pair(numbers.pixel_seed, numbers.draw, pair + 1));
+    const TrianglePoint place = triangle_point(triangle.corners, point, pair_of(numbers, 1));
     const vec3 way = place.position - point;
     const float length_m = glm::length(way);
     if (!(place.pdf_per_sr > 0.0f) || !(length_m > 0.0f))
-        return {};
+        return;
     const vec3 direction = way / length_m;
-    const ObjectInfo& info = scene_.object_info(triangle.instance);
-    const LightLinks* const links = info.links == LightLinks{} ? nullptr : &info.links;
+    const LightLinks* const links = links_of(triangle);
     const Rgb scattered = line.scatter_per_m_sr(*distance.piece, distance.at_m, direction, links);
     if (scattered == Rgb(0.0f))
-        return {};
+        return;
     Hit hit;
     hit.distance_m = length_m;
     hit.instance = triangle.instance;
@@ -103,44 +117,61 @@ FogGlow::Found FogGlow::draw(const MediaLine& line, const Numbers& numbers) cons
     hit.geometric_normal = triangle.normal;
     const Rgb emitted =
         MeshEmitters::radiance(scene_, triangle, {.origin = point, .direction = direction}, hit, RayKind::Scatter);
-    const Rgb arriving = emitted * scattered * line.transmittance(*distance.piece, distance.at_m) /
-                         (probability * distance.pdf_per_m * place.pdf_per_sr);
+    const float density = probability * distance.pdf_per_m * place.pdf_per_sr;
+    Rgb arriving = emitted * scattered * line.transmittance(*distance.piece, distance.at_m) / density;
     if (arriving == Rgb(0.0f))
-        return {};
-    return {arriving * passing_to(point, hit, direction, links), info.light_group};
+        return;
+    if (directions != nullptr && is_met_by_chance(triangle))
+        arriving *= share_of(density, directions->density(*distance.piece, distance.at_m, direction));
+    found.push_back(
+        {arriving * passing_to(point, hit, direction, links), scene_.object_info(triangle.instance).light_group});
 }
 
-std::uint32_t FogGlow::count_draws(std::span<const light_shafts::ViewRay> parts, float error_target,
-                                   std::uint32_t pixel_samples, const Progress& progress) const {
-    const std::size_t count = std::min(parts.size(), most_pilot_parts);
-    struct Sums {
-        double variance = 0.0, square = 0.0; ///< Of one draw; of what a part has.
-        Sums& operator+=(const Sums& other) {
-            variance += other.variance, square += other.square;
-            return *this;
-        }
-    };
-    const Sums sums = parallel_sum(count, 32, Sums{}, progress, [&](std::size_t begin, std::size_t end) {
-        MediaLine line;
-        Sums found;
-        for (std::size_t index = begin; index < end; ++index) {
-            assign(line, parts[index * parts.size() / count]);
-            double sum = 0.0, squares = 0.0;
-            for (std::uint32_t draw = 0; !line.is_empty() && draw < pilot_draws; ++draw) {
-                const double value =
-                    average(this->draw(line, {hash(static_cast<std::uint32_t>(index), draw), 0, 0}).radiance);
-                sum += value, squares += value * value;
-            }
-            const double variance = std::max(0.0, squares - sum * sum / pilot_draws) / (pilot_draws - 1);
-            found.variance += variance;
-            found.square += std::max(0.0, sum * sum / (pilot_draws * pilot_draws) - variance / pilot_draws);
-        }
-        return found;
-    });
-    if (!(sums.variance > 0.0))
-        return 1;
-    const double wanted = sums.variance / (sums.square * error_target * error_target * pixel_samples);
-    return wanted < most_draws ? std::bit_ceil(static_cast<std::uint32_t>(std::max(1.0, std::ceil(wanted))))
-                               : most_draws;
+Rgb FogGlow::met(const MediaLine& line, const PhaseDirections& directions, const PhaseDirections::Drawn& drawn,
+                 std::uint32_t index, const Hit& hit) const {
+    const EmissiveTriangle& triangle = emitters_.triangles()[index];
+    const vec3 point = line.origin() + drawn.at_m * line.direction();
+    const LightLinks* const links = links_of(triangle);
+    const Rgb emitted = MeshEmitters::radiance(scene_, triangle, {.origin = point, .direction = drawn.direction}, hit,
+                                               RayKind::Scatter);
+    const Rgb scattered = line.scatter_per_m_sr(*drawn.piece, drawn.at_m, drawn.direction, links);
+    const float density = directions.density(*drawn.piece, drawn.at_m, drawn.direction);
+    const Rgb arriving = emitted * scattered * line.transmittance(*drawn.piece, drawn.at_m) / density;
+    if (!(density > 0.0f) || arriving == Rgb(0.0f))
+        return Rgb(0.0f);
+    const Rgb passing = passing_to(point, hit, drawn.direction, links);
+    if (passing == Rgb(0.0f))
+        return passing;
+    const float by_triangle =
+        tree_.probability_along(index, tree_line(line)) *
+        GlowDistances(line, triangle, attenuates_light_ ? &media_ : nullptr).density_per_m(*drawn.piece, drawn.at_m) *
+        triangle_pdf_per_sr(triangle.corners, point, point + hit.distance_m * drawn.direction);
+    return share_of(density, by_triangle) * arriving * passing;
+}
+
+static bool casts_shadow(const Scene& scene, const Hit& hit) {
+    const PlacedShape* const placed = scene.placed_shape(hit.instance);
+    return placed != nullptr ? placed->casts_shadow : scene.description().instances[hit.instance].casts_shadow;
+}
+
+void FogGlow::draw_direction(const MediaLine& line, const Numbers& numbers, const PhaseDirections& directions,
+                             std::vector<Found>& found) const {
+    const PhaseDirections::Drawn drawn = directions.at(pair_of(numbers, 2), pair_of(numbers, 3));
+    if (drawn.piece == nullptr)
+        return;
+    Ray ray{.origin = line.origin() + drawn.at_m * line.direction(), .direction = drawn.direction, .near_m = 0.0f};
+    if (!emitters_.may_meet(ray))
+        return;
+    for (int passed = 0; passed < most_panes; ++passed) {
+        const Hit hit = scene_.closest_hit(ray, bounce_mask);
+        if (!hit.is_hit())
+            return;
+        const std::uint32_t index = emitters_.index_of(hit);
+        if (index != LightTree::none && is_met_by_chance(emitters_.triangles()[index]))
+            found.push_back({met(line, directions, drawn, index, hit), scene_.object_info(hit.instance).light_group});
+        if (casts_shadow(scene_, hit) && scene_.transparency(ray, hit) == Rgb(0.0f))
+            return;
+        ray.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), ray.far_m);
+    }
 }
 } // namespace tyndall::render

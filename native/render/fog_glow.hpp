@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Light of meshes that glow, scattered once by media towards the camera: a few draws per part of a view ray.
 // Based on: next event estimation; light_tree_along.cpp chooses a triangle for the ray, glow_distances.hpp where its light
-//           is scattered, and triangle_point() a place on it, evenly in the solid angle from there.
+//           is scattered, and triangle_point() a place on it, evenly in the solid angle from there. Where fog scatters
+//           mostly onwards, and among what glows all around, multiple importance sampling (Veach 1997, section 9.2) with
+//           phase_directions.hpp.
 // Differs:  from lamps' light shafts, which have no noise: rows of what shadows a lamp serve many rays, and an area of
-//           thousands of triangles has no few strata. The estimate is not weighed with others: the light per metre and
-//           steradian has no singularity that one of the three choices would leave over.
+//           thousands of triangles has no few strata. Directions are drawn only where a pilot finds that worth its time: the
+//           light per metre and steradian has no singularity that triangles' draws would leave over.
 // Data flow: part of a view ray -> its pieces in media, once (media_line.hpp) -> per draw: triangle, distance, place, one
 //           shadow ray -> radiance, by light groups where these are kept apart.
-// Bound:    a draw takes 1 us in a fog box and its shadow ray; the error of n draws falls with 1 / sqrt(n). 60 bytes a
-//           triangle beside those of mesh_emitters.hpp.
+// Bound:    a draw takes 1 us in a fog box and its shadow ray, half as much again where directions are drawn, too; the error
+//           of n draws falls with 1 / sqrt(n). 60 bytes a triangle beside those of mesh_emitters.hpp.
 #pragma once
 #include "core/statistics.hpp"
 #include "render/media_line.hpp"
 #include "render/mesh_emitters.hpp"
+#include "render/phase_directions.hpp"
 
 namespace tyndall::render {
 class FogGlow {
@@ -38,17 +41,45 @@ public:
         Rgb radiance{0.0f};
         std::uint8_t light_group = no_light_group;
     };
-    /// One draw: in the mean over all of them, what all triangles give.
-    [[nodiscard]] Found draw(const MediaLine& line, const Numbers& numbers) const;
+    /// One draw of a triangle, and where that helps, one of a direction; appends what they find. Together, and in the
+    /// mean over all draws, that is what all triangles give.
+    void draw(const MediaLine& line, const Numbers& numbers, std::vector<Found>& found) const;
     /// The pieces of a part.
     void assign(MediaLine& line, const light_shafts::ViewRay& part) const { line.assign(media_, part, StepLimits{}); }
 
-    /// How many draws a part gets in each sample: as many as the error target asks for in some of the parts, a power of two up to
-    /// most_draws.
-    [[nodiscard]] std::uint32_t count_draws(std::span<const light_shafts::ViewRay> parts, float error_target,
-                                            std::uint32_t pixel_samples, const Progress& progress) const;
+    struct Wanted {
+        float error_target = 0.002f; ///< As light_shafts::Config's.
+        std::uint32_t pixel_samples = 1;
+        bool is_coarse = false; ///< Soon, and no better than that: one draw.
+    };
+    /// Before draws: how many of them a part is worth, and whether directions are drawn in fog without a peak, too, found by
+    /// some of the parts. Throws Cancelled.
+    void prepare(std::span<const light_shafts::ViewRay> parts, const Wanted& wanted, const Progress& progress);
+    /// Of a part in each sample: a power of two up to most_draws.
+    [[nodiscard]] std::uint32_t draw_count() const { return draw_count_; }
+    [[nodiscard]] bool draws_directions() const { return draws_directions_; }
 
 private:
+    struct Noise;
+    /// Of one draw.
+    [[nodiscard]] Noise noise_of(std::span<const light_shafts::ViewRay> parts, const Progress& progress) const;
+    void draw_triangle(const MediaLine& line, const Numbers& numbers, const PhaseDirections* directions,
+                       std::vector<Found>& found) const;
+    void draw_direction(const MediaLine& line, const Numbers& numbers, const PhaseDirections& directions,
+                        std::vector<Found>& found) const;
+    /// What a direction that was drawn brings of the triangle that it meets there, weighed against draw_triangle().
+    [[nodiscard]] Rgb met(const MediaLine& line, const PhaseDirections& directions, const PhaseDirections::Drawn& drawn,
+                          std::uint32_t index, const Hit& hit) const;
+    [[nodiscard]] const LightLinks* links_of(const EmissiveTriangle& triangle) const {
+        const LightLinks& links = scene_.object_info(triangle.instance).links;
+        return links == LightLinks{} ? nullptr : &links;
+    }
+    /// Whether a ray by chance may meet it, and be told what blocks it.
+    [[nodiscard]] bool is_met_by_chance(const EmissiveTriangle& triangle) const {
+        const Instance& instance = scene_.description().instances[triangle.instance];
+        return instance.lights_media && instance.is_bounce_visible &&
+               scene_.object_info(triangle.instance).links.is_blocked_by_all();
+    }
     /// From a place on a triangle, which `hit` is.
     [[nodiscard]] Rgb passing_to(const vec3& point, const Hit& hit, const vec3& direction,
                                  const LightLinks* links) const;
@@ -57,6 +88,7 @@ private:
     const Media& media_;
     const MeshEmitters& emitters_;
     LightTree tree_; ///< Of those of its triangles that light media.
-    bool attenuates_light_;
+    bool attenuates_light_, draws_directions_ = false;
+    std::uint32_t draw_count_ = 1;
 };
 } // namespace tyndall::render

@@ -229,7 +229,7 @@ private:
         if (style_)
             config.shafts.visibility_light = style_->parameters().visibility_light();
         shafts_.emplace(scene_, media_, camera_, region_, waiting_, config, statistics_, progress_);
-        if (style_ && shafts_->glow_draws() > 0)
+        if (style_ && shafts_->has_glow())
             report_glow_in_style();
         if (shafts_->is_empty())
             shafts_.reset();

@@ -33,9 +33,10 @@ FrameShafts::FrameShafts(const Scene& scene, const Media& media, const Camera& c
     if (!glow_)
         return;
     const StageTimer timer(statistics, "glow in fog: pilot");
-    glow_draws_ = glow_->count_draws(rays_to_prepare(waiting, config.of_frame, nullptr), config.shafts.error_target,
-                                     config.pixel_samples, progress);
-    statistics.count("glow in fog: draws per ray", glow_draws_);
+    glow_->prepare(rays_to_prepare(waiting, config.of_frame, nullptr),
+                   {config.shafts.error_target, config.pixel_samples, config.shafts.walks_maps}, progress);
+    statistics.count("glow in fog: draws per ray", glow_->draw_count());
+    statistics.count("glow in fog: draws directions", glow_->draws_directions() ? 1.0 : 0.0);
     for (const std::uint8_t group : glow_->light_groups())
         if (config.shafts.keeps_groups_apart && std::ranges::find(slots_, group) == slots_.end())
             slots_.push_back(group);
@@ -137,6 +138,7 @@ void FrameShafts::add_glow(const Band& band, const Progress& progress) {
         [&](std::size_t index) {
             const std::size_t pixel = first_pixel + index;
             thread_local MediaLine line;
+            thread_local std::vector<FogGlow::Found> found;
             for (std::size_t part = waiting_.first[pixel]; part < waiting_.first[pixel + 1]; ++part) {
                 glow_->assign(line, waiting_.rays[part]);
                 if (line.is_empty())
@@ -145,14 +147,12 @@ void FrameShafts::add_glow(const Band& band, const Progress& progress) {
                     pixel_seed(camera_, config_.seed, region_.x0 + static_cast<std::uint32_t>(pixel % width()),
                                region_.y0 + static_cast<std::uint32_t>(pixel / width()));
                 const auto number = static_cast<std::uint32_t>(part - waiting_.first[pixel]);
-                for (std::uint32_t draw = 0; draw < glow_draws_; ++draw) {
-                    const auto [radiance, group] =
-                        glow_->draw(line, {seed, sample_index_ * glow_draws_ + draw, number});
-                    const std::size_t slot =
-                        slots_.size() == 1
-                            ? 0
-                            : static_cast<std::size_t>(std::ranges::find(slots_, group) - slots_.begin());
-                    of_slot_[slot][0].radiance[part] += radiance / static_cast<float>(glow_draws_);
+                const std::uint32_t draws = glow_->draw_count();
+                for (std::uint32_t draw = 0; draw < draws; ++draw) {
+                    found.clear();
+                    glow_->draw(line, {seed, sample_index_ * draws + draw, number}, found);
+                    for (const auto& [radiance, group] : found)
+                        of_slot_[slot_of(group)][0].radiance[part] += radiance / static_cast<float>(draws);
                 }
             }
         },

@@ -7,6 +7,7 @@
 #include "render/frame_air.hpp"
 #include "render/ray_parameters.hpp"
 #include "render/surface_pass.hpp"
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <optional>
@@ -44,8 +45,8 @@ public:
     [[nodiscard]] bool is_empty() const { return shafts_.is_empty() && !glow_; }
     /// As light_shafts::Shafts::slots, with those of what glows.
     [[nodiscard]] std::span<const std::uint8_t> slots() const { return slots_; }
-    /// Draws of what glows, per part and sample; 0: nothing does.
-    [[nodiscard]] std::uint32_t glow_draws() const { return glow_draws_; }
+    /// Something that glows lights media.
+    [[nodiscard]] bool has_glow() const { return glow_.has_value(); }
     /// Before the bands of a pass, whose parts wait now.
     void begin_pass(std::uint32_t sample_index, const Progress& progress);
     /// Asks for the light that the media scatter into the parts of a band; returns how many.
@@ -63,6 +64,10 @@ private:
         std::vector<Rgb> from_points, from_points_unshadowed; ///< Of what is shared.
     };
     using OfSides = std::array<OfSide, light_shafts::shared_sides.size()>;
+    /// Into slots().
+    [[nodiscard]] std::size_t slot_of(std::uint8_t group) const {
+        return slots_.size() == 1 ? 0 : static_cast<std::size_t>(std::ranges::find(slots_, group) - slots_.begin());
+    }
     /// Adds what glows to the light of a band.
     void add_glow(const Band& band, const Progress& progress);
     /// The slots' light, together.
@@ -81,7 +86,7 @@ private:
     Config config_;
     light_shafts::Shafts shafts_;
     std::optional<FogGlow> glow_; ///< Nothing: nothing that glows lights media.
-    std::uint32_t glow_draws_ = 0, sample_index_ = 0;
+    std::uint32_t sample_index_ = 0;
     std::vector<std::uint8_t> slots_;
     light_shafts::Turn turn_{};
     std::vector<OfSides> of_slot_;    ///< One for all light, or one per slot; kept from pass to pass for their memory.

@@ -6,8 +6,7 @@
 #include <cmath>
 
 namespace tyndall::render {
-static constexpr int angle_count = 8;       ///< Cells of even angle along all of the line.
-static constexpr float blind_share = 0.05f; ///< Of the draws, spread over all angles.
+static constexpr int angle_count = 8;      ///< Cells of even angle along all of the line.
 static constexpr float near_radii2 = 9.0f; ///< Squared distance, in radii, from which a triangle is as good as a point.
 static constexpr float least_softness = 1e-4f; ///< Of the distance to a triangle: how near to it a line is at least.
 
@@ -141,15 +140,13 @@ Rgb GlowDistances::light_side_depth(float at_m) const {
 GlowDistances::Distance GlowDistances::at(float u) const {
     if (cells().empty())
         return {};
-    const float by_weight = weight_sum_ > 0.0f ? (1.0f - blind_share) / weight_sum_ : 0.0f,
-                by_angle = (weight_sum_ > 0.0f ? blind_share : 1.0f) / angle_sum_rad_;
     float before = 0.0f, share = 0.0f;
     const Cell* chosen = nullptr;
     for (const Cell& cell : cells()) {
         if (chosen != nullptr && u < before + share)
             break;
         before += share;
-        share = by_weight * cell.weight + by_angle * cell.angle_rad;
+        share = share_of(cell);
         chosen = &cell; // the last one takes what rounding leaves
     }
     const float part = std::clamp((u - before) / share, 0.0f, 0x1.fffffep-1f);
@@ -158,5 +155,17 @@ GlowDistances::Distance GlowDistances::at(float u) const {
         std::clamp((chosen->from_x + along) / (1.0f - chosen->from_x * along), chosen->from_x, chosen->to_x);
     const float at_m = std::clamp(foot_m_ + off_m_ * x, chosen->piece->near_m, chosen->piece->far_m);
     return {at_m, chosen->piece, share / (chosen->angle_rad * off_m_ * (1.0f + x * x))};
+}
+
+float GlowDistances::density_per_m(const MediaLine::Piece& piece, float at_m) const {
+    const float x = (at_m - foot_m_) / off_m_;
+    const Cell* found = nullptr;
+    for (const Cell& cell : cells())
+        if (cell.piece == &piece) {
+            found = &cell;
+            if (x <= cell.to_x)
+                break;
+        }
+    return found == nullptr ? 0.0f : share_of(*found) / (found->angle_rad * off_m_ * (1.0f + x * x));
 }
 } // namespace tyndall::render

@@ -26,14 +26,23 @@ public:
     GlowDistances(const MediaLine& line, const EmissiveTriangle& triangle, const Media* light_side);
     /// By a number in [0, 1). Of the latest cells of this thread alone.
     [[nodiscard]] Distance at(float u) const;
+    /// With which at() returns a distance in a piece.
+    [[nodiscard]] float density_per_m(const MediaLine::Piece& piece, float at_m) const;
 
 private:
+    static constexpr float blind_share = 0.05f; ///< Of the draws, spread over all angles.
     struct Cell {
         float from_x, to_x; ///< Tangents of the angles between which it lies.
         float angle_rad, weight;
         const MediaLine::Piece* piece;
     };
     void cut(float near_m, float far_m);
+    /// How often a cell is drawn.
+    [[nodiscard]] float share_of(const Cell& cell) const {
+        const float by_weight = weight_sum_ > 0.0f ? (1.0f - blind_share) / weight_sum_ : 0.0f;
+        const float by_angle = (weight_sum_ > 0.0f ? blind_share : 1.0f) / angle_sum_rad_;
+        return by_weight * cell.weight + by_angle * cell.angle_rad;
+    }
     void add_cell(const MediaLine::Piece& piece, float from_x, float to_x);
     [[nodiscard]] float brightness(const MediaLine::Piece& piece, float at_m) const;
     /// At the ends of the line and where it is nearest; straight between these.

@@ -50,6 +50,8 @@ public:
     };
     /// A light that may shine on some of its points, by a number in [0, 1); see light_tree_along.cpp.
     [[nodiscard]] Choice choose_along(const Line& line, float u) const;
+    /// With which choose_along() returns that light.
+    [[nodiscard]] float probability_along(std::uint32_t light, const Line& line) const;
     /// With which choose() returns that light.
     [[nodiscard]] float probability(std::uint32_t light, const vec3& point, const vec3& normal) const;
     [[nodiscard]] bool is_empty() const { return nodes_.empty(); }

@@ -107,10 +107,20 @@ static HWY_INLINE float weigh(const LightTree::Node& node, const LightTree::Line
     return sum;
 }
 
+/// Where what is looked at first ends.
+static HWY_INLINE float middle_of(const LightTree::Line& line) {
+    return line.sigma_t_per_m > 0.0f ? std::min(line.far_m, line.near_m + first_depth / line.sigma_t_per_m)
+                                     : line.far_m;
+}
+
+float share_along_of(const LightTree::Node& node, std::uint32_t slot, const LightTree::Line& line) {
+    alignas(32) LightTree::Row weights;
+    const float sum = weigh(node, line, middle_of(line), weights);
+    return sum > 0.0f ? weights[slot] / sum : 0.0f;
+}
+
 LightTree::Choice choose_along_of(std::span<const LightTree::Node> nodes, const LightTree::Line& line, float u) {
-    float middle_m = line.far_m;
-    if (line.sigma_t_per_m > 0.0f)
-        middle_m = std::min(middle_m, line.near_m + first_depth / line.sigma_t_per_m);
+    const float middle_m = middle_of(line);
     float probability = 1.0f;
     for (std::uint32_t index = 0;;) {
         alignas(32) LightTree::Row weights;
@@ -132,11 +142,20 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace tyndall::render {
 HWY_EXPORT(choose_along_of);
+HWY_EXPORT(share_along_of);
 
 LightTree::Choice LightTree::choose_along(const Line& line, float u) const {
     if (nodes_.empty())
         return {};
     return HWY_DYNAMIC_DISPATCH(choose_along_of)(nodes_, line, u);
+}
+
+float LightTree::probability_along(std::uint32_t light, const Line& line) const {
+    float probability = place_of_light_[light].node == none ? 0.0f : 1.0f;
+    for (Place place = place_of_light_[light]; place.node != none && probability > 0.0f;
+         place = place_of_node_[place.node])
+        probability *= HWY_DYNAMIC_DISPATCH(share_along_of)(nodes_[place.node], place.slot, line);
+    return probability;
 }
 } // namespace tyndall::render
 #endif

@@ -5,8 +5,6 @@
 #include <algorithm>
 
 namespace tyndall::render {
-/// More are one: each is asked for every ray.
-static constexpr std::size_t most_boxes = 16;
 static constexpr float rounding_rad = 0.02f; ///< Around sharp edges of beams.
 
 /// Blender 4 turns and scales directions before a spot's cone is tested: its axis and half angle in the scene, about.
@@ -63,42 +61,12 @@ ManyLights::ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps,
         bounds.push_back(bounds_of(scene.lights()[lamp]));
     for (const EmissiveTriangle& triangle : emitters_->triangles()) {
         bounds.push_back(MeshEmitters::bounds_of(triangle));
-        if (!lights_surfaces(triangle))
+        if (lights_surfaces(triangle))
+            has_triangles_ = true;
+        else
             bounds.back().power = 0.0f;
     }
     tree_ = LightTree(bounds);
-    std::uint32_t instance = ~0u;
-    for (const EmissiveTriangle& triangle : emitters_->triangles()) {
-        if (!lights_surfaces(triangle))
-            continue;
-        if (triangle_boxes_.empty() || (triangle.instance != instance && triangle_boxes_.size() < most_boxes))
-            triangle_boxes_.emplace_back();
-        instance = triangle.instance;
-        for (const vec3& corner : triangle.corners)
-            triangle_boxes_.back().grow(corner);
-    }
-    for (Bounds3& box : triangle_boxes_) { // with what rounding may add
-        const vec3 margin = 1e-5f * (glm::abs(box.min) + glm::abs(box.max)) + 1e-3f * (box.max - box.min) + 1e-6f;
-        box.min -= margin, box.max += margin;
-    }
-}
-
-bool ManyLights::may_meet_triangle(const Ray& ray) const {
-    return std::ranges::any_of(triangle_boxes_, [&](const Bounds3& box) {
-        float near_m = 0.0f, far_m = ray.far_m;
-        for (int axis = 0; axis < 3; ++axis) {
-            const float low_m = box.min[axis] - ray.origin[axis], high_m = box.max[axis] - ray.origin[axis];
-            if (ray.direction[axis] == 0.0f) {
-                if (low_m > 0.0f || high_m < 0.0f)
-                    return false;
-                continue;
-            }
-            const float a = low_m / ray.direction[axis], b = high_m / ray.direction[axis];
-            near_m = std::max(near_m, std::min(a, b));
-            far_m = std::min(far_m, std::max(a, b));
-        }
-        return near_m <= far_m;
-    });
 }
 
 std::optional<ManyLights::Aimed> ManyLights::aim(const SurfacePoint& point, float u_choice, vec2 u_place) const {

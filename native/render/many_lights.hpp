@@ -20,7 +20,7 @@ public:
     ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps, std::shared_ptr<const MeshEmitters> emitters);
     [[nodiscard]] bool is_empty() const { return tree_.is_empty(); }
     [[nodiscard]] std::span<const std::uint32_t> lamps() const { return lamps_; }
-    [[nodiscard]] bool has_triangles() const { return !triangle_boxes_.empty(); }
+    [[nodiscard]] bool has_triangles() const { return has_triangles_; }
     /// Whether what glows there is one of these lights.
     [[nodiscard]] bool has(const Hit& hit) const { return emitters_->index_of(hit) != LightTree::none; }
 
@@ -35,8 +35,8 @@ public:
     };
     /// By numbers in [0, 1). Nothing: no light comes from there.
     [[nodiscard]] std::optional<Aimed> aim(const SurfacePoint& point, float u_choice, vec2 u_place) const;
-    /// False: the ray misses all triangles, whatever stands before them.
-    [[nodiscard]] bool may_meet_triangle(const Ray& ray) const;
+    /// See MeshEmitters::may_meet.
+    [[nodiscard]] bool may_meet_triangle(const Ray& ray) const { return emitters_->may_meet(ray); }
     /// A ray from the point that met a triangle: what it brings, and with which density aim() takes it; else nothing.
     [[nodiscard]] std::optional<Aimed> met(const SurfacePoint& point, const Ray& ray, const Hit& hit) const;
 
@@ -55,6 +55,6 @@ private:
     std::vector<std::uint32_t> lamps_;
     std::shared_ptr<const MeshEmitters> emitters_; ///< Those among them that light surfaces are in the tree.
     LightTree tree_;                               ///< Lamps first.
-    std::vector<Bounds3> triangle_boxes_; ///< Around all triangles: one for each object that glows, or one for many.
+    bool has_triangles_ = false;                   ///< In the tree.
 };
 } // namespace tyndall::render

@@ -10,6 +10,9 @@ static constexpr float least_depth = 0.2f;
 /// Shares of the light that the part takes, between which a cell ends: an eighth each, and of the last one less and less.
 static constexpr std::array loss_shares{0.125f, 0.25f, 0.375f, 0.5f, 0.625f, 0.75f, 0.875f, 0.95f, 0.99f};
 
+/// Asymmetry from which directions of the phase function are worth a ray of their own.
+static constexpr float least_peak = 0.3f;
+
 static float passing_of(const Rgb& depth) {
     return depth.x == depth.y && depth.y == depth.z ? std::exp(-depth.x) : average(glm::exp(-depth));
 }
@@ -18,6 +21,8 @@ void MediaLine::append_lobes(std::uint16_t medium, float density) {
     for (const ScatterLobe& lobe : media_->scene().description().media[medium].lobes) {
         lobes_.push_back({density * average(lobe.sigma_s_per_m), lobe.asymmetry_g});
         ++pieces_.back().lobe_count;
+        pieces_.back().sigma_s_per_m += lobes_.back().sigma_s_per_m;
+        has_peak_ |= std::abs(lobe.asymmetry_g) >= least_peak;
     }
 }
 
@@ -44,6 +49,7 @@ void MediaLine::assign(const Media& media, const light_shafts::ViewRay& part, co
     segments_.clear(), pieces_.clear(), lobes_.clear(), equal_losses_m_.clear();
     part_ = light_shafts::clip_to_media(media, part, segments_).clipped;
     sigma_t_per_m_ = 0.0f;
+    has_peak_ = false;
     if (!(part_.near_m < part_.far_m))
         return;
     if (media.grids().is_empty()) {

@@ -22,6 +22,7 @@ public:
         Rgb sigma_t_per_m{0.0f};
         std::uint32_t segment = 0; ///< Its homogeneous media.
         std::uint32_t first_lobe = 0, lobe_count = 0;
+        float sigma_s_per_m = 0.0f; ///< Of all lobes.
         [[nodiscard]] Rgb depth_at(float at_m) const { return depth + sigma_t_per_m * (at_m - near_m); }
     };
 
@@ -35,6 +36,8 @@ public:
     [[nodiscard]] std::span<const Lobe> lobes_of(const Piece& piece) const {
         return std::span(lobes_).subspan(piece.first_lobe, piece.lobe_count);
     }
+    /// Some of it scatters mostly onwards or back.
+    [[nodiscard]] bool has_peak() const { return has_peak_; }
     /// Of all of it, mean of the channels.
     [[nodiscard]] float sigma_t_per_m() const { return sigma_t_per_m_; }
     /// Distances between which the media take equal shares of the light, near to far; few where they take little of it.
@@ -55,6 +58,7 @@ private:
     const Media* media_ = nullptr;
     light_shafts::ViewRay part_{};
     float sigma_t_per_m_ = 0.0f;
+    bool has_peak_ = false;
     std::vector<MediumSegment> segments_;
     MediumSteps steps_; ///< Where there are density grids.
     std::vector<Piece> pieces_;

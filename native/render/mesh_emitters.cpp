@@ -9,6 +9,8 @@
 namespace tyndall::render {
 /// Share of what seems mean for its material that a triangle is counted with at least.
 static constexpr float least_share = 0.02f;
+/// More are one: each is asked for every ray.
+static constexpr std::size_t most_boxes = 16;
 /// The back of a closed mesh is drawn, too: it may be a dome around the scene.
 static constexpr float back_of_closed = 0.05f;
 
@@ -113,6 +115,7 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
             for (std::size_t triangle = first; triangle < triangles_.size(); ++triangle)
                 triangles_[triangle].back = 1.0f;
     }
+    find_boxes();
     struct Sum {
         float radiance_m2 = 0.0f, area_m2 = 0.0f;
     };
@@ -131,6 +134,39 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
         if (const auto& [radiance_m2, area_m2] = sums[materials[index]]; !triangles_[index].is_constant)
             triangles_[index].radiance =
                 std::max({triangles_[index].radiance, least_share * radiance_m2 / area_m2, 1e-6f});
+}
+
+void MeshEmitters::find_boxes() {
+    std::uint32_t instance = ~0u;
+    for (const EmissiveTriangle& triangle : triangles_) {
+        if (boxes_.empty() || (triangle.instance != instance && boxes_.size() < most_boxes))
+            boxes_.emplace_back();
+        instance = triangle.instance;
+        for (const vec3& corner : triangle.corners)
+            boxes_.back().grow(corner);
+    }
+    for (Bounds3& box : boxes_) { // with what rounding may add
+        const vec3 margin = 1e-5f * (glm::abs(box.min) + glm::abs(box.max)) + 1e-3f * (box.max - box.min) + 1e-6f;
+        box.min -= margin, box.max += margin;
+    }
+}
+
+bool MeshEmitters::may_meet(const Ray& ray) const {
+    return std::ranges::any_of(boxes_, [&](const Bounds3& box) {
+        float near_m = 0.0f, far_m = ray.far_m;
+        for (int axis = 0; axis < 3; ++axis) {
+            const float low_m = box.min[axis] - ray.origin[axis], high_m = box.max[axis] - ray.origin[axis];
+            if (ray.direction[axis] == 0.0f) {
+                if (low_m > 0.0f || high_m < 0.0f)
+                    return false;
+                continue;
+            }
+            const float a = low_m / ray.direction[axis], b = high_m / ray.direction[axis];
+            near_m = std::max(near_m, std::min(a, b));
+            far_m = std::min(far_m, std::max(a, b));
+        }
+        return near_m <= far_m;
+    });
 }
 
 LightBounds MeshEmitters::bounds_of(const EmissiveTriangle& triangle) {

@@ -37,14 +37,19 @@ public:
     [[nodiscard]] static LightBounds bounds_of(const EmissiveTriangle& triangle);
     /// Index of a hit's triangle; LightTree::none where it is no light.
     [[nodiscard]] std::uint32_t index_of(const Hit& hit) const;
+    /// False: the ray misses all triangles, whatever stands before them.
+    [[nodiscard]] bool may_meet(const Ray& ray) const;
     /// Radiance that leaves the triangle towards where the ray comes from.
     [[nodiscard]] static Rgb radiance(const Scene& scene, const EmissiveTriangle& triangle, const Ray& ray,
                                       const Hit& hit, RayKind kind = RayKind::Diffuse);
 
 private:
+    void find_boxes();
+
     std::vector<EmissiveTriangle> triangles_;
     std::vector<std::uint32_t> first_of_instance_; ///< Into index_of_triangle_; none: it does not glow.
     std::vector<std::uint32_t> index_of_triangle_;
+    std::vector<Bounds3> boxes_; ///< Around all triangles: one for each object that glows, or one for many.
 };
 /// Uniform in the solid angle where that is wide, else in the area.
 [[nodiscard]] TrianglePoint triangle_point(const std::array<vec3, 3>& corners, const vec3& from, vec2 u);

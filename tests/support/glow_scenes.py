@@ -120,8 +120,26 @@ def _in(lights: Callable[[], object], volume: Build) -> Callable[[], object]:
     return lambda: (lights(), fog(volume))
 
 
+def _wall() -> None:
+    """Wide, and behind the fog."""
+    shown = plate(strength=1.5)
+    shown.location, shown.rotation_euler, shown.scale = (-1.0, 4.3, 1.5), (radians(90), 0.0, 0.0), (3.0, 3.0, 1.0)
+
+
+def _dome() -> None:
+    data = bpy.data.meshes.new("Dome")
+    shape = bmesh.new()
+    bmesh.ops.create_icosphere(shape, subdivisions=2, radius=9.0)
+    shape.to_mesh(data)
+    shape.free()
+    data.materials.append(_glow("Dome", 0.5, (0.5, 0.7, 1.0)))
+    add("Dome", data)
+
+
 SCENES: dict[str, Callable[[], object]] = {
     "plate": _in(plate, _scatter(0.1, 0.5)),
+    "wall, fog that scatters onwards": _in(_wall, _scatter(0.1, 0.8)),
+    "dome": _in(_dome, _scatter(0.1)),
     "plate, dense": _in(plate, _scatter(0.8, 0.0, (0.9, 0.5, 0.2))),
     "ball in the world's fog": lambda: (_ball(), _world_fog(0.1, -0.3)),
     "sparks": _in(_sparks, _scatter(0.1)),
