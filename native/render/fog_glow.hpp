@@ -20,8 +20,8 @@
 namespace tyndall::render {
 class FogGlow {
 public:
-    /// Draws of a part at most: then they take twice the time of a camera ray, and their noise is most of what is left.
-    static constexpr std::uint32_t most_draws = 8;
+    /// Draws of a part at most: they then take about as long as a camera ray with all that follows from it.
+    static constexpr std::uint32_t most_draws = 4;
     /// The references must outlive this. Reports what is not followed.
     FogGlow(const Scene& scene, const Media& media, const MeshEmitters& emitters, bool attenuates_light,
             Statistics& statistics);

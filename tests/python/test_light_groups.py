@@ -42,12 +42,12 @@ def lamp(index: int, group: str) -> Light:
 
 
 def stage(lamp_count: int, *, is_foggy: bool) -> SceneDescription:
-    """A floor, a cube, a plate that glows in group "b", and lamps of both groups; fog, or the plate."""
+    """A floor, a cube, a plate that glows in group "b", and lamps of both groups; fog."""
     plate = replace(placed(square(), translation(-1, 0, 2.5), materials=(1,)), lighting=ObjectLighting(light_group="b"))
     floor, block = placed(square(), np.diag([3.0, 3, 1, 1])), placed(unit_cube(), np.diag([0.4, 0.4, 0.4, 1]))
     fog = placed(unit_cube(), np.diag([2.0, 2, 2, 1]) @ translation(0, 0, 0.01), materials=(2,))
     return SceneDescription(
-        instances=(floor, block, fog if is_foggy else plate),
+        instances=(floor, block, plate, *((fog,) if is_foggy else ())),
         materials=(
             Material(name="grey"),
             Material(name="glow", emission=(1.0, 2.0, 0.5)),

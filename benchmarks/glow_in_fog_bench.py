@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Noise of fog that meshes light at equal time: ours and Cycles' with its light tree.
+
+scripts/python benchmarks/glow_in_fog_bench.py --context FILE --output FILE. Times are the process's CPU time on one
+thread, of a render less that of the same render with one sample per pixel. Noise: of two renders that differ in their
+seed, per pixel, relative to the picture's mean; as the root of its mean square, which the worst pixels make, and as the
+median. It falls with the root of the time, which makes one figure of both: noise times root of CPU seconds.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+import tyndall.blender
+from report import Row, argument_parser, row, write_report
+
+sys.path.append(str(Path(__file__).parents[1] / "tests"))
+from support.cycles_reference import _prepare_tyndall, prepare_cycles, rendered_pixels
+from support.glow_scenes import SCENES, build
+
+SIZE_PX = 96, 54
+SAMPLES = {"cycles": 128, "tyndall": 16}
+
+
+def measured(scene: bpy.types.Scene, engine: str, samples: int, seed: int) -> tuple[np.ndarray, float]:
+    """Render; the picture and the CPU seconds."""
+    if engine == "cycles":
+        prepare_cycles(scene, samples, seed)
+        scene.cycles.use_light_tree = True
+    else:
+        _prepare_tyndall(scene, samples, seed)
+    begin = time.process_time()
+    picture = rendered_pixels(scene)
+    return picture, time.process_time() - begin
+
+
+def run() -> list[Row]:
+    """Measure both engines in all scenes."""
+    rows = []
+    for name in SCENES:
+        scene = build(name)
+        scene.render.resolution_x, scene.render.resolution_y = SIZE_PX
+        scene.render.threads_mode, scene.render.threads = "FIXED", 1
+        for engine, samples in SAMPLES.items():
+            _, of_setup_s = measured(scene, engine, 1, 1)
+            (first, first_s), (second, second_s) = (measured(scene, engine, samples, seed) for seed in (1, 2))
+            cpu_s = max(min(first_s, second_s) - of_setup_s, 1e-3) * samples / (samples - 1)
+            level = (first.mean() + second.mean()) / 2
+            noise = np.sqrt(((first - second) ** 2).mean(axis=2) / 2) / level
+            rms, median = float(np.sqrt((noise**2).mean())), float(np.median(noise) / 0.6745)
+            rows.append(
+                row(
+                    f"{name}, {engine}",
+                    cpu_s,
+                    samples=samples,
+                    setup_cpu_s=of_setup_s,
+                    mean=float(level),
+                    rms_noise=rms,
+                    median_noise=median,
+                    rms_times_root_s=rms * cpu_s**0.5,
+                    median_times_root_s=median * cpu_s**0.5,
+                )
+            )
+            print(rows[-1], flush=True)
+    return rows
+
+
+if __name__ == "__main__":
+    arguments = argument_parser(__doc__).parse_args()
+    tyndall.blender.enable()
+    write_report(run(), arguments)
