@@ -50,7 +50,7 @@ public:
     struct Wanted {
         float error_target = 0.002f; ///< As light_shafts::Config's.
         std::uint32_t pixel_samples = 1;
-        bool is_coarse = false; ///< Soon, and no better than that: one draw.
+        bool is_coarse = false; ///< Soon, and no better than that: one draw, and no pilot.
     };
     /// Before draws: how many of them a part is worth, and whether directions are drawn in fog without a peak, too, found by
     /// some of the parts. Throws Cancelled.

@@ -46,14 +46,16 @@ FogGlow::Noise FogGlow::noise_of(std::span<const light_shafts::ViewRay> parts, c
 }
 
 void FogGlow::prepare(std::span<const light_shafts::ViewRay> parts, const Wanted& wanted, const Progress& progress) {
+    draw_count_ = 1;
+    if (wanted.is_coarse)
+        return;
     Noise noise = noise_of(parts, progress);
     draws_directions_ = true;
     const Noise with_directions = noise_of(parts, progress);
     draws_directions_ = with_directions.variance * (1.0 + direction_cost) < noise.variance;
     if (draws_directions_)
         noise = with_directions;
-    draw_count_ = 1;
-    if (wanted.is_coarse || !(noise.variance > 0.0))
+    if (!(noise.variance > 0.0))
         return;
     const double error = wanted.error_target;
     const double needed = noise.variance / (noise.square * error * error * wanted.pixel_samples);

@@ -170,6 +170,25 @@ TEST_CASE("what lies between takes its share: a pane in its colours, fog boxes o
     check_within_noise(clear, truth, 1e-2);
 }
 
+TEST_CASE("a scene of any size sends the same light where its fog is as much thinner") {
+    const auto light_at = [](float scale, float asymmetry_g) {
+        const auto scene =
+            make_scene({floor_at(scale * vec3(0.5f, 0.1f, 0.4f), scale * 0.3f, diffuse(Rgb(0.0f), Rgb(2.0f))),
+                        box_of(0, vec3(0.0f), scale * vec3(3.0f, 4.0f, 4.0f))},
+                       {fog_of(Rgb(0.3f / scale), asymmetry_g)});
+        return mean_of(*scene, {scale * along_x.origin, along_x.direction, 0.0f, scale * along_x.far_m}, true, 4)
+            .value.x;
+    };
+    for (const float asymmetry_g : {0.0f, 0.7f}) {
+        const double at_1_m = light_at(1.0f, asymmetry_g);
+        CHECK(at_1_m > 0.01);
+        for (const float scale : {1e-4f, 1e-2f, 1e2f, 1e4f, 1e6f}) {
+            CAPTURE(scale);
+            CHECK(light_at(scale, asymmetry_g) == doctest::Approx(at_1_m).epsilon(2e-3));
+        }
+    }
+}
+
 TEST_CASE("smoke of a density grid is lit as the march of its densities says") {
     const auto density = [](int x, int y, int z) { return blob(16, x, y, z); };
     SceneDescription description = description_of(*make_scene(
