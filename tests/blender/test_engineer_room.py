@@ -3,7 +3,7 @@
 
 The scene lies beside the repository, in ../shared/data/blend; its README says what must be hidden. Compared is what the
 haze scatters, pass against pass: surfaces come with the materials. Cycles is asked for single scattering, and lamps
-alone light it; meshes that glow wait for their own issue, as do area lights.
+alone light it: meshes that glow and area lights have tests of their own.
 """
 
 from __future__ import annotations
