@@ -10,15 +10,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::render::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-using Tag = hn::CappedTag<float, LightTree::width>;
-using V = hn::Vec<Tag>;
-static constexpr Tag d;
-static HWY_INLINE V set(float value) { return hn::Set(d, value); }
-static HWY_INLINE V load(const LightTree::Row& row, std::size_t at) { return hn::Load(d, &row[at]); }
-static HWY_INLINE V sine_of(V cosine) {
-    return hn::Sqrt(hn::Max(hn::Zero(d), hn::NegMulAdd(cosine, cosine, set(1.0f))));
-}
+#include "render/light_tree-inl.hpp"
 
 /// What each child may send to a point; returns the sum.
 static HWY_INLINE float weigh(const LightTree::Node& node, const vec3& point, const vec3& normal,
@@ -39,48 +31,24 @@ static HWY_INLINE float weigh(const LightTree::Node& node, const vec3& point, co
         const V along_axis = hn::Neg(hn::MulAdd(x, load(node.axis_x, at),
                                                 hn::MulAdd(y, load(node.axis_y, at), z * load(node.axis_z, at)))) *
                              inverse;
-        const V cos_spread = load(node.cos_spread, at), sin_spread = load(node.sin_spread, at);
-        const V cos_widened = hn::NegMulAdd(sin_spread, sine, cos_spread * cosine),
-                sin_widened = hn::MulAdd(sin_spread, cosine, cos_spread * sine);
-        const V across_axis = sine_of(along_axis), cos_reach = load(node.cos_reach, at);
-        const auto emitted = [&](V along) {
-            const auto is_full = hn::Or(hn::Ge(along, cos_widened), hn::Lt(sin_widened, zero));
-            const V beside = hn::MulAdd(along, cos_widened, across_axis * sin_widened);
-            // What lies out of reach by no more than rounding is in it.
-            return hn::IfThenElse(is_full, one, hn::IfThenElseZero(hn::Ge(beside, cos_reach - set(1e-5f)), beside));
-        };
-        const V from_light = hn::Max(emitted(along_axis), load(node.back, at) * emitted(hn::Neg(along_axis)));
-        const V shape = hn::IfThenElse(is_inside, one, hn::Max(zero, towards) * hn::Max(zero, from_light));
+        const V from_light = Beams(node, at).towards(along_axis, sine, cosine);
+        const V shape = hn::IfThenElse(is_inside, one, hn::Max(zero, towards) * from_light);
         hn::Store(load(node.power, at) * shape / hn::Max(distance2, hn::Max(load(node.floor2, at), set(1e-30f))), d,
                   &weights[at]);
     }
-    float sum = 0.0f; // in one order on every machine
-    for (const float weight : weights)
-        sum += weight;
-    return sum;
+    return sum_of(weights);
 }
 
 LightTree::Choice choose_of(std::span<const LightTree::Node> nodes, const vec3& point, const vec3& normal, float u) {
-    float probability = 1.0f;
-    for (std::uint32_t index = 0;;) {
-        alignas(32) LightTree::Row weights;
-        const LightTree::Node& node = nodes[index];
-        const float sum = weigh(node, point, normal, weights);
-        if (!(sum > 0.0f))
-            return {};
-        const LightTree::Slot chosen = LightTree::slot_at(weights, sum, u);
-        u = chosen.rest;
-        probability *= weights[chosen.slot] / sum;
-        if ((node.child[chosen.slot] & LightTree::is_light) != 0)
-            return {node.child[chosen.slot] & ~LightTree::is_light, probability};
-        index = node.child[chosen.slot];
-    }
+    return descend(nodes, u, [&](const LightTree::Node& node, LightTree::Row& weights) HWY_ATTR {
+        return weigh(node, point, normal, weights);
+    });
 }
 
 float share_of(const LightTree::Node& node, std::uint32_t slot, const vec3& point, const vec3& normal) {
-    alignas(32) LightTree::Row weights;
-    const float sum = weigh(node, point, normal, weights);
-    return sum > 0.0f ? weights[slot] / sum : 0.0f;
+    return share_of_slot(node, slot, [&](const LightTree::Node& one, LightTree::Row& weights) HWY_ATTR {
+        return weigh(one, point, normal, weights);
+    });
 }
 } // namespace tyndall::render::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

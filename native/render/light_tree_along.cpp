@@ -17,20 +17,12 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::render::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-using Tag = hn::CappedTag<float, LightTree::width>;
-using V = hn::Vec<Tag>;
-static constexpr Tag d;
+#include "render/light_tree-inl.hpp"
+
 /// Optical depth of the stretch that is looked at first.
 static constexpr float first_depth = 1.1f;
 /// Every light counts as if it shone so much towards the stretch: the three points may miss its beam.
 static constexpr float least_shine = 0.02f;
-
-static HWY_INLINE V set(float value) { return hn::Set(d, value); }
-static HWY_INLINE V load(const LightTree::Row& row, std::size_t at) { return hn::Load(d, &row[at]); }
-static HWY_INLINE V sine_of(V cosine) {
-    return hn::Sqrt(hn::Max(hn::Zero(d), hn::NegMulAdd(cosine, cosine, set(1.0f))));
-}
 
 /// Between the directions (1, from) and (1, to), from <= to; to 0.005 rad.
 static HWY_INLINE V angle(V from, V to) {
@@ -43,10 +35,11 @@ static HWY_INLINE V angle(V from, V to) {
 
 /// Lights as seen from the line's origin, and how they shine on a point of the line.
 struct Seen {
-    V x, y, z, axis_x, axis_y, axis_z, radius2, cos_spread, sin_spread, cos_reach, back;
+    Beams beams;
+    V x, y, z, axis_x, axis_y, axis_z, radius2;
 
     HWY_INLINE V shine(const LightTree::Line& line, V at) const {
-        const V zero = hn::Zero(d), one = set(1.0f);
+        const V one = set(1.0f);
         const V to_x = hn::NegMulAdd(at, set(line.direction.x), x), to_y = hn::NegMulAdd(at, set(line.direction.y), y),
                 to_z = hn::NegMulAdd(at, set(line.direction.z), z);
         const V distance2 = hn::MulAdd(to_x, to_x, hn::MulAdd(to_y, to_y, to_z * to_z));
@@ -54,16 +47,7 @@ struct Seen {
         const V sine2 = hn::Min(one, radius2 * inverse * inverse), sine = hn::Sqrt(sine2),
                 cosine = hn::Sqrt(one - sine2);
         const V along = hn::Neg(hn::MulAdd(to_x, axis_x, hn::MulAdd(to_y, axis_y, to_z * axis_z))) * inverse;
-        const V cos_widened = hn::NegMulAdd(sin_spread, sine, cos_spread * cosine),
-                sin_widened = hn::MulAdd(sin_spread, cosine, cos_spread * sine);
-        const V across = sine_of(along);
-        const auto emitted = [&](V towards) HWY_ATTR {
-            const auto is_full = hn::Or(hn::Ge(towards, cos_widened), hn::Lt(sin_widened, zero));
-            const V beside = hn::MulAdd(towards, cos_widened, across * sin_widened);
-            return hn::IfThenElse(is_full, one, hn::IfThenElseZero(hn::Ge(beside, cos_reach), beside));
-        };
-        const V shine = hn::Max(emitted(along), back * emitted(hn::Neg(along)));
-        return hn::IfThenElse(hn::Le(distance2, radius2), one, hn::Max(zero, shine));
+        return hn::IfThenElse(hn::Le(distance2, radius2), one, beams.towards(along, sine, cosine));
     }
 };
 
@@ -72,13 +56,14 @@ static HWY_INLINE float weigh(const LightTree::Node& node, const LightTree::Line
                               LightTree::Row& weights) {
     alignas(32) LightTree::Row deep{}, foot_m{};
     for (std::size_t at = 0; at < LightTree::width; at += hn::Lanes(d)) {
-        Seen seen;
-        seen.x = load(node.x, at) - set(line.origin.x), seen.y = load(node.y, at) - set(line.origin.y),
-        seen.z = load(node.z, at) - set(line.origin.z);
-        seen.axis_x = load(node.axis_x, at), seen.axis_y = load(node.axis_y, at), seen.axis_z = load(node.axis_z, at);
-        seen.radius2 = load(node.radius2, at), seen.back = load(node.back, at);
-        seen.cos_spread = load(node.cos_spread, at), seen.sin_spread = load(node.sin_spread, at);
-        seen.cos_reach = load(node.cos_reach, at);
+        const Seen seen{.beams = Beams(node, at),
+                        .x = load(node.x, at) - set(line.origin.x),
+                        .y = load(node.y, at) - set(line.origin.y),
+                        .z = load(node.z, at) - set(line.origin.z),
+                        .axis_x = load(node.axis_x, at),
+                        .axis_y = load(node.axis_y, at),
+                        .axis_z = load(node.axis_z, at),
+                        .radius2 = load(node.radius2, at)};
         const V foot = hn::MulAdd(seen.x, set(line.direction.x),
                                   hn::MulAdd(seen.y, set(line.direction.y), seen.z * set(line.direction.z)));
         // Off the line: the difference of two squares would have no digits left for what is far along it.
@@ -101,10 +86,7 @@ static HWY_INLINE float weigh(const LightTree::Node& node, const LightTree::Line
         for (std::size_t slot = 0; slot < LightTree::width; ++slot)
             weights[slot] += deep[slot] * std::exp(-line.sigma_t_per_m *
                                                    (std::clamp(foot_m[slot], middle_m, line.far_m) - line.near_m));
-    float sum = 0.0f; // in one order on every machine
-    for (const float weight : weights)
-        sum += weight;
-    return sum;
+    return sum_of(weights);
 }
 
 /// Where what is looked at first ends.
@@ -113,28 +95,17 @@ static HWY_INLINE float middle_of(const LightTree::Line& line) {
                                      : line.far_m;
 }
 
-float share_along_of(const LightTree::Node& node, std::uint32_t slot, const LightTree::Line& line) {
-    alignas(32) LightTree::Row weights;
-    const float sum = weigh(node, line, middle_of(line), weights);
-    return sum > 0.0f ? weights[slot] / sum : 0.0f;
-}
-
 LightTree::Choice choose_along_of(std::span<const LightTree::Node> nodes, const LightTree::Line& line, float u) {
     const float middle_m = middle_of(line);
-    float probability = 1.0f;
-    for (std::uint32_t index = 0;;) {
-        alignas(32) LightTree::Row weights;
-        const LightTree::Node& node = nodes[index];
-        const float sum = weigh(node, line, middle_m, weights);
-        if (!(sum > 0.0f))
-            return {};
-        const LightTree::Slot chosen = LightTree::slot_at(weights, sum, u);
-        u = chosen.rest;
-        probability *= weights[chosen.slot] / sum;
-        if ((node.child[chosen.slot] & LightTree::is_light) != 0)
-            return {node.child[chosen.slot] & ~LightTree::is_light, probability};
-        index = node.child[chosen.slot];
-    }
+    return descend(nodes, u, [&](const LightTree::Node& node, LightTree::Row& weights) HWY_ATTR {
+        return weigh(node, line, middle_m, weights);
+    });
+}
+
+float share_along_of(const LightTree::Node& node, std::uint32_t slot, const LightTree::Line& line) {
+    return share_of_slot(node, slot, [&](const LightTree::Node& one, LightTree::Row& weights) HWY_ATTR {
+        return weigh(one, line, middle_of(line), weights);
+    });
 }
 } // namespace tyndall::render::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
