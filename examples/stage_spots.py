@@ -254,7 +254,8 @@ def lights(black: bpy.types.Material) -> None:
         if colour not in lens:
             disc = Shape().lathe([(0.115, 0.0), (0.115, 0.004)], 24)
             lens[colour] = disc.mesh("Lens", emission("Lens", colour, 6.0))
-        link(f"{name} Lens", lens[colour], place=light.matrix_world @ Matrix.Translation((0, 0, 0.06)))
+        shown = link(f"{name} Lens", lens[colour], place=light.matrix_world @ Matrix.Translation((0, 0, 0.06)))
+        shown.visible_volume_scatter = False
     for x, colour in ((-4.2, BLUE), (0.0, MAGENTA), (4.2, BLUE)):
         point_light("Uplight", (x, 5.5, STAGE_TOP + 0.25), 90, colour, 0.06)
     for x in (-3.4, 0.0, 3.4):  # inside the rear truss, so that it shows

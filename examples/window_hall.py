@@ -260,7 +260,8 @@ def furniture(timber: bpy.types.Material, iron: bpy.types.Material) -> None:
     flame = emission("Flame", (1.0, 0.55, 0.18), 60.0)
     cage = lantern().mesh("Lantern", iron, flame)
     for along in (-3.5, 2.0, 7.5):
-        link("Lantern", cage, place=placed((-0.4, along, 4.3)))
+        hung = link("Lantern", cage, place=placed((-0.4, along, 4.3)))
+        hung.visible_volume_scatter = False  # a lamp lights the air for it
         point_light("Lantern Light", (-0.4, along, 4.3), 130, (1.0, 0.52, 0.20), 0.04)
 
 
