@@ -79,7 +79,7 @@ def _(_scene: Scene, random: Random) -> None:
             [
                 "ShaderNodeBsdfGlass",
                 "ShaderNodeSubsurfaceScattering",
-                "ShaderNodeBsdfHair",
+                "ShaderNodeEeveeSpecular",
             ]
         )
     )
