@@ -10,33 +10,19 @@ median. It falls with the root of the time, which makes one figure of both: nois
 from __future__ import annotations
 
 import sys
-import time
 from pathlib import Path
 
-import bpy
 import numpy as np
+from many_lights_bench import measured
 
 import tyndall.blender
 from report import Row, argument_parser, row, write_report
 
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
-from support.cycles_reference import _prepare_tyndall, prepare_cycles, rendered_pixels
 from support.glow_scenes import SCENES, build
 
 SIZE_PX = 96, 54
 SAMPLES = {"cycles": 128, "tyndall": 16}
-
-
-def measured(scene: bpy.types.Scene, engine: str, samples: int, seed: int) -> tuple[np.ndarray, float]:
-    """Render; the picture and the CPU seconds."""
-    if engine == "cycles":
-        prepare_cycles(scene, samples, seed)
-        scene.cycles.use_light_tree = True
-    else:
-        _prepare_tyndall(scene, samples, seed)
-    begin = time.process_time()
-    picture = rendered_pixels(scene)
-    return picture, time.process_time() - begin
 
 
 def run() -> list[Row]:

@@ -72,9 +72,7 @@ private:
         Rgb scatter = media_.scatter_per_m_sr(set, cosine);
         for (const GridShare& share : shares) {
             const PlacedGrid& placed = media_.grids().all()[share.grid];
-            MediumSet alone;
-            alone.insert(placed.medium);
-            scatter += share.density * placed.density_scale * media_.scatter_per_m_sr(alone, cosine);
+            scatter += share.density * placed.density_scale * media_.scatter_per_m_sr(placed.medium, cosine);
         }
         const LightSample& light = light_.light_;
         const Rgb colour = light.textured ? texture_colour(*light.textured, light.position, at) : Rgb(1.0f);

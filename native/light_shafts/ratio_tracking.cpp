@@ -97,9 +97,7 @@ private:
             const float density = placed.grid->at(vec3(placed.line(point, ray_.direction).origin));
             if (!(density > 0.0f))
                 continue;
-            MediumSet alone;
-            alone.insert(placed.medium);
-            sum += density * placed.density_scale * media_.scatter_per_m_sr(alone, cosine);
+            sum += density * placed.density_scale * media_.scatter_per_m_sr(placed.medium, cosine);
         }
         return sum;
     }

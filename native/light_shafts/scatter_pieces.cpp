@@ -175,11 +175,8 @@ void DirectionalScatter::append_grid_pieces(const ViewRay& ray, std::span<const 
     if (grid_depth_)
         grid_depth_->append_reached(ray.origin, ray.direction, steps.front().near_m, steps.back().far_m, reached);
     const float cosine = glm::dot(ray.direction, towards_light_);
-    for (const PlacedGrid& placed : media_.grids().all()) {
-        MediumSet alone;
-        alone.insert(placed.medium);
-        scatter_of_grid.push_back(placed.density_scale * media_.scatter_per_m_sr(alone, cosine));
-    }
+    for (const PlacedGrid& placed : media_.grids().all())
+        scatter_of_grid.push_back(placed.density_scale * media_.scatter_per_m_sr(placed.medium, cosine));
     dvec3 camera_depth(0.0);
     double known_at = -1.0; // where known_depth holds
     Rgb known_depth(0.0f);

@@ -109,12 +109,7 @@ void FogGlow::draw_triangle(const MediaLine& line, const Numbers& numbers, const
     const Rgb scattered = line.scatter_per_m_sr(*distance.piece, distance.at_m, direction, links);
     if (scattered == Rgb(0.0f))
         return;
-    Hit hit;
-    hit.distance_m = length_m;
-    hit.instance = triangle.instance;
-    hit.triangle = triangle.triangle;
-    hit.barycentrics = place.barycentrics;
-    hit.geometric_normal = triangle.normal;
+    const Hit hit = hit_at(triangle, place, length_m);
     const Rgb emitted =
         MeshEmitters::radiance(scene_, triangle, {.origin = point, .direction = direction}, hit, RayKind::Scatter);
     const float density = probability * distance.pdf_per_m * place.pdf_per_sr;

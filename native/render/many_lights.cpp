@@ -127,12 +127,7 @@ std::optional<ManyLights::Aimed> ManyLights::aim_at_triangle(const SurfacePoint&
     const float cosine = glm::dot(point.shading.shading_normal, direction);
     if (!(cosine > 0.0f))
         return std::nullopt;
-    Hit hit;
-    hit.distance_m = distance_m;
-    hit.instance = triangle.instance;
-    hit.triangle = triangle.triangle;
-    hit.barycentrics = place.barycentrics;
-    hit.geometric_normal = triangle.normal;
+    const Hit hit = hit_at(triangle, place, distance_m);
     const Ray there{.origin = position, .direction = direction};
     const Rgb radiance = MeshEmitters::radiance(scene_, triangle, there, hit);
     if (radiance == Rgb(0.0f))

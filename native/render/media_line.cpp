@@ -95,14 +95,6 @@ Rgb MediaLine::transmittance(const Piece& piece, float at_m) const {
     return glm::exp(-depth);
 }
 
-/// All of its phase functions.
-static Rgb of_medium(const Medium& medium, float cosine) {
-    Rgb sum(0.0f);
-    for (const ScatterLobe& lobe : medium.lobes)
-        sum += lobe.sigma_s_per_m * henyey_greenstein_per_sr(cosine, lobe.asymmetry_g);
-    return sum;
-}
-
 Rgb MediaLine::scatter_per_m_sr(const Piece& piece, float at_m, const vec3& to_light, const LightLinks* links) const {
     const std::vector<Medium>& media = media_->scene().description().media;
     const MediumSet& set = segments_[piece.segment].set;
@@ -110,13 +102,13 @@ Rgb MediaLine::scatter_per_m_sr(const Piece& piece, float at_m, const vec3& to_l
     Rgb sum(0.0f);
     for (const std::uint16_t medium : std::span(set.media).first(set.count))
         if (links == nullptr || links->lights(media[medium].receiver_set))
-            sum += of_medium(media[medium], cosine);
+            sum += media_->scatter_per_m_sr(medium, cosine);
     if (media_->grids().is_empty())
         return sum;
     const vec3 place = part_.origin + at_m * part_.direction;
     for (const PlacedGrid& placed : media_->grids().all())
         if (const float density = placed.grid->at(vec3(placed.line(place, part_.direction).origin)); density > 0.0f)
-            sum += density * placed.density_scale * of_medium(media[placed.medium], cosine);
+            sum += density * placed.density_scale * media_->scatter_per_m_sr(placed.medium, cosine);
     return sum;
 }
 } // namespace tyndall::render

@@ -27,6 +27,17 @@ struct TrianglePoint {
     float pdf_per_sr = 0.0f; ///< 0: there is none.
 };
 
+/// As a ray would meet that place, at this distance.
+[[nodiscard]] inline Hit hit_at(const EmissiveTriangle& triangle, const TrianglePoint& place, float distance_m) {
+    Hit hit;
+    hit.distance_m = distance_m;
+    hit.instance = triangle.instance;
+    hit.triangle = triangle.triangle;
+    hit.barycentrics = place.barycentrics;
+    hit.geometric_normal = triangle.normal;
+    return hit;
+}
+
 /// Of the instances that light surfaces, or media.
 class MeshEmitters {
 public:

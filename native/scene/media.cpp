@@ -307,11 +307,21 @@ Rgb Media::sigma_s_per_m(const MediumSet& set) const {
     return sum;
 }
 
+static void add_scattered(const Medium& medium, float cosine, Rgb& sum) {
+    for (const ScatterLobe& lobe : medium.lobes)
+        sum += lobe.sigma_s_per_m * henyey_greenstein_per_sr(cosine, lobe.asymmetry_g);
+}
+
 Rgb Media::scatter_per_m_sr(const MediumSet& set, float cosine) const {
     Rgb sum(0.0f);
     for (std::size_t index = 0; index < set.count; ++index)
-        for (const ScatterLobe& lobe : scene_.description().media[set.media[index]].lobes)
-            sum += lobe.sigma_s_per_m * henyey_greenstein_per_sr(cosine, lobe.asymmetry_g);
+        add_scattered(scene_.description().media[set.media[index]], cosine, sum);
+    return sum;
+}
+
+Rgb Media::scatter_per_m_sr(std::uint16_t medium, float cosine) const {
+    Rgb sum(0.0f);
+    add_scattered(scene_.description().media[medium], cosine, sum);
     return sum;
 }
 } // namespace tyndall

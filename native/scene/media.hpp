@@ -80,6 +80,8 @@ public:
     /// sum of sigma_s * Henyey-Greenstein over the lobes, 1/(m sr); cosine between the light's way and the way on to
     /// the camera: 1 is straight forward scattering.
     [[nodiscard]] Rgb scatter_per_m_sr(const MediumSet& set, float cosine) const;
+    /// The same of one, which a density grid may modulate.
+    [[nodiscard]] Rgb scatter_per_m_sr(std::uint16_t medium, float cosine) const;
 
 private:
     void homogeneous_segments(const Ray& ray, std::vector<MediumSegment>& segments) const;
