@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a render takes of memory before its first sample, beyond meshes, textures and Embree.
 
-Each scene is made and rendered in a process of its own, which has rendered an empty scene before: 16 x 16 pixels of one
-sample, so that there is next to no picture; and in another one by an engine that has Blender find triangles and normals
-of the meshes, which it keeps, and does nothing else.
+Each scene is made and rendered in a process of its own, which has rendered a square with a small image before, so that
+libraries are loaded (29 MiB for images): 16 x 16 pixels of one sample, so that there is next to no picture; and in
+another one by an engine that has Blender find triangles and normals of the meshes, which it keeps, and does nothing
+else.
 
   mesh       one of a million triangles, with a UV map
   meshes     a thousand of a thousand triangles each
@@ -105,23 +106,28 @@ def _sky() -> None:
     tree.links.new(texture.outputs[0], next(node for node in tree.nodes if node.type == "BACKGROUND").inputs[0])
 
 
+def _picture(index: int, side_px: int) -> None:
+    """On a square of its own."""
+    image = bpy.data.images.new(f"Image {index}", side_px, side_px)
+    image.generated_type = "COLOR_GRID"
+    image.filepath_raw = str(_FOLDER / f"{index}.tif")
+    image.file_format = "TIFF"
+    image.save()
+    image = bpy.data.images.load(image.filepath_raw)
+    material = bpy.data.materials.new(image.name)
+    material.use_nodes = True
+    tree = material.node_tree
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = image
+    tree.links.new(texture.outputs[0], next(node for node in tree.nodes if node.inputs).inputs[0])
+    mesh = _grid(image.name, 1)
+    mesh.materials.append(material)
+    _add(mesh).location = (2 * (index % 3), 2 * (index // 3), 0.0)
+
+
 def _textures() -> None:
     for index in range(9):
-        image = bpy.data.images.new(f"Image {index}", 2048, 2048)
-        image.generated_type = "COLOR_GRID"
-        image.filepath_raw = str(_FOLDER / f"{index}.tif")
-        image.file_format = "TIFF"
-        image.save()
-        image = bpy.data.images.load(image.filepath_raw)
-        material = bpy.data.materials.new(image.name)
-        material.use_nodes = True
-        tree = material.node_tree
-        texture = tree.nodes.new("ShaderNodeTexImage")
-        texture.image = image
-        tree.links.new(texture.outputs[0], next(node for node in tree.nodes if node.inputs).inputs[0])
-        mesh = _grid(image.name, 1)
-        mesh.materials.append(material)
-        _add(mesh).location = (2 * (index % 3), 2 * (index // 3), 0.0)
+        _picture(index, 2048)
 
 
 SCENES: dict[str, Callable[[], None]] = {
@@ -180,6 +186,7 @@ def _measured(name: str, engine: str) -> dict[str, float]:
     from tyndall.blender.addon.sync.scene import SceneReader  # noqa: PLC0415
 
     _empty()
+    _picture(0, 4)
     bpy.ops.render.render()
     scene = _empty()
     SCENES[name]()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures that Blender holds no pixels of: frames of sequences, and tiles, read from their files."""
+"""Pictures that Blender need not load: they are read from their files, or from the file that a .blend has packed."""
 
 from __future__ import annotations
 
@@ -34,6 +34,16 @@ def tile_files(image: bpy.types.Image) -> dict[tuple[int, int], Path]:
 
 def is_of_floats(path: Path) -> bool:
     return path.suffix.lower() in _OF_FLOATS
+
+
+def read_bytes(source: Path | bytes, name: str = "packed") -> NDArray[np.uint8] | None:
+    """(height, width, 4), shared: of a file, or of what it holds, if it has bytes; None: it has not, or is damaged."""
+    from tyndall import _image_io
+
+    try:
+        return _image_io.read_rgba(source, name)
+    except OSError:
+        return None
 
 
 def read_file(path: Path) -> NDArray[np.float32]:

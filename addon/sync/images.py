@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import zlib
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from tyndall._native import shared_array
 from tyndall.scene_description import Image
 
 from .image_files import frame_file, is_of_floats, read_file, tile_files
+from .images_ahead import ImagesAhead
 from .texture_budget import TextureBudget
 
 if TYPE_CHECKING:
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from .reports import Reports
 
 MAGENTA = (1.0, 0.0, 1.0)  #: What Cycles draws for a missing image.
+_OPAQUE = 255
 _ROWS_AT_ONCE = 1 << 20  #: Values of an image that are computed together.
 _SRGB = {"sRGB"}
 _LINEAR = {"Linear", "Linear Rec.709", "Non-Color", "Raw", "Generic Data"}
@@ -33,18 +36,27 @@ class ImageReader:
 
     def __init__(self) -> None:
         self._kept: dict[str, Image] = {}
+        self._by_blender_alone: set[str] = set()  #: Keys of files that are not of bytes.
         self._used: set[str] = set()
         self._budget = TextureBudget()
         self._held_files: dict[str, Path] | None = None
+        self._ahead = ImagesAhead()
 
     def start_frame(self, budget_bytes: int = 0) -> None:
         """``budget_bytes``: of memory; what is beyond it goes to a file. 0: everything stays in memory."""
+        self._ahead.stop()  # of a frame that was given up
         self._used.clear()
         if not self._budget.start_frame(budget_bytes):
             self._kept.clear()
 
+    def read_ahead(self, images: Callable[[], Iterable[bpy.types.Image]], budget_bytes: int) -> None:
+        """Of a frame that is the reader's first: other threads begin with the files of these, which it may use."""
+        if not self._kept:
+            self._ahead.start((source for image in images() for source in _sources(image)), budget_bytes)
+
     def end_frame(self) -> None:
         """Forgets the images that this frame did not use."""
+        self._ahead.stop()
         self._kept = {key: image for key, image in self._kept.items() if key in self._used}
 
     def hold_frames(self, *, is_held: bool) -> None:
@@ -73,30 +85,45 @@ class ImageReader:
         if original.source == "SEQUENCE" and user is not None:
             path = self._frame_file(image, user)
             return self._read_file(original, path, reports, culprit, associated=associated, stays_whole=stays_whole)
-        was_loaded = original.has_data  # all that follows makes Blender load it
-        file_key = _file_key(original, associated=associated)
-        found = self._kept.get(file_key or "")
+        key = _file_key(original, associated=associated) or _packed_key(original, associated=associated)
+        found = self._kept.get(key or "") or self._bytes(original, key, associated=associated)
         if found is None:
-            if original.size[0] * original.size[1] == 0:
-                reports.add(culprit, f'image "{original.name}" is missing ({_place(original)}): magenta')
-                return None
-            if original.source in {"SEQUENCE", "MOVIE"}:
-                reports.add(
-                    culprit, f'image "{original.name}" is a {original.source.lower()}: its first frame is drawn'
-                )
-            elif original.source == "TILED":
-                reports.add(culprit, f'image "{original.name}" has tiles: the first is drawn everywhere')
-            key = file_key or _key(original, associated=associated)
-            found = self._kept.get(key)
+            found = self._by_blender(original, reports, culprit, associated=associated)
             if found is None:
-                floats, is_float = _floats(original), original.is_float
-                if file_key is not None and not was_loaded:
-                    original.buffers_free()  # Blender reads it again when it wants it
-                found = _as_read(original, floats, key, associated=associated, is_float=is_float, is_shared=True)
-        else:
-            key = file_key or ""
+                return None
         _note_space(original, reports, culprit, is_float=found.is_float)
-        return self._use(key, found, stays_whole=stays_whole)
+        return self._use(found, stays_whole=stays_whole)
+
+    def _bytes(self, image: bpy.types.Image, key: str | None, *, associated: bool) -> Image | None:
+        """Of a file of bytes, which Blender need not load."""
+        if key is None or key in self._by_blender_alone:
+            return None
+        source = _source(image)
+        pixels = None if source is None else self._ahead.take(source)
+        if pixels is None:
+            self._by_blender_alone.add(key)
+            return None
+        return _of_bytes(image, pixels, key, associated=associated)
+
+    def _by_blender(self, image: bpy.types.Image, reports: Reports, culprit: str, *, associated: bool) -> Image | None:
+        """Of floats, and what was painted or generated; None, and a report, of one without pixels."""
+        was_loaded = image.has_data  # all that follows makes Blender load it
+        if image.size[0] * image.size[1] == 0:
+            reports.add(culprit, f'image "{image.name}" is missing ({_place(image)}): magenta')
+            return None
+        if image.source in {"SEQUENCE", "MOVIE"}:
+            reports.add(culprit, f'image "{image.name}" is a {image.source.lower()}: its first frame is drawn')
+        elif image.source == "TILED":
+            reports.add(culprit, f'image "{image.name}" has tiles: the first is drawn everywhere')
+        file_key = _file_key(image, associated=associated)
+        key = file_key or _key(image, associated=associated)
+        found = self._kept.get(key)
+        if found is None:
+            floats, is_float = _floats(image), image.is_float
+            if file_key is not None and not was_loaded:
+                image.buffers_free()  # Blender reads it again when it wants it
+            found = _as_read(image, floats, key, associated=associated, is_float=is_float, is_shared=True)
+        return found
 
     def read_tiles(
         self, image: bpy.types.Image, reports: Reports, culprit: str, *, associated: bool = False
@@ -131,22 +158,31 @@ class ImageReader:
         key = repr([image.name_full, str(path), image.colorspace_settings.name, image.alpha_mode, associated])
         try:
             key += f" {path.stat().st_mtime_ns}"
-            pixels = None if key in self._kept else read_file(path)
+            found = self._kept.get(key) or self._from_file(image, path, key, associated=associated)
         except OSError:
             reports.add(culprit, f'image "{image.name}" is missing ({path.name}): magenta')
             return None
-        is_float = is_of_floats(path)
-        _note_space(image, reports, culprit, is_float=is_float)
-        found = self._kept.get(key)
-        if pixels is not None or found is None:
-            found = _as_read(image, pixels, key, associated=associated, is_float=is_float)
-        return self._use(key, found, stays_whole=stays_whole)
+        _note_space(image, reports, culprit, is_float=found.is_float)
+        return self._use(found, stays_whole=stays_whole)
 
-    def _use(self, key: str, image: Image, *, stays_whole: bool) -> Image:
-        self._kept[key] = image
-        self._used.add(key)
+    def _from_file(self, image: bpy.types.Image, path: Path, key: str, *, associated: bool) -> Image:
+        """Raises OSError."""
+        pixels = self._ahead.take(path)
+        if pixels is not None:
+            return _of_bytes(image, pixels, key, associated=associated)
+        return _as_read(image, read_file(path), key, associated=associated, is_float=is_of_floats(path))
+
+    def _use(self, image: Image, *, stays_whole: bool) -> Image:
+        self._kept[image.key] = image
+        self._used.add(image.key)
         self._budget.use(image, stays_whole=stays_whole)
         return image
+
+
+def images_of(depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Image]:
+    """Those that its materials, lights and world have among their nodes. It looks at every object."""
+    if len(bpy.data.images) > 1:
+        yield from (thing.original for thing in depsgraph.ids if isinstance(thing, bpy.types.Image))
 
 
 def _note_space(image: bpy.types.Image, reports: Reports, culprit: str, *, is_float: bool) -> None:
@@ -177,11 +213,38 @@ def _file_key(image: bpy.types.Image, *, associated: bool) -> str | None:
     """Of an image that is what its file has, found without loading it; None of any other."""
     if image.source != "FILE" or image.packed_file or image.is_dirty:
         return None
-    path = Path(bpy.path.abspath(image.filepath, library=image.library))
+    path = _path(image)
     if not path.is_file():
         return None
     settings = (image.colorspace_settings.name, image.alpha_mode, associated)
     return repr([image.name_full, image.filepath, *settings, path.stat().st_mtime_ns])
+
+
+def _packed_key(image: bpy.types.Image, *, associated: bool) -> str | None:
+    """Of an image that is what its packed file has, found without loading it; None of any other."""
+    if image.source != "FILE" or not image.packed_file or image.is_dirty:
+        return None
+    settings = (image.colorspace_settings.name, image.alpha_mode, associated)
+    return repr([image.name_full, image.filepath, *settings, image.packed_file.size])
+
+
+def _source(image: bpy.types.Image) -> Path | bpy.types.Image | None:
+    """What has its bytes; None of one that Blender must read, which divides such colours by their alpha."""
+    if image.source != "FILE" or image.is_dirty or image.alpha_mode == "PREMUL":
+        return None
+    return image if image.packed_file else _path(image)
+
+
+def _sources(image: bpy.types.Image) -> Iterable[Path | bpy.types.Image]:
+    """All that are to be read of it, at whatever frame."""
+    if image.source == "TILED":
+        return tile_files(image).values()
+    source = _source(image)
+    return () if source is None else (source,)
+
+
+def _path(image: bpy.types.Image) -> Path:
+    return Path(bpy.path.abspath(image.filepath, library=image.library))
 
 
 def _key(image: bpy.types.Image, *, associated: bool) -> str:
@@ -221,6 +284,32 @@ def _rgba(stored: NDArray[np.float32]) -> NDArray[np.float32]:
     return pixels
 
 
+def _blocks(shape: tuple[int, ...]) -> list[slice]:
+    """Rows that are computed together."""
+    height, width, channels = shape
+    step = max(1, _ROWS_AT_ONCE // (width * channels))
+    return [slice(first, first + step) for first in range(0, height, step)]
+
+
+def _of_bytes(image: bpy.types.Image, pixels: NDArray[np.uint8], key: str, *, associated: bool) -> Image:
+    """Of (height, width, 4), which becomes the image's own. As _as_read, but that Cycles' alpha that is off is 1."""
+    blocks = _blocks(pixels.shape)
+    is_seen_through = image.alpha_mode != "NONE" and any((pixels[rows, :, 3] < _OPAQUE).any() for rows in blocks)
+    if not is_seen_through:
+        pixels[..., 3] = _OPAQUE
+    elif associated and image.alpha_mode != "CHANNEL_PACKED":
+        for rows in blocks:
+            encoded = pixels[rows] * np.float32(1.0 / _OPAQUE)
+            pixels[rows, :, :3] = np.rint(encoded[..., :3] * encoded[..., 3:] * np.float32(_OPAQUE))
+    return Image(
+        key=key,
+        name=image.name,
+        pixels=pixels,
+        is_srgb=image.colorspace_settings.name not in _LINEAR,
+        has_alpha=is_seen_through and not associated,
+    )
+
+
 def _as_read(
     image: bpy.types.Image,
     stored: NDArray[np.float32],
@@ -236,8 +325,7 @@ def _as_read(
     ``is_shared``, ``stored`` alone.
     """
     height, width, channels = stored.shape
-    step = max(1, _ROWS_AT_ONCE // (width * channels))
-    blocks = [slice(first, first + step) for first in range(0, height, step)]
+    blocks = _blocks(stored.shape)
     is_seen_through = channels in {len("YA"), len("RGBA")} and any((stored[rows, :, -1] < 1.0).any() for rows in blocks)
     has_alpha = is_seen_through and image.alpha_mode not in {"NONE", "CHANNEL_PACKED"}
     is_kept = is_shared and is_float and channels == len("RGBA")

@@ -17,7 +17,7 @@ from tyndall.scene_description import ALL_SETS, Instances, Light, Mesh, SceneDes
 
 from .displaced_meshes import DisplacedMeshes
 from .field_media import FieldVolumes, with_fields
-from .images import ImageReader
+from .images import ImageReader, images_of
 from .instances import Placement, read_placements, shown_kinds
 from .light_linking import LinkedMedia
 from .light_masks import MaskReader
@@ -117,9 +117,10 @@ class SceneReader:
         self._last = None
         self._moved.clear()
         self._forget_stale(depsgraph, is_live=is_live)
-        self._images.start_frame(budget_bytes(depsgraph.scene_eval))
-        self._masks.start_frame()
-        self._displaced.start_frame()
+        self._images.start_frame(budget := budget_bytes(depsgraph.scene_eval))
+        self._images.read_ahead(lambda: images_of(depsgraph), budget)
+        for started in (self._masks, self._displaced):
+            started.start_frame()
         poll()
         layer = depsgraph.view_layer_eval
         found_placements = read_placements(depsgraph, reports, poll, viewport)

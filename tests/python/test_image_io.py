@@ -67,6 +67,37 @@ def test_rows_run_bottom_to_top(tmp_path: Path) -> None:
     assert zlib.decompressobj().decompress(file[compressed:])[1] == 255
 
 
+@pytest.mark.parametrize("channel_count", [1, 2, 3, 4])
+def test_bytes_are_read_as_colours_and_alpha(tmp_path: Path, channel_count: int) -> None:
+    pixels = np.random.default_rng(2).integers(0, 255, (HEIGHT, WIDTH, channel_count), np.uint8, endpoint=True)
+    path = tmp_path / "a.png"
+    _image_io.write_png(path, pixels)
+    expected = np.full((HEIGHT, WIDTH, 4), 255, np.uint8)
+    expected[..., :3] = pixels[..., :3] if channel_count >= 3 else pixels[..., :1]
+    if channel_count % 2 == 0:
+        expected[..., 3] = pixels[..., -1]
+    for source in (path, path.read_bytes()):
+        np.testing.assert_array_equal(_image_io.read_rgba(source), expected)
+
+
+def test_what_is_not_of_bytes_is_no_image_of_bytes(tmp_path: Path) -> None:
+    _image_io.write_png(tmp_path / "wide.png", np.zeros((2, 2, 3), np.uint16))
+    _image_io.write_exr(tmp_path / "a.exr", [("", "RGB", plane(3))])
+    assert _image_io.read_rgba(tmp_path / "wide.png") is None
+    assert _image_io.read_rgba((tmp_path / "a.exr").read_bytes()) is None
+    assert _image_io.read_rgba(b"") is None
+
+
+def test_damaged_bytes_are_an_error_that_names_their_file(tmp_path: Path) -> None:
+    path = tmp_path / "torn.png"
+    _image_io.write_png(path, np.random.default_rng(3).integers(0, 255, (64, 64, 4), np.uint8))
+    path.write_bytes(path.read_bytes()[:5000])
+    with pytest.raises(OSError, match=r"torn\.png"):
+        _image_io.read_rgba(path)
+    with pytest.raises(OSError, match="packed one"):
+        _image_io.read_rgba(path.read_bytes(), "packed one")
+
+
 @pytest.mark.parametrize("size", [1 << 16, 1 << 20])
 def test_a_full_disk_is_an_error_that_names_the_path_and_leaves_the_old_file(tmp_path: Path, size: int) -> None:
     path = tmp_path / "frame.exr"

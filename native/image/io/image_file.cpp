@@ -2,8 +2,11 @@
 #include "image/io/image_file.hpp"
 #include "core/errors.hpp"
 #include "core/partial_file.hpp"
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
+#include <cstring>
 #include <sstream>
+#include <string_view>
 
 namespace tyndall::image_io {
 namespace fs = std::filesystem;
@@ -92,9 +95,14 @@ void write_png(const fs::path& path, std::uint32_t width, std::uint32_t height, 
     write_png_of(path, width, height, pixels, OIIO::TypeDesc::UINT16);
 }
 
-Image read(const fs::path& path) {
+static OIIO::ImageSpec as_stored() {
     OIIO::ImageSpec wishes;
-    wishes.attribute("oiio:UnassociatedAlpha", 1); // values as stored
+    wishes.attribute("oiio:UnassociatedAlpha", 1);
+    return wishes;
+}
+
+Image read(const fs::path& path) {
+    const OIIO::ImageSpec wishes = as_stored();
     const auto input = OIIO::ImageInput::open(path.string(), &wishes);
     if (!input)
         refuse_file(path, OIIO::geterror());
@@ -116,6 +124,77 @@ Image read(const fs::path& path) {
                            -row_bytes))
         refuse_file(path, input->geterror());
     return image;
+}
+
+static bool is_of_bytes(const OIIO::ImageInput& input) {
+    const OIIO::ImageSpec& specification = input.spec();
+    const std::string_view format = input.format_name();
+    const int count = specification.nchannels;
+    const bool has_alpha = count == 2 || count == 4;
+    return (format == "png" || format == "jpeg" || format == "tiff" || format == "targa") &&
+           specification.format == OIIO::TypeDesc::UINT8 && specification.channelformats.empty() && count >= 1 &&
+           count <= 4 && specification.alpha_channel == (has_alpha ? count - 1 : -1) && specification.width > 0 &&
+           specification.height > 0 && specification.depth == 1 &&
+           specification.get_int_attribute("Orientation", 1) == 1;
+}
+
+/// From the first `count` bytes of four each.
+static void complete_rgba(std::uint8_t* pixels, std::size_t pixel_count, int count) {
+    constexpr std::uint8_t opaque = 255;
+    for (std::uint8_t* pixel = pixels; pixel != pixels + 4 * pixel_count; pixel += 4) {
+        if (count != 4)
+            pixel[3] = count == 2 ? pixel[1] : opaque;
+        if (count < 3)
+            pixel[1] = pixel[2] = pixel[0];
+    }
+}
+
+static bool read_rgba_of(OIIO::ImageInput& input, const fs::path& path, const RGBARoom& room) {
+    if (!is_of_bytes(input))
+        return false;
+    const auto width = static_cast<std::uint32_t>(input.spec().width);
+    const auto height = static_cast<std::uint32_t>(input.spec().height);
+    const int count = input.spec().nchannels;
+    std::uint8_t* const first = room(width, height);
+    const auto row_bytes = static_cast<OIIO::stride_t>(4) * width;
+    std::uint8_t* const last_row = first + (static_cast<OIIO::stride_t>(height) - 1) * row_bytes;
+    if (!input.read_image(0, 0, 0, count, OIIO::TypeDesc::UINT8, last_row, 4, -row_bytes))
+        refuse_file(path, input.geterror());
+    complete_rgba(first, std::size_t{width} * height, count);
+    return true;
+}
+
+bool read_rgba(const fs::path& path, const RGBARoom& room) {
+    const OIIO::ImageSpec wishes = as_stored();
+    const auto input = OIIO::ImageInput::open(path.string(), &wishes);
+    if (!input)
+        refuse_file(path, OIIO::geterror());
+    return read_rgba_of(*input, path, room);
+}
+
+/// Of what begins like this; nothing of any other. A Targa has no mark.
+static const char* format_of(std::span<const std::byte> file) {
+    const auto begins_with = [&](std::string_view mark) {
+        return file.size() >= mark.size() && std::memcmp(file.data(), mark.data(), mark.size()) == 0;
+    };
+    if (begins_with("\x89PNG"))
+        return "png";
+    if (begins_with("\xff\xd8\xff"))
+        return "jpeg";
+    return begins_with({"II*\0", 4}) || begins_with({"MM\0*", 4}) ? "tiff" : nullptr;
+}
+bool read_rgba(std::span<const std::byte> file, const std::string& name, const RGBARoom& room) {
+    const char* const format = format_of(file);
+    if (format == nullptr)
+        return false;
+    OIIO::Filesystem::IOMemReader reader(file.data(), file.size());
+    const auto input = OIIO::ImageInput::create(format);
+    OIIO::ImageSpec specification;
+    if (!input)
+        refuse_file(name, OIIO::geterror());
+    if (!input->set_ioproxy(&reader) || !input->open(name, specification, as_stored()))
+        refuse_file(name, input->geterror());
+    return read_rgba_of(*input, name, room);
 }
 
 static std::string version_text(int version) { // 30202 is 3.2.2

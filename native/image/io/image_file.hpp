@@ -2,8 +2,10 @@
 // Image files in and out, on OpenImageIO. Rows run bottom to top here and top to bottom in files. A file appears whole or
 // not at all: it is written under a temporary name beside its own and renamed.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <span>
 #include <string>
@@ -39,6 +41,15 @@ struct Image {
 };
 /// The first part of any format that OpenImageIO knows. Throws IoError that names the path.
 [[nodiscard]] Image read(const std::filesystem::path& path);
+
+/// Where width * height * 4 bytes are to go.
+using RGBARoom = std::function<std::uint8_t*(std::uint32_t width, std::uint32_t height)>;
+/// Red, green, blue and alpha as stored, of a PNG, JPEG, TIFF or Targa of up to four channels of bytes that lies upright;
+/// grey is all three colours, alpha 255 where there is none. False, and no room asked for: it is another file. Throws
+/// IoError that names the path.
+[[nodiscard]] bool read_rgba(const std::filesystem::path& path, const RGBARoom& room);
+/// The same of what a PNG, JPEG or TIFF holds, which errors call `name`.
+[[nodiscard]] bool read_rgba(std::span<const std::byte> file, const std::string& name, const RGBARoom& room);
 
 /// "3.2.2": of the headers, and of the library that was loaded; they must agree.
 [[nodiscard]] std::string header_version();

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The module tyndall._image_io: numpy arrays to image files and back. Converts and nothing else.
 #include "bindings/paths.hpp"
+#include "bindings/shared_arrays.hpp"
 #include "core/errors.hpp"
 #include "image/io/image_file.hpp"
 #include <memory>
+#include <optional>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -76,6 +78,29 @@ static py::tuple read_pixels(const py::object& path) {
     return py::make_tuple(pixels, image.channel_names, image.metadata);
 }
 
+/// Of a path, or of the bytes of a file.
+static std::optional<py::array> read_rgba_bytes(const py::object& source, const std::string& name) {
+    std::optional<py::array> pixels;
+    const RGBARoom room = [&](std::uint32_t width, std::uint32_t height) {
+        const py::gil_scoped_acquire acquired;
+        py::array made =
+            bindings::make_shared_array({py::ssize_t{height}, py::ssize_t{width}, 4}, py::dtype::of<std::uint8_t>());
+        auto* const first = static_cast<std::uint8_t*>(made.mutable_data());
+        pixels = std::move(made);
+        return first;
+    };
+    if (py::isinstance<py::bytes>(source)) {
+        const std::string_view file = source.cast<std::string_view>();
+        const py::gil_scoped_release released;
+        (void)read_rgba(std::as_bytes(std::span(file)), name, room);
+    } else {
+        const std::string file = path_of(source);
+        const py::gil_scoped_release released;
+        (void)read_rgba(file, room);
+    }
+    return pixels; // none, if there was no room to ask for
+}
+
 /// tyndall's own exceptions where the core can be loaded, their bases where it cannot.
 static void raise(const char* name, PyObject* base, const char* message) {
     PyObject* type = base;
@@ -116,5 +141,10 @@ IoError names the path.)");
                R"(Pixels float32 (height, width, channels) as stored, names of the channels, text attributes.
 
 IoError names the path.)");
+    module.def("read_rgba", &read_rgba_bytes, "source"_a, "name"_a = "packed",
+               R"(Red, green, blue and alpha, uint8 (height, width, 4), as stored; None: it is another kind of file.
+
+source: a path, or the bytes of a file, which errors call name. A PNG, JPEG, TIFF or, by its path, Targa of up to four
+channels of bytes that lies upright: grey is all three colours, and alpha 255 where there is none. IoError names it.)");
 }
 } // namespace tyndall::image_io
