@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where Blender keeps what Cycles' panoramas are: at the camera since 4.x, with Cycles' own settings before."""
+"""Cycles' panoramas: where Blender keeps their settings, at the camera since 4.x, and with Cycles' own before."""
 
 from __future__ import annotations
 
@@ -8,8 +8,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from bpy.types import Camera
 
-#: The one that is drawn.
 EQUIRECTANGULAR = "EQUIRECTANGULAR"
+FISHEYE_EQUIDISTANT = "FISHEYE_EQUIDISTANT"
+FISHEYE_EQUISOLID = "FISHEYE_EQUISOLID"
+FISHEYE_LENS_POLYNOMIAL = "FISHEYE_LENS_POLYNOMIAL"
+MIRRORBALL = "MIRRORBALL"
+EQUIANGULAR_CUBEMAP_FACE = "EQUIANGULAR_CUBEMAP_FACE"
+CENTRAL_CYLINDRICAL = "CENTRAL_CYLINDRICAL"  #: Since 4.5.
 
 
 def panorama_settings(data: Camera) -> Any:  # noqa: ANN401  of the one kind or the other

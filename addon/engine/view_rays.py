@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -38,18 +37,19 @@ class Place:
     camera: Camera
     place_px: tuple[float, float]  #: Of the camera's full frame, from its left and bottom.
 
-    def ray(self) -> tuple[Vector, Vector]:
-        """Origin, at the near clip, and unit direction, in world space."""
+    def ray(self) -> tuple[Vector, Vector] | None:
+        """Origin, at the near clip, and unit direction, in world space; None: beside what a panorama shows."""
+        if self.camera.kind == CameraKind.PANORAMIC:
+            from tyndall.native_camera import ray_through
+
+            found = ray_through(self.camera, self.place_px)
+            return None if found is None else (Vector(found[0]), Vector(found[1]))
         left, right, bottom, top = self.camera.window
         width_px, height_px = self.camera.size_px
         x = left + (right - left) * self.place_px[0] / width_px
         y = bottom + (top - bottom) * self.place_px[1] / height_px
         near_m = self.camera.clip_m[0]
         is_perspective = self.camera.kind == CameraKind.PERSPECTIVE
-        if self.camera.kind == CameraKind.EQUIRECTANGULAR:
-            ahead = (math.cos(y) * math.sin(x), math.sin(y), -math.cos(y) * math.cos(x))
-            direction = Vector(self.camera.world_from_camera[:3, :3] @ np.array(ahead)).normalized()
-            return Vector(self.camera.world_from_camera[:3, 3]) + near_m * direction, direction
         origin = (x * near_m, y * near_m, -near_m) if is_perspective else (x, y, -near_m)
         towards = (x, y, -1.0) if is_perspective else (0.0, 0.0, -1.0)
         world_from_camera = self.camera.world_from_camera
@@ -151,25 +151,26 @@ def marker_on_render(context: Context, world_point: tuple[float, float, float]) 
 
 
 def share_of_frame(context: Context, scene: Scene, world_point: Vector) -> tuple[float, float] | None:
-    """From the frame's left and bottom; None: behind the camera."""
+    """From the frame's left and bottom; None: behind the camera, or nowhere in a panorama."""
     from bpy_extras.object_utils import world_to_camera_view
 
     if scene.camera.type == "CAMERA" and scene.camera.data.type == "PANO":
         camera = place_in_frame(context.evaluated_depsgraph_get(), (0.0, 0.0)).camera
-        if camera.kind == CameraKind.EQUIRECTANGULAR:
-            to_point = np.array(world_point) - camera.world_from_camera[:3, 3]
-            x, y, z = camera.world_from_camera[:3, :3].T @ to_point
-            left, right, bottom, top = camera.window
-            middle = (left + right) / 2  # what is seen lies within half a turn of it
-            longitude = middle + math.remainder(math.atan2(x, -z) - middle, 2 * math.pi)
-            return (longitude - left) / (right - left), (math.atan2(y, math.hypot(x, z)) - bottom) / (top - bottom)
+        if camera.kind == CameraKind.PANORAMIC:
+            from tyndall.native_camera import raster_position
+
+            place_px = raster_position(camera, world_point)
+            return None if place_px is None else (place_px[0] / camera.size_px[0], place_px[1] / camera.size_px[1])
     seen: Any = world_to_camera_view(scene, scene.camera, world_point)
     return (float(seen[0]), float(seen[1])) if seen[2] > 0.0 else None
 
 
 def first_hit(depsgraph: Depsgraph, place: Place, object_name: str = "") -> Hit | None:
     """The first surface; those of media without one, as of a fog box, are passed. ``object_name``: no other's."""
-    origin, direction = place.ray()
+    ray = place.ray()
+    if ray is None:
+        return None
+    origin, direction = ray
     for _ in range(_MOST_MEDIA):
         is_met, point, _normal, polygon, thing, matrix = depsgraph.scene.ray_cast(depsgraph, origin, direction)
         if not is_met:

@@ -223,7 +223,7 @@ def _camera_of(context: Context, depsgraph: Depsgraph, size_px: tuple[int, int])
         return camera
     scene = depsgraph.scene_eval
     seen = read_camera(thing.evaluated_get(depsgraph), scene.render, frame_size_px(scene), Reports())
-    if seen.kind != CameraKind.EQUIRECTANGULAR:
+    if seen.kind != CameraKind.PANORAMIC:
         return replace(camera, lens=seen.lens)
     window = window_beyond_frame(seen.window, camera_frame_px(context, size_px), size_px)
     return replace(seen, window=window, size_px=size_px)

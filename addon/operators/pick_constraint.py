@@ -123,6 +123,9 @@ class TYNDALL_OT_pick_constraint(ConstraintOperator, Operator):
 
         from ..engine.view_rays import first_hit
 
+        if place.ray() is None:
+            self.report({"ERROR"}, "The camera shows nothing there: it lies beside its panorama")
+            return False
         try:
             position = _parameters(context, depsgraph, place)
         except InvalidInput as error:

@@ -1,12 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Camera properties: what part of all directions a panorama shows."""
+"""Camera properties: the kind of a panorama, its lens, and what part of all directions it shows."""
 
 from __future__ import annotations
 
 from bpy.types import Context, Panel
 
-from ..panoramas import EQUIRECTANGULAR, panorama_settings
+from ..panoramas import (
+    CENTRAL_CYLINDRICAL,
+    EQUIRECTANGULAR,
+    FISHEYE_EQUIDISTANT,
+    FISHEYE_EQUISOLID,
+    FISHEYE_LENS_POLYNOMIAL,
+    panorama_settings,
+)
 from .base import PropertiesPanel
+
+_RANGES = {
+    EQUIRECTANGULAR: (("latitude", "Latitude"), ("longitude", "Longitude")),
+    CENTRAL_CYLINDRICAL: (
+        ("central_cylindrical_range_v", "Height"),
+        ("central_cylindrical_range_u", "Longitude"),
+    ),
+}
+_SETTINGS = {
+    CENTRAL_CYLINDRICAL: ("central_cylindrical_radius",),
+    FISHEYE_EQUIDISTANT: ("fisheye_fov",),
+    FISHEYE_EQUISOLID: ("fisheye_lens", "fisheye_fov"),
+    FISHEYE_LENS_POLYNOMIAL: ("fisheye_fov", *(f"fisheye_polynomial_k{power}" for power in range(5))),
+}
 
 
 class TYNDALL_PT_panorama(PropertiesPanel, Panel):
@@ -28,13 +49,13 @@ class TYNDALL_PT_panorama(PropertiesPanel, Panel):
             layout.label(text="Enable the Cycles add-on, which keeps these settings", icon="INFO")
             return
         layout.prop(settings, "panorama_type")
-        if settings.panorama_type != EQUIRECTANGULAR:
-            layout.label(text="Only Equirectangular is drawn; this one in perspective", icon="INFO")
-            return
-        for name in ("latitude", "longitude"):
+        kind = settings.panorama_type
+        for name, text in _RANGES.get(kind, ()):
             column = layout.column(align=True)
-            column.prop(settings, f"{name}_min")
+            column.prop(settings, f"{name}_min", text=f"{text} Min")
             column.prop(settings, f"{name}_max", text="Max")
+        for name in _SETTINGS.get(kind, ()):
+            layout.prop(settings, name)
 
 
 CLASSES = (TYNDALL_PT_panorama,)

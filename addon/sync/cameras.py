@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tyndall.scene_description import Camera, CameraKind, Lens
+from tyndall.scene_description import Camera, CameraKind, Lens, Panorama
 
-from ..panoramas import EQUIRECTANGULAR, panorama_settings
+from .panoramas import read_panorama, sensor_over_frame
 
 if TYPE_CHECKING:
     import bpy
@@ -36,12 +36,15 @@ def read_camera(
     if not (np.abs(placed) < _LARGEST_COORDINATE_M).all() or np.linalg.det(placed[:3, :3]) == 0.0:
         raise ValueError(f'Camera "{thing.name}": its position is not finite, or its scale is 0')
     data, culprit = thing.data, f'Camera "{thing.name}"'
-    panorama = _panorama(data, culprit, reports) if data.type == "PANO" else None
-    if panorama is not None:
-        kind, window = CameraKind.EQUIRECTANGULAR, panorama
+    shift = data.shift_x if shift_x is None else shift_x, data.shift_y
+    seen = read_panorama(data, render, size_px, shift, culprit, reports) if data.type == "PANO" else None
+    if seen is not None:
+        kind, panorama, window = CameraKind.PANORAMIC, seen.panorama, seen.window
     else:
-        kind = CameraKind.ORTHOGRAPHIC if data.type == "ORTHO" else CameraKind.PERSPECTIVE
-        window = _window(data, render, size_px, data.shift_x if shift_x is None else shift_x)
+        kind, panorama = CameraKind.ORTHOGRAPHIC if data.type == "ORTHO" else CameraKind.PERSPECTIVE, Panorama()
+        window = _window(data, render, size_px, shift)
+    if data.type == "CUSTOM":
+        reports.add(culprit, "a custom camera of a script: drawn in perspective")
     return Camera(
         kind=kind,
         world_from_camera=without_scale(placed),
@@ -49,20 +52,19 @@ def read_camera(
         clip_m=(data.clip_start, data.clip_end),
         size_px=size_px,
         lens=_lens(thing, placed, culprit, reports) if data.dof.use_dof else None,
+        panorama=panorama,
     )
 
 
 def _window(
-    data: bpy.types.Camera, render: bpy.types.RenderSettings, size_px: tuple[int, int], shift_x: float
+    data: bpy.types.Camera, render: bpy.types.RenderSettings, size_px: tuple[int, int], shift: tuple[float, float]
 ) -> tuple[float, float, float, float]:
     """Of a perspective camera, one metre ahead, or of an orthographic one, in metres."""
     aspect = render.pixel_aspect_y / render.pixel_aspect_x
-    is_wide = data.sensor_fit == "HORIZONTAL" or (data.sensor_fit == "AUTO" and size_px[0] >= aspect * size_px[1])
     # Lengths below are in pixels along x; `extent_px` is the side of the frame that the sensor spans.
-    extent_px = size_px[0] if is_wide else aspect * size_px[1]
-    sensor = data.sensor_height if data.sensor_fit == "VERTICAL" else data.sensor_width
+    extent_px, sensor = sensor_over_frame(data, aspect, size_px)
     metres_per_px = (data.ortho_scale if data.type == "ORTHO" else sensor / data.lens) / extent_px
-    centre_x, centre_y = shift_x * extent_px, data.shift_y * extent_px
+    centre_x, centre_y = shift[0] * extent_px, shift[1] * extent_px
     half_width, half_height = size_px[0] / 2, aspect * size_px[1] / 2
     return (
         (centre_x - half_width) * metres_per_px,
@@ -70,22 +72,6 @@ def _window(
         (centre_y - half_height) * metres_per_px,
         (centre_y + half_height) * metres_per_px,
     )
-
-
-def _panorama(data: bpy.types.Camera, culprit: str, reports: Reports) -> tuple[float, float, float, float] | None:
-    """Longitudes and latitudes; None, and a report: it is drawn in perspective."""
-    settings = panorama_settings(data)
-    if settings is None:
-        reports.add(culprit, "its panorama is kept by the Cycles add-on, which is off: drawn in perspective")
-        return None
-    if settings.panorama_type != EQUIRECTANGULAR:
-        kind = settings.panorama_type.replace("_", " ").lower()
-        reports.add(culprit, f"a panorama of the kind {kind}, not equirectangular: drawn in perspective")
-        return None
-    window = settings.longitude_min, settings.longitude_max, settings.latitude_min, settings.latitude_max
-    if window[0] == window[1] or window[2] == window[3]:
-        raise ValueError(f"{culprit}: its panorama's least and largest latitude or longitude are equal")
-    return window
 
 
 def _lens(thing: bpy.types.Object, placed: NDArray[np.float64], culprit: str, reports: Reports) -> Lens | None:

@@ -25,7 +25,7 @@ class SeenCamera:
 
     from_world: Matrix  #: Without scale; it looks along +Z, as Cycles has it.
     is_perspective: bool
-    is_panorama: bool  #: Its window holds longitudes and latitudes.
+    is_panorama: bool  #: Its window is in units of its own.
     left: float  #: Of the window one metre ahead, or, of an orthographic camera, in metres.
     right: float
     bottom: float
@@ -53,7 +53,7 @@ def seen_camera(depsgraph: Depsgraph) -> SeenCamera | None:
     return SeenCamera(
         from_world=from_world,
         is_perspective=read.kind == CameraKind.PERSPECTIVE,
-        is_panorama=read.kind == CameraKind.EQUIRECTANGULAR,
+        is_panorama=read.kind == CameraKind.PANORAMIC,
         left=left,
         right=right,
         bottom=bottom,

@@ -17,22 +17,43 @@ using namespace py::literals;
 static Camera make_camera(int kind, const py::array& world_from_camera, const std::array<float, 4>& window,
                           const std::array<float, 2>& clip_m, const std::array<std::uint32_t, 2>& size_px,
                           float lens_radius_m, float focus_m, std::uint32_t blades, float blades_rotation_rad,
-                          float aperture_ratio) {
-    return {.kind = static_cast<CameraKind>(kind),
-            .world_from_camera = to_matrix<mat4, 4>(world_from_camera, "world_from_camera"),
-            .window_left = window[0],
-            .window_right = window[1],
-            .window_bottom = window[2],
-            .window_top = window[3],
-            .clip_near_m = clip_m[0],
-            .clip_far_m = clip_m[1],
-            .width_px = size_px[0],
-            .height_px = size_px[1],
-            .lens = {.radius_m = lens_radius_m,
-                     .focus_m = focus_m,
-                     .blades = blades,
-                     .rotation_rad = blades_rotation_rad,
-                     .inverse_ratio = 1.0f / aperture_ratio}};
+                          float aperture_ratio, int panorama_kind, float rim,
+                          const std::array<float, 5>& angle_by_radius) {
+    return {
+        .kind = static_cast<CameraKind>(kind),
+        .world_from_camera = to_matrix<mat4, 4>(world_from_camera, "world_from_camera"),
+        .window_left = window[0],
+        .window_right = window[1],
+        .window_bottom = window[2],
+        .window_top = window[3],
+        .clip_near_m = clip_m[0],
+        .clip_far_m = clip_m[1],
+        .width_px = size_px[0],
+        .height_px = size_px[1],
+        .lens = {.radius_m = lens_radius_m,
+                 .focus_m = focus_m,
+                 .blades = blades,
+                 .rotation_rad = blades_rotation_rad,
+                 .inverse_ratio = 1.0f / aperture_ratio},
+        .panorama = {.kind = static_cast<PanoramaKind>(panorama_kind), .rim = rim, .angle_by_radius = angle_by_radius}};
+}
+
+/// Origin and unit direction. Lists, whose types stubs can tell.
+static std::optional<std::pair<std::vector<float>, std::vector<float>>> ray_through(const Camera& camera, float x_px,
+                                                                                    float y_px) {
+    require_usable(camera);
+    const Ray ray = camera.ray(x_px, y_px);
+    if (!ray.exists())
+        return {};
+    const vec3 origin = ray.origin + ray.near_m * ray.direction;
+    return std::pair{std::vector{origin.x, origin.y, origin.z},
+                     std::vector{ray.direction.x, ray.direction.y, ray.direction.z}};
+}
+
+static std::optional<std::pair<float, float>> raster_position(const Camera& camera, float x_m, float y_m, float z_m) {
+    require_usable(camera);
+    const std::optional<vec2> place_px = camera.raster_position({x_m, y_m, z_m});
+    return place_px ? std::optional(std::pair{place_px->x, place_px->y}) : std::nullopt;
 }
 
 static light_shafts::Config make_shafts(int method, float error_target, std::uint32_t resolution,
@@ -204,7 +225,13 @@ void bind_render(py::module_& native) {
     py::class_<Camera>(native, "Camera")
         .def(py::init(&make_camera), "kind"_a, "world_from_camera"_a, "window"_a, "clip_m"_a, "size_px"_a,
              "lens_radius_m"_a = 0.0f, "focus_m"_a = 1.0f, "blades"_a = 0, "blades_rotation_rad"_a = 0.0f,
-             "aperture_ratio"_a = 1.0f, "world_from_camera: float32 (4, 4), relative to the scene's origin.");
+             "aperture_ratio"_a = 1.0f, "panorama_kind"_a = 0, "rim"_a = std::numeric_limits<float>::infinity(),
+             "angle_by_radius"_a = std::array<float, 5>{},
+             "world_from_camera: float32 (4, 4), relative to the scene's origin.")
+        .def("ray_through", &ray_through, "x_px"_a, "y_px"_a,
+             "Origin, at the near clip, and unit direction; None: beside what the camera shows.")
+        .def("raster_position", &raster_position, "x_m"_a, "y_m"_a, "z_m"_a,
+             "Where it shows a point, in pixels from the left and bottom of its full frame; None: nowhere.");
     py::class_<light_shafts::MapCache, std::shared_ptr<light_shafts::MapCache>>(
         native, "MapCache",
         "What occluders cast, kept from frame to frame, in at most so many bytes. Safe from any thread.")

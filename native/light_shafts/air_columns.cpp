@@ -46,6 +46,23 @@ float px_per_window_m(const Camera& camera) {
 }
 } // namespace
 
+Camera camera_of_columns(const Camera& camera) {
+    if (!camera.is_panoramic() || camera.panorama.kind == PanoramaKind::Equirectangular)
+        return camera;
+    constexpr float most_px = 1 << 14;
+    const vec2 turns = camera.panorama.turns({0.0f, 0.0f, -1.0f});
+    const float px_per_rad = std::abs(px_per_window_m(camera)) / turns.x;
+    const auto pixels = [&](float angle_rad) {
+        return static_cast<std::uint32_t>(std::clamp(px_per_rad * angle_rad, 1.0f, most_px));
+    };
+    Camera around = camera;
+    around.panorama = {};
+    around.window_left = -pi, around.window_right = pi;
+    around.window_bottom = -0.5f * pi, around.window_top = 0.5f * pi;
+    around.width_px = pixels(2.0f * pi), around.height_px = pixels(pi);
+    return around;
+}
+
 AirGrid make_air_grid(const Media& media, const Camera& camera, const AirTexture& air, float most_depth) {
     const auto [first_m, last_m] = find_ends(media, camera, most_depth);
     const std::uint32_t step_count = air.most_points();
@@ -72,7 +89,7 @@ AirGrid make_air_grid(const Media& media, const Camera& camera, const AirTexture
                  .first_m = first_m,
                  .step_m = step_m,
                  .step_count = step_count};
-    if (camera.kind == CameraKind::Equirectangular) { // no seam within the frame: it lies opposite of its middle
+    if (camera.is_panoramic()) { // no seam within the frame: it lies opposite of its middle
         const float middle = 0.5f * (camera.window_left + camera.window_right);
         grid.x = std::cos(middle) * right - std::sin(middle) * camera.forward();
         grid.y = up;

@@ -17,7 +17,7 @@ namespace tyndall::light_shafts {
 struct AirGrid {
     CameraKind kind;
     vec3 x, y, depth; ///< Perspective: dot(x, direction) / dot(depth, direction); else of the origin; plus `offset`.
-    vec2 per_rad;     ///< Equirectangular: x, y and depth are unit axes, of longitude and latitude 0 in the middle.
+    vec2 per_rad;     ///< Panoramic: x, y and depth are unit axes, of longitude and latitude 0 in the middle.
     vec2 offset;
     float plane_m;               ///< dot(depth, origin) where distances along orthographic columns are 0.
     std::uint32_t width, height; ///< Columns, at least 2.
@@ -30,7 +30,7 @@ struct AirGrid {
     [[nodiscard]] std::size_t column_count() const { return std::size_t{width} * height; }
     /// Where a ray passes between the columns, in cells.
     [[nodiscard]] vec2 place(const ViewRay& ray) const {
-        if (kind == CameraKind::Equirectangular) {
+        if (kind == CameraKind::Panoramic) {
             const float right = glm::dot(x, ray.direction), ahead = glm::dot(depth, ray.direction);
             return per_rad * vec2(std::atan2(right, ahead),
                                   std::atan2(glm::dot(y, ray.direction), std::hypot(right, ahead))) +
@@ -45,7 +45,10 @@ struct AirGrid {
         return kind == CameraKind::Orthographic ? glm::dot(depth, ray.origin) - plane_m : 0.0f;
     }
 };
-/// Steps as long as those that rays which end halfway would have alone, as far as light of `most_depth` optical depth comes;
+/// The camera whose pixels columns stand among: the picture's own, or, of a panorama of another kind, an equirectangular
+/// one of all directions with pixels as wide as in the picture's middle.
+[[nodiscard]] Camera camera_of_columns(const Camera& camera);
+/// Of a camera of columns. Steps as long as those that rays which end halfway would have alone, as far as light of `most_depth` optical depth comes;
 /// columns are as far apart at the far end as steps are long, and at least a pixel.
 [[nodiscard]] AirGrid make_air_grid(const Media& media, const Camera& camera, const AirTexture& air, float most_depth);
 

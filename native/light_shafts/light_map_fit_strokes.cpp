@@ -103,9 +103,10 @@ Strokes find_strokes(const Scene& scene, const Camera& camera, const StrokePictu
                                                  .near_m = rays[i].near_m,
                                                  .far_m = hits[i].is_hit() ? hits[i].distance_m : rays[i].far_m},
                                          .desired = glm::max(dab.weighted_colour / dab.alpha, 0.0f),
-                                         .weight = dab.alpha};
+                                         .weight = rays[i].exists() ? dab.alpha : 0.0f};
         }
     });
+    std::erase_if(strokes.pixels, [](const StrokePixel& pixel) { return pixel.weight == 0.0f; });
     return strokes;
 }
 } // namespace tyndall::light_shafts

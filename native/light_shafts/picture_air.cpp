@@ -35,14 +35,15 @@ bool PictureAir::fits(const PreparedLights& prepared, const AirTexture& air, con
 }
 
 PictureAir::PictureAir(const PreparedLights& prepared, const Camera& camera, const AirTexture& air, const Turn& turn)
-    : air_(air), grid_(make_air_grid(prepared.media, camera, air, most_depth_of_light)) {
+    : air_(air), camera_(camera_of_columns(camera)),
+      grid_(make_air_grid(prepared.media, camera_, air, most_depth_of_light)) {
     std::vector<const DirectionalScatter*> lights;
     for_asked_beams(prepared, turn, [&](const Beam& beam, float weight) {
         beams_.push_back({beam.visibility->coarse_rows(), weight});
         lights.push_back(&*beam.directional);
     });
     columns_ =
-        std::make_unique<AirColumns>(prepared.media, camera, grid_, air, offset_in_step(turn), std::move(lights));
+        std::make_unique<AirColumns>(prepared.media, camera_, grid_, air, offset_in_step(turn), std::move(lights));
 }
 
 bool PictureAir::shows_paint() const {

@@ -31,6 +31,7 @@ private:
         float weight;
     };
     const AirTexture& air_;
+    Camera camera_; ///< Of the columns.
     AirGrid grid_;
     std::vector<AskedBeam> beams_;        ///< One of each light of the columns.
     std::unique_ptr<AirColumns> columns_; ///< They grow as they are asked for.

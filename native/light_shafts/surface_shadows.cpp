@@ -62,7 +62,8 @@ std::vector<RaySpan> SurfaceShadows::outline_of(const Scene& scene, const Camera
                 const float share = static_cast<float>(step) / grid_cells;
                 return ((1.0f + 2.0f * margin) * share - margin) * static_cast<float>(size_px);
             };
-            rays[index] = camera.ray(place(index % side, camera.width_px), place(index / side, camera.height_px));
+            rays[index] =
+                camera.ray_or_rim(place(index % side, camera.width_px), place(index / side, camera.height_px));
             seen[index] = seen_along(scene, rays[index]);
         },
         16);

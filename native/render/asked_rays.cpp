@@ -96,7 +96,8 @@ std::vector<PlacedPoint> place_points(const ViewPath& path, const light_shafts::
                 if (!constraint.point ||
                     std::ranges::find(points, *constraint.point, &PlacedPoint::point) != points.end())
                     continue;
-                if (const std::optional<vec2> place_px = camera.raster_position(*constraint.point)) {
+                if (const std::optional<vec2> place_px = camera.raster_position(*constraint.point);
+                    place_px && camera.ray(place_px->x, place_px->y).exists()) {
                     points.push_back({*constraint.point, {}});
                     places_px.push_back(*place_px);
                 }

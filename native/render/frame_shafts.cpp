@@ -2,6 +2,7 @@
 #include "render/frame_shafts.hpp"
 #include "core/parallel.hpp"
 #include "light_shafts/shared_strata.hpp"
+#include "render/pixel_footprint.hpp"
 #include "render/pixel_samples.hpp"
 #include <algorithm>
 
@@ -44,6 +45,8 @@ FrameShafts::FrameShafts(const Scene& scene, const Media& media, const Camera& c
 
 /// Between neighbouring rays in the picture's middle: radians, or metres of an orthographic camera.
 static float pixel_spacing(const Camera& camera) {
+    if (camera.is_panoramic())
+        return pixel_footprint(camera, glm::normalize(camera.forward())).spread;
     return (camera.window_right - camera.window_left) / static_cast<float>(camera.width_px);
 }
 

@@ -8,7 +8,7 @@ static constexpr double rounding_px = 0.1;
 
 Region pixels_that_may_see(const Bounds3& box, const Camera& camera, float reach_px) {
     // What turns around the camera, or is blurred, may show anywhere.
-    if (camera.kind == CameraKind::Equirectangular || !camera.lens.is_pinhole())
+    if (camera.is_panoramic() || !camera.lens.is_pinhole())
         return box.is_empty() ? Region{0, 0, 0, 0} : Region{0, 0, camera.width_px, camera.height_px};
     const glm::dmat4 camera_from_scene = glm::inverse(glm::dmat4(camera.world_from_camera));
     const bool is_perspective = camera.kind == CameraKind::Perspective;

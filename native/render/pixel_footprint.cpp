@@ -8,9 +8,10 @@ PixelFootprint pixel_footprint(const Camera& camera, const vec3& direction) {
     if (camera.kind == CameraKind::Orthographic)
         return {.width_m = std::abs(width), .spread = 0.0f};
     const vec3 in_camera = glm::transpose(mat3(camera.world_from_camera)) * direction;
-    if (camera.kind == CameraKind::Equirectangular) // a degree of longitude is narrow near the poles
-        return {.width_m = 0.0f,
-                .spread = 0.5f * (std::abs(width) * std::hypot(in_camera.x, in_camera.z) + std::abs(height))};
+    if (camera.is_panoramic()) {
+        const vec2 turns = camera.panorama.turns(in_camera);
+        return {.width_m = 0.0f, .spread = 0.5f * (std::abs(width) * turns.x + std::abs(height) * turns.y)};
+    }
     const vec3 through = in_camera / -in_camera.z;
     const auto turn = [&](const vec3& step) {
         return glm::length(glm::normalize(through + step) - glm::normalize(through));

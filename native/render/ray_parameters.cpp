@@ -45,10 +45,12 @@ RayParameters::RayParameters(const Scene& scene, const Camera& camera,
 std::vector<vec2> grid_places_px(const Camera& camera) {
     std::vector<vec2> places_px;
     for (std::uint32_t row = 0; row < grid_height; ++row)
-        for (std::uint32_t column = 0; column < grid_width; ++column)
-            places_px.emplace_back(
-                (static_cast<float>(column) + 0.5f) / grid_width * static_cast<float>(camera.width_px),
-                (static_cast<float>(row) + 0.5f) / grid_height * static_cast<float>(camera.height_px));
+        for (std::uint32_t column = 0; column < grid_width; ++column) {
+            const vec2 place_px((static_cast<float>(column) + 0.5f) / grid_width * static_cast<float>(camera.width_px),
+                                (static_cast<float>(row) + 0.5f) / grid_height * static_cast<float>(camera.height_px));
+            if (camera.ray(place_px.x, place_px.y).exists())
+                places_px.push_back(place_px);
+        }
     return places_px;
 }
 
@@ -103,7 +105,7 @@ bool RayParameters::fits_visibility() const {
 
 void RayParameters::fit_visibility(std::vector<float> visibility_of_grid) {
     std::ranges::sort(visibility_of_grid);
-    const float most = quantile(visibility_of_grid, 1.0 - left_out);
+    const float most = visibility_of_grid.empty() ? 0.0f : quantile(visibility_of_grid, 1.0 - left_out);
     for (auto& two : axes_)
         for (PlacedAxis& axis : two)
             if (axis.waits_for_visibility)

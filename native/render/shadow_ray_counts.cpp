@@ -40,6 +40,7 @@ struct OfPixel {
     std::vector<double> camera_variances; ///< Of a camera ray, by each light alone.
     double neighbour_count = 1.0;         ///< Pixels of its square that lie in its plane, itself included.
     double fog = 0.0;                     ///< Brightness of opaque fog here.
+    bool is_beside = false;               ///< Of what the camera shows: it tells nothing.
 
     [[nodiscard]] double mean() const {
         double sum = 0.0;
@@ -76,6 +77,10 @@ public:
         std::vector<light_shafts::ViewRay> rays;
         for (std::uint32_t index = 0; index < square_count(); ++index) {
             const Ray ray = pixel_ray(camera_, first_x(index), first_y(index));
+            if (!ray.exists()) {
+                rays.push_back({ray.origin, ray.direction, 0.0f, 0.0f});
+                continue;
+            }
             const std::uint32_t pixel = pixel_seed(camera_, seed_, first_x(index), first_y(index));
             const Hit hit = scene_.closest_hit(ray, camera_mask, ray_detail(camera_, ray, voxel_detail_px_, pixel, 0));
             rays.push_back({ray.origin, ray.direction, ray.near_m, hit.is_hit() ? hit.distance_m : ray.far_m});
@@ -111,6 +116,7 @@ private:
     /// Without any light: what glows, and the fog's opacity in front of it, of each pixel in each camera ray.
     struct Seen {
         std::array<std::array<float, camera_rays>, pixels_per_square> emitted{}, opacity{};
+        std::array<bool, pixels_per_square> is_beside{};
     };
 
     [[nodiscard]] static std::uint32_t squares_along(std::uint32_t frame_px) {
@@ -149,6 +155,10 @@ private:
                             std::span(details).first(voxel_detail_px_ > 0.0f ? pixel_count : 0));
         std::size_t count = 0;
         for (std::uint32_t pixel = 0; pixel < pixel_count; ++pixel) {
+            if (!rays[pixel].exists()) {
+                seen.is_beside[pixel] = true;
+                continue;
+            }
             const Hit& hit = hits[pixel];
             Ray inside = rays[pixel];
             if (hit.is_hit())
@@ -192,7 +202,8 @@ private:
 
     static OfPixel of_pixel(std::size_t pixel, std::span<const Lit> lights, const Seen& seen) {
         OfPixel found{.light_variances = std::vector<double>(lights.size()),
-                      .camera_variances = std::vector<double>(lights.size())};
+                      .camera_variances = std::vector<double>(lights.size()),
+                      .is_beside = seen.is_beside[pixel]};
         for (std::size_t light = 0; light < lights.size(); ++light) {
             const auto& of_light = lights[light].of_pixel[pixel];
             double sum = 0.0;
@@ -293,7 +304,7 @@ ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const 
             pixel.fog = fog[square];
             pixels.push_back(std::move(pixel));
         }
-    std::erase_if(pixels, [](const OfPixel& pixel) { return !std::isfinite(pixel.mean()); });
+    std::erase_if(pixels, [](const OfPixel& pixel) { return pixel.is_beside || !std::isfinite(pixel.mean()); });
     double frame_mean = 0.0, plane_share = 0.0;
     for (const OfPixel& pixel : pixels) {
         frame_mean += pixel.mean() / static_cast<double>(pixels.size());

@@ -146,14 +146,8 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
                     std::uint32_t sample_index, std::span<const std::uint32_t> targets, std::span<PathSample> samples,
                     std::span<std::vector<MediumPart>> parts, SurfaceWalk* walked, const DataOfRays& data) const {
     std::array<Follower, DirectLight::most_points> followers;
+    std::size_t follower_count = 0;
     for (std::size_t index = 0; index < camera_rays.size(); ++index) {
-        followers[index].index = index;
-        followers[index].part = camera_rays[index];
-        const PixelFootprint footprint = pixel_footprint(camera_, camera_rays[index].direction);
-        followers[index].spread = footprint.spread;
-        followers[index].near_m = camera_rays[index].near_m;
-        followers[index].width_m = footprint.width_m;
-        followers[index].features.passed_m = camera_rays[index].near_m;
         const std::span<Rgb> by_group = samples[index].by_group;
         CaughtLight* const caught = samples[index].caught;
         samples[index] = {};
@@ -161,6 +155,16 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
         samples[index].caught = caught;
         if (caught != nullptr)
             *caught = {};
+        if (!camera_rays[index].exists())
+            continue; // black and opaque beside a fisheye's circle, whatever the film, as in Cycles
+        Follower& follower = followers[follower_count++];
+        follower.index = index;
+        follower.part = camera_rays[index];
+        const PixelFootprint footprint = pixel_footprint(camera_, camera_rays[index].direction);
+        follower.spread = footprint.spread;
+        follower.near_m = camera_rays[index].near_m;
+        follower.width_m = footprint.width_m;
+        follower.features.passed_m = camera_rays[index].near_m;
     }
     std::array<RayDetail, DirectLight::most_points> details; // of camera rays; what mirrors show is met cell by cell
     const bool has_details = config_.voxel_detail_px > 0.0f;
@@ -170,7 +174,7 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
     const std::uint32_t depth = walked != nullptr ? config_.indirect.mirror_depth : 0;
     thread_local std::vector<Follower> mirrored, following;
     mirrored.clear();
-    follow({.followers = std::span(followers).first(camera_rays.size()),
+    follow({.followers = std::span(followers).first(follower_count),
             .pixel_seeds = pixel_seeds,
             .targets = targets,
             .details = std::span(details).first(has_details ? camera_rays.size() : 0)},

@@ -46,7 +46,7 @@ public:
     /// `samples` with what they bring home without light on surfaces (adding to their groups), and appends the parts of each that lie in media to
     /// the parts of its index. Where light is wanted, appends a batch of points per layer to the walk, of each ray for
     /// sample targets[ray]; rays whose target is nowhere only keep the others company. Where there is `data`, one per ray,
-    /// it gets what they meet.
+    /// it gets what they meet. A ray that does not exist leaves a sample as it is by itself.
     void walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds, std::uint32_t sample_index,
               std::span<const std::uint32_t> targets, std::span<PathSample> samples,
               std::span<std::vector<MediumPart>> parts, SurfaceWalk* walked, const DataOfRays& data = {}) const;

@@ -23,11 +23,6 @@ vec2 Lens::sample_m(const vec2& u) const {
     return radius_m * vec2(place.x * inverse_ratio, place.y);
 }
 
-/// Of an equirectangular camera, in its own space.
-static vec3 towards(float longitude, float latitude) {
-    return {std::cos(latitude) * std::sin(longitude), std::sin(latitude), -std::cos(latitude) * std::cos(longitude)};
-}
-
 Ray Camera::ray(float x_px, float y_px) const {
     const float x = glm::mix(window_left, window_right, x_px / static_cast<float>(width_px));
     const float y = glm::mix(window_bottom, window_top, y_px / static_cast<float>(height_px));
@@ -39,11 +34,15 @@ Ray Camera::ray(float x_px, float y_px) const {
                 .near_m = clip_near_m - behind_m,
                 .far_m = clip_far_m - behind_m};
     }
-    if (kind == CameraKind::Equirectangular)
+    if (is_panoramic()) {
+        const std::optional<vec3> towards = panorama.direction({x, y});
+        if (!towards)
+            return Ray::none(position(), glm::normalize(forward()));
         return {.origin = position(),
-                .direction = glm::normalize(glm::mat3(world_from_camera) * towards(x, y)),
+                .direction = glm::normalize(glm::mat3(world_from_camera) * *towards),
                 .near_m = clip_near_m,
                 .far_m = clip_far_m};
+    }
     const vec3 through(x, y, -1.0f);
     const float metres_per_depth = glm::length(through);
     return {.origin = position(),
@@ -52,17 +51,32 @@ Ray Camera::ray(float x_px, float y_px) const {
             .far_m = clip_far_m * metres_per_depth};
 }
 
+Ray Camera::ray_or_rim(float x_px, float y_px) const {
+    const Ray there = ray(x_px, y_px);
+    if (there.exists())
+        return there;
+    const vec2 low(window_left, window_bottom), high(window_right, window_top);
+    const vec2 size_px(static_cast<float>(width_px), static_cast<float>(height_px));
+    const vec2 at = panorama.beyond_rim(low + vec2(x_px, y_px) / size_px * (high - low));
+    const vec2 place_px = (at - low) / (high - low) * size_px;
+    Camera endless = *this;
+    endless.panorama.rim = std::numeric_limits<float>::infinity();
+    return endless.ray(place_px.x, place_px.y);
+}
+
 Ray Camera::through_lens(const Ray& sharp, const vec2& u) const {
-    if (lens.is_pinhole())
+    if (lens.is_pinhole() || !sharp.exists())
         return sharp;
     const vec2 at_m = lens.sample_m(u);
     const vec3 ahead = glm::normalize(forward());
     vec3 right(world_from_camera[0]), up(world_from_camera[1]);
     float focus_m = lens.focus_m;
-    if (kind == CameraKind::Equirectangular) { // the lens stands across each ray, as in Cycles
-        right = ahead - glm::dot(ahead, sharp.direction) * sharp.direction;
-        right = glm::length(right) > 1e-6f ? glm::normalize(right) : vec3(world_from_camera[0]);
-        up = glm::cross(sharp.direction, right);
+    if (is_panoramic()) { // the lens stands across each ray, as in Cycles, where a mirror ball's is a mirrored one
+        const bool is_ball = panorama.kind == PanoramaKind::MirrorBall;
+        const vec3 axis = is_ball ? glm::normalize(right) : ahead;
+        const vec3 across = axis - glm::dot(axis, sharp.direction) * sharp.direction;
+        right = glm::length(across) > 1e-6f ? glm::normalize(across) : is_ball ? ahead : right;
+        up = is_ball ? glm::cross(right, sharp.direction) : glm::cross(sharp.direction, right);
     } else {
         focus_m /= glm::dot(sharp.direction, ahead);
     }
@@ -77,30 +91,30 @@ Ray Camera::through_lens(const Ray& sharp, const vec2& u) const {
 }
 
 float Camera::sharp_per_blurred_m(const Ray& sharp, const Ray& blurred) const {
-    if (kind == CameraKind::Equirectangular)
+    if (is_panoramic())
         return glm::dot(blurred.direction, sharp.direction);
     return glm::dot(blurred.direction, forward()) / glm::dot(sharp.direction, forward());
 }
 
 std::optional<vec2> Camera::raster_position(const vec3& point) const {
     const vec3 seen = glm::transpose(mat3(world_from_camera)) * (point - position());
+    const vec2 low(window_left, window_bottom), high(window_right, window_top);
     vec2 at(seen);
     if (kind == CameraKind::Perspective) {
         if (!(seen.z < 0.0f))
             return {};
         at /= -seen.z;
-    } else if (kind == CameraKind::Equirectangular) {
-        const float middle = 0.5f * (window_left + window_right); // what is seen lies within half a turn of it
-        at = {middle + std::remainder(std::atan2(seen.x, -seen.z) - middle, 2.0f * pi),
-              std::atan2(seen.y, std::hypot(seen.x, seen.z))};
+    } else if (is_panoramic()) {
+        const std::optional<vec2> place = panorama.place(seen, low, high);
+        if (!place)
+            return {};
+        at = *place;
     }
-    const vec2 low(window_left, window_bottom), high(window_right, window_top);
     return (at - low) / (high - low) * vec2(static_cast<float>(width_px), static_cast<float>(height_px));
 }
 
 float Camera::depth_m(const vec3& point) const {
-    return kind == CameraKind::Equirectangular ? glm::length(point - position())
-                                               : glm::dot(point - position(), forward());
+    return is_panoramic() ? glm::length(point - position()) : glm::dot(point - position(), forward());
 }
 
 RayDetail Camera::detail(const vec3& direction, float footprint_px) const {
@@ -108,8 +122,10 @@ RayDetail Camera::detail(const vec3& direction, float footprint_px) const {
                                  std::abs(window_top - window_bottom) / static_cast<float>(height_px));
     if (kind == CameraKind::Orthographic)
         return {.width_m = footprint_px * pixel};
-    if (kind == CameraKind::Equirectangular)
-        return {.spread = footprint_px * pixel};
+    if (is_panoramic()) {
+        const vec2 turns = panorama.turns(glm::transpose(mat3(world_from_camera)) * direction);
+        return {.spread = footprint_px * pixel * 0.5f * (turns.x + turns.y)};
+    }
     return {.spread = footprint_px * pixel * glm::dot(direction, glm::normalize(forward()))};
 }
 
@@ -128,6 +144,11 @@ void require_usable(const Camera& camera) {
             "camera: its aperture is not finite");
     require(camera.lens.is_pinhole() || (camera.lens.focus_m > 0.0f && camera.lens.focus_m < largest_coordinate_m),
             "camera: it focuses at a distance of 0, or at none");
+    require(camera.kind <= CameraKind::Panoramic && camera.panorama.kind <= PanoramaKind::CentralCylindrical,
+            "camera: there is no such kind");
+    require(!std::isnan(camera.panorama.rim) &&
+                std::ranges::all_of(camera.panorama.angle_by_radius, [](float k) { return std::isfinite(k); }),
+            "camera: its fisheye's field of view or polynomial is not finite");
     require(!std::isnan(camera.clip_near_m) && !std::isnan(camera.clip_far_m), "camera: its clipping is not a number");
 }
 } // namespace tyndall

@@ -1,26 +1,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Perspective, orthographic and equirectangular cameras as Blender defines them (sensor fit, shift, pixel aspect, clipping),
-// and their lens.
+// Perspective, orthographic and panoramic cameras as Blender defines them (sensor fit, shift, pixel aspect, clipping), and
+// their lens.
 #pragma once
 #include "core/math.hpp"
+#include "scene/panorama.hpp"
 #include "scene/ray_detail.hpp"
 #include <cstdint>
 #include <limits>
 #include <optional>
 
 namespace tyndall {
-enum class CameraKind : std::uint8_t { Perspective = 0, Orthographic = 1, Equirectangular = 2 };
+enum class CameraKind : std::uint8_t { Perspective = 0, Orthographic = 1, Panoramic = 2 };
 
 struct Ray {
     vec3 origin;
     vec3 direction; ///< Unit.
     float near_m = 0.0f, far_m = std::numeric_limits<float>::infinity();
+
+    /// What a camera has where it sees nothing, as beside a fisheye's circle: its range is empty, so that it hits nothing.
+    [[nodiscard]] static Ray none(const vec3& origin, const vec3& direction) {
+        return {origin, direction, 0.0f, -std::numeric_limits<float>::infinity()};
+    }
+    /// False of none(): nobody should ask what it meets, nor what lies behind.
+    [[nodiscard]] bool exists() const { return far_m > -std::numeric_limits<float>::infinity(); }
 };
 
 /// What blurs that which is not in focus.
 struct Lens {
     float radius_m = 0.0f;      ///< Of the circle around the aperture; 0: a pinhole, all is sharp.
-    float focus_m = 1.0f;       ///< Along -Z; equirectangular: along the ray.
+    float focus_m = 1.0f;       ///< Along -Z; panoramic: along the ray.
     std::uint32_t blades = 0;   ///< Sides of the aperture; fewer than 3: a disc.
     float rotation_rad = 0.0f;  ///< Of the blades.
     float inverse_ratio = 1.0f; ///< Width of the aperture by its height.
@@ -32,28 +40,34 @@ struct Lens {
 };
 
 /// The sync resolves sensor fit, shift and aspect into the window on the plane one metre before the camera
-/// (perspective), into metres (orthographic), or into longitudes and latitudes in radians, (0, 0) ahead
-/// (equirectangular): raster (0, 0) is the lower left corner of the full frame.
+/// (perspective), into metres (orthographic), or into the panorama's units (panoramic): raster (0, 0) is the lower left
+/// corner of the full frame.
 struct Camera {
     CameraKind kind = CameraKind::Perspective;
     mat4 world_from_camera{1.0f}; ///< Rotation and translation, no scale; the camera looks along its -Z.
     float window_left = -0.5f, window_right = 0.5f, window_bottom = -0.28125f, window_top = 0.28125f;
-    float clip_near_m = 0.1f, clip_far_m = 1000.0f;  ///< Along -Z, as in Cycles; equirectangular: along the ray.
+    float clip_near_m = 0.1f, clip_far_m = 1000.0f;  ///< Along -Z, as in Cycles; panoramic: along the ray.
     std::uint32_t width_px = 1920, height_px = 1080; ///< The full frame, before any border.
     Lens lens{};
+    Panorama panorama{}; ///< Of a panoramic camera.
 
-    /// The ray through raster position (x right, y up, in pixels). Its range is the clipping range.
+    /// The ray through raster position (x right, y up, in pixels). Its range is the clipping range; of a panorama it may be
+    /// none.
     [[nodiscard]] Ray ray(float x_px, float y_px) const;
+    /// The same; where that has none, the one that a panorama would have just beyond its rim.
+    [[nodiscard]] Ray ray_or_rim(float x_px, float y_px) const;
     /// A ray of ray() from elsewhere on the lens, to the same point in focus; `u` as of Lens::sample_m().
     [[nodiscard]] Ray through_lens(const Ray& sharp, const vec2& u) const;
     /// Distances along `sharp` by those of equally deep points along a ray of through_lens().
     [[nodiscard]] float sharp_per_blurred_m(const Ray& sharp, const Ray& blurred) const;
-    /// Where ray() shows a point, x right, y up, in pixels of the full frame; nothing for one behind the camera.
+    /// Where ray() shows a point, x right, y up, in pixels of the full frame; nothing for one behind the camera, or that a
+    /// panorama has no place for. It may lie beyond a panorama's rim, where it has no ray.
     [[nodiscard]] std::optional<vec2> raster_position(const vec3& point) const;
-    /// As Blender's Depth shows it: along -Z; equirectangular: from the camera.
+    /// As Blender's Depth shows it: along -Z; panoramic: from the camera.
     [[nodiscard]] float depth_m(const vec3& point) const;
     /// As wide as so many pixels, across a ray of ray() in this direction; its number is left as it is.
     [[nodiscard]] RayDetail detail(const vec3& direction, float footprint_px) const;
+    [[nodiscard]] bool is_panoramic() const { return kind == CameraKind::Panoramic; }
     [[nodiscard]] vec3 position() const { return vec3(world_from_camera[3]); }
     [[nodiscard]] vec3 forward() const { return -vec3(world_from_camera[2]); }
     bool operator==(const Camera&) const = default;

@@ -17,12 +17,13 @@ from .fingerprints import fingerprint
 from .heterogeneity import Heterogeneity
 from .kept_pictures import UnstyledPictures
 from .memory_estimate import picture_part, require_room
+from .native_camera import native_camera
 from .native_data_passes import build_data_passes
 from .native_heterogeneity import KeptAir
 from .native_scene import KeptGeometry, NativeParts, light_scene, update_geometry
 from .native_transfer_functions import build_weighted_functions
 from .neighbour_frames import Neighbours, native_neighbours
-from .scene_description import Camera, FloatArray, Lens, SceneDescription
+from .scene_description import Camera, FloatArray, SceneDescription
 from .transfer_functions import WeightedFunction
 
 METHODS = ("EXACT", "EPIPOLAR", "SHADOW_MAP")
@@ -277,7 +278,7 @@ class Session:
         self._parts.texture_files.begin_picture()
         planes, native_statistics, unstyled = _native.render(
             self._scene,
-            _native_camera(camera, self._origin_in_world),
+            native_camera(camera, self._origin_in_world),
             self._native_config(config, functions, reports, keeps_unstyled=self._unstyled.capacity > 0),
             progress,
             None if on_update is None else lambda so_far: on_update(Film(planes=so_far)),
@@ -321,7 +322,7 @@ class Session:
             raise _native.InvalidInput("there is no scene to ask: update the session first")
         found: FloatArray = _native.ray_parameters(
             self._scene,
-            _native_camera(camera, self._origin_in_world),
+            native_camera(camera, self._origin_in_world),
             self._native_config(config, self._functions(config, []), [], keeps_unstyled=False),
             np.ascontiguousarray(places_px, np.float32),
             progress,
@@ -418,7 +419,7 @@ class Session:
 
     def native_camera(self, camera: Camera) -> _native.Camera:
         """The camera in the scene as last updated. Raises ``InvalidInput``."""
-        return _native_camera(camera, self._origin_in_world)
+        return native_camera(camera, self._origin_in_world)
 
 
 def _merged(*parts: dict[str, Any]) -> dict[str, Any]:
@@ -437,28 +438,6 @@ def _index(names: tuple[str, ...], name: str, what: str) -> int:
     if name not in names:
         raise _native.InvalidInput(f'{what} is "{name}", not one of {", ".join(names)}')
     return names.index(name)
-
-
-def _native_camera(camera: Camera, origin_in_world: NDArray[np.float64]) -> _native.Camera:
-    matrix = np.array(camera.world_from_camera, dtype=np.float64)
-    if not np.isfinite(matrix).all():
-        raise _native.InvalidInput("the camera's matrix is not finite")
-    matrix[:3, 3] -= origin_in_world
-    lens = camera.lens if camera.lens is not None else Lens(radius_m=0.0, focus_m=1.0)
-    if not lens.ratio > 0.0:
-        raise _native.InvalidInput(f"the camera's aperture has a ratio of {lens.ratio:g}; it must be above 0")
-    return _native.Camera(
-        kind=int(camera.kind),
-        world_from_camera=matrix.astype(np.float32, order="C"),
-        window=camera.window,
-        clip_m=camera.clip_m,
-        size_px=camera.size_px,
-        lens_radius_m=lens.radius_m,
-        focus_m=lens.focus_m,
-        blades=lens.blades,
-        blades_rotation_rad=lens.rotation_rad,
-        aperture_ratio=lens.ratio,
-    )
 
 
 def native_shafts(config: ShaftConfig, kept_maps: _native.MapCache | None = None) -> _native.ShaftConfig:

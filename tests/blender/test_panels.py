@@ -206,24 +206,26 @@ def test_values_set_by_python_reach_the_dependency_graph(scene: bpy.types.Scene)
         bpy.app.handlers.depsgraph_update_post.remove(note)
 
 
-def test_a_panorama_shows_what_it_covers(scene: bpy.types.Scene) -> None:
-    """Only of a panoramic camera, and only of the kind that is drawn; of the others it says so."""
+def test_a_panorama_shows_its_own_settings(scene: bpy.types.Scene) -> None:
+    """Only of a panoramic camera; and each kind's own, all of those that Blender has."""
     camera = scene.camera.data
     assert not TYNDALL_PT_panorama.poll(HeadlessContext(camera=camera))
     camera.type = "PANO"
     settings = panorama_settings(camera)
-    settings.panorama_type = "EQUIRECTANGULAR"
-    shown = drawn(TYNDALL_PT_panorama, camera=camera)
-    assert [name for name in shown if name.endswith(("_min", "_max"))] == [
-        "latitude_min",
-        "latitude_max",
-        "longitude_min",
-        "longitude_max",
-    ]
-    settings.panorama_type = "FISHEYE_EQUISOLID"
-    shown = drawn(TYNDALL_PT_panorama, camera=camera)
-    assert "latitude_min" not in shown
-    assert any("in perspective" in line for line in shown)
+    owned = {
+        name
+        for name in settings.bl_rna.properties.keys()  # noqa: SIM118  it is no dictionary
+        if name.startswith(("latitude", "longitude", "fisheye", "central_cylindrical"))
+    }
+    shown = {}
+    for kind in settings.bl_rna.properties["panorama_type"].enum_items:
+        settings.panorama_type = kind.identifier
+        shown[kind.identifier] = set(drawn(TYNDALL_PT_panorama, camera=camera)) & owned
+    assert shown["EQUIRECTANGULAR"] == {"latitude_min", "latitude_max", "longitude_min", "longitude_max"}
+    assert shown["FISHEYE_EQUIDISTANT"] == {"fisheye_fov"}
+    assert shown["FISHEYE_EQUISOLID"] == {"fisheye_fov", "fisheye_lens"}
+    assert not shown["MIRRORBALL"]
+    assert set.union(*shown.values()) == owned
 
 
 def test_motion_blur_has_its_panel(scene: bpy.types.Scene) -> None:

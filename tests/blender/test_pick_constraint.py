@@ -85,7 +85,9 @@ def test_a_ray_goes_through_its_pixel(function: bpy.types.NodeTree, kind: str) -
     depsgraph = bpy.context.evaluated_depsgraph_get()
     width_px, height_px = frame_size_px(bpy.context.scene)
     for across, up in ((0.5, 0.5), (0.1, 0.9), (0.8, 0.3)):
-        origin, direction = place_in_frame(depsgraph, (across * width_px, up * height_px)).ray()
+        ray = place_in_frame(depsgraph, (across * width_px, up * height_px)).ray()
+        assert ray is not None
+        origin, direction = ray
         for distance_m in (0.5, 20.0):
             assert seen_at(origin + direction * distance_m) == pytest.approx((across, up), abs=1e-4)
 

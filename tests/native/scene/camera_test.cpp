@@ -55,7 +55,7 @@ TEST_CASE("an orthographic view that clips behind itself begins there, with a ra
 }
 
 static Camera panorama(float left, float right, float bottom, float top) {
-    Camera result = camera(CameraKind::Equirectangular);
+    Camera result = camera(CameraKind::Panoramic);
     result.window_left = left, result.window_right = right;
     result.window_bottom = bottom, result.window_top = top;
     return result;
