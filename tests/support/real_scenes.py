@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Real scenes that nobody here made, as both engines are asked to draw them; they lie beside the repository.
 
-What is changed in each is as little as makes a picture: a camera where there is none or where it is panoramic, a light
-where there is none. `Scene.changes` says it in words, for the sheet that shows the pictures.
+What is changed in each is as little as makes a picture: a camera or a light where there is none. `Scene.changes` says
+it in words, for the sheet that shows the pictures.
 """
 
 from __future__ import annotations
@@ -44,10 +44,6 @@ def _sun(scene: bpy.types.Scene, energy: float = 3.0) -> None:
     thing = bpy.data.objects.new("Added sun", data)
     scene.collection.objects.link(thing)
     thing.rotation_euler = (math.radians(40.0), math.radians(15.0), 0.0)
-
-
-def _hall(scene: bpy.types.Scene) -> None:
-    scene.camera.data.type, scene.camera.data.lens = "PERSP", 18.0
 
 
 def _bedroom(_scene: bpy.types.Scene) -> None:
@@ -124,12 +120,7 @@ REAL_SCENES = (
         _bedroom,
         differences="A note on the board lies there twice, at one place: in Cycles the two shadow each other.",
     ),
-    RealScene(
-        "baked_hall/scene.blend",
-        "Bevy-BakedGI-Demo, MIT or Apache-2.0",
-        "with its panoramic camera in perspective",
-        _hall,
-    ),
+    RealScene("baked_hall/scene.blend", "Bevy-BakedGI-Demo, MIT or Apache-2.0"),
     RealScene("dino_forest/vr_dino.blend", "armory_examples, zlib"),
     RealScene("race_track/race_track.blend", "armory_templates, zlib"),
     RealScene("displaced_terrain/mesh_terrain.blend", "armory_examples, zlib"),
