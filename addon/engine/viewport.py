@@ -155,6 +155,7 @@ open_viewports: dict[int, Viewport] = {}  # by identity of the engine object
 def view_update(engine: RenderEngine, _context: Context, depsgraph: Depsgraph) -> None:
     """What ``RenderEngine.view_update`` does."""
     _viewport_of(engine).update(depsgraph)
+    engine.tag_redraw()  # Blender itself does not redraw for settings that add-ons keep, as Cycles does a lens's in 3.4
 
 
 def view_draw(engine: RenderEngine, context: Context, depsgraph: Depsgraph) -> None:

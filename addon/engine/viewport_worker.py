@@ -11,7 +11,7 @@ import math
 import os
 import threading
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from tyndall import Cancelled, Progress
@@ -47,9 +47,9 @@ class View:
 
     def key(self) -> tuple[object, ...]:
         """Everything that the picture depends on."""
-        camera = self.camera
-        place = camera.world_from_camera.tobytes()
-        return place, camera.kind, camera.window, camera.clip_m, camera.size_px, camera.lens, self.config
+        camera, matrix = self.camera, "world_from_camera"
+        rest = (getattr(camera, entry.name) for entry in fields(camera) if entry.name != matrix)
+        return camera.world_from_camera.tobytes(), *rest, self.config
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

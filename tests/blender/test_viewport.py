@@ -25,7 +25,7 @@ from addon.sync.reports import Reports
 from addon.sync.scene import SceneReader
 from tyndall import Cancelled, Progress
 from tyndall.renderer import Film, RenderConfig, Session
-from tyndall.scene_description import Camera, CameraKind, SceneDescription
+from tyndall.scene_description import Camera, CameraKind, Lens, Panorama, SceneDescription
 
 SIZES_PX = ((640, 360), (300, 500), (64, 64))
 
@@ -130,6 +130,21 @@ def test_a_coarse_picture_covers_whole_blocks_of_pixels(scale: int) -> None:
         assert rough_low == low
         assert (rough_high - rough_low) / rough.camera.size_px[axis] == pytest.approx(scale * pixel_m)
         assert rough_high >= high
+
+
+def test_a_view_is_another_with_any_other_camera() -> None:
+    """Also where only the rim of a fisheye is."""
+    view = a_view()
+    assert view.is_like(a_view())
+    for change in (
+        {"world_from_camera": np.eye(4) * 2.0},
+        {"kind": CameraKind.PANORAMIC},
+        {"window": (-1.0, 1.0, -0.5, 0.6)},
+        {"clip_m": (0.2, 100.0)},
+        {"lens": Lens(radius_m=0.1, focus_m=2.0)},
+        {"panorama": Panorama(rim=0.5)},
+    ):
+        assert not view.is_like(replace(view, camera=replace(view.camera, **change))), change
 
 
 class PatientSession:

@@ -71,6 +71,15 @@ def test_the_viewport_follows_local_view(play: Callable[..., Any]) -> None:
     assert levels["lamp alone"] < min(levels["fog and lamp alone"], levels["without the fog"])
 
 
+def test_the_viewport_looks_through_a_fisheye(play: Callable[..., Any]) -> None:
+    """Its circle is as large as the lens says, also when nothing but its field of view has changed."""
+    facts = play("fisheye").facts
+    for name, field_rad in (("fisheye", 3.0), ("narrow", 1.5)):
+        radius_px = 2 * 12.0 * np.sin(field_rad / 4) * facts["width_over_sensor"]
+        assert facts["shares"][name] == pytest.approx(np.pi * radius_px**2 / facts["region_px"], rel=0.03)
+    assert facts["shares"]["no camera"] > 0.9
+
+
 def test_a_render_in_the_window_equals_the_headless_one(play: Callable[..., Any]) -> None:
     """F12 and ``blender -b`` give the same bits; Esc ends a render that would take hours."""
     played = play("render")
