@@ -5,36 +5,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from .affine_colours import AffineColour, affine_colour
-from .light_textures import LightValueReader
-from .node_graph import Socket, output_input
+from .node_graph import Socket
 from .program import BLACK, WHITE, Value
 from .shader_limits import followed
 
 if TYPE_CHECKING:
-    import bpy
-
-    from .images import ImageReader
-    from .reports import Reports
     from .value_nodes import ValueReader
-
-
-def emission_of_light(
-    light: bpy.types.Light, images: ImageReader, reports: Reports, culprit: str
-) -> tuple[AffineColour, LightValueReader]:
-    """The colour times strength of its Emission nodes, 1 for a light without nodes; and what knows its image."""
-    reader = LightValueReader(light, culprit, reports, images)
-    surface = output_input(light.node_tree if light.use_nodes else None, "Surface")
-    colour = AffineColour(np.ones(3))
-    if surface is not None:
-        read = affine_colour(reader.program, emission_value(reader, surface))
-        if read is None:
-            reader.note("its colour is read as white: it is not linear in one image")
-        else:
-            colour = read
-    return colour, reader
 
 
 @followed(otherwise=BLACK)

@@ -10,7 +10,7 @@ import numpy as np
 from tyndall.scene_description import Extension, LightProjection, LightTexture, TextureUse
 
 from .light_vectors import CannotBeRead, Frame, Start, Vector, read_vector, spot_coordinates, uv_of_light
-from .program import WHITE, Value
+from .program import BLACK, Term, Value
 from .texture_nodes import EXTENSIONS, image_use
 from .value_nodes import Domain, ValueReader
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class LightValueReader(ValueReader):
-    """Evaluates the nodes of a light, and keeps where each image that they read lies."""
+    """Evaluates nodes that show one image, and keeps where it lies. Raises CannotBeRead for all others."""
 
     def __init__(self, light: bpy.types.Light, culprit: str, reports: Reports, images: ImageReader) -> None:
         super().__init__(culprit, reports, images, Domain.LIGHT)
@@ -33,15 +33,21 @@ class LightValueReader(ValueReader):
         self._placed: list[LightTexture] = []
         self._vectors: list[Vector] = []
 
-    def image(self, at: Socket) -> Value:
-        """The colour of an Image Texture or an Environment Texture node; white where its place cannot be had."""
-        try:
-            return self._image(at)
-        except CannotBeRead as reason:
-            self.note(f"{at.node.bl_label} is read as white: {reason}")
-            return WHITE
+    def unsupported(self, at: Socket, fallback: str) -> None:
+        raise CannotBeRead(f"{at.node.bl_label} {fallback}")
 
-    def _image(self, at: Socket) -> Value:
+    def constant(self, at: Socket | None, default: float = 0.0) -> float:
+        if isinstance(self.number(at, default), Term):
+            raise CannotBeRead("a number that varies")
+        return super().constant(at, default)
+
+    def constant_colour(self, at: Socket | None, default: Value = BLACK) -> tuple[float, float, float]:
+        if isinstance(self.colour(at, default), Term):
+            raise CannotBeRead("a colour that varies")
+        return super().constant_colour(at, default)
+
+    def image(self, at: Socket) -> Value:
+        """The colour of an Image Texture or an Environment Texture node."""
         if at.socket.identifier == "Alpha":
             raise CannotBeRead("the alpha of an image")
         is_environment = at.node.type == "TEX_ENVIRONMENT"
@@ -51,7 +57,7 @@ class LightValueReader(ValueReader):
             return use
         is_sphere = is_environment or at.node.projection == "SPHERE"
         if not is_environment and at.node.projection not in {"FLAT", "SPHERE"}:
-            self.note(f'image "{use.image.name}" is projected flat')
+            raise CannotBeRead("an image in a box or a tube")
         placed = _placed(use, vector, is_sphere=is_sphere, is_environment=is_environment)
         self._placed.append(placed)
         self._vectors.append(vector)

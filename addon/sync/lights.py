@@ -14,7 +14,7 @@ from tyndall.emitter_programs import EmitterPictures
 from tyndall.scene_description import Light, LightBody, LightKind, ObjectLighting, SpotFalloff
 
 from .area_light_nodes import emitter_of, emitter_texture, read_area_emission
-from .light_nodes import emission_of_light
+from .lamp_nodes import read_lamp_emission
 from .light_textures import read_gobo
 
 if TYPE_CHECKING:
@@ -52,11 +52,11 @@ def read_lights(
             reports.add(f'Light "{name}"', "cameras do not see it: lights are not drawn")
         emission = read_area_emission(data, images, reports, f'Light "{name}"')
         for matrix in placement.world_from_object():
-            shown = emission.on(emitter_of(matrix, _size_m(data), is_ellipse=_is_ellipse(data)), pictures)
-            if (light := _area_light(data, name, matrix, strength * shown.mean, reports)) is not None:
+            picture = emission.on(emitter_of(matrix, _size_m(data), is_ellipse=_is_ellipse(data)), pictures)
+            if (light := _area_light(data, name, matrix, strength * picture.mean, reports)) is not None:
                 yield replace(
                     light,
-                    texture=emitter_texture(shown, matrix),
+                    texture=emitter_texture(picture, matrix),
                     casts_shadow=_casts_shadow(data),
                     lights_surfaces=thing.visible_diffuse,
                     lights_catchers=placement.is_shadow_catcher,
@@ -66,18 +66,19 @@ def read_lights(
                     links=lighting.links,
                 )
         return
-    colour, nodes = emission_of_light(data, images, reports, f'Light "{name}"')
-    if colour.texture is None:
-        strength *= colour.offset
+    lamp = read_lamp_emission(data, images, reports, f'Light "{name}"')
     for matrix in placement.world_from_object():
-        texture = nodes.texture(colour, matrix)
-        gobo = read_gobo(data, images, reports, f'Light "{name}"', matrix)
-        if texture is not None and gobo is not None:
-            reports.add(f'Light "{name}"', "its gobo takes the place of its nodes' image")
+        texture = read_gobo(data, images, reports, f'Light "{name}"', matrix)
+        if texture is None or lamp.is_constant:
+            colour, shown = lamp.on(matrix, pictures)
+            texture = texture or shown
+        else:
+            reports.add(f'Light "{name}"', "its gobo takes the place of its nodes' pattern")
+            colour = np.ones(3)
         yield Light(
             name=name,
             kind=LightKind[data.type],
-            strength=tuple(float(channel) for channel in strength),
+            strength=tuple(float(channel) for channel in strength * colour),
             world_from_light=matrix,
             half_angle_rad=data.angle / 2 if data.type == "SUN" else 0.0,
             radius_m=radius_m,
@@ -90,7 +91,7 @@ def read_lights(
             lights_catchers=placement.is_shadow_catcher,
             scatters_in_media=scatters_in_media,
             occluder_edits=occluder_edits,
-            texture=gobo or texture,
+            texture=texture,
             light_group=lighting.light_group,
             links=lighting.links,
         )

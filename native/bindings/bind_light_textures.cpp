@@ -50,14 +50,32 @@ static py::array_t<float> emitter_image(const EmitterProgram& program, const std
                     {static_cast<py::ssize_t>(height), static_cast<py::ssize_t>(width), 3});
 }
 
+static py::array_t<float> leaving_lamp(const EmitterProgram& program, const std::array<float, 16>& world_from_object,
+                                       const Triple& middle, float radius_m, const py::array& points,
+                                       const Progress& progress) {
+    static_assert(sizeof(EmitterPoint) == 7 * sizeof(float));
+    const std::vector<EmitterPoint> read = to_vector<EmitterPoint, float>(points, {-1, 7}, "points");
+    const LocalEmitter lamp{.world_from_object = to_matrix<mat4, 4>(world_from_object.data()),
+                            .middle = to_vec3(middle),
+                            .radius_m = radius_m};
+    const std::vector<Rgb> colours = without_gil([&] { return program.leaving(lamp, read, progress); });
+    const auto* floats = reinterpret_cast<const float*>(colours.data());
+    return to_numpy(std::vector<float>(floats, floats + 3 * colours.size()),
+                    {static_cast<py::ssize_t>(colours.size()), 3});
+}
+
 static void bind_emitter_program(py::module_& native) {
     py::class_<EmitterProgram, std::shared_ptr<EmitterProgram>>(native, "EmitterProgram",
-                                                                "A material's emission over an area light.")
+                                                                "A material's emission over a light.")
         .def(py::init<Material>(), "material"_a)
         .def("image", &emitter_image, "world_from_object"_a, "size"_a, "is_object"_a, "width"_a, "height"_a,
              "progress"_a,
              "float32 (height, width, 3), rows along the light's +Y; world_from_object: 4x4, row by row. Releases the "
-             "GIL. Cancelled.");
+             "GIL. Cancelled.")
+        .def("leaving", &leaving_lamp, "world_from_object"_a, "middle"_a, "radius_m"_a, "points"_a, "progress"_a,
+             "float32 (n, 3) of a lamp; points: float32 (n, 7), each a unit direction in the world, a place on UV maps "
+             "and "
+             "barycentrics. Releases the GIL. Cancelled.");
 }
 
 void bind_light_textures(py::module_& native) {

@@ -184,9 +184,7 @@ void LocalScatter::Batch::append_textured(const LocalRays::Segment& segment, dou
     const auto turned = [&](float x, float tangent) { return y * (x + y * tangent) / (y - x * tangent); };
     const float angle_rad = std::atan2(y * (last - first), y * y + first * last);
     const LightTexture& texture = picture_->texture();
-    const vec2 size = texture.image->size(), middle = picture_->uv(turned(first, std::tan(0.5f * angle_rad)));
-    const float texels =
-        glm::length((middle - picture_->uv(first)) * size) + glm::length((picture_->uv(last) - middle) * size);
+    const float texels = picture_->texels(first, turned(first, std::tan(0.5f * angle_rad)), last, angle_rad);
     const float count = std::ceil(std::clamp(2.0f * texels, fewest_texture_parts, most_texture_parts));
     // Gauss's two points: what linear interpolation makes along a part is nearly a square.
     constexpr float gauss = 0.211324865f;

@@ -26,4 +26,12 @@ vec2 PictureAlongRay::uv(float x) const {
         return uv_of_axes(texture_, at);
     return at.z != 0.0f ? vec2(at) / at.z : vec2(0.0f);
 }
+
+float PictureAlongRay::texels(float first, float middle, float last, float angle_rad) const {
+    // By the angle, that neither the seam, where u jumps, nor the poles, where it is crowded, count for more.
+    if (texture_.projection == LightProjection::Directions)
+        return is_constant_ ? 0.0f : angle_rad / texel_rad(texture_);
+    const vec2 size = texture_.image->size(), at_middle = uv(middle);
+    return glm::length((at_middle - uv(first)) * size) + glm::length((uv(last) - at_middle) * size);
+}
 } // namespace tyndall::light_shafts

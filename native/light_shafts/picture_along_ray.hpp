@@ -12,6 +12,8 @@ public:
     /// Distances along the ray are measured from `foot`, its point nearest to the emitter.
     void begin_ray(const vec3& foot, const vec3& direction);
     [[nodiscard]] vec2 uv(float x) const;
+    /// How many texels lie between the first and the last of three places, which the light sees `angle_rad` apart.
+    [[nodiscard]] float texels(float first, float middle, float last, float angle_rad) const;
     [[nodiscard]] const LightTexture& texture() const { return texture_; }
 
 private:

@@ -16,7 +16,7 @@ static bool is_finite(const mat3& matrix) {
 void require_usable(const LightTexture& texture) {
     constexpr float largest_m = 1e6f, smallest_m = 1e-6f;
     require(texture.image != nullptr, "it has no image");
-    require(texture.projection <= LightProjection::Emitter, "projection ", static_cast<int>(texture.projection),
+    require(texture.projection <= LightProjection::Directions, "projection ", static_cast<int>(texture.projection),
             " is unknown");
     require_in(texture.size_m.x, smallest_m, largest_m, "size_m");
     require_in(texture.size_m.y, smallest_m, largest_m, "height in metres");
@@ -58,11 +58,16 @@ static vec2 on_sphere(const vec3& place) {
 }
 
 static vec2 projected(LightProjection projection, const vec3& place) {
-    if (projection == LightProjection::Sphere)
+    if (projection == LightProjection::Sphere || projection == LightProjection::Directions)
         return on_sphere(place);
     if (projection == LightProjection::Perspective)
         return place.z != 0.0f ? vec2(place) / place.z : vec2(0.0f); // a Divide node gives 0, too
     return vec2(place);
+}
+
+float texel_rad(const LightTexture& texture) {
+    // The projected v runs from 0 to 1 over half a turn.
+    return std::numbers::pi_v<float> / (std::abs(texture.uv_from_projected[1].y) * texture.image->size().y);
 }
 
 vec2 uv_of_axes(const LightTexture& texture, const vec3& axes) {

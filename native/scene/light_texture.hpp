@@ -19,6 +19,7 @@ enum class LightProjection : std::uint8_t {
     Perspective = 2, ///< Those divided by the third: how a slide is thrown.
     Sphere = 3,      ///< Longitude and latitude, as Cycles' map_to_sphere.
     Emitter = 4,     ///< Area: where the light leaves it; its box is (0, 0) to (1, 1) along its light_axes.
+    Directions = 5,  ///< As Sphere, of a picture whose texels are an angle apart, without a seam: texel_rad.
 };
 
 /// Of a point and a light: vector = the direction in which the light leaves, or the emitter's normal there; axes =
@@ -48,6 +49,8 @@ struct LightTexture {
 [[nodiscard]] LightTexture thrown_by(const Light& lamp);
 /// Throws InvalidInput that names what is out of its range.
 void require_usable(const LightTexture& texture);
+/// Of a picture of directions: the angle from one row to the next.
+[[nodiscard]] float texel_rad(const LightTexture& texture);
 /// Where the picture of a textured light is read for light that leaves `emitter`, a point on or in the light, for `point`.
 /// Of a sun, emitter is any point towards it.
 [[nodiscard]] vec2 texture_uv(const Light& light, const vec3& emitter, const vec3& point);

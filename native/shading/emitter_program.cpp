@@ -38,4 +38,29 @@ std::vector<Rgb> EmitterProgram::image(const FlatEmitter& emitter, std::uint32_t
         4);
     return pixels;
 }
+
+std::vector<Rgb> EmitterProgram::leaving(const LocalEmitter& lamp, std::span<const EmitterPoint> points,
+                                         const Progress& progress) const {
+    const mat4 &to_world = lamp.world_from_object, to_object = glm::inverse(to_world);
+    std::vector<Rgb> colours(points.size());
+    constexpr std::size_t block = 1024;
+    parallel_for((points.size() + block - 1) / block, progress, [&](std::size_t index) {
+        std::vector<vec2> uvs(material_.uv_map_names.size());
+        for (std::size_t at = index * block; at < std::min(points.size(), (index + 1) * block); ++at) {
+            const EmitterPoint& seen = points[at];
+            std::ranges::fill(uvs, seen.uv);
+            const vec3 position = lamp.middle + lamp.radius_m * seen.direction;
+            const ProgramPoint point{.surface = {.position = position,
+                                                 .geometric_normal = seen.direction,
+                                                 .shading_normal = seen.direction,
+                                                 .barycentrics = seen.barycentrics},
+                                     .ray_kind = RayKind::Diffuse,
+                                     .incoming = seen.direction,
+                                     .object_position = vec3(to_object * vec4(position, 1.0f)),
+                                     .object = {.scene_from_object = &to_world, .object_from_scene = &to_object}};
+            colours[at] = evaluate(material_, point, uvs).emission;
+        }
+    });
+    return colours;
+}
 } // namespace tyndall

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A surface program on a flat light: what the node tree of an area light is, drawn as a picture of it.
-// Based on: blender/cycles v3.4.0, v4.5.0 and v5.0.0, src/kernel/light/area.h and svm: which vectors an area light's shader
-//           sees. Measured in the three; tests/blender/test_area_light_nodes.py compares pictures.
-// Differs:  drawn once, as seen from straight before it. What changes with the direction or the distance from which
-//           the light is seen is the sync's to report.
+// A surface program on a light: what the node tree of an area light is, drawn as a picture of it, and that of a lamp, by the
+// direction in which its light leaves.
+// Based on: blender/cycles v3.4.0, v4.5.0 and v5.0.0, src/kernel/light and svm: which vectors a light's shader sees.
+//           Measured in the three; tests/blender/test_area_light_nodes.py and test_lamp_nodes.py compare pictures.
+// Differs:  drawn once: an area light as seen from straight before it, a lamp as if its normal were the direction. What
+//           else changes with the direction or the distance from which the light is seen is the sync's to report.
 #pragma once
 #include "core/progress.hpp"
 #include "shading/program_point.hpp"
+#include <span>
 
 namespace tyndall {
 /// A rectangle in the plane z = 0 of its object, around the origin, that shines along -Z.
@@ -17,6 +19,19 @@ struct FlatEmitter {
     bool is_object = true;
 };
 
+/// A lamp: what its points know beside the direction in which they shine.
+struct LocalEmitter {
+    mat4 world_from_object{1.0f};
+    vec3 middle{0.0f};
+    float radius_m = 0.0f; ///< So far from its middle they lie, in that direction.
+};
+/// One point of it.
+struct EmitterPoint {
+    vec3 direction{0, 0, 1}; ///< Unit, in the world.
+    vec2 uv{0.0f};           ///< Of all UV maps.
+    vec2 barycentrics{0.0f};
+};
+
 class EmitterProgram {
 public:
     /// Throws InvalidInput that names a material that cannot run.
@@ -25,6 +40,9 @@ public:
     /// (1, 1) over the rectangle. Throws Cancelled.
     [[nodiscard]] std::vector<Rgb> image(const FlatEmitter& emitter, std::uint32_t width, std::uint32_t height,
                                          const Progress& progress) const;
+    /// The same of points of a lamp. Throws Cancelled.
+    [[nodiscard]] std::vector<Rgb> leaving(const LocalEmitter& lamp, std::span<const EmitterPoint> points,
+                                           const Progress& progress) const;
 
 private:
     Material material_;

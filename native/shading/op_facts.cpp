@@ -121,6 +121,8 @@ std::optional<OpFacts> facts_of(const SurfaceOp& op) {
         if (op.option >= static_cast<std::uint8_t>(EnvironmentProjection::Count))
             return {};
         return facts(1, OpReads::image, Channels::Own);
+    case Code::Photometry:
+        return facts(1, OpReads::table, Channels::Equal);
     default:
         return pattern_facts(op);
     }

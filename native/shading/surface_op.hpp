@@ -60,6 +60,7 @@ struct SurfaceOp {
         ImageAt = 60,
         ImageAlphaAt = 61,
         EnvironmentAt = 62,
+        Photometry = 63, ///< A luminaire's intensities in a table, at a vector: op_photometry.hpp.
     };
     Code code = Code::Constant;
     std::uint8_t option = 0, selector = 0; ///< Which of the operation's kinds, and which of its results.

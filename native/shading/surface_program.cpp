@@ -9,6 +9,7 @@
 #include "shading/op_math.hpp"
 #include "shading/op_normals.hpp"
 #include "shading/op_patterns.hpp"
+#include "shading/op_photometry.hpp"
 #include "shading/point_values.hpp"
 #include <algorithm>
 #include <array>
@@ -108,6 +109,8 @@ Rgb result_of(const SurfaceOp& op, const Registers& registers, std::span<const C
     case Code::Combine:
     case Code::Separate:
         return colour_value(op, operands_of(op, registers), tables);
+    case Code::Photometry:
+        return Rgb(photometric_value(tables[op.table].values, a));
     case Code::Noise:
     case Code::Voronoi:
     case Code::Wave:
@@ -207,6 +210,8 @@ void validate(const Material& material) {
         require((facts->reads & OpReads::table) == 0 ||
                     (op.table < material.tables.size() && !material.tables[op.table].values.empty()),
                 "material \"", material.name, "\" reads table ", op.table, " of ", material.tables.size());
+        require(op.code != Code::Photometry || is_photometry(material.tables[op.table].values), "material \"",
+                material.name, "\" reads table ", op.table, " as a luminaire's, which it is not");
         if ((facts->reads & OpReads::table) != 0 && (facts->reads & OpReads::image) != 0)
             for (const vec4& tile : material.tables[op.table].values)
                 require(tile.z >= 0.0f && tile.z < static_cast<float>(material.textures.size()) &&

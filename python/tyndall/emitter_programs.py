@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What area lights show where their node trees vary over them: drawn once, as fine as it needs."""
+"""What area lights show where their node trees vary over them: drawn once, as fine as it needs.
+
+Lamps are in lamp_programs.py.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -44,6 +47,34 @@ class EmitterPicture:
     mean: tuple[float, float, float]  #: Over the light.
 
 
+class EmitterView(Protocol):
+    """A material's emission on a light."""
+
+    @property
+    def key(self) -> str:
+        """Equal for lights that show the same."""
+
+    def picture(self, key: str) -> EmitterPicture:
+        """Raises InvalidInput, naming the material."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlatView:
+    """On an area light."""
+
+    material: Material
+    emitter: Emitter
+
+    @property
+    def key(self) -> str:
+        """Equal for lights that show the same."""
+        return _key(self.material, self.emitter)
+
+    def picture(self, key: str) -> EmitterPicture:
+        """Raises InvalidInput, naming the material."""
+        return _picture(self.material, self.emitter, key)
+
+
 class EmitterPictures:
     """Keeps the last ones: a light that did not change is drawn once."""
 
@@ -52,10 +83,10 @@ class EmitterPictures:
     def __init__(self) -> None:
         self._kept: dict[str, EmitterPicture] = {}
 
-    def find(self, material: Material, emitter: Emitter) -> EmitterPicture:
-        """Of the emission of a material. Raises InvalidInput, naming it."""
-        key = _key(material, emitter)
-        found = self._kept.pop(key, None) or _picture(material, emitter, key)
+    def find(self, view: EmitterView) -> EmitterPicture:
+        """Raises InvalidInput, naming the material."""
+        key = view.key
+        found = self._kept.pop(key, None) or view.picture(key)
         self._kept[key] = found
         while len(self._kept) > 1 and self._byte_count() > self._MOST_BYTES:
             del self._kept[next(iter(self._kept))]
@@ -66,7 +97,6 @@ class EmitterPictures:
 
 
 def _key(material: Material, emitter: Emitter) -> str:
-    """Equal for lights that show the same."""
     stands_anywhere = all(
         op.code in _OF_PLACES_ON_IT
         or is_known_without_point(op)

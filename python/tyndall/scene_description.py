@@ -271,6 +271,7 @@ class Code(IntEnum):
     IMAGE_AT = 60
     IMAGE_ALPHA_AT = 61
     ENVIRONMENT_AT = 62
+    PHOTOMETRY = 63
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -526,6 +527,7 @@ class LightProjection(IntEnum):
     PERSPECTIVE = 2  #: Those divided by the third: how a slide is thrown.
     SPHERE = 3  #: Longitude and latitude, as Cycles' ``map_to_sphere``.
     EMITTER = 4  #: Area light: where the light leaves it; its box along its axes is (0, 0) to (1, 1).
+    DIRECTIONS = 5  #: As SPHERE, of a picture whose rows are an angle apart, without a seam.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tyndall.emitter_programs import Emitter, EmitterPictures
+from tyndall.emitter_programs import Emitter, EmitterPictures, FlatView
 from tyndall.linear_colours import linear_colours
 from tyndall.scene_description import Code, Image, Interpolation, Material, SurfaceOp, TextureUse
 from tyndall.surface_inputs import PointInput
@@ -43,7 +43,7 @@ def emitter(shift: float = 3.0, **changes: object) -> Emitter:
 
 
 def pixels_of(material: Material, on: Emitter) -> np.ndarray:
-    image = EmitterPictures().find(material, on).image
+    image = EmitterPictures().find(FlatView(material, on)).image
     assert image is not None
     return linear_colours(image)
 
@@ -73,7 +73,7 @@ def test_a_picture_keeps_its_texels_and_a_larger_one_its_means() -> None:
 @pytest.mark.parametrize("is_ellipse", [False, True])
 def test_the_mean_of_the_picture_is_that_of_the_light(is_ellipse: bool) -> None:  # noqa: FBT001
     material = slide((7, 5), Interpolation.CLOSEST)
-    found = EmitterPictures().find(material, emitter(is_ellipse=is_ellipse))
+    found = EmitterPictures().find(FlatView(material, emitter(is_ellipse=is_ellipse)))
     assert found.image is not None
     mean = linear_colours(found.image).mean(axis=(0, 1), dtype=np.float64)
     np.testing.assert_allclose(mean, found.mean, rtol=1e-4)
@@ -90,18 +90,24 @@ def test_values_that_overflow_are_cut_off_and_warn_nowhere() -> None:
     texels[0, 0, :3] = np.nan
     image = Image(key="huge", name="huge", pixels=texels, is_srgb=False)
     use = replace(huge.textures[0], image=image)
-    assert np.isfinite(EmitterPictures().find(replace(huge, textures=(use,)), emitter()).mean).all()
+    assert np.isfinite(EmitterPictures().find(FlatView(replace(huge, textures=(use,)), emitter())).mean).all()
 
 
 def test_only_what_reads_the_world_is_drawn_again_where_the_light_moves() -> None:
     pictures = EmitterPictures()
-    assert pictures.find(ramp(), emitter(3.0)).image is pictures.find(ramp(), emitter(4.0)).image
-    assert pictures.find(position(), emitter(3.0)).image is not pictures.find(position(), emitter(4.0)).image
-    np.testing.assert_allclose(pictures.find(position(), emitter(3.0)).mean, 3.0, rtol=1e-6)
-    assert pictures.find(ramp(), emitter(is_ellipse=True)).image is not pictures.find(ramp(), emitter()).image
+    assert pictures.find(FlatView(ramp(), emitter(3.0))).image is pictures.find(FlatView(ramp(), emitter(4.0))).image
+    assert (
+        pictures.find(FlatView(position(), emitter(3.0))).image
+        is not pictures.find(FlatView(position(), emitter(4.0))).image
+    )
+    np.testing.assert_allclose(pictures.find(FlatView(position(), emitter(3.0))).mean, 3.0, rtol=1e-6)
+    assert (
+        pictures.find(FlatView(ramp(), emitter(is_ellipse=True))).image
+        is not pictures.find(FlatView(ramp(), emitter())).image
+    )
 
 
 def test_up_to_3_x_all_of_it_shows_one_place_of_its_uv_map() -> None:
-    found = EmitterPictures().find(ramp(), emitter(is_object=False))
+    found = EmitterPictures().find(FlatView(ramp(), emitter(is_object=False)))
     assert found.image is None
     assert found.mean == (0.0, 0.0, 0.0)

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Node trees of suns, point and spot lights: one image, where it enters linearly, or a picture of all they show.
+
+What a lamp's shader sees was measured in 3.4.1, 4.5.15 and 5.0.1: it stands where the lamp does, or on its ball; its
+normal and the ray that asks both point to where the light goes. Up to 3.x the lamp is an object to normals alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+from tyndall.lamp_programs import Lamp, LampView, colour_of_sun, vectors_of
+from tyndall.surface_inputs import PointInput
+
+from .affine_colours import AffineColour, affine_colour
+from .coordinates import point_input
+from .emitter_nodes import NODES, EmitterReader, object_info
+from .light_nodes import emission_value
+from .light_textures import LightValueReader
+from .light_vectors import CannotBeRead
+from .node_graph import output_input
+from .program import BLACK, Program, Term, Value
+from .reports import Reports
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from tyndall.emitter_programs import EmitterPictures
+    from tyndall.scene_description import LightTexture
+
+    from .emitter_nodes import Read
+    from .images import ImageReader
+    from .node_graph import Socket
+
+_IS_OBJECT = bpy.app.version >= (4, 0, 0)
+
+
+class _LampReader(EmitterReader):
+    def place(self) -> Value:
+        """Up to 3.x no space but the world's."""
+        return point_input(self.program, PointInput.OBJECT_POSITION if _IS_OBJECT else PointInput.POSITION)
+
+
+def _geometry(_: EmitterReader, at: Socket) -> Value | None:
+    return BLACK if at.socket.identifier in {"Backfacing", "Tangent", "Pointiness", "Random Per Island"} else None
+
+
+def _texture_coordinate(reader: EmitterReader, at: Socket) -> Value | None:
+    output = at.socket.identifier
+    if output == "Generated" or (output == "Object" and at.node.object is None):
+        return reader.place()
+    return None
+
+
+def _object_info(reader: EmitterReader, at: Socket) -> Value | None:
+    return BLACK if not _IS_OBJECT and at.socket.identifier == "Location" else object_info(reader, at)
+
+
+def _vector_transform(reader: EmitterReader, at: Socket) -> Value | None:
+    """Up to 3.x the object's space is the world's."""
+    spaces = {at.node.convert_from, at.node.convert_to}
+    return reader.colour(at.input("Vector")) if not _IS_OBJECT and "CAMERA" not in spaces else None
+
+
+_NODES: dict[str, Read] = {
+    **NODES,
+    "NEW_GEOMETRY": _geometry,
+    "TEX_COORD": _texture_coordinate,
+    "OBJECT_INFO": _object_info,
+    "VECT_TRANSFORM": _vector_transform,
+}
+
+
+@dataclass(frozen=True)
+class LampEmission:
+    """What a lamp's nodes multiply its strength by."""
+
+    light: bpy.types.Light
+    culprit: str
+    reports: Reports
+    #: One image, read where its reader knows; None: the program.
+    image: tuple[AffineColour, LightValueReader] | None = None
+    program: Program | None = None
+    value: Value = BLACK
+
+    @property
+    def is_constant(self) -> bool:
+        return self.image[0].texture is None if self.image is not None else not isinstance(self.value, Term)
+
+    def on(
+        self, world_from_light: NDArray[np.float64], pictures: EmitterPictures
+    ) -> tuple[NDArray[np.float64], LightTexture | None]:
+        """Of one instance: a colour, and what varies around it."""
+        if self.image is not None:
+            colour, reader = self.image
+            texture = reader.texture(colour, world_from_light)
+            return colour.offset if texture is None else np.ones(3), texture
+        if self.program is None or not isinstance(self.value, Term):
+            return np.array(self.value, np.float64), None
+        if not abs(np.linalg.det(world_from_light[:3, :3])) > 0.0:
+            return np.ones(3), None  # a lamp of no scale, which is refused
+        material = self.program.material(self.light.name, (BLACK, BLACK, self.value))
+        lamp = self._lamp(world_from_light)
+        if self.light.type == "SUN":
+            if material.textures:
+                self.reports.add(
+                    self.culprit, "its nodes see no position on a sun: an image shows one place, its gobo all"
+                )
+            return colour_of_sun(material, lamp), None
+        vectors = vectors_of(material, lamp)
+        if lamp.radius_m > 0.0 and vectors.has_normal and vectors.has_direction:
+            self.reports.add(self.culprit, "its nodes read its normal and the direction of its light: both are that")
+        if self.light.shadow_soft_size > 0.0 and lamp.radius_m == 0.0 and vectors.has_place:
+            self.reports.add(self.culprit, "its nodes see it at its middle alone")
+        view = LampView(material, lamp)
+        picture = pictures.find(view)
+        return np.array(picture.mean), view.texture(picture)
+
+    def _lamp(self, world_from_light: NDArray[np.float64]) -> Lamp:
+        light = self.light
+        is_ball = _IS_OBJECT and light.type != "SUN" and not getattr(light, "use_soft_falloff", False)
+        return Lamp(
+            world_from_object=world_from_light,
+            radius_m=light.shadow_soft_size if is_ball else 0.0,
+            spot_half_angle_rad=light.spot_size / 2 if light.type == "SPOT" else None,
+            is_object=_IS_OBJECT,
+        )
+
+
+def read_lamp_emission(light: bpy.types.Light, images: ImageReader, reports: Reports, culprit: str) -> LampEmission:
+    surface = output_input(light.node_tree if light.use_nodes else None, "Surface")
+    known = LampEmission(light, culprit, reports, program=Program(), value=(1.0, 1.0, 1.0))
+    if surface is None:
+        return known
+    said = Reports()
+    linear = LightValueReader(light, culprit, said, images)
+    try:
+        colour = affine_colour(linear.program, emission_value(linear, surface))
+    except CannotBeRead:
+        colour = None
+    if colour is not None:
+        reports.include(said)
+        return LampEmission(light, culprit, reports, image=(colour, linear))
+    reader = _LampReader(culprit, "a lamp", _NODES, reports, images)
+    value = emission_value(reader, surface)
+    return LampEmission(light, culprit, reports, program=reader.program, value=value)
