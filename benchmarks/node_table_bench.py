@@ -39,10 +39,11 @@ def main() -> None:
     from support.node_measurements import BEST_SHARE, measured  # noqa: PLC0415
     from support.node_states import ELSEWHERE, TESTS, node_states  # noqa: PLC0415
     from support.pattern_setups import setups_of, usual_cases  # noqa: PLC0415
+    from support.photometry_files import PHOTOMETRY  # noqa: PLC0415
 
     start = time.process_time()
     patterns = [setup for setup, _ in setups_of(usual_cases()).values()]
-    found = measured(patterns, {**INPUT_SETUPS, **IMAGES, **NORMALS})
+    found = measured(patterns, {**INPUT_SETUPS, **IMAGES, **NORMALS, **PHOTOMETRY})
     rows = []
     text = HEADER.format(blender=bpy.app.version_string, share=BEST_SHARE)
     for kind, state in sorted(node_states().items(), key=lambda item: item[1].label):

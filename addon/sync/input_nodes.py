@@ -201,6 +201,17 @@ def _light_path(reader: ValueReader, at: Socket) -> Value:
     return point_input(program, PointInput.IS_RAY, selector=rays) if rays else BLACK
 
 
+def _light_falloff(reader: ValueReader, at: Socket) -> Value:
+    """By how far the ray that asks has come."""
+    program, way = reader.program, point_input(reader.program, PointInput.RAY_LENGTH)
+    squared = program.multiply(way, way)
+    value, smooth = reader.number(at.input("Strength"), 1.0), reader.number(at.input("Smooth"))
+    smoothed = vector_operation(program, "DIVIDE", squared, program.add(squared, smooth))
+    value = program.multiply(value, smoothed)
+    by_output = {"Quadratic": WHITE, "Linear": way, "Constant": squared}
+    return program.multiply(value, by_output[at.socket.identifier])
+
+
 def _light_path_elsewhere(reader: ValueReader, at: Socket) -> Value:
     """What the camera sees counts: its rays answer 1, all other questions 0."""
     if reader.domain is Domain.SURFACE:
@@ -305,6 +316,7 @@ NODES: dict[str, Evaluate] = {
     "NEW_GEOMETRY": _geometry,
     "TANGENT": on_surfaces(_tangent),
     "OBJECT_INFO": on_surfaces(_object_info),
+    "LIGHT_FALLOFF": on_surfaces(_light_falloff),
     "LIGHT_PATH": _light_path_elsewhere,
     "VECT_TRANSFORM": on_surfaces(_vector_transform),
     "PARTICLE_INFO": _particle_info,

@@ -12,7 +12,16 @@ import bpy
 
 from tyndall.surface_operations import nearest_finite
 
-from . import colour_nodes, coordinates, input_nodes, math_nodes, normal_nodes, pattern_nodes, texture_nodes
+from . import (
+    colour_nodes,
+    coordinates,
+    input_nodes,
+    math_nodes,
+    normal_nodes,
+    pattern_nodes,
+    photometry_nodes,
+    texture_nodes,
+)
 from .domains import MID_GREY, Domain
 from .program import BLACK, Program, Rgb, Term, Value, grey
 from .shader_limits import ShaderCount
@@ -201,5 +210,6 @@ _NODES: dict[str, Callable[[ValueReader, Socket], Value]] = {
     **input_nodes.NODES,
     **normal_nodes.NODES,
     **pattern_nodes.NODES,
+    **photometry_nodes.NODES,
     **texture_nodes.NODES,
 }

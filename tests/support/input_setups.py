@@ -72,6 +72,11 @@ INPUT_SETUPS: dict[str, Build] = {
     "facing": weighed("ShaderNodeLayerWeight", "Facing", Blend=0.3),
     "facing much": weighed("ShaderNodeLayerWeight", "Facing", Blend=0.8),
     **{
+        f"{name.lower()} falloff": weighed("ShaderNodeLightFalloff", name, Strength=0.01, Smooth=200.0)
+        for name in ("Quadratic", "Linear", "Constant")
+    },
+    "hard falloff": weighed("ShaderNodeLightFalloff", "Linear", Strength=0.1),
+    **{
         f"ray {name}": output("ShaderNodeLightPath", name)
         for name in ("Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray", "Ray Length", "Ray Depth")
     },
