@@ -12,6 +12,7 @@ from tyndall.surface_inputs import PointInput
 
 from .coordinates import point_input
 from .domains import Domain
+from .light_nodes import strength_of_falloff
 from .program import BLACK, Value, grey
 from .value_nodes import ValueReader
 
@@ -75,12 +76,6 @@ def _light_path(reader: EmitterReader, at: Socket) -> Value:
     return BLACK
 
 
-def _light_falloff(reader: EmitterReader, at: Socket) -> Value:
-    if at.socket.identifier != "Quadratic":
-        reader.note(f"{at.socket.name} falloff is drawn as quadratic")
-    return reader.number(at.input("Strength"), 1.0)
-
-
 def _uv_map(_: EmitterReader, at: Socket) -> Value | None:
     return BLACK if at.node.uv_map else None  # as in Cycles: it has no map of a name
 
@@ -90,6 +85,6 @@ NODES: dict[str, Read] = {
     **dict.fromkeys(("BUMP", "NORMAL_MAP"), _bent_normal),
     "OBJECT_INFO": object_info,
     "LIGHT_PATH": _light_path,
-    "LIGHT_FALLOFF": _light_falloff,
+    "LIGHT_FALLOFF": strength_of_falloff,
     "UVMAP": _uv_map,
 }

@@ -7,19 +7,20 @@ normal and the ray that asks both point to where the light goes. Up to 3.x the l
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
 from tyndall.lamp_programs import Lamp, LampView, colour_of_sun, vectors_of
+from tyndall.scene_description import Extension, Image, LightProjection, LightTexture, TextureUse
 from tyndall.surface_inputs import PointInput
 
 from .affine_colours import AffineColour, affine_colour
 from .coordinates import point_input
 from .emitter_nodes import NODES, EmitterReader, object_info
-from .light_nodes import emission_value
+from .light_nodes import Distance, emission_and_distance
 from .light_textures import LightValueReader
 from .light_vectors import CannotBeRead
 from .node_graph import output_input
@@ -30,13 +31,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from tyndall.emitter_programs import EmitterPictures
-    from tyndall.scene_description import LightTexture
 
     from .emitter_nodes import Read
     from .images import ImageReader
     from .node_graph import Socket
 
 _IS_OBJECT = bpy.app.version >= (4, 0, 0)
+_NO_DISTANCE = Distance()
+_WHITE = Image(key="white", name="white", pixels=np.ones((1, 1, 4), np.float32), is_srgb=False)
 
 
 class _LampReader(EmitterReader):
@@ -86,6 +88,7 @@ class LampEmission:
     image: tuple[AffineColour, LightValueReader] | None = None
     program: Program | None = None
     value: Value = BLACK
+    distance: Distance = _NO_DISTANCE
 
     @property
     def is_constant(self) -> bool:
@@ -139,12 +142,28 @@ def read_lamp_emission(light: bpy.types.Light, images: ImageReader, reports: Rep
     said = Reports()
     linear = LightValueReader(light, culprit, said, images)
     try:
-        colour = affine_colour(linear.program, emission_value(linear, surface))
+        value, distance = emission_and_distance(linear, surface)
+        colour = affine_colour(linear.program, value)
     except CannotBeRead:
         colour = None
     if colour is not None:
         reports.include(said)
-        return LampEmission(light, culprit, reports, image=(colour, linear))
+        return LampEmission(light, culprit, reports, image=(colour, linear), distance=distance)
     reader = _LampReader(culprit, "a lamp", _NODES, reports, images)
-    value = emission_value(reader, surface)
-    return LampEmission(light, culprit, reports, program=reader.program, value=value)
+    value, distance = emission_and_distance(reader, surface)
+    return LampEmission(light, culprit, reports, program=reader.program, value=value, distance=distance)
+
+
+def at_distances(texture: LightTexture | None, lamp: LampEmission) -> LightTexture | None:
+    """The same picture, or none, where its light falls off as its nodes say."""
+    distance = lamp.distance
+    if distance == _NO_DISTANCE:
+        return texture
+    if lamp.light.type == "SUN":
+        if not _IS_OBJECT:  # later versions leave it as it is
+            lamp.reports.add(lamp.culprit, "its falloff, which is without bounds in Cycles 3.x, is left out")
+        return texture
+    if texture is None:
+        use = TextureUse(image=_WHITE, extension=Extension.EXTEND)
+        texture = LightTexture(use=use, projection=LightProjection.DIRECTIONS)
+    return replace(texture, distance_power=distance.power, smooth_m2=distance.smooth_m2)

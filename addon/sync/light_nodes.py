@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from .node_graph import Socket
@@ -35,10 +36,39 @@ def emission_value(reader: ValueReader, at: Socket) -> Value:
 
 
 def _strength(reader: ValueReader, at: Socket) -> Value:
-    """A Light Falloff node's quadratic output is its strength; its others cannot be told from it here."""
     source = at.source()
     if source.socket.is_output and source.node.type == "LIGHT_FALLOFF":
-        if source.socket.identifier != "Quadratic":
-            reader.note(f"{source.socket.name} falloff is drawn as quadratic")
-        return reader.number(source.input("Strength"), 1.0)
+        return strength_of_falloff(reader, source)
     return reader.number(at)
+
+
+def strength_of_falloff(reader: ValueReader, at: Socket) -> Value:
+    """A Light Falloff node's quadratic output is its strength; what it makes of the distance is not told here."""
+    if at.socket.identifier != "Quadratic":
+        reader.note(f"{at.socket.name} falloff is drawn as quadratic")
+    if reader.number(at.input("Smooth")) != BLACK:
+        reader.note(f"{at.node.bl_label} is drawn without its Smooth")
+    return reader.number(at.input("Strength"), 1.0)
+
+
+@dataclass(frozen=True)
+class Distance:
+    """What a lamp's light is multiplied by at a distance d: d to this power, and d^2 / (d^2 + smooth_m2)."""
+
+    power: int = 0
+    smooth_m2: float = 0.0
+
+
+def emission_and_distance(reader: ValueReader, at: Socket) -> tuple[Value, Distance]:
+    """As emission_value; a Light Falloff node that is the strength of the only Emission node is told apart from it."""
+    emission = at.source()
+    if emission.node.type == "EMISSION" and not emission.is_bare_shader():
+        falloff = emission.input("Strength").source()
+        if falloff.socket.is_output and falloff.node.type == "LIGHT_FALLOFF":
+            distance = Distance(
+                power=("Quadratic", "Linear", "Constant").index(falloff.socket.identifier),
+                smooth_m2=max(reader.constant(falloff.input("Smooth")), 0.0),
+            )
+            strength = reader.number(falloff.input("Strength"), 1.0)
+            return reader.program.multiply(reader.colour(emission.input("Color")), strength), distance
+    return emission_value(reader, at), Distance()

@@ -14,7 +14,7 @@ from tyndall.emitter_programs import EmitterPictures
 from tyndall.scene_description import Light, LightBody, LightKind, ObjectLighting, SpotFalloff
 
 from .area_light_nodes import emitter_of, emitter_texture, read_area_emission
-from .lamp_nodes import read_lamp_emission
+from .lamp_nodes import at_distances, read_lamp_emission
 from .light_textures import read_gobo
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def read_lights(
             lights_catchers=placement.is_shadow_catcher,
             scatters_in_media=scatters_in_media,
             occluder_edits=occluder_edits,
-            texture=texture,
+            texture=at_distances(texture, lamp),
             light_group=lighting.light_group,
             links=lighting.links,
         )

@@ -13,10 +13,12 @@ static std::shared_ptr<FilteredTexture> make_filtered(const std::shared_ptr<Text
     return without_gil([&] { return std::make_shared<FilteredTexture>(texture); });
 }
 
-static std::shared_ptr<LightTexture> make_light_texture(
-    const std::shared_ptr<FilteredTexture>& image, int projection, float width_m, const std::array<float, 2>& centre_m,
-    bool follows_normal, const std::array<float, 9>& axes_from_world, const std::array<float, 12>& place_from_axes,
-    const std::array<float, 9>& uv_from_projected, const Triple& offset, const std::array<float, 9>& gain) {
+static std::shared_ptr<LightTexture>
+make_light_texture(const std::shared_ptr<FilteredTexture>& image, int projection, float width_m,
+                   const std::array<float, 2>& centre_m, bool follows_normal,
+                   const std::array<float, 9>& axes_from_world, const std::array<float, 12>& place_from_axes,
+                   const std::array<float, 9>& uv_from_projected, const Triple& offset,
+                   const std::array<float, 9>& gain, std::uint8_t distance_power, float smooth_m2) {
     const vec2 size = image->size();
     const std::array<float, 12>& rows = place_from_axes;
     auto texture = std::make_shared<LightTexture>(
@@ -30,7 +32,9 @@ static std::shared_ptr<LightTexture> make_light_texture(
                                          vec3(rows[2], rows[6], rows[10]), vec3(rows[3], rows[7], rows[11])},
                      .uv_from_projected = to_matrix<mat3, 3>(uv_from_projected.data()),
                      .offset = to_vec3(offset),
-                     .gain = to_matrix<mat3, 3>(gain.data())});
+                     .gain = to_matrix<mat3, 3>(gain.data()),
+                     .distance_power = distance_power,
+                     .smooth_m2 = smooth_m2});
     require_usable(*texture);
     return texture;
 }
@@ -84,7 +88,8 @@ void bind_light_textures(py::module_& native) {
         .def(py::init(&make_filtered), "texture"_a, "With its means over squares. Releases the GIL.");
     py::class_<LightTexture, std::shared_ptr<LightTexture>>(native, "LightTexture")
         .def(py::init(&make_light_texture), "image"_a, "projection"_a, "width_m"_a, "centre_m"_a, "follows_normal"_a,
-             "axes_from_world"_a, "place_from_axes"_a, "uv_from_projected"_a, "offset"_a, "gain"_a,
+             "axes_from_world"_a, "place_from_axes"_a, "uv_from_projected"_a, "offset"_a, "gain"_a, "distance_power"_a,
+             "smooth_m2"_a,
              "axes_from_world, uv_from_projected and gain: 3x3, place_from_axes: 3x4, row by row. InvalidInput names "
              "what is "
              "out of its range.");

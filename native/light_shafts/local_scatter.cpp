@@ -11,6 +11,8 @@ namespace tyndall::light_shafts {
 /// Of a smooth piece before a textured light: two per texel, for interpolation bends at each. Where more texels lie there,
 /// parts are longer and read means.
 static constexpr float fewest_texture_parts = 6.0f, most_texture_parts = 32.0f;
+/// Of one whose light changes with the distance, which grows 6 times along the longest piece.
+static constexpr float fewest_distance_parts = 16.0f;
 
 LocalScatter::LocalScatter(const Media& media, const LightSample& light, bool attenuates_light)
     : media_(media), light_(light), shape_(light), boundaries_(media, light.position),
@@ -185,7 +187,9 @@ void LocalScatter::Batch::append_textured(const LocalRays::Segment& segment, dou
     const float angle_rad = std::atan2(y * (last - first), y * y + first * last);
     const LightTexture& texture = picture_->texture();
     const float texels = picture_->texels(first, turned(first, std::tan(0.5f * angle_rad)), last, angle_rad);
-    const float count = std::ceil(std::clamp(2.0f * texels, fewest_texture_parts, most_texture_parts));
+    const bool has_distance = changes_with_distance(texture);
+    const float fewest = has_distance ? fewest_distance_parts : fewest_texture_parts;
+    const float count = std::ceil(std::clamp(2.0f * texels, fewest, most_texture_parts));
     // Gauss's two points: what linear interpolation makes along a part is nearly a square.
     constexpr float gauss = 0.211324865f;
     const float part_rad = angle_rad / count, width = 0.5f * texels / count;
@@ -194,8 +198,13 @@ void LocalScatter::Batch::append_textured(const LocalRays::Segment& segment, dou
     float from = first;
     for (float part = 1.0f; part <= count; ++part) {
         const float to = part < count ? std::clamp(turned(from, to_end), from, last) : last;
-        const Rgb colour = 0.5f * (texture.colour(picture_->uv(turned(from, to_near)), width) +
-                                   texture.colour(picture_->uv(turned(from, to_far)), width));
+        const float near = turned(from, to_near), far = turned(from, to_far);
+        Rgb at_near = texture.colour(picture_->uv(near), width), at_far = texture.colour(picture_->uv(far), width);
+        if (has_distance) {
+            at_near *= distance_share(texture, y * y + near * near);
+            at_far *= distance_share(texture, y * y + far * far);
+        }
+        const Rgb colour = 0.5f * (at_near + at_far);
         if (from < to && colour != Rgb(0.0f))
             append_piece(segment, from == first ? x0 : double{from}, to == last ? x1 : double{to},
                          {target.transmittance * colour, target.counts});

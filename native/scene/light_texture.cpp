@@ -25,6 +25,12 @@ void require_usable(const LightTexture& texture) {
                 is_finite(mat3(texture.place_from_axes[3], vec3(0.0f), vec3(0.0f))) &&
                 is_finite(texture.uv_from_projected),
             "its mapping is not finite");
+    constexpr float most_smooth_m2 = 1e12f;
+    require(texture.distance_power <= 2, "distance to the power of ", int{texture.distance_power});
+    require_in(texture.smooth_m2, 0.0f, most_smooth_m2, "smooth_m2");
+    require(!changes_with_distance(texture) ||
+                (texture.projection != LightProjection::Planar && texture.projection != LightProjection::Emitter),
+            "only lamps change with the distance");
     require(is_finite(mat3(texture.offset, vec3(0.0f), vec3(0.0f))) && is_finite(texture.gain),
             "its colours are not finite");
 }
@@ -95,7 +101,11 @@ vec2 texture_uv(const Light& light, const vec3& emitter, const vec3& point) {
 }
 
 Rgb texture_colour(const Light& light, const vec3& emitter, const vec3& point) {
-    return light.texture ? light.texture->colour(texture_uv(light, emitter, point)) : Rgb(1.0f);
+    if (!light.texture)
+        return Rgb(1.0f);
+    const Rgb colour = light.texture->colour(texture_uv(light, emitter, point));
+    const vec3 way = point - emitter;
+    return changes_with_distance(*light.texture) ? colour * distance_share(*light.texture, glm::dot(way, way)) : colour;
 }
 
 Rgb mean_colour(const Light& light, const vec3& emitter, std::uint32_t part_count) {

@@ -2,7 +2,8 @@
 // What colours the beam of a light: an image in its node tree, read as Cycles reads it, or a gobo before a sun.
 // Based on: blender/cycles v3.4.0, v4.5.0 and v5.0.0, src/kernel/light and src/kernel/svm: which vectors a light's shader
 //           sees. Measured in the three; tests/blender/test_gobos.py compares pictures.
-// Differs:  a sun's shader sees no position, so that a sun's image is ours alone: it lies across the light in metres. What an
+// Differs:  the one light that a shader makes by the distance, Light Falloff, is not in the picture but beside it. A sun's
+//           shader sees no position, so that a sun's image is ours alone: it lies across the light in metres. What an
 //           area light's nodes show is such a picture, too, drawn once (shading/emitter_program.hpp).
 #pragma once
 #include "core/math.hpp"
@@ -39,6 +40,9 @@ struct LightTexture {
     /// The light's strength is multiplied by offset + gain * image.
     Rgb offset{0.0f};
     mat3 gain{1.0f};
+    /// Point, spot: by the distance d from where the light leaves, times d^distance_power, [0, 2], and d^2 / (d^2 + smooth).
+    std::uint8_t distance_power = 0;
+    float smooth_m2 = 0.0f; ///< [0, 1e12]
 
     bool operator==(const LightTexture&) const = default; ///< Of the same image, not of an equal one.
     /// Of a uv, mean of a square `texels` wide; up to one: as sharp as the image is.
@@ -49,6 +53,16 @@ struct LightTexture {
 [[nodiscard]] LightTexture thrown_by(const Light& lamp);
 /// Throws InvalidInput that names what is out of its range.
 void require_usable(const LightTexture& texture);
+/// What the distance multiplies the light by, given its square.
+[[nodiscard]] inline float distance_share(const LightTexture& texture, float distance2_m2) {
+    const float power = texture.distance_power == 0   ? 1.0f
+                        : texture.distance_power == 1 ? std::sqrt(distance2_m2)
+                                                      : distance2_m2;
+    return texture.smooth_m2 > 0.0f ? power * distance2_m2 / (distance2_m2 + texture.smooth_m2) : power;
+}
+[[nodiscard]] inline bool changes_with_distance(const LightTexture& texture) {
+    return texture.distance_power > 0 || texture.smooth_m2 > 0.0f;
+}
 /// Of a picture of directions: the angle from one row to the next.
 [[nodiscard]] float texel_rad(const LightTexture& texture);
 /// Where the picture of a textured light is read for light that leaves `emitter`, a point on or in the light, for `point`.
@@ -56,7 +70,7 @@ void require_usable(const LightTexture& texture);
 [[nodiscard]] vec2 texture_uv(const Light& light, const vec3& emitter, const vec3& point);
 /// The same of a vector along axes_from_world, of any length.
 [[nodiscard]] vec2 uv_of_axes(const LightTexture& texture, const vec3& axes);
-/// offset + gain * image there; white for a light without a texture.
+/// offset + gain * image there, times the distance_share; white for a light without a texture.
 [[nodiscard]] Rgb texture_colour(const Light& light, const vec3& emitter, const vec3& point);
 /// Of an area light, the mean over one of `part_count` equal parts of it around a point on it; 1: over all of it.
 [[nodiscard]] Rgb mean_colour(const Light& light, const vec3& emitter, std::uint32_t part_count);

@@ -33,6 +33,10 @@ _WIDEST_SLIDE_RAD = 1.1  #: Half a cone that a plane before the lamp holds witho
 #: Rows of a sphere, and of a plane before a spot: at first, at most, and at most where images show their own texels.
 _ROWS_OF_SPHERE, _ROWS_OF_SLIDE = (181, 721, 1441), (257, 1025, 2049)
 _TOLERANCE = 1e-3  #: Mean error of the colours between texels, of their mean, at which a picture is fine enough.
+#: Of half the width, or of a turn: texels stand so far beside the lines of the grid, where patterns like to have their
+#: seams. An IES file has nothing at the end of its angles, which nobody sees but who asks exactly there.
+_ASIDE = 3e-6
+_FROM_POLES = 2e-4  #: Of half a turn: nearer, single precision takes a direction for the pole's.
 _TURNED = {PointInput.NORMAL, PointInput.TRUE_NORMAL, PointInput.INCOMING}  #: Directions in the world.
 _FROM_TURNED = {PointInput.NORMAL_TO_OBJECT, PointInput.DIRECTION_TO_OBJECT}  #: Make them the object's.
 #: Inputs that say the same however the lamp stands in the world.
@@ -210,10 +214,10 @@ class LampView:
     def _axes(self, rows: int) -> FloatArray:
         """Of each texel a vector along the axes: (rows, columns, 3)."""
         if self._is_slide:
-            across = np.linspace(-1.0, 1.0, rows) * math.tan(self._half_cone_rad or 0.0)
+            across = (np.linspace(-1.0, 1.0, rows) + _ASIDE) * math.tan(self._half_cone_rad or 0.0)
             x, y = np.meshgrid(across, across)
             return np.stack([x, y, np.full_like(x, -1.0)], axis=-1)
-        longitude = (0.5 - np.linspace(0.0, 1.0, 2 * rows - 1)) * 2.0 * math.pi
+        longitude = (0.5 - _ASIDE - np.linspace(0.0, 1.0, 2 * rows - 1)) * 2.0 * math.pi
         latitude = self._latitudes(rows)[:, None]
         axes = np.empty((rows, 2 * rows - 1, 3))
         axes[..., 0], axes[..., 1] = np.cos(latitude) * np.sin(longitude), np.cos(latitude) * np.cos(longitude)
@@ -221,7 +225,8 @@ class LampView:
         return axes
 
     def _latitudes(self, rows: int) -> FloatArray:
-        return (np.linspace(0.0, self._share_of_rows, rows) - 0.5) * math.pi
+        share = np.clip(np.linspace(0.0, self._share_of_rows, rows) + _ASIDE, _FROM_POLES, 1.0 - _FROM_POLES)
+        return np.asarray((share - 0.5) * math.pi, np.float64)
 
     def _weights(self, rows: int) -> FloatArray:
         """The solid angle of each texel within the cone, times a constant: (rows, columns)."""

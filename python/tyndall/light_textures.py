@@ -54,4 +54,6 @@ def _build(texture: LightTexture, filtered: Callable[[TextureUse], _native.Filte
         uv_from_projected=texture.uv_from_projected.ravel().tolist(),
         offset=texture.offset,
         gain=texture.gain.ravel().tolist(),
+        distance_power=texture.distance_power,
+        smooth_m2=texture.smooth_m2,
     )

@@ -551,6 +551,9 @@ class LightTexture:
     uv_from_projected: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))  #: (3, 3), affine.
     offset: Rgb = (0.0, 0.0, 0.0)
     gain: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))  #: (3, 3)
+    #: Of lamps: times the distance d from where the light leaves to this power, 0 to 2, and d^2 / (d^2 + smooth_m2).
+    distance_power: int = 0
+    smooth_m2: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

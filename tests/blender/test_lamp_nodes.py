@@ -53,19 +53,6 @@ def pattern(kind: str, place: Make | None, name: str = "Color", **settings: obje
     return make
 
 
-def through(kind: str, make: Make, into: int | str = 0, **options: object) -> Make:
-    """Through a node with one input."""
-
-    def made(new: New, link: Link) -> Socket:
-        after = new(kind)
-        for key, value in options.items():
-            setattr(after, key, value)
-        link(make(new, link), after.inputs[into])
-        return after.outputs[0]
-
-    return made
-
-
 def mixed(first: Make, second: Make, blend: str = "MULTIPLY") -> Make:
     def made(new: New, link: Link) -> Socket:
         mix = node(new, "ShaderNodeMixRGB", Fac=1.0)
@@ -189,7 +176,7 @@ def test_soft_lamps_have_the_pattern_of_their_balls_or_of_where_they_shine(
     assert shown is not None
     assert (shown.follows_normal and is_ball) == (is_ball and name == "noise by normal")
     scene = bpy.context.scene
-    theirs = [_blocks(cycles_pixels(scene, 256, seed=seed)) for seed in (1, 2)]
+    theirs = [_blocks(cycles_pixels(scene, 128, seed=seed)) for seed in (1, 2)]
     ours = _blocks(tyndall_pixels(scene, 64))
     level, noise = np.mean(theirs), 0.5 * np.std(theirs[0] - theirs[1])
     error = np.abs(ours - np.mean(theirs, axis=0)) / level
@@ -204,7 +191,9 @@ def _lamp() -> bpy.types.Object:
 
 
 @pytest.mark.costly
-@pytest.mark.parametrize(("kind", "name"), [("spot", "noise by normal"), ("point", "bands")])
+@pytest.mark.parametrize(
+    ("kind", "name"), [("spot", "noise by normal"), pytest.param("point", "bands", marks=pytest.mark.long)]
+)
 def test_a_pattern_colours_the_fog(kind: str, name: str) -> None:
     def make() -> None:
         build(Arrangement(light=kind))
@@ -213,7 +202,7 @@ def test_a_pattern_colours_the_fog(kind: str, name: str) -> None:
     assert_air_like_cycles(f"nodes {kind} {name}", make, make, methods=("EXACT", "EPIPOLAR"))
 
 
-@pytest.mark.parametrize("kind", ["spot", pytest.param("point", marks=pytest.mark.costly)])
+@pytest.mark.parametrize("kind", ["spot", pytest.param("point", marks=pytest.mark.long)])
 def test_shadow_maps_and_rows_show_the_same_pattern(kind: str) -> None:
     build(Arrangement(light=kind))
     shows(_lamp(), PATTERNS["noise by direction"])
@@ -338,3 +327,64 @@ def test_a_gobo_goes_before_a_pattern() -> None:
     assert shown.texture.use.image.name == "Other"
     assert shown.strength == plain
     assert read().reports == ('Light "Spot": its gobo takes the place of its nodes\' pattern',)
+
+
+# --- by the distance ------------------------------------------------------------------------------------------------
+def falls(lamp: bpy.types.Object, output_name: str, smooth: float = 0.0, strength: float = 0.2) -> None:
+    data = lamp.data
+    if not data.use_nodes:
+        data.use_nodes = True
+    tree = data.node_tree
+    emission = next(one for one in tree.nodes if one.type == "EMISSION")
+    falloff = node(tree.nodes.new, "ShaderNodeLightFalloff", Strength=strength, Smooth=smooth)
+    tree.links.new(falloff.outputs[output_name], emission.inputs["Strength"])
+
+
+@pytest.mark.parametrize(
+    ("kind", "output_name", "smooth", "has_pattern"),
+    [
+        ("POINT", "Linear", 0.0, False),
+        ("SPOT", "Constant", 3.0, True),
+        ("POINT", "Quadratic", 20.0, True),
+    ],
+)
+def test_light_falls_off_as_its_node_says(
+    kind: str,
+    output_name: str,
+    smooth: float,
+    has_pattern: bool,  # noqa: FBT001
+) -> None:
+    lamp = stage(kind)
+    falls(lamp, output_name, smooth)
+    if has_pattern:
+        shows(lamp, PATTERNS["bands"])
+    assert read().reports == ()
+    assert_like_cycles(4e-3)
+
+
+def test_a_suns_light_does_not_fall_off() -> None:
+    falls(stage("SUN"), "Linear")
+    if IS_4:
+        assert read().reports == ()
+        assert_same_light()
+        return
+    assert read().reports == ('Light "Sun": its falloff, which is without bounds in Cycles 3.x, is left out',)
+
+
+@pytest.mark.long
+def test_fog_is_lit_by_the_same_falloff() -> None:
+    def make() -> None:
+        build(Arrangement(light="spot"))
+        falls(_lamp(), "Linear", 1.0)
+
+    assert_air_like_cycles("falloff", make, make, methods=("EXACT", "EPIPOLAR"))
+
+
+def test_a_falloff_among_other_nodes_is_named() -> None:
+    lamp = stage("POINT")
+    shows(lamp, mixed(PATTERNS["bands"], output("ShaderNodeLightFalloff", "Linear")))
+    assert read().reports == ('Light "Point": Linear falloff is drawn as quadratic',)
+    lamp = stage("POINT")
+    falls(lamp, "Quadratic")
+    assert read().reports == ()
+    assert texture() is None
