@@ -159,7 +159,7 @@ vec2 Panorama::turns(const vec3& towards) const {
     if (kind == PanoramaKind::FisheyePolynomial) {
         const float radius = radius_guess(angle_rad);
         outward = std::abs(angle_slope_at(radius));
-        around = radius > 0.0f ? length / radius : outward;
+        around = radius > 0.0f && length > 0.0f ? length / radius : outward;
         if (!std::isfinite(outward) || !std::isfinite(around))
             outward = around = std::abs(angle_by_radius[1]);
     } else if (kind != PanoramaKind::FisheyeEquidistant) {

@@ -144,6 +144,11 @@ TEST_CASE("a lens polynomial ends at an angle, and the middle of one that looks 
     CHECK(angle_from_ahead(*lens.direction({7.9f, 0})) == doctest::Approx(0.99f));
     CHECK(!lens.direction({8.1f, 0}));
     CHECK(glm::distance(*lens.direction({0, 0}), vec3(0, std::sin(0.2f), -std::cos(0.2f))) < 1e-6f);
+    for (const float aside_rad : {1e-5f, -1e-5f}) { // as Blender's default has it; ahead is not quite in the middle
+        const Panorama usual{
+            .kind = PanoramaKind::FisheyePolynomial, .rim = 1.0f, .angle_by_radius = {aside_rad, 0.02f, 0, 0, 0}};
+        CHECK(glm::distance(usual.turns({0, 0, -1}), vec2(0.02f)) < 1e-4f);
+    }
     Panorama steep = lens;
     steep.rim = std::numeric_limits<float>::infinity();
     steep.angle_by_radius[4] = 1e30f;
