@@ -84,6 +84,7 @@ void FrameSurfaces::set_shadow_rays() {
                       .attenuates_light = config_.shafts.attenuates_light,
                       .world_scatters = config_.shafts.world_samples > 0,
                       .longest_turn = longest_turn(config_),
+                      .pixel_samples = config_.pixel_samples,
                       .grid_method = config_.shafts.grid_method,
                       .grid_error_target = config_.shafts.grid_error_target,
                       .shafts_seed = config_.shafts.seed,
@@ -93,9 +94,13 @@ void FrameSurfaces::set_shadow_rays() {
             light_.prepare_edits(std::vector<std::uint8_t>(light_.light_count(), 1), camera_, config_.shafts,
                                  statistics_, progress_);
         counts = kept != nullptr ? *kept
-                                 : count_shadow_rays(scene_, media_, light_, bounce, camera_, filter_, config_.seed,
-                                                     may_share, view_path().config().voxel_detail_px,
-                                                     longest_turn(config_), config_.shafts, progress_);
+                                 : count_shadow_rays(scene_, media_, light_, bounce, camera_, filter_,
+                                                     {.may_share_world = may_share,
+                                                      .voxel_detail_px = view_path().config().voxel_detail_px,
+                                                      .longest_turn = longest_turn(config_),
+                                                      .pixel_samples = config_.pixel_samples,
+                                                      .seed = config_.seed},
+                                                     config_.shafts, progress_);
         if (config_.kept_surfaces && kept == nullptr)
             config_.kept_surfaces->keep_counts(std::move(key), counts);
     }

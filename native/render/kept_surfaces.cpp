@@ -24,6 +24,7 @@ bool CountsKey::operator==(const CountsKey& other) const {
     };
     return surfaces == other.surfaces && may_share_world == other.may_share_world &&
            attenuates_light == other.attenuates_light && world_scatters == other.world_scatters &&
+           longest_turn == other.longest_turn && pixel_samples == other.pixel_samples &&
            grid_method == other.grid_method && grid_error_target == other.grid_error_target &&
            shafts_seed == other.shafts_seed && edited_shadows == other.edited_shadows &&
            std::ranges::equal(lights, other.lights, are_alike);

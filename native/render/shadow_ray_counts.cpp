@@ -18,9 +18,12 @@ namespace tyndall::render {
 static constexpr double camera_ray_cost_in_plane = 8.0, camera_ray_cost_in_leaves = 2.5;
 static constexpr double lamp_ray_cost_in_plane = 0.9, lamp_ray_cost_in_leaves = 0.25;
 /// Of a ray to an image of the world: it is drawn, and weighed by the image's density.
-static constexpr double image_ray_cost = 1.7;
-/// Of the noise in a fixed time, that twice the rays of a light save where no fog takes its time, too.
-static constexpr double least_saving_on_surfaces = 0.15;
+static constexpr double image_ray_cost = 1.2;
+/// Of a ray to one of many lights: it is found in their tree.
+static constexpr double many_ray_cost = 2.7;
+/// Of the noise in a fixed time, that twice the rays of a light save where no fog takes its time, too, of so few samples;
+/// of more, in proportion less.
+static constexpr double least_saving_on_surfaces = 0.15, few_samples = 16.0;
 /// Noise counts relative to its pixel, but for pixels darker than this share of the frame's mean.
 static constexpr double darkest_share = 0.05;
 
@@ -64,9 +67,9 @@ struct OfPixel {
 class Pilot {
 public:
     Pilot(const Scene& scene, const Media& media, const DirectLight& light, const IndirectLight* bounce,
-          const Camera& camera, const FilterSampler& filter, std::uint32_t seed, float voxel_detail_px)
+          const Camera& camera, const FilterSampler& filter, const ShadowRayConfig& config)
         : scene_(scene), media_(media), light_(light), bounce_(bounce), camera_(camera), filter_(filter),
-          voxel_detail_px_(voxel_detail_px), seed_(seed), width_px_(std::min(square_px, camera.width_px)),
+          voxel_detail_px_(config.voxel_detail_px), seed_(config.seed), width_px_(std::min(square_px, camera.width_px)),
           height_px_(std::min(square_px, camera.height_px)), columns_(squares_along(camera.width_px)),
           rows_(squares_along(camera.height_px)) {}
 
@@ -141,7 +144,9 @@ private:
         std::array<RayDetail, pixels_per_square> details;
         std::array<Hit, pixels_per_square> hits;
         std::array<SurfacePoint, pixels_per_square> points;
-        std::array<Rgb, pixels_per_square> reflected;
+        std::array<Rgb, pixels_per_square> reflected, passed;
+        std::array<std::vector<Lobe>, pixels_per_square> lobes;
+        DirectLight::PointLobes lobes_of_points;
         std::array<std::size_t, pixels_per_square> pixels;
         std::array<std::uint32_t, pixels_per_square> seeds;
         const std::size_t pixel_count = std::size_t{width_px_} * height_px_;
@@ -170,34 +175,41 @@ private:
                 continue;
             }
             points[count] = surface_point(scene_, rays[pixel], hit, seeds[pixel]);
-            const SurfaceClosures closures = scene_.closures({.ray = rays[pixel]}, points[count].shading, hit);
+            const SurfaceClosures closures =
+                scene_.closures({.ray = rays[pixel]}, points[count].shading, hit, &lobes[count]);
+            points[count].lambert_share = average(closures.diffuse_albedo);
+            lobes_of_points[count] = {.lobes = lobes[count],
+                                      .normal = points[count].shading.shading_normal,
+                                      .outgoing = -rays[pixel].direction};
+            passed[count] = passing;
             seen.emitted[pixel][camera_ray] = average(passing * closures.emission);
             reflected[count] = passing * closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
             surfaces[pixel] = {points[count].shading.position, points[count].shading.shading_normal, reflected[count],
                                Rgb(0.0f)};
             pixels[count++] = pixel;
         }
-        std::array<Rgb, pixels_per_square> irradiance;
+        std::array<DirectLight::Irradiance, pixels_per_square> irradiance;
         for (std::size_t light = 0; light < lights.size(); ++light)
             for (std::uint32_t ray = 0; ray < shadow_rays; ++ray) {
                 for (std::size_t point = 0; point < count; ++point)
                     points[point].pixel_seed = hash(seeds[pixels[point]], 1 + camera_ray * shadow_rays + ray);
-                irradiance.fill(Rgb(0.0f));
-                ask(light, std::span(points).first(count), irradiance);
+                irradiance.fill({});
+                ask(light, std::span(points).first(count), lobes_of_points, irradiance);
                 for (std::size_t point = 0; point < count; ++point)
-                    lights[light].of_pixel[pixels[point]][camera_ray][ray] =
-                        average(reflected[point] * irradiance[point]);
+                    lights[light].of_pixel[pixels[point]][camera_ray][ray] = average(
+                        reflected[point] * irradiance[point].sum() + passed[point] * irradiance[point].reflected);
             }
     }
 
     /// One shadow ray of each point to a light; past the last, one that gathers.
-    void ask(std::size_t light, std::span<const SurfacePoint> points, std::span<Rgb> irradiance) const {
-        if (light == light_.light_count())
-            return bounce_->gather(points, 0, 0, 1, irradiance);
-        std::array<DirectLight::Irradiance, pixels_per_square> of_light{};
-        light_.add_one(light, points, {0, 1}, of_light);
+    void ask(std::size_t light, std::span<const SurfacePoint> points, const DirectLight::PointLobes& lobes,
+             std::span<DirectLight::Irradiance> irradiance) const {
+        if (light < light_.light_count())
+            return light_.add_one(light, points, {0, 1}, irradiance, &lobes);
+        std::array<Rgb, pixels_per_square> gathered{};
+        bounce_->gather(points, 0, 0, 1, gathered);
         for (std::size_t point = 0; point < points.size(); ++point)
-            irradiance[point] = of_light[point].sum();
+            irradiance[point].from_lights = gathered[point];
     }
 
     static OfPixel of_pixel(std::size_t pixel, std::span<const Lit> lights, const Seen& seen) {
@@ -265,14 +277,19 @@ std::vector<double> fog_brightness(const Scene& scene, const Media& media, const
     return brightness;
 }
 
-RayCosts costs_where(double plane_share, const DirectLight& light, bool has_bounce, bool has_fog) {
+RayCosts costs_where(double plane_share, const DirectLight& light, bool has_bounce, bool has_fog,
+                     std::uint32_t pixel_samples) {
     const double weight = plane_share * plane_share;
     const double of_lamp = std::lerp(lamp_ray_cost_in_leaves, lamp_ray_cost_in_plane, weight);
     RayCosts costs{.of_camera = std::lerp(camera_ray_cost_in_leaves, camera_ray_cost_in_plane, weight),
                    .of_light = std::vector<double>(light.light_count(), of_lamp)};
+    for (std::size_t index = 0; index < light.light_count(); ++index)
+        if (light.is_many(index))
+            costs.of_light[index] = many_ray_cost;
     if (light.has_world())
         costs.of_light.back() = light.has_even_world() ? 1.0 : image_ray_cost;
-    costs.least_savings.assign(light.light_count(), has_fog ? 0.0 : least_saving_on_surfaces);
+    const double least_saving = least_saving_on_surfaces * std::min(1.0, few_samples / pixel_samples);
+    costs.least_savings.assign(light.light_count(), has_fog ? 0.0 : least_saving);
     if (has_bounce) { // its own ray finds the nearest surface; what is met has its shadow rays
         costs.of_light.push_back(1.5 + std::accumulate(costs.of_light.begin(), costs.of_light.end(), 0.0));
         costs.least_savings.push_back(0.0);
@@ -283,16 +300,16 @@ RayCosts costs_where(double plane_share, const DirectLight& light, bool has_boun
 
 ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const DirectLight& light,
                                   const IndirectLight* bounce, const Camera& camera, const FilterSampler& filter,
-                                  std::uint32_t seed, bool may_share_world, float voxel_detail_px,
-                                  std::uint32_t longest_turn, const light_shafts::Config& shafts, Progress& progress) {
+                                  const ShadowRayConfig& config, const light_shafts::Config& shafts,
+                                  Progress& progress) {
     const std::size_t light_count = light.light_count();
-    bool has_choice = bounce != nullptr || (longest_turn > 1 && light_count > 1);
+    bool has_choice = bounce != nullptr || (config.longest_turn > 1 && light_count > 1);
     for (std::size_t index = 0; index < light_count; ++index)
         has_choice = has_choice || light.has_strata(index);
     if (!has_choice)
         return {.of_light = std::vector<std::uint32_t>(light_count, 1),
                 .turn_of_light = std::vector<std::uint32_t>(light_count, 1)};
-    const Pilot pilot(scene, media, light, bounce, camera, filter, seed, voxel_detail_px);
+    const Pilot pilot(scene, media, light, bounce, camera, filter, config);
     std::vector<std::vector<OfPixel>> squares(pilot.square_count());
     parallel_for(
         squares.size(), progress,
@@ -310,7 +327,7 @@ ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const 
         frame_mean += pixel.mean() / static_cast<double>(pixels.size());
         plane_share += pixel.neighbour_count / static_cast<double>(pixels_per_square * pixels.size());
     }
-    const RayCosts costs = costs_where(plane_share, light, bounce != nullptr, !media.is_empty());
+    const RayCosts costs = costs_where(plane_share, light, bounce != nullptr, !media.is_empty(), config.pixel_samples);
     const auto scale_of = [&](const OfPixel& pixel) { return pixel.mean() + darkest_share * frame_mean; };
     std::erase_if(pixels, [&](const OfPixel& pixel) { return !(scale_of(pixel) > 0.0); });
     std::vector<PixelVariances> variances;
@@ -324,7 +341,7 @@ ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const 
     }
     ShadowRayCounts counts{.of_light = best_ray_counts(variances, costs), .turn_of_light = {}};
     const std::size_t world = light_count - 1; // where there is one
-    counts.is_world_shared = may_share_world && light.has_even_world() && counts.of_light[world] > 1;
+    counts.is_world_shared = config.may_share_world && light.has_even_world() && counts.of_light[world] > 1;
     if (counts.is_world_shared) {
         for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel)
             variances[pixel].of_light[world] /= pixels[pixel].neighbour_count;
@@ -334,7 +351,7 @@ ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const 
         counts.of_bounce = counts.of_light.back();
         counts.of_light.pop_back();
     }
-    counts.turn_of_light = best_turns(variances, costs, counts.of_light, longest_turn);
+    counts.turn_of_light = best_turns(variances, costs, counts.of_light, config.longest_turn);
     if (counts.is_world_shared) // neighbours look for what each pixel found
         counts.turn_of_light[world] = 1;
     return counts;

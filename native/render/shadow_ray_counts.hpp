@@ -5,8 +5,8 @@
 //           noise per time, see best_ray_counts.hpp.
 // Differs:  one number per light and frame, from a pilot, for the least mean standard error of a pixel (edges with much
 //           variance, which no shadow ray lessens, do not decide for all); fog hides noise, and its brightness is found by
-//           a few rays; without fog, rays are not doubled for the last sixth of the noise, since who asks for few samples
-//           wants them soon, and more samples smooth edges, too; costs are guessed by how fine the geometry is: results
+//           a few rays; without fog, who asks for few samples wants them soon, so that rays are not doubled for the last
+//           sixth of the noise, and more samples smooth edges, too; costs are guessed by how fine the geometry is: results
 //           must not depend on the clock.
 // Bound:    8 shadow rays per light and 4 camera rays, of 1,024 pixels: some 20 ms with 15 lights; and 64 rays through
 //           the fog.
@@ -25,12 +25,16 @@ struct ShadowRayCounts {
     bool is_world_shared = false;
     std::uint32_t of_bounce = 1; ///< Rays that gather the light of other surfaces.
 };
-/// `bounce`: nothing, or what gathers the light of other surfaces, which counts as one more light.
-/// `may_share_world`: neighbours in one plane may share its light, see shared_irradiance.hpp. `voxel_detail_px`:
-/// see FrameConfig. `longest_turn`: samples after which each light must have been asked; 1: at each. Throws Cancelled.
+struct ShadowRayConfig {
+    bool may_share_world = false;     ///< Neighbours in one plane may share its light, see shared_irradiance.hpp.
+    float voxel_detail_px = 0.0f;     ///< See FrameConfig.
+    std::uint32_t longest_turn = 1;   ///< Samples after which each light must have been asked; 1: at each.
+    std::uint32_t pixel_samples = 16; ///< That are asked for.
+    std::uint32_t seed = 0;
+};
+/// `bounce`: nothing, or what gathers the light of other surfaces, which counts as one more light. Throws Cancelled.
 [[nodiscard]] ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const DirectLight& light,
                                                 const IndirectLight* bounce, const Camera& camera,
-                                                const FilterSampler& filter, std::uint32_t seed, bool may_share_world,
-                                                float voxel_detail_px, std::uint32_t longest_turn,
+                                                const FilterSampler& filter, const ShadowRayConfig& config,
                                                 const light_shafts::Config& shafts, Progress& progress);
 } // namespace tyndall::render

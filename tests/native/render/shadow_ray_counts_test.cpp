@@ -2,6 +2,7 @@
 // Where a pixel's noise comes from its light, a camera ray is worth several shadow rays.
 #include "render/best_ray_counts.hpp"
 #include "render/shadow_ray_counts.hpp"
+#include "shading/lobes/lobe_models.hpp"
 #include "support/scenes.hpp"
 #include <algorithm>
 #include <array>
@@ -14,8 +15,8 @@ using namespace tyndall::support;
 
 namespace {
 /// Looks straight down at the ground from under a lid with a slit, or from under the open sky.
-std::unique_ptr<Scene> room_under_sky(bool has_lid) {
-    std::vector<Part> parts{{.mesh = square()}};
+std::unique_ptr<Scene> room_under_sky(bool has_lid, const Material& of_ground = {.name = "white"}) {
+    std::vector<Part> parts{{.mesh = square(), .material = of_ground}};
     if (has_lid) // two halves of a lid above the ground, with a slit between them
         for (const float side : {-1.0f, 1.0f})
             parts.push_back({.mesh = square(), .world_from_object = translation({side * 1.2f, 0, 0.5f})});
@@ -30,14 +31,15 @@ Camera camera_above_ground() {
     camera.width_px = camera.height_px = 40;
     return camera;
 }
-render::ShadowRayCounts rays_to_sky(const Scene& scene, bool may_share = false) {
+render::ShadowRayCounts rays_to_sky(const Scene& scene, bool may_share = false, std::uint32_t pixel_samples = 16) {
     const Media media(scene, Progress());
     Statistics statistics;
     const render::DirectLight light(scene, media, statistics);
     const render::FilterSampler filter(render::PixelFilter::BlackmanHarris, 1.5f);
     Progress progress;
-    return render::count_shadow_rays(scene, media, light, nullptr, camera_above_ground(), filter, 3, may_share, 0.0f, 1,
-                                     {}, progress);
+    return render::count_shadow_rays(scene, media, light, nullptr, camera_above_ground(), filter,
+                                     {.may_share_world = may_share, .pixel_samples = pixel_samples, .seed = 3}, {},
+                                     progress);
 }
 /// On the ground, under the sky and the lid with a slit.
 struct PointBelowSlit {
@@ -169,6 +171,26 @@ TEST_CASE("with what neighbours find, a pixel needs fewer; where one ray says al
     CHECK(!open.is_world_shared);
     CHECK(room.is_world_shared);
     CHECK(room.of_light.back() < rays_to_sky(*room_under_sky(true)).of_light.back());
+}
+
+TEST_CASE("who asks for many samples gets the rays with the least noise, who asks for few gets fewer") {
+    const auto rays = [](std::uint32_t pixel_samples) {
+        return rays_to_sky(*room_under_sky(true), false, pixel_samples).of_light.back();
+    };
+    CHECK(rays(1) == rays(16));
+    CHECK(rays(16) < rays(1024));
+}
+
+TEST_CASE("what shines by lobes alone counts, and sharp ones, which look one way, need fewer rays than rough ones") {
+    const auto rays = [](float roughness) {
+        const Material gloss{.name = "gloss",
+                             .constant = {.diffuse_albedo = Rgb(0.0f)},
+                             .lobe_sources = {{.model = LobeModel::Glossy,
+                                               .constants = {Rgb(1.0f), Rgb(0.8f), Rgb(roughness)},
+                                               .registers = std::vector<std::uint16_t>(3, LobeSource::no_register)}}};
+        return rays_to_sky(*room_under_sky(true, gloss), false, 1024).of_light.back();
+    };
+    CHECK(rays(0.05f) < rays(0.9f)); // not so while lobes counted as diffuse
 }
 
 TEST_CASE("several shadow rays are the mean of as many samples with one") {
