@@ -55,10 +55,17 @@ def _texture_coordinate(reader: EmitterReader, at: Socket) -> Value | None:
     return None
 
 
+def _ies(reader: EmitterReader, at: Socket) -> None:
+    vector = at.input("Vector")
+    if vector is None or not vector.is_connected():
+        reader.note(f"{at.node.bl_label} is read as seen from straight before the light")
+
+
 _NODES: dict[str, Read] = {
     **NODES,
     **dict.fromkeys(("FRESNEL", "LAYER_WEIGHT"), _by_direction),
     "NEW_GEOMETRY": _geometry,
+    "TEX_IES": _ies,
     "TEX_COORD": _texture_coordinate,
 }
 

@@ -11,6 +11,11 @@ namespace tyndall::light_shafts {
 /// Of a smooth piece before a textured light: two per texel, for interpolation bends at each. Where more texels lie there,
 /// parts are longer and read means.
 static constexpr float fewest_texture_parts = 6.0f, most_texture_parts = 32.0f;
+/// Of the way between two places where the picture is read, how much of it a mean is over. What nodes draw is mostly smooth
+/// over many texels: half as wide, means blur it four times less.
+static float means_wide(const LightTexture& texture) {
+    return texture.projection == LightProjection::Directions ? 0.25f : 0.5f;
+}
 /// Of one whose light changes with the distance, which grows 6 times along the longest piece.
 static constexpr float fewest_distance_parts = 16.0f;
 
@@ -192,7 +197,7 @@ void LocalScatter::Batch::append_textured(const LocalRays::Segment& segment, dou
     const float count = std::ceil(std::clamp(2.0f * texels, fewest, most_texture_parts));
     // Gauss's two points: what linear interpolation makes along a part is nearly a square.
     constexpr float gauss = 0.211324865f;
-    const float part_rad = angle_rad / count, width = 0.5f * texels / count;
+    const float part_rad = angle_rad / count, width = means_wide(texture) * texels / count;
     const float to_near = std::tan(gauss * part_rad), to_far = std::tan((1.0f - gauss) * part_rad),
                 to_end = std::tan(part_rad);
     float from = first;

@@ -8,7 +8,7 @@ the last column show one longitude, and the first and the last row the poles.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -136,7 +136,8 @@ class LampView:
         parts = (self._scene_from_object, self._place, self._directions_from_axes)
         place = b"".join(np.ascontiguousarray(part, np.float32).tobytes() for part in parts).hex()
         lamp = (self._lamp.radius_m, self._half_cone_rad, self._lamp.spot_half_angle_rad, self._lamp.is_object)
-        return f"lamp {fingerprint(self._material).hex()} {place} {lamp}"
+        shown = fingerprint(replace(self._material, name="")).hex()  # lamps of many names share a luminaire's picture
+        return f"lamp {shown} {place} {lamp}"
 
     def picture(self, key: str) -> EmitterPicture:
         """Raises InvalidInput, naming the material."""

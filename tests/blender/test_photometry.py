@@ -180,3 +180,19 @@ def test_the_end_of_its_angles_is_no_line(kind: str) -> None:
     if shown.texture is not None:  # else it is the same everywhere
         pixels = linear_colours(shown.texture.use.image)
         assert pixels.min() > 0.8 * np.median(pixels)
+
+
+def test_many_lamps_share_the_picture_of_a_luminaire_and_area_lights_say_that_they_have_none() -> None:
+    lamp = stage("POINT")
+    shines(lamp, luminaire(range(0, 181, 10), AROUND))
+    other = lamp.copy()
+    other.data = lamp.data.copy()
+    other.location.x += 3.0
+    bpy.context.scene.collection.objects.link(other)
+    area = light("AREA", (0, 0, 3))
+    shines(area, luminaire())
+    description = read()
+    pictures = {one.texture.use.image.key for one in description.lights if one.texture is not None}
+    assert len(description.lights) == 3
+    assert len(pictures) == 1
+    assert description.reports == ('Light "Area": IES Texture is read as seen from straight before the light',)

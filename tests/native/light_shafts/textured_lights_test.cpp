@@ -2,6 +2,7 @@
 // Pictures before lights in the air: against brute-force marching that asks each point alone, against occluders that cast
 // the same shadow, and against themselves with other textures.
 #include "core/random.hpp"
+#include "light_shafts/picture_along_ray.hpp"
 #include "light_shafts/textured_beam.hpp"
 #include "scene/light_texture.hpp"
 #include "support/scenes.hpp"
@@ -155,12 +156,12 @@ TEST_CASE("a picture's colours reach each point of the air, past what casts a sh
         CHECK(relative_error(stage.shafts(), marched(stage, 16384)) < 2e-3);
     }
 }
-// Seen to fail with six parts to each piece of a ray (0.02) and without the distance.
+// Seen to fail with six parts to each piece of a ray (0.008).
 TEST_CASE("what a lamp sends may fall off in any way with the distance") {
     for (const LightKind kind : {LightKind::Spot, LightKind::Point})
         for (std::uint8_t power = 0; power <= 2; ++power) {
             Stage stage(kind);
-            LightTexture texture = placed(kind, image(32, waves));
+            LightTexture texture = placed(kind, image(1, [](auto...) { return Rgb(1.0f); }));
             texture.distance_power = power, texture.smooth_m2 = power == 1 ? 0.0f : 4.0f;
             set_texture(stage.light, texture);
             CAPTURE(static_cast<int>(kind));
@@ -170,31 +171,42 @@ TEST_CASE("what a lamp sends may fall off in any way with the distance") {
             CHECK(relative_error(stage.shafts(Method::Epipolar), reference) < 0.01);
         }
 }
-// Seen to fail (0.05 and more) with the places on the picture, which jump where a ray crosses its seam, in place of angles.
 TEST_CASE("a picture of all directions is as sharp where its seam and its poles are") {
+    constexpr std::uint32_t side = 721;
+    constexpr auto last = static_cast<float>(side - 1), width = static_cast<float>(side);
+    const auto pattern = [](std::uint32_t column, std::uint32_t row) {
+        const float latitude = (static_cast<float>(row) / last - 0.5f) * std::numbers::pi_v<float>,
+                    longitude = (0.5f - static_cast<float>(column) / last) * 2.0f * std::numbers::pi_v<float>;
+        const vec3 way(std::cos(latitude) * std::sin(longitude), std::cos(latitude) * std::cos(longitude),
+                       std::sin(latitude));
+        return 0.5f + 0.4f * glm::sin(20.0f * way); // smooth all around
+    };
+    const auto picture = image(side, pattern, TextureExtension::Extend);
     for (const vec3& towards : {vec3(0.0f, 0.0f, 1.0f), vec3(0.0f, -1.0f, 0.3f)}) {
         Stage stage(LightKind::Point);
-        LightTexture around =
-            placed(LightKind::Point,
-                   image(
-                       181,
-                       [](std::uint32_t column, std::uint32_t row) {
-                           // Smooth all around: a function of the direction.
-                           const auto u = static_cast<float>(column) / 180.0f, v = static_cast<float>(row) / 180.0f;
-                           const float latitude = (v - 0.5f) * std::numbers::pi_v<float>,
-                                       longitude = (0.5f - u) * 2.0f * std::numbers::pi_v<float>;
-                           const vec3 way(std::cos(latitude) * std::sin(longitude),
-                                          std::cos(latitude) * std::cos(longitude), std::sin(latitude));
-                           return 0.5f + 0.4f * glm::sin(9.0f * way);
-                       },
-                       TextureExtension::Extend));
+        LightTexture around = placed(LightKind::Point, picture);
         around.projection = LightProjection::Directions;
         around.uv_from_projected =
-            mat3(vec3(180.0f / 181.0f, 0, 0), vec3(0, 180.0f / 181.0f, 0), vec3(0.5f / 181.0f, 0.5f / 181.0f, 1));
+            mat3(vec3(last / width, 0, 0), vec3(0, last / width, 0), vec3(0.5f / width, 0.5f / width, 1));
         const vec3 z = glm::normalize(towards), x = glm::normalize(glm::cross(vec3(0, 1, 0.1f), z));
         around.axes_from_world = glm::transpose(mat3(x, glm::cross(z, x), z));
         set_texture(stage.light, around);
         CHECK(relative_error(stage.shafts(), marched(stage, 16384)) < 2e-3);
+    }
+}
+// Seen to fail with the places on the picture, of which a ray across the seam has nearly all.
+TEST_CASE("a picture of directions has as many texels along a ray as the light sees degrees") {
+    Light lamp{.name = "lamp", .kind = LightKind::Point};
+    LightTexture around = placed(LightKind::Point, image(721, waves, TextureExtension::Extend));
+    around.projection = LightProjection::Directions;
+    around.uv_from_projected[0].x = around.uv_from_projected[1].y = 720.0f / 721.0f;
+    set_texture(lamp, around);
+    PictureAlongRay along(lamp, lamp.position);
+    for (const vec3& foot :
+         {vec3(0, -1, 0), vec3(0, 1, 0), vec3(0.01f, 0, 1)}) { // the seam, what lies opposite, a pole
+        along.begin_ray(foot, {1, 0, 0});
+        CHECK(std::abs(along.texels(-0.1f, 0.0f, 0.1f, 0.2f) / (0.2f * 720.0f * std::numbers::inv_pi_v<float>)-1.0f) <
+              1e-4f);
     }
 }
 TEST_CASE("a picture that is half black is a plate that stands in half of the light") {
