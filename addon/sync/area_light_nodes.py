@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from tyndall.emitter_programs import Emitter, EmitterPicture, EmitterPictures, FlatView
+from tyndall.emitter_programs import Emitter, EmitterObject, EmitterPicture, EmitterPictures, FlatView
 from tyndall.scene_description import Code, Extension, LightProjection, LightTexture, TextureUse
 from tyndall.surface_inputs import ImageProjection, PointInput
 
 from .coordinates import point_input
-from .emitter_nodes import NODES, EmitterReader
+from .emitter_nodes import IS_OBJECT, NODES, EmitterReader
 from .light_nodes import emission_value
 from .light_textures import gobo_use
 from .node_graph import output_input
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from .images import ImageReader
     from .node_graph import Socket
     from .reports import Reports
-
-_IS_OBJECT = bpy.app.version >= (4, 0, 0)
 
 
 def _by_direction(reader: EmitterReader, at: Socket) -> None:
@@ -105,8 +103,12 @@ def _gobo_value(program: Program, use: TextureUse, share: float) -> Value:
     return program.mix(WHITE, shown, grey(share))
 
 
-def emitter_of(world_from_light: NDArray[np.float64], size_m: tuple[float, float], *, is_ellipse: bool) -> Emitter:
-    return Emitter(world_from_object=world_from_light, size=size_m, is_ellipse=is_ellipse, is_object=_IS_OBJECT)
+def emitter_of(
+    world_from_light: NDArray[np.float64], size_m: tuple[float, float], seen_as: EmitterObject, *, is_ellipse: bool
+) -> Emitter:
+    return Emitter(
+        world_from_object=world_from_light, size=size_m, is_ellipse=is_ellipse, is_object=IS_OBJECT, object=seen_as
+    )
 
 
 def emitter_texture(picture: EmitterPicture, world_from_light: NDArray[np.float64]) -> LightTexture | None:

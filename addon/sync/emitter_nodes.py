@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import bpy
+
 from tyndall.surface_inputs import PointInput
 
 from .coordinates import point_input
@@ -24,6 +26,9 @@ if TYPE_CHECKING:
     from .reports import Reports
 
     Read = Callable[["EmitterReader", Socket], Value | None]
+
+
+IS_OBJECT = bpy.app.version >= (4, 0, 0)  #: Lights are objects to their shaders.
 
 
 class EmitterReader(ValueReader):
@@ -57,8 +62,10 @@ def _of_meshes(reader: EmitterReader, at: Socket) -> Value:
     return BLACK
 
 
-def object_info(reader: EmitterReader, at: Socket) -> Value | None:
-    return None if at.socket.identifier == "Location" else _of_meshes(reader, at)
+def _object_info(_: EmitterReader, at: Socket) -> Value | None:
+    """Up to 3.x lights are no objects, but have their random number."""
+    output = at.socket.identifier
+    return BLACK if output == "Material Index" or not (IS_OBJECT or output == "Random") else None
 
 
 def _bent_normal(reader: EmitterReader, at: Socket) -> Value:
@@ -83,7 +90,7 @@ def _uv_map(_: EmitterReader, at: Socket) -> Value | None:
 NODES: dict[str, Read] = {
     **dict.fromkeys(("ATTRIBUTE", "VERTEX_COLOR", "TANGENT", "HAIR_INFO", "WIREFRAME", "PARTICLE_INFO"), _of_meshes),
     **dict.fromkeys(("BUMP", "NORMAL_MAP"), _bent_normal),
-    "OBJECT_INFO": object_info,
+    "OBJECT_INFO": _object_info,
     "LIGHT_PATH": _light_path,
     "LIGHT_FALLOFF": strength_of_falloff,
     "UVMAP": _uv_map,

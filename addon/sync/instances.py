@@ -280,7 +280,7 @@ class _Grouping:
             is_instanced=parent is not None,
             color=tuple(source.color),
             pass_index=source.pass_index,
-            own_random_number=random_number_of(owner.name) if has_shape else 0,
+            own_random_number=random_number_of(owner.name),
         )
 
     def placements(self) -> list[Placement]:

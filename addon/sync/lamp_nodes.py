@@ -19,7 +19,7 @@ from tyndall.surface_inputs import PointInput
 
 from .affine_colours import AffineColour, affine_colour
 from .coordinates import point_input
-from .emitter_nodes import NODES, EmitterReader, object_info
+from .emitter_nodes import IS_OBJECT, NODES, EmitterReader
 from .light_nodes import Distance, emission_and_distance
 from .light_textures import LightValueReader
 from .light_vectors import CannotBeRead
@@ -30,13 +30,12 @@ from .reports import Reports
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from tyndall.emitter_programs import EmitterPictures
+    from tyndall.emitter_programs import EmitterObject, EmitterPictures
 
     from .emitter_nodes import Read
     from .images import ImageReader
     from .node_graph import Socket
 
-_IS_OBJECT = bpy.app.version >= (4, 0, 0)
 _NO_DISTANCE = Distance()
 _WHITE = Image(key="white", name="white", pixels=np.ones((1, 1, 4), np.float32), is_srgb=False)
 
@@ -44,7 +43,7 @@ _WHITE = Image(key="white", name="white", pixels=np.ones((1, 1, 4), np.float32),
 class _LampReader(EmitterReader):
     def place(self) -> Value:
         """Up to 3.x no space but the world's."""
-        return point_input(self.program, PointInput.OBJECT_POSITION if _IS_OBJECT else PointInput.POSITION)
+        return point_input(self.program, PointInput.OBJECT_POSITION if IS_OBJECT else PointInput.POSITION)
 
 
 def _geometry(_: EmitterReader, at: Socket) -> Value | None:
@@ -58,21 +57,16 @@ def _texture_coordinate(reader: EmitterReader, at: Socket) -> Value | None:
     return None
 
 
-def _object_info(reader: EmitterReader, at: Socket) -> Value | None:
-    return BLACK if not _IS_OBJECT and at.socket.identifier == "Location" else object_info(reader, at)
-
-
 def _vector_transform(reader: EmitterReader, at: Socket) -> Value | None:
     """Up to 3.x the object's space is the world's."""
     spaces = {at.node.convert_from, at.node.convert_to}
-    return reader.colour(at.input("Vector")) if not _IS_OBJECT and "CAMERA" not in spaces else None
+    return reader.colour(at.input("Vector")) if not IS_OBJECT and "CAMERA" not in spaces else None
 
 
 _NODES: dict[str, Read] = {
     **NODES,
     "NEW_GEOMETRY": _geometry,
     "TEX_COORD": _texture_coordinate,
-    "OBJECT_INFO": _object_info,
     "VECT_TRANSFORM": _vector_transform,
 }
 
@@ -95,7 +89,7 @@ class LampEmission:
         return self.image[0].texture is None if self.image is not None else not isinstance(self.value, Term)
 
     def on(
-        self, world_from_light: NDArray[np.float64], pictures: EmitterPictures
+        self, world_from_light: NDArray[np.float64], seen_as: EmitterObject, pictures: EmitterPictures
     ) -> tuple[NDArray[np.float64], LightTexture | None]:
         """Of one instance: a colour, and what varies around it."""
         if self.image is not None:
@@ -107,7 +101,7 @@ class LampEmission:
         if not abs(np.linalg.det(world_from_light[:3, :3])) > 0.0:
             return np.ones(3), None  # a lamp of no scale, which is refused
         material = self.program.material(self.light.name, (BLACK, BLACK, self.value))
-        lamp = self._lamp(world_from_light)
+        lamp = self._lamp(world_from_light, seen_as)
         if self.light.type == "SUN":
             if material.textures:
                 self.reports.add(
@@ -123,14 +117,15 @@ class LampEmission:
         picture = pictures.find(view)
         return np.array(picture.mean), view.texture(picture)
 
-    def _lamp(self, world_from_light: NDArray[np.float64]) -> Lamp:
+    def _lamp(self, world_from_light: NDArray[np.float64], seen_as: EmitterObject) -> Lamp:
         light = self.light
-        is_ball = _IS_OBJECT and light.type != "SUN" and not getattr(light, "use_soft_falloff", False)
+        is_ball = IS_OBJECT and light.type != "SUN" and not getattr(light, "use_soft_falloff", False)
         return Lamp(
             world_from_object=world_from_light,
             radius_m=light.shadow_soft_size if is_ball else 0.0,
             spot_half_angle_rad=light.spot_size / 2 if light.type == "SPOT" else None,
-            is_object=_IS_OBJECT,
+            is_object=IS_OBJECT,
+            object=seen_as,
         )
 
 
@@ -160,7 +155,7 @@ def at_distances(texture: LightTexture | None, lamp: LampEmission) -> LightTextu
     if distance == _NO_DISTANCE:
         return texture
     if lamp.light.type == "SUN":
-        if not _IS_OBJECT:  # later versions leave it as it is
+        if not IS_OBJECT:  # later versions leave it as it is
             lamp.reports.add(lamp.culprit, "its falloff, which is without bounds in Cycles 3.x, is left out")
         return texture
     if texture is None:

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from tyndall.emitter_programs import EmitterPictures
+from tyndall.emitter_programs import EmitterObject, EmitterPictures
 from tyndall.scene_description import Light, LightBody, LightKind, ObjectLighting, SpotFalloff
 
 from .area_light_nodes import emitter_of, emitter_texture, read_area_emission
 from .lamp_nodes import at_distances, read_lamp_emission
 from .light_textures import read_gobo
+from .random_numbers import as_unit_floats
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -51,8 +52,9 @@ def read_lights(
         if thing.visible_camera:
             reports.add(f'Light "{name}"', "cameras do not see it: lights are not drawn")
         emission = read_area_emission(data, images, reports, f'Light "{name}"')
-        for matrix in placement.world_from_object():
-            picture = emission.on(emitter_of(matrix, _size_m(data), is_ellipse=_is_ellipse(data)), pictures)
+        for matrix, seen_as in zip(placement.world_from_object(), _objects(placement), strict=True):
+            emitter = emitter_of(matrix, _size_m(data), seen_as, is_ellipse=_is_ellipse(data))
+            picture = emission.on(emitter, pictures)
             if (light := _area_light(data, name, matrix, strength * picture.mean, reports)) is not None:
                 yield replace(
                     light,
@@ -67,10 +69,10 @@ def read_lights(
                 )
         return
     lamp = read_lamp_emission(data, images, reports, f'Light "{name}"')
-    for matrix in placement.world_from_object():
+    for matrix, seen_as in zip(placement.world_from_object(), _objects(placement), strict=True):
         texture = read_gobo(data, images, reports, f'Light "{name}"', matrix)
         if texture is None or lamp.is_constant:
-            colour, shown = lamp.on(matrix, pictures)
+            colour, shown = lamp.on(matrix, seen_as, pictures)
             texture = texture or shown
         else:
             reports.add(f'Light "{name}"', "its gobo takes the place of its nodes' pattern")
@@ -95,6 +97,14 @@ def read_lights(
             light_group=lighting.light_group,
             links=lighting.links,
         )
+
+
+def _objects(placement: Placement) -> list[EmitterObject]:
+    """What Object Info says of each instance."""
+    return [
+        EmitterObject(color=placement.color, pass_index=float(placement.pass_index), random=float(random))
+        for random in as_unit_floats(placement.random_numbers)
+    ]
 
 
 def _area_light(

@@ -15,6 +15,7 @@ import numpy as np
 from .instances import Placement, may_stand_alone, shown_kinds
 from .light_linking import LinkedMedia, links_of
 from .object_lighting import LightingReader
+from .random_numbers import random_number_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -99,7 +100,10 @@ class ReadScene:
                     casts_shadow=source.visible_shadow,
                     is_shadow_catcher=source.is_shadow_catcher,
                     lighting=lighting.read(source, None),
+                    color=tuple(source.color),
+                    pass_index=source.pass_index,
                     matrices=[source.matrix_world.copy()],
+                    random_numbers=[random_number_of(original.name)],
                 )
             )
         return placements

@@ -39,15 +39,23 @@ make_light_texture(const std::shared_ptr<FilteredTexture>& image, int projection
     return texture;
 }
 
+/// Colour with alpha, pass index, random number.
+static EmitterObject to_object(const std::array<float, 6>& numbers) {
+    const auto& [red, green, blue, alpha, index, random] = numbers;
+    return {.info = {.color = {red, green, blue, alpha}, .pass_index = index}, .random = random};
+}
+
 static py::array_t<float> emitter_image(const EmitterProgram& program, const std::array<float, 16>& world_from_object,
-                                        const std::array<float, 2>& size, bool is_object, std::uint32_t width,
-                                        std::uint32_t height, const Progress& progress) {
+                                        const std::array<float, 2>& size, bool is_object,
+                                        const std::array<float, 6>& object, std::uint32_t width, std::uint32_t height,
+                                        const Progress& progress) {
     constexpr std::uint32_t largest = 1u << 14;
     require(width > 0 && height > 0 && width <= largest && height <= largest, "a picture of ", width, " x ", height,
             " texels");
     const FlatEmitter emitter{.world_from_object = to_matrix<mat4, 4>(world_from_object.data()),
                               .size = {size[0], size[1]},
-                              .is_object = is_object};
+                              .is_object = is_object,
+                              .object = to_object(object)};
     const std::vector<Rgb> pixels = without_gil([&] { return program.image(emitter, width, height, progress); });
     const auto* floats = reinterpret_cast<const float*>(pixels.data());
     return to_numpy(std::vector<float>(floats, floats + 3 * pixels.size()),
@@ -55,13 +63,14 @@ static py::array_t<float> emitter_image(const EmitterProgram& program, const std
 }
 
 static py::array_t<float> leaving_lamp(const EmitterProgram& program, const std::array<float, 16>& world_from_object,
-                                       const Triple& middle, float radius_m, const py::array& points,
-                                       const Progress& progress) {
+                                       const Triple& middle, float radius_m, const std::array<float, 6>& object,
+                                       const py::array& points, const Progress& progress) {
     static_assert(sizeof(EmitterPoint) == 7 * sizeof(float));
     const std::vector<EmitterPoint> read = to_vector<EmitterPoint, float>(points, {-1, 7}, "points");
     const LocalEmitter lamp{.world_from_object = to_matrix<mat4, 4>(world_from_object.data()),
                             .middle = to_vec3(middle),
-                            .radius_m = radius_m};
+                            .radius_m = radius_m,
+                            .object = to_object(object)};
     const std::vector<Rgb> colours = without_gil([&] { return program.leaving(lamp, read, progress); });
     const auto* floats = reinterpret_cast<const float*>(colours.data());
     return to_numpy(std::vector<float>(floats, floats + 3 * colours.size()),
@@ -72,11 +81,12 @@ static void bind_emitter_program(py::module_& native) {
     py::class_<EmitterProgram, std::shared_ptr<EmitterProgram>>(native, "EmitterProgram",
                                                                 "A material's emission over a light.")
         .def(py::init<Material>(), "material"_a)
-        .def("image", &emitter_image, "world_from_object"_a, "size"_a, "is_object"_a, "width"_a, "height"_a,
+        .def("image", &emitter_image, "world_from_object"_a, "size"_a, "is_object"_a, "object"_a, "width"_a, "height"_a,
              "progress"_a,
              "float32 (height, width, 3), rows along the light's +Y; world_from_object: 4x4, row by row. Releases the "
              "GIL. Cancelled.")
-        .def("leaving", &leaving_lamp, "world_from_object"_a, "middle"_a, "radius_m"_a, "points"_a, "progress"_a,
+        .def("leaving", &leaving_lamp, "world_from_object"_a, "middle"_a, "radius_m"_a, "object"_a, "points"_a,
+             "progress"_a,
              "float32 (n, 3) of a lamp; points: float32 (n, 7), each a unit direction in the world, a place on UV maps "
              "and "
              "barycentrics. Releases the GIL. Cancelled.");

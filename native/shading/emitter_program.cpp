@@ -29,9 +29,10 @@ std::vector<Rgb> EmitterProgram::image(const FlatEmitter& emitter, std::uint32_t
                                 .barycentrics = {uv.y, 1.0f - uv.x - uv.y}}, // which Parametric turns into the uv
                     .ray_kind = RayKind::Diffuse,
                     .incoming = normal,
-                    .object_position = emitter.is_object ? local : position};
+                    .object_position = emitter.is_object ? local : position,
+                    .object = {.info = &emitter.object.info, .random = emitter.object.random}};
                 if (emitter.is_object)
-                    point.object = {.scene_from_object = &to_world, .object_from_scene = &to_object};
+                    point.object.scene_from_object = &to_world, point.object.object_from_scene = &to_object;
                 pixels[row * width + column] = evaluate(material_, point, uvs).emission;
             }
         },
@@ -57,7 +58,10 @@ std::vector<Rgb> EmitterProgram::leaving(const LocalEmitter& lamp, std::span<con
                                      .ray_kind = RayKind::Diffuse,
                                      .incoming = seen.direction,
                                      .object_position = vec3(to_object * vec4(position, 1.0f)),
-                                     .object = {.scene_from_object = &to_world, .object_from_scene = &to_object}};
+                                     .object = {.scene_from_object = &to_world,
+                                                .object_from_scene = &to_object,
+                                                .info = &lamp.object.info,
+                                                .random = lamp.object.random}};
             colours[at] = evaluate(material_, point, uvs).emission;
         }
     });

@@ -11,12 +11,19 @@
 #include <span>
 
 namespace tyndall {
+/// What Object Info says of a light.
+struct EmitterObject {
+    ObjectInfo info = {};
+    float random = 0.0f; ///< [0, 1]
+};
+
 /// A rectangle in the plane z = 0 of its object, around the origin, that shines along -Z.
 struct FlatEmitter {
     mat4 world_from_object{1.0f};
     vec2 size{1.0f}; ///< In the object's space.
     /// Its points know an object's space and UV maps; up to 3.x only the world's, and UV maps are 0.
     bool is_object = true;
+    EmitterObject object = {};
 };
 
 /// A lamp: what its points know beside the direction in which they shine.
@@ -24,6 +31,7 @@ struct LocalEmitter {
     mat4 world_from_object{1.0f};
     vec3 middle{0.0f};
     float radius_m = 0.0f; ///< So far from its middle they lie, in that direction.
+    EmitterObject object = {};
 };
 /// One point of it.
 struct EmitterPoint {

@@ -6,7 +6,7 @@ Lamps are in lamp_programs.py.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -27,6 +27,26 @@ _MOST_OF_IMAGES = 2048  #: The same of images, which show their own texels; 48 M
 _TOLERANCE = 2e-3  #: Mean error of the colours between texels, of their mean, at which a picture is fine enough.
 #: What these read is the same wherever the light stands.
 _OF_PLACES_ON_IT = {Code.TEXTURE, Code.TEXTURE_ALPHA, Code.UV, Code.IMAGE_AT, Code.IMAGE_ALPHA_AT, Code.ENVIRONMENT_AT}
+_OF_OBJECTS = {PointInput.OBJECT_COLOR, PointInput.OBJECT_ALPHA, PointInput.OBJECT_INDEX, PointInput.OBJECT_RANDOM}
+
+
+@dataclass(frozen=True, kw_only=True)
+class EmitterObject:
+    """What Object Info says of a light."""
+
+    color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    pass_index: float = 0.0
+    random: float = 0.0
+
+    @property
+    def numbers(self) -> list[float]:
+        """As the native side takes them."""
+        return [*self.color, self.pass_index, self.random]
+
+    def key(self, material: Material) -> str:
+        """Equal for lights that the material tells not apart by it."""
+        reads = any(op.code is Code.INPUT and op.option in _OF_OBJECTS for op in material.program)
+        return repr(self.numbers) if reads else ""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -37,6 +57,7 @@ class Emitter:
     size: tuple[float, float]  #: In the object's space.
     is_ellipse: bool = False
     is_object: bool = True  #: Its nodes know its object and UV coordinates: not up to 3.x.
+    object: EmitterObject = field(default_factory=EmitterObject)
 
 
 @dataclass(frozen=True)
@@ -104,7 +125,9 @@ def _key(material: Material, emitter: Emitter) -> str:
         for op in material.program
     )
     place = b"" if stands_anywhere else emitter.world_from_object.tobytes() + repr(emitter.size).encode()
-    return f"light {fingerprint(material).hex()} {place.hex()} {emitter.is_ellipse} {emitter.is_object}"
+    return f"light {fingerprint(material).hex()} {place.hex()} {emitter.is_ellipse} {emitter.is_object}" + (
+        emitter.object.key(material)
+    )
 
 
 def _picture(material: Material, emitter: Emitter, key: str) -> EmitterPicture:
@@ -127,7 +150,9 @@ def _drawn(material: Material, emitter: Emitter) -> NDArray[np.float32]:
     place = emitter.world_from_object.astype(np.float32).ravel().tolist()
 
     def at(width: int, height: int) -> NDArray[np.float32]:
-        pixels = program.image(place, emitter.size, emitter.is_object, width, height, _native.Progress())
+        pixels = program.image(
+            place, emitter.size, emitter.is_object, emitter.object.numbers, width, height, _native.Progress()
+        )
         return np.nan_to_num(pixels, nan=0.0, posinf=0.0, neginf=0.0)
 
     width, height, halvings = _first_size(material)

@@ -8,13 +8,13 @@ the last column show one longitude, and the first and the last row the poles.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _native
-from .emitter_programs import EmitterPicture
+from .emitter_programs import EmitterObject, EmitterPicture
 from .fingerprints import fingerprint
 from .native_materials import build_material
 from .native_textures import build_texture
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 _WIDEST_SLIDE_RAD = 1.1  #: Half a cone that a plane before the lamp holds without wasting most of its texels.
 #: Rows of a sphere, and of a plane before a spot: at first, at most, and at most where images show their own texels.
 _ROWS_OF_SPHERE, _ROWS_OF_SLIDE = (181, 721, 1441), (257, 1025, 2049)
+_FEWEST_ROWS = 3
 _TOLERANCE = 1e-3  #: Mean error of the colours between texels, of their mean, at which a picture is fine enough.
 #: Of half the width, or of a turn: texels stand so far beside the lines of the grid, where patterns like to have their
 #: seams. An IES file has nothing at the end of its angles, which nobody sees but who asks exactly there.
@@ -61,6 +62,7 @@ class Lamp:
     spot_half_angle_rad: float | None = None
     #: Its nodes know its object, and its scale shapes its cone: not up to 3.x.
     is_object: bool = True
+    object: EmitterObject = field(default_factory=EmitterObject)
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,11 @@ def vectors_of(material: Material, lamp: Lamp) -> Vectors:
     uvs_are_normals = lamp.spot_half_angle_rad is None or not lamp.is_object
     reads_uvs, has_place = _reads_uvs(material), bool(inputs & _PLACES)
     return Vectors(
-        has_normal=has_both or has_box or has_place or bool(inputs & _NORMALS) or (reads_uvs and uvs_are_normals),
+        has_normal=has_both
+        or has_box
+        or (has_place and lamp.radius_m > 0.0)
+        or bool(inputs & _NORMALS)
+        or (reads_uvs and uvs_are_normals),
         has_direction=has_both or PointInput.INCOMING in inputs or (reads_uvs and not uvs_are_normals),
         has_place=has_place,
     )
@@ -92,7 +98,7 @@ def colour_of_sun(material: Material, sun: Lamp) -> FloatArray:
     matrix = np.array(sun.world_from_object, np.float64)
     direction = -matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
     point = np.concatenate([direction, np.full(2, 0.5 if sun.is_object else 0.0), [0.5, 0.0]])
-    colours = _leaving(_program(material), matrix, np.zeros(3), 1.0, point[None, :])
+    colours = _leaving(_program(material), replace(sun, radius_m=1.0), matrix, np.zeros(3), point[None, :])
     colour: FloatArray = colours[0].astype(np.float64)
     return colour
 
@@ -106,6 +112,7 @@ class LampView:
     def __init__(self, material: Material, lamp: Lamp) -> None:
         self._material, self._lamp = material, lamp
         vectors = vectors_of(material, lamp)
+        self._varies = vectors.has_direction or vectors.has_normal
         self._follows_normal = vectors.has_normal and not vectors.has_direction
         is_ball = self._follows_normal and lamp.radius_m > 0.0
         self._half_cone_rad = None if is_ball else lamp.spot_half_angle_rad  # its normals point everywhere
@@ -137,11 +144,11 @@ class LampView:
         place = b"".join(np.ascontiguousarray(part, np.float32).tobytes() for part in parts).hex()
         lamp = (self._lamp.radius_m, self._half_cone_rad, self._lamp.spot_half_angle_rad, self._lamp.is_object)
         shown = fingerprint(replace(self._material, name="")).hex()  # lamps of many names share a luminaire's picture
-        return f"lamp {shown} {place} {lamp}"
+        return f"lamp {shown} {place} {lamp} {self._lamp.object.key(self._material)}"
 
     def picture(self, key: str) -> EmitterPicture:
         """Raises InvalidInput, naming the material."""
-        pixels = self._drawn()
+        pixels = self._drawn() if self._varies else self._at(_program(self._material), _FEWEST_ROWS)
         if (pixels == pixels[0, 0]).all():
             red, green, blue = pixels[0, 0].astype(np.float64)
             return EmitterPicture(None, (float(red), float(green), float(blue)))
@@ -210,7 +217,7 @@ class LampView:
             points[:, 3:5], points[:, 5:] = self._places(directions)
         matrix = np.eye(4)
         matrix[:3, :3], matrix[:3, 3] = self._scene_from_object, self._place
-        return _leaving(program, matrix, self._place, self._lamp.radius_m, points).reshape(axes.shape)
+        return _leaving(program, self._lamp, matrix, self._place, points).reshape(axes.shape)
 
     def _axes(self, rows: int) -> FloatArray:
         """Of each texel a vector along the axes: (rows, columns, 3)."""
@@ -256,12 +263,17 @@ def _program(material: Material) -> _native.EmitterProgram:
 
 
 def _leaving(
-    program: _native.EmitterProgram, matrix: FloatArray, middle: FloatArray, radius_m: float, points: NDArray[Any]
+    program: _native.EmitterProgram, lamp: Lamp, matrix: FloatArray, middle: FloatArray, points: NDArray[Any]
 ) -> NDArray[np.float32]:
     """Colours at points of native/shading/emitter_program.hpp, (n, 7): (n, 3)."""
     place = matrix.astype(np.float32).ravel().tolist()
     colours: NDArray[np.float32] = program.leaving(
-        place, tuple(middle), radius_m, np.ascontiguousarray(points, np.float32), _native.Progress()
+        place,
+        tuple(middle),
+        lamp.radius_m,
+        lamp.object.numbers,
+        np.ascontiguousarray(points, np.float32),
+        _native.Progress(),
     )
     return np.nan_to_num(colours, nan=0.0, posinf=0.0, neginf=0.0)
 

@@ -103,6 +103,28 @@ def thrown(vector: MakeVector) -> MakeVector:
     return make
 
 
+def mixed(first: MakeVector, second: MakeVector, blend: str = "MULTIPLY") -> MakeVector:
+    def made(new: New, link: Link) -> Socket:
+        mix = node(new, "ShaderNodeMixRGB", Fac=1.0)
+        mix.blend_type = blend
+        link(first(new, link), mix.inputs["Color1"])
+        link(second(new, link), mix.inputs["Color2"])
+        return mix.outputs[0]
+
+    return made
+
+
+def ramped(make: MakeVector) -> MakeVector:
+    def made(new: New, link: Link) -> Socket:
+        ramp = new("ShaderNodeValToRGB")
+        ramp.color_ramp.elements[0].color = (0.9, 0.1, 0.2, 1)
+        ramp.color_ramp.elements.new(0.4).color = (0.1, 0.8, 0.3, 1)
+        link(make(new, link), ramp.inputs[0])
+        return ramp.outputs[0]
+
+    return made
+
+
 NORMAL, UV = output("ShaderNodeTexCoord", "Normal"), output("ShaderNodeTexCoord", "UV")
 TURNED = {"Location": (0.3, -0.2, 0.1), "Rotation": (0.4, 0.3, 0.8), "Scale": (1.5, 0.8, 1.2)}
 PLACES: dict[str, MakeVector] = {
