@@ -98,7 +98,7 @@ class LampEmission:
             return colour.offset if texture is None else np.ones(3), texture
         if self.program is None or not isinstance(self.value, Term):
             return np.array(self.value, np.float64), None
-        if not abs(np.linalg.det(world_from_light[:3, :3])) > 0.0:
+        if not (np.isfinite(world_from_light).all() and abs(np.linalg.det(world_from_light[:3, :3])) > 0.0):
             return np.ones(3), None  # a lamp of no scale, which is refused
         material = self.program.material(self.light.name, (BLACK, BLACK, self.value))
         lamp = self._lamp(world_from_light, seen_as)

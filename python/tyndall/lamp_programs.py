@@ -312,11 +312,15 @@ def _shape(linear: FloatArray) -> FloatArray:
 
     The same to the last bit for all turns, as far as single precision tells them apart.
     """
-    squared = linear.T @ linear
-    unit = 10.0 ** math.floor(math.log10(np.trace(squared)))
-    squared = (np.round(squared / unit, 5) + 0.0) * unit  # no negative zeros
-    upside_down = np.asarray(np.linalg.cholesky(squared[::-1, ::-1]), np.float64)
-    return upside_down[::-1, ::-1].T + 0.0
+    lengths = _lengths(linear.T)
+    units = 10.0 ** np.floor(np.log10(lengths))
+    cosines = np.round((linear / lengths).T @ (linear / lengths), 6) + 0.0  # no negative zeros
+    try:
+        upside_down = np.linalg.cholesky(cosines[::-1, ::-1])
+    except np.linalg.LinAlgError:  # sheared flat: it is drawn as it stands
+        return linear
+    shape: FloatArray = upside_down[::-1, ::-1].T * (np.round(lengths / units, 5) * units) + 0.0
+    return shape
 
 
 def _lengths(vectors: FloatArray) -> FloatArray:

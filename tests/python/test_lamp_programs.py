@@ -123,6 +123,24 @@ def test_what_turns_with_a_lamp_has_one_picture_and_other_places_have_their_own(
     assert key(in_object, one) != key(in_object, larger)
 
 
+@pytest.mark.parametrize("scale", [(1.0, 1.0, 1e-4), (1e-5, 1.0, 1e3), (1e-6, 2e-6, 1e-6), (1e5, 1e5, 1e5)])
+@pytest.mark.parametrize("half_cone_rad", [None, 0.6])
+def test_lamps_of_any_scale_are_drawn(scale: tuple[float, ...], half_cone_rad: float | None) -> None:
+    matrix = sheared()
+    matrix[:3, :3] = np.linalg.qr(matrix[:3, :3])[0] @ np.diag(scale)
+    lamp = Lamp(world_from_object=matrix, spot_half_angle_rad=half_cone_rad)
+    picture = EmitterPictures().find(LampView(shown(PointInput.OBJECT_NORMAL), lamp))
+    assert np.isfinite(picture.mean).all()
+    assert max(picture.mean) > 0.1
+
+
+def test_a_flat_shear_is_drawn_as_it_stands() -> None:
+    matrix = np.eye(4)
+    matrix[:3, 1] = 1.0, 1e-9, 0.0
+    picture = EmitterPictures().find(LampView(shown(PointInput.OBJECT_NORMAL), Lamp(world_from_object=matrix)))
+    assert np.isfinite(picture.mean).all()
+
+
 def test_a_ball_tells_its_normal_from_the_direction() -> None:
     ball = Lamp(world_from_object=np.eye(4), radius_m=0.5)
     normal, direction = vectors_of(shown(PointInput.NORMAL), ball), vectors_of(shown(PointInput.INCOMING), ball)
