@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from tyndall.lamp_programs import Lamp, LampView, colour_of_sun, vectors_of
-from tyndall.scene_description import Extension, Image, LightProjection, LightTexture, TextureUse
+from tyndall.scene_description import Code, Extension, Image, LightProjection, LightTexture, TextureUse
 from tyndall.surface_inputs import PointInput
 
 from .affine_colours import AffineColour, affine_colour
@@ -100,14 +100,15 @@ class LampEmission:
             return np.array(self.value, np.float64), None
         if not (np.isfinite(world_from_light).all() and abs(np.linalg.det(world_from_light[:3, :3])) > 0.0):
             return np.ones(3), None  # a lamp of no scale, which is refused
-        material = self.program.material(self.light.name, (BLACK, BLACK, self.value))
+        value, factor = _without_factors(self.program, self.value)
+        material = self.program.material(self.light.name, (BLACK, BLACK, value))
         lamp = self._lamp(world_from_light, seen_as)
         if self.light.type == "SUN":
             if material.textures:
                 self.reports.add(
                     self.culprit, "its nodes see no position on a sun: an image shows one place, its gobo all"
                 )
-            return colour_of_sun(material, lamp), None
+            return factor * colour_of_sun(material, lamp), None
         vectors = vectors_of(material, lamp)
         if lamp.radius_m > 0.0 and vectors.has_normal and vectors.has_direction:
             self.reports.add(self.culprit, "its nodes read its normal and the direction of its light: both are that")
@@ -115,7 +116,7 @@ class LampEmission:
             self.reports.add(self.culprit, "its nodes see it at its middle alone")
         view = LampView(material, lamp)
         picture = pictures.find(view)
-        return np.array(picture.mean), view.texture(picture)
+        return factor * picture.mean, view.texture(picture)
 
     def _lamp(self, world_from_light: NDArray[np.float64], seen_as: EmitterObject) -> Lamp:
         light = self.light
@@ -127,6 +128,20 @@ class LampEmission:
             is_object=IS_OBJECT,
             object=seen_as,
         )
+
+
+def _without_factors(program: Program, value: Term) -> tuple[Term, NDArray[np.float64]]:
+    """What is to be drawn, and a colour that multiplies it: strengths and tints change no picture."""
+    factor = np.ones(3)
+    op = program.ops[value.place]
+    while op.code is Code.MULTIPLY:
+        first, second = program.ops[op.a], program.ops[op.b]
+        constant, place = (first, op.b) if first.code is Code.CONSTANT else (second, op.a)
+        if constant.code is not Code.CONSTANT or not min(constant.value) > 0.0:
+            break
+        factor, value = factor * constant.value, Term(place)
+        op = program.ops[place]
+    return value, factor
 
 
 def read_lamp_emission(light: bpy.types.Light, images: ImageReader, reports: Reports, culprit: str) -> LampEmission:

@@ -22,12 +22,16 @@ from support.lamp_scenes import (
     Socket,
     assert_air_like_cycles,
     assert_like_cycles,
+    assert_same_light,
+    bands,
     mapped,
     mixed,
     output,
     picture,
     ramped,
+    shows,
     stage,
+    tree_of,
 )
 from support.small_scenes import node, read
 from tyndall.linear_colours import linear_colours
@@ -55,20 +59,6 @@ def pattern(kind: str, place: Make | None, name: str = "Color", **settings: obje
     return make
 
 
-def bands(new: New, link: Link) -> Socket:
-    """By the angle to the light's axis, by arithmetic alone."""
-    apart, scaled, wave = new("ShaderNodeSeparateXYZ"), new("ShaderNodeMath"), new("ShaderNodeMath")
-    scaled.operation, wave.operation = "MULTIPLY_ADD", "SINE"
-    scaled.inputs[1].default_value = 14.0
-    link(NORMAL(new, link), apart.inputs[0])
-    link(apart.outputs[2], scaled.inputs[0])
-    link(scaled.outputs[0], wave.inputs[0])
-    shifted = node(new, "ShaderNodeMath")
-    shifted.inputs[1].default_value = 1.2
-    link(wave.outputs[0], shifted.inputs[0])
-    return shifted.outputs[0]
-
-
 IMAGE = pattern("ShaderNodeTexImage", PLACES["thrown"])
 PATTERNS: dict[str, Make] = {
     "noise by direction": pattern("ShaderNodeTexNoise", INCOMING, Scale=3.0),
@@ -86,15 +76,6 @@ PATTERNS: dict[str, Make] = {
     "image in a box": pattern("ShaderNodeTexImage", NORMAL, projection="BOX"),
     "image in a tube": pattern("ShaderNodeTexImage", NORMAL, projection="TUBE"),
 }
-
-
-def shows(lamp: bpy.types.Object, make: Make, to: str = "Color") -> None:
-    data = lamp.data
-    if not data.use_nodes:
-        data.use_nodes = True
-    tree = data.node_tree
-    emission = next(one for one in tree.nodes if one.type == "EMISSION")
-    tree.links.new(make(tree.nodes.new, tree.links.new), emission.inputs[to])
 
 
 def texture() -> LightTexture | None:
@@ -243,6 +224,26 @@ def test_what_turns_with_a_lamp_is_drawn_once(kind: str, make: Make, is_own: boo
     assert (first.axes_from_world == second.axes_from_world).all() == (not is_own and kind == "POINT")
 
 
+def test_strengths_and_tints_change_no_picture() -> None:
+    lamp, reader = stage("SPOT"), SceneReader()
+    emission = next(one for one in tree_of(lamp).nodes if one.type == "EMISSION")
+    tint = tree_of(lamp).nodes.new("ShaderNodeMixRGB")
+    tint.blend_type, tint.inputs["Fac"].default_value = "MULTIPLY", 1.0
+    shows(lamp, PATTERNS["noise by normal"])
+    tree_of(lamp).links.new(emission.inputs["Color"].links[0].from_socket, tint.inputs["Color1"])
+    tree_of(lamp).links.new(tint.outputs[0], emission.inputs["Color"])
+    (before,) = read(reader).lights
+    start = np.array(tint.inputs["Color2"].default_value[:3])
+    tint.inputs["Color2"].default_value, emission.inputs["Strength"].default_value = (0.5, 0.25, 1.0, 1.0), 3.0
+    (after,) = read(reader).lights
+    assert before.texture is not None
+    assert after.texture is not None
+    assert before.texture.use.image is after.texture.use.image
+    white = np.array(tint.inputs["Color2"].default_value[:3]) * 3.0
+    np.testing.assert_allclose(np.array(after.strength) / before.strength, white / start, rtol=1e-5)
+    assert_like_cycles(4e-3)
+
+
 def test_a_lamp_that_shines_alike_everywhere_has_no_picture() -> None:
     plain = np.array(read_of(stage("SPOT")).strength)
     lamp = stage("SPOT")
@@ -254,11 +255,6 @@ def test_a_lamp_that_shines_alike_everywhere_has_no_picture() -> None:
     shows(lamp, lambda new, _: node(new, "ShaderNodeBlackbody", Temperature=3000.0).outputs[0])
     assert texture() is None
     assert (np.array(read_of(lamp).strength) != plain).any()
-
-
-def assert_same_light() -> None:
-    scene = bpy.context.scene
-    np.testing.assert_allclose(tyndall_pixels(scene), cycles_pixels(scene, 1, seed=1), rtol=2e-3)
 
 
 @pytest.mark.parametrize("name", ["noise by direction", "noise by normal", "squared image"])
@@ -329,64 +325,3 @@ def test_a_gobo_goes_before_a_pattern() -> None:
     assert shown.texture.use.image.name == "Other"
     assert shown.strength == plain
     assert read().reports == ('Light "Spot": its gobo takes the place of its nodes\' pattern',)
-
-
-# --- by the distance ------------------------------------------------------------------------------------------------
-def falls(lamp: bpy.types.Object, output_name: str, smooth: float = 0.0, strength: float = 0.2) -> None:
-    data = lamp.data
-    if not data.use_nodes:
-        data.use_nodes = True
-    tree = data.node_tree
-    emission = next(one for one in tree.nodes if one.type == "EMISSION")
-    falloff = node(tree.nodes.new, "ShaderNodeLightFalloff", Strength=strength, Smooth=smooth)
-    tree.links.new(falloff.outputs[output_name], emission.inputs["Strength"])
-
-
-@pytest.mark.parametrize(
-    ("kind", "output_name", "smooth", "has_pattern"),
-    [
-        ("POINT", "Linear", 0.0, False),
-        ("SPOT", "Constant", 3.0, True),
-        ("POINT", "Quadratic", 20.0, True),
-    ],
-)
-def test_light_falls_off_as_its_node_says(
-    kind: str,
-    output_name: str,
-    smooth: float,
-    has_pattern: bool,  # noqa: FBT001
-) -> None:
-    lamp = stage(kind)
-    falls(lamp, output_name, smooth)
-    if has_pattern:
-        shows(lamp, PATTERNS["bands"])
-    assert read().reports == ()
-    assert_like_cycles(4e-3)
-
-
-def test_a_suns_light_does_not_fall_off() -> None:
-    falls(stage("SUN"), "Linear")
-    if IS_4:
-        assert read().reports == ()
-        assert_same_light()
-        return
-    assert read().reports == ('Light "Sun": its falloff, which is without bounds in Cycles 3.x, is left out',)
-
-
-@pytest.mark.long
-def test_fog_is_lit_by_the_same_falloff() -> None:
-    def make() -> None:
-        build(Arrangement(light="spot"))
-        falls(_lamp(), "Linear", 1.0)
-
-    assert_air_like_cycles("falloff", make, make, methods=("EXACT", "EPIPOLAR"))
-
-
-def test_a_falloff_among_other_nodes_is_named() -> None:
-    lamp = stage("POINT")
-    shows(lamp, mixed(PATTERNS["bands"], output("ShaderNodeLightFalloff", "Linear")))
-    assert read().reports == ('Light "Point": Linear falloff is drawn as quadratic',)
-    lamp = stage("POINT")
-    falls(lamp, "Quadratic")
-    assert read().reports == ()
-    assert texture() is None

@@ -198,3 +198,34 @@ def smooth_picture(name: str = "Slide") -> bpy.types.Image:
     made.pixels.foreach_set(values.ravel())
     made.pack()
     return made
+
+
+def bands(new: New, link: Link) -> Socket:
+    """By the angle to the light's axis, by arithmetic alone."""
+    apart, scaled, wave = new("ShaderNodeSeparateXYZ"), new("ShaderNodeMath"), new("ShaderNodeMath")
+    scaled.operation, wave.operation = "MULTIPLY_ADD", "SINE"
+    scaled.inputs[1].default_value = 14.0
+    link(NORMAL(new, link), apart.inputs[0])
+    link(apart.outputs[2], scaled.inputs[0])
+    link(scaled.outputs[0], wave.inputs[0])
+    shifted = node(new, "ShaderNodeMath")
+    shifted.inputs[1].default_value = 1.2
+    link(wave.outputs[0], shifted.inputs[0])
+    return shifted.outputs[0]
+
+
+def tree_of(lamp: bpy.types.Object) -> bpy.types.NodeTree:
+    if not lamp.data.use_nodes:
+        lamp.data.use_nodes = True
+    return lamp.data.node_tree
+
+
+def shows(lamp: bpy.types.Object, make: MakeVector, to: str = "Color") -> None:
+    tree = tree_of(lamp)
+    emission = next(one for one in tree.nodes if one.type == "EMISSION")
+    tree.links.new(make(tree.nodes.new, tree.links.new), emission.inputs[to])
+
+
+def assert_same_light() -> None:
+    scene = bpy.context.scene
+    np.testing.assert_allclose(tyndall_pixels(scene), cycles_pixels(scene, 1, seed=1), rtol=2e-3)

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light Falloff makes lamps weaker with the distance as in Cycles, on surfaces and in the air."""
+
+from __future__ import annotations
+
+import bpy
+import pytest
+
+from support.agreement_scenes import Arrangement, build
+from support.lamp_scenes import (
+    IS_4,
+    assert_air_like_cycles,
+    assert_like_cycles,
+    assert_same_light,
+    bands,
+    mixed,
+    output,
+    shows,
+    stage,
+    tree_of,
+)
+from support.small_scenes import node, read
+
+
+def falls(lamp: bpy.types.Object, output_name: str, smooth: float = 0.0, strength: float = 0.2) -> None:
+    tree = tree_of(lamp)
+    emission = next(one for one in tree.nodes if one.type == "EMISSION")
+    falloff = node(tree.nodes.new, "ShaderNodeLightFalloff", Strength=strength, Smooth=smooth)
+    tree.links.new(falloff.outputs[output_name], emission.inputs["Strength"])
+
+
+@pytest.mark.parametrize(
+    ("kind", "output_name", "smooth", "has_pattern"),
+    [
+        ("POINT", "Linear", 0.0, False),
+        ("SPOT", "Constant", 3.0, True),
+        ("POINT", "Quadratic", 20.0, True),
+    ],
+)
+def test_light_falls_off_as_its_node_says(
+    kind: str,
+    output_name: str,
+    smooth: float,
+    has_pattern: bool,  # noqa: FBT001
+) -> None:
+    lamp = stage(kind)
+    falls(lamp, output_name, smooth)
+    if has_pattern:
+        shows(lamp, bands)
+    assert read().reports == ()
+    assert_like_cycles(4e-3)
+
+
+def test_a_suns_light_does_not_fall_off() -> None:
+    falls(stage("SUN"), "Linear")
+    if IS_4:
+        assert read().reports == ()
+        assert_same_light()
+        return
+    assert read().reports == ('Light "Sun": its falloff, which is without bounds in Cycles 3.x, is left out',)
+
+
+@pytest.mark.long
+def test_fog_is_lit_by_the_same_falloff() -> None:
+    def make() -> None:
+        build(Arrangement(light="spot"))
+        falls(next(thing for thing in bpy.context.scene.objects if thing.type == "LIGHT"), "Linear", 1.0)
+
+    assert_air_like_cycles("falloff", make, make, methods=("EXACT", "EPIPOLAR"))
+
+
+def test_a_falloff_among_other_nodes_is_named() -> None:
+    lamp = stage("POINT")
+    shows(lamp, mixed(bands, output("ShaderNodeLightFalloff", "Linear")))
+    assert read().reports == ('Light "Point": Linear falloff is drawn as quadratic',)
+    lamp = stage("POINT")
+    falls(lamp, "Quadratic")
+    assert read().reports == ()
+    assert read().lights[0].texture is None
