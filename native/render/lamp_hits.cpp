@@ -2,6 +2,7 @@
 #include "render/lamp_hits.hpp"
 #include "core/sampling.hpp"
 #include "scene/area_light.hpp"
+#include "shading/lobes/diffuse_lobes.hpp"
 #include "shading/lobes/fibre.hpp"
 #include "shading/lobes/sheen.hpp"
 #include <cmath>
@@ -90,7 +91,7 @@ LampHit lamp_hit(const LightAim::Form& form, const vec3& position, const vec3& d
     return {far_m, far_m * far_m / (pi * radius2 * cosine), 1.0f / (pi * radius2)};
 }
 
-/// Of directions that lobes draw: nothing is denser, roughly. Broad sheens are nowhere dense enough to count.
+/// Of directions that lobes draw: nothing is denser, roughly. Broad sheens and cones are nowhere dense enough to count.
 static float most_pdf_per_sr(const LobeSet& set) {
     float sum = 0.0f, all = 0.0f;
     for (const Lobe& lobe : set.lobes) {
@@ -104,6 +105,13 @@ static float most_pdf_per_sr(const LobeSet& set) {
         }
         if (lobe.is_of_fibre()) {
             sum += lobe.sampling * fibre::most_pdf_per_sr(lobe, set.outgoing);
+            all += lobe.sampling;
+            continue;
+        }
+        if (lobe.is_toon()) {
+            constexpr float broad = 0.05f; // a half angle of 18 degrees
+            if (const float cone = toon::one_minus_cos_half_angle(lobe.alpha, lobe.ior); cone < broad)
+                sum += lobe.sampling * uniform_cone_pdf_per_sr(cone);
             all += lobe.sampling;
             continue;
         }

@@ -6,6 +6,7 @@
 //           5.3 and 5.9, in the terms of Burley 2015, eq. 4; Ashikhmin, Distribution-based BRDFs, 2007 (velvet).
 #pragma once
 #include "core/math.hpp"
+#include "core/sampling.hpp"
 #include <algorithm>
 #include <cfloat>
 #include <cmath>
@@ -78,13 +79,23 @@ namespace burley {
     return 0.25f * distribution * shadowing / (view_cosine * light_cosine);
 }
 
-/// Radiance per radiance and solid angle of a cone of even light, which fades at its edge: with the light's cosine.
-[[nodiscard]] inline float toon(float full_angle, float fading_angle, float cosine) {
+namespace toon {
+/// Of a cone of even light that fades at its edge, 1 - cos of the half angle.
+[[nodiscard]] inline float one_minus_cos_half_angle(float full_angle, float fading_angle) {
+    return one_minus_cos(std::min(full_angle + fading_angle, 0.5f * std::numbers::pi_v<float>));
+}
+/// Radiance per radiance and solid angle of that cone, with the light's cosine; of its middle, the density of directions that
+/// are drawn within it.
+[[nodiscard]] inline float reflected(float full_angle, float fading_angle, float cosine) {
     const float angle = std::acos(std::clamp(cosine, 0.0f, 1.0f));
     const float share = angle < full_angle                  ? 1.0f
                         : angle < full_angle + fading_angle ? 1.0f - (angle - full_angle) / fading_angle
                                                             : 0.0f;
-    const float widest = std::min(full_angle + fading_angle, 0.5f * std::numbers::pi_v<float>);
-    return share > 0.0f ? share * 0.5f * std::numbers::inv_pi_v<float> / (1.0f - std::cos(widest)) : 0.0f;
+    return share > 0.0f ? share * uniform_cone_pdf_per_sr(one_minus_cos_half_angle(full_angle, fading_angle)) : 0.0f;
 }
+[[nodiscard]] inline float pdf_per_sr(float full_angle, float fading_angle, float cosine) {
+    const float one_minus_cos = one_minus_cos_half_angle(full_angle, fading_angle);
+    return 1.0f - cosine < one_minus_cos ? uniform_cone_pdf_per_sr(one_minus_cos) : 0.0f;
+}
+} // namespace toon
 } // namespace tyndall

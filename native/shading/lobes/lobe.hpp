@@ -50,6 +50,7 @@ struct Lobe {
     [[nodiscard]] bool is_diffuse() const { return kind <= Kind::Velvet; }
     /// It is seen from every side, and bumps shadow it.
     [[nodiscard]] bool is_matte() const { return kind <= Kind::DiffuseToon; }
+    [[nodiscard]] bool is_toon() const { return kind == Kind::DiffuseToon || kind == Kind::GlossyToon; }
     [[nodiscard]] bool is_of_facets() const { return kind == Kind::Ggx || kind == Kind::Clearcoat; }
     /// It is lit from all around, whatever side is seen, and has a direction along the fibre in place of a normal.
     [[nodiscard]] bool is_of_fibre() const { return kind >= Kind::Fibre; }

@@ -225,6 +225,7 @@ private:
         add({.kind = source_.model == Model::DiffuseToon ? Lobe::Kind::DiffuseToon : Lobe::Kind::GlossyToon,
              .alpha = quarter_turn * clamped(number(2)),
              .ior = quarter_turn * clamped(number(3)),
+             .sampling = average(weight_ * colour(1)),
              .weight = weight_ * colour(1),
              .normal = normals_.diffuse});
     }

@@ -37,6 +37,13 @@ struct Angles {
 
 const vec3& normal_of(const Lobe& lobe, const LobeSet& set) { return lobe.has_own_normal() ? lobe.normal : set.normal; }
 
+/// In the middle of its cone.
+vec3 toon_axis(const Lobe& lobe, const LobeSet& set) {
+    const vec3& normal = normal_of(lobe, set);
+    return lobe.kind == Lobe::Kind::DiffuseToon ? normal
+                                                : 2.0f * glm::dot(normal, set.outgoing) * normal - set.outgoing;
+}
+
 Rgb reflected(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const Angles& angles) {
     switch (lobe.kind) {
     case Lobe::Kind::Lambert:
@@ -55,11 +62,9 @@ Rgb reflected(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const 
     case Lobe::Kind::Velvet:
         return Rgb(velvet(lobe.alpha, angles.light, angles.view, std::sqrt(angles.normal_half2), angles.view_half));
     case Lobe::Kind::DiffuseToon:
-        return Rgb(toon(lobe.alpha, lobe.ior, angles.light) / angles.light);
-    case Lobe::Kind::GlossyToon: {
-        const float mirrored = glm::dot(2.0f * angles.view * normal_of(lobe, set) - set.outgoing, incoming);
-        return Rgb(toon(lobe.alpha, lobe.ior, mirrored) / angles.light);
-    }
+        return Rgb(toon::reflected(lobe.alpha, lobe.ior, angles.light) / angles.light);
+    case Lobe::Kind::GlossyToon:
+        return Rgb(toon::reflected(lobe.alpha, lobe.ior, glm::dot(toon_axis(lobe, set), incoming)) / angles.light);
     case Lobe::Kind::Clearcoat:
         return facet_colour(lobe, angles.view_half) *
                (clearcoat::distribution(lobe.alpha, angles.normal_half2) *
@@ -216,6 +221,9 @@ vec3 LobeSet::sample(vec2 u) const {
     u.x = std::min(left / drawn->sampling, 0.99999994f); // what chose a lobe is even again within it
     if (drawn->is_of_fibre())
         return fibre::sample(*drawn, outgoing, u);
+    if (drawn->is_toon())
+        return from_frame(toon_axis(*drawn, *this),
+                          sample_uniform_cone(u, toon::one_minus_cos_half_angle(drawn->alpha, drawn->ior)));
     const vec3& around = normal_of(*drawn, *this);
     if (drawn->kind == Lobe::Kind::Sheen)
         return sample_sheen(*drawn, around, outgoing, u);
@@ -239,6 +247,8 @@ float LobeSet::pdf_per_sr(const vec3& incoming) const {
             continue;
         if (lobe.is_of_fibre())
             sum += lobe.sampling * fibre::pdf_per_sr(lobe, meetings.along(lobe.normal));
+        else if (lobe.is_toon())
+            sum += lobe.sampling * toon::pdf_per_sr(lobe.alpha, lobe.ior, glm::dot(toon_axis(lobe, *this), incoming));
         else if (angles.view_half > 0.0f)
             sum +=
                 lobe.sampling * pdf_of(lobe, lobe.has_own_normal() ? Angles(lobe.normal, outgoing, incoming) : angles);

@@ -171,6 +171,37 @@ TEST_CASE("densities of directions add up to what lies above the horizon, and sa
         }
 }
 
+// Seen to fail with the mirrored axis in place of the normal, and with the fading edge left out of the cone.
+TEST_CASE("a toon's directions come as often as it shines, evenly to the edge of its cone") {
+    for (const LobeModel model : {LobeModel::DiffuseToon, LobeModel::GlossyToon})
+        for (const float size : {0.02f, 0.5f, 1.0f})
+            for (const float smooth : {0.0f, 0.3f}) {
+                CAPTURE(size);
+                CAPTURE(smooth);
+                Lobes lobes;
+                const vec3 outgoing = at_angle(30.0f);
+                built(model, {Rgb(1.0f), Rgb(0.6f), Rgb(size), Rgb(smooth)}, outgoing.z, &lobes);
+                const LobeSet set{.lobes = lobes, .normal = {0, 0, 1}, .outgoing = outgoing};
+                const vec3 axis = model == LobeModel::DiffuseToon ? set.normal : at_angle(-30.0f);
+                const double full = 0.5 * std::numbers::pi * size;
+                const double widest =
+                    1.0 - std::cos(std::min(full + 0.5 * std::numbers::pi * smooth, 0.5 * std::numbers::pi));
+                double mean = 0.0;
+                constexpr std::uint32_t count = 4000;
+                for (std::uint32_t index = 0; index < count; ++index) {
+                    const vec3 direction = set.sample(number(index));
+                    const double off_axis = 1.0 - glm::dot(axis, direction);
+                    CHECK(off_axis < widest + 1e-5);
+                    mean += off_axis / count;
+                    const float density = set.pdf_per_sr(direction);
+                    if (direction.z > 1e-3f && off_axis < 1.0 - std::cos(full) - 1e-5)
+                        CHECK(set.per_irradiance(direction).x * direction.z == doctest::Approx(0.6f * density));
+                }
+                CHECK(mean == doctest::Approx(0.5 * widest).epsilon(0.05));
+                CHECK(set.pdf_per_sr(-axis) == 0.0f);
+            }
+}
+
 TEST_CASE("a microfacet's colours go from what is seen straight to white") {
     CHECK(fresnel_of_any_index(1.0f, 1.5f) == doctest::Approx(0.04));
     CHECK(fresnel_of_any_index(0.2f, 1.0f / 1.5f) == 1.0f); // beyond the critical angle
