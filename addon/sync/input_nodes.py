@@ -14,7 +14,7 @@ from . import coordinates
 from .coordinates import point_input
 from .domains import MID_GREY, Domain, on_surfaces
 from .hair_nodes import hair_number, hair_vector
-from .math_nodes import vector_operation
+from .math_nodes import math_operation, vector_operation
 from .mesh_attributes import ISLAND, POINTINESS, tangent_of
 from .program import BLACK, WHITE, Value, grey
 
@@ -256,9 +256,14 @@ def _particle_info(reader: ValueReader, at: Socket) -> Value:
     return BLACK
 
 
-def _nothing(reader: ValueReader, at: Socket) -> Value:
-    reader.unsupported(at, "is read as 0")
-    return BLACK
+def _wireframe(reader: ValueReader, at: Socket) -> Value:
+    """1 within half its size of an edge of a triangle."""
+    program = reader.program
+    reach = program.multiply(reader.number(at.input("Size")), grey(0.5))
+    if at.node.use_pixel_size:
+        reach = program.multiply(reach, point_input(program, PointInput.PIXEL_WIDTH))
+    distance = point_input(program, PointInput.EDGE_DISTANCE)
+    return math_operation(program, "LESS_THAN", distance, math_operation(program, "ABSOLUTE", reach))
 
 
 _HAIR = {
@@ -321,5 +326,5 @@ NODES: dict[str, Evaluate] = {
     "VECT_TRANSFORM": on_surfaces(_vector_transform),
     "PARTICLE_INFO": _particle_info,
     "HAIR_INFO": on_surfaces(_hair_info),
-    "WIREFRAME": _nothing,
+    "WIREFRAME": on_surfaces(_wireframe),
 }

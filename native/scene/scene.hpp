@@ -227,7 +227,8 @@ private:
         return normal_matrix(geometry_->objects_from_scene[instance]) * normal;
     }
     [[nodiscard]] static mat3 normal_matrix(const mat4& object_from_scene);
-    [[nodiscard]] ProgramPoint program_point(const AskingRay& asking, const ShadingPoint& point, const Hit& hit) const;
+    [[nodiscard]] ProgramPoint program_point(const AskingRay& asking, const ShadingPoint& point, const Hit& hit,
+                                             const Material& surface) const;
     [[nodiscard]] const SharedMeshArrays& mesh_of(std::uint32_t instance) const; ///< Of one that has a mesh.
     [[nodiscard]] ShadingPoint shading_point(const PlacedShape& placed, const Ray& ray, const Hit& hit) const;
     [[nodiscard]] const ShapeGeometry& shape_of(const PlacedShape& placed) const;

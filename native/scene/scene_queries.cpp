@@ -62,6 +62,23 @@ static bool reads_beside(const Material& material) {
     return std::ranges::any_of(material.program, [](const SurfaceOp& op) { return op.shift != 0; });
 }
 
+static bool reads_edges(const Material& material) {
+    return std::ranges::any_of(material.program, [](const SurfaceOp& op) {
+        return op.code == SurfaceOp::Code::Input && static_cast<PointInput>(op.option) == PointInput::EdgeDistance;
+    });
+}
+
+/// From a point within a triangle to the nearest of its edges, whose ends are placed by `to_scene`.
+static float edge_distance(const SharedMeshArrays& mesh, const mat3& to_scene, const Hit& hit) {
+    const uvec3& corners = mesh.triangles[hit.triangle];
+    const vec3 first = to_scene * (mesh.positions[corners.y] - mesh.positions[corners.x]),
+               second = to_scene * (mesh.positions[corners.z] - mesh.positions[corners.x]);
+    const float twice_area = glm::length(glm::cross(first, second));
+    const vec2& across = hit.barycentrics; // shares of the way to each edge from the corner that is not on it
+    return twice_area * std::min({(1.0f - across.x - across.y) / glm::length(second - first),
+                                  across.x / glm::length(second), across.y / glm::length(first)});
+}
+
 static float view_cosine(const ShadingPoint& point, const Ray& ray) {
     return std::clamp(-glm::dot(point.shading_normal, ray.direction), 0.0f, 1.0f);
 }
@@ -204,24 +221,28 @@ static vec3 smooth_normal(const SharedMeshArrays& mesh, const Hit& hit) {
     return interpolate(corner[0], corner[1], corner[2], hit.barycentrics);
 }
 
-ProgramPoint Scene::program_point(const AskingRay& asking, const ShadingPoint& point, const Hit& hit) const {
+ProgramPoint Scene::program_point(const AskingRay& asking, const ShadingPoint& point, const Hit& hit,
+                                  const Material& surface) const {
     const PlacedShape* const placed = placed_shape(hit.instance);
     const mat4& object_from_scene = geometry_->objects_from_scene[hit.instance];
     const std::vector<ObjectInfo>& infos = description().object_infos;
-    return {.surface = point,
-            .ray_kind = asking.kind,
-            .incoming = -asking.ray.direction,
-            .ray_length_m = hit.distance_m - asking.ray.near_m,
-            .footprint_m = asking.footprint_m,
-            .object_position = vec3(object_from_scene * vec4(point.position, 1.0f)),
-            .origin_in_world = vec3(description().origin_in_world),
-            .object = {.scene_from_object = placed != nullptr
-                                                ? &placed->world_from_object
-                                                : &description().instances[hit.instance].world_from_object,
-                       .object_from_scene = &object_from_scene,
-                       .info = infos.empty() ? nullptr : &infos[description().name_index_of(hit.instance)],
-                       .random = placed != nullptr ? 0.0f : description().instances[hit.instance].random},
-            .object_normal = placed != nullptr ? vec3(0.0f) : smooth_normal(mesh_of(hit.instance), hit)};
+    ProgramPoint at{.surface = point,
+                    .ray_kind = asking.kind,
+                    .incoming = -asking.ray.direction,
+                    .ray_length_m = hit.distance_m - asking.ray.near_m,
+                    .footprint_m = asking.footprint_m,
+                    .object_position = vec3(object_from_scene * vec4(point.position, 1.0f)),
+                    .origin_in_world = vec3(description().origin_in_world),
+                    .object = {.scene_from_object = placed != nullptr
+                                                        ? &placed->world_from_object
+                                                        : &description().instances[hit.instance].world_from_object,
+                               .object_from_scene = &object_from_scene,
+                               .info = infos.empty() ? nullptr : &infos[description().name_index_of(hit.instance)],
+                               .random = placed != nullptr ? 0.0f : description().instances[hit.instance].random},
+                    .object_normal = placed != nullptr ? vec3(0.0f) : smooth_normal(mesh_of(hit.instance), hit)};
+    if (placed == nullptr && reads_edges(surface))
+        at.edge_distance_m = edge_distance(mesh_of(hit.instance), mat3(*at.object.scene_from_object), hit);
+    return at;
 }
 
 /// What of `way` is at right angles to a strand, of unit length; of a sphere, which has no tangent, 0.
@@ -246,7 +267,7 @@ SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& poi
     } else {
         thread_local std::vector<vec2> uvs;
         uvs.clear();
-        const ProgramPoint at = program_point(asking, point, hit);
+        const ProgramPoint at = program_point(asking, point, hit, surface);
         if (const Strands* strands = placed != nullptr ? shape_of(*placed).strands() : nullptr) {
             const auto segment = static_cast<std::uint32_t>(hit.cell);
             const vec3 tangent =
@@ -302,7 +323,7 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit, RayKind kind) const {
     const AskingRay asking{.ray = ray, .kind = kind};
     return evaluate_transparent(
         surface, geometry_->transparent_operations[static_cast<std::size_t>(&surface - description().materials.data())],
-        program_point(asking, shading_point(ray, with_normal), with_normal), uvs);
+        program_point(asking, shading_point(ray, with_normal), with_normal, surface), uvs);
 }
 
 SpawnPoint Scene::spawn_point(const Hit& hit) const {

@@ -56,6 +56,14 @@ Rgb plain_input(PointInput input, const SurfaceOp& op, const ProgramPoint& point
         return Rgb(point.ray_length_m);
     case PointInput::IsRay:
         return Rgb(((op.selector >> static_cast<unsigned>(point.ray_kind)) & 1u) != 0 ? 1.0f : 0.0f);
+    case PointInput::EdgeDistance:
+        return Rgb(point.edge_distance_m);
+    case PointInput::PixelWidth: {
+        float sum = 0.0f;
+        for (const vec3& step : pixel_steps(point))
+            sum += glm::length(step - glm::dot(step, point.incoming) * point.incoming);
+        return Rgb(0.5f * sum);
+    }
     default:
         return Rgb(0.0f);
     }

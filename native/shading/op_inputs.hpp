@@ -26,8 +26,10 @@ enum class PointInput : std::uint8_t {
     ObjectIndex = 11,
     ObjectRandom = 12,
     RayLength = 13,
-    IsRay = 14, ///< 1 if the bit of the asking RayKind is set in `selector`, else 0.
-    PlainCount = 15,
+    IsRay = 14,        ///< 1 if the bit of the asking RayKind is set in `selector`, else 0.
+    EdgeDistance = 15, ///< To the nearest edge of the triangle, in the world; infinite on all else.
+    PixelWidth = 16,   ///< Of what a pixel covers here, as it is seen from the viewer, in metres; 0: not known.
+    PlainCount = 17,
     DirectionToWorld = 32,
     DirectionToObject = 33,
     PointToWorld = 34,

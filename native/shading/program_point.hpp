@@ -2,6 +2,7 @@
 // What a surface program may read of a point, beside UV maps and attributes: it lives while the program runs.
 #pragma once
 #include "shading/material.hpp"
+#include <limits>
 
 namespace tyndall {
 /// Which ray asks: a node program may answer each in its own way.
@@ -34,5 +35,6 @@ struct ProgramPoint {
     ShadedObject object = {};
     /// Interpolated in the object's space, not of unit length; zero where the surface is flat.
     vec3 object_normal{0.0f};
+    float edge_distance_m = std::numeric_limits<float>::infinity(); ///< Where the material asks for it: see PointInput.
 };
 } // namespace tyndall

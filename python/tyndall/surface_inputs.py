@@ -24,6 +24,8 @@ class PointInput(IntEnum):
     OBJECT_RANDOM = 12
     RAY_LENGTH = 13
     IS_RAY = 14  #: By the bits of its selector, see RayBit.
+    EDGE_DISTANCE = 15
+    PIXEL_WIDTH = 16
     DIRECTION_TO_WORLD = 32
     DIRECTION_TO_OBJECT = 33
     POINT_TO_WORLD = 34

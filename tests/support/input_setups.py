@@ -36,6 +36,12 @@ def weighed(kind: str, name: str, **inputs: float) -> Build:
     return lambda new, _: node(new, kind, **inputs).outputs[name]
 
 
+def wires(new: New) -> Socket:
+    created = node(new, "ShaderNodeWireframe", Size=0.4)
+    created.use_pixel_size = True
+    return created.outputs[0]
+
+
 INPUT_SETUPS: dict[str, Build] = {
     **{
         f"coordinate {name}": output("ShaderNodeTexCoord", name)
@@ -80,4 +86,6 @@ INPUT_SETUPS: dict[str, Build] = {
         f"ray {name}": output("ShaderNodeLightPath", name)
         for name in ("Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray", "Ray Length", "Ray Depth")
     },
+    "wireframe in metres": lambda new, _: node(new, "ShaderNodeWireframe", Size=0.01).outputs[0],
+    "wireframe in pixels": lambda new, _: wires(new),
 }

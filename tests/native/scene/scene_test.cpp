@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 #include "core/sobol.hpp"
 #include "scene/scene.hpp"
+#include "shading/op_inputs.hpp"
 #include "support/scenes.hpp"
 #include <cmath>
 #include <doctest/doctest.h>
@@ -114,6 +115,37 @@ TEST_CASE("a leaf lets light through where its texture's alpha says so, to the s
         return result;
     };
     CHECK(transmittances(1) == transmittances(0));
+}
+// Seen to fail with the edges left as they are in the object.
+TEST_CASE("a material reads how far the nearest edge is, in the world, where its mesh is turned and stretched") {
+    Material wires{.name = "wires"};
+    wires.program = {
+        {.code = SurfaceOp::Code::Input, .option = static_cast<std::uint8_t>(PointInput::EdgeDistance), .out = 1}};
+    wires.emission_register = wires.transparent_register = 1;
+    const mat4 placed = translation({0.3f, -0.2f, 0.1f}) *
+                        glm::scale(glm::rotate(mat4(1.0f), 0.5f, vec3(0.6f, 0, 0.8f)), vec3(1.5f, 0.4f, 2.0f));
+    const auto triangle = mesh_of({.name = "triangle",
+                                   .positions = {{-1, -1, 0}, {1.2f, -0.8f, 0.1f}, {0.1f, 1.4f, 0.3f}},
+                                   .triangles = {{0, 1, 2}}});
+    const auto scene = make_scene({{.mesh = triangle, .world_from_object = placed, .material = wires}});
+    int found = 0;
+    for (std::uint32_t index = 0; index < 200; ++index) {
+        const Ray ray{.origin = {3.0f * sobol_point(index, 1) - 1.5f, 5}, .direction = {0, 0, -1}};
+        const Hit hit = scene->closest_hit(ray);
+        if (!hit.is_hit())
+            continue;
+        ++found;
+        const vec3 point = ray.origin + hit.distance_m * ray.direction;
+        float nearest = std::numeric_limits<float>::infinity();
+        for (std::size_t edge = 0; edge < 3; ++edge) {
+            const vec3 a(placed * vec4(triangle->arrays().positions[edge], 1.0f)),
+                b(placed * vec4(triangle->arrays().positions[(edge + 1) % 3], 1.0f));
+            nearest = std::min(nearest, glm::length(glm::cross(glm::normalize(b - a), point - a)));
+        }
+        CHECK(scene->closures(ray, hit).emission.x == doctest::Approx(nearest).epsilon(1e-3).scale(1e-3));
+        CHECK(scene->transparency(ray, hit).x == scene->closures(ray, hit).emission.x);
+    }
+    CHECK(found > 20);
 }
 TEST_CASE("camera rays and shadow rays each see their own instances") {
     const auto scene =

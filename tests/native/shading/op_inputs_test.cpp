@@ -69,6 +69,16 @@ TEST_CASE("a tangent lies across the shading normal, and a reflection at the sam
     CHECK(are_close(glm::cross(mirrored + incoming, normal), vec3(0.0f)));
 }
 
+TEST_CASE("a pixel is as wide as it looks: all of it seen straight, half of its steps seen along one of them") {
+    Placed placed;
+    placed.point.footprint_m = 0.01f;
+    placed.point.incoming = placed.point.surface.geometric_normal;
+    CHECK(placed.read(PointInput::PixelWidth).x == doctest::Approx(0.01f));
+    placed.point.incoming = glm::normalize(pixel_steps(placed.point)[1]);
+    CHECK(placed.read(PointInput::PixelWidth).x == doctest::Approx(0.005f));
+    CHECK(placed.read(PointInput::EdgeDistance).x == std::numeric_limits<float>::infinity()); // no triangle is known
+}
+
 TEST_CASE("rays are told apart by kind, objects by what they are") {
     Placed placed;
     placed.point.ray_kind = RayKind::Mirror;
