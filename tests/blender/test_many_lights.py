@@ -13,12 +13,13 @@ from support.many_light_scenes import LIT_BY, build_lit_by
 
 PICTURES = Path(__file__).parents[2] / "out" / "many_lights"
 SAMPLES = 256
+_MARKS = {"200 lamps": pytest.mark.long, "ball": pytest.mark.costly, "picture": pytest.mark.costly}
 
 
 @pytest.mark.parametrize(
     "light",
     [
-        pytest.param(light, marks=pytest.mark.costly if light in {"200 lamps", "ball", "picture"} else ())
+        pytest.param(light, marks=_MARKS.get(light, ()))
         for light in LIT_BY
         if "points" not in light
     ],
