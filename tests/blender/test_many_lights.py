@@ -18,11 +18,7 @@ _MARKS = {"200 lamps": pytest.mark.long, "ball": pytest.mark.costly, "picture": 
 
 @pytest.mark.parametrize(
     "light",
-    [
-        pytest.param(light, marks=_MARKS.get(light, ()))
-        for light in LIT_BY
-        if "points" not in light
-    ],
+    [pytest.param(light, marks=_MARKS.get(light, ())) for light in LIT_BY if "points" not in light],
 )
 def test_equals_cycles(light: str) -> None:
     """The mean within 1 %, as is the median block, beyond what is noise."""
