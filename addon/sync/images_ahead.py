@@ -89,7 +89,7 @@ def _read(source: Source) -> Pixels:
 
 
 def _held_bytes(begun: Future[Pixels]) -> int:
-    if not begun.done():
+    if not begun.done() or begun.exception() is not None:  # which is raised to who asks for it
         return _ASSUMED_BYTES
     pixels = begun.result()
     return 0 if pixels is None else pixels.nbytes

@@ -2,8 +2,8 @@
 """How much of a frame's images stays in memory; the rest goes to a file, of which a cache keeps the tiles in use.
 
 While all images fit, they stay. As soon as they do not, half of the budget is the cache's: the largest images move to
-the file until the others fit into the other half. Images are read one after another, so that memory holds one more
-than the budget at most.
+the file until the others fit into the other half. Memory holds one image more than the budget at most, and the eighth
+of it that images_ahead.py has read before.
 """
 
 from __future__ import annotations
