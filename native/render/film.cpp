@@ -3,6 +3,7 @@
 #include "core/errors.hpp"
 #include "core/parallel.hpp"
 #include <algorithm>
+#include <cmath>
 
 namespace tyndall::render {
 // What Blender and Cycles write where a ray meets nothing.
@@ -43,13 +44,19 @@ FilmSums::FilmSums(std::uint32_t width_px, std::uint32_t height_px, const PassSe
         caught_.resize(pixel_count);
 }
 
+/// Light beyond all measure, of shaders that multiply it without end, is none: it would make its pixel's mean no number.
+static float sound(float x) {
+    constexpr float beyond_measure = 1e30f;
+    return std::abs(x) <= beyond_measure ? x : 0.0f;
+}
+
 void FilmSums::add_colour(std::size_t pixel, Pass pass, const Rgb& colour) {
     if (!wants(pass))
         return;
     float* sum = channels(pixel, pass);
-    sum[0] += colour.x;
-    sum[1] += colour.y;
-    sum[2] += colour.z;
+    sum[0] += sound(colour.x);
+    sum[1] += sound(colour.y);
+    sum[2] += sound(colour.z);
 }
 
 void FilmSums::add(std::size_t pixel, const PathSample& sample) {
