@@ -84,7 +84,7 @@ void FrameSurfaces::set_shadow_rays() {
                       .attenuates_light = config_.shafts.attenuates_light,
                       .world_scatters = config_.shafts.world_samples > 0,
                       .longest_turn = longest_turn(config_),
-                      .pixel_samples = config_.pixel_samples,
+                      .pixel_samples = std::max(config_.pixel_samples, few_samples), // fewer change nothing
                       .grid_method = config_.shafts.grid_method,
                       .grid_error_target = config_.shafts.grid_error_target,
                       .shafts_seed = config_.shafts.seed,

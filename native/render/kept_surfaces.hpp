@@ -74,7 +74,7 @@ struct CountsKey {
     SurfaceKey surfaces;
     std::vector<Light> lights;
     bool may_share_world = false, attenuates_light = true, world_scatters = true;
-    std::uint32_t longest_turn = 1, pixel_samples = 16;
+    std::uint32_t longest_turn = 1, pixel_samples = 1;
     light_shafts::GridMethod grid_method = light_shafts::GridMethod::March;
     float grid_error_target = 0.0f;
     std::uint32_t shafts_seed = 0;

@@ -21,9 +21,9 @@ static constexpr double lamp_ray_cost_in_plane = 0.9, lamp_ray_cost_in_leaves = 
 static constexpr double image_ray_cost = 1.2;
 /// Of a ray to one of many lights: it is found in their tree.
 static constexpr double many_ray_cost = 2.7;
-/// Of the noise in a fixed time, that twice the rays of a light save where no fog takes its time, too, of so few samples;
-/// of more, in proportion less.
-static constexpr double least_saving_on_surfaces = 0.15, few_samples = 16.0;
+/// Of the noise in a fixed time, that twice the rays of a light save where no fog takes its time, too, of few samples; of
+/// more, in proportion less.
+static constexpr double least_saving_on_surfaces = 0.15;
 /// Noise counts relative to its pixel, but for pixels darker than this share of the frame's mean.
 static constexpr double darkest_share = 0.05;
 
@@ -288,7 +288,7 @@ RayCosts costs_where(double plane_share, const DirectLight& light, bool has_boun
             costs.of_light[index] = many_ray_cost;
     if (light.has_world())
         costs.of_light.back() = light.has_even_world() ? 1.0 : image_ray_cost;
-    const double least_saving = least_saving_on_surfaces * std::min(1.0, few_samples / pixel_samples);
+    const double least_saving = least_saving_on_surfaces * std::min(1.0, 1.0 * few_samples / pixel_samples);
     costs.least_savings.assign(light.light_count(), has_fog ? 0.0 : least_saving);
     if (has_bounce) { // its own ray finds the nearest surface; what is met has its shadow rays
         costs.of_light.push_back(1.5 + std::accumulate(costs.of_light.begin(), costs.of_light.end(), 0.0));

@@ -25,11 +25,14 @@ struct ShadowRayCounts {
     bool is_world_shared = false;
     std::uint32_t of_bounce = 1; ///< Rays that gather the light of other surfaces.
 };
+/// Who asks for no more samples of a pixel wants them soon.
+inline constexpr std::uint32_t few_samples = 16;
+
 struct ShadowRayConfig {
-    bool may_share_world = false;     ///< Neighbours in one plane may share its light, see shared_irradiance.hpp.
-    float voxel_detail_px = 0.0f;     ///< See FrameConfig.
-    std::uint32_t longest_turn = 1;   ///< Samples after which each light must have been asked; 1: at each.
-    std::uint32_t pixel_samples = 16; ///< That are asked for.
+    bool may_share_world = false;   ///< Neighbours in one plane may share its light, see shared_irradiance.hpp.
+    float voxel_detail_px = 0.0f;   ///< See FrameConfig.
+    std::uint32_t longest_turn = 1; ///< Samples after which each light must have been asked; 1: at each.
+    std::uint32_t pixel_samples = few_samples; ///< That are asked for.
     std::uint32_t seed = 0;
 };
 /// `bounce`: nothing, or what gathers the light of other surfaces, which counts as one more light. Throws Cancelled.

@@ -222,11 +222,12 @@ private:
 
     void toon() {
         constexpr float quarter_turn = 1.57079633f;
+        const Rgb weight = weight_ * colour(1);
         add({.kind = source_.model == Model::DiffuseToon ? Lobe::Kind::DiffuseToon : Lobe::Kind::GlossyToon,
              .alpha = quarter_turn * clamped(number(2)),
              .ior = quarter_turn * clamped(number(3)),
-             .sampling = average(weight_ * colour(1)),
-             .weight = weight_ * colour(1),
+             .sampling = average(weight),
+             .weight = weight,
              .normal = normals_.diffuse});
     }
 
