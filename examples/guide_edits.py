@@ -86,6 +86,31 @@ def throw_blades() -> None:
             thing.data.tyndall.gobo_image = image
 
 
+def throw_cells() -> None:
+    """Put cracks before every spot, by nodes: Normal with x and y divided by z, cells of a Voronoi, and a ramp."""
+    for thing in bpy.context.scene.objects:
+        if thing.type != "LIGHT" or thing.data.type != "SPOT":
+            continue
+        thing.data.use_nodes = True
+        tree = thing.data.node_tree
+        emission = next(node for node in tree.nodes if node.type == "EMISSION")
+        normal, parts = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeSeparateXYZ")
+        place, cells = tree.nodes.new("ShaderNodeCombineXYZ"), tree.nodes.new("ShaderNodeTexVoronoi")
+        tree.links.new(normal.outputs["Normal"], parts.inputs[0])
+        for axis in ("X", "Y"):
+            by_depth = tree.nodes.new("ShaderNodeMath")
+            by_depth.operation = "DIVIDE"
+            tree.links.new(parts.outputs[axis], by_depth.inputs[0])
+            tree.links.new(parts.outputs["Z"], by_depth.inputs[1])
+            tree.links.new(by_depth.outputs[0], place.inputs[axis])
+        cells.feature, cells.inputs["Scale"].default_value = "DISTANCE_TO_EDGE", 9.0
+        ramp = tree.nodes.new("ShaderNodeValToRGB")
+        ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[1].position = 0.1, 0.16
+        tree.links.new(place.outputs[0], cells.inputs["Vector"])
+        tree.links.new(cells.outputs["Distance"], ramp.inputs[0])
+        tree.links.new(ramp.outputs["Color"], emission.inputs["Color"])
+
+
 def throw_glass(size_m: float) -> None:
     """Have the sun throw panes of stained glass."""
     settings = sun().tyndall
