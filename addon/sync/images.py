@@ -85,10 +85,11 @@ class ImageReader:
         if original.source == "SEQUENCE" and user is not None:
             path = self._frame_file(image, user)
             return self._read_file(original, path, reports, culprit, associated=associated, stays_whole=stays_whole)
-        key = _file_key(original, associated=associated) or _packed_key(original, associated=associated)
+        file_key = _file_key(original, associated=associated)
+        key = file_key or _packed_key(original, associated=associated)
         found = self._kept.get(key or "") or self._bytes(original, key, associated=associated)
         if found is None:
-            found = self._by_blender(original, reports, culprit, associated=associated)
+            found = self._by_blender(original, file_key, reports, culprit, associated=associated)
             if found is None:
                 return None
         _note_space(original, reports, culprit, is_float=found.is_float)
@@ -105,7 +106,9 @@ class ImageReader:
             return None
         return _of_bytes(image, pixels, key, associated=associated)
 
-    def _by_blender(self, image: bpy.types.Image, reports: Reports, culprit: str, *, associated: bool) -> Image | None:
+    def _by_blender(
+        self, image: bpy.types.Image, file_key: str | None, reports: Reports, culprit: str, *, associated: bool
+    ) -> Image | None:
         """Of floats, and what was painted or generated; None, and a report, of one without pixels."""
         was_loaded = image.has_data  # all that follows makes Blender load it
         if image.size[0] * image.size[1] == 0:
@@ -115,7 +118,6 @@ class ImageReader:
             reports.add(culprit, f'image "{image.name}" is a {image.source.lower()}: its first frame is drawn')
         elif image.source == "TILED":
             reports.add(culprit, f'image "{image.name}" has tiles: the first is drawn everywhere')
-        file_key = _file_key(image, associated=associated)
         key = file_key or _key(image, associated=associated)
         found = self._kept.get(key)
         if found is None:
