@@ -79,13 +79,14 @@ static light_shafts::Config make_shafts(int method, float error_target, std::uin
 
 static render::IndirectConfig make_indirect(bool ambient_occlusion, float ambient_distance_m,
                                             std::uint32_t ambient_samples, bool bounce, std::uint32_t bounce_samples,
-                                            std::uint32_t mirror_depth) {
+                                            std::uint32_t mirror_depth, std::uint32_t refraction_depth) {
     return {.has_ambient_occlusion = ambient_occlusion,
             .ambient_distance_m = ambient_distance_m,
             .ambient_samples = ambient_samples,
             .has_bounce = bounce,
             .bounce_samples = bounce_samples,
-            .mirror_depth = mirror_depth};
+            .mirror_depth = mirror_depth,
+            .refraction_depth = refraction_depth};
 }
 
 /// Camera, matrices (n, 4, 4) by instance, and instances with the vertices (m, 3) of their meshes.
@@ -248,7 +249,7 @@ void bind_render(py::module_& native) {
              "walks_maps"_a, "seed"_a, "kept_maps"_a = py::none());
     py::class_<render::IndirectConfig>(native, "IndirectConfig")
         .def(py::init(&make_indirect), "ambient_occlusion"_a, "ambient_distance_m"_a, "ambient_samples"_a, "bounce"_a,
-             "bounce_samples"_a, "mirror_depth"_a);
+             "bounce_samples"_a, "mirror_depth"_a, "refraction_depth"_a);
     py::class_<render::DataPassConfig>(native, "DataPasses")
         .def(py::init(&make_data), "passes"_a, "matte_ranks"_a, "asset_of"_a, "material_alias"_a, "material_index"_a,
              "mist"_a, "aovs"_a, "neighbours"_a = py::none(),

@@ -28,17 +28,21 @@ struct FeatureSearch {
     bool is_over = false;
 };
 
-/// What is left of a search in the two directions that a sharp surface sends it.
+/// What is left of a search in the directions that a sharp surface sends it: straight on, and where rays are sent.
 struct FeatureSearches {
-    FeatureSearch passing, mirrored;
+    FeatureSearch passing;
+    FeatureSearch all_sent;    ///< As if all of what is sharp was sent one way.
+    float sharp_weight = 0.0f; ///< Of what is sharp.
+    /// Of a ray that is sent on, by its share of the light.
+    [[nodiscard]] FeatureSearch sent(const Rgb& share) const;
 };
 
-/// Adds what a surface shows. `lobes` have its normal and the direction to the viewer; without `follows_mirrors` nothing is
-/// looked for in a mirror.
+/// Adds what a surface shows. `lobes` have its normal and the direction to the viewer; `bent` are those of Lobe::Kind::Bent.
+/// Without `follows_mirrors` nothing is looked for in a mirror, nor behind what bends.
 [[nodiscard]] FeatureSearches see_features(const FeatureSearch& search, float distance_m,
                                            const SurfaceClosures& closures, const LobeSet& lobes,
-                                           const mat4& world_from_camera, bool follows_mirrors,
-                                           DenoisingFeatures& features);
+                                           std::span<const Lobe> bent, const mat4& world_from_camera,
+                                           bool follows_mirrors, DenoisingFeatures& features);
 /// Adds what the world shows behind everything.
 void see_world_features(const FeatureSearch& search, const Rgb& radiance, DenoisingFeatures& features);
 } // namespace tyndall::render

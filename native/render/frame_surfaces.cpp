@@ -2,6 +2,7 @@
 #include "render/frame_surfaces.hpp"
 #include "render/frame_shafts.hpp"
 #include "render/pixel_noise.hpp"
+#include "shading/lobes/lobe_models.hpp"
 #include <algorithm>
 #include <numeric>
 
@@ -150,22 +151,42 @@ std::optional<MovedView> FrameSurfaces::moved_since(const KeptPass& kept) const 
     return MovedView(std::move(boxes), camera_, config_.pixel_samples > 1 ? filter_.radius_px() : 0.0f);
 }
 
+/// Of a material that sends rays on.
+static bool bends(const Material& material) {
+    return std::ranges::any_of(material.lobe_sources, [](const LobeSource& source) {
+        return source.model == LobeModel::BentGlass3 || source.model == LobeModel::BentGlass ||
+               source.model == LobeModel::Refraction;
+    });
+}
+
 bool FrameSurfaces::find_mirrors() const {
-    bool has_mirrors = false;
+    const IndirectConfig& indirect = config_.indirect;
+    bool has_mirrors = false, has_glass = false;
     for (const Material& material : scene_.description().materials) {
         has_mirrors |= material.gloss.has_value();
-        if (material.gloss && config_.indirect.mirror_depth == 0)
+        if (bends(material)) {
+            has_glass = true;
+            if (indirect.refraction_depth == 0)
+                statistics_.report("Material \"" + material.name +
+                                   "\" bends light, but refraction is not followed: "
+                                   "what it would show is black");
+        }
+        if (material.gloss && indirect.mirror_depth == 0)
             statistics_.report("Material \"" + material.name +
                                "\" is a mirror, but mirrors are not followed: "
                                "what it would show is black");
     }
-    if (config_.indirect.mirror_depth == 0)
-        return false;
-    if (!has_mirrors)
+    const bool follows_mirrors = has_mirrors && indirect.mirror_depth > 0;
+    const bool follows_bends = has_glass && indirect.refraction_depth > 0;
+    if (!has_mirrors && indirect.mirror_depth > 0)
         statistics_.skip("mirrors", "no surface is one");
-    else if (!media_.is_empty())
+    if (!has_glass && indirect.refraction_depth > 0)
+        statistics_.skip("refraction", "no surface bends light");
+    if (follows_mirrors && !media_.is_empty())
         statistics_.skip("light shafts in mirrors", "they show surfaces, the world, and how media dim these");
-    return has_mirrors;
+    if (follows_bends && !media_.is_empty())
+        statistics_.skip("light shafts behind what bends light", "surfaces and the world show, dimmed by the media");
+    return follows_mirrors || follows_bends;
 }
 
 SurfaceForm FrameSurfaces::form_for_pass() const {

@@ -18,6 +18,11 @@ struct IndirectConfig {
 
     std::uint32_t mirror_depth =
         0; ///< Mirrors that a camera ray follows, one after another, [0, 64]; 0: they are black.
+    /// Surfaces that bend a camera ray, one after another, [0, 64]; 0: what bends is black. What these mirror counts among
+    /// the mirrors, and is followed where they bend.
+    std::uint32_t refraction_depth = 0;
+    /// Camera rays go on from what they meet.
+    [[nodiscard]] bool follows_rays() const { return mirror_depth > 0 || refraction_depth > 0; }
 
     /// How far surfaces look for what stops the world's light, and for surfaces whose light they catch.
     [[nodiscard]] float reach_m() const { return has_ambient_occlusion ? ambient_reach_m() : infinite_m; }

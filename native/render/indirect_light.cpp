@@ -22,6 +22,7 @@ void require_usable(const IndirectConfig& config) {
             config.ambient_samples, ", outside [1, 1024]");
     require(config.bounce_samples <= 1024, "bounce_samples is ", config.bounce_samples, ", outside [0, 1024]");
     require(config.mirror_depth <= 64, "mirror_depth is ", config.mirror_depth, ", outside [0, 64]");
+    require(config.refraction_depth <= 64, "refraction_depth is ", config.refraction_depth, ", outside [0, 64]");
 }
 
 /// Lamps, the world, a surface or the air.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/view_path.hpp"
 #include "render/pixel_footprint.hpp"
+#include "render/sent_rays.hpp"
 #include "scene/strand_spawn.hpp"
 #include <algorithm>
 #include <array>
@@ -11,8 +12,8 @@
 namespace tyndall::render {
 // Blender's default: a surface that covers less does not show in Depth, Normal and Position.
 static constexpr float alpha_threshold = 0.5f;
-// Of a mirrored ray, to be followed: between two panes that mirror a little, rays would double at each.
-static constexpr float least_mirrored = 1.0f / 1024.0f;
+// Of a ray that is sent on, to be followed: between two panes that mirror a little, rays would double at each.
+static constexpr float least_sent = 1.0f / 1024.0f;
 
 /// A ray on its way.
 struct ViewPath::Follower {
@@ -25,6 +26,13 @@ struct ViewPath::Follower {
     FeatureSearch features{}; ///< Where a denoiser is to be shown some.
     bool has_first_surface = false;
     LightOf of = LightOf::Picture; ///< What it brings home.
+    RayKind kind = RayKind::Camera;
+    std::uint8_t mirror_count = 0, bend_count = 0; ///< Behind it.
+    bool is_past = false;                          ///< One more than there may be: it sees the world and what glows.
+    /// Equal for rays that are followed together; those among catchers alone come last.
+    [[nodiscard]] int company() const {
+        return (of == LightOf::CatcherAlone ? 4 : 0) + (is_past ? 2 : 0) + (kind == RayKind::Transmission ? 1 : 0);
+    }
     [[nodiscard]] Rgb throughput() const { return through_surfaces * through_media; }
 };
 
@@ -32,8 +40,19 @@ struct ViewPath::Follower {
 struct ViewPath::Rays {
     std::span<Follower> followers;
     std::span<const std::uint32_t> pixel_seeds, targets;
+    std::uint32_t generation = 0;            ///< How often each was sent on.
     std::span<const RayDetail> details = {}; ///< By the index of a camera ray; empty where every cell is met.
     Among among = Among::All;                ///< What they meet.
+};
+
+/// What a surface sends on of a ray.
+struct ViewPath::Sending {
+    const Follower& follower;
+    const SurfacePoint& point;
+    float width_m; ///< What the ray covers there.
+    const FeatureSearches& searches;
+    Rgb through_media;
+    LightOf of;
 };
 
 /// A surface that waits for light.
@@ -75,8 +94,8 @@ void ViewPath::pass_media(Follower& follower, const Hit& hit, PathSample& sample
         sample.transmittance = follower.through_media;
 }
 
-void ViewPath::reach_world(const Follower& follower, bool is_in_mirror, PathSample& sample) const {
-    if (config_.is_film_transparent && !is_in_mirror)
+void ViewPath::reach_world(const Follower& follower, bool is_sent_on, PathSample& sample) const {
+    if (config_.is_film_transparent && !is_sent_on)
         sample.alpha -= average(follower.throughput());
     else
         sample.add_light(follower.throughput() * scene_.world().seen_radiance(follower.part.direction),
@@ -94,14 +113,14 @@ void ViewPath::catch_shadow(const Follower& follower, const SurfaceClosures& clo
         caught.backdrop += covered * scene_.world().seen_radiance(follower.part.direction);
 }
 
-void ViewPath::show(Follower& follower, const SurfacePoint& point, const SurfaceClosures& closures, bool is_in_mirror,
+void ViewPath::show(Follower& follower, const SurfacePoint& point, const SurfaceClosures& closures, bool is_sent_on,
                     LightOf of, PathSample& sample) const {
     const Rgb throughput = follower.throughput();
     if (closures.emission != Rgb(0.0f))
         sample.add_light(throughput * closures.emission,
                          sample.by_group.empty() ? no_light_group : scene_.object_info(point.hit.instance).light_group,
                          of);
-    if (is_in_mirror)
+    if (is_sent_on)
         return;
     if (!follower.has_first_surface && 1.0f - average(closures.transparent) >= alpha_threshold) {
         follower.has_first_surface = true;
@@ -132,14 +151,42 @@ static SurfacePoint other_side(const Scene& scene, SurfacePoint point) {
     return point;
 }
 
-Ray ViewPath::mirrored_ray(const SurfacePoint& point, const Ray& ray) {
-    const ShadingPoint& shading = point.shading;
-    const vec3 outside = shading.is_backface ? -shading.geometric_normal : shading.geometric_normal;
-    vec3 direction = glm::reflect(ray.direction, shading.shading_normal);
-    if (glm::dot(direction, outside) <= 0.0f) // a normal of its own may turn it into the surface
-        direction = glm::reflect(ray.direction, outside);
-    direction = glm::normalize(direction);
-    return {.origin = point.spawn.towards(direction), .direction = direction};
+void ViewPath::send_on(const Sending& sending, const SurfaceClosures& closures, std::span<const Lobe> bent,
+                       std::vector<Follower>& sent) const {
+    const auto& [follower, point, width_m, searches, through_media, of] = sending;
+    const Rgb in_front = follower.through_surfaces * through_media;
+    const auto counts = [&](const Rgb& share) {
+        const Rgb weight = in_front * share;
+        return std::max({weight.x, weight.y, weight.z}) >= least_sent;
+    };
+    const auto send = [&](const Rgb& share, const Ray& ray, RayKind kind) {
+        Follower& next = sent.emplace_back(follower);
+        next.part = ray;
+        next.width_m = width_m;
+        next.near_m = 0.0f;
+        next.through_surfaces *= share;
+        next.through_media = through_media;
+        next.has_first_surface = true;
+        next.features = searches.sent(share);
+        next.of = of;
+        next.kind = kind;
+        ++(kind == RayKind::Mirror ? next.mirror_count : next.bend_count);
+        next.is_past =
+            next.mirror_count > config_.indirect.mirror_depth || next.bend_count > config_.indirect.refraction_depth;
+    };
+    if (config_.indirect.mirror_depth > 0 && counts(closures.mirrored))
+        send(closures.mirrored, mirrored_ray(point, follower.part, point.shading.shading_normal), RayKind::Mirror);
+    if (config_.indirect.refraction_depth == 0)
+        return;
+    for (const Lobe& lobe : bent) {
+        const vec3& normal = lobe.has_own_normal() ? lobe.normal : point.shading.shading_normal;
+        if (counts(lobe.a))
+            send(lobe.a, mirrored_ray(point, follower.part, normal), RayKind::Mirror);
+        if (!counts(lobe.weight))
+            continue;
+        if (const auto ray = bent_ray(scene_, point, follower.part, normal, lobe.ior))
+            send(lobe.weight, *ray, RayKind::Transmission);
+    }
 }
 
 void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds,
@@ -171,31 +218,34 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
     for (std::size_t index = 0; has_details && index < camera_rays.size(); ++index)
         details[index] =
             ray_detail(camera_, camera_rays[index], config_.voxel_detail_px, pixel_seeds[index], sample_index);
-    const std::uint32_t depth = walked != nullptr ? config_.indirect.mirror_depth : 0;
-    thread_local std::vector<Follower> mirrored, following;
-    mirrored.clear();
+    const bool sends = walked != nullptr && config_.indirect.follows_rays();
+    thread_local std::vector<Follower> sent, following;
+    sent.clear();
     follow({.followers = std::span(followers).first(follower_count),
             .pixel_seeds = pixel_seeds,
             .targets = targets,
             .details = std::span(details).first(has_details ? camera_rays.size() : 0)},
-           0, samples, parts, data, depth > 0 ? &mirrored : nullptr, walked);
-    // What the last mirrors show is not lit any more, as in Cycles: the world, and what glows.
-    for (std::uint32_t mirror_count = 1; mirror_count <= depth + 1 && !mirrored.empty(); ++mirror_count) {
-        const bool is_past = mirror_count > depth;
-        following.swap(mirrored);
-        mirrored.clear();
-        const auto alone = std::ranges::stable_partition(
-            following, [](const Follower& follower) { return follower.of != LightOf::CatcherAlone; });
-        const auto among_all = std::span(following).first(following.size() - alone.size());
-        for (const std::span<Follower> these : {among_all, std::span<Follower>(alone)})
-            for (std::size_t first = 0; first < these.size(); first += DirectLight::most_points) {
-                const std::size_t count = std::min(DirectLight::most_points, these.size() - first);
-                follow({.followers = these.subspan(first, count),
-                        .pixel_seeds = pixel_seeds,
-                        .targets = targets,
-                        .among = these.front().of == LightOf::CatcherAlone ? Among::Catchers : Among::All},
-                       mirror_count, samples, parts, data, is_past ? nullptr : &mirrored, is_past ? nullptr : walked);
-            }
+           samples, parts, data, sends ? &sent : nullptr, walked);
+    // What is past the last mirror or bend is not lit any more, as in Cycles: the world shows, and what glows.
+    for (std::uint32_t generation = 1; !sent.empty(); ++generation) {
+        following.swap(sent);
+        sent.clear();
+        if (!std::ranges::is_sorted(following, {}, &Follower::company))
+            std::ranges::stable_sort(following, {}, &Follower::company);
+        for (std::span<Follower> left = following; !left.empty();) {
+            const bool is_past = left.front().is_past;
+            const auto others = std::ranges::find_if(
+                left, [now = left.front().company()](const Follower& other) { return other.company() != now; });
+            const std::size_t count =
+                std::min(DirectLight::most_points, static_cast<std::size_t>(others - left.begin()));
+            follow({.followers = left.first(count),
+                    .pixel_seeds = pixel_seeds,
+                    .targets = targets,
+                    .generation = generation,
+                    .among = left.front().of == LightOf::CatcherAlone ? Among::Catchers : Among::All},
+                   samples, parts, data, is_past ? nullptr : &sent, is_past ? nullptr : walked);
+            left = left.subspan(count);
+        }
     }
 }
 
@@ -227,16 +277,16 @@ void ViewPath::await_light(const Lit& lit, const Share& share, SurfaceWalk& walk
     behind.push_lobes(fibres, lit.towards_viewer, share.throughput);
 }
 
-void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<PathSample> samples,
-                      std::span<std::vector<MediumPart>> parts, const DataOfRays& data, std::vector<Follower>* mirrored,
-                      SurfaceWalk* walked) const {
+void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span<std::vector<MediumPart>> parts,
+                      const DataOfRays& data, std::vector<Follower>* sent, SurfaceWalk* walked) const {
     constexpr std::size_t size = DirectLight::most_points;
-    const bool is_in_mirror = mirror_count > 0;
+    const bool is_sent_on = rays.generation > 0;
     const std::span<Follower> followers = rays.followers;
+    const RayKind kind = followers.empty() ? RayKind::Camera : followers.front().kind;
     std::size_t count = followers.size();
     const bool has_details = !rays.details.empty();
     const bool has_features = !data.each.empty() && data.config->has_features() && rays.among == Among::All;
-    const bool has_data = !data.each.empty() && !is_in_mirror;
+    const bool has_data = !data.each.empty() && !is_sent_on;
     std::array<Ray, size> next;
     std::array<RayDetail, size> details;
     std::array<Hit, size> hits;
@@ -249,7 +299,7 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
                 details[i] = rays.details[followers[i].index];
         }
         scene_.closest_hits(std::span(next).first(count), hits,
-                            mask_among(rays.among, is_in_mirror ? mirror_mask : camera_mask),
+                            mask_among(rays.among, is_sent_on ? mirror_mask : camera_mask),
                             std::span(details).first(has_details ? count : 0));
         std::size_t going_on = 0;
         for (std::size_t i = 0; i < count; ++i) {
@@ -257,37 +307,37 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
             const Hit& hit = hits[i];
             PathSample& sample = samples[follower.index];
             if (!media_.is_empty() && rays.among == Among::All)
-                pass_media(follower, hit, sample, is_in_mirror ? nullptr : &parts[follower.index]);
+                pass_media(follower, hit, sample, is_sent_on ? nullptr : &parts[follower.index]);
             if (!hit.is_hit()) {
-                reach_world(follower, is_in_mirror, sample);
-                if (has_features && (is_in_mirror || !config_.is_film_transparent))
+                reach_world(follower, is_sent_on, sample);
+                if (has_features && (is_sent_on || !config_.is_film_transparent))
                     see_world_features(follower.features, scene_.world().seen_radiance(follower.part.direction),
                                        data.each[follower.index].features);
                 continue;
             }
             const Rgb throughput = follower.throughput();
             const SurfacePoint point = surface_point(scene_, follower.part, hit, rays.pixel_seeds[follower.index]);
-            thread_local std::vector<Lobe> lobes;
-            lobes.clear();
+            thread_local std::vector<Lobe> lobes, bent;
+            lobes.clear(), bent.clear();
             Ray asking = follower.part; // transparent surfaces on its way change neither where it began, nor its length
             asking.near_m = follower.near_m;
             const float footprint_m = follower.width_m + hit.distance_m * follower.spread;
-            const AskingRay asking_ray{
-                .ray = asking, .kind = is_in_mirror ? RayKind::Mirror : RayKind::Camera, .footprint_m = footprint_m};
+            const AskingRay asking_ray{.ray = asking, .kind = kind, .footprint_m = footprint_m};
             SurfaceClosures closures = scene_.closures(asking_ray, point.shading, hit, &lobes);
             const bool was_covered = follower.has_first_surface;
             if (has_data && !was_covered && !data.config->aovs.empty())
                 see_aovs(scene_, asking_ray, point.shading, hit, average(follower.through_surfaces), data.config->aovs,
                          data.each[follower.index]);
-            if (!is_in_mirror) {
+            if (!is_sent_on) {
                 const Rgb removed = cut_out(scene_.is_held_out(hit.instance), closures, lobes);
                 sample.alpha -= average(throughput * removed);
                 if (removed == Rgb(1.0f))
                     continue; // a hole: no pass sees anything there
             }
-            const bool is_caught = !is_in_mirror && sample.caught != nullptr && scene_.catches_shadows(hit.instance);
+            take_bent(lobes, bent);
+            const bool is_caught = !is_sent_on && sample.caught != nullptr && scene_.catches_shadows(hit.instance);
             const LightOf of = is_caught ? LightOf::CatcherAmongAll : follower.of;
-            show(follower, point, closures, is_in_mirror, of, sample);
+            show(follower, point, closures, is_sent_on, of, sample);
             if (is_caught)
                 catch_shadow(follower, closures, sample);
             if (has_data) {
@@ -301,34 +351,25 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
                 searches = see_features(
                     follower.features, hit.distance_m, closures,
                     {.lobes = lobes, .normal = point.shading.shading_normal, .outgoing = -follower.part.direction},
-                    camera_.world_from_camera, mirrored != nullptr, data.each[follower.index].features);
+                    bent, camera_.world_from_camera, sent != nullptr, data.each[follower.index].features);
             if (walked != nullptr && rays.targets[follower.index] != nowhere) {
-                const Lit lit{point, closures, lobes, -follower.part.direction, is_in_mirror || is_caught};
+                const Lit lit{point, closures, lobes, -follower.part.direction, is_sent_on || is_caught};
                 const auto target = static_cast<std::uint16_t>(rays.targets[follower.index]);
                 await_light(lit, {throughput, target, of}, *walked, beside.behind);
                 if (is_caught) // media dim what it is divided by no more than the world behind
                     await_light(lit, {follower.through_surfaces, target, LightOf::CatcherAlone}, beside.alone,
                                 beside.behind_alone);
             }
-            if (!lobes.empty() && !is_in_mirror)
+            if (!lobes.empty() && !is_sent_on)
                 sample.diffuse_colour += throughput * LobeSet{.lobes = lobes}.diffuse_colour();
-            const auto mirror = [&](const Rgb& through_media, LightOf mirrored_of) {
-                const Rgb weight = follower.through_surfaces * through_media * closures.mirrored;
-                if (mirrored == nullptr || std::max({weight.x, weight.y, weight.z}) < least_mirrored)
-                    return;
-                Follower& sent = mirrored->emplace_back(follower);
-                sent.part = mirrored_ray(point, follower.part);
-                sent.width_m = footprint_m;
-                sent.near_m = 0.0f;
-                sent.through_surfaces *= closures.mirrored;
-                sent.through_media = through_media;
-                sent.has_first_surface = true;
-                sent.features = searches.mirrored;
-                sent.of = mirrored_of;
-            };
-            mirror(follower.through_media, of);
-            if (is_caught)
-                mirror(Rgb(1.0f), LightOf::CatcherAlone);
+            if (sent != nullptr) {
+                Sending sending{follower, point, footprint_m, searches, follower.through_media, of};
+                send_on(sending, closures, bent, *sent);
+                sending.through_media = Rgb(1.0f);
+                sending.of = LightOf::CatcherAlone;
+                if (is_caught)
+                    send_on(sending, closures, bent, *sent);
+            }
             follower.features = searches.passing;
             follower.through_surfaces *= closures.transparent;
             if (follower.through_surfaces == Rgb(0.0f))
@@ -340,7 +381,7 @@ void ViewPath::follow(const Rays& rays, std::uint32_t mirror_count, std::span<Pa
         count = going_on;
         if (walked == nullptr)
             continue;
-        const std::uint32_t place = mirror_count * max_layer_count + layer;
+        const std::uint32_t place = rays.generation * max_layer_count + layer;
         walked->end_batch(place, rays.among);
         walked->append_batch(beside.behind, place, rays.among);
         walked->append_batch(beside.alone, place, Among::Catchers);

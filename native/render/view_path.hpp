@@ -3,7 +3,7 @@
 // what mirrors send on, as far as the settings say.
 // Differs from Cycles: layers are followed deterministically with their share per channel, not picked at random, so
 //           that a window or a leaf's edge adds no noise. The expected picture is the same. So are mirrors, but for those
-//           of which less than 1 / 1,024 would reach the camera.
+//           of which less than 1 / 1,024 would reach the camera, and both ways of glass.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
 #include "render/direct_light.hpp"
@@ -64,27 +64,29 @@ private:
     /// Of each light to its group, of samples that have some.
     void add_light_to_groups(const SurfaceWalk& walked, const SurfaceLight& light, std::span<PathSample> samples) const;
     struct Follower;
-    /// Of rays that went one way by as many mirrors.
+    /// Neighbouring rays of one company.
     struct Rays;
+    struct Sending;
     struct Beside;
     struct Lit;
     struct Share;
     /// Appends a surface's points on the viewer's side and behind.
     void await_light(const Lit& lit, const Share& share, SurfaceWalk& walked, SurfaceWalk& behind) const;
     void catch_shadow(const Follower& follower, const SurfaceClosures& closures, PathSample& sample) const;
-    /// Follows up to most_points rays by their layers; what is mirrored on the way goes to `mirrored`, where there is one.
-    void follow(const Rays& rays, std::uint32_t mirror_count, std::span<PathSample> samples,
-                std::span<std::vector<MediumPart>> parts, const DataOfRays& data, std::vector<Follower>* mirrored,
-                SurfaceWalk* walked) const;
+    /// Follows up to most_points rays by their layers; what is mirrored and bent on the way goes to `sent`, where there is
+    /// one.
+    void follow(const Rays& rays, std::span<PathSample> samples, std::span<std::vector<MediumPart>> parts,
+                const DataOfRays& data, std::vector<Follower>* sent, SurfaceWalk* walked) const;
+    /// Appends the rays that mirrors and glass send on.
+    void send_on(const Sending& sending, const SurfaceClosures& closures, std::span<const Lobe> bent,
+                 std::vector<Follower>& sent) const;
     /// Light of a surface that is not what lamps and world throw on it; the first one that covers tells what it is.
-    void show(Follower& follower, const SurfacePoint& point, const SurfaceClosures& closures, bool is_in_mirror,
+    void show(Follower& follower, const SurfacePoint& point, const SurfaceClosures& closures, bool is_sent_on,
               LightOf of, PathSample& sample) const;
-    /// Where it goes on from there.
-    [[nodiscard]] static Ray mirrored_ray(const SurfacePoint& point, const Ray& ray);
     /// Light of the media up to the hit, and their parts: nothing, where they do not count.
     void pass_media(Follower& follower, const Hit& hit, PathSample& sample, std::vector<MediumPart>* parts) const;
-    /// Light of the world, if the film shows it; mirrors always do.
-    void reach_world(const Follower& follower, bool is_in_mirror, PathSample& sample) const;
+    /// Light of the world, if the film shows it; mirrors and what bends always do.
+    void reach_world(const Follower& follower, bool is_sent_on, PathSample& sample) const;
 
     const Scene& scene_;
     const Media& media_;

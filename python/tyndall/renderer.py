@@ -94,6 +94,9 @@ class IndirectConfig:
     bounce: bool = False
     bounce_samples: int = 0  #: Its rays per camera ray, [0, 1024]; 0: a pilot decides.
     mirror_depth: int = 0  #: Mirrors that a camera ray follows, one after another, [0, 64]; 0: what they show is black.
+    #: Surfaces of the models BENT_GLASS_3, BENT_GLASS and REFRACTION that bend a camera ray, one after another,
+    #: [0, 64]; 0: they are black. What they mirror counts among the mirrors.
+    refraction_depth: int = 0
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -343,6 +343,9 @@ class LobeModel(IntEnum):
     HAIR_OF_ABSORPTION = 19
     HAIR_REFLECTION = 20
     HAIR_TRANSMISSION = 21
+    BENT_GLASS_3 = 22
+    BENT_GLASS = 23
+    REFRACTION = 24
 
 
 class BumpShadowing(IntEnum):

@@ -20,6 +20,7 @@ struct Lobe {
         GlossyToon,
         Ggx,
         Clearcoat,
+        Bent,  ///< Sharp glass: no lobe of a LobeSet, but rays that go on. See take_bent().
         Fibre, ///< One of a Principled Hair's: `normal` is along the fibre, as in the two below. See fibre.hpp.
         FibreReflection,
         FibreTransmission,
@@ -37,11 +38,12 @@ struct Lobe {
     float alpha = 1.0f;
     float own_alpha = 1.0f; ///< Ggx, Clearcoat: before it was made as wide as directions can be drawn.
     /// OrenNayar: its B. Sheen: its b. Toon: angle over which light fades. Fibre: scale around, 0: even. Its others: width
-    /// around.
+    /// around. Bent: of what lies behind, over that of the viewer's side.
     float ior = 1.5f;
     float sampling = 0.0f; ///< Share of directions that are drawn for it; shares need not add up to 1.
     Rgb weight{0.0f};
-    /// Of `fresnel`. OrenNayar: b is what scatters on between facets. Fibre: a is sine and cosine of its tilt, and phi of its
+    /// Of `fresnel`. Bent: a is what the mirrored ray's light counts, as `weight` does the bent one's. OrenNayar: b is what
+    /// scatters on between facets. Fibre: a is sine and cosine of its tilt, and phi of its
     /// middle, b is fibre::inverse_integrals. Its others: a.x is the angle by which their middle is off.
     Rgb a{0.0f}, b{1.0f};
     vec3 normal{0.0f}; ///< Its own, unit; zero: the point's.
@@ -57,4 +59,7 @@ struct Lobe {
     [[nodiscard]] bool has_own_normal() const { return normal != vec3(0.0f) && !is_of_fibre(); }
 };
 using Lobes = std::vector<Lobe>;
+
+/// Moves those that bend rays from `lobes` to the end of `bent`; most points have none.
+void take_bent(Lobes& lobes, Lobes& bent);
 } // namespace tyndall

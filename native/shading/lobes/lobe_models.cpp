@@ -7,6 +7,8 @@
 #include "shading/lobes/lobe_set.hpp"
 #include "shading/lobes/sheen.hpp"
 #include "shading/material.hpp"
+#include <algorithm>
+#include <iterator>
 
 namespace tyndall {
 using Model = LobeModel;
@@ -73,6 +75,11 @@ public:
         case Model::Sheen:
             sheen(weight_ * colour(1), number(2));
             return;
+        case Model::BentGlass3:
+        case Model::BentGlass:
+            return bent_glass();
+        case Model::Refraction:
+            return bend(weight_ * colour(1), weight_ * colour(1), Rgb(0.0f), index(2));
         case Model::HairOfColour:
         case Model::HairOfMelanin:
         case Model::HairOfAbsorption:
@@ -200,6 +207,34 @@ private:
             lobe.ior = ior;
         }
         add(lobe);
+    }
+
+    void bent_glass() {
+        const bool is_of_blender3 = source_.model == Model::BentGlass3;
+        const Rgb reflecting = weight_ * colour(1), passing = weight_ * colour(2), tint = clamped(inputs_[3]);
+        const float from_outside = index(4);
+        const Rgb straight = is_of_blender3 ? tint : straight_share(from_outside) * tint;
+        if (lobes_ == nullptr)
+            return glass(reflecting, passing, reflecting, straight, 0.0f, from_outside, is_of_blender3);
+        const float ior = point_.is_backface ? 1.0f / from_outside : from_outside;
+        const float share = fresnel_of_any_index(cosine_, ior), rise = fresnel_rise_of_any_index(cosine_, ior);
+        const Rgb risen = glm::mix(straight, Rgb(1.0f), rise);
+        const Rgb mirrored = is_of_blender3 ? share * risen : tint == Rgb(1.0f) ? Rgb(share) : risen;
+        bend(passing, passing * (1.0f - (is_of_blender3 ? Rgb(share) : mirrored)), reflecting * mirrored, from_outside);
+    }
+
+    /// Of `passing`, which is among what is transparent, nothing passes straight any more.
+    void bend(const Rgb& passing, const Rgb& let_in, const Rgb& mirrored, float from_outside) {
+        if (lobes_ == nullptr)
+            return;
+        constexpr float rounding = 1e-6f; // the program has its own way to the same product
+        const Rgb rest = closures_.transparent - passing;
+        closures_.transparent = rest * Rgb(glm::greaterThan(rest, Rgb(rounding)));
+        lobes_->push_back({.kind = Lobe::Kind::Bent,
+                           .ior = point_.is_backface ? 1.0f / from_outside : from_outside,
+                           .weight = let_in,
+                           .a = mirrored,
+                           .normal = normals_.facets});
     }
 
     void velvet() {
@@ -350,6 +385,12 @@ private:
     Rgb weight_;
 };
 } // namespace
+
+void take_bent(Lobes& lobes, Lobes& bent) {
+    const auto is_bent = [](const Lobe& lobe) { return lobe.kind == Lobe::Kind::Bent; };
+    std::ranges::copy_if(lobes, std::back_inserter(bent), is_bent);
+    std::erase_if(lobes, is_bent);
+}
 
 void add_lobes(const LobeSource& source, const LobeInputs& inputs, const ShadingPoint& point, SurfaceClosures& closures,
                Lobes* lobes, const LobeNormals& normals) {

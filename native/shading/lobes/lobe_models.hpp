@@ -3,7 +3,8 @@
 // Based on: Burley, Physically Based Shading at Disney, SIGGRAPH 2012 course notes (the principled shader up to Blender
 //           3.x); from 4.0 on its layers: each leaves to those below what its albedo is short of 1; Kulla and Conty,
 //           SIGGRAPH 2017 course notes (what facets hide from one another).
-// Differs:  anisotropic facets are as wide along as across; glass is what it reflects, and for the rest transparent.
+// Differs:  anisotropic facets are as wide along as across; glass is what it reflects, and for the rest transparent, but
+//           for the three models that bend rays: for light these are the same, to rays that are followed a Lobe::Kind::Bent.
 #pragma once
 #include "shading/lobes/lobe.hpp"
 #include "shading/lobes/lobe_source.hpp"
@@ -46,6 +47,11 @@ enum class LobeModel : std::uint8_t {
     /// Hair BSDF: colour, offset in radians, roughness along, and around, along.
     HairReflection = 20,
     HairTransmission = 21,
+    /// Sharp: colour of what it reflects, and of what it lets in; what Fresnel's share is multiplied by where the surface is
+    /// seen straight; index.
+    BentGlass3 = 22, ///< The first colour changes so towards the edge, and the rest that is let in does not.
+    BentGlass = 23,  ///< Up to 1 at the edge, and the rest is let in.
+    Refraction = 24, ///< Reflects nothing, and lets in all that is not totally reflected: colour, index.
 };
 inline constexpr std::size_t most_lobe_inputs = 16;
 inline constexpr std::size_t principled_emission = 13; ///< Which of its inputs that is, with and without a sheen.

@@ -73,6 +73,7 @@ Rgb reflected(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const 
     case Lobe::Kind::Fibre: // and its others: see LobeSet::of_fibre
     case Lobe::Kind::FibreReflection:
     case Lobe::Kind::FibreTransmission:
+    case Lobe::Kind::Bent: // is none of its lobes
     case Lobe::Kind::Ggx:
         break;
     }

@@ -12,12 +12,16 @@ std::size_t input_count(Model model) {
     case Model::Translucent:
     case Model::Lambert:
         return 2;
+    case Model::BentGlass3:
+    case Model::BentGlass:
+        return 5;
     case Model::OrenNayar3:
     case Model::OrenNayar:
     case Model::Glossy3:
     case Model::Glossy:
     case Model::Velvet:
     case Model::Sheen:
+    case Model::Refraction:
         return 3;
     case Model::Principled3:
         return 12;
