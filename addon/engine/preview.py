@@ -33,8 +33,9 @@ if TYPE_CHECKING:
 
 #: Those of an artist's scene are not there to be asked: a preview's scene has Blender's own settings. Pixels are few.
 SAMPLES, NOISE_THRESHOLD = 32, 0.02
-#: Metal shows the room that Blender's scene has for it, as in Cycles; renders do so where the artist asks for mirrors.
-MIRROR_DEPTH = 4
+#: Metal shows the room that Blender's scene has for it, and glass bends it, as in Cycles; renders do so where the
+#: artist asks for that.
+MIRROR_DEPTH, REFRACTION_DEPTH = 4, 8
 _SHAFTS = ShaftConfig(error_target=0.02, grid_error_target=0.05, light_samples=4, world_samples=8)
 
 
@@ -81,7 +82,7 @@ def _render(engine: RenderEngine, depsgraph: Depsgraph, result: RenderResult, si
         world_from_camera=np.array(engine.camera_model_matrix(thing)),
         shift_x=engine.camera_shift_x(thing),
     )
-    description = SceneReader().read(depsgraph, reports, poll, has_mirrors=True)
+    description = SceneReader().read(depsgraph, reports, poll, is_preview=True)
     config = RenderConfig(
         pixel_samples=SAMPLES,
         noise_threshold=NOISE_THRESHOLD,
@@ -89,7 +90,7 @@ def _render(engine: RenderEngine, depsgraph: Depsgraph, result: RenderResult, si
         film_transparent=scene.render.film_transparent,
         passes=passes.wanted_planes(depsgraph.view_layer_eval),
         shafts=_SHAFTS,
-        indirect=IndirectConfig(mirror_depth=MIRROR_DEPTH),
+        indirect=IndirectConfig(mirror_depth=MIRROR_DEPTH, refraction_depth=REFRACTION_DEPTH),
         thread_count=max(1, (os.cpu_count() or 1) - 1),  # one is the window's
     )
     session = Session()

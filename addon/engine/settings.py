@@ -76,6 +76,7 @@ def indirect_config(scene: Scene) -> IndirectConfig:
         bounce=indirect.has_bounce,
         bounce_samples=indirect.bounce_samples,
         mirror_depth=indirect.mirror_depth if indirect.has_mirrors else 0,
+        refraction_depth=indirect.refraction_depth if indirect.has_mirrors and indirect.has_refraction else 0,
     )
 
 

@@ -37,6 +37,10 @@ class TYNDALL_PT_indirect(PropertiesPanel, Panel):
         mirrors.active = settings.has_mirrors
         mirrors.prop(settings, "mirror_depth")
         mirrors.prop(settings, "mirror_roughness")
+        mirrors.prop(settings, "has_refraction")
+        row = mirrors.row()
+        row.active = settings.has_refraction
+        row.prop(settings, "refraction_depth")
 
 
 CLASSES = (TYNDALL_PT_indirect,)

@@ -81,10 +81,32 @@ class TyndallIndirectSettings(PropertyGroup):
     )
     mirror_roughness: FloatProperty(
         name="Roughness Up To",
-        description="Shaders up to this roughness mirror, sharply; rougher ones are drawn as diffuse, and reported",
+        description="Shaders up to this roughness mirror, and bend what is seen through them, sharply; rougher ones "
+        "are drawn as without the option, and reported",
         min=0.0,
         max=1.0,
         default=0.1,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    has_refraction: BoolProperty(
+        name="Refraction",
+        description="What cameras and mirrors see through glass and water (Glass, Refraction and Principled shaders) "
+        "is bent, and these mirror by Fresnel's equations. Off: it is seen straight through them. The light of lamps "
+        "passes straight either way, and no light shafts are seen behind what bends",
+        default=False,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    refraction_depth: IntProperty(
+        name="Refraction Depth",
+        description="Surfaces that bend what is seen through them, one after another: two for a pane or a ball, four "
+        "for a filled glass. The next one shows the world and what glows alone. What glass mirrors, within it too, "
+        "counts among the mirrors",
+        min=1,
+        max=64,
+        soft_max=24,
+        default=12,
         update=tag,
         override=OVERRIDABLE,
     )

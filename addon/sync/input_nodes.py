@@ -30,8 +30,8 @@ _RAYS = {
     "Is Camera Ray": RayBit.CAMERA,
     "Is Shadow Ray": RayBit.SHADOW,
     "Is Diffuse Ray": RayBit.DIFFUSE,
-    "Is Glossy Ray": _GLOSSY,
-    "Is Singular Ray": RayBit.MIRROR,
+    "Is Glossy Ray": _GLOSSY | RayBit.TRANSMISSION,  # whatever is not diffuse, in Cycles, too
+    "Is Singular Ray": RayBit.MIRROR | RayBit.TRANSMISSION,
     "Is Reflection Ray": RayBit.DIFFUSE | _GLOSSY,
     "Is Transmission Ray": RayBit.TRANSMISSION,
     "Is Volume Scatter Ray": RayBit.SCATTER,

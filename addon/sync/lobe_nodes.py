@@ -9,8 +9,9 @@ import bpy
 
 from tyndall.scene_description import BumpShadowing, LobeModel
 
+from .bent_nodes import add_bent_glass, through_one_side
 from .hair_nodes import hair_bsdf, principled_hair
-from .math_nodes import math_operation, vector_operation
+from .math_nodes import vector_operation
 from .program import BLACK, WHITE, LobeNormals, LobeValues, Program, Term, Value, grey
 
 if TYPE_CHECKING:
@@ -35,15 +36,6 @@ def plain_principled() -> LobeValues:
     specular, ior, coat_roughness = grey(0.5), grey(1.5), grey(0.03)
     inputs = (WHITE, _GREY, BLACK, grey(0.5), specular, WHITE, BLACK, ior, BLACK, coat_roughness, grey(1.5), WHITE)
     return LobeValues(LobeModel.PRINCIPLED, (*inputs, BLACK, BLACK), preserves_energy=True)
-
-
-def through_one_side(program: Program, base: Value) -> Value:
-    """What a Principled BSDF that transmits lets in, or out: from 4.0 on both together make its base colour."""
-    return base if _is_old() else program.combine([_root(program, program.channel(base, axis)) for axis in range(3)])
-
-
-def _root(program: Program, value: Value) -> Value:
-    return math_operation(program, "SQRT", math_operation(program, "MAXIMUM", value, BLACK))
 
 
 def _positive(program: Program, value: Value) -> Value:
@@ -152,6 +144,8 @@ def _pass_straight(reader: ValueReader, shares: Shares, passing: Value, base: Va
 
 
 def _glass(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
+    if add_bent_glass(reader, at, weight, shares):
+        return True
     reader.unsupported(at, "is drawn as transparent in its colour, with its reflections")
     shares.has_glass = True
     _note_distribution(reader, at)
@@ -255,6 +249,7 @@ _SHADERS: dict[str, Callable[[ValueReader, Socket, Value, Shares], bool]] = {
     "BSDF_ANISOTROPIC": _glossy,
     "BSDF_METALLIC": _metallic,
     "BSDF_GLASS": _glass,
+    "BSDF_REFRACTION": add_bent_glass,
     "BSDF_VELVET": _velvet,
     "BSDF_SHEEN": _sheen,
     "BSDF_TOON": _toon,

@@ -18,7 +18,7 @@ from .node_graph import output_input
 from .program import BLACK, WHITE, grey
 from .reports import Reports
 from .shadow_rays import passable
-from .surface_nodes import Shares, read_surface
+from .surface_nodes import Shares, SharpSurfaces, read_surface
 from .value_nodes import Domain, ValueReader
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class MaterialReader:
         override: bpy.types.Material | None = None,
         *,
         is_lit: bool = True,
-        mirror_roughness: float | None = None,
+        sharp: SharpSurfaces | None = None,
         with_channels: bool = False,
         has_lobes: bool = True,
         camera: SeenCamera | None = None,
@@ -54,7 +54,7 @@ class MaterialReader:
         """``override`` is the view layer's: in place of all others, as in Cycles.
 
         Without ``is_lit`` surfaces give no light: they let as much through as they do, and cost no shadow ray.
-        What is no rougher than ``mirror_roughness`` mirrors; None: nothing does.
+        ``sharp`` says what mirrors, and bends what is seen through it; None: nothing does.
         ``with_channels`` fills ``channels``. Without ``has_lobes`` gloss counts as diffuse.
         ``camera`` is what surfaces may ask for.
         """
@@ -69,7 +69,7 @@ class MaterialReader:
         self._images = images
         self._override = override
         self._is_lit = is_lit
-        self._mirror_roughness = mirror_roughness if is_lit else None
+        self._sharp = sharp if is_lit else None
         self._with_channels = with_channels
         self._has_lobes = has_lobes
         self._camera = camera
@@ -135,7 +135,7 @@ class MaterialReader:
         if surface is not None:
             values.displaced_normal = displaced_normal(values, material, output_input(tree, "Displacement"))
             shares = read_surface(
-                values, surface, self._mirror_roughness, with_finish=self._with_channels, has_lobes=self._has_lobes
+                values, surface, self._sharp, with_finish=self._with_channels, has_lobes=self._has_lobes
             )
         shares.transparent = passable(values.program, shares, material, has_volume=has_volume)
         if not self._is_lit:

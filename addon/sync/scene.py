@@ -32,6 +32,7 @@ from .relit_scene import MovedMesh, Name, ReadScene, is_light, light_names, link
 from .reports import Reports
 from .seen_camera import seen_camera
 from .strands import StrandReader, is_strands
+from .surface_nodes import SharpSurfaces
 from .texture_budget import budget_bytes
 from .volume_nodes import IGNORES_RAY_VISIBILITY
 from .volume_sources import is_volume
@@ -102,13 +103,14 @@ class SceneReader:
         is_live: bool = False,
         viewport: SpaceView3D | None = None,
         is_lit: bool = True,
-        has_mirrors: bool = False,
+        is_preview: bool = False,
     ) -> SceneDescription:
         """Everything that renders. ``poll`` is called every few milliseconds and may raise to stop.
 
         ``is_live`` promises that ``note_updates`` heard of every update of this depsgraph since the last read of it.
         ``viewport`` leaves out what it hides: in local view, by collection, by kind of object.
-        Without ``is_lit`` surfaces give no light, and the media all of theirs. ``has_mirrors``: whatever it asks.
+        Without ``is_lit`` surfaces give no light, and the media all of theirs. ``is_preview``: with mirrors and glass
+        that bends, whatever it asks.
         """
         if is_live and self._last is not None and self._last.serves(depsgraph, viewport, is_lit=is_lit):
             followed = self._follow(self._last, depsgraph, reports, poll)
@@ -132,7 +134,9 @@ class SceneReader:
             self._images,
             layer.material_override,
             is_lit=is_lit,
-            mirror_roughness=indirect.mirror_roughness if has_mirrors or indirect.has_mirrors else None,
+            sharp=SharpSurfaces(indirect.mirror_roughness, bend=is_preview or indirect.has_refraction)
+            if is_preview or indirect.has_mirrors
+            else None,
             camera=seen_camera(depsgraph),
         )
         if not is_viewport:

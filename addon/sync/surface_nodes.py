@@ -2,7 +2,7 @@
 """Surface shaders as diffuse, transparent and emitted shares: the closures that this version draws.
 
 A closure without a counterpart takes the nearest one and a note: reflections become diffuse unless they are as sharp as
-mirrors, and mirrors are asked for; glass becomes transparent.
+mirrors, and mirrors are asked for; glass becomes transparent, unless it is asked to bend what is seen through it.
 """
 
 from __future__ import annotations
@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from .bent_nodes import add_bent_transmission, bends_transmission, is_sharp, through_one_side
 from .hair_nodes import principled_hair_colour
-from .lobe_nodes import add_lobes, through_one_side
-from .program import BLACK, WHITE, GlossValues, LobeValues, Term, Value, grey
+from .lobe_nodes import add_lobes
+from .program import BLACK, WHITE, GlossValues, LobeValues, Value, grey
 from .shader_limits import followed
 
 if TYPE_CHECKING:
@@ -34,6 +35,14 @@ _OF_VOLUMES = {"VOLUME_ABSORPTION", "VOLUME_SCATTER", "PRINCIPLED_VOLUME", "VOLU
 _TRANSPARENT_LIKE = {"BSDF_GLASS", "BSDF_REFRACTION", "BSDF_RAY_PORTAL"}
 
 
+@dataclass(frozen=True)
+class SharpSurfaces:
+    """What mirrors."""
+
+    roughness: float  #: It is no rougher.
+    bend: bool = False  #: Glass among it bends what is seen through it.
+
+
 @dataclass
 class Shares:
     """What a surface does, each a colour: results of a surface program."""
@@ -46,6 +55,7 @@ class Shares:
     gloss: GlossValues | None = None
     lobes: list[LobeValues] | None = None  #: None: shaders with lobes take the nearest share.
     mirror_roughness: float | None = None  #: What is no rougher mirrors; None: nothing does.
+    bends: bool = False  #: What is no rougher bends what is seen through it.
     finish: Finish | None = None  #: None: it is not asked for.
 
 
@@ -62,14 +72,15 @@ class Finish:
 def read_surface(
     reader: ValueReader,
     at: Socket,
-    mirror_roughness: float | None = None,
+    sharp: SharpSurfaces | None = None,
     *,
     with_finish: bool = False,
     has_lobes: bool = True,
 ) -> Shares:
     """``at`` is the Surface input of an output node."""
     shares = Shares(
-        mirror_roughness=mirror_roughness,
+        mirror_roughness=None if sharp is None else sharp.roughness,
+        bends=sharp is not None and sharp.bend and has_lobes,
         lobes=[] if has_lobes else None,
         finish=Finish() if with_finish else None,
     )
@@ -116,7 +127,7 @@ def _add(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None
 
 
 def _is_mirror(reader: ValueReader, at: Socket, shares: Shares) -> bool:
-    return at.node.type in _CAN_MIRROR and _mirrors(reader, at, shares)
+    return at.node.type in _CAN_MIRROR and is_sharp(reader, at, shares)
 
 
 def _colour_of(reader: ValueReader, at: Socket) -> Value:
@@ -170,16 +181,6 @@ def _diffuse(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> 
         _add_finish(reader, shares, weight)
 
 
-def _mirrors(reader: ValueReader, at: Socket, shares: Shares) -> bool:
-    """Whether a shader's reflection is as sharp as a mirror's, and mirrors are asked for."""
-    if shares.mirror_roughness is None:
-        return False
-    if getattr(at.node, "distribution", "") == "SHARP":  # up to 3.x
-        return True
-    roughness = reader.number(at.input("Roughness"), 0.5)
-    return not isinstance(roughness, Term) and roughness[0] <= shares.mirror_roughness + 1e-6
-
-
 def _mirror(reader: ValueReader, shares: Shares, facing: Value, edge: Value, ior: float) -> None:
     program = reader.program
     gloss = shares.gloss = shares.gloss or GlossValues()
@@ -197,7 +198,7 @@ def _coat(reader: ValueReader, shares: Shares, weight: Value, coated: Value, ior
 
 
 def _glossy(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None:
-    if not _mirrors(reader, at, shares):
+    if not is_sharp(reader, at, shares):
         reader.unsupported(at, "is drawn as diffuse in its colour")
         _diffuse(reader, at, weight, shares)
         return
@@ -208,7 +209,7 @@ def _glossy(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> N
 
 def _metallic(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None:
     """From 4.3 on. Its edge tint bends the rise to white a little below the edge: left out."""
-    if getattr(at.node, "fresnel_type", "F82") != "F82" or not _mirrors(reader, at, shares):
+    if getattr(at.node, "fresnel_type", "F82") != "F82" or not is_sharp(reader, at, shares):
         reader.unsupported(at, "is drawn as diffuse in its colour")
         _diffuse(reader, at, weight, shares)
         return
@@ -238,6 +239,25 @@ def _emission(reader: ValueReader, at: Socket, weight: Value, shares: Shares) ->
     shares.emission = program.add(shares.emission, program.multiply(weight, radiance))
 
 
+def _transmit(reader: ValueReader, at: Socket, factors: tuple[Value, Value, Value], shares: Shares) -> bool:
+    """Adds what a Principled shader transmits: its share of the surface, of that what it transmits, in its base colour.
+
+    Whether it bends that.
+    """
+    weight, transmission, base = factors
+    if transmission == BLACK:
+        return False
+    program = reader.program
+    shares.has_glass = True
+    passing = program.multiply(weight, program.multiply(through_one_side(program, base), transmission))
+    shares.transparent = program.add(shares.transparent, passing)
+    if bends_transmission(reader, at, shares):
+        add_bent_transmission(reader, at, program.multiply(weight, transmission), base, shares)
+        return True
+    reader.note("transmission is drawn as transparent in its colour")
+    return False
+
+
 def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None:
     """Alpha cuts everything, emission too, as in Cycles. Metal and gloss are diffuse unless they mirror.
 
@@ -250,7 +270,6 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
         roughness, metallic = (reader.number(at.input(name)) for name in ("Roughness", "Metallic"))
         _add_finish(reader, shares, program.multiply(weight, alpha), roughness, metallic, _reflectance(reader, at))
     weight = program.multiply(weight, alpha)
-    _note_bumps(reader, at)
     if reader.number(at.input("Sheen Weight") or at.input("Sheen")) != BLACK:
         reader.note("sheen is not drawn on voxels, nor where reflections are followed")
 
@@ -260,23 +279,21 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
 
     base = reader.colour(at.input("Base Color"))
     metallic = program.clamp(reader.number(at.input("Metallic")))
-    mirrors = _mirrors(reader, at, shares)
+    mirrors = is_sharp(reader, at, shares)
     if metallic != BLACK and not mirrors:
         reader.note("metal is drawn as diffuse in its colour")
-    transmission = program.clamp(reader.number(at.input("Transmission Weight") or at.input("Transmission")))
-    transmission = program.multiply(transmission, program.complement(metallic))
-    if transmission != BLACK:
-        reader.note("transmission is drawn as transparent in its colour")
-        shares.has_glass = True
-    passing = program.multiply(weight, program.multiply(through_one_side(program, base), transmission))
-    shares.transparent = program.add(shares.transparent, passing)
+    of_rest = program.clamp(reader.number(at.input("Transmission Weight") or at.input("Transmission")))
+    transmission = program.multiply(of_rest, program.complement(metallic))
+    if not _transmit(reader, at, (weight, transmission, base), shares) or transmission != WHITE:
+        _note_bumps(reader, at)
     opaque = program.multiply(weight, program.complement(transmission))
-    if mirrors:
-        metal = program.multiply(opaque, metallic)
-        opaque = program.multiply(opaque, program.complement(metallic))
     scattering = program.multiply(opaque, base)
     if mirrors:
         index, is_3 = _principled_index(reader, at), bpy.app.version < (4, 0, 0)
+        metal = program.multiply(opaque if is_3 else weight, metallic)  # up to 3.x metal and coat are one layer
+        below = program.multiply(program.multiply(weight, program.complement(metallic)), program.complement(of_rest))
+        opaque = program.multiply(opaque, program.complement(metallic)) if is_3 else below
+        scattering = program.multiply(below, base)
         if metal != BLACK:  # up to 3.x it rises as the clear layer does, from 4.0 on as metals do
             _mirror(reader, shares, program.multiply(metal, base), metal, index if is_3 else 0.0)
         if opaque != BLACK and index > 1.0:
