@@ -40,6 +40,7 @@ from guide_edits import (
     turn_medium,
     use_function,
 )
+from guide_glass import show_still_life
 from guide_voxels import show_ambient_pass, show_courtyard
 
 import tyndall.blender
@@ -138,6 +139,8 @@ PICTURES = (
     Picture("voxel_courtyard_direct", "", partial(show_courtyard, is_lit_by_others=False)),
     Picture("voxel_courtyard", "", partial(show_courtyard, is_lit_by_others=True)),
     Picture("voxel_courtyard_ao", "", show_ambient_pass),
+    Picture("glass_straight", "", partial(show_still_life, bends=False)),
+    Picture("glass_bent", "", partial(show_still_life, bends=True)),
     Picture("colour_terrain_alarm", "terrain_sunrise", alarm_at_dawn),
     *CONTROLS,
     *(
