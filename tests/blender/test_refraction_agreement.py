@@ -199,7 +199,8 @@ def planes_of(scene: bpy.types.Scene) -> dict[str, FloatArray]:
 def test_passes_take_the_glass_for_the_first_surface_and_denoisers_see_behind_it() -> None:
     """Depth, normal, mattes and colours are those of Cycles; features those of what is seen through the glass.
 
-    It is white: coloured glass has darker features in Cycles, by the paths that it ends at random, and this some, too.
+    It is white: coloured glass has darker features in Cycles, by the paths that it ends at random, and this some, too:
+    1 %, in 3.4 4 %.
     """
     empty_scene(SIZE_PX)
     scene = glass_room(ball("Ball", material("Glass", principled(Base_Color=(1, 1, 1, 1), IOR=1.3))))
@@ -221,4 +222,4 @@ def test_passes_take_the_glass_for_the_first_surface_and_denoisers_see_behind_it
         assert off[within].mean() < 0.01, name  # some samples of Cycles lie beside their pixel
     for name in ("Denoising Albedo", "Denoising Depth", "Denoising Normal"):
         means = [planes[name][within].mean(axis=0) for planes in (ours, theirs)]
-        assert means[0] == pytest.approx(means[1], rel=0.015, abs=0.005), name
+        assert means[0] == pytest.approx(means[1], rel=0.015 if IS_4 else 0.05, abs=0.005), name
