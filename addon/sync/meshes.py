@@ -8,6 +8,7 @@ indices, and attributes by name where a version has them (measured: 0.16 s again
 from __future__ import annotations
 
 import hashlib
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -20,8 +21,9 @@ from tyndall.scene_description import Mesh, attribute_maps
 from .mesh_attributes import read_asked
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
+    from bpy.types import Object
     from numpy.typing import NDArray
 
     from .reports import Reports
@@ -83,6 +85,25 @@ def _taken(values: NDArray[Any], indices: NDArray[np.intp]) -> NDArray[Any]:
     """Rows of values, shared with native code. Indices are in range."""
     taken: NDArray[Any] = shared_array((*indices.shape, *values.shape[1:]), values.dtype)
     return values.take(indices, axis=0, out=taken, mode="clip")  # which needs no copy of the result
+
+
+@contextmanager
+def passing_mesh(source: Object, mesh: bpy.types.Mesh, *, is_complete: bool = True) -> Iterator[bpy.types.Mesh]:
+    """To read what an evaluated object is drawn as by: a copy, gone afterwards, where Blender copies what is read.
+
+    From 4.1 on meshes share their arrays with those they come from, and one whose arrays Python asks for gets its own,
+    which an evaluated one would keep (measured: 16 bytes per triangle). Copies share what Blender finds for them, too:
+    triangles and normals. ``source`` is what the depsgraph evaluated, not what its list of instances shows for a while:
+    copies of those crash Blender. ``is_complete``: no, ``mesh`` lacks something that a copy has.
+    """
+    shares_arrays = bpy.app.version >= (4, 1, 0) and source.type == "MESH" and source.data == mesh
+    if is_complete and not shares_arrays:
+        yield mesh
+        return
+    try:
+        yield source.to_mesh()
+    finally:
+        source.to_mesh_clear()
 
 
 def read_mesh(

@@ -24,7 +24,7 @@ from .light_masks import MaskReader
 from .lights import read_lights
 from .materials import MaterialReader, note_missing_attributes
 from .mesh_attributes import asked_of_meshes
-from .meshes import read_mesh
+from .meshes import passing_mesh, read_mesh
 from .object_lighting import light_groups, report_left_out
 from .occluder_edits import OccluderEditReader
 from .random_numbers import as_unit_floats
@@ -315,14 +315,11 @@ class SceneReader:
     ) -> Mesh | None:
         source = placement.source
         is_subdivided_late = is_viewport and source.modifiers and source.modifiers[-1].type == "SUBSURF"
-        if not (is_subdivided_late or placement.data.is_editmode):
-            return read_mesh(placement.data, reports, self._meshes, poll, asked)
         # A window may leave the last subdivision to its graphics card: `data` is the coarse mesh, `to_mesh` is not.
         # While it is edited, `data` has counts, but no attributes.
-        try:
-            return read_mesh(source.to_mesh(), reports, self._meshes, poll, asked)
-        finally:
-            source.to_mesh_clear()
+        is_complete = not (is_subdivided_late or placement.data.is_editmode)
+        with passing_mesh(source, placement.data, is_complete=is_complete) as mesh:
+            return read_mesh(mesh, reports, self._meshes, poll, asked)
 
 
 def _sorted_by_kind(found: list[Placement], layer: ViewLayer) -> tuple[list[Placement], ...]:
