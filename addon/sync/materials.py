@@ -61,6 +61,8 @@ class MaterialReader:
         self.materials: list[Material] = []
         #: Passes that materials may fill, by name: whether they are colours.
         self.aovs: Mapping[str, bool] = {}
+        #: Of Ambient Occlusion nodes without a distance; None: surfaces stand alone, and no node traces rays.
+        self.occlusion_reach_m: float | None = None
         #: Of each material, by name: roughness, metallic and reflectance, the diffuse part of a program of which the
         #: transparent part is their weight; and emission, the diffuse part.
         self.channels: list[dict[str, Material]] = []
@@ -181,6 +183,8 @@ class MaterialReader:
         reports = self._reports if is_seen else Reports()  # nobody misses the gloss of black surfaces
         reader = ValueReader(f'Material "{material.name}"', reports, self._images, domain)
         reader.camera, reader.material_index = self._camera, material.pass_index
+        reader.occlusion_reach_m = self.occlusion_reach_m
+        reader.misses_surroundings = self.occlusion_reach_m is None
         of_cycles = getattr(material, "cycles", None)  # where its add-on is on
         reader.corrects_bumps = getattr(of_cycles, "use_bump_map_correction", True)
         return reader

@@ -22,7 +22,7 @@ from tyndall.surface_inputs import (
 from . import coordinates
 from .domains import Domain, on_surfaces
 from .mesh_attributes import tangent_of
-from .program import BLACK, WHITE, Value, grey
+from .program import BLACK, WHITE, Value
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -147,21 +147,9 @@ def _bump(reader: ValueReader, at: Socket) -> Value:
     return bumped(reader.program, heights, strength, distance, normal, width=width, is_inverted=at.node.invert)
 
 
-def _bevel(reader: ValueReader, at: Socket) -> Value:
-    reader.unsupported(at, "passes its normal on")
-    return _normal_input(reader, at)
-
-
-def _ambient_occlusion(reader: ValueReader, at: Socket) -> Value:
-    reader.unsupported(at, "is read as fully open")
-    return reader.colour(at.input("Color")) if at.socket.identifier == "Color" else grey(1.0)
-
-
 NODES: dict[str, Callable[[ValueReader, Socket], Value]] = {
     "FRESNEL": on_surfaces(_fresnel),
     "LAYER_WEIGHT": on_surfaces(_layer_weight),
     "NORMAL_MAP": on_surfaces(_normal_map),
     "BUMP": on_surfaces(_bump),
-    "BEVEL": on_surfaces(_bevel),
-    "AMBIENT_OCCLUSION": on_surfaces(_ambient_occlusion),
 }

@@ -39,7 +39,7 @@ from .volume_sources import is_volume
 from .volumes import VolumeReader
 from .voxel_objects import VoxelReader, without_and_with_voxels
 from .world_suns import WorldSuns
-from .worlds import ReadWorld, WorldBakes, read_world
+from .worlds import ReadWorld, WorldBakes, occlusion_reach_m, read_world
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -139,8 +139,8 @@ class SceneReader:
             else None,
             camera=seen_camera(depsgraph),
         )
-        if not is_viewport:
-            materials.aovs = {aov.name: aov.type == "COLOR" for aov in layer.aovs if aov.is_valid}
+        materials.occlusion_reach_m = occlusion_reach_m(depsgraph.scene_eval)
+        materials.aovs = {aov.name: aov.type == "COLOR" for aov in layer.aovs if aov.is_valid and not is_viewport}
         drawn_things = [placement for placement in placements if placement.data is not None]
         meshes, voxels = without_and_with_voxels(drawn_things)
         voxel_objects = self._voxels.read(voxels, materials, reports, poll)

@@ -20,6 +20,7 @@ from . import (
     normal_nodes,
     pattern_nodes,
     photometry_nodes,
+    surroundings_nodes,
     texture_nodes,
 )
 from .domains import MID_GREY, Domain
@@ -61,6 +62,9 @@ class ValueReader:
         self.material_index = 0  #: Its pass index.
         self.displaced_normal: Value | None = None  #: In place of the point's own; None: that.
         self.corrects_bumps = True  #: Cycles' setting of the material, from 4.0 on.
+        #: Of Ambient Occlusion without a distance of its own; None: nodes trace no rays, as those of worlds and lights.
+        self.occlusion_reach_m: float | None = None
+        self.misses_surroundings = False  #: A render would trace them.
 
     def grid_value(self, _name: str) -> float | None:
         """Of a volume object's grid, at the place for which the reader answers; None: it has no such grid."""
@@ -211,5 +215,6 @@ _NODES: dict[str, Callable[[ValueReader, Socket], Value]] = {
     **normal_nodes.NODES,
     **pattern_nodes.NODES,
     **photometry_nodes.NODES,
+    **surroundings_nodes.NODES,
     **texture_nodes.NODES,
 }

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from .images import ImageReader
     from .reports import Reports
 
+_ANY_DISTANCE_M = 1e9
 _KEPT_COUNT = 2  #: Of baked images: that of the last frame, and one beside it.
 
 
@@ -59,6 +60,11 @@ class WorldBakes:
         while len(self._kept) > _KEPT_COUNT:
             del self._kept[next(iter(self._kept))]
         return image
+
+
+def occlusion_reach_m(scene: bpy.types.Scene) -> float:
+    """How far Ambient Occlusion nodes look that have no distance of their own."""
+    return _ANY_DISTANCE_M if scene.world is None else scene.world.light_settings.distance
 
 
 def read_world(

@@ -145,7 +145,9 @@ void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vecto
         if (!hit.is_hit())
             continue; // the world's light comes straight
         const SurfacePoint surface = surface_point(scene_, part, hit, points[point].pixel_seed);
-        const SurfaceClosures closures = scene_.closures({.ray = part, .kind = RayKind::Diffuse}, surface.shading, hit);
+        const ProgramRandom random{hash(points[point].pixel_seed, first_pair.pair_index), first_pair.sample_index};
+        const SurfaceClosures closures =
+            scene_.closures({.ray = part, .kind = RayKind::Diffuse, .random = random}, surface.shading, hit);
         if (!light_.is_light(hit) && closures.emission != Rgb(0.0f)) {
             irradiance[point] += weight * closures.emission;
             if (!by_group.empty())

@@ -177,7 +177,8 @@ private:
             }
             points[count] = surface_point(scene_, rays[pixel], hit, seeds[pixel]);
             const SurfaceClosures closures =
-                scene_.closures({.ray = rays[pixel]}, points[count].shading, hit, &lobes[count]);
+                scene_.closures({.ray = rays[pixel], .random = ProgramRandom{seeds[pixel], camera_ray}},
+                                points[count].shading, hit, &lobes[count]);
             bent.clear();
             take_bent(lobes[count], bent); // rays are not followed here
             points[count].lambert_share = average(closures.diffuse_albedo);

@@ -40,6 +40,7 @@ struct ViewPath::Follower {
 struct ViewPath::Rays {
     std::span<Follower> followers;
     std::span<const std::uint32_t> pixel_seeds, targets;
+    std::uint32_t sample_index = 0;
     std::uint32_t generation = 0;            ///< How often each was sent on.
     std::span<const RayDetail> details = {}; ///< By the index of a camera ray; empty where every cell is met.
     Among among = Among::All;                ///< What they meet.
@@ -224,6 +225,7 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
     follow({.followers = std::span(followers).first(follower_count),
             .pixel_seeds = pixel_seeds,
             .targets = targets,
+            .sample_index = sample_index,
             .details = std::span(details).first(has_details ? camera_rays.size() : 0)},
            samples, parts, data, sends ? &sent : nullptr, walked);
     // What is past the last mirror or bend is not lit any more, as in Cycles: the world shows, and what glows.
@@ -241,6 +243,7 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
             follow({.followers = left.first(count),
                     .pixel_seeds = pixel_seeds,
                     .targets = targets,
+                    .sample_index = sample_index,
                     .generation = generation,
                     .among = left.front().of == LightOf::CatcherAlone ? Among::Catchers : Among::All},
                    samples, parts, data, is_past ? nullptr : &sent, is_past ? nullptr : walked);
@@ -322,7 +325,10 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
             Ray asking = follower.part; // transparent surfaces on its way change neither where it began, nor its length
             asking.near_m = follower.near_m;
             const float footprint_m = follower.width_m + hit.distance_m * follower.spread;
-            const AskingRay asking_ray{.ray = asking, .kind = kind, .footprint_m = footprint_m};
+            const AskingRay asking_ray{.ray = asking,
+                                       .kind = kind,
+                                       .footprint_m = footprint_m,
+                                       .random = ProgramRandom{point.pixel_seed, rays.sample_index}};
             SurfaceClosures closures = scene_.closures(asking_ray, point.shading, hit, &lobes);
             const bool was_covered = follower.has_first_surface;
             if (has_data && !was_covered && !data.config->aovs.empty())

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/moved_instances.hpp"
+#include "shading/op_surroundings.hpp"
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -88,6 +89,8 @@ std::optional<StoodAt> moved_instances(const SceneDescription& before, const Sce
             return std::nullopt;
         stood_at[index].push_back(place);
     }
+    if (!stood_at.empty() && std::ranges::any_of(after.materials, asks_surroundings))
+        return std::nullopt;
     return stood_at;
 }
 

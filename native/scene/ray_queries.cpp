@@ -247,6 +247,113 @@ void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> pass
     }
 }
 
+/// Asks for up to a packet of rays; `trace` gets lanes and packet, or one ray.
+template <typename TracePacket, typename TraceOne>
+static std::size_t open_among(std::span<const Ray> rays, unsigned int mask, const TracePacket& trace_packet,
+                              const TraceOne& trace_one) {
+    std::size_t open = 0;
+    for (std::size_t first = 0; first < rays.size(); first += packet_size) {
+        const std::span<const Ray> these = rays.subspan(first, std::min(packet_size, rays.size() - first));
+        if (these.size() < smallest_packet) {
+            for (const Ray& ray : these) {
+                RTCRay query = embree_ray(ray, mask);
+                trace_one(query);
+                open += query.tfar < 0.0f ? 0 : 1;
+            }
+            continue;
+        }
+        RTCRay16 query;
+        alignas(64) std::array<int, packet_size> valid = fill(query, these, mask);
+        trace_packet(valid, query);
+        for (std::size_t lane = 0; lane < these.size(); ++lane)
+            open += query.tfar[lane] < 0.0f ? 0 : 1;
+    }
+    return open;
+}
+
+std::size_t Scene::open_count(std::span<const Ray> rays) const {
+    QueryContext context(*this, rays.data(), nullptr);
+    return open_among(
+        rays, shadow_mask,
+        [&](std::array<int, packet_size>& valid, RTCRay16& query) {
+            context.trace_all(attenuate, [&](RTCScene tree) {
+                for (std::size_t lane = 0; lane < packet_size; ++lane)
+                    if (query.tfar[lane] < 0.0f) // something stops it
+                        valid[lane] = 0;
+                rtcOccluded16(valid.data(), tree, &context.embree, &query);
+            });
+        },
+        [&](RTCRay& query) {
+            context.trace_all(attenuate, [&](RTCScene tree) {
+                if (query.tfar >= 0.0f)
+                    rtcOccluded1(tree, &context.embree, &query);
+            });
+        });
+}
+
+/// Distances stay what they are: directions are as long there as the space is stretched.
+static Ray in_object(const mat4& object_from_scene, const Ray& ray) {
+    return {.origin = vec3(object_from_scene * vec4(ray.origin, 1.0f)),
+            .direction = mat3(object_from_scene) * ray.direction,
+            .near_m = ray.near_m,
+            .far_m = ray.far_m};
+}
+
+std::size_t Scene::open_count(std::span<const Ray> rays, std::uint32_t instance) const {
+    const PlacedShape* const placed = placed_shape(instance);
+    const RTCScene tree = placed != nullptr
+                              ? shape_of(*placed).embree_scene()
+                              : description().meshes[description().instances[instance].mesh_index]->embree_scene();
+    thread_local std::vector<Ray> inside;
+    inside.clear();
+    for (const Ray& ray : rays)
+        inside.push_back(in_object(geometry_->objects_from_scene[instance], ray));
+    CellQuery context;
+    return open_among(
+        inside, ~0u,
+        [&](std::array<int, packet_size>& valid, RTCRay16& query) {
+            rtcOccluded16(valid.data(), tree, &context.embree, &query);
+        },
+        [&](RTCRay& query) { rtcOccluded1(tree, &context.embree, &query); });
+}
+
+namespace {
+/// Embree's context, and behind it where hits go.
+struct CollectingContext {
+    RTCIntersectContext embree;
+    std::vector<Hit>* hits;
+    std::uint32_t instance;
+};
+} // namespace
+
+/// Lets a ray through everything, and takes down what that is.
+static void collect(const RTCFilterFunctionNArguments* arguments) {
+    const auto& context = *reinterpret_cast<const CollectingContext*>(arguments->context);
+    for (unsigned int lane = 0; lane < arguments->N; ++lane) {
+        if (arguments->valid[lane] != -1)
+            continue;
+        Hit hit = hit_of(rtcGetRayFromRayN(arguments->ray, arguments->N, lane),
+                         rtcGetHitFromHitN(arguments->hit, arguments->N, lane));
+        hit.instance = context.instance;
+        context.hits->push_back(hit);
+        arguments->valid[lane] = 0;
+    }
+}
+
+void Scene::append_hits(const Ray& ray, std::uint32_t instance, std::vector<Hit>& hits) const {
+    if (placed_shape(instance) != nullptr)
+        return;
+    const std::size_t first = hits.size();
+    CollectingContext context{.embree = {}, .hits = &hits, .instance = instance};
+    rtcInitIntersectContext(&context.embree);
+    context.embree.filter = collect;
+    RTCRay query = embree_ray(in_object(geometry_->objects_from_scene[instance], ray), ~0u);
+    rtcOccluded1(description().meshes[description().instances[instance].mesh_index]->embree_scene(), &context.embree,
+                 &query);
+    for (Hit& hit : std::span(hits).subspan(first))
+        hit = in_scene(ray, hit);
+}
+
 void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing, const LightLinks& links,
                                   Among among) const {
     if (!blocker_bits().empty())

@@ -17,6 +17,7 @@
 #include "shading/program_point.hpp"
 #include "volume/medium.hpp"
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -81,12 +82,20 @@ struct Hit {
     [[nodiscard]] bool is_hit() const { return instance != ~0u; }
 };
 
+/// Which random numbers a program's rays take.
+struct ProgramRandom {
+    std::uint32_t seed = 0;         ///< Of a pixel, or whatever else takes samples one after the other.
+    std::uint32_t sample_index = 0; ///< Which of these asks.
+};
+
 /// A ray that asks what a surface is.
 struct AskingRay {
     const Ray& ray;
     RayKind kind = RayKind::Camera;
     float footprint_m = 0.0f;           ///< What a pixel covers at the hit; 0: not known.
     const Material* material = nullptr; ///< That is asked in place of the surface's own.
+    /// Of rays that its program traces; nothing: it may trace none.
+    std::optional<ProgramRandom> random = {};
 };
 
 /// Elsewhere than in another scene.
@@ -218,6 +227,12 @@ public:
     /// The same as shadow_transmittances, of those that may.
     void shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> passing, const LightLinks& links,
                                Among among = Among::All) const;
+    /// How many of the rays meet no surface that casts shadows, whatever it lets pass.
+    [[nodiscard]] std::size_t open_count(std::span<const Ray> rays) const;
+    /// How many meet nothing of one instance.
+    [[nodiscard]] std::size_t open_count(std::span<const Ray> rays, std::uint32_t instance) const;
+    /// Appends all that a ray meets of one instance, from either side, in any order; nothing of one that has no mesh.
+    void append_hits(const Ray& ray, std::uint32_t instance, std::vector<Hit>& hits) const;
     /// Per instance the bit of its object's blocker set; empty where all are in set 0.
     [[nodiscard]] std::span<const std::uint64_t> blocker_bits() const { return geometry_->blocker_bits; }
 

@@ -2,6 +2,7 @@
 // What a hit asks its scene; ray_queries.cpp finds the hits.
 #include "scene/attribute_pairs.hpp"
 #include "scene/scene.hpp"
+#include "scene/scene_surroundings.hpp"
 #include "scene/strands.hpp"
 #include "shading/pixel_steps.hpp"
 #include "shading/surface_program.hpp"
@@ -267,7 +268,10 @@ SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& poi
     } else {
         thread_local std::vector<vec2> uvs;
         uvs.clear();
-        const ProgramPoint at = program_point(asking, point, hit, surface);
+        ProgramPoint at = program_point(asking, point, hit, surface);
+        const SceneSurroundings surroundings(*this, asking, point, hit);
+        if (asking.random)
+            at.surroundings = &surroundings;
         if (const Strands* strands = placed != nullptr ? shape_of(*placed).strands() : nullptr) {
             const auto segment = static_cast<std::uint32_t>(hit.cell);
             const vec3 tangent =

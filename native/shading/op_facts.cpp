@@ -6,6 +6,7 @@
 #include "shading/op_math.hpp"
 #include "shading/op_normals.hpp"
 #include "shading/op_patterns.hpp"
+#include "shading/op_surroundings.hpp"
 
 namespace tyndall {
 std::optional<OpFacts> facts_of(const SurfaceOp& op) {
@@ -123,6 +124,14 @@ std::optional<OpFacts> facts_of(const SurfaceOp& op) {
         return facts(1, OpReads::image, Channels::Own);
     case Code::Photometry:
         return facts(1, OpReads::table, Channels::Equal);
+    case Code::AmbientOcclusion:
+        if (op.option > OcclusionOptions::all || op.selector == 0)
+            return {};
+        return facts(2, OpReads::point, Channels::Equal);
+    case Code::Bevel:
+        if (op.selector == 0)
+            return {};
+        return facts(2, OpReads::point, Channels::Own);
     default:
         return pattern_facts(op);
     }

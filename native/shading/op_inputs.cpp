@@ -84,13 +84,17 @@ vec3 normal_in_object(const ProgramPoint& point, const vec3& in_scene) {
     return unit_or(normal, normal);
 }
 
-std::array<vec3, 2> pixel_steps(const ProgramPoint& point) {
-    const vec3 normal = true_normal(point);
+std::array<vec3, 2> axes_across(const vec3& normal) {
     const vec3 across = normal.x != normal.y || normal.x != normal.z
                             ? vec3(normal.z - normal.y, normal.x - normal.z, normal.y - normal.x)
                             : vec3(normal.z - normal.y, normal.x + normal.z, -normal.y - normal.x);
     const vec3 first = unit_or(across, across);
-    return {point.footprint_m * first, point.footprint_m * glm::cross(normal, first)};
+    return {first, glm::cross(normal, first)};
+}
+
+std::array<vec3, 2> pixel_steps(const ProgramPoint& point) {
+    const auto [first, second] = axes_across(true_normal(point));
+    return {point.footprint_m * first, point.footprint_m * second};
 }
 
 Rgb input_value(const SurfaceOp& op, const ProgramPoint& point, const Operands& in) {

@@ -11,6 +11,8 @@ namespace tyndall {
 [[nodiscard]] vec3 true_normal(const ProgramPoint& point);
 [[nodiscard]] vec3 normal_in_scene(const ProgramPoint& point, const vec3& in_object); ///< Unit.
 [[nodiscard]] vec3 normal_in_object(const ProgramPoint& point, const vec3& in_scene); ///< Unit.
+/// Two axes across a unit normal, as Cycles turns them; unit, and at right angles to each other.
+[[nodiscard]] std::array<vec3, 2> axes_across(const vec3& normal);
 /// The two ways to the next pixels, in the scene; zero where the footprint is not known.
 [[nodiscard]] std::array<vec3, 2> pixel_steps(const ProgramPoint& point);
 } // namespace tyndall

@@ -5,6 +5,7 @@
 #include <limits>
 
 namespace tyndall {
+class Surroundings; // surroundings.hpp
 /// Which ray asks: a node program may answer each in its own way.
 enum class RayKind : std::uint8_t {
     Camera = 0,
@@ -36,5 +37,6 @@ struct ProgramPoint {
     /// Interpolated in the object's space, not of unit length; zero where the surface is flat.
     vec3 object_normal{0.0f};
     float edge_distance_m = std::numeric_limits<float>::infinity(); ///< Where the material asks for it: see PointInput.
+    const Surroundings* surroundings = nullptr;                     ///< Null: a program may trace no rays here.
 };
 } // namespace tyndall

@@ -61,6 +61,9 @@ struct SurfaceOp {
         ImageAlphaAt = 61,
         EnvironmentAt = 62,
         Photometry = 63, ///< A luminaire's intensities in a table, at a vector: op_photometry.hpp.
+        // By rays from the point: op_surroundings.hpp.
+        AmbientOcclusion = 70,
+        Bevel = 71,
     };
     Code code = Code::Constant;
     std::uint8_t option = 0, selector = 0; ///< Which of the operation's kinds, and which of its results.

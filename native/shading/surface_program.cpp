@@ -10,6 +10,7 @@
 #include "shading/op_normals.hpp"
 #include "shading/op_patterns.hpp"
 #include "shading/op_photometry.hpp"
+#include "shading/op_surroundings.hpp"
 #include "shading/point_values.hpp"
 #include <algorithm>
 #include <array>
@@ -132,6 +133,10 @@ Rgb result_of(const SurfaceOp& op, const Registers& registers, std::span<const C
         return mapped_normal(op, point, operands_of(op, registers));
     case Code::Bump:
         return bumped_normal(op, point, operands_of(op, registers));
+    case Code::AmbientOcclusion:
+        return Rgb(open_share(op, point, operands_of(op, registers)));
+    case Code::Bevel:
+        return rounded_normal(op, point, operands_of(op, registers));
     default:
         return Rgb(0.0f);
     }

@@ -272,6 +272,8 @@ class Code(IntEnum):
     IMAGE_ALPHA_AT = 61
     ENVIRONMENT_AT = 62
     PHOTOMETRY = 63
+    AMBIENT_OCCLUSION = 70
+    BEVEL = 71
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -61,6 +61,7 @@ class NormalSpace(IntEnum):
 
 STRENGTH_MIXES_NORMALS = 1  #: SurfaceOp.selector of Code.NORMAL_MAP.
 BUMP_IS_INVERTED, BUMP_IS_VALID_SPECULAR = 1, 2  #: SurfaceOp.selector of Code.BUMP.
+OCCLUSION_IS_INSIDE, OCCLUSION_IS_ONLY_LOCAL = 1, 2  #: SurfaceOp.option of Code.AMBIENT_OCCLUSION.
 
 
 class ImageProjection(IntEnum):

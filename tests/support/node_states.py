@@ -150,6 +150,7 @@ TESTS = {
     "ShaderNodeHairInfo": "test_hair_agreement",
     **dict.fromkeys(["ShaderNodeBsdfHair", "ShaderNodeBsdfHairPrincipled"], "test_hair_shaders"),
     "ShaderNodeHoldout": "test_holdouts",
+    **dict.fromkeys(["ShaderNodeAmbientOcclusion", "ShaderNodeBevel"], "test_surroundings_nodes"),
     **dict.fromkeys(["ShaderNodeDisplacement", "ShaderNodeVectorDisplacement"], "test_normal_agreement"),
     **dict.fromkeys(
         [
