@@ -89,7 +89,7 @@ std::optional<StoodAt> moved_instances(const SceneDescription& before, const Sce
             return std::nullopt;
         stood_at[index].push_back(place);
     }
-    if (!stood_at.empty() && std::ranges::any_of(after.materials, asks_surroundings))
+    if (!stood_at.empty() && std::ranges::any_of(after.materials, asks_for_others))
         return std::nullopt;
     return stood_at;
 }

@@ -13,8 +13,8 @@ namespace tyndall {
 using StoodAt = std::map<std::uint32_t, std::vector<mat4>>;
 
 /// Instances of `after` that stand elsewhere than in `before`, with where they stood. Nothing where the scenes differ in
-/// more, where one that moved bounds a medium, or where thousands did; nor where a material traces rays, which may meet
-/// what moved wherever the material is. Lights and worlds do not count.
+/// more, where one that moved bounds a medium, or where thousands did; nor where a material traces rays of its own, which
+/// may meet what moved wherever the material is. Lights and worlds do not count.
 [[nodiscard]] std::optional<StoodAt> moved_instances(const SceneDescription& before, const SceneDescription& after);
 
 /// Around what moved, where it stood and where it stands; a little larger than what rounding may add.

@@ -146,9 +146,9 @@ vec3 rounded_normal(const SurfaceOp& op, const ProgramPoint& point, const Operan
     return in.b == own ? rounded : unit_normal_or(in.b + (rounded - own), own);
 }
 
-bool asks_surroundings(const Material& material) {
+bool asks_for_others(const Material& material) {
     return std::ranges::any_of(material.program, [](const SurfaceOp& op) {
-        return op.code == SurfaceOp::Code::AmbientOcclusion || op.code == SurfaceOp::Code::Bevel;
+        return op.code == SurfaceOp::Code::AmbientOcclusion && (op.option & OcclusionOptions::only_local) == 0;
     });
 }
 } // namespace tyndall

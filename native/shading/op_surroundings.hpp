@@ -25,6 +25,6 @@ struct OcclusionOptions {
 /// own normal. SurfaceOp::selector is the number of probes. `b` where no ray may be traced, and for rays that gather light.
 [[nodiscard]] vec3 rounded_normal(const SurfaceOp& op, const ProgramPoint& point, const Operands& in);
 
-/// Whether its program traces rays.
-[[nodiscard]] bool asks_surroundings(const Material& material);
+/// Whether rays of its program may meet other objects.
+[[nodiscard]] bool asks_for_others(const Material& material);
 } // namespace tyndall

@@ -133,7 +133,7 @@ def test_one_ray_is_as_noisy_as_that_of_cycles() -> None:
     assert abs(float((found["one"][1] - truth).mean())) < 5e-3
 
 
-# Seen to fail: with probes along the normal alone, with axes turned otherwise, with normals that face their probe.
+# Seen to fail: with probes along the normal alone, with axes turned otherwise, with weights of the balance heuristic.
 def test_bevels_are_those_of_cycles() -> None:
     off = {}
     for name, (cycles, ours) in pictures(scene_of_cells(_BEVELS), _BEVELS, samples=64).items():

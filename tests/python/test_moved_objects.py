@@ -32,6 +32,7 @@ from tyndall.scene_description import (
     TextureUse,
     World,
 )
+from tyndall.surface_inputs import PointInput
 
 ROOM_BYTES = 64 << 20
 SIZE_PX = (160, 24)  # blocks of 64 x 4 pixels
@@ -281,6 +282,28 @@ def test_a_moved_medium_is_rendered_anew() -> None:
     session = Session(kept_surfaces_bytes=ROOM_BYTES)
     state.picture(session)
     after = replace(state, fog=translation(1.0, 0.0, 0.0) @ state.fog)
+    film = after.picture(session)
+    assert film.statistics["counts"]["surfaces: passes kept"] == 0
+    assert_same(film, after.picture(Session()))
+
+
+def test_where_a_material_asks_for_others_all_is_rendered_anew() -> None:
+    """Its rays may meet what moved wherever it is seen: here, above the picture.
+
+    Seen to fail where the materials are not asked.
+    """
+    reach = SurfaceOp(code=Code.CONSTANT, out=0, value=(6.0,) * 3)
+    normal = SurfaceOp(code=Code.INPUT, option=PointInput.NORMAL, out=1)
+    rays = SurfaceOp(code=Code.AMBIENT_OCCLUSION, selector=16, out=2, a=0, b=1)
+    rng = np.random.default_rng(9)
+    state = start(
+        rng,
+        cubes=(translation(0.0, 9.0, 3.6) @ turned(rng, 0.7),),
+        floor=Material(name="floor", program=(reach, normal, rays), diffuse_register=2, transparent_register=3),
+    )
+    session = Session(kept_surfaces_bytes=ROOM_BYTES)
+    state.picture(session)
+    after = replace(state, cubes=(translation(1.0, 0.2, 0.0) @ state.cubes[0],))
     film = after.picture(session)
     assert film.statistics["counts"]["surfaces: passes kept"] == 0
     assert_same(film, after.picture(Session()))

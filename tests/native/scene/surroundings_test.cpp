@@ -173,6 +173,7 @@ TEST_CASE("who may trace no ray finds all open: shadow rays, and those that say 
     CHECK(share_at(*scene, ray) < 0.1);
 }
 
+// Seen to fail without the filter of what has moved.
 TEST_CASE("what has moved into a tree of its own hides where it stands, and no longer where it stood") {
     std::vector<Part> parts{{.mesh = square(), .material = asking(Code::AmbientOcclusion, 1.0f)},
                             {.mesh = square(), .world_from_object = translation({0, 0, 0.2f})}};
@@ -194,7 +195,7 @@ TEST_CASE("what has moved into a tree of its own hides where it stands, and no l
     CHECK(share_at(again, down_at(0.1f, 0.2f)) == hidden);
 }
 
-TEST_CASE("where a material traces rays, nothing of a picture stays when something moves") {
+TEST_CASE("where a material asks for others, nothing of a picture stays when something moves") {
     const auto moves = [](const Material& material) {
         const Part still{.mesh = square(), .material = material};
         const auto before = make_scene({still, {.mesh = square(), .world_from_object = translation({0, 0, 2})}});
@@ -204,7 +205,8 @@ TEST_CASE("where a material traces rays, nothing of a picture stays when somethi
     };
     CHECK(moves(Material{.name = "white"}).has_value());
     CHECK(!moves(asking(Code::AmbientOcclusion, 1.0f)).has_value());
-    CHECK(!moves(asking(Code::Bevel, 1.0f)).has_value());
+    CHECK(moves(asking(Code::AmbientOcclusion, 1.0f, 64, OcclusionOptions::only_local)).has_value());
+    CHECK(moves(asking(Code::Bevel, 1.0f)).has_value());
 }
 
 namespace {
@@ -226,7 +228,7 @@ dvec3 mean_normal(double from_edge, double radius) {
 }
 } // namespace
 
-// Seen to fail with probes along the normal alone, and with weights of the balance heuristic for two axes.
+// Seen to fail with probes along the normal alone.
 TEST_CASE("a bevel is the mean normal of its object's surfaces around, by the cube of what is left of the radius") {
     const mat4 places[] = {scaled(vec3(10.0f)), scaled({10, -20, 5}) /* mirrored, and turned inside out by it */};
     for (const mat4& place : places) {
