@@ -92,8 +92,9 @@ class TyndallIndirectSettings(PropertyGroup):
     has_refraction: BoolProperty(
         name="Refraction",
         description="What cameras and mirrors see through glass and water (Glass, Refraction and Principled shaders) "
-        "is bent, and these mirror by Fresnel's equations. Off: it is seen straight through them. The light of lamps "
-        "passes straight either way, and no light shafts are seen behind what bends",
+        "is bent, these mirror by Fresnel's equations, and lamps with a size show in mirrors and glass. Off: it is "
+        "seen straight through them. The light of lamps passes straight either way, and no light shafts are seen "
+        "behind what bends",
         default=False,
         update=tag,
         override=OVERRIDABLE,

@@ -112,6 +112,9 @@ public:
     /// Those of up to most_points points of which one of at()'s shadow rays to the light may meet the boxes.
     [[nodiscard]] LaneSet may_meet(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,
                                    const MovedBoxes& boxes, const PointLobes* lobes = nullptr) const;
+    /// How many lamps are asked each: the first of the lights.
+    [[nodiscard]] std::size_t lamp_count() const { return lights_.size(); }
+    [[nodiscard]] const LightAim& aim_of(std::size_t lamp) const { return lights_[lamp].aim; }
     /// Its shadow rays alone tell what reaches a point. False: edits of its occluders show on surfaces, too.
     [[nodiscard]] bool is_told_by_rays(std::size_t light) const;
 

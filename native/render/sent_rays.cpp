@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/sent_rays.hpp"
+#include "core/sobol.hpp"
 #include "scene/strand_spawn.hpp"
+#include <algorithm>
 #include <cmath>
 
 namespace tyndall::render {
+// Of what a ray counts; above, it is followed always.
+static constexpr float least_split = 1.0f / 16.0f;
+
 /// On the side that the ray comes from.
 static vec3 outside_of(const ShadingPoint& point) {
     return point.is_backface ? -point.geometric_normal : point.geometric_normal;
@@ -37,5 +42,19 @@ std::optional<Ray> bent_ray(const Scene& scene, const SurfacePoint& point, const
         return std::nullopt;
     return Ray{.origin = strand_spawn_point(scene, point.hit, point.spawn).towards(*direction),
                .direction = *direction};
+}
+
+Rgb DrawnWays::followed(const Rgb& share) {
+    const Rgb weights = in_front_ * share;
+    const float weight = std::max({weights.x, weights.y, weights.z});
+    if (weight >= least_split)
+        return share;
+    if (!(weight > 1e-9f))
+        return Rgb(0.0f);
+    if (!number_)
+        number_ = sobol_point(sample_index_, seed_).x;
+    const float before = std::floor(drawn_ + *number_);
+    drawn_ += weight / least_split;
+    return std::floor(drawn_ + *number_) > before ? share * (least_split / weight) : Rgb(0.0f);
 }
 } // namespace tyndall::render

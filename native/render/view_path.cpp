@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/view_path.hpp"
+#include "render/follower.hpp"
 #include "render/pixel_footprint.hpp"
-#include "render/sent_rays.hpp"
 #include "scene/strand_spawn.hpp"
 #include <algorithm>
 #include <array>
@@ -12,29 +12,6 @@
 namespace tyndall::render {
 // Blender's default: a surface that covers less does not show in Depth, Normal and Position.
 static constexpr float alpha_threshold = 0.5f;
-// Of a ray that is sent on, to be followed: between two panes that mirror a little, rays would double at each.
-static constexpr float least_sent = 1.0f / 1024.0f;
-
-/// A ray on its way.
-struct ViewPath::Follower {
-    std::size_t index = 0; ///< Of its camera ray.
-    float spread = 0.0f;   ///< What a pixel covers, per metre of the way.
-    float near_m = 0.0f;   ///< Where the camera's ray began, along it.
-    float width_m = 0.0f;  ///< What it covers where `part` begins.
-    Ray part{};            ///< What is left of it.
-    Rgb through_surfaces{1.0f}, through_media{1.0f};
-    FeatureSearch features{}; ///< Where a denoiser is to be shown some.
-    bool has_first_surface = false;
-    LightOf of = LightOf::Picture; ///< What it brings home.
-    RayKind kind = RayKind::Camera;
-    std::uint8_t mirror_count = 0, bend_count = 0; ///< Behind it.
-    bool is_past = false;                          ///< One more than there may be: it sees the world and what glows.
-    /// Equal for rays that are followed together; those among catchers alone come last.
-    [[nodiscard]] int company() const {
-        return (of == LightOf::CatcherAlone ? 4 : 0) + (is_past ? 2 : 0) + (kind == RayKind::Transmission ? 1 : 0);
-    }
-    [[nodiscard]] Rgb throughput() const { return through_surfaces * through_media; }
-};
 
 /// Seeds and targets as walk() has them.
 struct ViewPath::Rays {
@@ -44,16 +21,6 @@ struct ViewPath::Rays {
     std::uint32_t generation = 0;            ///< How often each was sent on.
     std::span<const RayDetail> details = {}; ///< By the index of a camera ray; empty where every cell is met.
     Among among = Among::All;                ///< What they meet.
-};
-
-/// What a surface sends on of a ray.
-struct ViewPath::Sending {
-    const Follower& follower;
-    const SurfacePoint& point;
-    float width_m; ///< What the ray covers there.
-    const FeatureSearches& searches;
-    Rgb through_media;
-    LightOf of;
 };
 
 /// A surface that waits for light.
@@ -150,44 +117,6 @@ static SurfacePoint other_side(const Scene& scene, SurfacePoint point) {
     point.shading.is_backface = !point.shading.is_backface;
     point.pixel_seed = hash(point.pixel_seed, 1);
     return point;
-}
-
-void ViewPath::send_on(const Sending& sending, const SurfaceClosures& closures, std::span<const Lobe> bent,
-                       std::vector<Follower>& sent) const {
-    const auto& [follower, point, width_m, searches, through_media, of] = sending;
-    const Rgb in_front = follower.through_surfaces * through_media;
-    const auto counts = [&](const Rgb& share) {
-        const Rgb weight = in_front * share;
-        return std::max({weight.x, weight.y, weight.z}) >= least_sent;
-    };
-    const auto send = [&](const Rgb& share, const Ray& ray, RayKind kind) {
-        Follower& next = sent.emplace_back(follower);
-        next.part = ray;
-        next.width_m = width_m;
-        next.near_m = 0.0f;
-        next.through_surfaces *= share;
-        next.through_media = through_media;
-        next.has_first_surface = true;
-        next.features = searches.sent(share);
-        next.of = of;
-        next.kind = kind;
-        ++(kind == RayKind::Mirror ? next.mirror_count : next.bend_count);
-        next.is_past =
-            next.mirror_count > config_.indirect.mirror_depth || next.bend_count > config_.indirect.refraction_depth;
-    };
-    if (config_.indirect.mirror_depth > 0 && counts(closures.mirrored))
-        send(closures.mirrored, mirrored_ray(point, follower.part, point.shading.shading_normal), RayKind::Mirror);
-    if (config_.indirect.refraction_depth == 0)
-        return;
-    for (const Lobe& lobe : bent) {
-        const vec3& normal = lobe.has_own_normal() ? lobe.normal : point.shading.shading_normal;
-        if (counts(lobe.a))
-            send(lobe.a, mirrored_ray(point, follower.part, normal), RayKind::Mirror);
-        if (!counts(lobe.weight))
-            continue;
-        if (const auto ray = bent_ray(scene_, point, follower.part, normal, lobe.ior))
-            send(lobe.weight, *ray, RayKind::Transmission);
-    }
 }
 
 void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds,
@@ -309,6 +238,8 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
             Follower& follower = followers[i];
             const Hit& hit = hits[i];
             PathSample& sample = samples[follower.index];
+            if (is_sent_on && config_.indirect.refraction_depth > 0 && rays.among == Among::All)
+                see_lamps(follower, hit.is_hit() ? hit.distance_m : follower.part.far_m, sample);
             if (!media_.is_empty() && rays.among == Among::All)
                 pass_media(follower, hit, sample, is_sent_on ? nullptr : &parts[follower.index]);
             if (!hit.is_hit()) {
@@ -369,7 +300,14 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
             if (!lobes.empty() && !is_sent_on)
                 sample.diffuse_colour += throughput * LobeSet{.lobes = lobes}.diffuse_colour();
             if (sent != nullptr) {
-                Sending sending{follower, point, footprint_m, searches, follower.through_media, of};
+                Sending sending{follower,
+                                point,
+                                footprint_m,
+                                searches,
+                                follower.through_media,
+                                of,
+                                rays.pixel_seeds[follower.index],
+                                rays.sample_index};
                 send_on(sending, closures, bent, *sent);
                 sending.through_media = Rgb(1.0f);
                 sending.of = LightOf::CatcherAlone;

@@ -3,7 +3,8 @@
 // what mirrors send on, as far as the settings say.
 // Differs from Cycles: layers are followed deterministically with their share per channel, not picked at random, so
 //           that a window or a leaf's edge adds no noise. The expected picture is the same. So are mirrors, but for those
-//           of which less than 1 / 1,024 would reach the camera, and both ways of glass.
+//           of which less than 1 / 1,024 would reach the camera. Where glass bends, ways that count little are drawn: see
+//           sent_rays.hpp.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
 #include "render/direct_light.hpp"
@@ -77,6 +78,8 @@ private:
     /// one.
     void follow(const Rays& rays, std::span<PathSample> samples, std::span<std::vector<MediumPart>> parts,
                 const DataOfRays& data, std::vector<Follower>* sent, SurfaceWalk* walked) const;
+    /// Adds lamps with a size that a ray from a mirror or glass meets before it ends.
+    void see_lamps(const Follower& follower, float end_m, PathSample& sample) const;
     /// Appends the rays that mirrors and glass send on.
     void send_on(const Sending& sending, const SurfaceClosures& closures, std::span<const Lobe> bent,
                  std::vector<Follower>& sent) const;

@@ -41,9 +41,11 @@ Material ruler() {
     material.emission_register = 2;
     return material;
 }
-FrameConfig bending(std::uint32_t depth, std::uint32_t mirror_depth = 0) {
+/// What counts for less than 1 / 16 is drawn by chance: pictures with such ways want samples.
+constexpr std::uint32_t many = 1024;
+FrameConfig bending(std::uint32_t depth, std::uint32_t mirror_depth = 0, std::uint32_t samples = 1) {
     FrameConfig config;
-    config.pixel_samples = 1;
+    config.pixel_samples = samples;
     config.indirect.refraction_depth = depth;
     config.indirect.mirror_depth = mirror_depth;
     return config;
@@ -139,17 +141,21 @@ TEST_CASE("glass mirrors Fresnel's share and lets in the rest: in an even world 
     for (const vec3 from : {vec3(0.1f, 0.2f, 3.0f), vec3(2.5f, 1.0f, 0.7f), vec3(1.2f, 1.5f, 2.0f)}) {
         Camera camera;
         camera.world_from_camera = glm::inverse(glm::lookAt(from, vec3(0.1f), vec3(0, 0.1f, 1)));
-        camera.width_px = camera.height_px = 8;
-        const Film film = film_of(*block, camera, bending(64, 64));
-        for (std::size_t value = 0; value < 4 * 64; value += 4) // rays of less than 1 / 1,024 are left out
-            CHECK(film.planes[0].values[value] == doctest::Approx(2.0).epsilon(5e-3));
+        camera.width_px = camera.height_px = 6;
+        const Film film = film_of(*block, camera, bending(64, 64, 256));
+        for (std::size_t value = 0; value < 4 * 36; value += 4)
+            CHECK(film.planes[0].values[value] == doctest::Approx(2.0).epsilon(1e-2));
+        double sum = 0.0;
+        for (std::size_t value = 0; value < 4 * 36; value += 4)
+            sum += film.planes[0].values[value];
+        CHECK(sum / 36 == doctest::Approx(2.0).epsilon(1e-3));
     }
     // One surface, whose lower side is asked for no more than the world.
     for (const double angle : {0.0, 1.0, 1.4}) {
         const auto black_below = in_world(
             {floor_at(vec3(0.0f), 50.0f, glass(1.5f)), floor_at({0, 0, -1}, 50.0f, diffuse(Rgb(0.0f)))}, Rgb(2.0f));
-        CHECK(relative_error(pixel(film_of(*black_below, camera_askew(angle), bending(1, 1))),
-                             Rgb(2.0f * fresnel_dielectric(static_cast<float>(std::cos(angle)), 1.5f))) < 2e-5);
+        CHECK(relative_error(pixel(film_of(*black_below, camera_askew(angle), bending(1, 1, many))),
+                             Rgb(2.0f * fresnel_dielectric(static_cast<float>(std::cos(angle)), 1.5f))) < 3e-3);
     }
 }
 
@@ -161,17 +167,17 @@ TEST_CASE("from below, water mirrors all beyond the critical angle, and is seen 
     const Part above = floor_at({0, 0, 2}, 100.0f, ruler()), below = floor_at({0, 0, -2}, 100.0f, ruler());
     const auto find = [&](const Part& part,
                           double angle) { // the camera is above, where the water is, as that is turned
-        return pixel(film_of(*make_scene({surface, part}), camera_askew(angle), bending(2, 2)));
+        return pixel(film_of(*make_scene({surface, part}), camera_askew(angle), bending(2, 2, many)));
     };
     CHECK(relative_error(find(above, critical + 0.02),
-                         Rgb(0, static_cast<float>(2.0 * std::tan(critical + 0.02)), 2) + ruler_offset_m) < 1e-5);
+                         Rgb(0, static_cast<float>(2.0 * std::tan(critical + 0.02)), 2) + ruler_offset_m) < 3e-3);
     CHECK(find(below, critical + 0.02) == Rgb(0.0f));
     const double angle = critical - 0.1, outer = std::asin(1.33 * std::sin(angle));
     const float share = fresnel_dielectric(static_cast<float>(std::cos(outer)), 1.33f); // from either side the same
     CHECK(relative_error(find(below, angle), (1.0f - share) * (Rgb(0, static_cast<float>(2.0 * std::tan(outer)), -2) +
-                                                               ruler_offset_m)) < 1e-5);
+                                                               ruler_offset_m)) < 3e-3);
     CHECK(relative_error(find(above, angle),
-                         share * (Rgb(0, static_cast<float>(2.0 * std::tan(angle)), 2) + ruler_offset_m)) < 1e-5);
+                         share * (Rgb(0, static_cast<float>(2.0 * std::tan(angle)), 2) + ruler_offset_m)) < 3e-3);
 }
 
 TEST_CASE("what fills a slab absorbs along the bent way, and each side colours once") {

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A camera ray on its way, and what a surface sends on of it: of view_path.cpp and view_path_sent.cpp alone.
+#pragma once
+#include "render/view_path.hpp"
+
+namespace tyndall::render {
+/// A ray on its way.
+struct ViewPath::Follower {
+    std::size_t index = 0; ///< Of its camera ray.
+    float spread = 0.0f;   ///< What a pixel covers, per metre of the way.
+    float near_m = 0.0f;   ///< Where the camera's ray began, along it.
+    float width_m = 0.0f;  ///< What it covers where `part` begins.
+    Ray part{};            ///< What is left of it.
+    Rgb through_surfaces{1.0f}, through_media{1.0f};
+    FeatureSearch features{}; ///< Where a denoiser is to be shown some.
+    bool has_first_surface = false;
+    LightOf of = LightOf::Picture; ///< What it brings home.
+    RayKind kind = RayKind::Camera;
+    std::uint32_t sender = 0;                      ///< The instance that sent it on.
+    std::uint32_t way = 0;                         ///< Which of all ways it was sent, as a hash.
+    std::uint8_t mirror_count = 0, bend_count = 0; ///< Behind it.
+    bool is_past = false;                          ///< One more than there may be: it sees the world and what glows.
+    /// Equal for rays that are followed together; those among catchers alone come last.
+    [[nodiscard]] int company() const {
+        return (of == LightOf::CatcherAlone ? 4 : 0) + (is_past ? 2 : 0) + (kind == RayKind::Transmission ? 1 : 0);
+    }
+    [[nodiscard]] Rgb throughput() const { return through_surfaces * through_media; }
+};
+
+/// What a surface sends on of a ray.
+struct ViewPath::Sending {
+    const Follower& follower;
+    const SurfacePoint& point;
+    float width_m; ///< What the ray covers there.
+    const FeatureSearches& searches;
+    Rgb through_media;
+    LightOf of;
+    std::uint32_t pixel_seed, sample_index;
+};
+} // namespace tyndall::render

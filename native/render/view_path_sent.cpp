@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What mirrors and glass send on of a ray, and the lamps that it meets there.
+#include "core/random.hpp"
+#include "render/follower.hpp"
+#include "render/lamp_hits.hpp"
+#include "render/sent_rays.hpp"
+#include "scene/light_texture.hpp"
+#include <algorithm>
+
+namespace tyndall::render {
+// Of a mirrored ray, to be followed where nothing bends: between two panes that mirror a little, rays would double at each.
+static constexpr float least_mirrored = 1.0f / 1024.0f;
+
+void ViewPath::send_on(const Sending& sending, const SurfaceClosures& closures, std::span<const Lobe> bent,
+                       std::vector<Follower>& sent) const {
+    const auto& [follower, point, width_m, searches, through_media, of, pixel_seed, sample_index] = sending;
+    const IndirectConfig& indirect = config_.indirect;
+    std::uint32_t way = 0; // which of the surface's
+    const auto send = [&](const Rgb& share, const Ray& ray, RayKind kind) {
+        Follower& next = sent.emplace_back(follower);
+        next.part = ray;
+        next.width_m = width_m;
+        next.near_m = 0.0f;
+        next.through_surfaces *= share;
+        next.through_media = through_media;
+        next.has_first_surface = true;
+        next.features = searches.sent(share);
+        next.of = of;
+        next.kind = kind;
+        next.way = hash(follower.way, way);
+        next.sender = point.hit.instance;
+        ++(kind == RayKind::Mirror ? next.mirror_count : next.bend_count);
+        next.is_past = next.mirror_count > indirect.mirror_depth || next.bend_count > indirect.refraction_depth;
+    };
+    const Rgb in_front = follower.through_surfaces * through_media;
+    const vec3& own = point.shading.shading_normal;
+    if (indirect.refraction_depth == 0) {
+        const Rgb weight = in_front * closures.mirrored;
+        if (std::max({weight.x, weight.y, weight.z}) >= least_mirrored)
+            send(closures.mirrored, mirrored_ray(point, follower.part, own), RayKind::Mirror);
+        return;
+    }
+    constexpr std::uint32_t of_ways = 0x6c69'6768; // a seed apart from those of lights
+    DrawnWays ways(in_front, hash(pixel_seed, follower.way, of_ways), sample_index);
+    if (indirect.mirror_depth > 0)
+        if (const Rgb share = ways.followed(closures.mirrored); share != Rgb(0.0f))
+            send(share, mirrored_ray(point, follower.part, own), RayKind::Mirror);
+    for (const Lobe& lobe : bent) {
+        const vec3& normal = lobe.has_own_normal() ? lobe.normal : own;
+        ++way;
+        if (const Rgb share = ways.followed(lobe.a); share != Rgb(0.0f))
+            send(share, mirrored_ray(point, follower.part, normal), RayKind::Mirror);
+        ++way;
+        if (const Rgb share = ways.followed(lobe.weight); share != Rgb(0.0f))
+            if (const auto ray = bent_ray(scene_, point, follower.part, normal, lobe.ior))
+                send(share, *ray, RayKind::Transmission);
+    }
+}
+
+void ViewPath::see_lamps(const Follower& follower, float end_m, PathSample& sample) const {
+    const Ray& ray = follower.part;
+    for (std::size_t lamp = 0; lamp < light_.lamp_count(); ++lamp) {
+        const LightAim& aim = light_.aim_of(lamp);
+        const Light& light = scene_.lights()[light_.index_of(lamp)];
+        if (!aim.has_size() ||
+            !(light.links.lights_all() || light.links.lights(scene_.object_info(follower.sender).receiver_set)))
+            continue;
+        const LampHit hit = lamp_hit(aim.form(), ray.origin, ray.direction);
+        if (!(hit.pdf_per_sr > 0.0f) || hit.far_m < ray.near_m || hit.far_m > end_m)
+            continue;
+        Rgb radiance = light.strength * hit.radiance_per_strength;
+        if (light.kind == LightKind::Spot)
+            radiance *= spot_attenuation(light, -ray.direction);
+        if (light.texture)
+            radiance *= texture_colour(
+                light, light.kind == LightKind::Sun ? light.position : ray.origin + hit.far_m * ray.direction,
+                ray.origin);
+        Ray before = ray;
+        before.far_m = hit.far_m;
+        if (!media_.is_empty())
+            radiance *= media_.transmittance(before);
+        sample.add_light(follower.throughput() * radiance, light.light_group, follower.of);
+    }
+}
+} // namespace tyndall::render
