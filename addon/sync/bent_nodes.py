@@ -79,6 +79,8 @@ def add_bent_transmission(reader: ValueReader, at: Socket, weight: Value, base: 
 
 def _push(reader: ValueReader, at: Socket, shares: Shares, model: LobeModel, *inputs: Value) -> None:
     reader.note("the light of lamps passes straight through what bends it")
+    if reader.number(at.input("Thin Film Thickness")) != BLACK:
+        reader.note("thin films are not drawn")
     normals = LobeNormals(facets=reader.normal(at.input("Normal"), is_specular=True))
     if shares.lobes is not None:
         shares.lobes.append(LobeValues(model, inputs, normals=normals))

@@ -91,7 +91,7 @@ public:
 
 private:
     [[nodiscard]] float number(std::size_t input) const { return inputs_[input].x; }
-    [[nodiscard]] float index(std::size_t input) const { return std::max(number(input), 1e-5f); }
+    [[nodiscard]] float index(std::size_t i) const { return std::min(std::max(1e-5f, number(i)), 1e6f); } // of NaN, too
     /// The surface's own colour.
     [[nodiscard]] Rgb colour(std::size_t input) const { return point_.tint * non_negative(inputs_[input]); }
 
