@@ -93,8 +93,8 @@ class TyndallIndirectSettings(PropertyGroup):
         name="Refraction",
         description="What cameras and mirrors see through glass and water (Glass, Refraction and Principled shaders) "
         "is bent, these mirror by Fresnel's equations, and lamps with a size show in mirrors and glass. Off: it is "
-        "seen straight through them. The light of lamps passes straight either way, and no light shafts are seen "
-        "behind what bends",
+        "seen straight through them. The light of lamps passes straight either way, and light shafts are seen behind "
+        "panes, but not behind other glass",
         default=False,
         update=tag,
         override=OVERRIDABLE,

@@ -185,7 +185,7 @@ bool FrameSurfaces::find_mirrors() const {
     if (follows_mirrors && !media_.is_empty())
         statistics_.skip("light shafts in mirrors", "they show surfaces, the world, and how media dim these");
     if (follows_bends && !media_.is_empty())
-        statistics_.skip("light shafts behind what bends light", "surfaces and the world show, dimmed by the media");
+        statistics_.skip("light shafts behind what bends light", "but for panes: what shows is dimmed by the media");
     return follows_mirrors || follows_bends;
 }
 

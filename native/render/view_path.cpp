@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
+#include <optional>
 
 namespace tyndall::render {
 // Blender's default: a surface that covers less does not show in Depth, Normal and Position.
@@ -16,6 +17,7 @@ static constexpr float alpha_threshold = 0.5f;
 /// Seeds and targets as walk() has them.
 struct ViewPath::Rays {
     std::span<Follower> followers;
+    std::span<const Ray> camera_rays;
     std::span<const std::uint32_t> pixel_seeds, targets;
     std::uint32_t sample_index = 0;
     std::uint32_t generation = 0;            ///< How often each was sent on.
@@ -48,14 +50,25 @@ struct ViewPath::Beside {
     }
 };
 
-void ViewPath::pass_media(Follower& follower, const Hit& hit, PathSample& sample,
-                          std::vector<MediumPart>* parts) const {
+std::optional<float> ViewPath::goes_on_at(const Follower& follower, const Ray& camera_ray) {
+    constexpr float least_cosine = 1.0f - 5e-5f; // 0.01 rad
+    if (follower.kind == RayKind::Camera)
+        return 0.0f;
+    if (follower.mirror_count > 0 || glm::dot(follower.part.direction, camera_ray.direction) < least_cosine)
+        return std::nullopt;
+    return glm::dot(follower.part.origin - camera_ray.origin, camera_ray.direction);
+}
+
+void ViewPath::pass_media(Follower& follower, const Hit& hit, const Ray& camera_ray, PathSample& sample,
+                          std::vector<MediumPart>& parts) const {
     Ray inside = follower.part;
     if (hit.is_hit())
         inside.far_m = hit.distance_m;
     const Rgb in_front = follower.throughput();
-    if (config_.collects_parts && parts != nullptr)
-        parts->push_back({.near_m = inside.near_m, .far_m = inside.far_m, .weight = in_front});
+    if (config_.collects_parts)
+        if (const std::optional<float> before_m = goes_on_at(follower, camera_ray))
+            parts.push_back(
+                {.near_m = *before_m + inside.near_m, .far_m = *before_m + inside.far_m, .weight = in_front});
     sample.radiance += in_front * media_.emission(inside);
     follower.through_media *= media_.transmittance(inside);
     if (!follower.has_first_surface)
@@ -152,6 +165,7 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
     thread_local std::vector<Follower> sent, following;
     sent.clear();
     follow({.followers = std::span(followers).first(follower_count),
+            .camera_rays = camera_rays,
             .pixel_seeds = pixel_seeds,
             .targets = targets,
             .sample_index = sample_index,
@@ -170,6 +184,7 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
             const std::size_t count =
                 std::min(DirectLight::most_points, static_cast<std::size_t>(others - left.begin()));
             follow({.followers = left.first(count),
+                    .camera_rays = camera_rays,
                     .pixel_seeds = pixel_seeds,
                     .targets = targets,
                     .sample_index = sample_index,
@@ -241,7 +256,7 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
             if (is_sent_on && config_.indirect.refraction_depth > 0 && rays.among == Among::All)
                 see_lamps(follower, hit.is_hit() ? hit.distance_m : follower.part.far_m, sample);
             if (!media_.is_empty() && rays.among == Among::All)
-                pass_media(follower, hit, sample, is_sent_on ? nullptr : &parts[follower.index]);
+                pass_media(follower, hit, rays.camera_rays[follower.index], sample, parts[follower.index]);
             if (!hit.is_hit()) {
                 reach_world(follower, is_sent_on, sample);
                 if (has_features && (is_sent_on || !config_.is_film_transparent))

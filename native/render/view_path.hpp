@@ -11,6 +11,7 @@
 #include "render/film.hpp"
 #include "render/indirect_config.hpp"
 #include "render/surface_walk.hpp"
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -87,7 +88,10 @@ private:
     void show(Follower& follower, const SurfacePoint& point, const SurfaceClosures& closures, bool is_sent_on,
               LightOf of, PathSample& sample) const;
     /// Light of the media up to the hit, and their parts: nothing, where they do not count.
-    void pass_media(Follower& follower, const Hit& hit, PathSample& sample, std::vector<MediumPart>* parts) const;
+    void pass_media(Follower& follower, const Hit& hit, const Ray& camera_ray, PathSample& sample,
+                    std::vector<MediumPart>& parts) const;
+    /// Where on its camera's ray one that was bent begins, if it goes on along that, nearly, as behind a pane.
+    [[nodiscard]] static std::optional<float> goes_on_at(const Follower& follower, const Ray& camera_ray);
     /// Light of the world, if the film shows it; mirrors and what bends always do.
     void reach_world(const Follower& follower, bool is_sent_on, PathSample& sample) const;
 

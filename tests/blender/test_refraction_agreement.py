@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from addon import last_render
 from support.cycles_reference import agreement, pixels_on_edges, prepare_cycles, rendered_pixels, tyndall_pixels
 from support.exr import read_planes
-from support.small_scenes import Build, add, cube, empty_scene, light, material, node, plane
+from support.small_scenes import Build, add, cube, empty_scene, light, material, node, plane, read
 
 SIZE_PX, CYCLES_SAMPLES = 36, 100
 IS_4, IS_5 = (bpy.app.version >= (major, 0, 0) for major in (4, 5))
@@ -249,3 +249,31 @@ def test_passes_take_the_glass_for_the_first_surface_and_denoisers_see_behind_it
     for name in ("Denoising Albedo", "Denoising Depth", "Denoising Normal"):
         means = [planes[name][within].mean(axis=0) for planes in (ours, theirs)]
         assert means[0] == pytest.approx(means[1], rel=0.015 if IS_4 else 0.05, abs=0.005), name
+
+
+def models_read() -> set[str]:
+    return {lobes.model.name.removesuffix("_3") for drawn in read().materials for lobes in drawn.lobes}
+
+
+def test_only_what_is_sharp_bends_and_only_where_it_is_asked_for() -> None:
+    """Rough glass, and one whose roughness varies, stay what they are without the option."""
+    scene = empty_scene()
+    made_of = material("Glass", shader("ShaderNodeBsdfGlass", Roughness=0.2))
+    cube("Cube", made_of)
+    indirect = scene.tyndall.indirect
+    assert not indirect.has_refraction
+    assert models_read() == {"GLASS"}
+    indirect.has_refraction = True
+    assert models_read() == {"GLASS"}, "without mirrors"
+    indirect.has_mirrors = True
+    assert models_read() == {"GLASS"}, "too rough"
+    indirect.mirror_roughness = 0.2
+    assert models_read() == {"BENT_GLASS"}
+    tree = made_of.node_tree
+    texture = tree.nodes.new("ShaderNodeTexNoise")
+    tree.links.new(texture.outputs[0], tree.nodes["Glass BSDF"].inputs["Roughness"])
+    assert models_read() == {"GLASS"}, "who knows how rough"
+    indirect.has_refraction = False
+    tree.nodes["Glass BSDF"].inputs["Roughness"].default_value = 0.0
+    tree.links.clear()
+    assert models_read() <= {"GLASS"}

@@ -322,9 +322,9 @@ private:
         if (transmission > least_share) {
             const Rgb all = weight_ * ((1.0f - metallic) * transmission);
             const Rgb share = below_sheen * ((1.0f - metallic) * transmission);
-            closures_.transparent = glm::max(closures_.transparent - (all - share) * base, Rgb(0.0f));
-            glass(weight * transmission, share * base, weight * transmission, clamped(straight_share(ior) * tint),
-                  roughness, ior, false);
+            closures_.transparent = glm::max(closures_.transparent - (all - share) * glm::sqrt(base), Rgb(0.0f));
+            glass(weight * transmission, share * glm::sqrt(base), weight * transmission,
+                  clamped(straight_share(ior) * tint), roughness, ior, false);
             weight *= 1.0f - transmission;
         }
         const float level = std::max(number(4), 0.0f);

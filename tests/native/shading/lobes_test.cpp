@@ -243,6 +243,20 @@ TEST_CASE("layers of the principled shader together send back no more than arriv
             }
 }
 
+TEST_CASE("what a principled shader transmits loses Fresnel's share of its own colour, the root of the base's") {
+    const Rgb base(0.25f, 0.64f, 1.0f), one(1.0f);
+    LobeInputs inputs{one,       base, Rgb(0.0f), Rgb(0.5f), Rgb(0.5f), one,       one,
+                      Rgb(1.5f), {},   {},        Rgb(1.5f), one,       Rgb(0.0f), {}};
+    ShadingPoint point;
+    point.view_cosine = 0.4f;
+    SurfaceClosures closures{.transparent = glm::sqrt(base)};
+    Lobes lobes;
+    add_lobes({.model = LobeModel::Principled}, inputs, point, closures, &lobes);
+    for (int channel = 0; channel < 3; ++channel)
+        CHECK(closures.transparent[channel] ==
+              doctest::Approx(std::sqrt(base[channel]) * (1.0f - fresnel_of_any_index(0.4f, 1.5f))));
+}
+
 TEST_CASE("without a list, lobes count as diffuse in what they reflect") {
     const SurfaceClosures closures = built(LobeModel::Glossy, {Rgb(0.5f), Rgb(0.6f), Rgb(0.5f)}, 0.8f, nullptr, false);
     CHECK(closures.diffuse_albedo.x == doctest::Approx(0.3f));
