@@ -30,6 +30,7 @@ class TYNDALL_PT_ray_visibility(PropertiesPanel, Panel):
             column.prop(context.object, "visible_camera", text="Camera", toggle=False)
             column.prop(context.object, "visible_diffuse", text="Diffuse", toggle=False)
             column.prop(context.object, "visible_glossy", text="Glossy", toggle=False)
+            column.prop(context.object, "visible_transmission", text="Transmission", toggle=False)
             column.prop(context.object, "visible_shadow", text="Shadow", toggle=False)
 
 

@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 
 _POLL_EVERY = 2048  #: Instances between two polls, about 5 ms.
 #: Ray visibility of an object, beside that to cameras.
-_OTHER_RAYS = ("visible_shadow", "visible_diffuse", "visible_glossy")
+_OTHER_RAYS = ("visible_shadow", "visible_diffuse", "visible_glossy", "visible_transmission")
 
 _INSTANCING = {"NODES", "PARTICLE_SYSTEM"}  #: Modifiers.
 
@@ -80,6 +80,7 @@ class Placement:
     casts_shadow: bool
     is_bounce_visible: bool = True
     is_mirror_visible: bool = True
+    is_glass_visible: bool = True
     lights_media: bool = True  #: Of a mesh, if it glows.
     is_held_out: bool = False
     is_shadow_catcher: bool = False  #: Of a light: its shadows show on catchers.
@@ -166,6 +167,8 @@ class _Grouping:
         self._plain: dict[tuple[Object, Object | None], Placement | None] = {}
         self._hair = _hair_by_object(depsgraph)
         self._lighting = LightingReader.of(depsgraph, reports)
+        indirect = depsgraph.scene_eval.tyndall.indirect
+        self._bends = indirect.has_mirrors and indirect.has_refraction
         self._limited = {thing for thing in depsgraph.objects if self._is_limited(thing)}
 
     def _is_limited(self, thing: Object) -> bool:
@@ -258,10 +261,17 @@ class _Grouping:
             return None
         source = owner.evaluated_get(self._depsgraph)
         is_camera_visible = source.visible_camera and self._is_camera_visible(parent or source)
-        casts_shadow, is_bounce_visible, is_mirror_visible = (
+        casts_shadow, is_bounce_visible, is_mirror_visible, is_glass_visible = (
             getattr(source, switch) and (parent is None or getattr(parent, switch)) for switch in _OTHER_RAYS
         )
-        if has_shape and not (is_camera_visible or casts_shadow or is_bounce_visible or is_mirror_visible):
+        seen_by = (
+            is_camera_visible,
+            casts_shadow,
+            is_bounce_visible,
+            is_mirror_visible,
+            is_glass_visible and self._bends,
+        )
+        if has_shape and not any(seen_by):
             return None
         return Placement(
             object_name=owner.name,
@@ -272,6 +282,7 @@ class _Grouping:
             casts_shadow=casts_shadow,
             is_bounce_visible=is_bounce_visible,
             is_mirror_visible=is_mirror_visible,
+            is_glass_visible=is_glass_visible,
             lights_media=source.visible_volume_scatter and (parent is None or parent.visible_volume_scatter),
             is_held_out=has_shape and self._is_held_out(parent or source),
             is_shadow_catcher=source.is_shadow_catcher or (parent is not None and parent.is_shadow_catcher),

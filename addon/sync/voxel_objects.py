@@ -91,6 +91,7 @@ def _group(placement: Placement, dag: VoxelDag, materials: MaterialReader, repor
         casts_shadow=placement.casts_shadow,
         is_bounce_visible=placement.is_bounce_visible,
         is_mirror_visible=placement.is_mirror_visible,
+        is_glass_visible=placement.is_glass_visible,
         is_held_out=placement.is_held_out,
         is_shadow_catcher=placement.is_shadow_catcher,
         lighting=placement.lighting,

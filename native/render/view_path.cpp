@@ -245,8 +245,7 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
             if (has_details)
                 details[i] = rays.details[followers[i].index];
         }
-        scene_.closest_hits(std::span(next).first(count), hits,
-                            mask_among(rays.among, is_sent_on ? mirror_mask : camera_mask),
+        scene_.closest_hits(std::span(next).first(count), hits, mask_among(rays.among, seen_mask(kind)),
                             std::span(details).first(has_details ? count : 0));
         std::size_t going_on = 0;
         for (std::size_t i = 0; i < count; ++i) {

@@ -49,10 +49,11 @@ static bool are_same(const VolumeInstance& a, const VolumeInstance& b) {
 static bool are_alike(const Instance& a, const Instance& b) {
     const auto all = [](const Instance& instance) {
         const auto& [mesh_index, world_from_object, name_index, first_slot_material, slot_count, is_camera_visible,
-                     casts_shadow, is_bounce_visible, is_mirror_visible, lights_media, is_held_out, is_shadow_catcher,
-                     random] = instance;
+                     casts_shadow, is_bounce_visible, is_mirror_visible, is_glass_visible, lights_media, is_held_out,
+                     is_shadow_catcher, random] = instance;
         return std::tuple(mesh_index, name_index, first_slot_material, slot_count, is_camera_visible, casts_shadow,
-                          is_bounce_visible, is_mirror_visible, lights_media, is_held_out, is_shadow_catcher, random);
+                          is_bounce_visible, is_mirror_visible, is_glass_visible, lights_media, is_held_out,
+                          is_shadow_catcher, random);
     };
     return all(a) == all(b);
 }

@@ -16,6 +16,7 @@ struct PlacedShape {
     bool casts_shadow = true;
     bool is_bounce_visible = true; ///< Its light falls on other surfaces by a bounce.
     bool is_mirror_visible = true;
+    bool is_glass_visible = true;   ///< Through what bends rays.
     bool is_held_out = false;       ///< What of it cameras see is cut out of the picture.
     bool is_shadow_catcher = false; ///< Of it cameras see only the shadows that others cast on it.
     bool operator==(const PlacedShape&) const = default;

@@ -273,7 +273,8 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
             continue; // light and view pass: the media have an Embree scene of their own
         surface_bounds.grow(box);
         const unsigned int mask = mask_of(instance);
-        has_holes |= (mask & (camera_mask | bounce_mask | mirror_mask)) != 0 && surface_slots < instance.slot_count;
+        has_holes |=
+            (mask & (camera_mask | bounce_mask | mirror_mask | glass_mask)) != 0 && surface_slots < instance.slot_count;
         lets_light_pass |=
             (mask & (shadow_mask | bounce_mask | mirror_mask)) != 0 && opaque_slots < instance.slot_count;
 

@@ -35,8 +35,9 @@ struct Instance {
     bool casts_shadow : 1 = true;
     bool is_bounce_visible : 1 = true; ///< Its light falls on other surfaces by a bounce.
     bool is_mirror_visible : 1 = true;
-    bool lights_media : 1 = true; ///< Its light falls on media.
-    bool is_held_out : 1 = false; ///< What of it cameras see is cut out of the picture.
+    bool is_glass_visible : 1 = true; ///< Through what bends rays.
+    bool lights_media : 1 = true;     ///< Its light falls on media.
+    bool is_held_out : 1 = false;     ///< What of it cameras see is cut out of the picture.
     /// Of it cameras see only the shadows that others cast on it.
     bool is_shadow_catcher : 1 = false;
     float random = 0.0f; ///< Its own, [0, 1): what Object Info calls so.

@@ -87,6 +87,7 @@ class Instances:
     casts_shadow: bool = True
     is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
     is_mirror_visible: bool = True
+    is_glass_visible: bool = True  #: Through what bends rays.
     lights_media: bool = True  #: Its light falls on media.
     is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
     is_shadow_catcher: bool = False  #: Of it cameras see only the shadows that others cast on it.
@@ -108,6 +109,7 @@ class VoxelObjects:
     casts_shadow: bool = True
     is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
     is_mirror_visible: bool = True
+    is_glass_visible: bool = True  #: Through what bends rays.
     is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
     is_shadow_catcher: bool = False  #: Of it cameras see only the shadows that others cast on it.
     lighting: ObjectLighting | None = None  #: None: as it begins.
@@ -158,6 +160,7 @@ class StrandObjects:
     casts_shadow: bool = True
     is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
     is_mirror_visible: bool = True
+    is_glass_visible: bool = True  #: Through what bends rays.
     is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
     is_shadow_catcher: bool = False  #: Of it cameras see only the shadows that others cast on it.
     lighting: ObjectLighting | None = None  #: None: as it begins.

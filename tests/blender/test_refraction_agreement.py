@@ -277,3 +277,15 @@ def test_only_what_is_sharp_bends_and_only_where_it_is_asked_for() -> None:
     tree.nodes["Glass BSDF"].inputs["Roughness"].default_value = 0.0
     tree.links.clear()
     assert models_read() <= {"GLASS"}
+
+
+@pytest.mark.parametrize("hidden_from", ["glossy", "transmission"])
+def test_what_is_hidden_from_transmission_rays_is_not_seen_through_glass(hidden_from: str) -> None:
+    """As in Cycles, whose rays through glass are glossy, too; what glass mirrors asks whether it shows to these."""
+    empty_scene(SIZE_PX)
+    scene = glass_room(ball("Ball", material("Glass", GLASSES["glass"])))
+    card = cube("Card", material("Bright", shader("ShaderNodeEmission", Color=(1, 0.3, 0.1, 1), Strength=3.0)))
+    card.location, card.scale = (-1.5, 1.5, 0.5), (0.7, 0.7, 1.0)
+    card.visible_camera = False
+    setattr(card, f"visible_{hidden_from}", False)
+    assert_same_picture(scene)

@@ -217,6 +217,11 @@ def test_hidden_and_unseen_objects() -> None:
         for group in read().instances
     }
     assert found == {name: flag for name, flag in flags.items() if any(flag)}
+    indirect = bpy.context.scene.tyndall.indirect
+    indirect.has_mirrors = indirect.has_refraction = True
+    bpy.data.objects["Glow"].visible_transmission = False
+    seen_through_glass = {group.object_names[0]: group.is_glass_visible for group in read().instances}
+    assert seen_through_glass == {name: name != "Glow" for name in flags}
 
 
 def test_an_instancer_passes_its_visibility_on() -> None:
