@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Motion blur: the moments of an open shutter, each evaluated by Blender, as few renders as look different.
+"""Motion blur, and shafts behind a lens: moments that Blender evaluates, places on the lens, few renders of both.
 
 Based on: Haeberli and Akeley, The Accumulation Buffer, SIGGRAPH 1990.
 Differs:  from Cycles, which gives each ray a time of its own: slope rows of light shafts are laid out for one scene.
           All that Blender can animate blurs, lights, lenses, media and edits, too; what a moment shows is exact, and
           few moments show as many copies of what moves fast.
+          Where shafts blur by a lens, too, each moment sees them through a place of its own.
 Skipped:  moments that look alike are one render. Where all do, it is the render without blur, bit for bit.
 """
 
@@ -15,7 +16,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from tyndall.film_means import FilmMean, passes_of_parts
+from tyndall.lens_points import has_lens_points, lens_point, seen_through
 from tyndall.renderer import Film
+from tyndall.shutter_times import Moment, moments
 
 if TYPE_CHECKING:
     from bpy.types import RenderEngine
@@ -24,6 +27,9 @@ if TYPE_CHECKING:
 
     from .frame_looks import Look, LookReader
     from .shutters import Shutter
+
+
+_LARGEST_ERROR_TARGET = 0.1  #: Of ShaftConfig.
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,43 +56,78 @@ class Exposure:
         return self.first_sample <= self.pixel_samples // 2 < self.first_sample + self.sample_count
 
     def config(self, whole: RenderConfig) -> RenderConfig:
-        """Of so many samples the noise is larger than that of all, and so is what may be left of it."""
+        """Of so many samples the noise is larger than that of all, and so is what may be left of it.
+
+        So is the error of slope rows, which are laid out anew around each place on a lens, and of lights' strata.
+        """
         config = replace(whole, transfer_functions=self.look.functions, heterogeneity=self.look.heterogeneity)
         if self.is_whole:
             return config
-        noise_threshold = whole.noise_threshold * (self.pixel_samples / self.sample_count) ** 0.5
+        more = (self.pixel_samples / self.sample_count) ** 0.5
+        if self.look.camera.lens is not None and self.look.camera.lens.air_place is not None:
+            error_target = min(more * whole.shafts.error_target, _LARGEST_ERROR_TARGET)
+            seed = (whole.shafts.seed + self.first_sample) % 2**32  # for strata of lights that are others', too
+            config = replace(config, shafts=replace(whole.shafts, error_target=error_target, seed=seed))
         return replace(
             config,
             first_sample=self.first_sample,
             sample_count=self.sample_count,
-            noise_threshold=min(noise_threshold, 1.0),
+            noise_threshold=min(more * whole.noise_threshold, 1.0),
             passes=passes_of_parts(whole.passes),
         )
 
 
+def lens_step_count(look: Look, pixel_samples: int, most: int) -> int:
+    """Through how many places on its camera's lens the shafts of a picture are seen; 1: the middle alone."""
+    has_shafts = bool(look.description.media) and has_lens_points(look.camera)
+    return min(pixel_samples, most) if has_shafts else 1
+
+
+def lens_exposures(look: Look, pixel_samples: int, count: int) -> Iterator[Exposure]:
+    """One scene through so many places of the lens."""
+    for index, part in enumerate(moments(pixel_samples, count)):
+        yield _exposure(_through_lens(look, index), part, pixel_samples)
+
+
 def exposures(
-    engine: RenderEngine, reader: LookReader, of_frame: Look, shutter: Shutter, pixel_samples: int, most: int
+    engine: RenderEngine,
+    reader: LookReader,
+    of_frame: Look,
+    shutter: Shutter,
+    pixel_samples: int,
+    most: int,
+    *,
+    sees_through_lens: bool,
 ) -> Iterator[Exposure]:
     """One after another, each as soon as the next moment is known to differ. Blender's frame is left anywhere."""
     waiting: Exposure | None = None
     look = of_frame
-    for moment in shutter.moments(pixel_samples, most):
+    for index, moment in enumerate(shutter.moments(pixel_samples, most)):
         reader.poll()
         engine.frame_set(*shutter.frame_of(moment))
         look = reader.read_moment(look)
-        if waiting is not None and waiting.look is look:
+        seen = _through_lens(look, index) if sees_through_lens else look
+        if waiting is not None and waiting.look is seen:
             waiting = replace(waiting, sample_count=waiting.sample_count + moment.sample_count)
             continue
         if waiting is not None:
             yield waiting
-        waiting = Exposure(
-            look=look,
-            first_sample=moment.first_sample,
-            sample_count=moment.sample_count,
-            pixel_samples=pixel_samples,
-        )
+        waiting = _exposure(seen, moment, pixel_samples)
     if waiting is not None:
         yield waiting
+
+
+def _through_lens(look: Look, index: int) -> Look:
+    """Of the place with that number; as it is, where the lens of the moment does not blur."""
+    if not has_lens_points(look.camera):
+        return look
+    return replace(look, camera=seen_through(look.camera, lens_point(index)))
+
+
+def _exposure(look: Look, part: Moment, pixel_samples: int) -> Exposure:
+    return Exposure(
+        look=look, first_sample=part.first_sample, sample_count=part.sample_count, pixel_samples=pixel_samples
+    )
 
 
 class ExposedFilm:
@@ -111,10 +152,14 @@ class ExposedFilm:
         sample_count = fraction * exposure.sample_count
         return Film(planes=self._mean.mean_with(film.planes, sample_count)) if sample_count >= 1.0 else None
 
-    def finished(self, moment_count: int) -> Film:
+    def finished(self, *, moment_count: int | None, lens_step_count: int) -> Film:
+        """Of so many moments, if a shutter was open, and places on a lens."""
         statistics = _statistics_of_all(self._statistics)
-        statistics["counts"]["motion blur: moments"] = float(moment_count)
-        statistics["counts"]["motion blur: renders"] = float(len(self._statistics))
+        if moment_count is not None:
+            statistics["counts"]["motion blur: moments"] = float(moment_count)
+            statistics["counts"]["motion blur: renders"] = float(len(self._statistics))
+        if lens_step_count > 1:
+            statistics["counts"]["light shafts: places on the lens"] = float(lens_step_count)
         if self._only is not None:
             reason = "nothing that the picture shows changes while the shutter is open"
             statistics["skipped"].append({"what": "motion blur", "reason": reason})

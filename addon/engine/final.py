@@ -19,7 +19,7 @@ from tyndall.neighbour_frames import Neighbour, Neighbours
 from .. import last_render
 from ..sync.reports import Reports
 from . import data_passes, failures, film_parts, over_engine, passes
-from .exposures import ExposedFilm, Exposure, exposures
+from .exposures import ExposedFilm, Exposure, exposures, lens_exposures, lens_step_count
 from .frame_looks import LookReader
 from .native_call import NativeCall
 from .sessions import kept_frame
@@ -27,7 +27,7 @@ from .settings import FrameWindow, frame_window, render_config
 from .shutters import frame_parts, read_shutter, report_unfollowed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from bpy.types import Depsgraph, Object, RenderEngine, RenderResult, Scene, ViewLayer
 
@@ -131,10 +131,7 @@ class _Frame:
         self._mattes.add(self.depsgraph, view_layer, look.description)
         read_s = time.perf_counter() - started
         shows = taken is None
-        if shutter is None:
-            film = self._expose(kept.session, Exposure.whole(look, config.pixel_samples), config, shows=shows)
-        else:
-            film = self._blurred(reader, look, shutter, config, shows=shows)
+        film = self._film(reader, look, shutter, config, shows=shows)
         if is_over_engine:
             film = over_engine.marked_as_rendered(film)
         stamps = self._mattes.stamps(self.depsgraph.view_layer_eval.name)
@@ -182,20 +179,42 @@ class _Frame:
         before, after = (Neighbour(description=one.description, camera=one.camera) for one in found)
         return Neighbours(now=look.description, before=before, after=after)
 
-    def _blurred(self, reader: LookReader, look: Look, shutter: Shutter, config: RenderConfig, *, shows: bool) -> Film:
+    def _film(
+        self, reader: LookReader, look: Look, shutter: Shutter | None, config: RenderConfig, *, shows: bool
+    ) -> Film:
+        session, samples = reader.kept.session, config.pixel_samples
+        lens_steps = lens_step_count(look, samples, self.settings.tyndall.shafts.lens_steps)
+        if shutter is not None:
+            return self._blurred(reader, look, shutter, lens_steps, config, shows=shows)
+        if lens_steps == 1:
+            return self._expose(session, Exposure.whole(look, samples), config, shows=shows)
+        self._expose_all(session, lens_exposures(look, samples, lens_steps), config, shows=shows)
+        return self._exposed.finished(moment_count=None, lens_step_count=lens_steps)
+
+    def _blurred(
+        self, reader: LookReader, look: Look, shutter: Shutter, lens_steps: int, config: RenderConfig, *, shows: bool
+    ) -> Film:
         """The mean over the shutter's time; Blender's frame is back where it was, whatever happens."""
         scene = self.depsgraph.scene_eval
         frame, subframe = scene.frame_current, scene.frame_subframe
-        most = self.settings.tyndall.motion_steps
+        most = max(self.settings.tyndall.motion_steps, lens_steps)
         moment_count = len(shutter.moments(config.pixel_samples, most))
+        sees_through_lens = lens_steps > 1
         try:
-            for exposure in exposures(self.engine, reader, look, shutter, config.pixel_samples, most):
-                self._mattes.add(self.depsgraph, self.depsgraph.view_layer_eval, exposure.look.description)
-                film = self._expose(reader.kept.session, exposure, config, shows=shows)
-                self._exposed.add(film, exposure)
+            seen = exposures(
+                self.engine, reader, look, shutter, config.pixel_samples, most, sees_through_lens=sees_through_lens
+            )
+            self._expose_all(reader.kept.session, seen, config, shows=shows)
         finally:
             self.engine.frame_set(frame, subframe)
-        return self._exposed.finished(moment_count)
+        return self._exposed.finished(
+            moment_count=moment_count, lens_step_count=moment_count if sees_through_lens else 1
+        )
+
+    def _expose_all(self, session: Session, seen: Iterator[Exposure], config: RenderConfig, *, shows: bool) -> None:
+        for exposure in seen:
+            self._mattes.add(self.depsgraph, self.depsgraph.view_layer_eval, exposure.look.description)
+            self._exposed.add(self._expose(session, exposure, config, shows=shows), exposure)
 
     def _expose(self, session: Session, exposure: Exposure, whole: RenderConfig, *, shows: bool) -> Film:
         config, camera = exposure.config(whole), exposure.look.camera

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tyndall.fingerprints import fingerprint
+from tyndall.lens_points import has_lens_points
 from tyndall.moved_instances import is_same, sharing
 
 from ..sync.cameras import read_camera
@@ -80,8 +81,8 @@ class LookReader:
         heterogeneity = read_heterogeneity(self.depsgraph, reports, self.settings)
         if description is None:
             description = self.kept.reader.read(self.depsgraph, reports, self.poll, is_live=is_live, is_lit=self.is_lit)
-            if camera.lens is not None and description.media:
-                note = "its depth of field blurs surfaces; light shafts stay sharp"
+            if camera.lens is not None and not has_lens_points(camera) and description.media:
+                note = "its depth of field blurs surfaces; light shafts stay sharp, but for perspective cameras"
                 reports.add(f'Camera "{self.camera.name}"', note)
                 description = replace(description, reports=reports.lines())
         return Look(description=description, camera=camera, functions=functions, heterogeneity=heterogeneity)

@@ -53,6 +53,7 @@ class TYNDALL_OT_render_preset_add(AddPresetBase, Operator):
         "settings.shafts.world_samples",
         "settings.shafts.attenuates_light",
         "settings.shafts.adapts_strata",
+        "settings.shafts.lens_steps",
         "settings.shafts.shares_strata",
         "settings.shafts.grid_method",
         "settings.shafts.grid_error_target",

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bpy.types import Context, Panel
+from bpy.types import Camera, Context, Panel
 
 from .base import PropertiesPanel
 
 if TYPE_CHECKING:
-    from bpy.types import UILayout
+    from bpy.types import Object, UILayout
 
     from ..properties.light_shafts import TyndallLightShaftSettings
 
@@ -59,6 +59,14 @@ def draw_grids(layout: UILayout, shafts: TyndallLightShaftSettings, *, is_wide: 
         steps.prop(shafts, "grid_error_target", text="Error Target")
 
 
+def draw_lens_steps(layout: UILayout, shafts: TyndallLightShaftSettings, camera: Object | None) -> None:
+    """Draw how smoothly shafts blur behind a lens."""
+    data = None if camera is None else camera.data
+    column = layout.column(align=True)
+    column.active = isinstance(data, Camera) and data.type == "PERSP" and data.dof.use_dof
+    column.prop(shafts, "lens_steps")
+
+
 class TYNDALL_PT_light_shafts(PropertiesPanel, Panel):
     bl_label = "Light Shafts"
     bl_context = "render"
@@ -71,6 +79,7 @@ class TYNDALL_PT_light_shafts(PropertiesPanel, Panel):
         draw_methods(layout, shafts)
         draw_light_samples(layout, shafts)
         draw_grids(layout, shafts)
+        draw_lens_steps(layout, shafts, context.scene.camera)
         layout.prop(shafts, "attenuates_light")
         layout.operator("tyndall.add_fog_box", icon="MOD_FLUIDSIM")
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from bpy.types import Context, Panel
 
 from .base import SidebarPanel, is_wide_region
-from .light_shafts import draw_grids, draw_light_samples, draw_methods
+from .light_shafts import draw_grids, draw_lens_steps, draw_light_samples, draw_methods
 from .passes import draw_media_passes
 from .presets import TYNDALL_PT_render_presets
 from .statistics import SIDEBAR_CLASSES as STATISTICS_CLASSES
@@ -49,6 +49,7 @@ class TYNDALL_PT_sidebar_quality(SidebarPanel, Panel):
         draw_methods(layout, settings.shafts, is_wide=is_wide_region(context))
         draw_light_samples(layout, settings.shafts)
         draw_grids(layout, settings.shafts, is_wide=is_wide_region(context))
+        draw_lens_steps(layout, settings.shafts, context.scene.camera)
 
 
 SIDEBAR_CLASSES = (TYNDALL_PT_sidebar_output, TYNDALL_PT_sidebar_quality, *STATISTICS_CLASSES)

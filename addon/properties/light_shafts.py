@@ -126,6 +126,18 @@ class TyndallLightShaftSettings(PropertyGroup):
         update=tag,
         override=OVERRIDABLE,
     )
+    lens_steps: IntProperty(
+        name="Lens Steps",
+        description="Places on the lens of a camera with depth of field from which shafts are seen, at most one per "
+        "sample: their mean is blurred as surfaces are. Each takes the time in which shafts set up a frame. 1: shafts "
+        "stay sharp. Of perspective cameras, in renders; without depth of field or fog it costs nothing",
+        min=1,
+        max=4096,
+        soft_max=64,
+        default=16,
+        update=tag,
+        override=OVERRIDABLE,
+    )
     shares_strata: BoolProperty(
         name="Share between Pixels",
         description="Where a light has more samples than a pixel, neighbouring pixels take different ones and share "

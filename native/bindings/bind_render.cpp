@@ -17,8 +17,8 @@ using namespace py::literals;
 static Camera make_camera(int kind, const py::array& world_from_camera, const std::array<float, 4>& window,
                           const std::array<float, 2>& clip_m, const std::array<std::uint32_t, 2>& size_px,
                           float lens_radius_m, float focus_m, std::uint32_t blades, float blades_rotation_rad,
-                          float aperture_ratio, int panorama_kind, float rim,
-                          const std::array<float, 5>& angle_by_radius) {
+                          float aperture_ratio, const std::optional<std::array<float, 2>>& air_u, int panorama_kind,
+                          float rim, const std::array<float, 5>& angle_by_radius) {
     return {
         .kind = static_cast<CameraKind>(kind),
         .world_from_camera = to_matrix<mat4, 4>(world_from_camera, "world_from_camera"),
@@ -34,7 +34,8 @@ static Camera make_camera(int kind, const py::array& world_from_camera, const st
                  .focus_m = focus_m,
                  .blades = blades,
                  .rotation_rad = blades_rotation_rad,
-                 .inverse_ratio = 1.0f / aperture_ratio},
+                 .inverse_ratio = 1.0f / aperture_ratio,
+                 .air_u = air_u ? std::optional(vec2((*air_u)[0], (*air_u)[1])) : std::nullopt},
         .panorama = {.kind = static_cast<PanoramaKind>(panorama_kind), .rim = rim, .angle_by_radius = angle_by_radius}};
 }
 
@@ -226,8 +227,8 @@ void bind_render(py::module_& native) {
     py::class_<Camera>(native, "Camera")
         .def(py::init(&make_camera), "kind"_a, "world_from_camera"_a, "window"_a, "clip_m"_a, "size_px"_a,
              "lens_radius_m"_a = 0.0f, "focus_m"_a = 1.0f, "blades"_a = 0, "blades_rotation_rad"_a = 0.0f,
-             "aperture_ratio"_a = 1.0f, "panorama_kind"_a = 0, "rim"_a = std::numeric_limits<float>::infinity(),
-             "angle_by_radius"_a = std::array<float, 5>{},
+             "aperture_ratio"_a = 1.0f, "air_u"_a = py::none(), "panorama_kind"_a = 0,
+             "rim"_a = std::numeric_limits<float>::infinity(), "angle_by_radius"_a = std::array<float, 5>{},
              "world_from_camera: float32 (4, 4), relative to the scene's origin.")
         .def("ray_through", &ray_through, "x_px"_a, "y_px"_a,
              "Origin, at the near clip, and unit direction; None: beside what the camera shows.")

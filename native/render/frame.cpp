@@ -54,8 +54,8 @@ class FrameRenderer {
 public:
     FrameRenderer(const Scene& scene, const Media& media, const Camera& camera, const FrameConfig& config,
                   Progress& progress, const OnUpdate& on_update)
-        : scene_(scene), camera_(camera), config_(config), progress_(progress), on_update_(on_update),
-          region_(checked_region(camera, config)), media_(media),
+        : scene_(scene), camera_(camera), air_camera_(camera.of_air()), config_(config), progress_(progress),
+          on_update_(on_update), region_(checked_region(camera, config)), media_(media),
           surfaces_(scene, media, camera, region_, config, statistics_, progress),
           sums_(region_.x1 - region_.x0, region_.y1 - region_.y0, config.passes, scene.description().origin_in_world,
                 catcher_film(scene, config)),
@@ -71,7 +71,7 @@ public:
         if (media_.is_empty())
             statistics_.skip("light shafts", "no medium in the scene");
         else if (!config.transfer_functions.empty())
-            style_.emplace(scene, camera, config, width(), region_.y1 - region_.y0);
+            style_.emplace(scene, air_camera_, config, width(), region_.y1 - region_.y0);
         set_heterogeneity();
     }
 
@@ -228,7 +228,7 @@ private:
         config.shafts.keeps_groups_apart = groups_.has_value();
         if (style_)
             config.shafts.visibility_light = style_->parameters().visibility_light();
-        shafts_.emplace(scene_, media_, camera_, region_, waiting_, config, statistics_, progress_);
+        shafts_.emplace(scene_, media_, air_camera_, region_, waiting_, config, statistics_, progress_);
         if (style_ && shafts_->has_glow())
             report_glow_in_style();
         if (shafts_->is_empty())
@@ -350,6 +350,7 @@ private:
 
     const Scene& scene_;
     const Camera& camera_;
+    const Camera air_camera_; ///< Whose rays the parts in media are.
     const FrameConfig& config_;
     Progress& progress_;
     const OnUpdate& on_update_;

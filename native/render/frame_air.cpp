@@ -21,7 +21,7 @@ static std::pair<std::uint32_t, std::uint32_t> squares_around(std::uint32_t begi
 FrameAir::FrameAir(const Heterogeneity& heterogeneity, const Camera& camera, const Region& region, bool fills_dark,
                    const Progress& progress)
     : air_(heterogeneity, progress), air_of_whole_ray_(air_.weighted(Heterogeneity::Weighting::WholeRay)),
-      camera_(camera), region_(region), upsampling_(heterogeneity.upsampling),
+      camera_(camera), air_camera_(camera.of_air()), region_(region), upsampling_(heterogeneity.upsampling),
       fills_dark_(fills_dark), squares_{0, 0, 0, 0} {
     if (upsampling_ == 1)
         return;
@@ -113,7 +113,7 @@ void FrameAir::report(Statistics& statistics) const {
 
 void FrameAir::ask_squares(const light_shafts::Shafts& shafts, light_shafts::Turn turn, const Progress& progress) {
     const Stopwatch stopwatch(seconds_);
-    picture_ = shafts.picture_air(camera_, air_, turn);
+    picture_ = shafts.picture_air(air_camera_, air_, turn);
     asked_count_ += square_rays_.size();
     has_one_each_ = true;
     for (std::size_t square = 0; square < first_of_square_.size(); ++square)

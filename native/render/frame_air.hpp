@@ -55,6 +55,7 @@ private:
 
     AirTexture air_, air_of_whole_ray_;
     const Camera& camera_;
+    const Camera air_camera_; ///< Of what columns are seen by.
     Region region_;
     std::uint32_t upsampling_;
     bool fills_dark_;

@@ -66,11 +66,14 @@ void SurfacePass::walk_square(const Call& call, std::uint32_t x0, std::uint32_t 
         return;
     const std::span these_seeds = std::span(seeds).first(count);
     std::array<vec2, rays_per_square> u;
-    std::array<Ray, rays_per_square> sharp, rays;
+    std::array<Ray, rays_per_square> sharp, air, rays;
     if (config_.pixel_samples > 1)
         pixel_pairs(these_seeds, call.sample_index, 0, u);
-    for (std::size_t i = 0; i < count; ++i)
-        sharp[i] = pixel_ray(camera_, xs[i], ys[i], config_.pixel_samples > 1 ? filter_.offset_px(u[i]) : vec2(0.0f));
+    for (std::size_t i = 0; i < count; ++i) {
+        const vec2 offset_px = config_.pixel_samples > 1 ? filter_.offset_px(u[i]) : vec2(0.0f);
+        sharp[i] = pixel_ray(camera_, xs[i], ys[i], offset_px);
+        air[i] = camera_.lens.is_pinhole() ? sharp[i] : pixel_ray(air_camera_, xs[i], ys[i], offset_px);
+    }
     for (std::size_t i = 0; i < count; ++i)
         rays[i] = config_.pixel_samples > 1 ? lens_ray(camera_, sharp[i], seeds[i], call.sample_index) : sharp[i];
     std::array<PathSample, rays_per_square> samples;
@@ -94,10 +97,10 @@ void SurfacePass::walk_square(const Call& call, std::uint32_t x0, std::uint32_t 
             continue;
         caught.is_caught[pixel] = 1;
         caught.samples[pixel] = samples[i];
-        caught.rays[pixel] = sharp[i]; // the rows of shafts need rays that share their origin
+        caught.rays[pixel] = air[i]; // the rows of shafts need rays that share their origin
         caught.parts[pixel].swap(caught.parts_of_square[i]);
         if (!camera_.lens.is_pinhole()) {
-            const float sharp_per_m = camera_.sharp_per_blurred_m(sharp[i], rays[i]);
+            const float sharp_per_m = camera_.sharp_per_blurred_m(air[i], rays[i]);
             for (MediumPart& part : caught.parts[pixel])
                 part.near_m *= sharp_per_m, part.far_m *= sharp_per_m;
         }

@@ -60,7 +60,8 @@ public:
     };
     SurfacePass(const ViewPath& path, const Camera& camera, const Region& region, const FilterSampler& filter,
                 const Config& config)
-        : path_(path), camera_(camera), region_(region), filter_(filter), config_(config) {}
+        : path_(path), camera_(camera), air_camera_(camera.of_air()), region_(region), filter_(filter),
+          config_(config) {}
 
     struct Rows {
         std::uint32_t sample_index;
@@ -108,6 +109,7 @@ private:
 
     const ViewPath& path_;
     const Camera& camera_;
+    const Camera air_camera_;
     Region region_;
     const FilterSampler& filter_;
     Config config_;

@@ -90,6 +90,18 @@ Ray Camera::through_lens(const Ray& sharp, const vec2& u) const {
     return blurred;
 }
 
+Camera Camera::of_air() const {
+    Camera pinhole = *this;
+    pinhole.lens = {};
+    if (lens.is_pinhole() || !lens.air_u)
+        return pinhole;
+    const vec2 at_m = lens.sample_m(*lens.air_u), moved = at_m / lens.focus_m;
+    pinhole.world_from_camera[3] = world_from_camera * vec4(at_m, 0.0f, 1.0f);
+    pinhole.window_left -= moved.x, pinhole.window_right -= moved.x;
+    pinhole.window_bottom -= moved.y, pinhole.window_top -= moved.y;
+    return pinhole;
+}
+
 float Camera::sharp_per_blurred_m(const Ray& sharp, const Ray& blurred) const {
     if (is_panoramic())
         return glm::dot(blurred.direction, sharp.direction);
@@ -144,6 +156,10 @@ void require_usable(const Camera& camera) {
             "camera: its aperture is not finite");
     require(camera.lens.is_pinhole() || (camera.lens.focus_m > 0.0f && camera.lens.focus_m < largest_coordinate_m),
             "camera: it focuses at a distance of 0, or at none");
+    const vec2 air_u = camera.lens.air_u.value_or(vec2(0.0f)); // the negation is true for a NaN, too
+    require(air_u.x >= 0.0f && air_u.x < 1.0f && air_u.y >= 0.0f && air_u.y < 1.0f &&
+                (!camera.lens.air_u || camera.kind == CameraKind::Perspective),
+            "camera: air is seen through a point of [0, 1)^2 of a perspective camera's lens");
     require(camera.kind <= CameraKind::Panoramic && camera.panorama.kind <= PanoramaKind::CentralCylindrical,
             "camera: there is no such kind");
     require(!std::isnan(camera.panorama.rim) &&

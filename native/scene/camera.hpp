@@ -32,6 +32,9 @@ struct Lens {
     std::uint32_t blades = 0;   ///< Sides of the aperture; fewer than 3: a disc.
     float rotation_rad = 0.0f;  ///< Of the blades.
     float inverse_ratio = 1.0f; ///< Width of the aperture by its height.
+    /// As of sample_m(): where light shafts are seen through, whose rows need rays that leave from one point; of a
+    /// perspective camera. Nothing: the lens's middle.
+    std::optional<vec2> air_u{};
     bool operator==(const Lens&) const = default;
 
     [[nodiscard]] bool is_pinhole() const { return !(radius_m > 0.0f); }
@@ -58,7 +61,10 @@ struct Camera {
     [[nodiscard]] Ray ray_or_rim(float x_px, float y_px) const;
     /// A ray of ray() from elsewhere on the lens, to the same point in focus; `u` as of Lens::sample_m().
     [[nodiscard]] Ray through_lens(const Ray& sharp, const vec2& u) const;
-    /// Distances along `sharp` by those of equally deep points along a ray of through_lens().
+    /// What light shafts are seen by: a pinhole at a place on the lens, that has the same picture of what is in focus.
+    [[nodiscard]] Camera of_air() const;
+    /// Distances along `sharp` by those of equally deep points along a ray of through_lens(); or
+    /// along one of of_air() for the same place in the picture.
     [[nodiscard]] float sharp_per_blurred_m(const Ray& sharp, const Ray& blurred) const;
     /// Where ray() shows a point, x right, y up, in pixels of the full frame; nothing for one behind the camera, or that a
     /// panorama has no place for. It may lie beyond a panorama's rim, where it has no ray.

@@ -38,6 +38,7 @@ def native_camera(camera: Camera, origin_in_world: NDArray[np.float64]) -> _nati
         blades=lens.blades,
         blades_rotation_rad=lens.rotation_rad,
         aperture_ratio=lens.ratio,
+        air_u=lens.air_place,
         panorama_kind=int(camera.panorama.kind),
         rim=camera.panorama.rim,
         angle_by_radius=camera.panorama.angle_by_radius,

@@ -644,13 +644,19 @@ class Panorama:
 
 @dataclass(frozen=True, kw_only=True)
 class Lens:
-    """What blurs that which is not in focus, as soon as a pixel has more than one sample. Shafts stay sharp."""
+    """What blurs that which is not in focus, as soon as a pixel has more than one sample.
+
+    Shafts are seen through one point of it: pictures through several add up to their blur (lens_points.py).
+    """
 
     radius_m: float  #: Of the circle around the aperture, above 0.
     focus_m: float  #: Along -Z (panoramic: along the ray), above 0.
     blades: int = 0  #: Sides of the aperture; fewer than 3: a disc.
     rotation_rad: float = 0.0  #: Of the blades.
     ratio: float = 1.0  #: Height of the aperture by its width, above 0.
+    #: Where shafts are seen through, of a perspective camera's: a place of [0, 1)^2 whose equal areas are equal ones of
+    #: the aperture. None: its middle.
+    air_place: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

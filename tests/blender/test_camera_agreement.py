@@ -14,12 +14,14 @@ import bpy
 import numpy as np
 import pytest
 
+from addon import last_render
 from addon.engine.view_rays import place_in_frame, share_of_frame
 from addon.sync.cameras import read_camera
 from addon.sync.reports import Reports
 from support.camera_stage import SIZE_PX, agree, build_stage, cycles, fog, lens, ours, panorama
+from support.cycles_reference import block_means, rendered_pixels
 from support.pass_pictures import render_passes
-from support.small_scenes import add
+from support.small_scenes import add, cube, empty_scene, light
 from tyndall.scene_description import Camera
 
 
@@ -115,6 +117,63 @@ def test_depth_of_field(stage: bpy.types.Scene, name: str) -> None:
     agree(f"lens_{name}", blurred, cycles(stage))
     stage.camera.data.dof.use_dof = False
     assert np.abs(ours(stage, 16) - blurred).mean() > 0.02 * blurred.mean()
+
+
+def sheets_of_light() -> bpy.types.Scene:
+    """A low sun through slits beside the view, one to two metres ahead: sheets of light that the camera looks along."""
+    scene = empty_scene(SIZE_PX)
+    scene.render.resolution_percentage = 100
+    bars = [((-1.2, 0.75, 0.3 * index - 2.0), (0.02, 0.75, 0.08)) for index in range(16)]
+    walls = [((-1.2, 5.5, 0.0), (0.02, 4.0, 5.0)), ((-1.2, -4.0, 0.0), (0.02, 4.0, 5.0))]
+    for index, (place, half_sides) in enumerate(bars + walls):
+        thing = cube(f"Bar{index}")
+        thing.location, thing.scale = place, half_sides
+    sun = light("SUN", (0, 0, 5), energy=20.0)
+    sun.data.angle, sun.rotation_euler = 0.0, (0.0, math.radians(-80.0), 0.0)
+    scene.camera.location, scene.camera.rotation_euler = (0.0, -1.0, 0.0), (math.pi / 2, 0.0, 0.0)
+    scene.camera.data.clip_start = 0.01
+    fog(0.05, 0.3)
+    return scene
+
+
+def test_shafts_behind_a_lens() -> None:
+    """What is near blurs, what lies in focus does not; through one place of the lens all is sharp.
+
+    Pictures through many places may each have a larger error: their mean has what is asked for.
+    """
+    scene = sheets_of_light()
+    lens(scene, "PERSP", focus_distance=5.0, aperture_fstop=0.1, aperture_blades=5, aperture_ratio=1.5)
+    shafts = scene.tyndall.shafts
+    reference, found = cycles(scene, 900), {}
+    for shafts.method in ("EXACT", "EPIPOLAR", "SHADOW_MAP"):
+        found[shafts.method] = ours(scene, 64)
+        agree(f"lens_shafts_{shafts.method}", found[shafts.method], reference, 0.004, 0.01)
+        off = np.sqrt(np.square(found[shafts.method] - found["EXACT"]).mean()) / found["EXACT"].mean()
+        assert off < 1.5 * shafts.error_target, shafts.method
+    shafts.lens_steps = 1
+    off = [np.abs(block_means(one) - block_means(reference)).mean() for one in (ours(scene, 64), found["EXACT"])]
+    assert off[0] > 3.0 * off[1]
+
+
+def test_places_on_the_lens_join_moments_of_the_shutter(stage: bpy.types.Scene) -> None:
+    """Each moment has one, so that both blurs take as many renders as the finer one; without fog there is one."""
+    stage.tyndall.pixel_samples, stage.tyndall.motion_steps, stage.tyndall.shafts.lens_steps = 16, 2, 8
+    lens(stage, "PERSP", focus_distance=2.0, aperture_fstop=0.1)
+    assert "light shafts: places on the lens" not in counts_of(stage)
+    fog(0.05, 0.3)
+    assert counts_of(stage)["light shafts: places on the lens"] == 8
+    stage.render.use_motion_blur = True
+    counts = counts_of(stage)
+    assert counts["light shafts: places on the lens"] == counts["motion blur: renders"] == 8
+    stage.tyndall.shafts.lens_steps = 1
+    assert counts_of(stage)["motion blur: renders"] == 1  # nothing moves
+
+
+def counts_of(scene: bpy.types.Scene) -> dict[str, float]:
+    scene.render.engine = "TYNDALL"
+    rendered_pixels(scene)
+    counts: dict[str, float] = (last_render.statistics_of(scene.name) or {})["counts"]
+    return counts
 
 
 def test_focus_on_an_object(stage: bpy.types.Scene) -> None:

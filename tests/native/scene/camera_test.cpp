@@ -112,6 +112,40 @@ TEST_CASE("all rays of a pixel through the lens meet in focus, and cover a disc 
         CHECK(largest_m == doctest::Approx(0.25f).epsilon(1e-3));
     }
 }
+TEST_CASE("what the air is seen by has the rays through a place on the lens") {
+    Camera c = camera(CameraKind::Perspective);
+    for (const std::uint32_t blades : {0u, 5u})
+        for (const vec2 u : {vec2(0.0f, 0.0f), vec2(0.9f, 0.2f), vec2(0.4f, 0.7f)}) {
+            c.lens = {.radius_m = 0.25f,
+                      .focus_m = 3.0f,
+                      .blades = blades,
+                      .rotation_rad = 0.3f,
+                      .inverse_ratio = 0.7f,
+                      .air_u = u};
+            const Camera pinhole = c.of_air();
+            CHECK(pinhole.lens.is_pinhole());
+            for (const vec2 at_px : {vec2(30, 120), vec2(0, 0), vec2(131, 57)}) {
+                const Ray sharp = c.ray(at_px.x, at_px.y), expected = c.through_lens(sharp, u),
+                          found = pinhole.ray(at_px.x, at_px.y);
+                CHECK(glm::distance(found.origin, expected.origin) < 1e-6f);
+                CHECK(glm::distance(found.direction, expected.direction) < 1e-6f);
+                CHECK(found.near_m == doctest::Approx(expected.near_m).epsilon(1e-5));
+                CHECK(found.far_m == doctest::Approx(expected.far_m).epsilon(1e-5));
+                const vec3 in_focus = sharp.origin + 3.0f / glm::dot(sharp.direction, c.forward()) * sharp.direction;
+                CHECK(glm::distance(*pinhole.raster_position(in_focus), at_px) < 0.01f);
+            }
+        }
+    c.lens.air_u.reset();
+    CHECK(c.of_air().window_left == c.window_left);
+    CHECK(c.of_air().world_from_camera == c.world_from_camera);
+    for (const auto& [kind, u] : {std::pair(CameraKind::Orthographic, vec2(0.5f)),
+                                  {CameraKind::Perspective, vec2(1.0f)},
+                                  {CameraKind::Perspective, vec2(-0.1f, 0.0f)}}) {
+        Camera bad = camera(kind);
+        bad.lens = {.radius_m = 0.25f, .air_u = u};
+        CHECK_THROWS_AS(require_usable(bad), InvalidInput);
+    }
+}
 TEST_CASE("places on an aperture are spread evenly over its disc or polygon") {
     constexpr int side = 64;
     for (const std::uint32_t blades : {0u, 3u, 5u, 8u}) {
