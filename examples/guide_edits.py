@@ -34,6 +34,15 @@ def colour(preset: str) -> None:
     bpy.ops.tyndall.transfer_function_preset(preset=preset)
 
 
+def focus(distance_m: float, lens_steps: int) -> None:
+    """With a lens of 6 cm, so that what is farther blurs."""
+    scene = bpy.context.scene
+    lens = scene.camera.data
+    lens.dof.use_dof, lens.dof.focus_distance = True, distance_m
+    lens.dof.aperture_fstop = lens.lens * 1e-3 / 0.06
+    scene.tyndall.shafts.lens_steps, scene.tyndall.pixel_samples = lens_steps, 64
+
+
 def show_frame(frame: int) -> None:
     """Go to a frame of an animated example."""
     bpy.context.scene.frame_set(frame)

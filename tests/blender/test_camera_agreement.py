@@ -136,6 +136,7 @@ def sheets_of_light() -> bpy.types.Scene:
     return scene
 
 
+@pytest.mark.costly
 def test_shafts_behind_a_lens() -> None:
     """What is near blurs, what lies in focus does not; through one place of the lens all is sharp.
 
@@ -146,25 +147,26 @@ def test_shafts_behind_a_lens() -> None:
     shafts = scene.tyndall.shafts
     reference, found = cycles(scene, 900), {}
     for shafts.method in ("EXACT", "EPIPOLAR", "SHADOW_MAP"):
-        found[shafts.method] = ours(scene, 64)
+        found[shafts.method] = ours(scene, 32)
         agree(f"lens_shafts_{shafts.method}", found[shafts.method], reference, 0.004, 0.01)
         off = np.sqrt(np.square(found[shafts.method] - found["EXACT"]).mean()) / found["EXACT"].mean()
         assert off < 1.5 * shafts.error_target, shafts.method
     shafts.lens_steps = 1
-    off = [np.abs(block_means(one) - block_means(reference)).mean() for one in (ours(scene, 64), found["EXACT"])]
+    off = [np.abs(block_means(one) - block_means(reference)).mean() for one in (ours(scene, 32), found["EXACT"])]
     assert off[0] > 3.0 * off[1]
 
 
 def test_places_on_the_lens_join_moments_of_the_shutter(stage: bpy.types.Scene) -> None:
     """Each moment has one, so that both blurs take as many renders as the finer one; without fog there is one."""
-    stage.tyndall.pixel_samples, stage.tyndall.motion_steps, stage.tyndall.shafts.lens_steps = 16, 2, 8
+    stage.render.resolution_percentage = 30
+    stage.tyndall.pixel_samples, stage.tyndall.motion_steps, stage.tyndall.shafts.lens_steps = 8, 2, 4
     lens(stage, "PERSP", focus_distance=2.0, aperture_fstop=0.1)
     assert "light shafts: places on the lens" not in counts_of(stage)
     fog(0.05, 0.3)
-    assert counts_of(stage)["light shafts: places on the lens"] == 8
+    assert counts_of(stage)["light shafts: places on the lens"] == 4
     stage.render.use_motion_blur = True
     counts = counts_of(stage)
-    assert counts["light shafts: places on the lens"] == counts["motion blur: renders"] == 8
+    assert counts["light shafts: places on the lens"] == counts["motion blur: renders"] == 4
     stage.tyndall.shafts.lens_steps = 1
     assert counts_of(stage)["motion blur: renders"] == 1  # nothing moves
 
