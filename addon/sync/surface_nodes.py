@@ -239,6 +239,12 @@ def _emission(reader: ValueReader, at: Socket, weight: Value, shares: Shares) ->
     shares.emission = program.add(shares.emission, program.multiply(weight, radiance))
 
 
+def _note_layers(reader: ValueReader, at: Socket) -> None:
+    for name, older in (("Sheen", "Sheen"), ("Coat", "Clearcoat")):
+        if reader.number(at.input(f"{name} Weight") or at.input(older)) != BLACK:
+            reader.note(f"{name.lower()} is not drawn on voxels, nor where reflections are followed")
+
+
 def _transmit(reader: ValueReader, at: Socket, factors: tuple[Value, Value, Value], shares: Shares) -> bool:
     """Adds what a Principled shader transmits: its share of the surface, of that what it transmits, in its base colour.
 
@@ -270,8 +276,7 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
         roughness, metallic = (reader.number(at.input(name)) for name in ("Roughness", "Metallic"))
         _add_finish(reader, shares, program.multiply(weight, alpha), roughness, metallic, _reflectance(reader, at))
     weight = program.multiply(weight, alpha)
-    if reader.number(at.input("Sheen Weight") or at.input("Sheen")) != BLACK:
-        reader.note("sheen is not drawn on voxels, nor where reflections are followed")
+    _note_layers(reader, at)
 
     emission = at.input("Emission Color") or at.input("Emission")  # renamed in 4.0
     radiance = program.multiply(reader.colour(emission), reader.number(at.input("Emission Strength"), 1.0))
