@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
+from guide_voxels import shader
 from mathutils import Vector
 
 if TYPE_CHECKING:
@@ -18,26 +19,13 @@ _CLEAR = {"Base_Color": (1, 1, 1, 1), "Roughness": 0.0}
 _IS_3 = bpy.app.version < (4, 0, 0)
 
 
-def _material(name: str, kind: str, **inputs: object) -> bpy.types.Material:
-    material = bpy.data.materials.new(name)
-    if not material.use_nodes:
-        material.use_nodes = True
-    tree = material.node_tree
-    tree.nodes.clear()
-    output, shader = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new(kind)
-    for socket, value in inputs.items():
-        shader.inputs[socket.replace("_", " ")].default_value = value
-    tree.links.new(shader.outputs[0], output.inputs["Surface"])
-    return material
-
-
 def _transmitting(name: str, ior: float) -> bpy.types.Material:
     inputs = {**_CLEAR, "Transmission" if _IS_3 else "Transmission_Weight": 1.0, "IOR": ior}
-    return _material(name, "ShaderNodeBsdfPrincipled", **inputs)
+    return shader(name, "ShaderNodeBsdfPrincipled", **inputs)
 
 
 def _tiles() -> bpy.types.Material:
-    material = _material("Tiles", "ShaderNodeBsdfDiffuse")
+    material = shader("Tiles", "ShaderNodeBsdfDiffuse")
     nodes, links = material.node_tree.nodes, material.node_tree.links
     bricks, place = nodes.new("ShaderNodeTexBrick"), nodes.new("ShaderNodeTexCoord")
     bricks.offset = 0.0
@@ -52,9 +40,9 @@ def _tiles() -> bpy.types.Material:
     }
     for name, value in values.items():
         bricks.inputs[name].default_value = value
-    shader = next(node for node in nodes if node.type == "BSDF_DIFFUSE")
+    diffuse = next(node for node in nodes if node.type == "BSDF_DIFFUSE")
     links.new(place.outputs["Object"], bricks.inputs["Vector"])
-    links.new(bricks.outputs["Color"], shader.inputs["Color"])
+    links.new(bricks.outputs["Color"], diffuse.inputs["Color"])
     return material
 
 
@@ -133,13 +121,13 @@ def _tumbler(at: tuple[float, float]) -> None:
             [(0.028, 0.0), (0.028, way.length)],
             [(0.028, way.length), (1e-4, way.length)],
         ]
-        thing = _add(name, _turned(name, straw, _material(name, "ShaderNodeBsdfDiffuse", Color=colour)))
+        thing = _add(name, _turned(name, straw, shader(name, "ShaderNodeBsdfDiffuse", Color=colour)))
         thing.location = Vector((*at, 0.0)) + Vector(foot)
         thing.rotation_euler = way.to_track_quat("Z", "Y").to_euler()
 
 
 def _amber(at: tuple[float, float]) -> None:
-    material = _material("Amber", "ShaderNodeBsdfGlass", Color=(1, 1, 1, 1), Roughness=0.0, IOR=1.5)
+    material = shader("Amber", "ShaderNodeBsdfGlass", Color=(1, 1, 1, 1), Roughness=0.0, IOR=1.5)
     tree = material.node_tree
     inside = tree.nodes.new("ShaderNodeVolumeAbsorption")
     inside.inputs["Color"].default_value, inside.inputs["Density"].default_value = (1.0, 0.62, 0.12, 1), 2.6
@@ -156,11 +144,11 @@ def _room() -> None:
     table = [(-4, -6, 0), (4, -6, 0), (4, 1.5, 0), (-4, 1.5, 0)]
     _add(
         "Table",
-        _mesh("Table", table, [(0, 1, 2, 3)], _material("Wood", "ShaderNodeBsdfDiffuse", Color=(0.5, 0.33, 0.2, 1))),
+        _mesh("Table", table, [(0, 1, 2, 3)], shader("Wood", "ShaderNodeBsdfDiffuse", Color=(0.5, 0.33, 0.2, 1))),
     )
     wall = _add("Wall", _mesh("Wall", [(-4, 0, 0), (4, 0, 0), (4, 4, 0), (-4, 4, 0)], [(0, 1, 2, 3)], _tiles()))
     wall.location, wall.rotation_euler = (0, 1.4, 0), (math.pi / 2, 0, 0)
-    panes = _material("Window", "ShaderNodeEmission", Color=(0.85, 0.93, 1.0, 1), Strength=14.0)
+    panes = shader("Window", "ShaderNodeEmission", Color=(0.85, 0.93, 1.0, 1), Strength=14.0)
     corners: list[tuple[float, float, float]] = []
     for y in (-1.9, -0.85):
         for z in (0.9, 1.95):
@@ -175,9 +163,9 @@ def show_still_life(*, bends: bool) -> None:
     _room()
     _tumbler((-0.62, 0.05))
     _amber((0.98, 0.1))
-    ball = _material("Crystal", "ShaderNodeBsdfGlass", Color=(1, 1, 1, 1), Roughness=0.0, IOR=1.5)
+    ball = shader("Crystal", "ShaderNodeBsdfGlass", Color=(1, 1, 1, 1), Roughness=0.0, IOR=1.5)
     _add("Ball", _turned("Ball", [_arc(0.33)], ball), (0.3, -0.45, 0.331))
-    fruit = _material("Orange", "ShaderNodeBsdfDiffuse", Color=(0.85, 0.28, 0.03, 1))
+    fruit = shader("Orange", "ShaderNodeBsdfDiffuse", Color=(0.85, 0.28, 0.03, 1))
     _add("Orange", _turned("Orange", [_arc(0.2)], fruit), (0.22, 0.75, 0.2))
     sun = bpy.data.lights.new("Sun", "SUN")
     sun.energy, sun.color, sun.angle = 1.6, (1.0, 0.85, 0.65), 0.02

@@ -84,7 +84,8 @@ def courtyard() -> voxel_dag.VoxelDag:
     return voxel_dag.from_array(blocks.is_set, voxel_size_m=SIDE_M, colors=blocks.colors)
 
 
-def _shader(name: str, kind: str, **inputs: object) -> bpy.types.Material:
+def shader(name: str, kind: str, **inputs: object) -> bpy.types.Material:
+    """Of one node; spaces in names of inputs are underscores."""
     material = bpy.data.materials.new(name)
     if not material.use_nodes:
         material.use_nodes = True
@@ -112,18 +113,18 @@ def show_courtyard(*, is_lit_by_others: bool) -> None:
     dag.save(path)
     court = _add("Courtyard", bpy.data.meshes.new("Courtyard"))
     court.tyndall_voxels.path = str(path)
-    court.data.materials.append(_shader("Colours", "ShaderNodeBsdfDiffuse", Color=(1, 1, 1, 1)))
+    court.data.materials.append(shader("Colours", "ShaderNodeBsdfDiffuse", Color=(1, 1, 1, 1)))
     low, high = ((part.start * SIDE_M, part.stop * SIDE_M) for part in POND)
     corners = [(x, y, 3.4 * SIDE_M) for x, y in zip((low[0], low[1], low[1], low[0]), np.repeat(high, 2), strict=True)]
     water = bpy.data.meshes.new("Water")
     water.from_pydata(corners, [], [(0, 1, 2, 3)])
     water.materials.append(
-        _shader("Water", "ShaderNodeBsdfPrincipled", Base_Color=(0.01, 0.05, 0.06, 1), Roughness=0.0, IOR=1.33)
+        shader("Water", "ShaderNodeBsdfPrincipled", Base_Color=(0.01, 0.05, 0.06, 1), Roughness=0.0, IOR=1.33)
     )
     _add("Water", water)
     ground = bpy.data.meshes.new("Ground")
     ground.from_pydata([(x, y, -0.01) for x, y in ((-60, -60), (60, -60), (60, 60), (-60, 60))], [], [(0, 1, 2, 3)])
-    ground.materials.append(_shader("Grass", "ShaderNodeBsdfDiffuse", Color=(0.16, 0.2, 0.07, 1)))
+    ground.materials.append(shader("Grass", "ShaderNodeBsdfDiffuse", Color=(0.16, 0.2, 0.07, 1)))
     _add("Ground", ground)
     sun = bpy.data.lights.new("Sun", "SUN")
     sun.energy, sun.color, sun.angle = 5.5, (1.0, 0.86, 0.7), 0.01

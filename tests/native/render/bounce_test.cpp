@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One diffuse bounce against closed forms: furnaces, an integrating sphere, a plate before a disc.
 #include "render/indirect_light.hpp"
-#include "support/one_point.hpp"
+#include "support/whole_and_part.hpp"
 #include <doctest/doctest.h>
 
 namespace bounce_test {
@@ -185,21 +185,6 @@ TEST_CASE("bits of indirect light depend neither on the number of threads nor on
     camera.width_px = camera.height_px = 40;
     FrameConfig config = bouncing(3, 0);
     config.passes.add(Pass::AmbientOcclusion);
-    config.thread_count = 1;
-    config.shafts.shares_strata = false; // what pixels share ends at a region's border
-    const Film one = film_of(*scene, camera, config);
-    config.thread_count = 4;
-    const Film four = film_of(*scene, camera, config);
-    for (std::size_t plane = 0; plane < one.planes.size(); ++plane)
-        CHECK(one.planes[plane].values == four.planes[plane].values);
-    config.region = render::Region{5, 7, 18, 21};
-    const Film crop = film_of(*scene, camera, config);
-    for (const Pass pass : {Pass::Combined, Pass::AmbientOcclusion}) {
-        const std::size_t channels = render::layout(pass).channel_count;
-        for (std::size_t y = 0; y < 14; ++y)
-            for (std::size_t i = 0; i < 13 * channels; ++i)
-                REQUIRE(crop.find(pass)->values[y * 13 * channels + i] ==
-                        one.find(pass)->values[((y + 7) * 40 + 5) * channels + i]);
-    }
+    check_whole_and_part(*scene, camera, config);
 }
 } // namespace bounce_test

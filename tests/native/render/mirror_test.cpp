@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What mirrors show: the mirrored scene, Fresnel's share of the world, and each other so often as they may.
 #include "shading/fresnel.hpp"
-#include "support/one_point.hpp"
+#include "support/whole_and_part.hpp"
 #include <doctest/doctest.h>
 
 namespace mirror_test {
@@ -172,16 +172,7 @@ TEST_CASE("a mirrored room has its light and its bounce, and its picture does no
     FrameConfig config = mirroring(2);
     config.pixel_samples = 3;
     config.indirect.has_bounce = true;
-    config.thread_count = 1;
-    config.shafts.shares_strata = false;
-    const Film one = film_of(*scene, camera, config);
-    config.thread_count = 4;
-    CHECK(film_of(*scene, camera, config).planes[0].values == one.planes[0].values);
-    config.region = render::Region{5, 7, 18, 21};
-    const Film crop = film_of(*scene, camera, config);
-    for (std::size_t y = 0; y < 14; ++y)
-        for (std::size_t i = 0; i < 13 * 4; ++i)
-            REQUIRE(crop.planes[0].values[y * 13 * 4 + i] == one.planes[0].values[((y + 7) * 40 + 5) * 4 + i]);
+    const Film one = check_whole_and_part(*scene, camera, config);
     const float* middle = &one.planes[0].values[(20 * 40 + 20) * 4];
     CHECK(middle[0] > 0.01f);
 }

@@ -3,7 +3,7 @@
 #include "shading/fresnel.hpp"
 #include "shading/lobes/lobe_models.hpp"
 #include "shading/op_inputs.hpp"
-#include "support/one_point.hpp"
+#include "support/whole_and_part.hpp"
 #include <doctest/doctest.h>
 
 namespace refraction_test {
@@ -272,15 +272,6 @@ TEST_CASE("a picture of glass does not depend on threads or region") {
     camera.width_px = camera.height_px = 32;
     FrameConfig config = bending(6, 3);
     config.pixel_samples = 3;
-    config.thread_count = 1;
-    config.shafts.shares_strata = false;
-    const Film one = film_of(*scene, camera, config);
-    config.thread_count = 4;
-    CHECK(film_of(*scene, camera, config).planes[0].values == one.planes[0].values);
-    config.region = render::Region{5, 7, 18, 21};
-    const Film crop = film_of(*scene, camera, config);
-    for (std::size_t y = 0; y < 14; ++y)
-        for (std::size_t i = 0; i < 13 * 4; ++i)
-            REQUIRE(crop.planes[0].values[y * 13 * 4 + i] == one.planes[0].values[((y + 7) * 32 + 5) * 4 + i]);
+    check_whole_and_part(*scene, camera, config);
 }
 } // namespace refraction_test
