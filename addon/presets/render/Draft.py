@@ -9,3 +9,4 @@ settings.shafts.error_target = 0.01
 settings.shafts.resolution = 0
 settings.shafts.light_samples = 4
 settings.shafts.world_samples = 16
+settings.shafts.lens_steps = 4

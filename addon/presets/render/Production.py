@@ -9,3 +9,4 @@ settings.shafts.error_target = 0.0005
 settings.shafts.resolution = 0
 settings.shafts.light_samples = 64
 settings.shafts.world_samples = 256
+settings.shafts.lens_steps = 32
