@@ -23,7 +23,8 @@ Every shader node of Blender {blender}: what a render reports where it is not dr
 other distributions, and with shares that are 0 when it is added), and the largest deviation of its values from the
 running Cycles' over random inputs, relative where they are above 1, of the {share:.0%} of points that agree best (where
 patterns and texels jump, the last bit of a place decides). The set-ups are tests in 3.4, 4.5 and 5.0; a test holds this
-page's states. `scripts/bench.sh node_table_bench` makes it anew.
+page's states. `scripts/bench.sh node_table_bench` makes it anew. Options change what is said here: mirrors show what is
+around them, and glass bends what is seen through it ([indirect light](indirect-light.md)).
 
 | node | state | largest deviation | set-ups |
 |---|---|---|---|
