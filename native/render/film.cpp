@@ -62,7 +62,8 @@ void FilmSums::add_colour(std::size_t pixel, Pass pass, const Rgb& colour) {
 void FilmSums::add(std::size_t pixel, const PathSample& sample) {
     const bool is_first = sample_counts_[pixel]++ == 0;
     add_colour(pixel, Pass::Combined, sample.radiance);
-    channels(pixel, Pass::Combined)[3] += sample.alpha;
+    // Below 0 behind a surface that gives more than it meets; as in Cycles.
+    channels(pixel, Pass::Combined)[3] += std::clamp(sample.alpha, 0.0f, 1.0f);
     if (!caught_.empty())
         caught_[pixel] += *sample.caught;
     if (is_first && wants(Pass::Depth))

@@ -12,6 +12,7 @@ struct ViewPath::Follower {
     float width_m = 0.0f;  ///< What it covers where `part` begins.
     Ray part{};            ///< What is left of it.
     Rgb through_surfaces{1.0f}, through_media{1.0f};
+    float gain = 1.0f;        ///< How much more than they met its surfaces gave; of sound ones 1.
     FeatureSearch features{}; ///< Where a denoiser is to be shown some.
     bool has_first_surface = false;
     LightOf of = LightOf::Picture; ///< What it brings home.
@@ -27,6 +28,13 @@ struct ViewPath::Follower {
     [[nodiscard]] Rgb throughput() const { return through_surfaces * through_media; }
 };
 
+/// What is left of a ray behind a surface. Surfaces that give more than they meet make no infinity of it: 0 times that would
+/// be no number.
+[[nodiscard]] inline Rgb left_behind(const Rgb& in_front, const Rgb& share) {
+    constexpr float largest = 1e30f;
+    return glm::min(in_front * share, Rgb(largest));
+}
+
 /// What a surface sends on of a ray.
 struct ViewPath::Sending {
     const Follower& follower;
@@ -35,6 +43,7 @@ struct ViewPath::Sending {
     const FeatureSearches& searches;
     Rgb through_media;
     LightOf of;
+    float gain; ///< The follower's, and that of this surface.
     std::uint32_t pixel_seed, sample_index;
 };
 } // namespace tyndall::render

@@ -44,6 +44,15 @@ std::optional<Ray> bent_ray(const Scene& scene, const SurfacePoint& point, const
                .direction = *direction};
 }
 
+float gain_of(const SurfaceClosures& closures, std::span<const Lobe> bent) {
+    constexpr float rounding = 1e-4f; // of many surfaces in a row it makes no more than a few times as many rays
+    Rgb sum = closures.transparent + closures.mirrored;
+    for (const Lobe& lobe : bent)
+        sum += lobe.a + lobe.weight;
+    const float gain = std::max({sum.x, sum.y, sum.z});
+    return gain > 1.0f + rounding ? gain : 1.0f;
+}
+
 Rgb DrawnWays::followed(const Rgb& share) {
     const Rgb weights = in_front_ * share;
     const float weight = std::max({weights.x, weights.y, weights.z});

@@ -2,6 +2,7 @@
 #include "render/view_path.hpp"
 #include "render/follower.hpp"
 #include "render/pixel_footprint.hpp"
+#include "render/sent_rays.hpp"
 #include "scene/strand_spawn.hpp"
 #include <algorithm>
 #include <array>
@@ -314,12 +315,14 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
             if (!lobes.empty() && !is_sent_on)
                 sample.diffuse_colour += throughput * LobeSet{.lobes = lobes}.diffuse_colour();
             if (sent != nullptr) {
+                follower.gain *= gain_of(closures, bent);
                 Sending sending{follower,
                                 point,
                                 footprint_m,
                                 searches,
                                 follower.through_media,
                                 of,
+                                follower.gain,
                                 rays.pixel_seeds[follower.index],
                                 rays.sample_index};
                 send_on(sending, closures, bent, *sent);
@@ -329,7 +332,7 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
                     send_on(sending, closures, bent, *sent);
             }
             follower.features = searches.passing;
-            follower.through_surfaces *= closures.transparent;
+            follower.through_surfaces = left_behind(follower.through_surfaces, closures.transparent);
             if (follower.through_surfaces == Rgb(0.0f))
                 continue;
             // The same ray meets the same triangle at the same distance, bit for bit: one step further is behind it.

@@ -13,7 +13,7 @@ static constexpr float least_mirrored = 1.0f / 1024.0f;
 
 void ViewPath::send_on(const Sending& sending, const SurfaceClosures& closures, std::span<const Lobe> bent,
                        std::vector<Follower>& sent) const {
-    const auto& [follower, point, width_m, searches, through_media, of, pixel_seed, sample_index] = sending;
+    const auto& [follower, point, width_m, searches, through_media, of, gain, pixel_seed, sample_index] = sending;
     const IndirectConfig& indirect = config_.indirect;
     std::uint32_t way = 0; // which of the surface's
     const auto send = [&](const Rgb& share, const Ray& ray, RayKind kind) {
@@ -21,8 +21,9 @@ void ViewPath::send_on(const Sending& sending, const SurfaceClosures& closures, 
         next.part = ray;
         next.width_m = width_m;
         next.near_m = 0.0f;
-        next.through_surfaces *= share;
+        next.through_surfaces = left_behind(next.through_surfaces, share);
         next.through_media = through_media;
+        next.gain = gain;
         next.has_first_surface = true;
         next.features = searches.sent(share);
         next.of = of;
@@ -32,7 +33,7 @@ void ViewPath::send_on(const Sending& sending, const SurfaceClosures& closures, 
         ++(kind == RayKind::Mirror ? next.mirror_count : next.bend_count);
         next.is_past = next.mirror_count > indirect.mirror_depth || next.bend_count > indirect.refraction_depth;
     };
-    const Rgb in_front = follower.through_surfaces * through_media;
+    const Rgb in_front = follower.through_surfaces * through_media / gain;
     const vec3& own = point.shading.shading_normal;
     if (indirect.refraction_depth == 0) {
         const Rgb weight = in_front * closures.mirrored;

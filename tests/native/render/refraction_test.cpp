@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is seen through glass: bent by Snell's law, with Fresnel's share of what it mirrors, and none of it lost.
+#include "core/random.hpp"
+#include "render/sent_rays.hpp"
 #include "shading/fresnel.hpp"
 #include "shading/lobes/lobe_models.hpp"
 #include "shading/op_inputs.hpp"
@@ -253,6 +255,40 @@ TEST_CASE("to what lights surfaces glass is transparent as ever, and passes see 
     const Film film = film_of(*below, camera_on({0, 0, 1}, 0.5f), config);
     CHECK(film.find(Pass::Depth)->values[0] == doctest::Approx(0.5));
     CHECK(film.planes[0].values[3] == 1.0f);
+}
+
+// Seen to fail, with twice as many rays at each surface, where what a ray counts is not divided by its gain.
+TEST_CASE("surfaces that give more than they meet send on no more rays than sound ones do") {
+    struct Way {
+        Rgb counts{1.0f};
+        float gain = 1.0f;
+    };
+    // Each meets a surface of two ways, which give so much each.
+    const auto followed_after = [](float each, std::uint32_t generations) {
+        Lobe lobe;
+        lobe.a = lobe.weight = Rgb(each);
+        std::vector<Way> ways(1);
+        for (std::uint32_t generation = 0; generation < generations; ++generation) {
+            std::vector<Way> next;
+            for (std::size_t index = 0; index < ways.size(); ++index) {
+                const float gain = ways[index].gain * render::gain_of({}, {&lobe, 1});
+                render::DrawnWays drawn(ways[index].counts / gain, hash(generation, static_cast<std::uint32_t>(index)),
+                                        0);
+                for (const Rgb& share : {lobe.a, lobe.weight})
+                    if (const Rgb followed = drawn.followed(share); followed != Rgb(0.0f))
+                        next.push_back({ways[index].counts * followed, gain});
+            }
+            ways = next;
+        }
+        return ways.size();
+    };
+    const std::size_t of_sound = followed_after(0.5f, 14);
+    CHECK(of_sound > 1);
+    CHECK(of_sound < 64);
+    for (const float each : {1.0f, 4.0f, 64.0f})
+        CHECK(followed_after(each, 14) == of_sound);
+    CHECK(followed_after(1e18f, 14) == 0); // they end where what they count is no number any more
+    CHECK(render::gain_of({.transparent = Rgb(0.25f), .mirrored = Rgb(0.75f)}, {}) == 1.0f);
 }
 
 TEST_CASE("a picture of glass does not depend on threads or region") {
