@@ -41,7 +41,7 @@ static Hit hit_at(const EmissiveTriangle& triangle, vec2 barycentrics, float dis
 Rgb MeshEmitters::radiance(const Scene& scene, const EmissiveTriangle& triangle, const Ray& ray, const Hit& hit,
                            RayKind kind) {
     if (triangle.is_constant)
-        return scene.material(triangle.instance, triangle.triangle).constant.emission;
+        return constant_emission(scene.material(triangle.instance, triangle.triangle));
     return scene.closures({.ray = ray, .kind = kind}, scene.shading_point(ray, hit), hit).emission;
 }
 
@@ -124,7 +124,7 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
         static_cast<std::uint32_t>(std::clamp<std::size_t>(65536 / (triangles_.size() + 1), 2, 64));
     for (std::size_t index = 0; index < triangles_.size(); ++index) {
         EmissiveTriangle& triangle = triangles_[index];
-        triangle.radiance = triangle.is_constant ? average(materials[index]->constant.emission)
+        triangle.radiance = triangle.is_constant ? average(constant_emission(*materials[index]))
                                                  : mean_radiance(scene, triangle, place_count);
         Sum& sum = sums[materials[index]];
         sum.radiance_m2 += triangle.radiance * triangle.area_m2;

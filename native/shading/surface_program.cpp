@@ -162,6 +162,9 @@ Rgb share(const Rgb& value) {
     const auto channel = [](float x) { return x > 0.0f ? std::min(x, 1.0f) : 0.0f; };
     return {channel(value.x), channel(value.y), channel(value.z)};
 }
+/// Beyond it, light on what it lights would be so large that the film counts it as none: all would be dark.
+constexpr float largest_radiance = 1e18f;
+Rgb bounded(const Rgb& radiance) { return glm::min(radiance, Rgb(largest_radiance)); }
 /// What a program makes of a division by nearly 0 is no light.
 Rgb sound_colour(const Rgb& value) {
     const auto channel = [](float x) { return x > 0.0f && x <= std::numeric_limits<float>::max() ? x : 0.0f; };
@@ -287,6 +290,8 @@ Rgb emission_register_at(const Material& material, const ProgramPoint& point, st
                                     : run(material, point, uvs)[material.emission_register];
 }
 
+Rgb constant_emission(const Material& material) { return bounded(material.constant.emission); }
+
 SurfaceClosures evaluate(const Material& material, const ProgramPoint& at, std::span<const vec2> uvs, Lobes* lobes) {
     const ShadingPoint& point = at.surface;
     if (material.is_constant()) {
@@ -296,6 +301,7 @@ SurfaceClosures evaluate(const Material& material, const ProgramPoint& at, std::
             add_gloss(*material.gloss, material.gloss->constant, point, closures);
         if (!material.lobe_sources.empty())
             add_sources(material, {}, at, closures, lobes);
+        closures.emission = bounded(closures.emission);
         return closures;
     }
     const Registers registers = run(material, at, uvs);
@@ -313,6 +319,7 @@ SurfaceClosures evaluate(const Material& material, const ProgramPoint& at, std::
                   point, closures);
     if (!material.lobe_sources.empty())
         add_sources(material, registers, at, closures, lobes);
+    closures.emission = bounded(closures.emission);
     return closures;
 }
 
