@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tyndall.native_camera import require_usable
 from tyndall.scene_description import Camera, CameraKind, Lens, Panorama
 
 from .panoramas import read_panorama, sensor_over_frame
@@ -29,7 +30,10 @@ def read_camera(
     world_from_camera: NDArray[np.float64] | None = None,
     shift_x: float | None = None,
 ) -> Camera:
-    """The evaluated camera object of a frame of ``size_px``. Matrix and shift are those of a stereo view, if given."""
+    """The evaluated camera object of a frame of ``size_px``. Matrix and shift are those of a stereo view, if given.
+
+    Raises ``ValueError``, which names it, for one that nothing can be seen through.
+    """
     if thing.type != "CAMERA":
         raise ValueError(f'"{thing.name}" is the scene\'s camera, but it is of type {thing.type.lower()}')
     placed = np.array(thing.matrix_world if world_from_camera is None else world_from_camera, dtype=np.float64)
@@ -45,7 +49,7 @@ def read_camera(
         window = _window(data, render, size_px, shift)
     if data.type == "CUSTOM":
         reports.add(culprit, "a custom camera of a script: drawn in perspective")
-    return Camera(
+    camera = Camera(
         kind=kind,
         world_from_camera=without_scale(placed),
         window=window,
@@ -54,6 +58,11 @@ def read_camera(
         lens=_lens(thing, placed, culprit, reports) if data.dof.use_dof else None,
         panorama=panorama,
     )
+    try:
+        require_usable(camera)
+    except ValueError as error:  # of numbers that are none, which Blender's properties may hold
+        raise ValueError(f"{culprit}: {str(error).removeprefix('camera: ')}") from None
+    return camera
 
 
 def _window(

@@ -230,6 +230,9 @@ void bind_render(py::module_& native) {
              "aperture_ratio"_a = 1.0f, "air_u"_a = py::none(), "panorama_kind"_a = 0,
              "rim"_a = std::numeric_limits<float>::infinity(), "angle_by_radius"_a = std::array<float, 5>{},
              "world_from_camera: float32 (4, 4), relative to the scene's origin.")
+        .def(
+            "require_usable", [](const Camera& camera) { require_usable(camera); },
+            "InvalidInput: it cannot be rendered with; which of its numbers, if any, is not finite.")
         .def("ray_through", &ray_through, "x_px"_a, "y_px"_a,
              "Origin, at the near clip, and unit direction; None: beside what the camera shows.")
         .def("raster_position", &raster_position, "x_m"_a, "y_m"_a, "z_m"_a,

@@ -22,11 +22,11 @@ def native_camera(camera: Camera, origin_in_world: NDArray[np.float64]) -> _nati
     """In the scene's space, whose origin that is. Raises ``InvalidInput``."""
     matrix = np.array(camera.world_from_camera, dtype=np.float64)
     if not np.isfinite(matrix).all():
-        raise _native.InvalidInput("the camera's matrix is not finite")
+        raise _native.InvalidInput("camera: its matrix is not finite")
     matrix[:3, 3] -= origin_in_world
     lens = camera.lens if camera.lens is not None else Lens(radius_m=0.0, focus_m=1.0)
     if not lens.ratio > 0.0:
-        raise _native.InvalidInput(f"the camera's aperture has a ratio of {lens.ratio:g}; it must be above 0")
+        raise _native.InvalidInput(f"camera: its aperture has a ratio of {lens.ratio:g}; it must be above 0")
     return _native.Camera(
         kind=int(camera.kind),
         world_from_camera=matrix.astype(np.float32, order="C"),
@@ -43,6 +43,11 @@ def native_camera(camera: Camera, origin_in_world: NDArray[np.float64]) -> _nati
         rim=camera.panorama.rim,
         angle_by_radius=camera.panorama.angle_by_radius,
     )
+
+
+def require_usable(camera: Camera) -> None:
+    """Raise ``InvalidInput``, whose text begins with "camera: ", for one that cannot be rendered with."""
+    native_camera(camera, np.array(camera.world_from_camera[:3, 3], dtype=np.float64)).require_usable()
 
 
 def ray_through(camera: Camera, place_px: Place) -> tuple[Vector, Vector] | None:
