@@ -51,6 +51,10 @@ def strength_of_falloff(reader: ValueReader, at: Socket) -> Value:
     return reader.number(at.input("Strength"), 1.0)
 
 
+#: Beyond it, and at it, nothing is left of the light at any distance that a scene has.
+_LARGEST_SMOOTH_M2 = 1e12
+
+
 @dataclass(frozen=True)
 class Distance:
     """What a lamp's light is multiplied by at a distance d: d to this power, and d^2 / (d^2 + smooth_m2)."""
@@ -67,7 +71,7 @@ def emission_and_distance(reader: ValueReader, at: Socket) -> tuple[Value, Dista
         if falloff.socket.is_output and falloff.node.type == "LIGHT_FALLOFF":
             distance = Distance(
                 power=("Quadratic", "Linear", "Constant").index(falloff.socket.identifier),
-                smooth_m2=max(reader.constant(falloff.input("Smooth")), 0.0),
+                smooth_m2=min(max(reader.constant(falloff.input("Smooth")), 0.0), _LARGEST_SMOOTH_M2),
             )
             strength = reader.number(falloff.input("Strength"), 1.0)
             return reader.program.multiply(reader.colour(emission.input("Color")), strength), distance

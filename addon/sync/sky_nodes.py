@@ -12,10 +12,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
+from mathutils import Vector
 
 from tyndall.scene_description import Code, Extension, Image, TextureUse
 from tyndall.skies import Air, SkyModel, sky_picture, sun_irradiance_xyz
@@ -69,21 +70,34 @@ class SunDisc:
     half_angle_rad: float
 
 
+class _Numbers:
+    """What a node is set to, as Blender has it but finite, with a note."""
+
+    def __init__(self, reader: WorldReader, node: bpy.types.Node) -> None:
+        self._reader, self._node = reader, node
+
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401  of numbers, vectors, switches and names
+        value = getattr(self._node, name)
+        if isinstance(value, float):
+            return self._reader.finite(self._node, grey(value))[0]
+        return self._reader.finite(self._node, (*value,)) if isinstance(value, Vector) else value
+
+
 def sky_value(reader: WorldReader, at: Socket) -> Value:
-    node, program = at.node, reader.program
+    node, program = _Numbers(reader, at.node), reader.program
     place = at.input("Vector")
     is_linked = place is not None and place.is_connected()  # it is of use to some models only
     vector = reader.colour(place) if is_linked else point_input(program, PointInput.POSITION)
     vector = mapped(reader, at, vector)
     if node.sky_type in _MODELS:
-        return _scattered(reader, at, vector)
+        return _scattered(reader, node, vector)
     if node.sky_type == "HOSEK_WILKIE":
         return _hosek(program, vector, node)
     return _preetham(program, vector, node.sun_direction, node.turbidity)
 
 
-def _scattered(reader: WorldReader, at: Socket, vector: Value) -> Value:
-    node, program, model = at.node, reader.program, _MODELS[at.node.sky_type]
+def _scattered(reader: WorldReader, node: _Numbers, vector: Value) -> Value:
+    program, model = reader.program, _MODELS[node.sky_type]
     air = Air(
         altitude_m=node.altitude,
         molecules=node.air_density,
@@ -115,7 +129,7 @@ def _scattered(reader: WorldReader, at: Socket, vector: Value) -> Value:
     return vector_operation(program, "MAXIMUM", sky, BLACK)
 
 
-def _sun_angles(node: bpy.types.Node) -> tuple[float, float]:
+def _sun_angles(node: _Numbers) -> tuple[float, float]:
     """Elevation, between -90 and 90 degrees, and rotation."""
     elevation = math.remainder(node.sun_elevation, 2.0 * math.pi)
     if abs(elevation) < 0.5 * math.pi:
@@ -142,7 +156,7 @@ def _angle_between(program: Program, vector: Value, towards: tuple[float, float,
 class _Disc:
     """What Cycles draws it by: colours at its upper and lower end."""
 
-    def __init__(self, model: SkyModel, air: Air, elevation_rad: float, size_rad: float, node: bpy.types.Node) -> None:
+    def __init__(self, model: SkyModel, air: Air, elevation_rad: float, size_rad: float, node: _Numbers) -> None:
         half_rad = 0.5 * size_rad
         self.size_rad, self.is_added = size_rad, model is not SkyModel.SINGLE_SCATTERING_3
         ends = np.array([elevation_rad - half_rad, elevation_rad + half_rad])
@@ -203,7 +217,7 @@ def _preetham(program: Program, vector: Value, sun_direction: tuple[float, float
     return _rgb_from_xyz(program, program.combine([program.multiply(x, per_y), luminance, program.multiply(z, per_y)]))
 
 
-def _hosek(program: Program, vector: Value, node: bpy.types.Node) -> Value:
+def _hosek(program: Program, vector: Value, node: _Numbers) -> Value:
     """As hosek_sky.sky_xyz, in W/m^2; a sun below the horizon lies on it."""
     towards = _unit(node.sun_direction)
     towards[2] = max(towards[2], 0.0)

@@ -178,10 +178,13 @@ class ValueReader:
                 waiting.append((source, False))
 
     def own_value(self, at: Socket) -> Value:
-        value = _default(at)
+        return self.finite(at.node, _default(at))
+
+    def finite(self, node: bpy.types.Node, value: Rgb) -> Rgb:
+        """What a node is set to, or, with a note, the nearest that is finite."""
         if all(abs(number) < _BLENDER_INFINITY for number in value):
             return value
-        self.note(f"{at.node.bl_label} has a value that is not finite: read as the nearest that is, or 0")
+        self.note(f"{node.bl_label} has a value that is not finite: read as the nearest that is, or 0")
         return nearest_finite(value)
 
     def _evaluated(self, at: Socket) -> Value:

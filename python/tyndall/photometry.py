@@ -30,6 +30,8 @@ _CLOSE_DEG = 1e-4
 _FEWEST = 2  #: Angles that have a place between them.
 _QUARTER, _HALF, _ROUND = 90.0, 180.0, 360.0
 _MOST_VALUES = 1 << 21
+#: Of numbers whose curves are found in single precision.
+_LARGEST = 1e30
 _A, _B, _C = 3, 2, 1  #: Types of photometry.
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
@@ -132,6 +134,8 @@ def _parsed(text: str, ends: Ends) -> tuple[int, FloatArray, FloatArray, FloatAr
         raise DamagedFileError(f"{counts[0]} x {counts[1]} angles")
     down, across = _take(numbers, counts[1]), _take(numbers, counts[0])
     candelas = _take(numbers, counts[0] * counts[1]).reshape(counts) * (factor * by_ballast * by_lamp)
+    if not all((np.abs(values) <= _LARGEST).all() for values in (down, across, candelas)):
+        raise DamagedFileError("it has a number beyond all measure")
     return int(photometry), down, across, candelas
 
 

@@ -16,7 +16,7 @@ from support.patch_nodes import Link, New, Socket, shown_on_patches
 from support.photometry_files import AROUND, DOWN, PHOTOMETRY, around, luminaire, texture
 from support.small_scenes import empty_scene, light, material, node, plane, read
 from tyndall.linear_colours import linear_colours
-from tyndall.photometry import WATTS_PER_CANDELA
+from tyndall.photometry import WATTS_PER_CANDELA, DamagedFileError, Ends, read_luminaire
 
 FILES = {
     "all around": luminaire(DOWN, AROUND),
@@ -196,3 +196,11 @@ def test_many_lamps_share_the_picture_of_a_luminaire_and_area_lights_say_that_th
     assert len(description.lights) == 3
     assert len(pictures) == 1
     assert description.reports == ('Light "Area": IES Texture is read as seen from straight before the light',)
+
+
+# Seen to fail: such a file ended the whole render, as its lamp's table was not finite.
+@pytest.mark.parametrize("ends", Ends)
+@pytest.mark.parametrize("text", [luminaire(factors=(1e60, 1.0, 1.0)), luminaire((0, 1e300))])
+def test_a_file_of_numbers_beyond_all_measure_is_damaged(ends: Ends, text: str) -> None:
+    with pytest.raises(DamagedFileError, match="beyond all measure"):
+        read_luminaire(text, ends)
