@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Files from the wild are damaged: no scene may crash us, each culprit is named, and the rest still renders.
 
-The scenes are those of tests/support/damaged_scenes.py, 500 of them, rendered in processes of their own: where one ends
+The scenes are those of tests/support/damaged_scenes.py, 650 of them, rendered in processes of their own: where one ends
 before its time, or says nothing for too long, the scene it had begun is the one that crashed or hung it, and the next
-process goes on behind it. Every push renders each damage alone; all 500 are among the long tests.
+process goes on behind it. Every push renders each damage alone; all 650 are among the long tests.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import pytest
 from support.damaged_scenes import DAMAGES, HIDES_ALL, damages_of
 
 ROOT = Path(__file__).parents[2]
-SCENE_COUNT = 500
+SCENE_COUNT = 650
 SCENE_LIMIT_S = 120  # most take half a second: for a hang, not for a machine that others use as well
 
 
@@ -103,7 +103,7 @@ def _described(seed: int) -> str:
 
 
 def test_every_damage_occurs_alone_and_in_company() -> None:
-    """The generator itself: no damage is missing from the 500 scenes."""
+    """The generator itself: no damage is missing from the 650 scenes."""
     alone = {damages_of(seed)[0].name for seed in range(len(DAMAGES))}
     together = {each.name for seed in range(len(DAMAGES), SCENE_COUNT) for each in damages_of(seed)}
     assert alone == together == {each.name for each in DAMAGES}
@@ -123,7 +123,7 @@ def test_each_culprit_is_named(outcomes: dict[int, dict[str, Any]]) -> None:
     """In a report; or, where there is no picture, in the error: that stops at the first, and Blender has its own."""
     silent = []
     for seed, end in outcomes.items():
-        culprits = [each.culprit for each in damages_of(seed) if each.culprit]
+        culprits = [name for each in damages_of(seed) for name in each.culprits]
         if end.get("error"):
             is_named = any(name in end["error"] for name in culprits)
             missing = [] if is_named or not HIDES_ALL.isdisjoint(each.of for each in damages_of(seed)) else culprits
@@ -145,3 +145,14 @@ def test_the_rest_still_renders(outcomes: dict[int, dict[str, Any]]) -> None:
         if not may_be_dark and not end.get("brightest", 0.0) > 0.01:
             lost.append(f"{_described(seed)}: dark or absent: {end.get('error')}")
     assert not lost, "\n".join(lost)
+
+
+# Seen to fail: with what glows beyond all measure, all was dark.
+def test_what_stands_beside_keeps_its_picture(outcomes: dict[int, dict[str, Any]]) -> None:
+    """An object that is damaged, and is the only one, costs no other its light; it may add some, where it glows."""
+    changed = [
+        f"{_described(seed)}: by {end['lost_beside']:.2g}"
+        for seed, end in outcomes.items()
+        if not end.get("lost_beside", 0.0) < 1e-5  # what rounding leaves
+    ]
+    assert not changed, "\n".join(changed)

@@ -21,20 +21,23 @@ class Damage:
 
     name: str
     apply: Callable[[Scene, Random], None]
-    culprit: str | None = None  #: Name that a report or the error must contain; None: nothing to report.
+    culprits: tuple[str, ...] = ()  #: Names that reports, or the error, must contain; none: nothing to report.
     of: str = "object"  #: What it is about: two damages of the same kind never meet, except objects and meshes.
 
 
 DAMAGES: list[Damage] = []
 
 
-def damage(name: str, culprit: str | None = None, of: str = "object") -> Callable[..., Callable[..., None]]:
+def damage(
+    name: str, culprits: str | tuple[str, ...] | None = None, of: str = "object"
+) -> Callable[..., Callable[..., None]]:
     """Enter a function into the list."""
 
     def enter(
         function: Callable[[Scene, Random], None],
     ) -> Callable[[Scene, Random], None]:
-        DAMAGES.append(Damage(name, function, culprit, of))
+        names = (culprits,) if isinstance(culprits, str) else culprits or ()
+        DAMAGES.append(Damage(name, function, names, of))
         return function
 
     return enter
