@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Files from the wild are damaged: no scene may crash us, each culprit is named, and the rest still renders.
 
-The scenes are those of tests/support/damaged_scenes.py, 650 of them, rendered in processes of their own: where one ends
+The scenes are those of tests/support/damaged_scenes.py, 550 of them, rendered in processes of their own: where one ends
 before its time, or says nothing for too long, the scene it had begun is the one that crashed or hung it, and the next
-process goes on behind it. Every push renders each damage alone; all 650 are among the long tests.
+process goes on behind it. Every push renders each damage alone; all 550 are among the long tests.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import pytest
 from support.damaged_scenes import DAMAGES, HIDES_ALL, damages_of
 
 ROOT = Path(__file__).parents[2]
-SCENE_COUNT = 650
+SCENE_COUNT = 550
 SCENE_LIMIT_S = 120  # most take half a second: for a hang, not for a machine that others use as well
 
 
@@ -103,7 +103,7 @@ def _described(seed: int) -> str:
 
 
 def test_every_damage_occurs_alone_and_in_company() -> None:
-    """The generator itself: no damage is missing from the 650 scenes."""
+    """The generator itself: no damage is missing from the 550 scenes."""
     alone = {damages_of(seed)[0].name for seed in range(len(DAMAGES))}
     together = {each.name for seed in range(len(DAMAGES), SCENE_COUNT) for each in damages_of(seed)}
     assert alone == together == {each.name for each in DAMAGES}

@@ -7,6 +7,7 @@ import bpy
 import pytest
 
 from support.agreement_scenes import Arrangement, build
+from support.engine_pictures import tyndall_pixels
 from support.lamp_scenes import (
     IS_4,
     assert_air_like_cycles,
@@ -67,6 +68,13 @@ def test_fog_is_lit_by_the_same_falloff() -> None:
         falls(next(thing for thing in bpy.context.scene.objects if thing.type == "LIGHT"), "Linear", 1.0)
 
     assert_air_like_cycles("falloff", make, make, methods=("EXACT", "EPIPOLAR"))
+
+
+# Seen to fail: beyond 1e12 the falloff was left out, and the lamp shone in full.
+def test_a_smooth_without_measure_leaves_no_light() -> None:
+    falls(stage("POINT"), "Quadratic", 1e30)
+    assert read().reports == ()
+    assert tyndall_pixels(bpy.context.scene).max() < 1e-6
 
 
 def test_a_falloff_among_other_nodes_is_named() -> None:

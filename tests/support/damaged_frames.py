@@ -152,6 +152,19 @@ def _(scene: Scene, random: Random) -> None:
     tree.links.new(sky.outputs[0], tree.nodes["Background"].inputs["Color"])
 
 
+@damage("a sky of suns that are not numbers", "World", "world")
+def _(scene: Scene, random: Random) -> None:
+    tree = scene.world.node_tree
+    sky = tree.nodes.new("ShaderNodeTexSky")
+    sky.sky_type = str(random.choice([it.identifier for it in sky.bl_rna.properties["sky_type"].enum_items]))
+    for name in ("sun_elevation", "altitude", "air_density", "ozone_density", "turbidity", "ground_albedo"):
+        if hasattr(sky, name):
+            setattr(sky, name, nan)
+    if hasattr(sky, "sun_direction"):
+        sky.sun_direction = (nan, 0.0, 1.0)
+    tree.links.new(sky.outputs[0], tree.nodes["Background"].inputs["Color"])
+
+
 @damage("a world full of fog beyond measure", None, "world fog")
 def _(scene: Scene, random: Random) -> None:
     tree = scene.world.node_tree

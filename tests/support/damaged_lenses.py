@@ -144,3 +144,15 @@ def _(scene: Scene, random: Random) -> None:
     target.location = (0.0, float(random.choice([nan, inf, 1e30])), 0.0)
     field = scene.camera.data.dof
     field.use_dof, field.focus_object = True, target
+
+
+@damage("shafts through places on an absurd lens", None, "camera")
+def _(scene: Scene, random: Random) -> None:
+    scene.tyndall.pixel_samples = scene.tyndall.shafts.lens_steps = 4
+    camera = scene.camera.data
+    field = camera.dof
+    field.use_dof = True
+    field.aperture_fstop = float(random.choice([0.0, 1e-3, 1e30]))
+    field.focus_distance = float(random.choice([1e-30, 1e-3, 1e17]))
+    field.aperture_ratio = float(random.choice([0.01, 100.0]))
+    camera.shift_x, camera.lens = float(random.choice([0.0, 5.0])), float(random.choice([1.0, 1e5]))
