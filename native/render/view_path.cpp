@@ -80,7 +80,7 @@ void ViewPath::reach_world(const Follower& follower, bool is_sent_on, PathSample
     if (config_.is_film_transparent && !is_sent_on)
         sample.alpha -= average(follower.throughput());
     else
-        sample.add_light(follower.throughput() * scene_.world().seen_radiance(follower.part.direction),
+        sample.add_light(follower.throughput() * scene_.world().seen_radiance(follower.part.direction, follower.kind),
                          scene_.world().light_group(), follower.of);
 }
 
@@ -260,7 +260,8 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
             if (!hit.is_hit()) {
                 reach_world(follower, is_sent_on, sample);
                 if (has_features && (is_sent_on || !config_.is_film_transparent))
-                    see_world_features(follower.features, scene_.world().seen_radiance(follower.part.direction),
+                    see_world_features(follower.features,
+                                       scene_.world().seen_radiance(follower.part.direction, follower.kind),
                                        data.each[follower.index].features);
                 continue;
             }

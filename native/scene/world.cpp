@@ -79,10 +79,10 @@ Rgb World::radiance(const vec3& unit_direction) const {
     return radiance_ * bilinear(*image_, uv_of(image_from_world_ * unit_direction));
 }
 
-Rgb World::seen_radiance(const vec3& unit_direction) const {
+Rgb World::seen_radiance(const vec3& unit_direction, RayKind kind) const {
     if (seen_.program != nullptr)
-        return seen_.program->radiance(unit_direction, RayKind::Camera);
-    if (seen_.image == nullptr)
+        return seen_.program->radiance(unit_direction, kind);
+    if (seen_.image == nullptr || kind != RayKind::Camera)
         return radiance(unit_direction);
     return radiance_ * bilinear(*seen_.image, uv_of(image_from_world_ * unit_direction));
 }

@@ -39,8 +39,8 @@ public:
     [[nodiscard]] bool is_black() const { return is_black_; }
     [[nodiscard]] bool has_image() const { return image_ != nullptr; }
     [[nodiscard]] Rgb radiance(const vec3& unit_direction) const;
-    /// As cameras see it.
-    [[nodiscard]] Rgb seen_radiance(const vec3& unit_direction) const;
+    /// As a camera's rays see it, or those that surfaces send on, to which an image that cameras see does not show.
+    [[nodiscard]] Rgb seen_radiance(const vec3& unit_direction, RayKind kind = RayKind::Camera) const;
     struct DirectionSample {
         vec3 direction; ///< Unit, towards the world.
         float pdf_per_sr;

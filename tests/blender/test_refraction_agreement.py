@@ -289,3 +289,18 @@ def test_what_is_hidden_from_transmission_rays_is_not_seen_through_glass(hidden_
     card.visible_camera = False
     setattr(card, f"visible_{hidden_from}", False)
     assert_same_picture(scene)
+
+
+def test_mirrors_and_glass_see_the_world_that_is_not_for_cameras() -> None:
+    """A sky for each kind of ray; once all were shown what cameras see."""
+    empty_scene(SIZE_PX)
+    made_of = material("Glass", GLASSES["glass"])
+    scene = glass_room(ball("Ball", made_of))
+    bpy.data.objects["Room"].hide_render = True
+    tree = scene.world.node_tree
+    background, seen = tree.nodes["Background"], tree.nodes.new("ShaderNodeLightPath")
+    parts = [background.inputs["Color"], tree.nodes.new("ShaderNodeCombineXYZ")]
+    for index, name in enumerate(("Is Camera Ray", "Is Transmission Ray", "Is Reflection Ray")):
+        tree.links.new(seen.outputs[name], parts[1].inputs[index])
+    tree.links.new(parts[1].outputs[0], parts[0])
+    assert_same_picture(scene)

@@ -108,6 +108,17 @@ TEST_CASE("a coat mirrors Fresnel's share of the world, and lets the rest in: ov
     }
 }
 
+TEST_CASE("a mirror shows the world's light, not what cameras see in its place") {
+    const auto black = std::make_shared<const EnvironmentImage>(
+        EnvironmentImage{.name = "black", .width = 2, .height = 1, .pixels = std::vector<vec4>(2, vec4(0.0f))});
+    SceneDescription description =
+        description_of(*make_scene({floor_at(vec3(0.0f), 1.0f, mirror(Rgb(0.5f), Rgb(0.5f)))}));
+    description.world = World("World", Rgb(2.0f), nullptr, mat3(1.0f), SeenWorld{.image = black});
+    const Scene scene(std::move(description), Progress());
+    CHECK(relative_error(pixel(film_of(scene, camera_on(vec3(0.0f), 0.5f), mirroring(1))), Rgb(1.0f)) < 1e-6);
+    CHECK(pixel(film_of(scene, camera_on(vec3(5.0f, 0.0f, 0.0f), 0.5f), mirroring(1))) == Rgb(0.0f));
+}
+
 TEST_CASE("in a room of mirrors that glow by E each mirror adds its share, and the first beyond the depth") {
     const Rgb share(0.5f, 0.9f, 1.0f), glow(1.0f, 2.0f, 3.0f);
     const auto room = make_scene({{.mesh = cube(), .material = mirror(share, share, glow)}});
