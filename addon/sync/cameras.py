@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from .reports import Reports
 
 _LARGEST_COORDINATE_M = 1e18  #: Beyond it, squares do not fit into single precision.
+#: Of the aperture's radius; the native side refuses half of it. So near, all is blurred over the whole picture.
+_NEAREST_FOCUS = 2e-4
 
 
 def read_camera(
@@ -99,6 +101,10 @@ def _lens(thing: bpy.types.Object, placed: NDArray[np.float64], culprit: str, re
     if not 0.0 < distance_m < _LARGEST_COORDINATE_M:
         reports.add(culprit, f"it focuses at {distance_m:g} m: everything is drawn in focus")
         return None
+    nearest_m = _NEAREST_FOCUS * radius_m * max(1.0, 1.0 / focus.aperture_ratio)
+    if distance_m < nearest_m:
+        reports.add(culprit, f"it focuses at {distance_m:g} m, too near for its aperture: at {nearest_m:g} m")
+        distance_m = nearest_m
     return Lens(
         radius_m=radius_m,
         focus_m=distance_m,

@@ -23,6 +23,7 @@ from ..panoramas import (
     MIRRORBALL,
     panorama_settings,
 )
+from .finite_numbers import are_finite
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -105,8 +106,10 @@ def _equisolid(settings: Any, sensor: tuple[float, float], _culprit: str) -> See
     return SeenPanorama(Panorama(kind=PanoramaKind.FISHEYE_EQUISOLID, rim=rim), window)
 
 
-def _polynomial(settings: Any, sensor: tuple[float, float], _culprit: str) -> SeenPanorama:  # noqa: ANN401
-    k0, k1, k2, k3, k4 = (getattr(settings, f"fisheye_polynomial_k{power}") for power in range(5))
+def _polynomial(settings: Any, sensor: tuple[float, float], culprit: str) -> SeenPanorama:  # noqa: ANN401
+    k0, k1, k2, k3, k4 = factors = [getattr(settings, f"fisheye_polynomial_k{power}") for power in range(5)]
+    if not are_finite(factors):
+        raise ValueError(f"{culprit}: its lens polynomial is not finite")
     panorama = Panorama(
         kind=PanoramaKind.FISHEYE_POLYNOMIAL, rim=settings.fisheye_fov / 2, angle_by_radius=(-k0, -k1, -k2, -k3, -k4)
     )

@@ -24,6 +24,7 @@ from . import (
     texture_nodes,
 )
 from .domains import MID_GREY, Domain
+from .finite_numbers import are_finite
 from .program import BLACK, Program, Rgb, Term, Value, grey
 from .shader_limits import ShaderCount
 
@@ -42,7 +43,6 @@ _CONVERTS_ON_THE_WAY = bpy.app.version < (5, 0, 0)  #: From then on Blender hand
 #: Values read for each other, one in the other, before those below are read in their order instead: Python's stack
 #: has room for some two hundred.
 _MOST_NESTED = 40
-_BLENDER_INFINITY = 3.402823e38  #: What its properties make of infinity is a little more.
 _NUMBERS = {"VALUE", "INT", "BOOLEAN"}  #: Types of sockets.
 
 
@@ -182,7 +182,7 @@ class ValueReader:
 
     def finite(self, node: bpy.types.Node, value: Rgb) -> Rgb:
         """What a node is set to, or, with a note, the nearest that is finite."""
-        if all(abs(number) < _BLENDER_INFINITY for number in value):
+        if are_finite(value):
             return value
         self.note(f"{node.bl_label} has a value that is not finite: read as the nearest that is, or 0")
         return nearest_finite(value)

@@ -156,6 +156,12 @@ void require_usable(const Camera& camera) {
             "camera: its aperture is not finite");
     require(camera.lens.is_pinhole() || (camera.lens.focus_m > 0.0f && camera.lens.focus_m < largest_coordinate_m),
             "camera: it focuses at a distance of 0, or at none");
+    // Nearer, what leaves its rim would go sideways, and rounding decides whether it goes ahead or back.
+    constexpr float nearest_per_radius = 1e-4f;
+    require(camera.lens.is_pinhole() || camera.lens.focus_m >= nearest_per_radius * camera.lens.radius_m *
+                                                                   std::max(camera.lens.inverse_ratio, 1.0f),
+            "camera: it focuses at ", camera.lens.focus_m, " m, too near for an aperture of ", camera.lens.radius_m,
+            " m");
     const vec2 air_u = camera.lens.air_u.value_or(vec2(0.0f)); // the negation is true for a NaN, too
     require(air_u.x >= 0.0f && air_u.x < 1.0f && air_u.y >= 0.0f && air_u.y < 1.0f &&
                 (!camera.lens.air_u || camera.kind == CameraKind::Perspective),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/errors.hpp"
+#include "core/sobol.hpp"
 #include "scene/camera.hpp"
 #include <cmath>
 #include <doctest/doctest.h>
@@ -167,6 +168,18 @@ TEST_CASE("places on an aperture are spread evenly over its disc or polygon") {
     const Lens wide{.radius_m = 2.0f, .inverse_ratio = 0.5f};
     CHECK(std::abs(wide.sample_m({0.999999f, 0.0f}).x) == doctest::Approx(1.0f));
 }
+TEST_CASE("what leaves a lens as near as it may focus goes ahead, and its range begins at 0 or later") {
+    Camera close = camera(CameraKind::Perspective);
+    close.clip_near_m = 0.1f;
+    close.lens = {.radius_m = 1000.0f, .focus_m = 0.2f};
+    require_usable(close);
+    for (std::uint32_t i = 0; i < 4096; ++i) {
+        const Ray sharp = close.ray(50.0f * static_cast<float>(i % 9), 100.0f);
+        const Ray ray = close.through_lens(sharp, sobol_point(i, 1));
+        CHECK(glm::dot(ray.direction, close.forward()) > 0.0f);
+        CHECK(ray.near_m >= 0.0f);
+    }
+}
 // Debian's Embree asserts that rays are valid: one that is not ends the whole process.
 TEST_CASE("a camera whose rays would not be finite is refused") {
     for (const float bad : {NAN, INFINITY, 3.4e38f}) {
@@ -184,6 +197,10 @@ TEST_CASE("a camera whose rays would not be finite is refused") {
     blurred.lens = {.radius_m = 0.1f, .focus_m = 0.0f};
     CHECK_THROWS_AS(require_usable(blurred), InvalidInput);
     blurred.lens = {.radius_m = NAN, .focus_m = 1.0f};
+    CHECK_THROWS_AS(require_usable(blurred), InvalidInput);
+    blurred.lens = {.radius_m = 2500.0f, .focus_m = 0.2f};
+    CHECK_THROWS_AS(require_usable(blurred), InvalidInput);
+    blurred.lens = {.radius_m = 25.0f, .focus_m = 0.2f, .inverse_ratio = 100.0f};
     CHECK_THROWS_AS(require_usable(blurred), InvalidInput);
     CHECK_NOTHROW(require_usable(camera(CameraKind::Perspective)));
 }
