@@ -78,7 +78,8 @@ def _(_scene: Scene, random: Random) -> None:
     material = diffuse((0.5, 0.5, 0.5))
     tree, _shader, output = surface_of(material)
     shader = node_of(tree, SHADERS[:3], random)
-    next(it for it in shader.inputs if it.type == "RGBA").default_value = [float(random.choice(NOT_NUMBERS))] * 4
+    bad = float(random.choice((nan, inf)))  # of -inf Blender's colours make 0
+    next(it for it in shader.inputs if it.type == "RGBA").default_value = [bad] * 4
     spoil(shader, random, NOT_NUMBERS)
     tree.links.new(shader.outputs[0], output.inputs["Surface"])
     on_soup(material, random, "Mad Shader")
