@@ -28,7 +28,7 @@ def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> bpy.types.Scene:
         "Mirror", surface=lambda new, _: node(new, glossy, Color=(0.8, 0.8, 0.8, 1), Roughness=0.0).outputs[0]
     )
     cube(material=mirror)
-    light("SUN", (0, 0, 5), energy=1.0)
+    light("SUN", (0, 0, 5), energy=1.0).rotation_euler = (0.5, 0.0, 0.0)  # else the mirror showed it
     settings = scene.render.image_settings
     settings.file_format, settings.color_mode = "OPEN_EXR", "RGBA"
     settings.color_depth, settings.exr_codec = "32", "NONE"
