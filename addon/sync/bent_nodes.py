@@ -14,7 +14,7 @@ from .program import BLACK, WHITE, LobeNormals, LobeValues, Program, Term, Value
 
 if TYPE_CHECKING:
     from .node_graph import Socket
-    from .surface_nodes import Shares
+    from .surface_nodes import Shares, SharpSurfaces
     from .value_nodes import ValueReader
 
 _IS_3 = bpy.app.version < (4, 0, 0)
@@ -23,11 +23,11 @@ _GLASS = LobeModel.BENT_GLASS_3 if _IS_3 else LobeModel.BENT_GLASS
 
 def is_sharp(reader: ValueReader, at: Socket, shares: Shares) -> bool:
     """Whether a shader's reflection is as sharp as a mirror's, and mirrors are asked for."""
-    if shares.mirror_roughness is None:
+    if shares.sharp is None:
         return False
     if getattr(at.node, "distribution", "") == "SHARP":  # up to 3.x
         return True
-    return _is_at_most(reader.number(at.input("Roughness"), 0.5), shares.mirror_roughness)
+    return _is_at_most(reader.number(at.input("Roughness"), 0.5), shares.sharp.roughness)
 
 
 def _is_at_most(roughness: Value, most: float) -> bool:
@@ -43,9 +43,15 @@ def _root(program: Program, value: Value) -> Value:
     return math_operation(program, "SQRT", math_operation(program, "MAXIMUM", value, BLACK))
 
 
+def _bending(reader: ValueReader, at: Socket, shares: Shares) -> SharpSurfaces | None:
+    """By what, if a shader is to bend what is seen through it; voxels do not."""
+    may_bend = shares.sharp is not None and shares.sharp.bend and shares.lobes is not None
+    return shares.sharp if may_bend and is_sharp(reader, at, shares) else None
+
+
 def add_bent_glass(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
     """Whether a Glass or Refraction shader bends; then what it does is added to the shares."""
-    if not shares.bends or not is_sharp(reader, at, shares):
+    if _bending(reader, at, shares) is None:
         return False
     program, colour = reader.program, reader.colour(at.input("Color"), WHITE)
     shares.has_glass = True
@@ -60,10 +66,11 @@ def add_bent_glass(reader: ValueReader, at: Socket, weight: Value, shares: Share
 
 def bends_transmission(reader: ValueReader, at: Socket, shares: Shares) -> bool:
     """Whether a Principled shader bends what it transmits; up to 3.x that may be rougher than its reflections."""
-    if not shares.bends or shares.mirror_roughness is None or not is_sharp(reader, at, shares):
+    sharp = _bending(reader, at, shares)
+    if sharp is None:
         return False
     roughness = reader.number(at.input("Transmission Roughness"))
-    return at.node.distribution != "GGX" or _is_at_most(roughness, shares.mirror_roughness)
+    return at.node.distribution != "GGX" or _is_at_most(roughness, sharp.roughness)
 
 
 def add_bent_transmission(reader: ValueReader, at: Socket, weight: Value, base: Value, shares: Shares) -> None:

@@ -75,7 +75,7 @@ def _normals(reader: ValueReader, at: Socket) -> LobeNormals:
 
 
 def _note_sharpness(reader: ValueReader, shares: Shares, roughness: Value) -> None:
-    if shares.mirror_roughness is None and not isinstance(roughness, Term) and roughness[0] <= _SHARP:
+    if shares.sharp is None and not isinstance(roughness, Term) and roughness[0] <= _SHARP:
         reader.note("what is as sharp as a mirror shows lamps and the world alone, as mirrors are not followed")
 
 

@@ -54,8 +54,7 @@ class Shares:
     held_out: Value = BLACK
     gloss: GlossValues | None = None
     lobes: list[LobeValues] | None = None  #: None: shaders with lobes take the nearest share.
-    mirror_roughness: float | None = None  #: What is no rougher mirrors; None: nothing does.
-    bends: bool = False  #: What is no rougher bends what is seen through it.
+    sharp: SharpSurfaces | None = None  #: What mirrors; None: nothing does.
     finish: Finish | None = None  #: None: it is not asked for.
 
 
@@ -79,8 +78,7 @@ def read_surface(
 ) -> Shares:
     """``at`` is the Surface input of an output node."""
     shares = Shares(
-        mirror_roughness=None if sharp is None else sharp.roughness,
-        bends=sharp is not None and sharp.bend and has_lobes,
+        sharp=sharp,
         lobes=[] if has_lobes else None,
         finish=Finish() if with_finish else None,
     )

@@ -151,20 +151,12 @@ std::optional<MovedView> FrameSurfaces::moved_since(const KeptPass& kept) const 
     return MovedView(std::move(boxes), camera_, config_.pixel_samples > 1 ? filter_.radius_px() : 0.0f);
 }
 
-/// Of a material that sends rays on.
-static bool bends(const Material& material) {
-    return std::ranges::any_of(material.lobe_sources, [](const LobeSource& source) {
-        return source.model == LobeModel::BentGlass3 || source.model == LobeModel::BentGlass ||
-               source.model == LobeModel::Refraction;
-    });
-}
-
 bool FrameSurfaces::find_mirrors() const {
     const IndirectConfig& indirect = config_.indirect;
     bool has_mirrors = false, has_glass = false;
     for (const Material& material : scene_.description().materials) {
         has_mirrors |= material.gloss.has_value();
-        if (bends(material)) {
+        if (std::ranges::any_of(material.lobe_sources, bends_rays, &LobeSource::model)) {
             has_glass = true;
             if (indirect.refraction_depth == 0)
                 statistics_.report("Material \"" + material.name +

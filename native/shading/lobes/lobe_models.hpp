@@ -53,6 +53,10 @@ enum class LobeModel : std::uint8_t {
     BentGlass = 23,  ///< Up to 1 at the edge, and the rest is let in.
     Refraction = 24, ///< Reflects nothing, and lets in all that is not totally reflected: colour, index.
 };
+/// Rays go on behind it, elsewhere.
+[[nodiscard]] constexpr bool bends_rays(LobeModel model) {
+    return model == LobeModel::BentGlass3 || model == LobeModel::BentGlass || model == LobeModel::Refraction;
+}
 inline constexpr std::size_t most_lobe_inputs = 16;
 inline constexpr std::size_t principled_emission = 13; ///< Which of its inputs that is, with and without a sheen.
 using LobeInputs = std::array<Rgb, most_lobe_inputs>;
