@@ -109,8 +109,7 @@ struct InstanceArrays {
 } // namespace
 
 /// Of shows_to, beside the masks of kinds of rays.
-static constexpr unsigned int held_out_flag = 16u, shadow_catcher_flag = 32u, lights_media_flag = 64u,
-                              glass_flag = 128u;
+static constexpr unsigned int held_out_flag = 32u, shadow_catcher_flag = 64u, lights_media_flag = 128u;
 
 static std::vector<Instance> make_instances(const InstanceArrays& arrays) {
     const auto count = static_cast<py::ssize_t>(arrays.mesh_indices.size());
@@ -127,7 +126,7 @@ static std::vector<Instance> make_instances(const InstanceArrays& arrays) {
                         .casts_shadow = (arrays.shows_to[i] & shadow_mask) != 0,
                         .is_bounce_visible = (arrays.shows_to[i] & bounce_mask) != 0,
                         .is_mirror_visible = (arrays.shows_to[i] & mirror_mask) != 0,
-                        .is_glass_visible = (arrays.shows_to[i] & glass_flag) != 0,
+                        .is_glass_visible = (arrays.shows_to[i] & glass_mask) != 0,
                         .lights_media = (arrays.shows_to[i] & lights_media_flag) != 0,
                         .is_held_out = (arrays.shows_to[i] & held_out_flag) != 0,
                         .is_shadow_catcher = (arrays.shows_to[i] & shadow_catcher_flag) != 0,
@@ -155,7 +154,7 @@ static std::vector<PlacedShape> make_placed_shapes(const py::array& shape_indice
                      .casts_shadow = (mask[i] & shadow_mask) != 0,
                      .is_bounce_visible = (mask[i] & bounce_mask) != 0,
                      .is_mirror_visible = (mask[i] & mirror_mask) != 0,
-                     .is_glass_visible = (mask[i] & glass_flag) != 0,
+                     .is_glass_visible = (mask[i] & glass_mask) != 0,
                      .is_held_out = (mask[i] & held_out_flag) != 0,
                      .is_shadow_catcher = (mask[i] & shadow_catcher_flag) != 0};
     return placed;
@@ -307,8 +306,8 @@ float32 (strands, 2) or (n, 2); randoms: float32 (strands,) or None. Releases th
              "shape_materials"_a, "shape_shows_to"_a, "materials"_a, "media"_a, "volumes"_a, "world_medium"_a,
              "progress"_a,
              R"(In the dark, see relit. Per instance: mesh_indices and first_slot_materials uint32, slot_counts uint16,
-shows_to uint8, a bit each for cameras, lights' shadows, bounces and mirrors, and one each for what is
-held out, for shadow catchers, for what lights media and for what is seen through glass, world_from_object float32 (n, 4, 4)
+shows_to uint8, a bit each for cameras, lights' shadows, bounces, mirrors and glass, and one each for what is
+held out, for shadow catchers and for what lights media, world_from_object float32 (n, 4, 4)
 relative to origin_in_world. The same per placed shape, of which
 shape_materials, uint32, is the one material. object_names: those that name_indices, uint32 per instance, point to, of
 which object_colors and object_indices are, too; then one per shape. Of all of these, object_light_groups, uint8 (255:

@@ -112,10 +112,10 @@ def _build_voxels(groups: tuple[VoxelObjects, ...], parts: NativeParts) -> None:
 
 
 def shows_to(group: Instances | VoxelObjects | StrandObjects) -> int:
-    """A bit per kind of ray, as native/scene/instance_masks.hpp has them; then flags, see bind_scene.cpp."""
-    rays = (group.is_camera_visible, group.casts_shadow, group.is_bounce_visible, group.is_mirror_visible)
+    """A bit per kind of ray, as native/scene/instance_masks.hpp has them; then held out, catcher, lights media."""
+    to_others = (group.casts_shadow, group.is_bounce_visible, group.is_mirror_visible, group.is_glass_visible)
     lights_media = isinstance(group, Instances) and group.lights_media
-    flags = (*rays, group.is_held_out, group.is_shadow_catcher, lights_media, group.is_glass_visible)
+    flags = (group.is_camera_visible, *to_others, group.is_held_out, group.is_shadow_catcher, lights_media)
     return sum(flag << bit for bit, flag in enumerate(flags))
 
 
