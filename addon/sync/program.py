@@ -103,12 +103,6 @@ def grey(number: float) -> Rgb:
     return (number, number, number)
 
 
-def _share(value: Rgb) -> Rgb:
-    """Of what meets a surface, as the native side has it of what a program says."""
-    red, green, blue = (min(max(channel, 0.0), 1.0) for channel in value)
-    return red, green, blue
-
-
 class Program:
     def __init__(self) -> None:
         #: Within heights of bumps: to which side points are read, 1 or 2, and by how much of a pixel.
@@ -262,11 +256,11 @@ class Program:
             return Material(
                 name=name,
                 diffuse=results[0],
-                transparent=_share(results[1]),
+                transparent=self.clamp(results[1]),  # as the native side has it of what a program says
                 emission=results[2],
                 gloss=gloss and Gloss(**by_name, **gloss.indices),
                 lobes=tuple(of.constant(lambda _: -1) for of in lobes),
-                held_out=_share(held_out)[0],
+                held_out=self.clamp(held_out)[0],
                 **fields,
             )
         terms = [value if isinstance(value, Term) else self._constant(value) for value in (*results, *layers, *holes)]
