@@ -8,6 +8,7 @@
 #include "render/pixel_noise.hpp"
 #include "render/surface_pass.hpp"
 #include "render/tile.hpp"
+#include "scene/instance_places.hpp"
 #include <algorithm>
 #include <chrono>
 #include <iterator>
@@ -25,7 +26,10 @@ constexpr std::chrono::milliseconds least_update_interval{500};
 constexpr double surface_share = 0.3;
 
 /// Of a frame whose settings are in their range.
-Region checked_region(const Camera& camera, const FrameConfig& config) {
+Region checked_region(const Scene& scene, const Camera& camera, const FrameConfig& config) {
+    require(
+        is_within(camera.position(), scene.reach_m()), "the camera stands beyond ", scene.reach_m(),
+        " m, from where rays do not meet the thinnest or smallest object: enlarge that, or bring the camera nearer");
     require(1 <= config.pixel_samples && config.pixel_samples <= 65536, "pixel_samples is ", config.pixel_samples,
             ", outside [1, 65536]");
     require(config.first_sample < config.pixel_samples &&
@@ -55,7 +59,7 @@ public:
     FrameRenderer(const Scene& scene, const Media& media, const Camera& camera, const FrameConfig& config,
                   Progress& progress, const OnUpdate& on_update)
         : scene_(scene), camera_(camera), air_camera_(camera.of_air()), config_(config), progress_(progress),
-          on_update_(on_update), region_(checked_region(camera, config)), media_(media),
+          on_update_(on_update), region_(checked_region(scene, camera, config)), media_(media),
           surfaces_(scene, media, camera, region_, config, statistics_, progress),
           sums_(region_.x1 - region_.x0, region_.y1 - region_.y0, config.passes, scene.description().origin_in_world,
                 catcher_film(scene, config)),
@@ -384,7 +388,7 @@ Film render(const Scene& scene, const Media& media, const Camera& camera, const 
     return with_threads(config.thread_count, [&] {
         if (!config.is_tile)
             return FrameRenderer(scene, media, camera, config, progress, on_update).render();
-        const Region tile = checked_region(camera, config);
+        const Region tile = checked_region(scene, camera, config);
         const FrameConfig grown = grown_tile(config, tile, camera);
         return cropped(FrameRenderer(scene, media, camera, grown, progress, {}).render(), *grown.region, tile);
     });

@@ -40,8 +40,8 @@ bool is_finite(const mat4& scene_from_object) {
     return true;
 }
 
-/// Embree takes rays into the object's space, where they must not leave what it reckons with: 1e18.
-static constexpr double largest_inverse = 1e13;
+/// Embree takes rays into the object's space, where they must not leave what it reckons with.
+static constexpr double largest_in_object = 1.8e18, largest_inverse = 1e13;
 
 static bool takes_rays(const mat4& scene_from_object) {
     const glm::dmat4 inverse = glm::inverse(glm::dmat4(scene_from_object));
@@ -60,6 +60,17 @@ const char* reason_to_drop(const mat4& scene_from_object) {
     if (!takes_rays(scene_from_object))
         return "it is too small for rays (scales below 1e-13)";
     return nullptr;
+}
+
+float reach_m(const mat4& object_from_scene) {
+    double reach = double{largest_coordinate_m};
+    for (int row = 0; row < 3; ++row) {
+        double growth = 0.0;
+        for (int column = 0; column < 3; ++column)
+            growth += std::abs(double{object_from_scene[column][row]});
+        reach = std::min(reach, (largest_in_object - std::abs(double{object_from_scene[3][row]})) / growth);
+    }
+    return static_cast<float>(reach);
 }
 
 mat4 inverse_of(const mat4& scene_from_object) { return mat4(glm::inverse(glm::dmat4(scene_from_object))); }

@@ -12,6 +12,12 @@ namespace tyndall {
 [[nodiscard]] mat4 thickened(const mat4& scene_from_object);
 /// Why an instance cannot be drawn; nullptr if it can.
 [[nodiscard]] const char* reason_to_drop(const mat4& scene_from_object);
+/// How far from the scene's origin, along each axis, rays may start that Embree can take into an object's space.
+[[nodiscard]] float reach_m(const mat4& object_from_scene);
+[[nodiscard]] inline bool is_within(const vec3& position, float reach_m) {
+    const vec3 along = glm::abs(position);
+    return along.x <= reach_m && along.y <= reach_m && along.z <= reach_m; // false for a NaN, too
+}
 /// In double precision on the way.
 [[nodiscard]] mat4 inverse_of(const mat4& scene_from_object);
 } // namespace tyndall

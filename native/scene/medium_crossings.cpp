@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/medium_crossings.hpp"
 #include "scene/embree.hpp"
+#include "scene/instance_places.hpp"
 #include <algorithm>
 #include <embree3/rtcore_ray.h>
 #include <map>
@@ -234,6 +235,9 @@ MediumCrossings::~MediumCrossings() {
 }
 
 void MediumCrossings::collect(const vec3& origin, const vec3& direction, std::vector<Hit>& hits) const {
+    hits.clear();
+    if (!is_within(origin, scene_.reach_m()))
+        return;
     thread_local Query query;
     rtcInitIntersectContext(&query.context);
     query.self = this;
@@ -251,7 +255,6 @@ void MediumCrossings::collect(const vec3& origin, const vec3& direction, std::ve
         return std::tie(a.crossing.distance_m, a.crossing.boundary, a.triangle) <
                std::tie(b.crossing.distance_m, b.crossing.boundary, b.triangle);
     });
-    hits.clear();
     for (const Hit& hit : query.hits) {
         bool is_repeated = false; // by a neighbour across a shared edge, or by the same triangle
         for (auto before = hits.rbegin(); before != hits.rend() && !is_repeated; ++before) {

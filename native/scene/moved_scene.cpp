@@ -51,7 +51,8 @@ void Scene::Geometry::find_bounds() {
 Scene::Geometry::Geometry(const Geometry& other, std::span<const MovedInstance> moved, TreeUpdate update,
                           const Progress& progress)
     : description(other.description), bounds(other.bounds), surface_bounds(other.surface_bounds),
-      objects_from_scene(other.objects_from_scene), shape_lengths(other.shape_lengths),
+      objects_from_scene(other.objects_from_scene), reach_m(other.reach_m),
+      name_of_least_reach(other.name_of_least_reach), shape_lengths(other.shape_lengths),
       transparent_operations(other.transparent_operations), lets_light_pass(other.lets_light_pass),
       blocker_bits(other.blocker_bits), has_holes(other.has_holes), has_catchers(other.has_catchers),
       tells_rays_apart(other.tells_rays_apart) {
@@ -65,6 +66,7 @@ Scene::Geometry::Geometry(const Geometry& other, std::span<const MovedInstance> 
                       may_bound(transformed(of_mesh, instance.world_from_object), surface_bounds);
         instance.world_from_object = thickened(world_from_object);
         objects_from_scene[index] = inverse_of(instance.world_from_object);
+        limit_reach(index, instance.name_index);
         const Bounds3 box = transformed(of_mesh, instance.world_from_object);
         bounds.grow(box);
         if (has_surface(instance))

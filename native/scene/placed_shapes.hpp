@@ -40,12 +40,14 @@ public:
 
     [[nodiscard]] std::span<const std::uint32_t> placed() const { return placed_; }
     [[nodiscard]] const Bounds3& bounds() const { return bounds_; } ///< In the scene's space.
-    /// How far the ray gets, in lengths of its direction; infinite where it meets nothing.
+    /// How far the ray gets, in lengths of its direction; infinite where it meets nothing, or
+    /// starts farther out than Embree can reckon with in each shape's space.
     [[nodiscard]] float distance_to_nearest(const Ray& ray) const;
 
 private:
     std::vector<std::uint32_t> placed_;
     Bounds3 bounds_;
+    float reach_m_; ///< How far from the origin rays may start.
     RTCScene embree_scene_ = nullptr;
 };
 } // namespace tyndall

@@ -7,6 +7,7 @@
 // Bound:    16 rays cost what 4 to 6 single ones cost; a CPU without AVX-512 takes them as narrower packets.
 #include "scene/embree.hpp"
 #include "scene/instance_masks.hpp"
+#include "scene/instance_places.hpp"
 #include "scene/scene.hpp"
 #include "scene/strands.hpp"
 #include <algorithm>
@@ -17,20 +18,23 @@ static constexpr std::size_t packet_size = 16;
 /// Fewer rays than this are traced one by one.
 static constexpr std::size_t smallest_packet = 4;
 
-/// Fills the lanes of a packet; returns which hold a ray: those are -1, as Embree wants it.
-static std::array<int, packet_size> fill(RTCRay16& packet, std::span<const Ray> rays, unsigned int mask) {
+/// Fills the lanes of a packet; returns which hold a ray that starts within reach: those are -1, as Embree wants it. A CPU
+/// without AVX-512 goes by their ranges instead: those of rays from beyond are empty.
+static std::array<int, packet_size> fill(RTCRay16& packet, std::span<const Ray> rays, unsigned int mask,
+                                         float reach_m) {
     std::array<int, packet_size> valid{};
     for (std::size_t lane = 0; lane < packet_size; ++lane) {
         const Ray& ray = rays[std::min(lane, rays.size() - 1)];
-        valid[lane] = lane < rays.size() ? -1 : 0;
+        const bool starts_within = is_within(ray.origin, reach_m);
+        valid[lane] = lane < rays.size() && starts_within ? -1 : 0;
         packet.org_x[lane] = ray.origin.x;
         packet.org_y[lane] = ray.origin.y;
         packet.org_z[lane] = ray.origin.z;
-        packet.tnear[lane] = ray.near_m;
+        packet.tnear[lane] = starts_within ? ray.near_m : 1.0f;
         packet.dir_x[lane] = ray.direction.x;
         packet.dir_y[lane] = ray.direction.y;
         packet.dir_z[lane] = ray.direction.z;
-        packet.tfar[lane] = ray.far_m;
+        packet.tfar[lane] = starts_within ? ray.far_m : 0.0f;
         packet.time[lane] = 0.0f;
         packet.mask[lane] = mask;
         packet.id[lane] = static_cast<unsigned int>(lane);
@@ -137,6 +141,8 @@ Hit Scene::in_scene(const Ray& ray, Hit hit) const {
 }
 
 Hit Scene::closest_hit(const Ray& ray, unsigned int mask, const RayDetail& detail) const {
+    if (!is_within(ray.origin, reach_m()))
+        return {};
     QueryContext context(*this, &ray, nullptr);
     if (!detail.is_every_cell()) {
         context.details = std::span(&detail, 1);
@@ -170,7 +176,7 @@ void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits, unsigne
         context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
         context.asks_materials = geometry_->has_holes;
         RTCRayHit16 query;
-        alignas(64) const std::array<int, packet_size> valid = fill(query.ray, these, mask);
+        alignas(64) const std::array<int, packet_size> valid = fill(query.ray, these, mask, reach_m());
         std::fill_n(query.hit.geomID, packet_size, RTC_INVALID_GEOMETRY_ID);
         std::fill_n(query.hit.instID[0], packet_size, RTC_INVALID_GEOMETRY_ID);
         context.trace_all(skip_absent,
@@ -191,6 +197,8 @@ void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits, unsigne
 
 /// Of one ray.
 static Rgb passing_along(QueryContext& context, const Ray& ray, Among among, const dvec3& passing) {
+    if (!is_within(ray.origin, context.scene.reach_m()))
+        return Rgb(1.0f);
     RTCRay query = embree_ray(ray, mask_among(among, blocking_mask(context.kind)));
     context.trace_all(attenuate, [&](RTCScene tree) {
         if (query.tfar >= 0.0f) // less: something stops it
@@ -235,7 +243,7 @@ void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> pass
         context.ignored = ignored;
         context.asks_materials = geometry_->lets_light_pass;
         RTCRay16 query;
-        alignas(64) std::array<int, packet_size> valid = fill(query, these, mask_among(among, shadow_mask));
+        alignas(64) std::array<int, packet_size> valid = fill(query, these, mask_among(among, shadow_mask), reach_m());
         context.trace_all(attenuate, [&](RTCScene tree) {
             for (std::size_t lane = 0; lane < packet_size; ++lane)
                 if (query.tfar[lane] < 0.0f) // something stops it
@@ -247,23 +255,24 @@ void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> pass
     }
 }
 
-/// Asks for up to a packet of rays; `trace` gets lanes and packet, or one ray.
+/// Asks for up to a packet of rays that start within reach; `trace` gets lanes and packet, or one ray.
 template <typename TracePacket, typename TraceOne>
-static std::size_t open_among(std::span<const Ray> rays, unsigned int mask, const TracePacket& trace_packet,
-                              const TraceOne& trace_one) {
+static std::size_t open_among(std::span<const Ray> rays, unsigned int mask, float reach_m,
+                              const TracePacket& trace_packet, const TraceOne& trace_one) {
     std::size_t open = 0;
     for (std::size_t first = 0; first < rays.size(); first += packet_size) {
         const std::span<const Ray> these = rays.subspan(first, std::min(packet_size, rays.size() - first));
         if (these.size() < smallest_packet) {
             for (const Ray& ray : these) {
                 RTCRay query = embree_ray(ray, mask);
-                trace_one(query);
+                if (is_within(ray.origin, reach_m))
+                    trace_one(query);
                 open += query.tfar < 0.0f ? 0 : 1;
             }
             continue;
         }
         RTCRay16 query;
-        alignas(64) std::array<int, packet_size> valid = fill(query, these, mask);
+        alignas(64) std::array<int, packet_size> valid = fill(query, these, mask, reach_m);
         trace_packet(valid, query);
         for (std::size_t lane = 0; lane < these.size(); ++lane)
             open += query.tfar[lane] < 0.0f ? 0 : 1;
@@ -274,7 +283,7 @@ static std::size_t open_among(std::span<const Ray> rays, unsigned int mask, cons
 std::size_t Scene::open_count(std::span<const Ray> rays) const {
     QueryContext context(*this, rays.data(), nullptr);
     return open_among(
-        rays, shadow_mask,
+        rays, shadow_mask, reach_m(),
         [&](std::array<int, packet_size>& valid, RTCRay16& query) {
             context.trace_all(attenuate, [&](RTCScene tree) {
                 for (std::size_t lane = 0; lane < packet_size; ++lane)
@@ -310,7 +319,7 @@ std::size_t Scene::open_count(std::span<const Ray> rays, std::uint32_t instance)
         inside.push_back(in_object(geometry_->objects_from_scene[instance], ray));
     CellQuery context;
     return open_among(
-        inside, ~0u,
+        inside, ~0u, largest_coordinate_m,
         [&](std::array<int, packet_size>& valid, RTCRay16& query) {
             rtcOccluded16(valid.data(), tree, &context.embree, &query);
         },
@@ -341,7 +350,7 @@ static void collect(const RTCFilterFunctionNArguments* arguments) {
 }
 
 void Scene::append_hits(const Ray& ray, std::uint32_t instance, std::vector<Hit>& hits) const {
-    if (placed_shape(instance) != nullptr)
+    if (placed_shape(instance) != nullptr || !is_within(ray.origin, reach_m()))
         return;
     const std::size_t first = hits.size();
     CollectingContext context{.embree = {}, .hits = &hits, .instance = instance};

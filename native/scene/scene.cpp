@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <sstream>
 
 namespace tyndall {
 Scene::Scene(SceneDescription description, const Progress& progress)
@@ -262,6 +263,7 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
         has_catchers |= instance.is_shadow_catcher;
         bounds.grow(box);
         objects_from_scene[index] = inverse_of(instance.world_from_object);
+        limit_reach(index, instance.name_index);
 
         std::size_t surface_slots = 0, opaque_slots = 0;
         for (std::size_t slot = 0; slot < instance.slot_count; ++slot) {
@@ -289,6 +291,7 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
         has_catchers |= placed.is_shadow_catcher;
         bounds.grow(box);
         objects_from_scene[index] = inverse_of(placed.world_from_object);
+        limit_reach(index, placed.name_index);
         float longest_edge = 0.0f; // of a cube of 1 m there
         for (int axis = 0; axis < 3; ++axis)
             longest_edge = std::max(longest_edge, glm::length(vec3(placed.world_from_object[axis])));
@@ -303,7 +306,26 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
         tells_rays_apart |= tyndall::tells_rays_apart(mask);
         trees.take(shape.embree_scene(), placed.world_from_object, static_cast<std::uint32_t>(index), mask);
     }
+    report_reach();
     trees.commit(progress);
+}
+
+void Scene::Geometry::limit_reach(std::size_t instance, std::uint32_t name_index) {
+    const float reach = tyndall::reach_m(objects_from_scene[instance]);
+    if (reach >= reach_m)
+        return;
+    reach_m = reach;
+    name_of_least_reach = name_index;
+}
+
+void Scene::Geometry::report_reach() {
+    if (bounds.is_empty() || (is_within(bounds.min, reach_m) && is_within(bounds.max, reach_m)))
+        return;
+    std::ostringstream report;
+    report << "object '" << description.object_names[name_of_least_reach] << "' is so thin or small that rays from "
+           << "more than " << reach_m << " m away meet nothing, yet something is there: enlarge it, or bring near what "
+           << "lies farthest";
+    statistics.report(report.str());
 }
 
 bool Scene::Geometry::has_surface(const Instance& instance) const {

@@ -16,6 +16,7 @@
 #include "scene/world.hpp"
 #include "shading/program_point.hpp"
 #include "volume/medium.hpp"
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -139,6 +140,9 @@ public:
         return geometry_->surface_bounds;
     } ///< Of those with a surface.
     [[nodiscard]] const Statistics& statistics() const { return statistics_; }
+    /// How far from its origin, along each axis, rays of this scene may start. From beyond they meet nothing, which is
+    /// reported where something is there.
+    [[nodiscard]] float reach_m() const { return geometry_->reach_m; }
     /// Instance i, as a Hit counts them, is geometry i of one of them, if it has a surface.
     [[nodiscard]] const InstanceTrees& trees() const { return geometry_->trees; }
     /// Everything but lights and world. Scenes that share it have the same; while it is held, no other takes its place.
@@ -254,6 +258,8 @@ private:
         Statistics statistics;
         InstanceTrees trees;
         std::vector<mat4> objects_from_scene;                      ///< Per instance, then per placed shape.
+        float reach_m = std::numeric_limits<float>::max();         ///< See there.
+        std::uint32_t name_of_least_reach = 0;                     ///< Of the object that limits it.
         std::vector<float> shape_lengths;                          ///< Per placed shape: see CellQuery.
         std::vector<TransparentOperations> transparent_operations; ///< Per material.
         bool lets_light_pass = false;            ///< Some instance in light's way is transparent, or has holes.
@@ -275,6 +281,9 @@ private:
         void drop_unusable_volumes();
         void attach_instances(const Progress& progress);
         void find_bounds();
+        /// Of one more instance that stands where it does.
+        void limit_reach(std::size_t instance, std::uint32_t name_index);
+        void report_reach();
         void take(std::uint32_t index); ///< One of the instances, into the trees.
         void share_trees(const Geometry& other, std::span<const std::uint32_t> but);
         [[nodiscard]] bool has_surface(const Instance& instance) const;

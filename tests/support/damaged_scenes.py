@@ -65,6 +65,9 @@ def damaged(seed: int, damages: tuple[Damage, ...]) -> Scene:
     # The maps of most are small: those that the error target asks for take a hundred times as long as all the rest.
     scene.tyndall.shafts.resolution = 256 if seed % 10 else 0
     scene.tyndall.shafts.light_samples = scene.tyndall.shafts.world_samples = 4
+    indirect = scene.tyndall.indirect  # of combinations: one damage changes the light of what stands beside it
+    indirect.has_bounce = indirect.has_mirrors = indirect.has_refraction = seed >= len(DAMAGES) and seed % 2 == 1
+    indirect.bounce_samples = 1
     random = np.random.default_rng(1000 + seed)
     for each in damages:
         each.apply(scene, random)

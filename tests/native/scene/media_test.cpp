@@ -120,6 +120,12 @@ TEST_CASE("a camera on the boundary, on either side, sees the medium in front of
             CHECK(segment.far_m < 1e-5f);
     }
 }
+TEST_CASE("a ray from beyond what Embree reckons with in a flat object's space crosses no medium") {
+    const auto scene =
+        support::make_scene({{odd_cube(), glm::scale(mat4(1.0f), vec3(1, 1, 0)), fog_material(0)}}, {fog(0.1f)});
+    CHECK(segments(*scene, {.origin = {0.3f, 0.1f, 5}, .direction = {0, 0, -1}}).size() == 1);
+    CHECK(segments(*scene, {.origin = {0.3f, 0.1f, 1e13f}, .direction = {0, 0, -1}}).empty());
+}
 TEST_CASE("objects that overlap add their media; a mesh that overlaps itself is one object") {
     const mat4 moved = support::translation({1, 0, 0});
     const Ray ray{.origin = {-5, 0.1f, 0.2f}, .direction = {1, 0, 0}};

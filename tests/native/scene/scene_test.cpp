@@ -19,7 +19,7 @@ TEST_CASE("a ray meets the nearest surface, at its distance, with the normal tha
     const Hit hit = scene->closest_hit({.origin = {0.1f, 0.2f, 5}, .direction = {0, 0, -1}});
     CHECK(hit.is_hit());
     CHECK(hit.instance == 1);
-    CHECK(hit.distance_m == 3.0f);
+    CHECK(std::abs(hit.distance_m - 3.0f) < 1e-6f); // CPUs differ in its last bits
     CHECK(hit.geometric_normal == vec3(0, 0, 1));
 }
 TEST_CASE("a mirrored instance keeps its normal outside") {
@@ -206,6 +206,37 @@ TEST_CASE("an object that one scale of 0 has made flat is drawn flat, whichever 
             CHECK(glm::distance(scene->shading_point(ray, hit).position, target) < 1e-5f);
             CHECK(std::abs(std::abs(glm::dot(hit.geometric_normal, vec3(parent[axis]))) - 1.0f) < 1e-5f);
         }
+}
+// Seen to fail: Embree ended the process.
+TEST_CASE("rays from beyond what Embree reckons with in the space of a flat object meet nothing, which is said") {
+    const mat4 far_out = glm::scale(translation({0, 0, -1e13f}), vec3(1e12f));
+    const auto scene = make_scene({{.mesh = cube(), .world_from_object = glm::scale(mat4(1.0f), vec3(1, 1, 0))},
+                                   {.mesh = cube(), .world_from_object = far_out}});
+    REQUIRE(scene->statistics().reports.size() == 1);
+    CHECK(scene->statistics().reports[0].starts_with("object 'part 0' is so thin or small that rays from more than"));
+    CHECK(scene->reach_m() > 1e11f);
+    CHECK(scene->reach_m() < 9e12f);
+
+    std::vector<Ray> rays; // every other one from beyond
+    for (int i = 0; i < 16; ++i)
+        rays.push_back({.origin = {0.01f * static_cast<float>(i), 0.02f, i % 2 == 0 ? 5.0f : -8.9e12f},
+                        .direction = {0, 0, i % 2 == 0 ? -1.0f : 1.0f}});
+    std::vector<Hit> hits(rays.size());
+    scene->closest_hits(rays, hits);
+    std::vector<Rgb> passing(rays.size());
+    scene->shadow_transmittances(rays, passing);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const bool meets = i % 2 == 0;
+        CHECK(hits[i].is_hit() == meets);
+        CHECK(scene->closest_hit(rays[i]).is_hit() == meets);
+        CHECK(passing[i] == Rgb(meets ? 0.0f : 1.0f));
+        CHECK(scene->shadow_transmittance(rays[i]) == passing[i]);
+        std::vector<Hit> all;
+        scene->append_hits(rays[i], 0, all);
+        CHECK(all.empty() == !meets);
+    }
+    CHECK(scene->open_count(rays) == 8);
+    CHECK(scene->open_count(rays, 0) == 8);
 }
 TEST_CASE("a mesh tells UV maps from attributes, by name or the first of its kind") {
     const SharedMeshArrays arrays = MeshArrays{.name = "painted",
