@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
+from tyndall.memory_estimate import require_room_for_image
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -37,11 +39,17 @@ def is_of_floats(path: Path) -> bool:
 
 
 def read_bytes(source: Path | bytes, name: str = "packed") -> NDArray[np.uint8] | None:
-    """(height, width, 4), shared: of a file, or of what it holds, if it has bytes; None: it has not, or is damaged."""
+    """(height, width, 4), shared: of a file, or of what it holds, if it has bytes; None: it has not, or is damaged.
+
+    Raises InvalidInput where memory has no room for it.
+    """
     from tyndall import _image_io
 
+    def require_room(width: int, height: int) -> None:
+        require_room_for_image(name, (width, height), 4)
+
     try:
-        return _image_io.read_rgba(source, name)
+        return _image_io.read_rgba(source, name, require_room)
     except OSError:
         return None
 

@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 
 from tyndall._native import shared_array
+from tyndall.memory_estimate import require_room_for_image
 from tyndall.scene_description import Image
 
 from .image_files import frame_file, is_of_floats, read_file, tile_files
@@ -269,8 +270,9 @@ def _key(image: bpy.types.Image, *, associated: bool) -> str:
 
 
 def _floats(image: bpy.types.Image) -> NDArray[np.float32]:
-    """(height, width, channels), shared; Blender loads the pixels if it must."""
+    """(height, width, channels), shared; Blender loads the pixels if it must. Raises InvalidInput without room."""
     width, height, channels = image.size[0], image.size[1], image.channels
+    require_room_for_image(image.name, (width, height), 4 * channels)
     stored: NDArray[np.float32] = shared_array((height, width, channels), np.dtype(np.float32))
     image.pixels.foreach_get(stored.reshape(-1))
     return stored

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The memory that a render surely takes, before it takes any: what the machine does not have is refused.
 
-A lower bound, so that nothing is refused that fits: the sums of samples and the planes that they become, and Embree's
-trees. What shafts and textures take depends on what the picture shows, and is told afterwards, as the peak.
+A lower bound, so that nothing is refused that fits: the sums of samples and the planes that they become, what is made
+of meshes, strands and instances, and single images. What shafts take depends on what the picture shows, and is told
+afterwards, as the peak.
 """
 
 from __future__ import annotations
@@ -17,12 +18,24 @@ from . import InvalidInput
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
 
-    from .scene_description import Mesh
+    from .renderer import DataConfig
+    from .scene_description import Mesh, SceneDescription, Strands
 
-#: Of passes that are no colours.
-_CHANNELS = {"Combined": 4, "Depth": 1, "Shafts Visibility": 1}
-#: Of Embree's tree, and of the vertices and indices that it reads: half of what was measured.
-_TREE_BYTES_PER_TRIANGLE = 60
+#: Of passes that are no colours. The sums of Debug Sample Count are others'.
+_CHANNELS = {
+    "Combined": 4,
+    "Depth": 1,
+    "Shafts Visibility": 1,
+    "IndexOB": 1,
+    "IndexMA": 1,
+    "Mist": 1,
+    "Vector": 4,
+    "Debug Sample Count": 0,
+    "Denoising Depth": 1,
+}
+_MATTES = {"CryptoObject", "CryptoMaterial", "CryptoAsset"}
+#: Of Embree's trees, and of what these read: half of what was measured.
+_TREE_BYTES_PER_TRIANGLE, _TREE_BYTES_PER_STRAND_POINT, _TREE_BYTES_PER_SPHERE, _BYTES_PER_INSTANCE = 60, 50, 25, 250
 #: Below, nobody asks how much is free.
 _CHECKED_FROM_BYTES = 256 << 20
 
@@ -36,25 +49,71 @@ class Part:
     advice: str  #: How to take less.
 
 
-def picture_part(size_px: tuple[int, int], passes: Collection[str]) -> Part:
-    """Per pixel the sums and the count of samples, and the planes; ``passes`` without data passes."""
-    channels = sum(_CHANNELS.get(name, 3) for name in {"Combined", *passes})
+def picture_part(
+    size_px: tuple[int, int], passes: Collection[str], data: DataConfig | None = None, group_count: int = 0
+) -> Part:
+    """Per pixel the sums and the count of samples, and the planes; ``group_count``: of light groups that are kept."""
+    channels = sum(_CHANNELS.get(name, 3) for name in {"Combined", *passes} - _MATTES)
+    if data is not None:
+        channels += 2 * data.matte_ranks * len(_MATTES.intersection(passes))
+        channels += sum(4 if is_colour else 1 for _, is_colour in data.aovs)
+    channels += 3 * group_count * (2 if "Shafts" in passes else 1)
+    beside = len(passes) + (len(data.aovs) if data is not None else 0) + group_count
     width, height = size_px
-    names = f" with {len(passes)} passes beside it" if passes else ""
+    names = f" with {beside} passes beside it" if beside else ""
     return Part(
         f"the picture of {width} x {height} pixels{names}",
         width * height * 4 * (2 * channels + 1),
-        "lower the resolution, or render a region" + (" or fewer passes" if passes else ""),
+        "lower the resolution, or render a region" + (" or fewer passes" if beside else ""),
     )
 
 
-def trees_part(meshes: Iterable[Mesh]) -> Part:
-    """Of meshes that are not in memory yet; each once."""
+def require_room_for_image(name: str, size_px: tuple[int, int], bytes_per_pixel: int) -> None:
+    """Before its pixels are read. Raises InvalidInput, which names it."""
+    width, height = size_px
+    require_room(
+        [Part(f'image "{name}" of {width} x {height} pixels', width * height * bytes_per_pixel, "scale it down")]
+    )
+
+
+def scene_parts(description: SceneDescription, in_memory: Collection[str]) -> list[Part]:
+    """Of its instances, and of meshes and strands, each once, but those whose keys are ``in_memory`` already."""
+    places = (description.instances, description.strand_objects, description.voxel_objects)
+    meshes = (group.mesh for group in description.instances)
+    strands = (group.strands for group in description.strand_objects)
+    return [
+        _trees_part(mesh for mesh in meshes if mesh.key not in in_memory),
+        _strands_part(one for one in strands if one.key not in in_memory),
+        _instances_part(sum(len(group.object_names) for groups in places for group in groups)),
+    ]
+
+
+def _trees_part(meshes: Iterable[Mesh]) -> Part:
     triangles = sum(len(mesh.triangles) for mesh in {mesh.key: mesh for mesh in meshes}.values())
     return Part(
         f"the scene of {triangles:,} triangles",
         triangles * _TREE_BYTES_PER_TRIANGLE,
         "lower its subdivision, hide what the picture does not show, or simplify it",
+    )
+
+
+def _strands_part(strands: Iterable[Strands]) -> Part:
+    each = {one.key: one for one in strands}.values()
+    return Part(
+        f"the scene's hair and points, {sum(len(one.points) for one in each):,} points in all,",
+        sum(
+            len(one.points) * (_TREE_BYTES_PER_STRAND_POINT if len(one.first_points) else _TREE_BYTES_PER_SPHERE)
+            for one in each
+        ),
+        "lower its children, its steps, or the number of points",
+    )
+
+
+def _instances_part(count: int) -> Part:
+    return Part(
+        f"the scene of {count:,} instances",
+        count * _BYTES_PER_INSTANCE,
+        "lower their density, or hide what the picture does not show",
     )
 
 
@@ -67,7 +126,8 @@ def require_room(parts: Iterable[Part], free: int | None = None) -> None:
     free = free_bytes() if free is None else free
     if free is not None and at_least > free:
         largest = max(parts, key=lambda part: part.at_least_bytes)
-        rest = f", what else is there {_gib(at_least - largest.at_least_bytes)}" if len(parts) > 1 else ""
+        others = at_least - largest.at_least_bytes
+        rest = f", what else is there {_gib(others)}" if others else ""
         raise InvalidInput(
             f"{largest.what} takes {_gib(largest.at_least_bytes)} of memory at least{rest}, and {_gib(free)} are free: "
             + largest.advice

@@ -18,7 +18,7 @@ from .fingerprints import fingerprint
 from .instance_arrays import colors_of, names_of, randoms_of, repeated
 from .light_textures import build_light_textures
 from .linear_colours import linear_texels
-from .memory_estimate import require_room, trees_part
+from .memory_estimate import require_room, scene_parts
 from .moved_instances import moved_groups
 from .native_light_links import group_index, lighting_arrays
 from .native_lights import build_light
@@ -239,7 +239,7 @@ def _free_places(places: NDArray[np.float64]) -> int:
 
 
 def _build_geometry(description: SceneDescription, parts: NativeParts, progress: _native.Progress) -> KeptGeometry:
-    require_room([trees_part(group.mesh for group in description.instances if group.mesh.key not in parts.meshes)])
+    require_room(scene_parts(description, {*parts.meshes, *parts.strands}))
     reports: list[str] = []
     groups = _build_meshes(description.instances, parts, reports, progress)
     _report_open_media(groups, description.materials, parts, reports)

@@ -276,7 +276,8 @@ class Session:
                 "reports": reports,
             }
             return Film(planes=planes, statistics=statistics)
-        asked = picture_part(config.region_size_px(camera), config.passes.intersection(PASSES))
+        groups = len(self._light_groups) if config.keeps_light_groups else 0
+        asked = picture_part(config.region_size_px(camera), config.passes, config.data, groups)
         require_room([asked])
         self._parts.texture_files.begin_picture()
         planes, native_statistics, unstyled = _native.render(

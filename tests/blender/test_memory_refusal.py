@@ -3,14 +3,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import bpy
+import numpy as np
 import pytest
 
 from addon.engine import film_parts, final
-from support.small_scenes import empty_scene, plane
+from support.small_scenes import empty_scene, material, plane
 from tyndall import memory_estimate
+from tyndall._image_io import write_png
 
 
 def test_a_picture_without_room_is_an_error_that_says_what_to_change(
@@ -39,3 +43,28 @@ def test_a_tile_takes_no_room_for_the_frame_around_it(monkeypatch: pytest.Monkey
         bpy.ops.render.render()
     (planes,) = part.films.values()
     assert planes["Combined"].shape == (187, 187, 4)
+
+
+@pytest.mark.parametrize("place", ["file", "packed", "generated"])
+def test_an_image_without_room_is_refused_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str) -> None:
+    scene = empty_scene(8)
+    scene.tyndall.pixel_samples = 1
+    image = bpy.data.images.new("wall.png", 64, 64)
+    if place != "generated":
+        write_png(tmp_path / "wall.png", np.zeros((64, 64, 4), np.uint8))
+        image = bpy.data.images.load(str(tmp_path / "wall.png"))
+    if place == "packed":
+        image.pack()
+
+    def shows_it(new: Callable[[str], Any], link: Callable[..., Any]) -> object:
+        texture, emission = new("ShaderNodeTexImage"), new("ShaderNodeEmission")
+        texture.image = image
+        link(texture.outputs["Color"], emission.inputs["Color"])
+        return emission.outputs[0]
+
+    plane(material=material("shows it", shows_it))
+    monkeypatch.setattr(memory_estimate, "_CHECKED_FROM_BYTES", 0)
+    bpy.ops.render.render()  # which has room
+    monkeypatch.setattr(memory_estimate, "free_bytes", lambda: 12_000)
+    with pytest.raises(RuntimeError, match=r'image "wall\.png.*" of 64 x 64 pixels takes .* scale it down'):
+        bpy.ops.render.render()

@@ -9,11 +9,12 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from support.plain_scenes import camera_above, lit_square, unit_cube
+from support.plain_scenes import camera_above, lit_square, placed, unit_cube
 from tyndall import InvalidInput, Progress, memory_estimate
-from tyndall.memory_estimate import Part, free_bytes, picture_part, require_room, trees_part
+from tyndall.memory_estimate import Part, free_bytes, picture_part, require_room, require_room_for_image, scene_parts
 from tyndall.renderer import RenderConfig, Session
 
 GIB = 1 << 30
@@ -26,27 +27,81 @@ def output_of(script: str) -> str:
     return subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=120).stdout
 
 
-def test_a_picture_takes_no_less_than_is_said() -> None:
-    """Of a process of its own, which takes it. A bound that were too high would refuse what fits."""
-    script = """
-from pathlib import Path
+#: What a process of its own takes beyond what it had, and what was said.
+MEASURED = """
 from dataclasses import replace
-from support.plain_scenes import camera_above, lit_square
+from pathlib import Path
+import numpy as np
+from support.plain_scenes import camera_above, lit_square, placed, unit_cube
 from tyndall import Progress
-from tyndall.memory_estimate import picture_part
-from tyndall.renderer import RenderConfig, Session
-session = Session()
-session.update(lit_square(), Progress())
-config = RenderConfig(pixel_samples=1, passes=frozenset({"Normal", "Depth"}))
+from tyndall.memory_estimate import picture_part, scene_parts
+from tyndall.renderer import DataConfig, RenderConfig, Session
+from tyndall.scene_description import Mesh, StrandForm, StrandObjects, Strands
 def peak():
     lines = Path("/proc/self/status").read_text().splitlines()
     return next(int(line.split()[1]) << 10 for line in lines if line.startswith("VmHWM:"))
+session = Session()
+session.update(lit_square(), Progress())
+"""
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        'passes=frozenset({"Normal", "Depth"})',
+        'passes=frozenset({"CryptoObject", "CryptoMaterial", "UV", "Vector", "IndexOB", "Denoising Albedo"})',
+        'data=DataConfig(aovs=(("a", True), ("b", False)), matte_ranks=3), passes=frozenset({"CryptoAsset"})',
+    ],
+)
+def test_a_picture_takes_no_less_than_is_said(settings: str) -> None:
+    """A bound that were too high would refuse what fits."""
+    script = f"""
+config = RenderConfig(pixel_samples=1, {settings})
 session.render(camera_above(), config, Progress())
 before = peak()
-session.render(replace(camera_above(), size_px=(3000, 3000)), config, Progress())
-print(peak() - before, picture_part((3000, 3000), config.passes).at_least_bytes)
+session.render(replace(camera_above(), size_px=(1200, 1200)), config, Progress())
+print(peak() - before, picture_part((1200, 1200), config.passes, config.data).at_least_bytes)
 """
-    measured, said = map(int, output_of(script).split())
+    measured, said = map(int, output_of(MEASURED + script).split())
+    assert 0.25 * measured < said <= measured
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        "instances=(placed(unit_cube(), *places),)",
+        "strand_objects=(StrandObjects(strands=hair, world_from_object=np.eye(4)[None], object_names=('hair',)),)",
+        "strand_objects=(StrandObjects(strands=points, world_from_object=np.eye(4)[None], object_names=('dust',)),)",
+        "instances=(placed(hill, np.eye(4)),)",
+    ],
+)
+def test_a_scene_takes_no_less_than_is_said(parts: str) -> None:
+    script = f"""
+random = np.random.default_rng(1)
+places = np.tile(np.eye(4), (200_000, 1, 1))
+places[:, :3, 3] = random.uniform(-100, 100, (len(places), 3))
+roots = np.repeat(random.uniform(-1, 1, (50_000, 3)), 8, axis=0)
+roots[:, 2] += np.tile(np.linspace(0, 0.1, 8), 50_000)
+lines = np.column_stack([roots, np.full(len(roots), 1e-3)]).astype(np.float32)
+firsts = np.arange(0, len(lines), 8, dtype=np.uint32)
+hair = Strands(key="hair", name="hair", form=StrandForm.RIBBON, points=lines, first_points=firsts)
+points = Strands(key="dust", name="dust", form=StrandForm.SPHERES, points=lines, first_points=firsts[:0])
+x, y = np.meshgrid(np.arange(600, dtype=np.float32), np.arange(600, dtype=np.float32))
+first = (np.arange(599)[:, None] * 600 + np.arange(599)).reshape(-1)
+hill = Mesh(
+    key="hill",
+    name="hill",
+    positions=np.stack([x, y, np.sin(x) * np.cos(y)], axis=-1).reshape(-1, 3),
+    triangles=np.stack([first, first + 1, first + 600, first + 1, first + 601, first + 600], -1)
+    .reshape(-1, 3)
+    .astype(np.uint32),
+)
+scene = lit_square({parts})
+before = peak()
+session.update(scene, Progress())
+print(peak() - before, sum(part.at_least_bytes for part in scene_parts(scene, ())))
+"""
+    measured, said = map(int, output_of(MEASURED + script).split())
     assert 0.25 * measured < said <= measured
 
 
@@ -73,11 +128,18 @@ def test_the_largest_part_is_named() -> None:
 
 def test_what_is_small_asks_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(memory_estimate, "free_bytes", lambda: pytest.fail("asked"))
-    require_room([picture_part((640, 360), {"Normal"}), trees_part([unit_cube()])])
+    require_room([picture_part((640, 360), {"Normal"}), *scene_parts(lit_square(), ())])
 
 
 def test_a_mesh_counts_once_however_often_it_is_met() -> None:
-    assert trees_part([unit_cube(), unit_cube()]).at_least_bytes == trees_part([unit_cube()]).at_least_bytes > 0
+    once, twice = (lit_square(instances=(placed(unit_cube(), np.eye(4)),) * count) for count in (1, 2))
+    assert scene_parts(twice, ())[0] == scene_parts(once, ())[0]
+    assert scene_parts(once, ())[0].at_least_bytes > scene_parts(once, {"cube"})[0].at_least_bytes == 0
+
+
+def test_an_image_is_named() -> None:
+    with pytest.raises(InvalidInput, match=r'^image "wall.png" of 9000000 x 9000000 pixels takes .* scale it down$'):
+        require_room_for_image("wall.png", (9_000_000, 9_000_000), 4)
 
 
 def test_the_least_of_machine_and_limit_is_free() -> None:

@@ -79,10 +79,13 @@ static py::tuple read_pixels(const py::object& path) {
 }
 
 /// Of a path, or of the bytes of a file.
-static std::optional<py::array> read_rgba_bytes(const py::object& source, const std::string& name) {
+static std::optional<py::array> read_rgba_bytes(const py::object& source, const std::string& name,
+                                                const py::object& before) {
     std::optional<py::array> pixels;
     const RGBARoom room = [&](std::uint32_t width, std::uint32_t height) {
         const py::gil_scoped_acquire acquired;
+        if (!before.is_none())
+            before(width, height);
         py::array made =
             bindings::make_shared_array({py::ssize_t{height}, py::ssize_t{width}, 4}, py::dtype::of<std::uint8_t>());
         auto* const first = static_cast<std::uint8_t*>(made.mutable_data());
@@ -141,10 +144,11 @@ IoError names the path.)");
                R"(Pixels float32 (height, width, channels) as stored, names of the channels, text attributes.
 
 IoError names the path.)");
-    module.def("read_rgba", &read_rgba_bytes, "source"_a, "name"_a = "packed",
+    module.def("read_rgba", &read_rgba_bytes, "source"_a, "name"_a = "packed", "before"_a = py::none(),
                R"(Red, green, blue and alpha, uint8 (height, width, 4), as stored; None: it is another kind of file.
 
-source: a path, or the bytes of a file, which errors call name. A PNG, JPEG, TIFF or, by its path, Targa of up to four
+source: a path, or the bytes of a file, which errors call name. before(width, height) is called before there is memory for
+the pixels; what it raises is raised. A PNG, JPEG, TIFF or, by its path, Targa of up to four
 channels of bytes that lies upright: grey is all three colours, and alpha 255 where there is none. IoError names it.)");
 }
 } // namespace tyndall::image_io
