@@ -94,7 +94,7 @@ class _Frame:
             passes.write(self.result.layers[0], over_engine.nothing(*self.window.region_size_px))
             return  # that scene has its light shafts already
         if (given := film_parts.given_for(scene.name)) is not None and not is_over_engine:
-            passes.write(self.result.layers[0], given.planes(view_layer.name, self.engine.active_view_get()))
+            self._show(given.planes(view_layer.name, self.engine.active_view_get()))
             self._stamp(given.stamps.get(view_layer.name, {}))
             last_render.record(scene.name, given.statistics)
             return
@@ -139,7 +139,7 @@ class _Frame:
             taken.films[self.engine.active_view_get()] = film.planes
             taken.stamps.update(stamps)
         else:
-            self._show(film)
+            self._show(film.planes)
             self._stamp(stamps)
         last_render.record(self.settings.name, _statistics(film, look.description, read_s))
         for line in look.description.reports:
@@ -255,15 +255,15 @@ class _Frame:
         self.engine.update_stats("", f"Tyndall: {progress.message}{left}")
         shown = None if film is None else self._exposed.with_part(film, exposure, progress.fraction)
         if shown is not None:
-            self._show(shown)
+            self._show(shown.planes)
             self.engine.update_result(self.result)
 
     def _remaining_s(self, done: float) -> float:
         """Of a frame that is rendered in parts, with what Blender takes between them."""
         return (time.perf_counter() - self._started) * (1.0 - done) / done if done > 0.0 else 0.0
 
-    def _show(self, film: Film) -> None:
-        passes.write(self.result.layers[0], film.planes)
+    def _show(self, planes: film_parts.Planes) -> None:
+        passes.write(self.result.layers[0], planes, passes.film_exposure(self.settings))
 
     def _stamp(self, fields: dict[str, str]) -> None:
         """The compositor and files have them with the picture."""

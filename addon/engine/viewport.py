@@ -27,6 +27,7 @@ from ..sync.images import ImageReader
 from ..sync.reports import Reports
 from ..sync.scene import SceneReader
 from ..sync.transfer_functions import read_transfer_functions
+from .passes import exposed, film_exposure
 from .sessions import viewport_session
 from .settings import render_config
 from .viewport_camera import camera_frame_px, camera_of_view, frame_of_view, window_beyond_frame
@@ -69,6 +70,7 @@ class Viewport:
         self._view: View | None = None
         self._drawn: Picture | None = None
         self._texture: GPUTexture | None = None
+        self._exposure = 1.0  #: That it was drawn with.
 
     def update(self, depsgraph: Depsgraph) -> None:
         """Note that the scene has changed; it is read when the viewport is drawn."""
@@ -130,11 +132,13 @@ class Viewport:
         picture = self.worker.picture
         if picture is None:
             return
-        if picture is not self._drawn:
+        exposure = film_exposure(context.scene)
+        if picture is not self._drawn or exposure != self._exposure:
             height, width = picture.rgba.shape[:2]
-            pixels = gpu.types.Buffer("FLOAT", width * height * 4, np.ascontiguousarray(picture.rgba).reshape(-1))
+            rgba = np.ascontiguousarray(exposed(picture.rgba, exposure))
+            pixels = gpu.types.Buffer("FLOAT", width * height * 4, rgba.reshape(-1))
             self._texture = gpu.types.GPUTexture((width, height), format="RGBA32F", data=pixels)
-            self._drawn = picture
+            self._drawn, self._exposure = picture, exposure
         left, bottom, right, top = picture.bounds
         region = context.region
         gpu.state.blend_set("ALPHA_PREMULT")

@@ -17,6 +17,8 @@ class TYNDALL_PT_film(PropertiesPanel, Panel):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
+        if (of_cycles := getattr(context.scene, "cycles", None)) is not None:
+            layout.prop(of_cycles, "film_exposure")
         layout.prop(context.scene.render, "film_transparent", text="Transparent")
 
 
