@@ -24,6 +24,7 @@ from .value_nodes import Domain, ValueReader
 from .volume_nodes import read_volume
 from .world_nodes import WorldReader
 from .world_programs import as_turned_image, image_width, linear_map
+from .world_visibility import shown_to_rays
 
 if TYPE_CHECKING:
     import bpy
@@ -74,15 +75,18 @@ def read_world(
     if world is None:
         return ReadWorld(World(name="no world"))
     tree = shader_tree(world)
-    if tree is None:
-        return ReadWorld(World(name=world.name, radiance=tuple(world.color)))
     culprit = f'World "{world.name}"'
     surface, volume = (output_input(tree, name) for name in ("Surface", "Volume"))
     medium = None
     if volume is not None:
         medium = read_volume(ValueReader(culprit, reports, images, Domain.CONSTANT), volume, world.name)
+
+    def drawn(by: WorldReader) -> Value:
+        colour = BLACK if surface is None else _background(by, surface, WHITE)
+        return by.program.multiply(tuple(world.color) if tree is None else colour, shown_to_rays(by, world))
+
     reader = WorldReader(culprit, reports, images, draws_discs=False)
-    background = BLACK if surface is None else _background(reader, surface, WHITE)
+    background = drawn(reader)
     material = reader.program.material(world.name, (BLACK, BLACK, background))
     if not material.program:
         return ReadWorld(World(name=world.name, radiance=material.emission), medium)
@@ -94,9 +98,9 @@ def read_world(
         return ReadWorld(image, medium)
     seen, has_sharp_disc = material, False
     suns: tuple[SkySun, ...] = ()
-    if reader.discs and surface is not None:
+    if reader.discs:
         drawing = WorldReader(culprit, reports, images, draws_discs=True)
-        seen = drawing.program.material(world.name, (BLACK, BLACK, _background(drawing, surface, WHITE)))
+        seen = drawing.program.material(world.name, (BLACK, BLACK, drawn(drawing)))
         found = _suns(reader, world.name, seen, material)
         has_sharp_disc = found is None
         suns = found or ()

@@ -154,6 +154,25 @@ def test_a_world_of_nodes_lights_as_in_cycles(name: str) -> None:
     assert not last_render.statistics_of("Scene")["reports"]
 
 
+@pytest.mark.parametrize("name", ["even", "gradient"])
+@pytest.mark.parametrize("hidden_from", ["camera", "diffuse glossy scatter"])
+def test_a_world_is_black_to_rays_that_do_not_see_it(hidden_from: str, name: str) -> None:
+    """A world hides by the switches of its ray visibility, in front of things and around them."""
+    scene = under(PATTERNS["gradient"], size_px=32)
+    if name == "even":
+        tree = scene.world.node_tree
+        tree.links.remove(tree.nodes["Background"].inputs["Color"].links[0])
+        tree.nodes["Background"].inputs["Color"].default_value = (0.3, 0.6, 0.9, 1)
+    for ray in hidden_from.split():
+        setattr(scene.world.cycles_visibility, ray, False)
+    theirs = cycles_pixels(scene, 256, seed=1)
+    mean, median = errors(tyndall_pixels(scene, 64), theirs)
+    assert theirs.mean() > 0.01
+    assert mean <= 0.01
+    assert median <= 0.01
+    assert not last_render.statistics_of("Scene")["reports"]
+
+
 @pytest.mark.parametrize("world", ["even", "image"])
 def test_normals_that_lean_over_find_no_light_below_the_surface(world: str) -> None:
     """A sheet whose own normals lean by 53 degrees: a fifth of what they see of an even world lies below the sheet.
