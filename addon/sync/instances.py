@@ -14,8 +14,9 @@ alone names the mesh of an instance, unless that object has geometry nodes, whos
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field, replace
-from itertools import chain
+from itertools import chain, compress
 from typing import TYPE_CHECKING
 
 import bpy
@@ -327,6 +328,31 @@ def _may_hold_other_meshes(source: Object) -> bool:
     return not isinstance(source.data, (bpy.types.Mesh, bpy.types.Light, bpy.types.Volume)) or any(
         modifier.type == "NODES" for modifier in source.modifiers
     )
+
+
+def leave_out_flat_copies(meshes: list[Placement]) -> None:
+    """What a scale of 0 has made flat: as in Cycles a mesh that is drawn once stays, its copies do not.
+
+    Cycles draws copies through the inverse of their matrix, which there is not, and a lone mesh where it stands. Hiding
+    instances of geometry nodes by a height of 0 relies on it.
+    """
+    drawn: Counter[tuple[object, ...]] = Counter()
+    for placement in meshes:
+        drawn[_geometry_of(placement)] += len(placement.matrices)
+    for placement in meshes:
+        if drawn[_geometry_of(placement)] == 1:
+            continue
+        axes = placement.world_from_object()[:, :3, :3]
+        is_kept = (axes != 0.0).any(axis=1).all(axis=1)
+        if not is_kept.all():
+            placement.matrices = list(compress(placement.matrices, is_kept))
+            placement.random_numbers = list(compress(placement.random_numbers, is_kept))
+
+
+def _geometry_of(placement: Placement) -> tuple[object, ...]:
+    """What Cycles keeps once: the mesh, or that of an object with materials of its own."""
+    has_own = any(slot.link == "OBJECT" for slot in placement.source.material_slots)
+    return placement.data.as_pointer(), placement.object_name if has_own else ""
 
 
 def materials_of(thing: Object) -> tuple[Material | None, ...]:

@@ -18,7 +18,7 @@ from tyndall.scene_description import ALL_SETS, Instances, Light, Mesh, SceneDes
 from .displaced_meshes import DisplacedMeshes
 from .field_media import FieldVolumes, with_fields
 from .images import ImageReader, images_of
-from .instances import Placement, read_placements, shown_kinds
+from .instances import Placement, leave_out_flat_copies, read_placements, shown_kinds
 from .light_linking import LinkedMedia
 from .light_masks import MaskReader
 from .lights import read_lights
@@ -271,6 +271,7 @@ class SceneReader:
         materials, media = materials_and_media
         groups: list[tuple[Placement, Instances]] = []
         met: set[Name] = set()
+        leave_out_flat_copies(placements)
         seen: dict[tuple[int, frozenset[str]], tuple[Mesh | None, set[int]]] = {}
         try:
             for placement in placements:
