@@ -78,7 +78,8 @@ def output_input(tree: NodeTree | None, name: str) -> Socket | None:
 def _step(at: Socket) -> Socket | None:
     """One link, group border, reroute or muted node further up; None where something computes or has a value."""
     if not at.socket.is_output:
-        links = [link for link in at.socket.links if not link.is_muted]
+        # As Cycles, past links that Blender calls invalid: of a shader to a colour, or in a circle.
+        links = [link for link in at.socket.links if link.is_valid and not link.is_muted]
         return Socket(links[0].from_socket, at.groups) if links else None
     node = at.node
     if node.mute:

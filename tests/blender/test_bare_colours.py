@@ -72,3 +72,19 @@ def test_a_light() -> None:
     ours, cycles = _both(scene)
     assert cycles[0, 0].min() > 0.0
     np.testing.assert_allclose(ours, cycles, rtol=1e-4)
+
+
+def test_a_shader_in_place_of_a_colour_is_no_link() -> None:
+    """Blender marks such a link as wrong, and Cycles takes the colour that the node has itself."""
+
+    def wrongly_linked(new: New, link: Link) -> bpy.types.NodeSocket:
+        glow = node(new, "ShaderNodeEmission", Color=(*_COLOUR, 1.0), Strength=0.5)
+        for name in ("Color", "Strength"):
+            link(new("ShaderNodeBsdfDiffuse").outputs[0], glow.inputs[name])
+        return glow.outputs[0]
+
+    scene = empty_scene()
+    plane(0.0, material("Wrongly linked", wrongly_linked))
+    ours, cycles = _both(scene)
+    assert cycles[0, 0] == pytest.approx(np.array(_COLOUR) / 2.0, rel=1e-5)
+    np.testing.assert_allclose(ours, cycles, rtol=1e-5)
