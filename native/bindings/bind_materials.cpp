@@ -49,12 +49,14 @@ static GlossLayers make_gloss(const std::array<Triple, 4>& constant, const std::
 }
 
 static LobeSource make_lobes(int model, bool preserves_energy, const std::vector<Triple>& constants,
-                             const std::vector<int>& registers, const std::array<int, 3>& normals, int bump_shadowing) {
+                             const std::vector<int>& registers, const std::array<int, 3>& normals, int bump_shadowing,
+                             int subsurface) {
     const auto register_of = [](int index) {
         return index < 0 ? LobeSource::no_register : static_cast<std::uint16_t>(index);
     };
     LobeSource source{.model = static_cast<LobeModel>(model),
                       .preserves_energy = preserves_energy,
+                      .subsurface = static_cast<SubsurfaceMethod>(subsurface),
                       .diffuse_normal = register_of(normals[0]),
                       .facet_normal = register_of(normals[1]),
                       .coat_normal = register_of(normals[2]),
@@ -152,7 +154,7 @@ void bind_materials(py::module_& native) {
     py::class_<LobeSource>(native, "Lobes")
         .def(
             py::init(&make_lobes), "model"_a, "preserves_energy"_a, "constants"_a, "registers"_a, "normals"_a,
-            "bump_shadowing"_a,
+            "bump_shadowing"_a, "subsurface"_a,
             "Of one shader: its inputs, each a colour, or, where it is not below 0, a register; and three registers of "
             "normals, below 0 the point's own: of what is diffuse, of facets, of a coat.");
     py::class_<Material>(native, "Material")

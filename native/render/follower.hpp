@@ -2,6 +2,7 @@
 // A camera ray on its way, and what a surface sends on of it: of view_path.cpp and view_path_sent.cpp alone.
 #pragma once
 #include "render/view_path.hpp"
+#include <span>
 
 namespace tyndall::render {
 /// A ray on its way.
@@ -34,6 +35,40 @@ struct ViewPath::Follower {
     constexpr float largest = 1e30f;
     return glm::min(in_front * share, Rgb(largest));
 }
+
+/// A surface that waits for light.
+struct ViewPath::Lit {
+    const SurfacePoint& point;
+    const SurfaceClosures& closures;
+    std::span<const Lobe> lobes;
+    std::span<const Lobe> below; ///< What lights it from below.
+    vec3 towards_viewer;
+    bool is_unseen;       ///< By the passes: in a mirror, or a shadow catcher.
+    float footprint_m;    ///< What a pixel covers.
+    ProgramRandom random; ///< Of its own ways below.
+};
+/// Where its light goes.
+struct ViewPath::Share {
+    Rgb throughput;
+    std::uint16_t sample;
+    LightOf of;
+};
+
+/// Points that light what is seen of surfaces from their other sides, and from below.
+struct ViewPath::Hidden {
+    SurfaceWalk behind, exits;
+};
+/// Points of a layer beside those that a walk holds already.
+struct ViewPath::Beside {
+    Hidden among_all;
+    SurfaceWalk alone; ///< Of shadow catchers, with none but catchers around, as is what they hide.
+    Hidden hidden_alone;
+    void clear() {
+        for (SurfaceWalk* walk :
+             {&among_all.behind, &among_all.exits, &alone, &hidden_alone.behind, &hidden_alone.exits})
+            walk->clear();
+    }
+};
 
 /// What a surface sends on of a ray.
 struct ViewPath::Sending {

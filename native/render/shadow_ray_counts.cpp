@@ -159,7 +159,7 @@ private:
         scene_.closest_hits(std::span(rays).first(pixel_count), hits, camera_mask,
                             std::span(details).first(voxel_detail_px_ > 0.0f ? pixel_count : 0));
         std::size_t count = 0;
-        std::vector<Lobe> bent;
+        std::vector<Lobe> bent, below;
         for (std::uint32_t pixel = 0; pixel < pixel_count; ++pixel) {
             if (!rays[pixel].exists()) {
                 seen.is_beside[pixel] = true;
@@ -176,11 +176,13 @@ private:
                 continue;
             }
             points[count] = surface_point(scene_, rays[pixel], hit, seeds[pixel]);
-            const SurfaceClosures closures =
+            SurfaceClosures closures =
                 scene_.closures({.ray = rays[pixel], .random = ProgramRandom{seeds[pixel], camera_ray}},
                                 points[count].shading, hit, &lobes[count]);
-            bent.clear();
-            take_bent(lobes[count], bent); // rays are not followed here
+            bent.clear(), below.clear();
+            take_apart(lobes[count], bent, below); // rays are not followed here
+            for (const Lobe& lobe : below)         // as if it came in where it is seen
+                closures.diffuse_albedo += lobe.weight;
             points[count].lambert_share = average(closures.diffuse_albedo);
             lobes_of_points[count] = {.lobes = lobes[count],
                                       .normal = points[count].shading.shading_normal,

@@ -19,6 +19,7 @@ struct SurfaceWalk {
         Rgb cover{0.0f};          ///< Share of what lies behind the point that it hides from the camera.
         std::uint16_t sample = 0; ///< The ray's, among those that were walked.
         LightOf of = LightOf::Picture;
+        bool is_elsewhere = false; ///< Than its pixel shows: neighbours share nothing of it.
     };
     /// Points of neighbouring rays in one layer, which are lit together.
     struct Batch {
@@ -60,8 +61,8 @@ struct SurfaceWalk {
         if (end > (batches.empty() ? 0 : batches.back().end))
             batches.push_back({end, layer, among});
     }
-    /// Points that another walk has not put into batches, as one.
-    void append_batch(const SurfaceWalk& other, std::uint32_t layer, Among among) {
+    /// Points that another walk has not put into batches, as one, or as several of no more than `most`.
+    void append_batch(const SurfaceWalk& other, std::uint32_t layer, Among among, std::size_t most = ~std::size_t{0}) {
         const auto first_point = static_cast<std::uint32_t>(points.size());
         const auto first_lobe = static_cast<std::uint32_t>(lobes.size());
         points.insert(points.end(), other.points.begin(), other.points.end());
@@ -71,6 +72,8 @@ struct SurfaceWalk {
             of.point += first_point, of.first_lobe += first_lobe, of.end_lobe += first_lobe;
             lobed.push_back(of);
         }
+        for (std::size_t left = other.points.size(), end = first_point; left > most; left -= most)
+            batches.push_back({static_cast<std::uint32_t>(end += most), layer, among});
         end_batch(layer, among);
     }
     [[nodiscard]] std::size_t bytes() const {

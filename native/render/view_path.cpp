@@ -26,31 +26,6 @@ struct ViewPath::Rays {
     Among among = Among::All;                ///< What they meet.
 };
 
-/// A surface that waits for light.
-struct ViewPath::Lit {
-    const SurfacePoint& point;
-    const SurfaceClosures& closures;
-    std::span<const Lobe> lobes;
-    vec3 towards_viewer;
-    bool is_unseen; ///< By the passes: in a mirror, or a shadow catcher.
-};
-/// Where its light goes.
-struct ViewPath::Share {
-    Rgb throughput;
-    std::uint16_t sample;
-    LightOf of;
-};
-
-/// Points of a layer beside those that a walk holds already.
-struct ViewPath::Beside {
-    SurfaceWalk behind;              ///< What lights the other sides.
-    SurfaceWalk alone, behind_alone; ///< Of shadow catchers, with none but catchers around.
-    void clear() {
-        for (SurfaceWalk* walk : {&behind, &alone, &behind_alone})
-            walk->clear();
-    }
-};
-
 std::optional<float> ViewPath::goes_on_at(const Follower& follower, const Ray& camera_ray) {
     constexpr float least_cosine = 1.0f - 5e-5f; // 0.01 rad
     if (follower.kind == RayKind::Camera)
@@ -122,6 +97,13 @@ static Rgb cut_out(bool is_held_out, SurfaceClosures& closures, std::vector<Lobe
     closures = {.transparent = closures.transparent};
     lobes.clear();
     return Rgb(1.0f) - closures.transparent;
+}
+
+/// As the passes have it: what comes from below is as what the surface scatters itself.
+static SurfaceClosures with_below(SurfaceClosures closures, std::span<const Lobe> below) {
+    for (const Lobe& lobe : below)
+        closures.diffuse_albedo += lobe.weight;
+    return closures;
 }
 
 /// The point as light from behind meets it, with random numbers of its own.
@@ -197,7 +179,10 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
     }
 }
 
-void ViewPath::await_light(const Lit& lit, const Share& share, SurfaceWalk& walked, SurfaceWalk& behind) const {
+void ViewPath::await_light(const Lit& lit, const Share& share, SurfaceWalk& walked, Hidden& hidden) const {
+    if (!lit.below.empty())
+        await_exits(lit, share, hidden.exits);
+    SurfaceWalk& behind = hidden.behind;
     const SurfaceClosures& closures = lit.closures;
     const bool has_fibres = std::ranges::any_of(lit.lobes, &Lobe::is_of_fibre); // which light meets from all around
     constexpr float per_irradiance = std::numbers::inv_pi_v<float>;
@@ -267,8 +252,8 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
             }
             const Rgb throughput = follower.throughput();
             const SurfacePoint point = surface_point(scene_, follower.part, hit, rays.pixel_seeds[follower.index]);
-            thread_local std::vector<Lobe> lobes, bent;
-            lobes.clear(), bent.clear();
+            thread_local std::vector<Lobe> lobes, bent, below;
+            lobes.clear(), bent.clear(), below.clear();
             Ray asking = follower.part; // transparent surfaces on its way change neither where it began, nor its length
             asking.near_m = follower.near_m;
             const float footprint_m = follower.width_m + hit.distance_m * follower.spread;
@@ -287,10 +272,12 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
                 if (removed == Rgb(1.0f))
                     continue; // a hole: no pass sees anything there
             }
-            take_bent(lobes, bent);
+            take_apart(lobes, bent, below);
             const bool is_caught = !is_sent_on && sample.caught != nullptr && scene_.catches_shadows(hit.instance);
             const LightOf of = is_caught ? LightOf::CatcherAmongAll : follower.of;
-            show(follower, point, closures, is_sent_on, of, sample);
+            std::optional<SurfaceClosures> with;
+            const SurfaceClosures& seen = below.empty() ? closures : with.emplace(with_below(closures, below));
+            show(follower, point, seen, is_sent_on, of, sample);
             if (is_caught)
                 catch_shadow(follower, closures, sample);
             if (has_data) {
@@ -302,16 +289,23 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
             FeatureSearches searches;
             if (has_features)
                 searches = see_features(
-                    follower.features, hit.distance_m, closures,
+                    follower.features, hit.distance_m, seen,
                     {.lobes = lobes, .normal = point.shading.shading_normal, .outgoing = -follower.part.direction},
                     bent, camera_.world_from_camera, sent != nullptr, data.each[follower.index].features);
             if (walked != nullptr && rays.targets[follower.index] != nowhere) {
-                const Lit lit{point, closures, lobes, -follower.part.direction, is_sent_on || is_caught};
+                const Lit lit{point,
+                              closures,
+                              lobes,
+                              below,
+                              -follower.part.direction,
+                              is_sent_on || is_caught,
+                              footprint_m,
+                              {hash(point.pixel_seed, follower.way, layer), rays.sample_index}};
                 const auto target = static_cast<std::uint16_t>(rays.targets[follower.index]);
-                await_light(lit, {throughput, target, of}, *walked, beside.behind);
+                await_light(lit, {throughput, target, of}, *walked, beside.among_all);
                 if (is_caught) // media dim what it is divided by no more than the world behind
                     await_light(lit, {follower.through_surfaces, target, LightOf::CatcherAlone}, beside.alone,
-                                beside.behind_alone);
+                                beside.hidden_alone);
             }
             if (!lobes.empty() && !is_sent_on)
                 sample.diffuse_colour += throughput * LobeSet{.lobes = lobes}.diffuse_colour();
@@ -345,9 +339,11 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
             continue;
         const std::uint32_t place = rays.generation * max_layer_count + layer;
         walked->end_batch(place, rays.among);
-        walked->append_batch(beside.behind, place, rays.among);
+        walked->append_batch(beside.among_all.behind, place, rays.among);
+        walked->append_batch(beside.among_all.exits, place, rays.among, size);
         walked->append_batch(beside.alone, place, Among::Catchers);
-        walked->append_batch(beside.behind_alone, place, Among::Catchers);
+        walked->append_batch(beside.hidden_alone.behind, place, Among::Catchers);
+        walked->append_batch(beside.hidden_alone.exits, place, Among::Catchers, size);
     }
 }
 } // namespace tyndall::render

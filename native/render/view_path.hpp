@@ -69,11 +69,13 @@ private:
     /// Neighbouring rays of one company.
     struct Rays;
     struct Sending;
+    struct Hidden;
     struct Beside;
     struct Lit;
     struct Share;
-    /// Appends a surface's points on the viewer's side and behind.
-    void await_light(const Lit& lit, const Share& share, SurfaceWalk& walked, SurfaceWalk& behind) const;
+    /// Appends a surface's points on the viewer's side, behind, and where what is seen of what lies below came in.
+    void await_light(const Lit& lit, const Share& share, SurfaceWalk& walked, Hidden& hidden) const;
+    void await_exits(const Lit& lit, const Share& share, SurfaceWalk& exits) const;
     void catch_shadow(const Follower& follower, const SurfaceClosures& closures, PathSample& sample) const;
     /// Follows up to most_points rays by their layers; what is mirrored and bent on the way goes to `sent`, where there is
     /// one.

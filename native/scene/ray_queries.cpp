@@ -349,6 +349,19 @@ static void collect(const RTCFilterFunctionNArguments* arguments) {
     }
 }
 
+Hit Scene::closest_hit_of(std::uint32_t instance, const Ray& ray) const {
+    if (placed_shape(instance) != nullptr || !is_within(ray.origin, reach_m()))
+        return {};
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit query;
+    query.ray = embree_ray(in_object(geometry_->objects_from_scene[instance], ray), ~0u);
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(description().meshes[description().instances[instance].mesh_index]->embree_scene(), &context, &query);
+    query.hit.instID[0] = instance;
+    return query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? Hit{} : in_scene(ray, hit_of(query.ray, query.hit));
+}
+
 void Scene::append_hits(const Ray& ray, std::uint32_t instance, std::vector<Hit>& hits) const {
     if (placed_shape(instance) != nullptr || !is_within(ray.origin, reach_m()))
         return;

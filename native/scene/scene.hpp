@@ -236,6 +236,8 @@ public:
     [[nodiscard]] std::size_t open_count(std::span<const Ray> rays) const;
     /// How many meet nothing of one instance.
     [[nodiscard]] std::size_t open_count(std::span<const Ray> rays, std::uint32_t instance) const;
+    /// What the ray meets first of one instance, from either side; nothing of one that has no mesh.
+    [[nodiscard]] Hit closest_hit_of(std::uint32_t instance, const Ray& ray) const;
     /// Appends all that a ray meets of one instance, from either side, in any order; nothing of one that has no mesh.
     void append_hits(const Ray& ray, std::uint32_t instance, std::vector<Hit>& hits) const;
     /// Per instance the bit of its object's blocker set; empty where all are in set 0.

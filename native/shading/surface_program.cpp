@@ -421,10 +421,8 @@ bool glows_nowhere(const Material& material) {
     if (!material.has_surface)
         return true;
     for (const LobeSource& source : material.lobe_sources)
-        if ((source.model == LobeModel::Principled ||
-             source.model == LobeModel::PrincipledSheen) && // their layers dim what glows below them
-            (source.registers[principled_emission] != LobeSource::no_register ||
-             source.constants[principled_emission] != Rgb(0.0f)))
+        if (has_emission(source.model) && (source.registers[principled_emission] != LobeSource::no_register ||
+                                           source.constants[principled_emission] != Rgb(0.0f)))
             return false;
     return material.is_constant() ? material.constant.emission == Rgb(0.0f)
                                   : ends_as_zero(material, material.emission_register);

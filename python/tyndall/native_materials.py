@@ -38,6 +38,7 @@ def build_material(material: Material, textures: list[_native.Texture]) -> _nati
                 registers=lobes.registers,
                 normals=lobes.normals,
                 bump_shadowing=int(lobes.bump_shadowing),
+                subsurface=int(lobes.subsurface),
             )
             for lobes in material.lobes
         ],

@@ -351,6 +351,9 @@ class LobeModel(IntEnum):
     BENT_GLASS_3 = 22
     BENT_GLASS = 23
     REFRACTION = 24
+    SUBSURFACE = 25
+    PRINCIPLED_SUBSURFACE = 26
+    PRINCIPLED_3_SUBSURFACE = 27
 
 
 class BumpShadowing(IntEnum):
@@ -359,6 +362,17 @@ class BumpShadowing(IntEnum):
     NONE = 0
     SMOOTH = 1
     FACETS = 2
+
+
+class SubsurfaceMethod(IntEnum):
+    """How light gets from where it is seen to where it came in; see native/shading/lobes/subsurface.hpp."""
+
+    NONE = 0
+    PROFILE = 1
+    COSINE_WALK = 2
+    COSINE_SKIN_WALK = 3
+    REFRACTED_WALK = 4
+    SKIN_WALK = 5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -372,6 +386,7 @@ class Lobes:
     #: Registers of unit normals: of what is diffuse, of microfacets, of a coat; below 0 the point's own.
     normals: tuple[int, int, int] = (-1, -1, -1)
     bump_shadowing: BumpShadowing = BumpShadowing.NONE  #: Of what is diffuse around such a normal.
+    subsurface: SubsurfaceMethod = SubsurfaceMethod.NONE  #: Of models that scatter below the surface.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -57,11 +57,16 @@ namespace burley {
     const float rest = std::clamp(1.0f - cosine, 0.0f, 1.0f);
     return rest * rest * rest * rest * rest;
 }
-[[nodiscard]] inline float diffuse(float roughness, float light_cosine, float view_cosine, float between_cosine) {
+/// What of it comes back the way it came.
+[[nodiscard]] inline float retro(float roughness, float light_cosine, float view_cosine, float between_cosine) {
     const float light = schlick(light_cosine), view = schlick(view_cosine);
     const float retro = roughness * (between_cosine + 1.0f); // 2 roughness cos^2 of half the angle between
-    return std::numbers::inv_pi_v<float> *
-           ((1.0f - 0.5f * light) * (1.0f - 0.5f * view) + retro * (light + view + light * view * (retro - 1.0f)));
+    return std::numbers::inv_pi_v<float> * retro * (light + view + light * view * (retro - 1.0f));
+}
+[[nodiscard]] inline float diffuse(float roughness, float light_cosine, float view_cosine, float between_cosine) {
+    return std::numbers::inv_pi_v<float> * (1.0f - 0.5f * schlick(light_cosine)) *
+               (1.0f - 0.5f * schlick(view_cosine)) +
+           retro(roughness, light_cosine, view_cosine, between_cosine);
 }
 [[nodiscard]] inline float sheen(float half_cosine) { return schlick(half_cosine); }
 } // namespace burley

@@ -4,6 +4,7 @@
 #pragma once
 #include "core/math.hpp"
 #include "shading/lobes/bump_shadowing.hpp"
+#include "shading/lobes/subsurface.hpp"
 #include <cstdint>
 #include <vector>
 
@@ -13,6 +14,7 @@ struct Lobe {
         Lambert, ///< Around a normal of its own; else it is among SurfaceClosures.
         OrenNayar,
         Burley,
+        BurleyRetro, ///< Of Burley's what comes back the way it came: what is left where his Lambert's share goes inside.
         BurleySheen,
         Sheen,
         DiffuseToon,
@@ -20,8 +22,9 @@ struct Lobe {
         GlossyToon,
         Ggx,
         Clearcoat,
-        Bent,  ///< Sharp glass: no lobe of a LobeSet, but rays that go on. See take_bent().
-        Fibre, ///< One of a Principled Hair's: `normal` is along the fibre, as in the two below. See fibre.hpp.
+        Bent,       ///< Sharp glass: no lobe of a LobeSet, but rays that go on. See take_apart().
+        Subsurface, ///< Below the surface: no lobe of a LobeSet, but where light leaves it elsewhere. See take_apart().
+        Fibre,      ///< One of a Principled Hair's: `normal` is along the fibre, as in the two below. See fibre.hpp.
         FibreReflection,
         FibreTransmission,
     };
@@ -31,19 +34,22 @@ struct Lobe {
     Kind kind = Kind::Ggx;
     Fresnel fresnel = Fresnel::None;
     /// As up to Blender 3.x. Ggx: shadowing and masking are apart. Fibre: its tilt is of the light's angle, not the viewer's.
+    /// Subsurface: a Principled BSDF's, where light that comes in flat is dimmed.
     bool is_separable = false;
     BumpShadowing bump_shadowing = BumpShadowing::None; ///< With a normal of its own.
+    SubsurfaceMethod subsurface = SubsurfaceMethod::None;
     /// Ggx, Clearcoat: width, (0, 1]. OrenNayar: its A. Burley: roughness. Velvet: 1 / sigma^2. Toon: angle of full light.
-    /// Sheen: its a. Fibre: variance along. Its others: width along.
+    /// Sheen: its a. Subsurface: width of the facets that refract. Fibre: variance along. Its others: width along.
     float alpha = 1.0f;
-    float own_alpha = 1.0f; ///< Ggx, Clearcoat: before it was made as wide as directions can be drawn.
+    /// Ggx, Clearcoat: before it was made as wide as directions can be drawn. Subsurface: its anisotropy.
+    float own_alpha = 1.0f;
     /// OrenNayar: its B. Sheen: its b. Toon: angle over which light fades. Fibre: scale around, 0: even. Its others: width
     /// around. Bent: of what lies behind, over that of the viewer's side.
     float ior = 1.5f;
     float sampling = 0.0f; ///< Share of directions that are drawn for it; shares need not add up to 1.
     Rgb weight{0.0f};
     /// Of `fresnel`. Bent: a is what the mirrored ray's light counts, as `weight` does the bent one's. OrenNayar: b is what
-    /// scatters on between facets. Fibre: a is sine and cosine of its tilt, and phi of its
+    /// scatters on between facets. Subsurface: a is what subsurface::mean_free_path() says, b its albedo. Fibre: a is sine and cosine of its tilt, and phi of its
     /// middle, b is fibre::inverse_integrals. Its others: a.x is the angle by which their middle is off.
     Rgb a{0.0f}, b{1.0f};
     vec3 normal{0.0f}; ///< Its own, unit; zero: the point's.
@@ -60,6 +66,7 @@ struct Lobe {
 };
 using Lobes = std::vector<Lobe>;
 
-/// Moves those that bend rays from `lobes` to the end of `bent`; most points have none.
-void take_bent(Lobes& lobes, Lobes& bent);
+/// Moves those that bend rays from `lobes` to the end of `bent`, and what lies below the surface to that of `below`; most
+/// points have neither.
+void take_apart(Lobes& lobes, Lobes& bent, Lobes& below);
 } // namespace tyndall

@@ -52,13 +52,23 @@ enum class LobeModel : std::uint8_t {
     BentGlass3 = 22, ///< The first colour changes so towards the edge, and the rest that is let in does not.
     BentGlass = 23,  ///< Up to 1 at the edge, and the rest is let in.
     Refraction = 24, ///< Reflects nothing, and lets in all that is not totally reflected: colour, index.
+    Subsurface = 25, ///< By the source's method: colour, radius, width of its facets, index, anisotropy.
+    /// As PrincipledSheen; of what is diffuse the share that is below the surface, radius, index of skin, anisotropy.
+    PrincipledSubsurface = 26,
+    /// As Principled3; that share, by which the radius is multiplied, too, radius, index, anisotropy, and the colour of both.
+    Principled3Subsurface = 27,
 };
 /// Rays go on behind it, elsewhere.
 [[nodiscard]] constexpr bool bends_rays(LobeModel model) {
     return model == LobeModel::BentGlass3 || model == LobeModel::BentGlass || model == LobeModel::Refraction;
 }
-inline constexpr std::size_t most_lobe_inputs = 16;
+inline constexpr std::size_t most_lobe_inputs = 20;
 inline constexpr std::size_t principled_emission = 13; ///< Which of its inputs that is, with and without a sheen.
+/// It is one of those whose layers dim what glows below them.
+[[nodiscard]] constexpr bool has_emission(LobeModel model) {
+    return model == LobeModel::Principled || model == LobeModel::PrincipledSheen ||
+           model == LobeModel::PrincipledSubsurface;
+}
 using LobeInputs = std::array<Rgb, most_lobe_inputs>;
 /// Unit normals of a shader's lobes at a point; zero: the point's own.
 struct LobeNormals {

@@ -55,6 +55,8 @@ Rgb reflected(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const 
     }
     case Lobe::Kind::Burley:
         return Rgb(burley::diffuse(lobe.alpha, angles.light, angles.view, angles.between));
+    case Lobe::Kind::BurleyRetro:
+        return Rgb(burley::retro(lobe.alpha, angles.light, angles.view, angles.between));
     case Lobe::Kind::BurleySheen:
         return Rgb(burley::sheen(angles.view_half));
     case Lobe::Kind::Sheen:
@@ -73,7 +75,8 @@ Rgb reflected(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const 
     case Lobe::Kind::Fibre: // and its others: see LobeSet::of_fibre
     case Lobe::Kind::FibreReflection:
     case Lobe::Kind::FibreTransmission:
-    case Lobe::Kind::Bent: // is none of its lobes
+    case Lobe::Kind::Bent: // these two are none of its lobes
+    case Lobe::Kind::Subsurface:
     case Lobe::Kind::Ggx:
         break;
     }

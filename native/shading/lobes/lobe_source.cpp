@@ -25,6 +25,12 @@ std::size_t input_count(Model model) {
         return 3;
     case Model::Principled3:
         return 12;
+    case Model::Subsurface:
+        return 6;
+    case Model::Principled3Subsurface:
+        return 17;
+    case Model::PrincipledSubsurface:
+        return 20;
     case Model::Principled:
         return 14;
     case Model::PrincipledSheen:
@@ -55,6 +61,12 @@ void validate(const LobeSource& source, const std::string& material_name) {
     for (const Rgb& input : source.constants)
         require(std::isfinite(input.x) && std::isfinite(input.y) && std::isfinite(input.z), "material \"",
                 material_name, "\" has a value that is not finite");
+    const bool has_subsurface = source.model == Model::Subsurface || source.model == Model::PrincipledSubsurface ||
+                                source.model == Model::Principled3Subsurface;
+    require(source.subsurface < SubsurfaceMethod::Count &&
+                has_subsurface == (source.subsurface != SubsurfaceMethod::None),
+            "material \"", material_name, "\" has a method ", static_cast<int>(source.subsurface),
+            " of subsurface scattering, which its model ", static_cast<int>(source.model), " does not know");
     require(source.bump_shadowing < BumpShadowing::Count, "material \"", material_name, "\" has a shadowing of bumps ",
             static_cast<int>(source.bump_shadowing), ", which this version does not know");
 }

@@ -3,6 +3,7 @@
 #pragma once
 #include "core/math.hpp"
 #include "shading/lobes/bump_shadowing.hpp"
+#include "shading/lobes/subsurface.hpp"
 #include <cstdint>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct LobeSource {
     LobeModel model{};
     /// What facets hide from one another comes back, too; scales of hair tilt what is seen without a loss.
     bool preserves_energy = false;
+    SubsurfaceMethod subsurface = SubsurfaceMethod::None; ///< Of models that scatter below the surface.
     std::vector<Rgb> constants = {};
     std::vector<std::uint16_t> registers = {}; ///< As many.
     /// Where the unit normals are of what is diffuse, of facets, and of a coat; no_register: the point's own.
