@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from tyndall.scene_description import BumpShadowing, LobeModel
+from tyndall.scene_description import BumpShadowing, LobeModel, SubsurfaceMethod
 
 from .bent_nodes import add_bent_glass, through_one_side
 from .hair_nodes import hair_bsdf, principled_hair
 from .math_nodes import vector_operation
 from .program import BLACK, WHITE, LobeNormals, LobeValues, Program, Term, Value, grey
+from .subsurface_nodes import method_of, principled_inputs, principled_share, scattering_inputs
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -53,10 +54,11 @@ def _push(
     *inputs: Value,
     preserves_energy: bool = False,
     normals: LobeNormals | None = None,
+    subsurface: SubsurfaceMethod = SubsurfaceMethod.NONE,
 ) -> bool:
     if shares.lobes is None:
         return False
-    shares.lobes.append(LobeValues(model, inputs, preserves_energy, normals or LobeNormals()))
+    shares.lobes.append(LobeValues(model, inputs, preserves_energy, normals or LobeNormals(), subsurface))
     return True
 
 
@@ -180,6 +182,11 @@ def _toon(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> boo
     return _push(shares, model, weight, colour, size, smooth, normals=_normals(reader, at))
 
 
+def _subsurface(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
+    inputs, normals = scattering_inputs(reader, at), _normals(reader, at)
+    return _push(shares, LobeModel.SUBSURFACE, weight, *inputs, normals=normals, subsurface=method_of(at))
+
+
 def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
     program = reader.program
     specular = reader.number(at.input("Specular IOR Level") or at.input("Specular"), 0.5)
@@ -188,7 +195,8 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
     coat = reader.number(at.input("Coat Weight") or at.input("Clearcoat"))
     sheen = reader.number(at.input("Sheen Weight") or at.input("Sheen"))
     diffuse_roughness = reader.number(at.input("Diffuse Roughness"))
-    rough, normals = (specular, metallic, transmission, coat, sheen, diffuse_roughness), _normals(reader, at)
+    subsurface, normals = principled_share(reader, at), _normals(reader, at)
+    rough = specular, metallic, transmission, coat, sheen, diffuse_roughness, subsurface
     if not _is_old() and normals.diffuse is None and all(value == BLACK for value in rough):
         return False
     _note_direction(reader, at)
@@ -204,11 +212,6 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
 
     _note_sharpness(reader, shares, roughness)
     base = reader.colour(at.input("Base Color"), _GREY)
-    subsurface = program.clamp(reader.number(at.input("Subsurface Weight") or at.input("Subsurface")))
-    if subsurface != BLACK:
-        reader.note("subsurface scattering is drawn as diffuse")
-        if _is_old():
-            base = program.mix(base, reader.colour(at.input("Subsurface Color")), subsurface)
     if transmission != BLACK:
         passing = program.multiply(program.clamp(transmission), program.complement(program.clamp(metallic)))
         _pass_straight(reader, shares, program.multiply(weight, passing), base)
@@ -217,7 +220,7 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
     if _is_old():
         tint, sheen_tint = (reader.number(at.input(name)) for name in ("Specular Tint", "Sheen Tint"))
         inputs = [specular, tint, sheen, sheen_tint, coat, coat_roughness, transmission, ior]
-        model = LobeModel.PRINCIPLED_3
+        model = LobeModel.PRINCIPLED_3 if subsurface == BLACK else LobeModel.PRINCIPLED_3_SUBSURFACE
     else:
         if reader.number(at.input("Thin Film Thickness")) != BLACK:
             reader.note("thin films are not drawn")
@@ -226,13 +229,17 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
         inputs = [specular, tint, transmission, ior, coat, coat_roughness, coat_ior, coat_tint]
         inputs += [diffuse_roughness, radiance]
         model = LobeModel.PRINCIPLED
-        if sheen != BLACK:
+        if sheen != BLACK or subsurface != BLACK:
             sheen_tint = reader.colour(at.input("Sheen Tint"), WHITE)
             inputs += [program.multiply(_positive(program, sheen), _positive(program, sheen_tint))]
             inputs += [reader.number(at.input("Sheen Roughness"), 0.5)]
-            model = LobeModel.PRINCIPLED_SHEEN
+            model = LobeModel.PRINCIPLED_SHEEN if subsurface == BLACK else LobeModel.PRINCIPLED_SUBSURFACE
     inputs = [weight, base, metallic, roughness, *inputs]
-    return _push(shares, model, *inputs, preserves_energy=is_multiple, normals=normals)
+    method = SubsurfaceMethod.NONE
+    if subsurface != BLACK:
+        inputs += principled_inputs(reader, at, base, subsurface)
+        method = method_of(at)
+    return _push(shares, model, *inputs, preserves_energy=is_multiple, normals=normals, subsurface=method)
 
 
 def _of_fibre(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
@@ -254,6 +261,7 @@ _SHADERS: dict[str, Callable[[ValueReader, Socket, Value, Shares], bool]] = {
     "BSDF_SHEEN": _sheen,
     "BSDF_TOON": _toon,
     "BSDF_PRINCIPLED": _principled,
+    "SUBSURFACE_SCATTERING": _subsurface,
     "BSDF_HAIR": _of_fibre,
     "BSDF_HAIR_PRINCIPLED": _of_fibre,
 }

@@ -19,6 +19,7 @@ from tyndall.scene_description import (
     Lobes,
     Material,
     Rgb,
+    SubsurfaceMethod,
     SurfaceOp,
     TextureUse,
     attribute_maps,
@@ -80,6 +81,7 @@ class LobeValues:
     inputs: tuple[Value, ...]
     preserves_energy: bool = False
     normals: LobeNormals = LobeNormals()
+    subsurface: SubsurfaceMethod = SubsurfaceMethod.NONE
 
     def terms(self) -> list[Term]:
         return [value for value in (*self.inputs, *self.normals.all()) if isinstance(value, Term)]
@@ -96,6 +98,7 @@ class LobeValues:
             preserves_energy=self.preserves_energy,
             normals=(normal(diffuse), normal(facets), normal(coat)),
             bump_shadowing=self.normals.bump_shadowing,
+            subsurface=self.subsurface,
         )
 
 

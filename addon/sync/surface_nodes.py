@@ -241,6 +241,8 @@ def _note_layers(reader: ValueReader, at: Socket) -> None:
     for name, older in (("Sheen", "Sheen"), ("Coat", "Clearcoat")):
         if reader.number(at.input(f"{name} Weight") or at.input(older)) != BLACK:
             reader.note(f"{name.lower()} is not drawn on voxels, nor where reflections are followed")
+    if reader.number(at.input("Subsurface Weight") or at.input("Subsurface")) != BLACK:
+        reader.note("subsurface scattering is drawn as diffuse on voxels, and where reflections are followed")
 
 
 def _transmit(reader: ValueReader, at: Socket, factors: tuple[Value, Value, Value], shares: Shares) -> bool:

@@ -147,6 +147,7 @@ TESTS = {
     ),
     **dict.fromkeys(["ShaderNodeValue", "ShaderNodeVertexColor"], "test_sync"),
     "ShaderNodeBsdfSheen": "test_sheen_agreement",
+    "ShaderNodeSubsurfaceScattering": "test_subsurface_agreement",
     "ShaderNodeHairInfo": "test_hair_agreement",
     **dict.fromkeys(["ShaderNodeBsdfHair", "ShaderNodeBsdfHairPrincipled"], "test_hair_shaders"),
     "ShaderNodeHoldout": "test_holdouts",
