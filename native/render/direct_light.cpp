@@ -336,6 +336,16 @@ LaneSet DirectLight::may_meet(std::size_t light, std::span<const SurfacePoint> p
         if (is_many(light)) {
             aim_at_many(surface, pair, 1.0f, shadow);
             test();
+            for (std::size_t index = 0; lobes != nullptr && index < points.size(); ++index) {
+                if ((found >> index & 1) != 0 || !finds_lamps((*lobes)[index]))
+                    continue;
+                thread_local std::vector<RayToLamp> rays;
+                rays.clear();
+                if (const auto drawn = draw_by_lobes(points[index], (*lobes)[index], pair))
+                    aim_at_lamps_met(points[index], (*lobes)[index], *drawn, 1.0f, Among::All, rays);
+                if (std::ranges::any_of(rays, [&](const RayToLamp& to) { return boxes.may_meet(to.ray); }))
+                    found |= LaneSet{1} << index;
+            }
             continue;
         }
         if (!is_world(light)) {

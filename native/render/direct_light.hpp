@@ -85,6 +85,8 @@ public:
     }
     /// Into Scene::lights: the lamps among the many.
     [[nodiscard]] std::span<const std::uint32_t> many_lamps() const { return many_->lamps(); }
+    /// Of the lamps among the many, those with a size that the ray meets before its end: numbers into many_lamps().
+    void meet_many_lamps(const Ray& ray, std::vector<ManyLights::LampMet>& met) const { many_->meet_lamps(ray, met); }
     /// What glows there is one of the lights: who meets it by chance must not count it again.
     [[nodiscard]] bool is_light(const Hit& hit) const { return many_ && many_->has(hit); }
     [[nodiscard]] std::uint32_t index_of(std::size_t light) const { return lights_[light].index; }
@@ -156,6 +158,24 @@ private:
     void aim_at_many(const LitSurface& surface, const PairIndex& pair, float share, ShadowRays& shadow) const;
     void add_many(const LitSurface& surface, const PairIndex& pair, float share, std::span<Irradiance> irradiance,
                   std::span<Irradiance> by_group) const;
+    /// A direction that lobes of a point drew for what is among the many; nothing: none that counts.
+    struct DrawnByLobes {
+        vec3 direction;
+        float cosine, pdf_per_sr;
+    };
+    [[nodiscard]] static std::optional<DrawnByLobes> draw_by_lobes(const SurfacePoint& point, const LobeSet& lobes,
+                                                                   const PairIndex& pair);
+    /// Towards a lamp among the many that the lobes' direction meets.
+    struct RayToLamp {
+        Ray ray;
+        Rgb reflected; ///< With nothing between; the share of that strategy.
+        const Light* lamp;
+    };
+    /// From a point whose lobes are sharp: see finds_lamps.
+    void aim_at_lamps_met(const SurfacePoint& point, const LobeSet& lobes, const DrawnByLobes& drawn, float share,
+                          Among among, std::vector<RayToLamp>& rays) const;
+    /// Whether directions of lobes, too, look for lamps among the many.
+    [[nodiscard]] bool finds_lamps(const LobeSet& lobes) const;
     /// Irradiance from triangles that a ray in a direction drawn with that density meets; the share of that strategy.
     /// by_group: of each group that is asked for, or empty.
     [[nodiscard]] Rgb of_triangles(const SurfacePoint& point, const vec3& direction, float pdf_per_sr, Among among,

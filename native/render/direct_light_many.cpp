@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The part of direct_light.hpp of lights that are drawn, not asked each: by the tree, and of triangles by the cosine and by
-// lobes' own directions, too.
+// The part of direct_light.hpp of lights that are drawn, not asked each: by the tree, of triangles by the cosine and by
+// lobes' own directions, too, and of lamps with a size by those of sharp lobes.
 // Based on: Veach, dissertation, Stanford 1997, section 9.2 (power heuristic): a wide plate nearby is met by chance.
 #include "core/sampling.hpp"
 #include "render/direct_light.hpp"
 #include "render/light_groups.hpp"
 #include "render/shadow_rays.hpp"
+#include <algorithm>
 
 namespace tyndall::render {
 static constexpr std::uint32_t place_pairs = 0x0800'0000, lobe_pairs = 0x1000'0000,
@@ -23,7 +24,9 @@ void DirectLight::aim_at_many(const LitSurface& surface, const PairIndex& pair, 
         const SurfacePoint& point = surface.points[index];
         const float choice = pixel_pair(point.pixel_seed, pair.sample_index, pair.pair_index).x;
         const vec2 place = pixel_pair(point.pixel_seed, pair.sample_index, place_pairs + pair.pair_index);
-        std::optional<ManyLights::Aimed> aimed = many_->aim(point, choice, place);
+        const LobeSet* lobes = surface.lobes != nullptr ? &(*surface.lobes)[index] : nullptr;
+        std::optional<ManyLights::Aimed> aimed =
+            many_->aim(point, choice, place, lobes != nullptr && finds_lamps(*lobes));
         if (!aimed || (aimed->links != nullptr && !may_light(*aimed->links, point)))
             continue;
         if (surface.among == Among::Catchers &&
@@ -41,13 +44,13 @@ void DirectLight::aim_at_many(const LitSurface& surface, const PairIndex& pair, 
         const bool is_a_point =
             aimed->lamp != nullptr && aimed->lamp->kind != LightKind::Area && !(aimed->lamp->radius_m > 0.0f);
         Rgb reflected(0.0f);
-        if (surface.lobes != nullptr && !(*surface.lobes)[index].lobes.empty()) {
-            const LobeSet& lobes = (*surface.lobes)[index];
+        if (lobes != nullptr && !lobes->lobes.empty()) {
             float weight = 1.0f;
-            if (is_met && lobes.has_directions())
-                weight = power_share(aimed->pdf_per_sr, lobes.pdf_per_sr(towards));
+            if (aimed->pdf_per_sr > 0.0f && (is_met || aimed->lamp != nullptr) && lobes->has_directions())
+                weight = power_share(aimed->pdf_per_sr, lobes->pdf_per_sr(towards));
             reflected = arriving *
-                        (is_a_point ? lobes.per_irradiance_of_point(towards) : lobes.per_irradiance(towards)) * weight;
+                        (is_a_point ? lobes->per_irradiance_of_point(towards) : lobes->per_irradiance(towards)) *
+                        weight;
         }
         shadow.push(aimed->ray, arriving, index, reflected);
         const float cosine = glm::dot(point.shading.shading_normal, towards);
@@ -93,17 +96,78 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
             share * of_triangles(point, direction, cosine_hemisphere_pdf_per_sr(cosine), surface.among, of_groups);
         for (std::size_t group = 0; group < of_groups.size(); ++group)
             by_group[group * surface.points.size() + index].from_lights += share * of_groups[group];
-        if (surface.lobes == nullptr || !(*surface.lobes)[index].has_directions())
-            continue;
+    }
+    for (std::size_t index = 0; surface.lobes != nullptr && index < surface.points.size(); ++index) {
+        const SurfacePoint& point = surface.points[index];
         const LobeSet& lobes = (*surface.lobes)[index];
-        const vec3 mirrored =
-            lobes.sample(pixel_pair(point.pixel_seed, pair.sample_index, lobe_pairs + pair.pair_index));
-        irradiance[index].reflected +=
-            share * of_triangles(point, mirrored, lobes.pdf_per_sr(mirrored), surface.among, of_groups) *
-            lobes.per_irradiance_as_drawn(mirrored);
-        for (std::size_t group = 0; group < of_groups.size(); ++group)
-            by_group[group * surface.points.size() + index].reflected +=
-                share * of_groups[group] * lobes.per_irradiance_as_drawn(mirrored);
+        const bool may_find_lamps = finds_lamps(lobes);
+        if (!may_find_lamps && !(many_->has_triangles() && lobes.has_directions()))
+            continue;
+        const std::optional<DrawnByLobes> drawn = draw_by_lobes(point, lobes, pair);
+        if (!drawn)
+            continue;
+        if (many_->has_triangles()) {
+            const Rgb per_irradiance = share * lobes.per_irradiance_as_drawn(drawn->direction);
+            irradiance[index].reflected +=
+                of_triangles(point, drawn->direction, drawn->pdf_per_sr, surface.among, of_groups) * per_irradiance;
+            for (std::size_t group = 0; group < of_groups.size(); ++group)
+                by_group[group * surface.points.size() + index].reflected += of_groups[group] * per_irradiance;
+        }
+        if (!may_find_lamps)
+            continue;
+        thread_local std::vector<RayToLamp> rays;
+        rays.clear();
+        aim_at_lamps_met(point, lobes, *drawn, share, surface.among, rays);
+        std::ranges::stable_sort(rays, {}, [](const RayToLamp& to_lamp) { return to_lamp.ray.far_m; });
+        const Ray* blocked = nullptr; // and all that lies behind along it
+        for (const RayToLamp& to_lamp : rays) {
+            const Ray& ray = to_lamp.ray;
+            std::array<Rgb, 1> passing{Rgb(1.0f)};
+            if (to_lamp.lamp->casts_shadow) {
+                if (blocked != nullptr && blocked->origin == ray.origin && blocked->direction == ray.direction)
+                    continue;
+                passing[0] = scene_.shadow_transmittance(ray, surface.among);
+                blocked = passing[0] == Rgb(0.0f) ? &ray : nullptr;
+            }
+            if (has_media_ && surface.among == Among::All)
+                media_.attenuate({&ray, 1}, passing);
+            const Irradiance found{.reflected = to_lamp.reflected * passing[0]};
+            irradiance[index] += found;
+            add_to_group(by_group, to_lamp.lamp->light_group, surface.points.size(), index, found);
+        }
+    }
+}
+
+bool DirectLight::finds_lamps(const LobeSet& lobes) const {
+    return many_->has_wide_lamps() && lobes.has_directions() && are_sharp(lobes);
+}
+
+std::optional<DirectLight::DrawnByLobes> DirectLight::draw_by_lobes(const SurfacePoint& point, const LobeSet& lobes,
+                                                                    const PairIndex& pair) {
+    const vec3 direction = lobes.sample(pixel_pair(point.pixel_seed, pair.sample_index, lobe_pairs + pair.pair_index));
+    const float cosine = glm::dot(point.shading.shading_normal, direction);
+    const float pdf_per_sr = cosine > 0.0f ? lobes.pdf_per_sr(direction) : 0.0f;
+    if (!(pdf_per_sr > 0.0f))
+        return std::nullopt;
+    return DrawnByLobes{direction, cosine, pdf_per_sr};
+}
+
+void DirectLight::aim_at_lamps_met(const SurfacePoint& point, const LobeSet& lobes, const DrawnByLobes& drawn,
+                                   float share, Among among, std::vector<RayToLamp>& rays) const {
+    thread_local std::vector<ManyLights::LampMet> met;
+    many_->meet_lamps({.origin = point.shading.position, .direction = drawn.direction}, met);
+    for (const ManyLights::LampMet& lamp : met) {
+        const Light& light = scene_.lights()[many_->lamps()[lamp.number]];
+        if (among == Among::Catchers && !light.lights_catchers)
+            continue;
+        Ray ray{.origin = point.spawn.towards(drawn.direction), .direction = drawn.direction, .far_m = lamp.hit.far_m};
+        const float weight =
+            power_share(drawn.pdf_per_sr, many_->pdf_per_sr(point, lamp)) * drawn.cosine / drawn.pdf_per_sr;
+        Rgb reflected = light.strength * (share * weight * lamp.hit.radiance_per_strength) *
+                        lobes.per_irradiance_as_drawn(drawn.direction);
+        finish(light, point, ray, reflected);
+        if (reflected != Rgb(0.0f))
+            rays.push_back({ray, reflected, &light});
     }
 }
 

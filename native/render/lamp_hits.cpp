@@ -151,4 +151,10 @@ bool lobes_may_find(const LightAim::Form& form, const vec3& position, const Lobe
     }
     return !(most_pdf_per_sr(lobes) <= hardly * least_pdf);
 }
+
+bool are_sharp(const LobeSet& lobes) {
+    // GGX of roughness 0.37 from above. Measured beneath 33 to 10,000 lamps at 0.3: what is left of the noise costs as much.
+    constexpr float broad_per_sr = 4.0f;
+    return most_pdf_per_sr(lobes) > broad_per_sr;
+}
 } // namespace tyndall::render

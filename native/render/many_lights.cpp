@@ -57,8 +57,18 @@ ManyLights::ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps,
         return scene.description().instances[triangle.instance].is_bounce_visible;
     };
     std::vector<LightBounds> bounds;
-    for (const std::uint32_t lamp : lamps_)
-        bounds.push_back(bounds_of(scene.lights()[lamp]));
+    std::vector<Bounds3> boxes;
+    for (std::uint32_t number = 0; number < lamps_.size(); ++number) {
+        const Light& lamp = scene.lights()[lamps_[number]];
+        bounds.push_back(bounds_of(lamp));
+        const LightAim aim(lamp);
+        wide_of_lamp_.push_back(aim.has_size() ? static_cast<std::uint32_t>(wide_lamps_.size()) : LightTree::none);
+        if (!aim.has_size())
+            continue;
+        wide_lamps_.push_back({number, aim});
+        boxes.push_back(bounds.back().box);
+    }
+    boxes_ = LampBoxes(boxes);
     for (const EmissiveTriangle& triangle : emitters_->triangles()) {
         bounds.push_back(MeshEmitters::bounds_of(triangle));
         if (lights_surfaces(triangle))
@@ -69,12 +79,13 @@ ManyLights::ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps,
     tree_ = LightTree(bounds);
 }
 
-std::optional<ManyLights::Aimed> ManyLights::aim(const SurfacePoint& point, float u_choice, vec2 u_place) const {
+std::optional<ManyLights::Aimed> ManyLights::aim(const SurfacePoint& point, float u_choice, vec2 u_place,
+                                                 bool tells_density) const {
     const auto [light, probability] = tree_.choose(point.shading.position, point.shading.shading_normal, u_choice);
     if (light == LightTree::none)
         return std::nullopt;
     std::optional<Aimed> aimed = light < lamps_.size()
-                                     ? aim_at_lamp(point, lamps_[light], u_place)
+                                     ? aim_at_lamp(point, light, u_place, tells_density)
                                      : aim_at_triangle(point, emitters_->triangles()[light - lamps_.size()], u_place);
     if (aimed) {
         aimed->arriving /= probability;
@@ -83,7 +94,9 @@ std::optional<ManyLights::Aimed> ManyLights::aim(const SurfacePoint& point, floa
     return aimed;
 }
 
-std::optional<ManyLights::Aimed> ManyLights::aim_at_lamp(const SurfacePoint& point, std::uint32_t lamp, vec2 u) const {
+std::optional<ManyLights::Aimed> ManyLights::aim_at_lamp(const SurfacePoint& point, std::uint32_t number, vec2 u,
+                                                         bool tells_density) const {
+    const std::uint32_t lamp = lamps_[number];
     const Light& light = scene_.lights()[lamp];
     const vec3& position = point.shading.position;
     LightSample sample = sample_light_towards(light, lamp, u, position);
@@ -102,10 +115,24 @@ std::optional<ManyLights::Aimed> ManyLights::aim_at_lamp(const SurfacePoint& poi
     const Rgb arriving = intensity_w_per_sr(sample, -direction) * (irradiance_per_intensity(sample, position) * cosine);
     if (!(far_m > 0.0f) || arriving == Rgb(0.0f))
         return std::nullopt;
+    const std::uint32_t wide = tells_density ? wide_of_lamp_[number] : LightTree::none;
     return Aimed{.ray = {.origin = origin, .direction = left / far_m, .near_m = 0.0f, .far_m = far_m},
                  .arriving = arriving,
                  .lamp = &light,
+                 .pdf_per_sr = wide == LightTree::none
+                                   ? 0.0f
+                                   : lamp_hit(wide_lamps_[wide].aim.form(), position, direction).pdf_per_sr,
                  .light_group = light.light_group};
+}
+
+void ManyLights::meet_lamps(const Ray& ray, std::vector<LampMet>& met) const {
+    met.clear();
+    thread_local std::vector<std::uint32_t> near;
+    boxes_.find(ray, near);
+    for (const std::uint32_t wide : near)
+        if (const LampHit hit = lamp_hit(wide_lamps_[wide].aim.form(), ray.origin, ray.direction);
+            hit.pdf_per_sr > 0.0f && hit.far_m >= ray.near_m && hit.far_m <= ray.far_m)
+            met.push_back({wide_lamps_[wide].number, hit});
 }
 
 Ray ManyLights::ray_to(const SurfacePoint& point, const Hit& hit, const vec3& direction) const {

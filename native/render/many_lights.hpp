@@ -2,6 +2,8 @@
 // Lights of which each point asks a few, drawn from a tree: lamps beyond a number, and triangles that glow.
 // Based on: next event estimation; light_tree.hpp chooses, scene/light.hpp and mesh_emitters.hpp place.
 #pragma once
+#include "render/lamp_boxes.hpp"
+#include "render/lamp_hits.hpp"
 #include "render/mesh_emitters.hpp"
 #include "render/surface_point.hpp"
 #include <memory>
@@ -29,19 +31,34 @@ public:
         Rgb arriving; ///< Irradiance over the probability of the choice; of a lamp without a spot's cone.
         const Light* lamp = nullptr;  ///< Nothing: a triangle.
         std::uint32_t instance = ~0u; ///< Of a triangle, as of a Hit.
-        float pdf_per_sr = 0.0f;      ///< Of a triangle, with the choice.
+        float pdf_per_sr =
+            0.0f; ///< With the choice, of what rays meet by chance, too; of a lamp where it is asked for.
         std::uint8_t light_group = no_light_group;
         const LightLinks* links = nullptr; ///< Of a triangle, where they leave something out; lamps here light all.
     };
-    /// By numbers in [0, 1). Nothing: no light comes from there.
-    [[nodiscard]] std::optional<Aimed> aim(const SurfacePoint& point, float u_choice, vec2 u_place) const;
+    /// By numbers in [0, 1). Nothing: no light comes from there. `tells_density`: of lamps, too.
+    [[nodiscard]] std::optional<Aimed> aim(const SurfacePoint& point, float u_choice, vec2 u_place,
+                                           bool tells_density = false) const;
     /// See MeshEmitters::may_meet.
     [[nodiscard]] bool may_meet_triangle(const Ray& ray) const { return emitters_->may_meet(ray); }
+    /// Some lamp has a size, for rays to meet.
+    [[nodiscard]] bool has_wide_lamps() const { return !boxes_.is_empty(); }
+    struct LampMet {
+        std::uint32_t number; ///< Into lamps().
+        LampHit hit;
+    };
+    /// Lamps with a size that the ray meets before its end, whatever stands before them.
+    void meet_lamps(const Ray& ray, std::vector<LampMet>& met) const;
+    /// With which aim() takes the direction from the point in which a lamp was met.
+    [[nodiscard]] float pdf_per_sr(const SurfacePoint& point, const LampMet& met) const {
+        return met.hit.pdf_per_sr * tree_.probability(met.number, point.shading.position, point.shading.shading_normal);
+    }
     /// A ray from the point that met a triangle: what it brings, and with which density aim() takes it; else nothing.
     [[nodiscard]] std::optional<Aimed> met(const SurfacePoint& point, const Ray& ray, const Hit& hit) const;
 
 private:
-    [[nodiscard]] std::optional<Aimed> aim_at_lamp(const SurfacePoint& point, std::uint32_t lamp, vec2 u) const;
+    [[nodiscard]] std::optional<Aimed> aim_at_lamp(const SurfacePoint& point, std::uint32_t number, vec2 u,
+                                                   bool tells_density) const;
     [[nodiscard]] std::optional<Aimed> aim_at_triangle(const SurfacePoint& point, const EmissiveTriangle& triangle,
                                                        vec2 u) const;
     [[nodiscard]] const LightLinks* links_of(const EmissiveTriangle& triangle) const {
@@ -55,6 +72,13 @@ private:
     std::vector<std::uint32_t> lamps_;
     std::shared_ptr<const MeshEmitters> emitters_; ///< Those among them that light surfaces are in the tree.
     LightTree tree_;                               ///< Lamps first.
-    bool has_triangles_ = false;                   ///< In the tree.
+    struct WideLamp {
+        std::uint32_t number; ///< Into lamps_.
+        LightAim aim;
+    };
+    std::vector<WideLamp> wide_lamps_;        ///< Those with a size.
+    std::vector<std::uint32_t> wide_of_lamp_; ///< Into these; LightTree::none: it has no size.
+    LampBoxes boxes_;                         ///< Of wide_lamps_.
+    bool has_triangles_ = false;              ///< In the tree.
 };
 } // namespace tyndall::render

@@ -60,15 +60,7 @@ void ViewPath::send_on(const Sending& sending, const SurfaceClosures& closures, 
 
 void ViewPath::see_lamps(const Follower& follower, float end_m, PathSample& sample) const {
     const Ray& ray = follower.part;
-    for (std::size_t lamp = 0; lamp < light_.lamp_count(); ++lamp) {
-        const LightAim& aim = light_.aim_of(lamp);
-        const Light& light = scene_.lights()[light_.index_of(lamp)];
-        if (!aim.has_size() ||
-            !(light.links.lights_all() || light.links.lights(scene_.object_info(follower.sender).receiver_set)))
-            continue;
-        const LampHit hit = lamp_hit(aim.form(), ray.origin, ray.direction);
-        if (!(hit.pdf_per_sr > 0.0f) || hit.far_m < ray.near_m || hit.far_m > end_m)
-            continue;
+    const auto see = [&](const Light& light, const LampHit& hit) {
         Rgb radiance = light.strength * hit.radiance_per_strength;
         if (light.kind == LightKind::Spot)
             radiance *= spot_attenuation(light, -ray.direction);
@@ -81,6 +73,24 @@ void ViewPath::see_lamps(const Follower& follower, float end_m, PathSample& samp
         if (!media_.is_empty())
             radiance *= media_.transmittance(before);
         sample.add_light(follower.throughput() * radiance, light.light_group, follower.of);
+    };
+    for (std::size_t lamp = 0; lamp < light_.lamp_count(); ++lamp) {
+        const LightAim& aim = light_.aim_of(lamp);
+        const Light& light = scene_.lights()[light_.index_of(lamp)];
+        if (!aim.has_size() ||
+            !(light.links.lights_all() || light.links.lights(scene_.object_info(follower.sender).receiver_set)))
+            continue;
+        const LampHit hit = lamp_hit(aim.form(), ray.origin, ray.direction);
+        if (hit.pdf_per_sr > 0.0f && hit.far_m >= ray.near_m && hit.far_m <= end_m)
+            see(light, hit);
     }
+    if (!light_.has_many())
+        return;
+    Ray up_to_end = ray;
+    up_to_end.far_m = end_m;
+    thread_local std::vector<ManyLights::LampMet> met;
+    light_.meet_many_lamps(up_to_end, met);
+    for (const auto& [number, hit] : met)
+        see(scene_.lights()[light_.many_lamps()[number]], hit);
 }
 } // namespace tyndall::render

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes that glow and many lamps light surfaces as in Cycles, with direct light alone."""
+"""Meshes that glow and many lamps light surfaces, gloss too, as in Cycles, with direct light alone."""
 
 from __future__ import annotations
 
@@ -13,7 +13,14 @@ from support.many_light_scenes import LIT_BY, build_lit_by
 
 PICTURES = Path(__file__).parents[2] / "out" / "many_lights"
 SAMPLES = 256
-_MARKS = {"200 lamps": pytest.mark.long, "ball": pytest.mark.costly, "picture": pytest.mark.costly}
+_MARKS = {
+    "200 lamps": pytest.mark.long,
+    "ball": pytest.mark.costly,
+    "picture": pytest.mark.costly,
+    "40 over gloss": pytest.mark.costly,
+}
+#: Each lamp costs Cycles the same, and gloss each lamp once more.
+_FEWER_SAMPLES = {"200 lamps": SAMPLES // 2, "40 over gloss": SAMPLES // 8}
 
 
 @pytest.mark.parametrize(
@@ -23,8 +30,7 @@ _MARKS = {"200 lamps": pytest.mark.long, "ball": pytest.mark.costly, "picture": 
 def test_equals_cycles(light: str) -> None:
     """The mean within 1 %, as is the median block, beyond what is noise."""
     scene = build_lit_by(light)
-    # Each lamp costs Cycles the same, and it has 200 of them.
-    ours_samples = SAMPLES // 2 if light == "200 lamps" else SAMPLES
+    ours_samples = _FEWER_SAMPLES.get(light, SAMPLES)
     samples = 4 * ours_samples
     cycles = cycles_pixels(scene, samples, seed=1), cycles_pixels(scene, samples, seed=2)
     on_edges = pixels_on_edges(scene)

@@ -15,6 +15,8 @@ from tyndall.renderer import Film, RenderConfig, Session, ShaftConfig
 from tyndall.scene_description import (
     Light,
     LightKind,
+    LobeModel,
+    Lobes,
     Material,
     Medium,
     ObjectLighting,
@@ -25,6 +27,7 @@ from tyndall.scene_description import (
 from tyndall.transfer_functions import Layer, TransferFunction, WeightedFunction
 
 GROUPS = ("a", "b", "world")
+GLOSSY = Lobes(model=LobeModel.GLOSSY, inputs=((1.0,) * 3, (0.9, 0.7, 0.4), (0.25,) * 3), registers=(-1,) * 3)
 ALL = RenderConfig(pixel_samples=4, passes=frozenset({"Shafts"}), keeps_light_groups=True)
 
 
@@ -49,7 +52,7 @@ def stage(lamp_count: int, *, is_foggy: bool) -> SceneDescription:
     return SceneDescription(
         instances=(floor, block, plate, *((fog,) if is_foggy else ())),
         materials=(
-            Material(name="grey"),
+            Material(name="grey", lobes=(GLOSSY,)),
             Material(name="glow", emission=(1.0, 2.0, 0.5)),
             Material(name="fog", has_surface=False, medium=0),
         ),

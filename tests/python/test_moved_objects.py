@@ -114,10 +114,16 @@ def lights(*, edited: bool = False, size: float = 1.0) -> tuple[Light, ...]:
 
 
 def lamps(count: int) -> tuple[Light, ...]:
-    """More than are asked each."""
+    """More than are asked each, every other one with a size."""
     places = np.random.default_rng(5).uniform((-6, -6, 0.5), (6, 9, 4.0), (count, 3))
     return tuple(
-        Light(name=f"Lamp {index}", kind=LightKind.POINT, strength=(1.0,) * 3, world_from_light=translation(*place))
+        Light(
+            name=f"Lamp {index}",
+            kind=LightKind.POINT,
+            strength=(1.0,) * 3,
+            world_from_light=translation(*place),
+            radius_m=0.6 * (index % 2),
+        )
         for index, place in enumerate(places)
     )
 
@@ -220,7 +226,7 @@ VARIANTS: dict[str, dict[str, object]] = {
     "transparent film": {"film_transparent": True},
     "glossy": {"floor": Material(name="glossy", lobes=(GLOSSY,)), "lights": lights(size=5.0)},
     "glowing": {"floor": Material(name="glowing", emission=(0.3, 0.2, 0.1))},
-    "many lamps": {"lights": (*lights(), *lamps(40))},
+    "many lamps": {"floor": Material(name="glossy", lobes=(GLOSSY,)), "lights": (*lights(), *lamps(40))},
 }
 
 

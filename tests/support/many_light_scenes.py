@@ -9,7 +9,7 @@ from math import radians
 import bmesh
 import bpy
 import numpy as np
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 
 from support.agreement_scenes import Arrangement, _link, _mesh, _output, _plane, build, diffuse
 
@@ -83,6 +83,38 @@ def point_lamps(count: int) -> None:
         _link(data.name, data, Matrix.Translation(place))
 
 
+def plates_over_gloss(count: int, roughness: float) -> None:
+    """Squares, discs and balls that hang all over the room, mirrored by a floor of metal of that roughness."""
+    random = np.random.default_rng(7)
+    size_m = 0.4 * (21.0 / count) ** 0.5  # of the ceiling, about a sixth
+    for number in range(count):
+        data = bpy.data.lights.new(f"Lamp {number}", "POINT" if number % 3 == 2 else "AREA")
+        data.energy = 600.0 / count * (0.2 + random.random())
+        data.color = 0.3 + 0.7 * random.random(3)
+        if data.type == "AREA":
+            data.shape, data.size = ("SQUARE", "DISK")[number % 3], size_m
+        else:
+            data.shadow_soft_size = 0.4 * size_m
+        place = random.random(3) * (6.0, 3.5, 1.0) + (-3.0, -1.0, 1.8)
+        turn = Matrix.Rotation(random.random() - 0.5, 4, "X") @ Matrix.Rotation(random.random() - 0.5, 4, "Y")
+        _link(data.name, data, Matrix.Translation(place) @ turn).visible_camera = False
+    material = bpy.data.materials.new("Metal")
+    tree, output = _output(material)
+    metal = tree.nodes.new(
+        "ShaderNodeBsdfGlossy" if bpy.app.version < (4, 0, 0) else "ShaderNodeBsdfAnisotropic"
+    )  # one node under two names
+    metal.distribution = "GGX"
+    metal.inputs["Color"].default_value = (0.9, 0.8, 0.7, 1)
+    metal.inputs["Roughness"].default_value = roughness
+    tree.links.new(metal.outputs[0], output.inputs["Surface"])
+    bpy.data.objects["Floor"].data.materials[0] = material
+    camera = bpy.context.scene.camera
+    place = Vector((0.0, -2.6, 3.5))
+    turn = (place - Vector((0.0, -0.4, 0.0))).to_track_quat("Z", "Y")
+    camera.matrix_world = Matrix.LocRotScale(place, turn, None)
+    camera.data.lens = 24.0
+
+
 LIT_BY: dict[str, Callable[[], None]] = {
     "quad": _quad,
     "picture": _picture,
@@ -90,6 +122,7 @@ LIT_BY: dict[str, Callable[[], None]] = {
     "200 lamps": lambda: _lamps(200),
     "10 points": lambda: point_lamps(10),
     "10000 points": lambda: point_lamps(10_000),
+    "40 over gloss": lambda: plates_over_gloss(40, 0.15),
 }
 
 
