@@ -16,12 +16,14 @@ from tyndall.scene_description import Displacement
 from tyndall.surface_inputs import PointInput
 
 from .coordinates import made, made_fourth, point_input
+from .domains import on_surfaces
 from .math_nodes import vector_operation
 from .mesh_attributes import tangent_of
 from .normal_nodes import bumped, is_flat, read_at_three_places
 from .program import BLACK, Value
 
 if TYPE_CHECKING:
+    from .domains import Evaluate
     from .node_graph import Socket
     from .program import Program
     from .value_nodes import ValueReader
@@ -47,7 +49,7 @@ def read_displacement(reader: ValueReader, material: bpy.types.Material, at: Soc
     method = _method(material)
     if method == "BUMP" or at is None or not at.is_connected():
         return None
-    program = reader.program.material(material.name, (BLACK, BLACK, _moved(reader, at)))
+    program = reader.program.material(material.name, (BLACK, BLACK, reader.colour(at)))
     return Displacement(program=program, keeps_normals=method == "BOTH")
 
 
@@ -56,9 +58,9 @@ def _method(material: bpy.types.Material) -> str:
     return str(method or getattr(getattr(material, "cycles", None), "displacement_method", "BUMP"))
 
 
-def _moved(reader: ValueReader, at: Socket) -> Value:
-    """Where to and how far, in the world."""
-    source, program = at.source(), reader.program
+def _moved_by(reader: ValueReader, source: Socket) -> Value:
+    """Where to and how far, in the world: what other nodes get, as those that mix displacements."""
+    program = reader.program
     if source.node.type == "DISPLACEMENT":
         normal_input = source.input("Normal")
         is_linked = normal_input is not None and normal_input.is_connected()
@@ -67,12 +69,10 @@ def _moved(reader: ValueReader, at: Socket) -> Value:
             normal = point_input(program, PointInput.NORMAL_TO_OBJECT, normal)
             normal = point_input(program, PointInput.DIRECTION_TO_WORLD, normal)
         return program.multiply(normal, _height_of_displacement(reader, source))
-    if source.node.type == "VECTOR_DISPLACEMENT":
-        moved = _vector_of_displacement(reader, source)
-        if source.node.space == "TANGENT":
-            moved = _along_tangents(program, moved)
-        return moved if source.node.space == "WORLD" else point_input(program, PointInput.DIRECTION_TO_WORLD, moved)
-    return reader.colour(at)
+    moved = _vector_of_displacement(reader, source)
+    if source.node.space == "TANGENT":
+        moved = _along_tangents(program, moved)
+    return moved if source.node.space == "WORLD" else point_input(program, PointInput.DIRECTION_TO_WORLD, moved)
 
 
 def _along_tangents(program: Program, moved: Value) -> Value:
@@ -136,3 +136,9 @@ def _of_vector_displacement(reader: ValueReader, at: Socket) -> Value:
     if space == "OBJECT":
         moved = point_input(program, PointInput.DIRECTION_TO_WORLD, moved)
     return _along(program, moved)
+
+
+NODES: dict[str, Evaluate] = {
+    "DISPLACEMENT": on_surfaces(_moved_by),
+    "VECTOR_DISPLACEMENT": on_surfaces(_moved_by),
+}

@@ -15,6 +15,7 @@ from tyndall.surface_operations import nearest_finite
 from . import (
     colour_nodes,
     coordinates,
+    displacement_nodes,
     input_nodes,
     math_nodes,
     normal_nodes,
@@ -214,6 +215,7 @@ _NODES: dict[str, Callable[[ValueReader, Socket], Value]] = {
     "VALUE": _own_value,
     **math_nodes.NODES,
     **colour_nodes.NODES,
+    **displacement_nodes.NODES,
     **input_nodes.NODES,
     **normal_nodes.NODES,
     **pattern_nodes.NODES,

@@ -223,6 +223,18 @@ def bare_vector(new: New, link: Link) -> bpy.types.NodeSocket:
     return combined(new, link, "MULTIPLY", waves(new, link), (0.05, 0.1, 0.08))
 
 
+def mixed(first: Build, second: Build) -> Build:
+    """As files do that displace ground and water by turns."""
+
+    def build(new: New, link: Link) -> bpy.types.NodeSocket:
+        mix = node(new, "ShaderNodeMixRGB", Fac=0.3)
+        link(first(new, link), mix.inputs["Color1"])
+        link(second(new, link), mix.inputs["Color2"])
+        return mix.outputs[0]
+
+    return build
+
+
 DISPLACEMENTS: dict[str, Build] = {
     "world": displacement("WORLD"),
     "object": displacement("OBJECT"),
@@ -230,6 +242,7 @@ DISPLACEMENTS: dict[str, Build] = {
     "vector in object": vector_displacement("OBJECT"),
     "vector in tangent": vector_displacement("TANGENT"),
     "any vector": bare_vector,
+    "mixed": mixed(displacement("OBJECT"), vector_displacement("WORLD")),
 }
 
 
