@@ -91,11 +91,24 @@ public:
     }
 
 private:
-    std::uint32_t build(std::span<const LightBounds> lights, std::span<std::uint32_t> members);
     /// Into nodes_, and which of its children.
     struct Place {
         std::uint32_t node = none, slot = 0;
     };
+    /// A part of the tree: its nodes are counted from its own first one.
+    struct Branch {
+        std::vector<Node> nodes;
+        std::vector<Place> place_of_node;
+    };
+    /// Lights that a branch of their own goes to, and where that hangs.
+    struct Bud {
+        std::span<std::uint32_t> members;
+        Place place;
+    };
+    /// Returns the index of its node. What has no more lights than `most_of_bud` is left to `buds`.
+    std::uint32_t grow(std::span<const LightBounds> lights, std::span<std::uint32_t> members, Branch& branch,
+                       std::size_t most_of_bud, std::vector<Bud>& buds);
+    void append(const Branch& branch, const Place& place);
     std::vector<Node> nodes_; ///< The root first.
     std::vector<Place> place_of_light_, place_of_node_;
 };

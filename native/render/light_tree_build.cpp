@@ -3,6 +3,7 @@
 // Based on: section 4.3 of the paper: the surface area orientation heuristic, equations 1 and 2, in bins; cones around
 //           cones, its algorithm 1.
 // Differs:  a node's eight children come of seven splits, of that part each time which costs most.
+#include "core/parallel.hpp"
 #include "render/light_tree.hpp"
 #include <algorithm>
 #include <cmath>
@@ -78,11 +79,43 @@ struct Part {
     float cost;
 };
 
+/// united(), light after light. Most lie in the cone of those before them: a cosine says so, without an angle.
+class Union {
+public:
+    void add(const LightBounds& light) {
+        if (!(bounds_.power > 0.0f)) {
+            bounds_ = light;
+            cos_spread_ = std::cos(light.spread_rad);
+        } else if (light.spread_rad == 0.0f && light.power > 0.0f && contains(light)) {
+            bounds_.box.grow(light.box);
+            bounds_.reach_rad = std::max(bounds_.reach_rad, light.reach_rad);
+            bounds_.power += light.power;
+            bounds_.back = std::max(bounds_.back, light.back);
+        } else {
+            bounds_ = united(bounds_, light);
+            cos_spread_ = std::cos(bounds_.spread_rad);
+        }
+    }
+    [[nodiscard]] const LightBounds& bounds() const { return bounds_; }
+
+private:
+    /// Rounding leaves those out that lie at the cone's border: united() takes them.
+    [[nodiscard]] bool contains(const LightBounds& light) const {
+        constexpr float rounding = 1e-6f;
+        if (bounds_.spread_rad >= pi)
+            return true;
+        const float cosine = glm::dot(bounds_.axis, light.axis);
+        return (std::max(bounds_.back, light.back) == 1.0f ? std::abs(cosine) : cosine) > cos_spread_ + rounding;
+    }
+    LightBounds bounds_;
+    float cos_spread_ = 1.0f;
+};
+
 Part part_of(std::span<const LightBounds> lights, std::span<std::uint32_t> members, float least_m) {
-    LightBounds bounds;
+    Union all;
     for (const std::uint32_t member : members)
-        bounds = united(bounds, lights[member]);
-    return {members, bounds, cost_of(bounds, least_m)};
+        all.add(lights[member]);
+    return {members, all.bounds(), cost_of(all.bounds(), least_m)};
 }
 
 struct Split {
@@ -102,23 +135,25 @@ std::optional<Split> best_split(std::span<const LightBounds> lights, const Part&
     for (int axis = 0; axis < 3; ++axis) {
         if (!(size[axis] > 1e-6f * longest) || !(size[axis] > 0.0f))
             continue;
-        std::array<LightBounds, bin_count> bins{};
+        std::array<Union, bin_count> bins{};
         for (const std::uint32_t member : part.members) {
             const float place = (lights[member].box.centre()[axis] - centres.min[axis]) / size[axis];
-            LightBounds& bin = bins[std::min(static_cast<std::size_t>(place * bin_count), bin_count - 1)];
-            bin = united(bin, lights[member]);
+            bins[std::min(static_cast<std::size_t>(place * bin_count), bin_count - 1)].add(lights[member]);
         }
+        const auto is_empty = [&](std::size_t bin) { return !(bins[bin].bounds().power > 0.0f); };
         std::array<float, bin_count> above{};
         LightBounds side;
         for (std::size_t bin = bin_count - 1; bin > 0; --bin) {
-            side = united(side, bins[bin]);
-            above[bin] = cost_of(side, least_m);
+            side = united(side, bins[bin].bounds());
+            above[bin] = !is_empty(bin) ? cost_of(side, least_m) : bin + 1 < bin_count ? above[bin + 1] : 0.0f;
         }
         side = {};
         for (std::size_t bin = 0; bin + 1 < bin_count; ++bin) {
-            side = united(side, bins[bin]);
+            if (is_empty(bin)) // a split here costs what that before it did
+                continue;
+            side = united(side, bins[bin].bounds());
             const float cost = (cost_of(side, least_m) + above[bin + 1]) * longest / size[axis];
-            if (!(side.power > 0.0f) || !(above[bin + 1] > 0.0f) || (best && best->cost <= cost))
+            if (!(above[bin + 1] > 0.0f) || (best && best->cost <= cost))
                 continue;
             best = {axis, centres.min[axis] + size[axis] * static_cast<float>(bin + 1) / bin_count, cost};
         }
@@ -154,10 +189,11 @@ void put(const LightBounds& bounds, LightTree::Node& node, std::size_t slot) {
 }
 } // namespace
 
-std::uint32_t LightTree::build(std::span<const LightBounds> lights, std::span<std::uint32_t> members) {
-    const auto index = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.emplace_back();
-    place_of_node_.emplace_back();
+std::uint32_t LightTree::grow(std::span<const LightBounds> lights, std::span<std::uint32_t> members, Branch& branch,
+                              std::size_t most_of_bud, std::vector<Bud>& buds) {
+    const auto index = static_cast<std::uint32_t>(branch.nodes.size());
+    branch.nodes.emplace_back();
+    branch.place_of_node.emplace_back();
     Bounds3 all;
     for (const std::uint32_t member : members)
         all.grow(lights[member].box);
@@ -174,18 +210,41 @@ std::uint32_t LightTree::build(std::span<const LightBounds> lights, std::span<st
     }
     for (std::uint32_t slot = 0; slot < parts.size(); ++slot) {
         const Part& part = parts[slot];
-        put(part.bounds, nodes_[index], slot);
+        put(part.bounds, branch.nodes[index], slot);
         const Place here{index, slot};
         if (part.members.size() == 1) {
-            nodes_[index].child[slot] = part.members.front() | is_light;
+            branch.nodes[index].child[slot] = part.members.front() | is_light;
             place_of_light_[part.members.front()] = here;
             continue;
         }
-        const std::uint32_t below = build(lights, part.members);
-        nodes_[index].child[slot] = below;
-        place_of_node_[below] = here;
+        if (part.members.size() <= most_of_bud) {
+            buds.push_back({part.members, here});
+            continue;
+        }
+        const std::uint32_t below = grow(lights, part.members, branch, most_of_bud, buds);
+        branch.nodes[index].child[slot] = below;
+        branch.place_of_node[below] = here;
     }
     return index;
+}
+
+void LightTree::append(const Branch& branch, const Place& place) {
+    const auto first = static_cast<std::uint32_t>(nodes_.size());
+    nodes_[place.node].child[place.slot] = first;
+    for (std::size_t index = 0; index < branch.nodes.size(); ++index) {
+        Node node = branch.nodes[index];
+        for (std::size_t slot = 0; slot < width; ++slot) {
+            if (!(node.power[slot] > 0.0f))
+                continue;
+            if ((node.child[slot] & is_light) != 0)
+                place_of_light_[node.child[slot] & ~is_light].node += first;
+            else
+                node.child[slot] += first;
+        }
+        nodes_.push_back(node);
+        const Place above = branch.place_of_node[index];
+        place_of_node_.push_back(index == 0 ? place : Place{above.node + first, above.slot});
+    }
 }
 
 LightTree::LightTree(std::span<const LightBounds> lights) : place_of_light_(lights.size()) {
@@ -193,7 +252,20 @@ LightTree::LightTree(std::span<const LightBounds> lights) : place_of_light_(ligh
     for (std::uint32_t light = 0; light < lights.size(); ++light)
         if (lights[light].power > 0.0f)
             members.push_back(light);
-    if (!members.empty())
-        build(lights, members);
+    if (members.empty())
+        return;
+    // By their number alone, so that threads change nothing. Fewer lights have one branch, in place.
+    const std::size_t most_of_bud = members.size() < 16384 ? 0 : members.size() / 64;
+    Branch trunk;
+    std::vector<Bud> buds, none_left;
+    grow(lights, members, trunk, most_of_bud, buds);
+    nodes_ = std::move(trunk.nodes);
+    place_of_node_ = std::move(trunk.place_of_node);
+    std::vector<Branch> branches(buds.size());
+    parallel_for(
+        buds.size(), Progress{}, [&](std::size_t bud) { grow(lights, buds[bud].members, branches[bud], 0, none_left); },
+        1);
+    for (std::size_t bud = 0; bud < buds.size(); ++bud)
+        append(branches[bud], buds[bud].place);
 }
 } // namespace tyndall::render

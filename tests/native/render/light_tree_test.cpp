@@ -69,7 +69,10 @@ TEST_CASE("a light tree chooses with the probabilities that it tells, which add 
 
 TEST_CASE("points in the open are always given one of many lamps without direction: probabilities add up to 1") {
     std::vector<LightBounds> lights;
-    for (std::uint32_t index = 0; index < 1000; ++index) {
+    std::uint32_t count = 0;
+    SUBCASE("one branch") { count = 1000; }
+    SUBCASE("many branches, which grow side by side") { count = 20'000; }
+    for (std::uint32_t index = 0; index < count; ++index) {
         LightBounds light;
         light.box.grow(vec3(number(1, index), number(2, index), 1.0f + number(3, index)));
         light.spread_rad = std::numbers::pi_v<float>;
@@ -77,16 +80,25 @@ TEST_CASE("points in the open are always given one of many lamps without directi
         lights.push_back(light);
     }
     const LightTree tree(lights);
+    const vec3 point(0.3f, 0.4f, 0.0f), normal(0, 0, 1);
     double sum = 0.0;
     for (std::uint32_t light = 0; light < lights.size(); ++light)
-        sum += tree.probability(light, vec3(0.3f, 0.4f, 0.0f), vec3(0, 0, 1));
+        sum += tree.probability(light, point, normal);
     CHECK(sum == doctest::Approx(1.0).epsilon(1e-4));
+    for (std::uint32_t draw = 0; draw < 1000; ++draw) {
+        const auto [light, probability] = tree.choose(point, normal, number(5, draw));
+        REQUIRE(light < count);
+        CHECK(probability == doctest::Approx(tree.probability(light, point, normal)).epsilon(1e-4));
+    }
 }
 
 TEST_CASE("no light that shines on a point is out of reach of the tree") {
-    const std::vector<LightBounds> lights = mixed_lights(2000);
+    std::uint32_t count = 0, places = 0;
+    SUBCASE("one branch") { count = 2000, places = 20; }
+    SUBCASE("many branches, which grow side by side") { count = 20'000, places = 2; }
+    const std::vector<LightBounds> lights = mixed_lights(count);
     const LightTree tree(lights);
-    for (std::uint32_t place = 0; place < 20; ++place) {
+    for (std::uint32_t place = 0; place < places; ++place) {
         const vec3 point(number(7, place) * 10.0f, number(8, place) * 10.0f, number(9, place) * 4.0f);
         const vec3 normal = sample_uniform_sphere(sobol_point(place, hash(10u)));
         for (std::uint32_t light = 0; light < lights.size(); ++light) {
