@@ -20,6 +20,21 @@ if TYPE_CHECKING:
     from .scene_description import Light
 
 
+#: A point light shines all around, and a sun along its axis, whatever scales of 0 make of the rest.
+_SHINES_WHEN_FLAT = {LightKind.POINT, LightKind.SUN}
+
+
+def _filled(rotation_and_scale: NDArray[np.float64], *, keeps_axis: bool) -> NDArray[np.float64]:
+    """With a length of 1 where it has none: a regular matrix stays as it is, and so does one whose axis is lost."""
+    if not np.isfinite(rotation_and_scale).all() or (keeps_axis and not rotation_and_scale[:, 2].any()):
+        return rotation_and_scale
+    if rotation_and_scale.any(axis=0).all():
+        return rotation_and_scale
+    left, lengths, right = np.linalg.svd(rotation_and_scale)
+    filled: NDArray[np.float64] = (left * np.where(lengths > 1e-12 * lengths[0], lengths, 1.0)) @ right
+    return filled
+
+
 def build_light(
     light: Light,
     origin: NDArray[np.float64],
@@ -30,6 +45,8 @@ def build_light(
 ) -> _native.Light:
     """The native light, relative to the origin. Raises InvalidInput; an edit that cannot be used is reported only."""
     rotation_and_scale = light.world_from_light[:3, :3]
+    if light.kind in _SHINES_WHEN_FLAT:
+        rotation_and_scale = _filled(rotation_and_scale, keeps_axis=light.kind is LightKind.SUN)
     axis = -rotation_and_scale[:, 2]
     length = float(np.linalg.norm(axis))
     if length == 0.0:

@@ -60,6 +60,23 @@ def test_a_light_is_as_bright_as_in_cycles(name: str) -> None:
     agree(scene, 1e-2 if has_size else 1e-4)
 
 
+@pytest.mark.parametrize("scale", [(1, 1, 0), (0, 1, 1), (1, 0, 0), (0, 0, 0)])
+@pytest.mark.parametrize("kind", ["POINT", "SUN"])
+def test_a_flat_light_shines_where_it_does_in_cycles(kind: str, scale: tuple[int, int, int]) -> None:
+    """A point light wherever it is, a sun as long as it has an axis."""
+    scene = lit_plane()
+    lamp = light(kind, (0, 0, 1), energy=3.0 if kind == "SUN" else 100.0)
+    lamp.scale, lamp.rotation_euler = scale, (0.3, 0.2, 0.1)
+    if kind == "SUN":
+        lamp.data.angle = 0.0
+    else:
+        lamp.data.shadow_soft_size = 0.0
+    if kind == "POINT" or scale[2] == 1:
+        agree(scene, 1e-3)
+    else:
+        assert cycles_pixels(scene, samples=1, seed=1).max() == tyndall_pixels(scene).max() == 0.0
+
+
 def test_a_lights_own_nodes_multiply_its_strength() -> None:
     scene = lit_plane()
     lamp = light("POINT", (0, 0, 2), energy=100.0, shadow_soft_size=0.0)
