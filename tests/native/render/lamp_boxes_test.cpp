@@ -42,13 +42,13 @@ std::vector<Bounds3> boxes_around(const vec3& centre, float reach_m, float size_
 } // namespace
 
 // Seen to fail without what is left for rounding, and with the near end of rays ignored.
-TEST_CASE("of lamps' boxes a ray finds all that it meets, and few others") {
+TEST_CASE("of lamps' boxes a ray finds all that it meets, and no others but such as it misses by millimetres") {
     for (const std::uint32_t count : {1u, 2u, 40u, 3000u})
         for (const float far_m : {0.0f, 3000.0f}) {
             const std::vector<Bounds3> boxes = boxes_around(vec3(0, 0, 2), 10.0f, 0.01f, count);
             const render::LampBoxes tree(boxes);
             std::vector<std::uint32_t> found;
-            std::size_t met_count = 0, found_count = 0;
+            std::size_t met_count = 0;
             for (std::uint32_t number = 0; number < 2000; ++number) {
                 // Towards corners, edges and insides of boxes, along axes, too.
                 const Bounds3& aim = boxes[hash(number, 1u) % count];
@@ -71,7 +71,10 @@ TEST_CASE("of lamps' boxes a ray finds all that it meets, and few others") {
                     ray.near_m = 1.1f * distance_m;
                 tree.find(ray, found);
                 CHECK(std::ranges::is_sorted(found));
-                found_count += found.size();
+                for (const std::uint32_t box : found) {
+                    constexpr float hardly_m = 0.003f;
+                    CHECK(meets({.min = boxes[box].min - hardly_m, .max = boxes[box].max + hardly_m}, ray));
+                }
                 for (std::uint32_t box = 0; box < count; ++box)
                     if (meets(boxes[box], ray)) {
                         ++met_count;
@@ -79,7 +82,6 @@ TEST_CASE("of lamps' boxes a ray finds all that it meets, and few others") {
                     }
             }
             CHECK(met_count > 400);
-            CHECK(found_count < (far_m > 0.0f ? 2 : 1) * met_count + 1000);
         }
     std::vector<std::uint32_t> found{7};
     render::LampBoxes().find({.origin = {}, .direction = {0, 0, 1}}, found);
