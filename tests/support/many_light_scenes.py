@@ -126,11 +126,11 @@ LIT_BY: dict[str, Callable[[], None]] = {
 }
 
 
-def build_lit_by(light: str, width_px: int = 96, height_px: int = 54) -> bpy.types.Scene:
-    """Make the scene in an empty file."""
+def build_lit_by(light: str | Callable[[], None], width_px: int = 96, height_px: int = 54) -> bpy.types.Scene:
+    """Make the scene in an empty file, with one of LIT_BY or what makes another light."""
     scene = build(Arrangement("sun", "none", "perspective", "none"), width_px, height_px)
     for lamp in [each for each in scene.objects if each.type == "LIGHT"]:
         bpy.data.objects.remove(lamp)
     _boxes()
-    LIT_BY[light]()
+    (LIT_BY[light] if isinstance(light, str) else light)()
     return scene
