@@ -25,14 +25,17 @@ static vec3 own_normal_at(const SubsurfaceEntry& entry, const FoundExit& exit, c
     return length > 0.0f && sum / length != point.shading.shading_normal ? sum / length : vec3(0.0f);
 }
 
-std::optional<SubsurfaceExit> subsurface_exit(const SubsurfaceEntry& entry) {
-    const std::optional<FoundExit> found =
+Exits<SubsurfaceExit> subsurface_exits(const SubsurfaceEntry& entry) {
+    const FoundExits found =
         entry.lobe.subsurface == SubsurfaceMethod::Profile ? exit_by_profile(entry) : walk_below(entry);
-    if (!found)
-        return std::nullopt;
-    constexpr std::uint32_t of_light = 0x6c69'7465; // a seed apart from those of the way
-    const SurfacePoint point =
-        surface_point(entry.scene, found->from_outside, found->hit, hash(entry.random.seed, of_light));
-    return SubsurfaceExit{point, own_normal_at(entry, *found, point), found->weight};
+    Exits<SubsurfaceExit> exits;
+    for (const FoundExit& exit : found.all()) {
+        const auto number = static_cast<std::uint32_t>(exits.count);
+        constexpr std::uint32_t of_light = 0x6c69'7465; // a seed apart from those of the way
+        const SurfacePoint point =
+            surface_point(entry.scene, exit.from_outside, exit.hit, hash(entry.random.seed, of_light + number));
+        exits.each[exits.count++] = {point, own_normal_at(entry, exit, point), exit.weight};
+    }
+    return exits;
 }
 } // namespace tyndall::render

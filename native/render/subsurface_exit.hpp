@@ -6,7 +6,8 @@
 #pragma once
 #include "render/surface_point.hpp"
 #include "shading/lobes/lobe.hpp"
-#include <optional>
+#include <array>
+#include <span>
 
 namespace tyndall::render {
 /// A view ray on a surface that scatters below it.
@@ -23,8 +24,15 @@ struct SubsurfaceExit {
     vec3 own_normal; ///< Unit, around which light counts; zero: the point's.
     Rgb weight;      ///< Of white diffuse light there, that reaches the viewer.
 };
-/// Drawn at random; nothing: none comes this way. What one in a mesh that is open or leaks finds is bounded, too.
-[[nodiscard]] std::optional<SubsurfaceExit> subsurface_exit(const SubsurfaceEntry& entry);
+/// Several, which count together: no more than channels.
+template <typename Exit>
+struct Exits {
+    std::array<Exit, 3> each;
+    std::size_t count = 0;
+    [[nodiscard]] std::span<const Exit> all() const { return std::span(each).first(count); }
+};
+/// Drawn at random; none: no light comes this way. What one in a mesh that is open or leaks finds is bounded, too.
+[[nodiscard]] Exits<SubsurfaceExit> subsurface_exits(const SubsurfaceEntry& entry);
 
 /// The two kinds of SubsurfaceMethod, of subsurface_exit.cpp alone: a ray that meets the exit from outside.
 struct FoundExit {
@@ -32,6 +40,7 @@ struct FoundExit {
     Hit hit;
     Rgb weight;
 };
-[[nodiscard]] std::optional<FoundExit> walk_below(const SubsurfaceEntry& entry);
-[[nodiscard]] std::optional<FoundExit> exit_by_profile(const SubsurfaceEntry& entry);
+using FoundExits = Exits<FoundExit>;
+[[nodiscard]] FoundExits walk_below(const SubsurfaceEntry& entry);
+[[nodiscard]] FoundExits exit_by_profile(const SubsurfaceEntry& entry);
 } // namespace tyndall::render

@@ -52,7 +52,7 @@ private:
 };
 } // namespace
 
-std::optional<FoundExit> exit_by_profile(const SubsurfaceEntry& entry) {
+FoundExits exit_by_profile(const SubsurfaceEntry& entry) {
     constexpr std::array<float, 3> axis_share{0.5f, 0.25f, 0.25f};
     const ShadingPoint& shading = entry.point.shading;
     const vec3 outside = shading.is_backface ? -shading.geometric_normal : shading.geometric_normal;
@@ -74,7 +74,7 @@ std::optional<FoundExit> exit_by_profile(const SubsurfaceEntry& entry) {
     const float height_m = std::sqrt(std::max(0.0f, reach_m * reach_m - radius_m * radius_m));
     const float density_per_m = profile.pdf_per_m(radius_m), turn = 2.0f * std::numbers::pi_v<float> * u.y;
     if (!(density_per_m > 0.0f))
-        return std::nullopt;
+        return {};
     const vec3 beside = radius_m * (std::cos(turn) * axes[(axis + 1) % 3] + std::sin(turn) * axes[(axis + 2) % 3]);
     const Ray line{.origin = shading.position + beside + height_m * axes[axis],
                    .direction = -axes[axis],
@@ -100,7 +100,7 @@ std::optional<FoundExit> exit_by_profile(const SubsurfaceEntry& entry) {
         sum += average(weights.back());
     }
     if (!(sum > 0.0f))
-        return std::nullopt;
+        return {};
     float left = sobol_point(entry.random.sample_index, hash(entry.random.seed, 2u)).x * sum;
     std::size_t drawn = 0;
     while (drawn + 1 < hits.size() && left >= average(weights[drawn]))
@@ -108,11 +108,13 @@ std::optional<FoundExit> exit_by_profile(const SubsurfaceEntry& entry) {
     Hit hit = hits[drawn];
     const float weight = average(weights[drawn]);
     if (!(weight > 0.0f))
-        return std::nullopt;
+        return {};
     const vec3 normal = shading.is_backface ? -hit.geometric_normal : hit.geometric_normal;
     const vec3 position = line.origin + hit.distance_m * line.direction;
     hit.distance_m = 1.0f;
-    return FoundExit{
-        {.origin = position + normal, .direction = -normal}, hit, entry.lobe.weight * weights[drawn] * (sum / weight)};
+    return {.each = {{{.from_outside = {.origin = position + normal, .direction = -normal},
+                       .hit = hit,
+                       .weight = entry.lobe.weight * weights[drawn] * (sum / weight)}}},
+            .count = 1};
 }
 } // namespace tyndall::render
