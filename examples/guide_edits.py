@@ -43,6 +43,20 @@ def focus(distance_m: float, lens_steps: int) -> None:
     scene.tyndall.shafts.lens_steps, scene.tyndall.pixel_samples = lens_steps, 64
 
 
+def polish_floor() -> None:
+    """A third of the light that meets the hall's floor is mirrored, lit air included."""
+    scene = bpy.context.scene
+    tree = bpy.data.objects["Floor"].data.materials[0].node_tree
+    output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+    stone = output.inputs["Surface"].links[0].from_socket
+    mix, polish = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeBsdfGlossy")
+    mix.inputs[0].default_value, polish.inputs["Roughness"].default_value = 0.35, 0.0
+    tree.links.new(stone, mix.inputs[1])
+    tree.links.new(polish.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+    scene.tyndall.indirect.has_mirrors = True
+
+
 def show_frame(frame: int) -> None:
     """Go to a frame of an animated example."""
     bpy.context.scene.frame_set(frame)

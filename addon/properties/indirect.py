@@ -62,9 +62,8 @@ class TyndallIndirectSettings(PropertyGroup):
     )
     has_mirrors: BoolProperty(
         name="Mirrors",
-        description="Polished surfaces (Glossy, Metallic and Principled shaders) mirror the scene and the world. Off: "
-        "they are drawn as diffuse in their colour, as are rougher ones. Mirrors show no light shafts, and throw no "
-        "light",
+        description="Polished surfaces (Glossy, Metallic and Principled shaders) mirror the scene, the lit air and the "
+        "world. Off: they are drawn as diffuse in their colour, as are rougher ones. Mirrors throw no light",
         default=False,
         update=tag,
         override=OVERRIDABLE,

@@ -71,7 +71,7 @@ static float share_of(float own, float other) {
     const float ratio = other / own;
     return 1.0f / (1.0f + ratio * ratio);
 }
-static LightTree::Line tree_line(const MediaLine& line) {
+LightTree::Line tree_line(const MediaLine& line) {
     return {line.origin(), line.direction(), line.pieces().front().near_m, line.pieces().back().far_m,
             line.sigma_t_per_m()};
 }

@@ -18,6 +18,9 @@
 #include "render/phase_directions.hpp"
 
 namespace tyndall::render {
+/// All of its pieces, which it has.
+[[nodiscard]] LightTree::Line tree_line(const MediaLine& line);
+
 class FogGlow {
 public:
     /// Draws of a part at most: they then take about as long as a camera ray with all that follows from it.

@@ -18,6 +18,12 @@ FrameSurfaces::FrameSurfaces(const Scene& scene, const Media& media, const Camer
     if (config.indirect.has_bounce && !indirect_.has_bounce())
         statistics.skip("colour bleeding", "nothing shines");
     follows_mirrors_ = find_mirrors();
+    if (follows_mirrors_ && !media.is_empty()) {
+        sent_air_.emplace(scene, media, light_.emitters(),
+                          SentAir::Config{config.shafts.attenuates_light, config.shafts.world_samples > 0});
+        if (sent_air_->is_empty())
+            sent_air_.reset();
+    }
     has_lobes_ = std::ranges::any_of(scene.description().materials,
                                      [](const Material& material) { return !material.lobe_sources.empty(); });
     if (config.kept_surfaces)
@@ -40,7 +46,8 @@ ViewPath FrameSurfaces::view_path(bool collects_parts) const {
              .lights_black_surfaces = config_.passes.has(Pass::Shadow),
              .finds_ambient = config_.passes.has(Pass::AmbientOcclusion),
              .indirect = config_.indirect,
-             .voxel_detail_px = has_detail_ ? config_.voxel_detail_px : 0.0f}};
+             .voxel_detail_px = has_detail_ ? config_.voxel_detail_px : 0.0f},
+            sent_air_ ? &*sent_air_ : nullptr};
 }
 
 SurfaceKey FrameSurfaces::key(std::uint32_t sample_index, bool collects_parts) const {
@@ -174,10 +181,6 @@ bool FrameSurfaces::find_mirrors() const {
         statistics_.skip("mirrors", "no surface is one");
     if (!has_glass && indirect.refraction_depth > 0)
         statistics_.skip("refraction", "no surface bends light");
-    if (follows_mirrors && !media_.is_empty())
-        statistics_.skip("light shafts in mirrors", "they show surfaces, the world, and how media dim these");
-    if (follows_bends && !media_.is_empty())
-        statistics_.skip("light shafts behind what bends light", "but for panes: what shows is dimmed by the media");
     return follows_mirrors || follows_bends;
 }
 
@@ -203,7 +206,7 @@ void FrameSurfaces::choose_what_is_kept(std::uint32_t sample_index, bool collect
     moved_.reset();
     is_new_ = true;
     const SurfaceForm form = config_.kept_surfaces && may_keep && !config_.data.is_wanted() &&
-                                     config_.light_groups.empty() && !scene_.has_shadow_catchers()
+                                     config_.light_groups.empty() && !scene_.has_shadow_catchers() && !sent_air_
                                  ? form_for_pass()
                                  : SurfaceForm::Nothing;
     if (form == SurfaceForm::Nothing)

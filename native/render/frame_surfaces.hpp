@@ -4,6 +4,7 @@
 #include "render/frame.hpp"
 #include "render/kept_surfaces.hpp"
 #include "render/moved_view.hpp"
+#include "render/sent_air.hpp"
 #include <optional>
 
 namespace tyndall::render {
@@ -66,6 +67,7 @@ private:
     DirectLight light_;
     IndirectLight indirect_;
     bool follows_mirrors_ = false;
+    std::optional<SentAir> sent_air_; ///< Nothing: no ray is sent on, or no light scatters.
     bool has_lobes_ = false;
     std::uint32_t world_reach_px_ = 0;
     std::uint32_t turn_samples_ = 1;

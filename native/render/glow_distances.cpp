@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace tyndall::render {
 static constexpr int angle_count = 8;      ///< Cells of even angle along all of the line.
@@ -25,24 +26,34 @@ std::vector<GlowDistances::Cell>& GlowDistances::cells() {
 }
 
 GlowDistances::GlowDistances(const MediaLine& line, const EmissiveTriangle& triangle, const Media* light_side)
-    : line_(line), triangle_(triangle) {
+    : line_(line), triangle_(&triangle) {
     const auto& [a, b, c] = triangle.corners;
     centre_ = (a + b + c) * (1.0f / 3.0f);
     radius2_ = std::max(
         {glm::dot(a - centre_, a - centre_), glm::dot(b - centre_, b - centre_), glm::dot(c - centre_, c - centre_)});
-    const vec3 way = centre_ - line.origin();
-    foot_m_ = glm::dot(way, line.direction());
-    const vec3 off = way - foot_m_ * line.direction();
-    const float softness = least_softness * glm::length(way);
-    off_m_ = std::sqrt(glm::dot(off, off) + 0.5f * triangle.area_m2 + softness * softness);
-    cells().clear();
-    const float near_m = line.pieces().front().near_m, far_m = line.pieces().back().far_m;
-    if (light_side != nullptr)
-        find_light_side(*light_side, near_m, far_m);
-    cut(near_m, far_m);
+    constexpr float unbounded = std::numeric_limits<float>::infinity();
+    cut(triangle.area_m2, {-unbounded, unbounded}, light_side);
 }
 
-void GlowDistances::cut(float near_m, float far_m) {
+GlowDistances::GlowDistances(const MediaLine& line, const vec3& lamp, float radius_m, const Reach& reach,
+                             const Media* light_side)
+    : line_(line), triangle_(nullptr), centre_(lamp), radius2_(radius_m * radius_m) {
+    cut(radius2_, reach, light_side);
+}
+
+void GlowDistances::cut(float area_m2, const Reach& reach, const Media* light_side) {
+    const vec3 way = centre_ - line_.origin();
+    foot_m_ = glm::dot(way, line_.direction());
+    const vec3 off = way - foot_m_ * line_.direction();
+    const float softness = least_softness * glm::length(way);
+    off_m_ = std::sqrt(glm::dot(off, off) + 0.5f * area_m2 + softness * softness);
+    cells().clear();
+    const float near_m = std::max(line_.pieces().front().near_m, reach.near_m),
+                far_m = std::min(line_.pieces().back().far_m, reach.far_m);
+    if (!(near_m < far_m))
+        return;
+    if (light_side != nullptr)
+        find_light_side(*light_side, near_m, far_m);
     // The tangent of a sum of angles, step by step: one arctangent at each end is all there is.
     const float first_x = (near_m - foot_m_) / off_m_, last_x = (far_m - foot_m_) / off_m_;
     const float step = std::tan(std::atan2(last_x - first_x, 1.0f + first_x * last_x) / angle_count);
@@ -58,8 +69,8 @@ void GlowDistances::cut(float near_m, float far_m) {
     auto loss = line_.equal_losses_m().begin();
     const auto loss_end = line_.equal_losses_m().end();
     for (const MediaLine::Piece& piece : line_.pieces()) {
-        float x = (piece.near_m - foot_m_) / off_m_;
-        const float end_x = (piece.far_m - foot_m_) / off_m_;
+        float x = (std::max(piece.near_m, near_m) - foot_m_) / off_m_;
+        const float end_x = (std::min(piece.far_m, far_m) - foot_m_) / off_m_;
         while (x < end_x) {
             while (angle_x <= x && angle_x < last_x)
                 angle_x = next_angle();
@@ -93,25 +104,29 @@ void GlowDistances::add_cell(const MediaLine::Piece& piece, float from_x, float 
     angle_sum_rad_ += angle_rad;
 }
 
+/// What covers it of the sky at a point, or of a lamp as if it shone from there in all directions.
+float GlowDistances::seen_sr(const vec3& point, const vec3& way, float distance2) const {
+    if (triangle_ == nullptr)
+        return 1.0f / (distance2 + radius2_);
+    const auto& [a, b, c] = triangle_->corners;
+    return distance2 < near_radii2 * radius2_
+               ? solid_angle_sr(a - point, b - point, c - point)
+               : triangle_->area_m2 * std::abs(glm::dot(triangle_->normal, way)) / (distance2 * std::sqrt(distance2));
+}
+
 float GlowDistances::brightness(const MediaLine::Piece& piece, float at_m) const {
     const vec3 point = line_.origin() + at_m * line_.direction(), way = centre_ - point;
     const float distance2 = glm::dot(way, way);
     if (!(distance2 > 0.0f))
         return 0.0f;
-    const float distance_m = std::sqrt(distance2);
-    const auto& [a, b, c] = triangle_.corners;
-    const float seen_sr =
-        distance2 < near_radii2 * radius2_
-            ? solid_angle_sr(a - point, b - point, c - point)
-            : triangle_.area_m2 * std::abs(glm::dot(triangle_.normal, way)) / (distance2 * distance_m);
-    const float cosine = glm::dot(way, line_.direction()) / distance_m; // back along both: 1 is straight on
+    const float cosine = glm::dot(way, line_.direction()) / std::sqrt(distance2); // back along both: 1 is straight on
     float scattered = 0.0f;
     for (const auto& [sigma_s_per_m, asymmetry_g] : line_.lobes_of(piece))
         scattered += sigma_s_per_m * (asymmetry_g == 0.0f ? 0.25f * std::numbers::inv_pi_v<float>
                                                           : henyey_greenstein_per_sr(cosine, asymmetry_g));
     const Rgb depth = piece.depth_at(at_m) + light_side_depth(at_m);
     const float passing = depth.x == depth.y && depth.y == depth.z ? std::exp(-depth.x) : average(glm::exp(-depth));
-    return seen_sr * scattered * passing;
+    return seen_sr(point, way, distance2) * scattered * passing;
 }
 
 void GlowDistances::find_light_side(const Media& media, float near_m, float far_m) {

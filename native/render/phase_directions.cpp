@@ -26,11 +26,11 @@ static float drawn_cosine(float asymmetry_g, float u) {
     return std::clamp((1.0f + asymmetry_g * asymmetry_g - ratio * ratio) / (2.0f * asymmetry_g), -1.0f, 1.0f);
 }
 
-PhaseDirections::Drawn PhaseDirections::at(vec2 u, vec2 u_direction) const {
+PhaseDirections::Distance PhaseDirections::distance(float u) const {
     if (!(sum_ > 0.0f))
         return {};
-    Drawn drawn;
-    float left = u.x * sum_, here = 0.0f;
+    Distance drawn;
+    float left = u * sum_, here = 0.0f;
     for (const MediaLine::Piece& piece : line_.pieces()) {
         const float scattered = scattered_by(piece);
         if (!(scattered > 0.0f))
@@ -50,6 +50,18 @@ PhaseDirections::Drawn PhaseDirections::at(vec2 u, vec2 u_direction) const {
                      ? piece.near_m - std::log1p(part * std::expm1(-sigma_t * length_m)) / sigma_t
                      : piece.near_m + part * length_m;
     drawn.at_m = std::clamp(drawn.at_m, piece.near_m, piece.far_m);
+    return drawn;
+}
+
+float PhaseDirections::density_per_m(const MediaLine::Piece& piece, float at_m) const {
+    return sum_ > 0.0f ? piece.sigma_s_per_m * std::exp(-average(piece.depth_at(at_m))) / sum_ : 0.0f;
+}
+
+PhaseDirections::Drawn PhaseDirections::at(vec2 u, vec2 u_direction) const {
+    const Distance distance = this->distance(u.x);
+    if (distance.piece == nullptr)
+        return {};
+    const MediaLine::Piece& piece = *distance.piece;
     float target = u.y * piece.sigma_s_per_m, asymmetry_g = 0.0f;
     for (const MediaLine::Lobe& lobe : line_.lobes_of(piece)) {
         if (!(lobe.sigma_s_per_m > 0.0f))
@@ -61,8 +73,8 @@ PhaseDirections::Drawn PhaseDirections::at(vec2 u, vec2 u_direction) const {
     }
     const float cosine = drawn_cosine(asymmetry_g, u_direction.x), turn = 2.0f * pi * u_direction.y;
     const float sine = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
-    drawn.direction = from_frame(line_.direction(), {sine * std::cos(turn), sine * std::sin(turn), cosine});
-    return drawn;
+    return {&piece, distance.at_m,
+            from_frame(line_.direction(), {sine * std::cos(turn), sine * std::sin(turn), cosine})};
 }
 
 float PhaseDirections::density(const MediaLine::Piece& piece, float at_m, const vec3& direction) const {

@@ -20,6 +20,12 @@ public:
         vec3 direction{0.0f}; ///< That light comes from.
     };
     [[nodiscard]] Drawn at(vec2 u, vec2 u_direction) const;
+    struct Distance {
+        const MediaLine::Piece* piece = nullptr; ///< Nothing: nothing scatters.
+        float at_m = 0.0f;
+    };
+    [[nodiscard]] Distance distance(float u) const;
+    [[nodiscard]] float density_per_m(const MediaLine::Piece& piece, float at_m) const;
     /// Per metre and steradian.
     [[nodiscard]] float density(const MediaLine::Piece& piece, float at_m, const vec3& direction) const;
 

@@ -240,6 +240,10 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
             PathSample& sample = samples[follower.index];
             if (is_sent_on && config_.indirect.refraction_depth > 0 && rays.among == Among::All)
                 see_lamps(follower, hit.is_hit() ? hit.distance_m : follower.part.far_m, sample);
+            if (sent_air_ != nullptr && is_sent_on && !follower.is_past && rays.among == Among::All &&
+                !goes_on_at(follower, rays.camera_rays[follower.index]))
+                see_air(follower, hit.is_hit() ? hit.distance_m : follower.part.far_m,
+                        hash(rays.pixel_seeds[follower.index], follower.way, layer), rays.sample_index, sample);
             if (!media_.is_empty() && rays.among == Among::All)
                 pass_media(follower, hit, rays.camera_rays[follower.index], sample, parts[follower.index]);
             if (!hit.is_hit()) {

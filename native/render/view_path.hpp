@@ -35,11 +35,14 @@ struct ViewPathConfig {
     bool operator==(const ViewPathConfig&) const = default;
 };
 
+class SentAir; // sent_air.hpp
+
 class ViewPath {
 public:
+    /// `sent_air`: what media scatter into rays that surfaces send on; nothing: nothing does.
     ViewPath(const Scene& scene, const Media& media, const DirectLight& light, const Camera& camera,
-             const ViewPathConfig& config)
-        : scene_(scene), media_(media), light_(light), camera_(camera), config_(config) {}
+             const ViewPathConfig& config, const SentAir* sent_air = nullptr)
+        : scene_(scene), media_(media), light_(light), camera_(camera), config_(config), sent_air_(sent_air) {}
 
     [[nodiscard]] const ViewPathConfig& config() const { return config_; }
     [[nodiscard]] bool catches_shadows() const { return scene_.has_shadow_catchers(); }
@@ -81,6 +84,9 @@ private:
     /// one.
     void follow(const Rays& rays, std::span<PathSample> samples, std::span<std::vector<MediumPart>> parts,
                 const DataOfRays& data, std::vector<Follower>* sent, SurfaceWalk* walked) const;
+    /// Adds what media scatter into a ray from a mirror or glass, by random numbers of a seed, before it ends.
+    void see_air(const Follower& follower, float end_m, std::uint32_t seed, std::uint32_t sample_index,
+                 PathSample& sample) const;
     /// Adds lamps with a size that a ray from a mirror or glass meets before it ends.
     void see_lamps(const Follower& follower, float end_m, PathSample& sample) const;
     /// Appends the rays that mirrors and glass send on.
@@ -102,5 +108,6 @@ private:
     const DirectLight& light_;
     const Camera& camera_;
     ViewPathConfig config_;
+    const SentAir* sent_air_;
 };
 } // namespace tyndall::render

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What mirrors and glass send on of a ray, and the lamps that it meets there.
+// What mirrors and glass send on of a ray, and the lamps and the air that it meets there.
 #include "core/random.hpp"
 #include "render/follower.hpp"
 #include "render/lamp_hits.hpp"
+#include "render/sent_air.hpp"
 #include "render/sent_rays.hpp"
 #include "scene/light_texture.hpp"
 #include <algorithm>
@@ -56,6 +57,16 @@ void ViewPath::send_on(const Sending& sending, const SurfaceClosures& closures, 
             if (const auto ray = bent_ray(scene_, point, follower.part, normal, lobe.ior))
                 send(share, *ray, RayKind::Transmission);
     }
+}
+
+void ViewPath::see_air(const Follower& follower, float end_m, std::uint32_t seed, std::uint32_t sample_index,
+                       PathSample& sample) const {
+    const Ray& ray = follower.part;
+    thread_local std::vector<FogGlow::Found> found;
+    found.clear();
+    sent_air_->draw({ray.origin, ray.direction, ray.near_m, end_m}, {seed, sample_index, 0}, found);
+    for (const auto& [radiance, group] : found)
+        sample.add_light(follower.throughput() * radiance, group, follower.of);
 }
 
 void ViewPath::see_lamps(const Follower& follower, float end_m, PathSample& sample) const {

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What media scatter into rays that surfaces send on is, in the mean, what EXACT finds for a camera's ray.
+#include "core/random.hpp"
+#include "render/sent_air.hpp"
+#include "support/one_point.hpp"
+#include <doctest/doctest.h>
+
+namespace sent_air_test {
+using namespace tyndall;
+using namespace tyndall::support;
+using render::FogGlow;
+using render::MeshEmitters;
+using render::SentAir;
+
+namespace {
+Part box_of(std::int32_t medium, const vec3& centre, const vec3& half_size) {
+    Part box{.mesh = cube(), .world_from_object = glm::scale(translation(centre), half_size)};
+    box.material = {.name = "fog"};
+    box.material.has_surface = false;
+    box.material.medium_index = medium;
+    return box;
+}
+/// Fog in a box, and another that scatters mostly onwards within it, around a post and under a roof.
+std::unique_ptr<Scene> stage(std::vector<Light> lights, const Rgb& world = Rgb(0.0f)) {
+    Part post{.mesh = cube(), .world_from_object = glm::scale(translation({0.3f, 0.9f, 0}), vec3(0.2f, 0.2f, 2))};
+    Part roof{.mesh = square(), .world_from_object = glm::scale(translation({-1, 0, 2.5f}), vec3(1, 1, 1))};
+    std::vector<Medium> media{{.name = "fog", .lobes = {{Rgb(0.1f, 0.2f, 0.3f), 0.0f}}, .sigma_a_per_m = Rgb(0.02f)},
+                              {.name = "onwards", .lobes = {{Rgb(0.4f), 0.7f}}, .sigma_a_per_m = Rgb(0.0f)}};
+    const auto scene =
+        make_scene({post, roof, box_of(0, vec3(0.0f), vec3(3, 2, 2)), box_of(1, vec3(1, 0, 0), vec3(0.7f))},
+                   std::move(media), std::move(lights));
+    SceneDescription description = description_of(*scene);
+    description.world = World("world", world);
+    return std::make_unique<Scene>(std::move(description), Progress());
+}
+Light lamp(LightKind kind, const vec3& position, const Rgb& strength) {
+    Light light{.name = "lamp", .kind = kind, .strength = strength, .position = position};
+    light.spot_axis = glm::normalize(-position);
+    return light;
+}
+constexpr light_shafts::ViewRay across{vec3(-4, -0.3f, 0.2f), vec3(1, 0, 0), 0.5f, 9.0f};
+
+void check_is_that_of_exact(const Scene& scene) {
+    const Media media(scene, Progress());
+    light_shafts::Config config{.method = light_shafts::Method::Exact, .light_samples = 1024, .world_samples = 4096};
+    Progress progress;
+    const Rgb truth = light_shafts::run(scene, {.position = across.origin}, {&across, 1}, config, progress).radiance[0];
+    const MeshEmitters emitters(scene);
+    const SentAir air(scene, media, emitters, {});
+    REQUIRE(!air.is_empty());
+    constexpr std::uint32_t pixels = 256, draws = 64;
+    std::vector<FogGlow::Found> found;
+    glm::dvec3 mean(0.0), squares(0.0);
+    for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) {
+        glm::dvec3 sum(0.0);
+        for (std::uint32_t draw = 0; draw < draws; ++draw) {
+            found.clear();
+            air.draw(across, {hash(pixel, 3u), draw, 0}, found);
+            for (const FogGlow::Found& one : found)
+                sum += glm::dvec3(one.radiance) / double(draws);
+        }
+        mean += sum / double(pixels);
+        squares += sum * sum / double(pixels);
+    }
+    const glm::dvec3 sigma = glm::sqrt((squares - mean * mean) / double(pixels - 1));
+    for (int channel = 0; channel < 3; ++channel) {
+        CAPTURE(mean[channel] / truth[channel] - 1.0);
+        CAPTURE(sigma[channel] / truth[channel]);
+        CHECK(sigma[channel] < 0.01 * truth[channel]);
+        CHECK(std::abs(mean[channel] - truth[channel]) < 4.0 * sigma[channel] + 2e-3 * truth[channel]); // of strata
+    }
+}
+} // namespace
+
+TEST_CASE("lamps of every kind light the air of a ray as EXACT says, with shadows") {
+    Light point = lamp(LightKind::Point, {0.5f, 1.8f, 0.5f}, Rgb(3, 2, 1));
+    Light ball = lamp(LightKind::Point, {-2, 1, 1.5f}, Rgb(2.0f));
+    ball.radius_m = 0.3f;
+    Light disc = ball;
+    disc.body = LightBody::FacingDisc;
+    Light spot = lamp(LightKind::Spot, {0, 3, 2}, Rgb(30, 20, 10));
+    spot.spot_half_angle_rad = 0.3f, spot.spot_blend = 0.4f, spot.spot_falloff = SpotFalloff::Blender3;
+    Light area = lamp(LightKind::Area, {0, 2.5f, 1}, Rgb(5.0f));
+    area.half_size_m = {0.6f, 0.3f};
+    area.spot_half_angle_rad = 1.2f;
+    for (const auto& lights : {std::vector{point}, {ball}, {disc}, {spot}, {area}, {point, ball, spot, area}}) {
+        CAPTURE(static_cast<int>(lights[0].kind));
+        check_is_that_of_exact(*stage(lights));
+    }
+}
+TEST_CASE("suns and the world's light scatter into a ray as EXACT says") {
+    Light sun{.name = "sun", .kind = LightKind::Sun, .strength = Rgb(2, 1, 0.5f)};
+    sun.towards_light = glm::normalize(vec3(0.2f, 1, 0.6f));
+    sun.half_angle_rad = 0.1f;
+    Light weak = sun;
+    weak.strength = Rgb(0.1f), weak.towards_light = glm::normalize(vec3(-1, 0.3f, 0.2f)), weak.half_angle_rad = 0.0f;
+    check_is_that_of_exact(*stage({sun}));
+    check_is_that_of_exact(*stage({weak, sun}));
+    check_is_that_of_exact(*stage({}, Rgb(0.4f, 0.6f, 0.9f)));
+    check_is_that_of_exact(*stage({sun, lamp(LightKind::Point, {0.5f, 1.8f, 0.5f}, Rgb(3, 2, 1))}, Rgb(0.1f)));
+}
+TEST_CASE("lights that do not scatter leave the air of sent rays dark") {
+    Light silent = lamp(LightKind::Point, {0, 1, 0}, Rgb(1.0f));
+    silent.scatters_in_media = false;
+    const auto scene = stage({silent}, Rgb(1.0f));
+    const Media media(*scene, Progress());
+    CHECK(SentAir(*scene, media, MeshEmitters(*scene), {.world_scatters = false}).is_empty());
+}
+} // namespace sent_air_test
