@@ -146,6 +146,7 @@ Out analog_slab(double depth, double single_albedo, double g, double extinction,
 }
 } // namespace
 
+// Seen to fail: with distances weighed as if none was stretched.
 TEST_CASE("a half-space sends back what Chandrasekhar's H says, by the cosine and of one direction") {
     const auto scene = block(2.0);
     const Rgb colour(0.8f, 0.3f, 0.55f), path_m(0.01f, 0.004f, 0.002f);
@@ -166,6 +167,7 @@ TEST_CASE("a half-space sends back what Chandrasekhar's H says, by the cosine an
     }
 }
 
+// Seen to fail: with an even phase after the tenth scattering, and free paths as before.
 TEST_CASE("of a slab as much is reflected and passes as of walks without any art") {
     for (const float g : {0.0f, 0.7f}) {
         CAPTURE(g);
@@ -183,6 +185,7 @@ TEST_CASE("of a slab as much is reflected and passes as of walks without any art
     }
 }
 
+// Seen to fail: with walks that end at the 256th scattering, by 2 to 10 %.
 TEST_CASE("nothing is lost in a white body, however thick, and nothing won") {
     for (const double height_m : {0.02, 0.3, 4.0})
         for (const SubsurfaceMethod method : {SubsurfaceMethod::CosineWalk, SubsurfaceMethod::SkinWalk}) {
