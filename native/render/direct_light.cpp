@@ -120,18 +120,23 @@ void DirectLight::at(std::span<const SurfacePoint> points, const PairIndex& firs
                      std::span<const std::uint8_t> is_asked, std::span<Irradiance> irradiance, const PointLobes* lobes,
                      std::span<Irradiance> many_by_group, Among among) const {
     const LitPoints lanes = lanes_of(points);
+    MostPdfs most_pdfs;
+    if (lobes != nullptr)
+        most_pdfs.fill(-1.0f);
     for (std::size_t light = 0; light < light_count(); ++light) {
         if (is_asked[light] == 0)
             continue;
         const std::span<Irradiance> of_light = irradiance.subspan(light * points.size(), points.size());
         std::ranges::fill(of_light, Irradiance{});
-        add(light, count_of(light), {points, lanes, lobes, among}, first_pair, of_light, many_by_group);
+        add(light, count_of(light), {points, lanes, lobes, among, &most_pdfs}, first_pair, of_light, many_by_group);
     }
 }
 
 void DirectLight::add_one(std::size_t light, std::span<const SurfacePoint> points, const PairIndex& first_pair,
                           std::span<Irradiance> irradiance, const PointLobes* lobes) const {
-    add(light, count_of(light), {points, lanes_of(points), lobes}, first_pair, irradiance);
+    MostPdfs most_pdfs;
+    most_pdfs.fill(-1.0f);
+    add(light, count_of(light), {points, lanes_of(points), lobes, Among::All, &most_pdfs}, first_pair, irradiance);
 }
 
 void DirectLight::add_all_once(std::span<const SurfacePoint> points, const PairIndex& first_pair,
@@ -258,7 +263,7 @@ void DirectLight::add_light(const AimedLight& aimed, const LitSurface& surface, 
             towards_lamp(scene_.lights()[aimed.index], surface.points[shadow.points[index]], shadow.rays[index]);
         float weight = 1.0f;
         const vec3& position = surface.points[shadow.points[index]].shading.position;
-        if (aimed.aim.has_size() && lobes.has_directions() && lobes_may_find(aimed.aim.form(), position, lobes)) {
+        if (aimed.aim.has_size() && may_find(aimed, surface, shadow.points[index])) {
             if (const LampHit hit = lamp_hit(aimed.aim.form(), position, direction); hit.pdf_per_sr > 0.0f)
                 weight = power_share(hit.pdf_per_sr, lobes.pdf_per_sr(direction));
         }
@@ -284,14 +289,21 @@ void DirectLight::add_light(const AimedLight& aimed, const LitSurface& surface, 
         irradiance[shadow.points[index]].reflected += shadow.arriving[index] * shadow.passing[index];
 }
 
+bool DirectLight::may_find(const AimedLight& aimed, const LitSurface& surface, std::size_t point) {
+    const LobeSet& lobes = (*surface.lobes)[point];
+    float& most = (*surface.most_pdfs)[point];
+    if (most < 0.0f)
+        most = lobes.has_directions() ? most_pdf_per_sr(lobes) : 0.0f;
+    return most > 0.0f && lobes_may_find(aimed.aim.form(), surface.points[point].shading.position, most);
+}
+
 void DirectLight::aim_by_lobes(const AimedLight& aimed, const LitSurface& surface, const PairIndex& pair, float share,
                                ShadowRays& shadow) const {
     const Light& light = scene_.lights()[aimed.index];
     for (std::size_t index = 0; index < surface.points.size(); ++index) {
         const LobeSet& lobes = (*surface.lobes)[index];
         const SurfacePoint& point = surface.points[index];
-        if (!lobes.has_directions() || !may_light(light.links, point) ||
-            !lobes_may_find(aimed.aim.form(), point.shading.position, lobes))
+        if (!may_light(light.links, point) || !may_find(aimed, surface, index))
             continue;
         constexpr std::uint32_t lobe_pairs = 0x1000'0000; // far behind those of strata
         const vec3 direction =
@@ -322,7 +334,9 @@ LaneSet DirectLight::may_meet(std::size_t light, std::span<const SurfacePoint> p
     const LitPoints lanes = lanes_of(points);
     if (light < lights_.size() && lights_[light].aim.may_light(lanes) == 0)
         return 0;
-    const LitSurface surface{points, lanes, lobes};
+    MostPdfs most_pdfs;
+    most_pdfs.fill(-1.0f);
+    const LitSurface surface{points, lanes, lobes, Among::All, &most_pdfs};
     LaneSet found = 0;
     ShadowRays shadow;
     const auto test = [&] {

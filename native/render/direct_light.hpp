@@ -129,12 +129,15 @@ private:
         std::unique_ptr<const light_shafts::SurfaceShadows> shadows; ///< Of edits; nothing before prepare_edits.
     };
     struct ShadowRays;
+    /// most_pdf_per_sr of each point's lobes, once a lamp has asked for it: negative before.
+    using MostPdfs = std::array<float, most_points>;
     /// Up to most_points points that are lit together.
     struct LitSurface {
         std::span<const SurfacePoint> points;
         const LitPoints& lanes;
         const PointLobes* lobes; ///< Nothing: no point has any.
         Among among = Among::All;
+        MostPdfs* most_pdfs = nullptr; ///< Of lobes; null where there are none.
     };
     /// Shadow rays of a point in one sample.
     struct RayCount {
@@ -181,6 +184,8 @@ private:
     [[nodiscard]] Rgb of_triangles(const SurfacePoint& point, const vec3& direction, float pdf_per_sr, Among among,
                                    std::span<Rgb> by_group) const;
     void report_glow(Statistics& statistics, const IndirectConfig& indirect) const;
+    /// Whether directions of a point's lobes are worth drawing beside rays that are aimed at a lamp with a size.
+    [[nodiscard]] static bool may_find(const AimedLight& aimed, const LitSurface& surface, std::size_t point);
     /// What a lamp with a size adds to lobes, in their own directions.
     void aim_by_lobes(const AimedLight& aimed, const LitSurface& surface, const PairIndex& pair, float share,
                       ShadowRays& shadow) const;

@@ -91,8 +91,7 @@ LampHit lamp_hit(const LightAim::Form& form, const vec3& position, const vec3& d
     return {far_m, far_m * far_m / (pi * radius2 * cosine), 1.0f / (pi * radius2)};
 }
 
-/// Of directions that lobes draw: nothing is denser, roughly. Broad sheens and cones are nowhere dense enough to count.
-static float most_pdf_per_sr(const LobeSet& set) {
+float most_pdf_per_sr(const LobeSet& set) {
     float sum = 0.0f, all = 0.0f;
     for (const Lobe& lobe : set.lobes) {
         if (lobe.sampling <= 0.0f)
@@ -127,7 +126,7 @@ static float most_pdf_per_sr(const LobeSet& set) {
     return all > 0.0f ? sum / all : 0.0f;
 }
 
-bool lobes_may_find(const LightAim::Form& form, const vec3& position, const LobeSet& lobes) {
+bool lobes_may_find(const LightAim::Form& form, const vec3& position, float most_pdf_per_sr) {
     constexpr float hardly = 0.1f; // a hundredth of the power heuristic's weight
     float least_pdf = 0.0f;        // of aimed rays
     if (form.kind == Kind::Area) {
@@ -149,7 +148,7 @@ bool lobes_may_find(const LightAim::Form& form, const vec3& position, const Lobe
         if (radius2 > 0.0f)
             least_pdf = (distance2 - radius2) / (pi * radius2);
     }
-    return !(most_pdf_per_sr(lobes) <= hardly * least_pdf);
+    return !(most_pdf_per_sr <= hardly * least_pdf);
 }
 
 bool are_sharp(const LobeSet& lobes) {

@@ -15,7 +15,9 @@ struct LampHit {
 [[nodiscard]] LampHit lamp_hit(const LightAim::Form& form, const vec3& position, const vec3& direction);
 /// False: rays aimed at the lamp are so much denser than directions that lobes draw, everywhere on it, that these would
 /// hardly count beside those: then aimed rays alone tell what lobes mirror, too.
-[[nodiscard]] bool lobes_may_find(const LightAim::Form& form, const vec3& position, const LobeSet& lobes);
+[[nodiscard]] bool lobes_may_find(const LightAim::Form& form, const vec3& position, float most_pdf_per_sr);
+/// Of directions that lobes draw: nothing is denser, roughly. Broad sheens and cones are nowhere dense enough to count.
+[[nodiscard]] float most_pdf_per_sr(const LobeSet& lobes);
 /// Lobes that shine so narrowly that lights chosen without them are noisy: those that are broader are served as matte surfaces
 /// are.
 [[nodiscard]] bool are_sharp(const LobeSet& lobes);

@@ -115,7 +115,7 @@ TEST_CASE(
         const render::LightAim aim(lamp);
         const std::array lobe{facets(0.02f + 0.9f * v.y * v.y, 0.5f)};
         const LobeSet lobes{.lobes = lobe, .normal = {0, 0, 1}, .outgoing = sample_cosine_hemisphere(w)};
-        if (render::lobes_may_find(aim.form(), vec3(0.0f), lobes))
+        if (render::lobes_may_find(aim.form(), vec3(0.0f), render::most_pdf_per_sr(lobes)))
             continue;
         ++left_out;
         for (std::uint32_t around = 0; around < 64; ++around) {
