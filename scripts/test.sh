@@ -15,7 +15,7 @@ esac
 logs=build/logs results=build/test-results
 rm -rf "$results"
 mkdir -p "$logs" "$results"
-time_limit_s=$((all ? 14400 : 1800)) # of one stage; a hang at exit is a failure, not a wait
+time_limit_s=$((all ? 14400 : 3600)) # of one stage; a hang at exit is a failure, not a wait
 long=$( ((all)) && echo "" || echo "not long")
 
 # stage NAME COMMAND...: runs it, shows one line, and the end of its log when it fails. A stage that leaves no counts in

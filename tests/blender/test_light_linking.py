@@ -127,7 +127,9 @@ def test_what_a_light_does_not_reach_is_as_without_it(stage: bpy.types.Scene) ->
     assert (is_as_unlit | (linked == lit).all(-1)).all()
 
 
-@pytest.mark.parametrize("method", ["EXACT", "EPIPOLAR", "SHADOW_MAP"])
+@pytest.mark.parametrize(
+    "method", ["EXACT", *(pytest.param(other, marks=pytest.mark.costly) for other in ("EPIPOLAR", "SHADOW_MAP"))]
+)
 @pytest.mark.parametrize("kind", ["POINT", "SUN"])
 def test_shafts_see_only_the_blockers(stage: bpy.types.Scene, kind: str, method: str) -> None:
     """As if the others cast no shadow at all."""
