@@ -5,6 +5,7 @@
 #include "render/glow_distances.hpp"
 #include "support/chi_square.hpp"
 #include "support/density_grids.hpp"
+#include "support/fog_draws.hpp"
 #include "support/one_point.hpp"
 #include "volume/phase_function.hpp"
 #include <array>
@@ -23,21 +24,9 @@ namespace {
 Medium fog_of(const Rgb& sigma_s_per_m, float asymmetry_g = 0.0f, const Rgb& sigma_a_per_m = Rgb(0.0f)) {
     return {.name = "fog", .lobes = {{sigma_s_per_m, asymmetry_g}}, .sigma_a_per_m = sigma_a_per_m};
 }
-/// A box of a medium, around a place.
-Part box_of(std::int32_t medium, const vec3& centre, const vec3& half_size) {
-    Part box{.mesh = cube(), .world_from_object = glm::scale(translation(centre), half_size)};
-    box.material = {.name = "fog"};
-    box.material.has_surface = false;
-    box.material.medium_index = medium;
-    return box;
-}
-struct Mean {
-    glm::dvec3 value{0.0}, sigma{0.0};
-};
-/// Of so many pixels that all see this part, with 64 draws each.
-Mean mean_of(const Scene& scene, const light_shafts::ViewRay& part, bool attenuates_light = true,
-             std::uint32_t pixels = 64) {
-    constexpr std::uint32_t draws = 64;
+/// Of what all see of this part.
+DrawnMean mean_of(const Scene& scene, const light_shafts::ViewRay& part, bool attenuates_light = true,
+                  std::uint32_t pixels = 64) {
     const Media media(scene, Progress());
     const MeshEmitters emitters(scene);
     Statistics statistics;
@@ -45,24 +34,11 @@ Mean mean_of(const Scene& scene, const light_shafts::ViewRay& part, bool attenua
     REQUIRE(!glow.is_empty());
     MediaLine line;
     glow.assign(line, part);
-    std::vector<FogGlow::Found> found;
-    Mean mean;
-    glm::dvec3 squares(0.0);
-    for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) {
-        glm::dvec3 sum(0.0);
-        for (std::uint32_t draw = 0; draw < draws; ++draw) {
-            found.clear();
-            glow.draw(line, {hash(pixel, 5u), draw, 0}, found);
-            for (const FogGlow::Found& one : found)
-                sum += glm::dvec3(one.radiance) / double(draws);
-        }
-        mean.value += sum / double(pixels);
-        squares += sum * sum / double(pixels);
-    }
-    mean.sigma = glm::sqrt(glm::max(squares - mean.value * mean.value, glm::dvec3(0.0)) / double(pixels - 1));
-    return mean;
+    return mean_of_draws(pixels, [&](const FogGlow::Numbers& numbers, std::vector<FogGlow::Found>& found) {
+        glow.draw(line, numbers, found);
+    });
 }
-void check_within_noise(const Mean& mean, const glm::dvec3& truth, double most_sigma) {
+void check_within_noise(const DrawnMean& mean, const glm::dvec3& truth, double most_sigma) {
     CAPTURE(mean.value.x / truth.x - 1.0);
     CAPTURE(mean.sigma.x / truth.x);
     for (int channel = 0; channel < 3; ++channel) {
@@ -146,9 +122,9 @@ TEST_CASE("what lies between takes its share: a pane in its colours, fog boxes o
     const std::vector<Part> fog{box_of(0, {-2, 0, 0}, {1, 4, 0.5f}), box_of(1, {2.5f, 0, 0}, {0.5f, 4, 1})};
     const std::vector<Medium> media{fog_of(Rgb(0.5f, 1.0f, 0.2f)), fog_of(Rgb(0.8f), 0.4f)};
     std::vector<Part> parts{plate, fog[0], fog[1]};
-    const Mean clear = mean_of(*make_scene(parts, media), along_x);
+    const DrawnMean clear = mean_of(*make_scene(parts, media), along_x);
     parts.push_back(floor_at({0, 0, 1.5f}, 4.0f, pane(through)));
-    const Mean tinted = mean_of(*make_scene(parts, media), along_x);
+    const DrawnMean tinted = mean_of(*make_scene(parts, media), along_x);
     for (int channel = 0; channel < 3; ++channel)
         CHECK(tinted.value[channel] == doctest::Approx(through[channel] * clear.value[channel]).epsilon(1e-5));
     const auto scattered = [&](double at) {

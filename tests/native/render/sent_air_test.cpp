@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What media scatter into rays that surfaces send on is, in the mean, what EXACT finds for a camera's ray.
-#include "core/random.hpp"
 #include "render/sent_air.hpp"
+#include "support/fog_draws.hpp"
 #include "support/one_point.hpp"
 #include <doctest/doctest.h>
 
@@ -13,25 +13,14 @@ using render::MeshEmitters;
 using render::SentAir;
 
 namespace {
-Part box_of(std::int32_t medium, const vec3& centre, const vec3& half_size) {
-    Part box{.mesh = cube(), .world_from_object = glm::scale(translation(centre), half_size)};
-    box.material = {.name = "fog"};
-    box.material.has_surface = false;
-    box.material.medium_index = medium;
-    return box;
-}
 /// Fog in a box, and another that scatters mostly onwards within it, around a post and under a roof.
 std::unique_ptr<Scene> stage(std::vector<Light> lights, const Rgb& world = Rgb(0.0f)) {
     Part post{.mesh = cube(), .world_from_object = glm::scale(translation({0.3f, 0.9f, 0}), vec3(0.2f, 0.2f, 2))};
     Part roof{.mesh = square(), .world_from_object = glm::scale(translation({-1, 0, 2.5f}), vec3(1, 1, 1))};
     std::vector<Medium> media{{.name = "fog", .lobes = {{Rgb(0.1f, 0.2f, 0.3f), 0.0f}}, .sigma_a_per_m = Rgb(0.02f)},
                               {.name = "onwards", .lobes = {{Rgb(0.4f), 0.7f}}, .sigma_a_per_m = Rgb(0.0f)}};
-    const auto scene =
-        make_scene({post, roof, box_of(0, vec3(0.0f), vec3(3, 2, 2)), box_of(1, vec3(1, 0, 0), vec3(0.7f))},
-                   std::move(media), std::move(lights));
-    SceneDescription description = description_of(*scene);
-    description.world = World("world", world);
-    return std::make_unique<Scene>(std::move(description), Progress());
+    return in_world({post, roof, box_of(0, vec3(0.0f), vec3(3, 2, 2)), box_of(1, vec3(1, 0, 0), vec3(0.7f))}, world,
+                    std::move(lights), std::move(media));
 }
 Light lamp(LightKind kind, const vec3& position, const Rgb& strength) {
     Light light{.name = "lamp", .kind = kind, .strength = strength, .position = position};
@@ -48,21 +37,10 @@ void check_is_that_of_exact(const Scene& scene) {
     const MeshEmitters emitters(scene);
     const SentAir air(scene, media, emitters, {});
     REQUIRE(!air.is_empty());
-    constexpr std::uint32_t pixels = 256, draws = 64;
-    std::vector<FogGlow::Found> found;
-    glm::dvec3 mean(0.0), squares(0.0);
-    for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) {
-        glm::dvec3 sum(0.0);
-        for (std::uint32_t draw = 0; draw < draws; ++draw) {
-            found.clear();
-            air.draw(across, {hash(pixel, 3u), draw, 0}, found);
-            for (const FogGlow::Found& one : found)
-                sum += glm::dvec3(one.radiance) / double(draws);
-        }
-        mean += sum / double(pixels);
-        squares += sum * sum / double(pixels);
-    }
-    const glm::dvec3 sigma = glm::sqrt((squares - mean * mean) / double(pixels - 1));
+    const auto [mean, sigma] =
+        mean_of_draws(256, [&](const FogGlow::Numbers& numbers, std::vector<FogGlow::Found>& found) {
+            air.draw(across, numbers, found);
+        });
     for (int channel = 0; channel < 3; ++channel) {
         CAPTURE(mean[channel] / truth[channel] - 1.0);
         CAPTURE(sigma[channel] / truth[channel]);
