@@ -54,8 +54,12 @@ def test_shaders_that_are_mixed_in_a_circle_are_named_and_what_is_outside_is_dra
     tree.links.new(mix.outputs[0], mix.inputs[2])
     tree.links.new(mix.outputs[0], output.inputs["Surface"])
     read, notes = _read(material)
-    assert read.diffuse == pytest.approx((0.5,) * 3)
-    assert notes.startswith('Material "Circle": its shaders are mixed in a circle')
+    if all(link.is_valid for link in tree.links):
+        assert read.diffuse == pytest.approx((0.5,) * 3)
+        assert notes.startswith('Material "Circle": its shaders are mixed in a circle')
+    else:  # 3.4 shows the link that closes it in red, and Cycles does not follow that
+        assert bpy.app.version < (4, 0, 0)
+        assert read.diffuse == pytest.approx((0.25,) * 3)
 
 
 def test_more_ways_than_can_be_counted_end_with_a_note() -> None:

@@ -18,7 +18,7 @@ from support.subsurface_scenes import METHODS, block, principled, scattering, sh
 PROFILE, OTHER_WALK, WALK = METHODS
 SIZE_PX, SAMPLES = 24, 512
 #: Walks are noisy: of the mean, and of the median block. A profile is not.
-NOISE, OF_PROFILE = (0.015, 0.035), (0.008, 0.015)
+NOISE, OF_PROFILE = (0.015, 0.035), (0.008, 0.02)
 GLOSSY = "ShaderNodeBsdfGlossy" if IS_OLD else "ShaderNodeBsdfAnisotropic"
 Make = Callable[[], bpy.types.Scene]
 
