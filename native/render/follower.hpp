@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A camera ray on its way, and what a surface sends on of it: of view_path.cpp and view_path_sent.cpp alone.
+// A camera ray on its way, and what a surface sends on of it or waits for: of the files view_path*.cpp alone.
 #pragma once
 #include "render/view_path.hpp"
 #include <span>

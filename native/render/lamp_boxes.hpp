@@ -19,7 +19,7 @@ public:
     /// The boxes must be finite. Each is made larger by what it takes to hold a lamp that was rounded.
     explicit LampBoxes(std::span<const Bounds3> boxes);
     [[nodiscard]] bool is_empty() const { return tree_.is_empty(); }
-    /// Of boxes that the ray meets between its ends, and of some that it hardly misses: into the span, from low to high.
+    /// Of boxes that the ray meets between its ends, and of some that it hardly misses: indices, from low to high.
     void find(const Ray& ray, std::vector<std::uint32_t>& found) const;
 
 private:
