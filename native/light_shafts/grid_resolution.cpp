@@ -9,8 +9,10 @@
 namespace tyndall::light_shafts {
 namespace {
 constexpr std::size_t most_rays = 64, most_beams = 3;
-constexpr std::array candidate_steps{16.0f, 8.0f, 4.0f, 2.0f};   // voxels
-constexpr std::array candidate_spacings{8.0f, 4.0f, 2.0f, 1.0f}; // voxels
+constexpr std::array candidate_steps{16.0f, 8.0f, 4.0f, 2.0f}; // voxels
+// voxels. 0: no columns, each point's light walks: in density that ends it within a voxel no columns are near enough, and
+// walks are short.
+constexpr std::array candidate_spacings{8.0f, 4.0f, 2.0f, 1.0f, 0.5f, 0.25f, 0.0f};
 constexpr double most_bytes = 0x1p30;
 constexpr float coarsest_error = 0.1f;
 
@@ -169,8 +171,11 @@ GridResolution choose_grid_resolution(const Media& media, std::span<const ViewRa
         loss.spacing_voxels = spacing_voxels;
         pilot.dim(loss);
         const float error = pilot.error(pilot.radiance(result.step_limits), by_steps);
-        if (pilot.most_bytes() > most_bytes)
+        if (pilot.most_bytes() > most_bytes) {
+            if (result.loss_error > std::max(of_loss, coarsest_error))
+                result.loss.spacing_voxels = result.loss_error = 0.0f;
             break;
+        }
         result.loss = loss;
         result.loss_error = error;
         if (result.loss_error <= of_loss)
