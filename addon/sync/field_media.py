@@ -119,10 +119,11 @@ class FieldVolumes:
                 reports.add(culprit, IGNORES_RAY_VISIBILITY)
             for place in _places(placement, mesh):
                 for field, medium in fields:
-                    key = field_key(field.program, place, most_voxels)
+                    sigma_t_per_m = max(field.medium.sigma_t_per_m())
+                    key = field_key(field.program, place, sigma_t_per_m, most_voxels)
                     known = self._kept.get(key) or kept.get(key)
                     try:
-                        self._kept[key] = known or sampled(field.program, place, key, most_voxels, poll)
+                        self._kept[key] = known or sampled(field.program, place, key, sigma_t_per_m, most_voxels, poll)
                     except (InvalidInput, IoError) as error:
                         reports.add(culprit, f"its varying volume is not drawn: {error}")
                         continue

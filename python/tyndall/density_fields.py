@@ -3,8 +3,10 @@
 
 Based on: trilinear interpolation between the centres of voxels, halved until it is as near to the program as asked.
 Differs:  where the mesh does not fill a voxel its density is that share of it, of 8 places: an edge is a voxel wide,
-          half of it outside.
-Bound:    one evaluation of the program per voxel, an eighth more for coarser grids; 4 bytes per voxel.
+          half of it outside. Where a voxel is no small part of a free path, the light that the field scatters counts,
+          too (field_light.py).
+Bound:    one evaluation of the program per voxel, an eighth more for coarser grids, a fifth more where it is dense;
+          4 bytes per voxel.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import InvalidInput, _native
+from .field_light import LightError, light_error
 from .fingerprints import fingerprint
 from .native_materials import build_material
 from .native_textures import build_texture
@@ -34,6 +37,9 @@ if TYPE_CHECKING:
 
 #: Relative RMS error between voxels at which they are fine enough.
 ERROR_TARGET = 0.01
+#: The same of the light that it scatters, from one line of sight to the next, where it is dense.
+LIGHT_ERROR_TARGET = 0.03
+_THICK = 0.1  #: Optical depth of a voxel from which on that is asked.
 _FIRST_VOXELS = 32  #: Along the longest side.
 _PROBES = 4096  #: Places at which the error is measured.
 _POINTS_AT_ONCE = 1 << 20
@@ -53,6 +59,10 @@ class FieldPlace:
     pass_index: float
     random: float
 
+    def unit_m(self) -> float:
+        """Side of a cube as large as one of the object's units."""
+        return float(np.cbrt(abs(np.linalg.det(self.world_from_object[:3, :3]))))
+
 
 @dataclass(frozen=True, eq=False)
 class SampledField:
@@ -62,22 +72,26 @@ class SampledField:
     notes: tuple[str, ...]
 
 
-def field_key(program: Material, place: FieldPlace, most_voxels: int) -> str:
+def field_key(program: Material, place: FieldPlace, sigma_t_per_m: float, most_voxels: int) -> str:
     """Equal where the grid is: of all instances, wherever they go, if no more is asked for than places in the mesh."""
     asks = any(step.code is Code.INPUT and step.option != PointInput.OBJECT_POSITION for step in program.program)
     object_alone = (place.world_from_object, place.color, place.pass_index, place.random) if asks else ()
     of_object = (*place.generated, *object_alone)
-    return f"{place.mesh.key} holds {fingerprint((program, of_object, most_voxels)).hex()}"
+    optical = f"{sigma_t_per_m * place.unit_m():.3g}"  # turned instances differ by rounding
+    return f"{place.mesh.key} holds {fingerprint((program, of_object, optical, most_voxels)).hex()}"
 
 
 def sampled(
     program: Material,
     place: FieldPlace,
     key: str,
+    sigma_t_per_m: float,
     most_voxels: int,
     poll: Callable[[], None],
 ) -> SampledField:
     """At most ``most_voxels`` along the longest side of the mesh's box; ``poll`` may raise between parts.
+
+    ``sigma_t_per_m`` is the greatest extinction coefficient where the program gives 1.
 
     Raises InvalidInput of a mesh without a volume, and IoError of textures that lie in a file.
     """
@@ -90,21 +104,40 @@ def sampled(
     probes = lower + np.random.default_rng(1).random((_PROBES, 3)) * sides
     truth = values_at(probes)
     size = float(np.sqrt(np.mean(truth**2)))
-    voxels, error = _FIRST_VOXELS, 0.0
+    sigma_t = sigma_t_per_m * place.unit_m()
+    voxels = _FIRST_VOXELS
     while True:
         counts = np.maximum(np.ceil(voxels * sides / sides.max() - 1e-6).astype(np.int64), 1)
         step = sides / counts
         dense = _evaluated(values_at, lower, step, counts, poll)
-        error = float(np.sqrt(np.mean((_interpolated(dense, (probes - lower) / step) - truth) ** 2)))
-        if error <= ERROR_TARGET * size or 2 * voxels > most_voxels:
+
+        def between(
+            positions: NDArray[np.float64], dense: FloatArray = dense, step: NDArray[np.float64] = step
+        ) -> FloatArray:
+            return _interpolated(dense, (positions - lower) / step)
+
+        error = float(np.sqrt(np.mean((between(probes) - truth) ** 2)))
+        is_last = 2 * voxels > most_voxels
+        of_light = LightError(0.0, 0.0)
+        if (error <= ERROR_TARGET * size or is_last) and sigma_t * float(dense.max() * step.max()) > _THICK:
+            poll()
+            of_light = light_error(values_at, between, lower, step, counts, sigma_t)
+        if is_last or (error <= ERROR_TARGET * size and of_light.rms <= LIGHT_ERROR_TARGET):
             break
         voxels *= 2
     dense *= _coverage(place.mesh, lower, step, counts)
     local_from_index = np.diag([*step, 1.0])
     local_from_index[:3, 3] = lower + 0.5 * step
-    if error > ERROR_TARGET * size:
+    if error > ERROR_TARGET * size or of_light.rms > LIGHT_ERROR_TARGET:
         by = " x ".join(str(count) for count in counts)
-        notes.append(f"its varying volume is drawn from {by} voxels, {100.0 * error / size:.0f} % off between them")
+        said = f"its varying volume is drawn from {by} voxels, {100.0 * error / size:.0f} % off between them"
+        if of_light.rms > LIGHT_ERROR_TARGET:
+            said += (
+                "; light ends within a few of them: what it scatters is about"
+                f" {100.0 * of_light.rms:.0f} % off from one line of sight to the next,"
+                f" {100.0 * of_light.of_sum:+.0f} % on the whole"
+            )
+        notes.append(said)
     return SampledField(DensityGrid(key=key, grid=from_dense("density", dense, local_from_index)), tuple(notes))
 
 
@@ -157,7 +190,7 @@ def _evaluated(
     return dense
 
 
-def _interpolated(dense: FloatArray, at: NDArray[np.float64]) -> NDArray[np.float64]:
+def _interpolated(dense: FloatArray, at: NDArray[np.float64]) -> FloatArray:
     """Trilinear at places in voxels; what lies before the first centres and behind the last has their values."""
     last = np.array(dense.shape) - 1
     place = np.clip(at - 0.5, 0.0, last)
@@ -167,7 +200,7 @@ def _interpolated(dense: FloatArray, at: NDArray[np.float64]) -> NDArray[np.floa
     for corner in np.ndindex(2, 2, 2):
         index = np.minimum(first + corner, last)
         found += dense[tuple(index.T)] * np.where(corner, share, 1.0 - share).prod(axis=1)
-    return found
+    return found.astype(np.float32)
 
 
 def _coverage(

@@ -441,6 +441,14 @@ class Medium:
     emission_w_per_m3_sr: Rgb = (0.0, 0.0, 0.0)
     receiver_set: int = 0  #: As ObjectLighting's, of the objects that hold it.
 
+    def sigma_t_per_m(self) -> Rgb:
+        """Extinction coefficient."""
+        red, green, blue = (
+            absorbed + sum(lobe.sigma_s_per_m[channel] for lobe in self.lobes)
+            for channel, absorbed in enumerate(self.sigma_a_per_m)
+        )
+        return red, green, blue
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DensityGrid:
