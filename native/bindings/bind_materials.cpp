@@ -50,16 +50,18 @@ static GlossLayers make_gloss(const std::array<Triple, 4>& constant, const std::
 
 static LobeSource make_lobes(int model, bool preserves_energy, const std::vector<Triple>& constants,
                              const std::vector<int>& registers, const std::array<int, 3>& normals, int bump_shadowing,
-                             int subsurface) {
+                             int subsurface, int distribution, int tangent) {
     const auto register_of = [](int index) {
         return index < 0 ? LobeSource::no_register : static_cast<std::uint16_t>(index);
     };
     LobeSource source{.model = static_cast<LobeModel>(model),
                       .preserves_energy = preserves_energy,
                       .subsurface = static_cast<SubsurfaceMethod>(subsurface),
+                      .distribution = static_cast<FacetDistribution>(distribution),
                       .diffuse_normal = register_of(normals[0]),
                       .facet_normal = register_of(normals[1]),
                       .coat_normal = register_of(normals[2]),
+                      .tangent = register_of(tangent),
                       .bump_shadowing = static_cast<BumpShadowing>(bump_shadowing)};
     for (const Triple& constant : constants)
         source.constants.push_back(to_vec3(constant));
@@ -152,11 +154,11 @@ void bind_materials(py::module_& native) {
         .def(py::init(&make_gloss), "constant"_a, "registers"_a, "mirror_ior"_a, "coat_ior"_a,
              "Four colours, and four registers: facing, edge, coat, coated.");
     py::class_<LobeSource>(native, "Lobes")
-        .def(
-            py::init(&make_lobes), "model"_a, "preserves_energy"_a, "constants"_a, "registers"_a, "normals"_a,
-            "bump_shadowing"_a, "subsurface"_a,
-            "Of one shader: its inputs, each a colour, or, where it is not below 0, a register; and three registers of "
-            "normals, below 0 the point's own: of what is diffuse, of facets, of a coat.");
+        .def(py::init(&make_lobes), "model"_a, "preserves_energy"_a, "constants"_a, "registers"_a, "normals"_a,
+             "bump_shadowing"_a, "subsurface"_a, "distribution"_a, "tangent"_a,
+             "Of one shader: its inputs, each a colour, or, where it is not below 0, a register; three registers of "
+             "normals, below 0 the point's own: of what is diffuse, of facets, of a coat; and that of the facets' "
+             "tangent, below 0: none.");
     py::class_<Material>(native, "Material")
         .def(py::init(&make_material), "name"_a, "has_surface"_a, "diffuse"_a, "transparent"_a, "emission"_a,
              "program"_a, "diffuse_register"_a, "transparent_register"_a, "emission_register"_a, "held_out"_a,

@@ -4,6 +4,7 @@
 #include "scene/area_light.hpp"
 #include "shading/lobes/diffuse_lobes.hpp"
 #include "shading/lobes/fibre.hpp"
+#include "shading/lobes/framed_facets.hpp"
 #include "shading/lobes/sheen.hpp"
 #include <cmath>
 #include <limits>
@@ -114,9 +115,14 @@ float most_pdf_per_sr(const LobeSet& set) {
             all += lobe.sampling;
             continue;
         }
+        const vec3& normal = lobe.has_own_normal() ? lobe.normal : set.normal;
+        if (lobe.is_framed()) {
+            sum += lobe.sampling * framed_facets::most_pdf_per_sr(lobe, normal, set.outgoing);
+            all += lobe.sampling;
+            continue;
+        }
         if (lobe.kind != Lobe::Kind::Ggx)
             return std::numeric_limits<float>::infinity();
-        const vec3& normal = lobe.has_own_normal() ? lobe.normal : set.normal;
         const float cosine = std::max(glm::dot(normal, set.outgoing), 0.0f), alpha2 = lobe.alpha * lobe.alpha;
         // Where the facet is the surface's own: ggx::reflected_pdf_per_sr, without the quotient of two zeros.
         const float seen = 0.5f / (cosine + std::sqrt(cosine * cosine + alpha2 * (1.0f - cosine * cosine)));

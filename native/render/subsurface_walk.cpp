@@ -61,7 +61,7 @@ private:
 vec3 refracted(const vec3& outgoing, const vec3& normal, float alpha, float ior, vec2 u) {
     const auto [tangent, bitangent] = orthonormal_basis(normal);
     const vec3 view(glm::dot(outgoing, tangent), glm::dot(outgoing, bitangent), glm::dot(outgoing, normal));
-    const vec3 facet = ggx::sample_visible_normal(view, alpha, u);
+    const vec3 facet = ggx::sample_visible_normal(view, vec2(alpha), u);
     const vec3 half = facet.x * tangent + facet.y * bitangent + facet.z * normal;
     const float ratio = 1.0f / ior, cosine = glm::dot(half, outgoing);
     const float inner = std::sqrt(std::max(1.0f - ratio * ratio * (1.0f - cosine * cosine), 1e-14f));

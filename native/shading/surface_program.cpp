@@ -267,7 +267,8 @@ static void add_sources(const Material& material, std::span<const Rgb> registers
                   {.diffuse = own_normal(source.diffuse_normal, registers, point),
                    .facets = own_normal(source.facet_normal, registers, point),
                    .coat = own_normal(source.coat_normal, registers, point),
-                   .outgoing = at.incoming});
+                   .outgoing = at.incoming,
+                   .tangent = source.tangent == LobeSource::no_register ? vec3(0.0f) : registers[source.tangent]});
     }
     if (lobes == nullptr) {
         closures.diffuse_albedo += closures.translucent;

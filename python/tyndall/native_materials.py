@@ -39,6 +39,8 @@ def build_material(material: Material, textures: list[_native.Texture]) -> _nati
                 normals=lobes.normals,
                 bump_shadowing=int(lobes.bump_shadowing),
                 subsurface=int(lobes.subsurface),
+                distribution=int(lobes.distribution),
+                tangent=lobes.tangent,
             )
             for lobes in material.lobes
         ],

@@ -375,6 +375,14 @@ class SubsurfaceMethod(IntEnum):
     SKIN_WALK = 5
 
 
+class FacetDistribution(IntEnum):
+    """How the normals of microfacets spread; see native/shading/lobes/lobe_source.hpp."""
+
+    GGX = 0
+    BECKMANN = 1
+    ASHIKHMIN_SHIRLEY = 2
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Lobes:
     """What one shader of a surface does beside Material's results. The first input is its share of the surface."""
@@ -387,6 +395,9 @@ class Lobes:
     normals: tuple[int, int, int] = (-1, -1, -1)
     bump_shadowing: BumpShadowing = BumpShadowing.NONE  #: Of what is diffuse around such a normal.
     subsurface: SubsurfaceMethod = SubsurfaceMethod.NONE  #: Of models that scatter below the surface.
+    distribution: FacetDistribution = FacetDistribution.GGX
+    #: Register of what facets are wide along, as long as the root of how much wider than across; below 0: nothing.
+    tangent: int = -1
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

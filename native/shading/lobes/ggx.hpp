@@ -30,9 +30,9 @@ namespace tyndall::ggx {
         return masking(alpha, cosine_a) * masking(alpha, cosine_b);
     return 1.0f / (1.0f + lambda(alpha, cosine_a) + lambda(alpha, cosine_b));
 }
-/// The normal that a point of the unit disc stands for: of points spread evenly, as often as the direction sees it.
-[[nodiscard]] inline vec3 visible_normal(const vec3& outgoing, float alpha, vec2 disc) {
-    const vec3 stretched = glm::normalize(vec3(alpha * outgoing.x, alpha * outgoing.y, outgoing.z));
+/// Of width `alpha` along x and y, the normal that a point of the unit disc stands for: of points spread evenly, as often as the direction sees it.
+[[nodiscard]] inline vec3 visible_normal(const vec3& outgoing, vec2 alpha, vec2 disc) {
+    const vec3 stretched = glm::normalize(vec3(alpha.x * outgoing.x, alpha.y * outgoing.y, outgoing.z));
     const float across2 = stretched.x * stretched.x + stretched.y * stretched.y;
     const vec3 first = across2 > 1e-14f ? vec3(-stretched.y, stretched.x, 0.0f) / std::sqrt(across2) : vec3(1, 0, 0);
     const vec3 second = glm::cross(stretched, first);
@@ -40,9 +40,9 @@ namespace tyndall::ggx {
     disc.y = (1.0f - upper) * std::sqrt(std::max(0.0f, 1.0f - disc.x * disc.x)) + upper * disc.y;
     const float height = std::sqrt(std::max(0.0f, 1.0f - glm::dot(disc, disc)));
     const vec3 normal = disc.x * first + disc.y * second + height * stretched;
-    return glm::normalize(vec3(alpha * normal.x, alpha * normal.y, std::max(1e-6f, normal.z)));
+    return glm::normalize(vec3(alpha.x * normal.x, alpha.y * normal.y, std::max(1e-6f, normal.z)));
 }
-[[nodiscard]] inline vec3 sample_visible_normal(const vec3& outgoing, float alpha, vec2 u) {
+[[nodiscard]] inline vec3 sample_visible_normal(const vec3& outgoing, vec2 alpha, vec2 u) {
     return visible_normal(outgoing, alpha, sample_concentric_disc(u));
 }
 /// Of the direction that is mirrored by such a facet.

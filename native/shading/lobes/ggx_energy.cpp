@@ -21,7 +21,8 @@ std::array<float, 2> means(float roughness, float cosine, std::size_t side, cons
             const vec2 u = (vec2(static_cast<float>(x), static_cast<float>(y)) + 0.5f) / static_cast<float>(side);
             const float radius = std::sqrt(1.0f - u.x * u.x * u.x), around = 2.0f * std::numbers::pi_v<float> * u.y;
             const float weight = 3.0f * u.x * u.x;
-            const vec3 normal = visible_normal(outgoing, alpha, radius * vec2(std::cos(around), std::sin(around)));
+            const vec3 normal =
+                visible_normal(outgoing, vec2(alpha), radius * vec2(std::cos(around), std::sin(around)));
             const float on_facet = glm::dot(outgoing, normal);
             const vec3 incoming = 2.0f * on_facet * normal - outgoing;
             if (incoming.z <= 0.0f)

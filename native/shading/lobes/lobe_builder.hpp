@@ -123,18 +123,50 @@ private:
         lobes_->push_back(lobe);
     }
     [[nodiscard]] Lobe facets(float roughness, const Rgb& weight) const {
+        constexpr Lobe::Kind kinds[] = {Lobe::Kind::Ggx, Lobe::Kind::Beckmann, Lobe::Kind::AshikhminShirley};
         const float alpha = clamped(roughness) * clamped(roughness);
-        return {.kind = Lobe::Kind::Ggx,
+        return {.kind = kinds[static_cast<std::size_t>(source_.distribution)],
                 .alpha = std::max(alpha, least_alpha),
                 .own_alpha = alpha,
                 .weight = weight,
                 .normal = normals_.facets};
+    }
+    /// The same along the tangent, if there is one.
+    [[nodiscard]] Lobe facets_along_tangent(float roughness, const Rgb& weight) const {
+        Lobe lobe = facets(roughness, weight);
+        if (normals_.tangent != vec3(0.0f) && lobe.own_alpha > 0.0f)
+            widen_along(lobe, normals_.tangent, lobe.has_own_normal() ? lobe.normal : point_.shading_normal);
+        return lobe;
+    }
+    /// By the tangent's length. No width exceeds 1, as in Cycles.
+    static void widen_along(Lobe& lobe, const vec3& tangent, const vec3& normal) {
+        constexpr float narrowest = 0.1f * least_alpha; // of which floats still tell half vectors by hundreds
+        const vec3 across = glm::cross(normal, tangent);
+        const float ratio2 = glm::dot(tangent, tangent), across2 = glm::dot(across, across);
+        if (!(across2 > 1e-12f * ratio2) || !(ratio2 > 1e-12f && ratio2 < 1e12f))
+            return;
+        const float ratio = std::sqrt(ratio2);
+        const float along = std::min(lobe.own_alpha * ratio, 1.0f), beside = std::min(lobe.own_alpha / ratio, 1.0f);
+        if (along == beside)
+            return;
+        lobe.own_alpha = std::sqrt(along * beside);
+        lobe.alpha = std::max(lobe.own_alpha, least_alpha);
+        if (lobe.kind == Lobe::Kind::Ggx)
+            lobe.kind = Lobe::Kind::GgxAlongTangent;
+        const float widest = lobe.alpha / narrowest;
+        lobe.tangent = glm::cross(across, normal) *
+                       (std::clamp(std::sqrt(along / beside), 1.0f / widest, widest) / std::sqrt(across2));
+    }
+    /// That by which tables know the facets.
+    [[nodiscard]] static float evened_roughness(const Lobe& lobe, float roughness) {
+        return lobe.is_anisotropic() ? std::sqrt(lobe.own_alpha) : roughness;
     }
     /// Facets as they are with what they hide from one another, of which the mean of their colour is `mean`. The share of
     /// the weight that counts as their albedo.
     Rgb preserve_energy(Lobe& lobe, const Rgb& mean, float roughness) const {
         if (!source_.preserves_energy)
             return Rgb(1.0f);
+        roughness = evened_roughness(lobe, roughness);
         const float seen = ggx::albedo(roughness, cosine_), all = ggx::mean_albedo(roughness);
         const float missing = (1.0f - seen) / seen;
         const Rgb factor = 1.0f + mean * all / (1.0f - mean * (1.0f - all)) * missing;
@@ -170,14 +202,14 @@ private:
     }
 
     void glossy() {
-        Lobe lobe = facets(number(2), weight_ * colour(1));
+        Lobe lobe = facets_along_tangent(number(2), weight_ * colour(1));
         lobe.is_separable = source_.model == LobeModel::Glossy3;
         preserve_energy(lobe, clamped(colour(1)), clamped(number(2)));
         add(lobe);
     }
 
     void metal(const Rgb& weight, const Rgb& straight, const Rgb& dark, float roughness) {
-        Lobe lobe = facets(roughness, weight);
+        Lobe lobe = facets_along_tangent(roughness, weight);
         lobe.fresnel = Lobe::Fresnel::F82;
         lobe.a = straight;
         lobe.b = dark;
@@ -187,7 +219,7 @@ private:
 
     void conductor() {
         const Rgb n = non_negative(inputs_[1]), k = non_negative(inputs_[3]);
-        Lobe lobe = facets(number(2), weight_);
+        Lobe lobe = facets_along_tangent(number(2), weight_);
         lobe.fresnel = Lobe::Fresnel::Conductor;
         lobe.a = n;
         lobe.b = k;

@@ -74,6 +74,9 @@ using LobeInputs = std::array<Rgb, most_lobe_inputs>;
 struct LobeNormals {
     vec3 diffuse{0.0f}, facets{0.0f}, coat{0.0f};
     vec3 outgoing{0, 0, 1}; ///< Unit, to the viewer: what own normals are seen at.
+    /// Along which facets of Glossy, metals and Principled are wide, in any angle to their normal: its length is the root of
+    /// how much wider than across. Zero, or along the normal: as wide along as across.
+    vec3 tangent{0.0f};
 };
 /// How many inputs a model has, its share included; 0: there is no such model.
 [[nodiscard]] std::size_t input_count(LobeModel model);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "shading/lobes/lobe_set.hpp"
+#include "shading/lobes/ashikhmin_shirley.hpp"
 #include "shading/lobes/clearcoat.hpp"
 #include "shading/lobes/diffuse_lobes.hpp"
 #include "shading/lobes/fibre.hpp"
+#include "shading/lobes/framed_facets.hpp"
 #include "shading/lobes/fresnel_colours.hpp"
 #include "shading/lobes/ggx.hpp"
 #include "shading/lobes/sheen.hpp"
@@ -77,6 +79,9 @@ Rgb reflected(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const 
     case Lobe::Kind::FibreTransmission:
     case Lobe::Kind::Bent: // these two are none of its lobes
     case Lobe::Kind::Subsurface:
+    case Lobe::Kind::GgxAlongTangent: // see reflected_by_framed
+    case Lobe::Kind::Beckmann:
+    case Lobe::Kind::AshikhminShirley:
     case Lobe::Kind::Ggx:
         break;
     }
@@ -84,6 +89,12 @@ Rgb reflected(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const 
            (ggx::distribution(lobe.alpha, angles.normal_half_sine2, angles.normal_half2) *
             ggx::masking_and_shadowing(lobe.alpha, angles.view, angles.light, lobe.is_separable) /
             (4.0f * angles.view * angles.light));
+}
+
+/// Apart, so that other lobes do not have to make room for what these compute.
+[[gnu::noinline]] Rgb reflected_by_framed(const Lobe& lobe, const LobeSet& set, const vec3& incoming, float view_half) {
+    return facet_colour(lobe, view_half) *
+           framed_facets::per_irradiance(lobe, normal_of(lobe, set), set.outgoing, incoming);
 }
 
 /// The same around the lobe's own normal; `light`: the cosine that is in the irradiance.
@@ -95,7 +106,9 @@ Rgb reflected_around_own(const Lobe& lobe, const LobeSet& set, const vec3& incom
     if (lobe.kind != Lobe::Kind::Sheen)
         angles.view = std::max(angles.view, 0.0f);
     const float left = unshadowed_by_bumps(lobe.bump_shadowing, light, angles.light, between);
-    return reflected(lobe, set, incoming, angles) * (left * angles.light / std::max(light, least_light));
+    const Rgb found = lobe.is_framed() ? reflected_by_framed(lobe, set, incoming, angles.view_half)
+                                       : reflected(lobe, set, incoming, angles);
+    return found * (left * angles.light / std::max(light, least_light));
 }
 
 float pdf_of(const Lobe& lobe, const Angles& angles) {
@@ -122,6 +135,10 @@ vec3 sample_sheen(const Lobe& lobe, const vec3& normal, const vec3& outgoing, ve
     return glm::normalize(direction.x * x + direction.y * glm::cross(normal, x) + direction.z * normal);
 }
 
+vec3 mirrored(const vec3& outgoing, const vec3& facet) {
+    return glm::normalize(2.0f * glm::dot(outgoing, facet) * facet - outgoing);
+}
+
 float sum_of_sampling(std::span<const Lobe> lobes) {
     float sum = 0.0f;
     for (const Lobe& lobe : lobes)
@@ -146,11 +163,34 @@ Rgb facet_colour(const Lobe& lobe, float cosine) {
 
 /// What Cycles takes for a mirror, up to 3.x and since: a square of alpha that is no more than 1e-7 and 2e-10.
 static bool is_mirror(const Lobe& lobe) {
+    if (lobe.kind == Lobe::Kind::AshikhminShirley) {
+        const float ratio = lobe.is_anisotropic() ? glm::length(lobe.tangent) : 1.0f;
+        return lobe.own_alpha * std::max(ratio, 1.0f / ratio) <= ashikhmin_shirley::least_width;
+    }
     const bool is_old = lobe.is_separable || lobe.kind == Lobe::Kind::Clearcoat;
     return lobe.own_alpha * lobe.own_alpha <= (is_old ? 1e-7f : 2e-10f);
 }
 
 namespace {
+Rgb reflected_by_any(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const Angles& angles) {
+    if (lobe.has_own_normal())
+        return reflected_around_own(lobe, set, incoming, angles.light);
+    if (angles.view <= 0.0f)
+        return Rgb(0.0f);
+    return lobe.is_framed() ? reflected_by_framed(lobe, set, incoming, angles.view_half)
+                            : reflected(lobe, set, incoming, angles);
+}
+
+/// By facets as narrow as they are.
+[[gnu::noinline]] Rgb reflected_by_narrow(const Lobe& lobe, const LobeSet& set, const vec3& incoming,
+                                          const Angles& angles) {
+    if (is_mirror(lobe))
+        return Rgb(0.0f);
+    Lobe narrow = lobe;
+    narrow.alpha = lobe.own_alpha;
+    return reflected_by_any(narrow, set, incoming, angles);
+}
+
 /// Of neighbouring lobes along one fibre, worked out once.
 class Meetings {
 public:
@@ -188,19 +228,10 @@ Rgb LobeSet::sum_of(const vec3& incoming, Way way) const {
                 lobe.weight * (of_fibre(lobe, meetings.along(lobe.normal), way) / std::max(angles.light, least_light));
             continue;
         }
-        const bool is_narrowed = way == Way::FromPoint && lobe.is_of_facets() && lobe.own_alpha < lobe.alpha;
-        if (is_narrowed && is_mirror(lobe))
-            continue;
-        Lobe narrow;
-        if (is_narrowed) {
-            narrow = lobe;
-            narrow.alpha = lobe.own_alpha;
-        }
-        const Lobe& seen = is_narrowed ? narrow : lobe;
-        if (lobe.has_own_normal())
-            sum += lobe.weight * reflected_around_own(seen, *this, incoming, angles.light);
-        else if (angles.view > 0.0f)
-            sum += lobe.weight * reflected(seen, *this, incoming, angles);
+        if (way == Way::FromPoint && lobe.is_of_facets() && lobe.own_alpha < lobe.alpha)
+            sum += lobe.weight * reflected_by_narrow(lobe, *this, incoming, angles);
+        else
+            sum += lobe.weight * reflected_by_any(lobe, *this, incoming, angles);
     }
     return sum;
 }
@@ -231,12 +262,13 @@ vec3 LobeSet::sample(vec2 u) const {
     const vec3& around = normal_of(*drawn, *this);
     if (drawn->kind == Lobe::Kind::Sheen)
         return sample_sheen(*drawn, around, outgoing, u);
+    if (drawn->is_framed())
+        return mirrored(outgoing, framed_facets::sample_normal(*drawn, around, outgoing, u));
     const auto [tangent, bitangent] = orthonormal_basis(around);
     const vec3 view(glm::dot(outgoing, tangent), glm::dot(outgoing, bitangent), glm::dot(outgoing, around));
     const vec3 facet = drawn->kind == Lobe::Kind::Clearcoat ? clearcoat::sample_normal(drawn->alpha, u)
-                                                            : ggx::sample_visible_normal(view, drawn->alpha, u);
-    const vec3 half = facet.x * tangent + facet.y * bitangent + facet.z * around;
-    return glm::normalize(2.0f * glm::dot(outgoing, half) * half - outgoing);
+                                                            : ggx::sample_visible_normal(view, vec2(drawn->alpha), u);
+    return mirrored(outgoing, facet.x * tangent + facet.y * bitangent + facet.z * around);
 }
 
 float LobeSet::pdf_per_sr(const vec3& incoming) const {
@@ -253,6 +285,8 @@ float LobeSet::pdf_per_sr(const vec3& incoming) const {
             sum += lobe.sampling * fibre::pdf_per_sr(lobe, meetings.along(lobe.normal));
         else if (lobe.is_toon())
             sum += lobe.sampling * toon::pdf_per_sr(lobe.alpha, lobe.ior, glm::dot(toon_axis(lobe, *this), incoming));
+        else if (lobe.is_framed())
+            sum += lobe.sampling * framed_facets::pdf_per_sr(lobe, normal_of(lobe, *this), outgoing, incoming);
         else if (angles.view_half > 0.0f)
             sum +=
                 lobe.sampling * pdf_of(lobe, lobe.has_own_normal() ? Angles(lobe.normal, outgoing, incoming) : angles);

@@ -67,13 +67,20 @@ void validate(const LobeSource& source, const std::string& material_name) {
                 has_subsurface == (source.subsurface != SubsurfaceMethod::None),
             "material \"", material_name, "\" has a method ", static_cast<int>(source.subsurface),
             " of subsurface scattering, which its model ", static_cast<int>(source.model), " does not know");
+    const bool has_choice = source.model == Model::Glossy3 || source.model == Model::Glossy ||
+                            source.model == Model::MetalF82 || source.model == Model::Conductor ||
+                            source.model == Model::Glass3 || source.model == Model::Glass;
+    require(source.distribution < FacetDistribution::Count &&
+                (source.distribution == FacetDistribution::Ggx || (has_choice && !source.preserves_energy)),
+            "material \"", material_name, "\" has a distribution ", static_cast<int>(source.distribution),
+            " of facets, which its model ", static_cast<int>(source.model), " does not know");
     require(source.bump_shadowing < BumpShadowing::Count, "material \"", material_name, "\" has a shadowing of bumps ",
             static_cast<int>(source.bump_shadowing), ", which this version does not know");
 }
 
 std::vector<std::uint16_t> registers_of(const LobeSource& source) {
     std::vector<std::uint16_t> all = source.registers;
-    all.insert(all.end(), {source.diffuse_normal, source.facet_normal, source.coat_normal});
+    all.insert(all.end(), {source.diffuse_normal, source.facet_normal, source.coat_normal, source.tangent});
     std::erase(all, LobeSource::no_register);
     return all;
 }

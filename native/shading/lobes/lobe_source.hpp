@@ -9,6 +9,13 @@
 
 namespace tyndall {
 enum class LobeModel : std::uint8_t; // lobe_models.hpp
+/// Of what Glossy, metals and what glass reflects are made of; coats and Principled have GGX.
+enum class FacetDistribution : std::uint8_t {
+    Ggx = 0,
+    Beckmann = 1,
+    AshikhminShirley = 2, ///< Of Glossy alone.
+    Count = 3,
+};
 
 struct LobeSource {
     static constexpr std::uint16_t no_register = 0xffff; ///< The constant counts.
@@ -16,10 +23,13 @@ struct LobeSource {
     /// What facets hide from one another comes back, too; scales of hair tilt what is seen without a loss.
     bool preserves_energy = false;
     SubsurfaceMethod subsurface = SubsurfaceMethod::None; ///< Of models that scatter below the surface.
+    FacetDistribution distribution = FacetDistribution::Ggx;
     std::vector<Rgb> constants = {};
     std::vector<std::uint16_t> registers = {}; ///< As many.
     /// Where the unit normals are of what is diffuse, of facets, and of a coat; no_register: the point's own.
     std::uint16_t diffuse_normal = no_register, facet_normal = no_register, coat_normal = no_register;
+    /// Where LobeNormals::tangent is; no_register: facets are as wide along as across.
+    std::uint16_t tangent = no_register;
     BumpShadowing bump_shadowing = BumpShadowing::None; ///< Of what is diffuse around such a normal.
     bool operator==(const LobeSource&) const = default;
 };

@@ -28,7 +28,7 @@ void LobeBuilder::principled_of_blender3() {
     const float passing = transmission * (1.0f - metallic);
     if (specular > least_share || metallic > least_share) {
         const Rgb tinted = glm::mix(Rgb(1.0f), hue({0.3f, 0.6f, 0.1f}), specular_tint);
-        Lobe lobe = facets(roughness, weight_ * (1.0f - passing));
+        Lobe lobe = facets_along_tangent(roughness, weight_ * (1.0f - passing));
         lobe.is_separable = true;
         lobe.fresnel = Lobe::Fresnel::Dielectric;
         lobe.ior = ior_of_straight_share(0.08f * specular);
@@ -82,14 +82,15 @@ void LobeBuilder::principled() {
             eta = 1.0f / eta;
     }
     if (eta != 1.0f) {
-        Lobe lobe = facets(roughness, weight);
+        Lobe lobe = facets_along_tangent(roughness, weight);
         lobe.fresnel = Lobe::Fresnel::Dielectric;
         lobe.ior = eta;
         lobe.a = clamped(straight * tint);
         const Rgb mean = glm::mix(lobe.a, Rgb(1.0f), mean_rise_of(eta));
         const Rgb share = preserve_energy(lobe, mean, roughness);
         add(lobe);
-        const Rgb albedo = glm::mix(lobe.a, Rgb(1.0f), ggx::mean_rise(roughness, cosine_, eta));
+        const float evened = evened_roughness(lobe, roughness);
+        const Rgb albedo = glm::mix(lobe.a, Rgb(1.0f), ggx::mean_rise(evened, cosine_, eta));
         weight = below(weight * share * albedo, weight);
     }
     if (has_subsurface) {

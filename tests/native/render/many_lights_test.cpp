@@ -183,9 +183,16 @@ TEST_CASE("sharp gloss shows many lamps, of which a few are drawn, as it shows a
 
 TEST_CASE("gloss in a room whose walls are lamps sends back what it sends back of light from all around") {
     const auto scene = in_world({floor_at(vec3(0.0f), 0.9f, diffuse(Rgb(0.5f)))}, Rgb(0.0f), lit_walls(4, 1.0f));
-    for (const float alpha : {0.001f, 0.01f, 0.1f, 0.5f}) {
-        CAPTURE(alpha);
-        const std::array lobe{facets(alpha)};
+    std::vector<Lobe> glosses{facets(0.001f), facets(0.01f), facets(0.1f), facets(0.5f)};
+    for (const Lobe::Kind kind : {Lobe::Kind::GgxAlongTangent, Lobe::Kind::Beckmann, Lobe::Kind::AshikhminShirley}) {
+        glosses.push_back(facets(0.03f));
+        glosses.back().kind = kind;
+        glosses.back().tangent = vec3(0.0f, 3.0f, 0.0f); // nine times as wide along y as along x
+    }
+    for (const Lobe& gloss : glosses) {
+        CAPTURE(gloss.alpha);
+        CAPTURE(static_cast<int>(gloss.kind));
+        const std::array lobe{gloss};
         const LobeSet lobes{.lobes = lobe, .normal = {0, 0, 1}, .outgoing = glm::normalize(vec3(0.4f, 0.3f, 0.8f))};
         check_within_noise(mean_light(*scene, vec3(0.1f, 0.2f, 0.0f), 64, 256, &lobes),
                            albedo_by_quadrature(lobes) * glm::dvec3(3, 2, 1), 0.01);
