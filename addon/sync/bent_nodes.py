@@ -9,8 +9,9 @@ import bpy
 
 from tyndall.scene_description import LobeModel
 
+from .lobe_values import LobeNormals, LobeValues
 from .math_nodes import math_operation
-from .program import BLACK, WHITE, LobeNormals, LobeValues, Program, Term, Value
+from .program import BLACK, WHITE, Program, Term, Value
 
 if TYPE_CHECKING:
     from .node_graph import Socket

@@ -57,3 +57,11 @@ def transformed(program: Program, vector: Value, matrix: Matrix, *, is_direction
     offset = (0.0, 0.0, 0.0) if is_direction else (rows[0][3], rows[1][3], rows[2][3])
     linear = tuple(rows[row][column] for row in range(3) for column in range(3))
     return program.operation(Code.AFFINE, vector, uv_matrix=linear, value=offset)
+
+
+def radial_tangent(program: Program, axis: str) -> Value:
+    """Around an axis of the texture space, in the surface."""
+    rows = {"X": (0, 0, 0, 0, 0, -1, 0, 1, 0), "Y": (0, 0, -1, 0, 0, 0, 1, 0, 0), "Z": (0, -1, 0, 1, 0, 0, 0, 0, 0)}
+    from_middle = program.subtract(generated(program), (0.5, 0.5, 0.5))
+    around = program.operation(Code.AFFINE, from_middle, uv_matrix=rows[axis], value=(0.0, 0.0, 0.0))
+    return point_input(program, PointInput.TANGENT, around)

@@ -17,7 +17,8 @@ import numpy as np
 from tyndall.scene_description import Code, LobeModel, hair_maps
 
 from . import coordinates
-from .program import BLACK, WHITE, LobeValues, Program, Value, grey
+from .lobe_values import LobeValues
+from .program import BLACK, WHITE, Program, Value, grey
 
 if TYPE_CHECKING:
     from .node_graph import Socket

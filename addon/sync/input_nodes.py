@@ -21,7 +21,6 @@ from .program import BLACK, WHITE, Value, grey
 if TYPE_CHECKING:
     from .domains import Evaluate
     from .node_graph import Socket
-    from .program import Program
     from .value_nodes import ValueReader
 
 _GLOSSY = RayBit.GLOSSY | RayBit.MIRROR
@@ -157,29 +156,14 @@ def _geometry(reader: ValueReader, at: Socket) -> Value:
     if output in _GEOMETRY:
         return point_input(program, _GEOMETRY[output])
     if output == "Tangent":
-        return _radial_tangent(program, "Z")
+        return coordinates.radial_tangent(program, "Z")
     return coordinates.made(program, POINTINESS if output == "Pointiness" else ISLAND)
-
-
-def _radial_tangent(program: Program, axis: str) -> Value:
-    """Around an axis of the texture space."""
-    rows = {"X": (0, 0, 0, 0, 0, -1, 0, 1, 0), "Y": (0, 0, -1, 0, 0, 0, 1, 0, 0), "Z": (0, -1, 0, 1, 0, 0, 0, 0, 0)}
-    from_middle = program.subtract(coordinates.generated(program), grey(0.5))
-    around = _linear(program, from_middle, rows[axis])
-    return point_input(program, PointInput.TANGENT, around)
-
-
-def _linear(program: Program, vector: Value, rows: tuple[int, ...]) -> Value:
-    from mathutils import Matrix
-
-    matrix = Matrix((rows[:3], rows[3:6], rows[6:])).to_4x4()
-    return coordinates.transformed(program, vector, matrix, is_direction=True)
 
 
 def _tangent(reader: ValueReader, at: Socket) -> Value:
     program, node = reader.program, at.node
     if node.direction_type == "RADIAL":
-        return _radial_tangent(program, node.axis)
+        return coordinates.radial_tangent(program, node.axis)
     return point_input(program, PointInput.TANGENT, coordinates.made(program, tangent_of(node.uv_map)))
 
 

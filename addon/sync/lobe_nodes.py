@@ -10,9 +10,11 @@ import bpy
 from tyndall.scene_description import BumpShadowing, LobeModel, SubsurfaceMethod
 
 from .bent_nodes import add_bent_glass, through_one_side
+from .facet_nodes import facets_of_glass, facets_of_glossy, facets_of_metal
 from .hair_nodes import hair_bsdf, principled_hair
+from .lobe_values import Facets, LobeNormals, LobeValues
 from .math_nodes import vector_operation
-from .program import BLACK, WHITE, LobeNormals, LobeValues, Program, Term, Value, grey
+from .program import BLACK, WHITE, Program, Term, Value, grey
 from .subsurface_nodes import method_of, principled_inputs, principled_share, scattering_inputs
 
 if TYPE_CHECKING:
@@ -55,10 +57,12 @@ def _push(
     preserves_energy: bool = False,
     normals: LobeNormals | None = None,
     subsurface: SubsurfaceMethod = SubsurfaceMethod.NONE,
+    facets: Facets | None = None,
 ) -> bool:
     if shares.lobes is None:
         return False
-    shares.lobes.append(LobeValues(model, inputs, preserves_energy, normals or LobeNormals(), subsurface))
+    normals, facets = normals or LobeNormals(), facets or Facets()
+    shares.lobes.append(LobeValues(model, inputs, preserves_energy, normals, subsurface, facets))
     return True
 
 
@@ -85,16 +89,6 @@ def _is_multiple(at: Socket) -> bool:
     return getattr(at.node, "distribution", "") in {"MULTI_GGX", "MULTIPLE"}
 
 
-def _note_direction(reader: ValueReader, at: Socket) -> None:
-    if reader.number(at.input("Anisotropy") or at.input("Anisotropic")) != BLACK:
-        reader.note("anisotropic reflections are drawn as wide along as across")
-
-
-def _note_distribution(reader: ValueReader, at: Socket) -> None:
-    if (kind := getattr(at.node, "distribution", "")) in {"BECKMANN", "ASHIKHMIN_SHIRLEY"}:
-        reader.note(f"{at.node.bl_label}'s distribution {kind} is drawn as GGX")
-
-
 def _diffuse(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
     roughness, normals = reader.number(at.input("Roughness")), _normals(reader, at)
     colour = reader.colour(at.input("Color"), _GREY)
@@ -111,20 +105,17 @@ def _translucent(reader: ValueReader, at: Socket, weight: Value, shares: Shares)
 
 
 def _glossy(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
-    _note_direction(reader, at)
-    _note_distribution(reader, at)
     is_sharp = getattr(at.node, "distribution", "") == "SHARP"
     model = LobeModel.GLOSSY_3 if _is_old() else LobeModel.GLOSSY
     roughness = BLACK if is_sharp else reader.number(at.input("Roughness"), 0.5)
     _note_sharpness(reader, shares, roughness)
     colour = reader.colour(at.input("Color"), _GREY)
-    normals = _normals(reader, at)
-    return _push(shares, model, weight, colour, roughness, preserves_energy=_is_multiple(at), normals=normals)
+    normals, facets = _normals(reader, at), facets_of_glossy(reader, at)
+    inputs = weight, colour, roughness
+    return _push(shares, model, *inputs, preserves_energy=_is_multiple(at), normals=normals, facets=facets)
 
 
 def _metallic(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
-    _note_direction(reader, at)
-    _note_distribution(reader, at)
     roughness = reader.number(at.input("Roughness"), 0.5)
     _note_sharpness(reader, shares, roughness)
     if getattr(at.node, "fresnel_type", "F82") == "F82":
@@ -132,8 +123,8 @@ def _metallic(reader: ValueReader, at: Socket, weight: Value, shares: Shares) ->
     else:
         model, names = LobeModel.CONDUCTOR, ("IOR", "Extinction")
     first, second = (reader.colour(at.input(name), WHITE) for name in names)
-    inputs, normals = (weight, first, roughness, second), _normals(reader, at)
-    return _push(shares, model, *inputs, preserves_energy=_is_multiple(at), normals=normals)
+    inputs, normals, facets = (weight, first, roughness, second), _normals(reader, at), facets_of_metal(reader, at)
+    return _push(shares, model, *inputs, preserves_energy=_is_multiple(at), normals=normals, facets=facets)
 
 
 def _pass_straight(reader: ValueReader, shares: Shares, passing: Value, base: Value) -> None:
@@ -150,7 +141,6 @@ def _glass(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bo
         return True
     reader.unsupported(at, "is drawn as transparent in its colour, with its reflections")
     shares.has_glass = True
-    _note_distribution(reader, at)
     program = reader.program
     colour = reader.colour(at.input("Color"), WHITE)
     shares.transparent = program.add(shares.transparent, program.multiply(weight, colour))
@@ -158,7 +148,7 @@ def _glass(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bo
     model = LobeModel.GLASS_3 if _is_old() else LobeModel.GLASS
     roughness = BLACK if is_sharp else reader.number(at.input("Roughness"))
     inputs = weight, colour, roughness, reader.number(at.input("IOR"), 1.45)
-    return _push(shares, model, *inputs, normals=_normals(reader, at))
+    return _push(shares, model, *inputs, normals=_normals(reader, at), facets=facets_of_glass(at))
 
 
 def _sheen(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
@@ -199,7 +189,6 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
     rough = specular, metallic, transmission, coat, sheen, diffuse_roughness, subsurface
     if not _is_old() and normals.diffuse is None and all(value == BLACK for value in rough):
         return False
-    _note_direction(reader, at)
     alpha = program.clamp(reader.number(at.input("Alpha"), 1.0))
     shares.transparent = program.add(shares.transparent, program.multiply(weight, program.complement(alpha)))
     weight = program.multiply(weight, alpha)
@@ -239,7 +228,15 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
     if subsurface != BLACK:
         inputs += principled_inputs(reader, at, base, subsurface)
         method = method_of(at)
-    return _push(shares, model, *inputs, preserves_energy=is_multiple, normals=normals, subsurface=method)
+    return _push(
+        shares,
+        model,
+        *inputs,
+        preserves_energy=is_multiple,
+        normals=normals,
+        subsurface=method,
+        facets=facets_of_metal(reader, at),
+    )
 
 
 def _of_fibre(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:

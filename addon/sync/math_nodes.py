@@ -39,6 +39,11 @@ def rotated(program: Program, vector: Value, angles: Value, *, is_back: bool = F
     return program.operation(Code.VECTOR_ROTATE, vector, BLACK, angles, option=kind)
 
 
+def turned(program: Program, vector: Value, axis: Value, angle: Value) -> Value:
+    """About an axis, by radians."""
+    return program.operation(Code.VECTOR_ROTATE, vector, BLACK, axis, angle, option=_AROUND)
+
+
 def _arithmetic(program: Program, operation: str, a: Value, b: Value, c: Value) -> Value | None:
     """What a program computes by itself."""
     if operation == "ADD":

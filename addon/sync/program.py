@@ -11,19 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from tyndall.scene_description import (
-    BumpShadowing,
-    Code,
-    Gloss,
-    LobeModel,
-    Lobes,
-    Material,
-    Rgb,
-    SubsurfaceMethod,
-    SurfaceOp,
-    TextureUse,
-    attribute_maps,
-)
+from tyndall.scene_description import Code, Gloss, Material, Rgb, SurfaceOp, TextureUse, attribute_maps
 from tyndall.surface_operations import OPERANDS, is_known_without_point, nearest_finite, operand_count, value_of
 
 from .working_space import luminance_weights
@@ -31,6 +19,8 @@ from .working_space import luminance_weights
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from .lobe_values import LobeValues
 
 BLACK: Rgb = (0.0, 0.0, 0.0)
 WHITE: Rgb = (1.0, 1.0, 1.0)
@@ -58,48 +48,6 @@ class GlossValues:
     coat: Value = BLACK
     coated: Value = BLACK
     indices: dict[str, float] = field(default_factory=dict)  #: mirror_ior and coat_ior, where they are known.
-
-
-@dataclass(frozen=True)
-class LobeNormals:
-    """Unit normals of a shader's lobes; None: the point's own."""
-
-    diffuse: Value | None = None
-    facets: Value | None = None
-    coat: Value | None = None
-    bump_shadowing: BumpShadowing = BumpShadowing.NONE
-
-    def all(self) -> tuple[Value | None, Value | None, Value | None]:
-        return self.diffuse, self.facets, self.coat
-
-
-@dataclass(frozen=True)
-class LobeValues:
-    """A shader with lobes, see tyndall.scene_description.Lobes."""
-
-    model: LobeModel
-    inputs: tuple[Value, ...]
-    preserves_energy: bool = False
-    normals: LobeNormals = LobeNormals()
-    subsurface: SubsurfaceMethod = SubsurfaceMethod.NONE
-
-    def terms(self) -> list[Term]:
-        return [value for value in (*self.inputs, *self.normals.all()) if isinstance(value, Term)]
-
-    def constant(self, register_of: Callable[[Term], int]) -> Lobes:
-        def normal(value: Value | None) -> int:
-            return register_of(value) if isinstance(value, Term) else -1
-
-        diffuse, facets, coat = self.normals.all()
-        return Lobes(
-            model=self.model,
-            inputs=tuple(BLACK if isinstance(value, Term) else value for value in self.inputs),
-            registers=tuple(register_of(value) if isinstance(value, Term) else -1 for value in self.inputs),
-            preserves_energy=self.preserves_energy,
-            normals=(normal(diffuse), normal(facets), normal(coat)),
-            bump_shadowing=self.normals.bump_shadowing,
-            subsurface=self.subsurface,
-        )
 
 
 def grey(number: float) -> Rgb:
@@ -266,7 +214,7 @@ class Program:
                 held_out=self.clamp(held_out)[0],
                 **fields,
             )
-        terms = [value if isinstance(value, Term) else self._constant(value) for value in (*results, *layers, *holes)]
+        terms = [self.term(value) for value in (*results, *layers, *holes)]
         ops, registers = _allocate_registers(self._ops, [term.place for term in (*terms, *read)])
         register_of = dict(zip(read, registers[len(terms) :], strict=True))
         return Material(
@@ -287,8 +235,12 @@ class Program:
     def _constant(self, value: Rgb) -> Term:
         return self._op(Code.CONSTANT, value=value)
 
+    def term(self, value: Value) -> Term:
+        """In a register, whether it is known now or not."""
+        return value if isinstance(value, Term) else self._constant(value)
+
     def _op(self, code: Code, *operands: Value, **fields: object) -> Term:
-        terms = [operand if isinstance(operand, Term) else self._constant(operand) for operand in operands]
+        terms = [self.term(operand) for operand in operands]
         if self.beside is not None and code in _OF_PLACES:
             fields |= {"shift": self.beside[0], "value": (self.beside[1], 0.0, 0.0)}
         if "value" in fields:  # what overflowed on the way here

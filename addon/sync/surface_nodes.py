@@ -16,12 +16,13 @@ import bpy
 from .bent_nodes import add_bent_transmission, bends_transmission, is_sharp, through_one_side
 from .hair_nodes import principled_hair_colour
 from .lobe_nodes import add_lobes
-from .program import BLACK, WHITE, GlossValues, LobeValues, Value, grey
+from .program import BLACK, WHITE, GlossValues, Value, grey
 from .shader_limits import followed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from .lobe_values import LobeValues
     from .node_graph import Socket
     from .value_nodes import ValueReader
 

@@ -7,12 +7,17 @@ world are noisy in both.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 import pytest
 
 from support.closure_scenes import IS_OLD, assert_like_cycles, errors, lamp, scene_of, shader, sun, world
 from support.engine_pictures import cycles_pixels, tyndall_pixels
 from support.small_scenes import Build, empty_scene, material, plane
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 GOLD, RED = (0.9, 0.6, 0.2, 1.0), (0.8, 0.2, 0.1, 1.0)
 #: What the product promises: mean and median block within 1 %.
@@ -81,6 +86,52 @@ LONG: dict[str, Build] = {
 }
 
 
+ANISOTROPIC = "ShaderNodeBsdfAnisotropic"  #: From 4.0 on all of Glossy is.
+
+
+def along_tangent(build: Build, **settings: object) -> Build:
+    """With a Tangent node that has these settings."""
+
+    def linked(new: Callable[[str], bpy.types.Node], link: Callable[..., object]) -> bpy.types.NodeSocket:
+        output = build(new, link)
+        tangent = new("ShaderNodeTangent")
+        for name, value in settings.items():
+            setattr(tangent, name, value)
+        link(tangent.outputs[0], output.node.inputs["Tangent"])
+        return output
+
+    return linked
+
+
+def glossy(distribution: str, roughness: float, **inputs: object) -> Build:
+    kind = ANISOTROPIC if inputs else GLOSSY
+    return shader(kind, Color=GOLD, Roughness=roughness, node_distribution=distribution, **inputs)
+
+
+#: How facets lie; what is not asked of every version is under `costly`.
+FACETS: dict[str, Build] = {
+    "anisotropic 0.7": glossy("GGX", 0.4, Anisotropy=0.7, Rotation=0.15),
+    "beckmann": glossy("BECKMANN", 0.4),
+    "ashikhmin and shirley": glossy("ASHIKHMIN_SHIRLEY", 0.4),
+    "principled along": principled(Base_Color=GOLD, Metallic=0.7, Anisotropic=0.8, Anisotropic_Rotation=0.1),
+}
+COSTLY_FACETS: dict[str, Build] = {
+    "anisotropic -0.6": along_tangent(glossy("GGX", 0.5, Anisotropy=-0.6), direction_type="RADIAL", axis="X"),
+    "beckmann 0.7": glossy("BECKMANN", 0.4, Anisotropy=0.7, Rotation=0.3),
+    "beckmann, rough": glossy("BECKMANN", 0.9),
+    "ashikhmin and shirley 0.7": glossy("ASHIKHMIN_SHIRLEY", 0.5, Anisotropy=0.7),
+}
+if not IS_OLD:
+    COSTLY_FACETS["anisotropic, multiple"] = glossy("MULTI_GGX", 0.8, Anisotropy=0.7)
+    COSTLY_FACETS["principled along, multiple"] = principled(
+        Roughness=0.8, Anisotropic=1.0, node_distribution="MULTI_GGX"
+    )
+if HAS_METALLIC:
+    metallic = {"Base_Color": GOLD, "Anisotropy": 0.8, "Rotation": 0.2, "Roughness": 0.5}
+    COSTLY_FACETS["metallic along"] = shader("ShaderNodeBsdfMetallic", **metallic, node_distribution="MULTI_GGX")
+    COSTLY_FACETS["metallic of beckmann"] = shader("ShaderNodeBsdfMetallic", **metallic, node_distribution="BECKMANN")
+
+
 def check(build: Build, light_it: object, samples: int = 1, cycles_samples: int = 2) -> None:
     assert_like_cycles(scene_of(build, light_it), BOUND, samples, cycles_samples)
 
@@ -88,6 +139,16 @@ def check(build: Build, light_it: object, samples: int = 1, cycles_samples: int 
 @pytest.mark.parametrize("name", SHADERS)
 def test_a_shader_under_a_sun(name: str) -> None:
     check(SHADERS[name], sun(TILT))
+
+
+@pytest.mark.parametrize("name", [*FACETS, *(pytest.param(name, marks=pytest.mark.costly) for name in COSTLY_FACETS)])
+def test_how_facets_lie_under_a_sun(name: str) -> None:
+    check((FACETS | COSTLY_FACETS)[name], sun(TILT))
+
+
+@pytest.mark.costly
+def test_how_facets_lie_under_a_lamp_with_a_size() -> None:
+    check(COSTLY_FACETS["beckmann 0.7"], lamp(0.3), 64, 256)
 
 
 @pytest.mark.parametrize("kind", ["glossy", "coat", "principled"])
@@ -145,10 +206,18 @@ def test_a_shader_under_suns_of_all_heights(name: str, tilt: float) -> None:
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("tilt", [0.0, 30.0, 70.0])
+@pytest.mark.parametrize("name", [*FACETS, *COSTLY_FACETS])
+def test_how_facets_lie_under_suns_of_other_heights(name: str, tilt: float) -> None:
+    """From behind, at 110 degrees, one pixel on an edge of the ball is a hundredth of all light."""
+    check((FACETS | COSTLY_FACETS)[name], sun(tilt))
+
+
+@pytest.mark.long
 @pytest.mark.parametrize("light_it", [lamp(0.05), lamp(0.5), world(), sun(TILT, angle=10.0)])
-@pytest.mark.parametrize("name", SHADERS)
+@pytest.mark.parametrize("name", [*SHADERS, *FACETS])
 def test_every_shader_under_lights_with_a_size(name: str, light_it: object) -> None:
-    check(SHADERS[name], light_it, 256, 1024)
+    check((SHADERS | FACETS)[name], light_it, 256, 1024)
 
 
 def test_a_pane_that_transmits_tints_what_is_behind_it_as_in_cycles() -> None:
