@@ -56,4 +56,18 @@ namespace tyndall {
     const auto [tangent, bitangent] = orthonormal_basis(axis);
     return local.x * tangent + local.y * bitangent + local.z * axis;
 }
+
+/// Of those at this cosine to an axis, by a turn in [0, 1).
+[[nodiscard]] inline vec3 direction_around(const vec3& axis, float cosine, float turn) {
+    const float sine = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)),
+                turn_rad = 2.0f * std::numbers::pi_v<float> * turn;
+    return from_frame(axis, {sine * std::cos(turn_rad), sine * std::sin(turn_rad), cosine});
+}
+
+/// Power heuristic with exponent 2 (Veach 1997, section 9.2): share of the strategy with density `own`.
+/// One of both is not 0.
+[[nodiscard]] inline float power_share(float own, float other) {
+    const float ratio = other / own; // either may be larger than what has a square
+    return 1.0f / (1.0f + ratio * ratio);
+}
 } // namespace tyndall

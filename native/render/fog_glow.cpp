@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/fog_glow.hpp"
+#include "core/sampling.hpp"
 #include "render/glow_distances.hpp"
 #include "render/pixel_samples.hpp"
 #include <algorithm>
@@ -58,18 +59,16 @@ Rgb FogGlow::passing_to(const vec3& point, const Hit& hit, const vec3& direction
     if (!(glm::dot(way, direction) > 0.0f))
         return Rgb(1.0f); // nothing fits between
     const Ray ray{.origin = point, .direction = way / far_m, .near_m = 0.0f, .far_m = far_m};
-    std::array passing{Rgb(1.0f)};
-    if (links == nullptr)
-        passing[0] = scene_.shadow_transmittance(ray);
-    else
-        scene_.shadow_transmittances({&ray, 1}, passing, *links);
-    return attenuates_light_ && passing[0] != Rgb(0.0f) ? passing[0] * media_.transmittance(ray) : passing[0];
+    return passing_along(scene_, attenuates_light_ ? &media_ : nullptr, ray, links);
 }
 
-/// Veach's power heuristic; densities may be larger than what has a square.
-static float share_of(float own, float other) {
-    const float ratio = other / own;
-    return 1.0f / (1.0f + ratio * ratio);
+Rgb passing_along(const Scene& scene, const Media* media, const Ray& ray, const LightLinks* links) {
+    std::array passing{Rgb(1.0f)};
+    if (links == nullptr)
+        passing[0] = scene.shadow_transmittance(ray);
+    else
+        scene.shadow_transmittances({&ray, 1}, passing, *links);
+    return media != nullptr && passing[0] != Rgb(0.0f) ? passing[0] * media->transmittance(ray) : passing[0];
 }
 LightTree::Line tree_line(const MediaLine& line) {
     return {line.origin(), line.direction(), line.pieces().front().near_m, line.pieces().back().far_m,
@@ -117,7 +116,7 @@ void FogGlow::draw_triangle(const MediaLine& line, const Numbers& numbers, const
     if (arriving == Rgb(0.0f))
         return;
     if (directions != nullptr && is_met_by_chance(triangle))
-        arriving *= share_of(density, directions->density(*distance.piece, distance.at_m, direction));
+        arriving *= power_share(density, directions->density(*distance.piece, distance.at_m, direction));
     found.push_back(
         {arriving * passing_to(point, hit, direction, links), scene_.object_info(triangle.instance).light_group});
 }
@@ -141,7 +140,7 @@ Rgb FogGlow::met(const MediaLine& line, const PhaseDirections& directions, const
         tree_.probability_along(index, tree_line(line)) *
         GlowDistances(line, triangle, attenuates_light_ ? &media_ : nullptr).density_per_m(*drawn.piece, drawn.at_m) *
         triangle_pdf_per_sr(triangle.corners, point, point + hit.distance_m * drawn.direction);
-    return share_of(density, by_triangle) * arriving * passing;
+    return power_share(density, by_triangle) * arriving * passing;
 }
 
 static bool casts_shadow(const Scene& scene, const Hit& hit) {

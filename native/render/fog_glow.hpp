@@ -20,6 +20,8 @@
 namespace tyndall::render {
 /// All of its pieces, which it has.
 [[nodiscard]] LightTree::Line tree_line(const MediaLine& line);
+/// Of light along a ray: by what blocks a light with these links, nothing for all, and by media, if any dim it.
+[[nodiscard]] Rgb passing_along(const Scene& scene, const Media* media, const Ray& ray, const LightLinks* links);
 
 class FogGlow {
 public:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/frame.hpp"
+#include "core/errors.hpp"
 #include "core/parallel.hpp"
 #include "render/frame_shafts.hpp"
 #include "render/frame_style.hpp"
@@ -25,27 +26,10 @@ constexpr std::chrono::milliseconds least_update_interval{500};
 /// What one sample's camera rays and their light shafts take of its time, roughly, for the progress bar.
 constexpr double surface_share = 0.3;
 
-/// Of a frame whose settings are in their range.
-Region checked_region(const Scene& scene, const Camera& camera, const FrameConfig& config) {
+void require_in_reach(const Camera& camera, const Scene& scene) {
     require(
         is_within(camera.position(), scene.reach_m()), "the camera stands beyond ", scene.reach_m(),
         " m, from where rays do not meet the thinnest or smallest object: enlarge that, or bring the camera nearer");
-    require(1 <= config.pixel_samples && config.pixel_samples <= 65536, "pixel_samples is ", config.pixel_samples,
-            ", outside [1, 65536]");
-    require(config.first_sample < config.pixel_samples &&
-                config.sample_count <= config.pixel_samples - config.first_sample,
-            "samples ", config.first_sample, " to ", config.first_sample + config.sample_count, " are not among the ",
-            config.pixel_samples, " of a pixel");
-    require_in(config.noise_threshold, 0.0f, 1.0f, "noise_threshold");
-    require_usable(config.indirect);
-    require_in(config.voxel_detail_px, 0.0f, 64.0f, "voxel_detail_px");
-    require(camera.width_px > 0 && camera.height_px > 0, "the camera's frame has no pixels");
-    const Region region = config.region.value_or(Region{0, 0, camera.width_px, camera.height_px});
-    require(region.x0 < region.x1 && region.y0 < region.y1 && region.x1 <= camera.width_px &&
-                region.y1 <= camera.height_px,
-            "region [", region.x0, ", ", region.x1, ") x [", region.y0, ", ", region.y1,
-            ") does not lie in the frame of ", camera.width_px, " x ", camera.height_px, " pixels");
-    return region;
 }
 
 CatcherFilm catcher_film(const Scene& scene, const FrameConfig& config) {
@@ -59,7 +43,7 @@ public:
     FrameRenderer(const Scene& scene, const Media& media, const Camera& camera, const FrameConfig& config,
                   Progress& progress, const OnUpdate& on_update)
         : scene_(scene), camera_(camera), air_camera_(camera.of_air()), config_(config), progress_(progress),
-          on_update_(on_update), region_(checked_region(scene, camera, config)), media_(media),
+          on_update_(on_update), region_(checked_region(config, camera)), media_(media),
           surfaces_(scene, media, camera, region_, config, statistics_, progress),
           sums_(region_.x1 - region_.x0, region_.y1 - region_.y0, config.passes, scene.description().origin_in_world,
                 catcher_film(scene, config)),
@@ -385,10 +369,11 @@ private:
 Film render(const Scene& scene, const Media& media, const Camera& camera, const FrameConfig& config, Progress& progress,
             const OnUpdate& on_update) {
     require_usable(camera);
+    require_in_reach(camera, scene);
     return with_threads(config.thread_count, [&] {
         if (!config.is_tile)
             return FrameRenderer(scene, media, camera, config, progress, on_update).render();
-        const Region tile = checked_region(scene, camera, config);
+        const Region tile = checked_region(config, camera);
         const FrameConfig grown = grown_tile(config, tile, camera);
         return cropped(FrameRenderer(scene, media, camera, grown, progress, {}).render(), *grown.region, tile);
     });

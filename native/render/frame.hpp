@@ -65,6 +65,9 @@ struct FrameConfig {
     }
 };
 
+/// What is rendered of a camera's frame. Throws InvalidInput that names the setting which is out of its range.
+[[nodiscard]] Region checked_region(const FrameConfig& config, const Camera& camera);
+
 /// Called with the picture so far: after its first band, then about twice a second. Of a tile, never.
 using OnUpdate = std::function<void(Film)>;
 

@@ -18,14 +18,6 @@ PhaseDirections::PhaseDirections(const MediaLine& line) : line_(line) {
         sum_ += scattered_by(piece);
 }
 
-/// Cosine to straight on, by a number in [0, 1).
-static float drawn_cosine(float asymmetry_g, float u) {
-    if (std::abs(asymmetry_g) < 1e-3f)
-        return 1.0f - 2.0f * u;
-    const float ratio = (1.0f - asymmetry_g * asymmetry_g) / (1.0f + asymmetry_g - 2.0f * asymmetry_g * u);
-    return std::clamp((1.0f + asymmetry_g * asymmetry_g - ratio * ratio) / (2.0f * asymmetry_g), -1.0f, 1.0f);
-}
-
 PhaseDirections::Distance PhaseDirections::distance(float u) const {
     if (!(sum_ > 0.0f))
         return {};
@@ -71,10 +63,8 @@ PhaseDirections::Drawn PhaseDirections::at(vec2 u, vec2 u_direction) const {
             break;
         target -= lobe.sigma_s_per_m;
     }
-    const float cosine = drawn_cosine(asymmetry_g, u_direction.x), turn = 2.0f * pi * u_direction.y;
-    const float sine = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
-    return {&piece, distance.at_m,
-            from_frame(line_.direction(), {sine * std::cos(turn), sine * std::sin(turn), cosine})};
+    const float cosine = sample_henyey_greenstein_cosine(asymmetry_g, u_direction.x);
+    return {&piece, distance.at_m, direction_around(line_.direction(), cosine, u_direction.y)};
 }
 
 float PhaseDirections::density(const MediaLine::Piece& piece, float at_m, const vec3& direction) const {

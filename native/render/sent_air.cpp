@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/sent_air.hpp"
+#include "core/sampling.hpp"
 #include "render/glow_distances.hpp"
 #include "render/many_lights.hpp"
 #include "render/pixel_samples.hpp"
-#include "render/shadow_rays.hpp"
 #include "scene/light_texture.hpp"
 #include <algorithm>
 #include <array>
@@ -52,23 +52,18 @@ Rgb SentAir::scattered(const MediaLine& line, const Place& place, const Light& l
                        float far_m, const Rgb& irradiance) const {
     const LightLinks* const links =
         light.links.lights_all() && light.links.is_blocked_by_all() ? nullptr : &light.links;
-    Rgb radiance = irradiance * line.scatter_per_m_sr(place.piece, place.at_m, towards_light, links) *
-                   line.transmittance(place.piece, place.at_m) / place.density_per_m;
+    const Rgb radiance = irradiance * line.scatter_per_m_sr(place.piece, place.at_m, towards_light, links) *
+                         line.transmittance(place.piece, place.at_m) / place.density_per_m;
     if (radiance == Rgb(0.0f))
         return radiance;
     const Ray ray{.origin = line.origin() + place.at_m * line.direction(),
                   .direction = towards_light,
                   .near_m = 0.0f,
                   .far_m = far_m};
-    if (light.casts_shadow) {
-        std::array passing{Rgb(1.0f)};
-        if (links == nullptr)
-            passing[0] = scene_.shadow_transmittance(ray);
-        else
-            scene_.shadow_transmittances({&ray, 1}, passing, *links);
-        radiance *= passing[0];
-    }
-    return config_.attenuates_light && radiance != Rgb(0.0f) ? radiance * media_.transmittance(ray) : radiance;
+    const Media* const dimming = config_.attenuates_light ? &media_ : nullptr;
+    if (light.casts_shadow)
+        return radiance * passing_along(scene_, dimming, ray, links);
+    return dimming != nullptr ? radiance * dimming->transmittance(ray) : radiance;
 }
 
 /// Where a spot's cone from a place on it, or what lies before an area light, has the line: a part of it, or all.

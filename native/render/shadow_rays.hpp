@@ -37,7 +37,4 @@ struct DirectLight::ShadowRays {
             .near_m = 0.0f,
             .far_m = aimed.far_m[lane]};
 }
-
-/// Power heuristic of Veach, 9.2, with exponent 2: share of the strategy with density a.
-[[nodiscard]] inline float power_share(float a, float b) { return a * a / (a * a + b * b); }
 } // namespace tyndall::render

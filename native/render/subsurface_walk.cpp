@@ -20,6 +20,7 @@
 #include "core/sobol.hpp"
 #include "render/subsurface_exit.hpp"
 #include "shading/lobes/ggx.hpp"
+#include "volume/phase_function.hpp"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -84,22 +85,6 @@ std::optional<vec3> entry_direction(const SubsurfaceEntry& entry, vec2 u) {
     const vec3 direction = by_cosine ? from_frame(-normal, sample_cosine_hemisphere(u))
                                      : refracted(entry.outgoing, normal, entry.lobe.alpha, entry.lobe.ior, u);
     return glm::dot(direction, outside) < 0.0f ? std::optional(direction) : std::nullopt;
-}
-
-/// Henyey's and Greenstein's, 1/sr.
-float phase(float g, float cosine) {
-    const float base = 1.0f + g * g - 2.0f * g * cosine;
-    return (1.0f - g * g) / (4.0f * std::numbers::pi_v<float> * base * std::sqrt(base));
-}
-float sample_phase_cosine(float g, float u) {
-    if (std::abs(g) < 1e-3f)
-        return 1.0f - 2.0f * u;
-    const float ratio = (1.0f - g * g) / (1.0f - g + 2.0f * g * u);
-    return std::clamp((1.0f + g * g - ratio * ratio) / (2.0f * g), -1.0f, 1.0f);
-}
-vec3 around(const vec3& axis, float cosine, float u) {
-    const float sine = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)), turn = 2.0f * std::numbers::pi_v<float> * u;
-    return from_frame(axis, vec3(sine * std::cos(turn), sine * std::sin(turn), cosine));
 }
 
 /// Of directions that lead towards a plane, for a diffusion length of so many free paths.
@@ -237,10 +222,10 @@ private:
         while (drawn < 2 && u.x >= share[drawn])
             u.x -= share[drawn++];
         const vec3 before = ray_.direction;
-        ray_.direction = drawn == 0 ? around(before, sample_phase_cosine(inside_.g, u.z), u.w)
-                                    : around(drawn == 1 ? normal_ : -normal_, guide_.sample_cosine(u.z), u.w);
+        ray_.direction = drawn == 0 ? direction_around(before, sample_henyey_greenstein_cosine(inside_.g, u.z), u.w)
+                                    : direction_around(drawn == 1 ? normal_ : -normal_, guide_.sample_cosine(u.z), u.w);
         const float cosine = glm::dot(ray_.direction, normal_);
-        const float of_phase = phase(inside_.g, glm::dot(before, ray_.direction));
+        const float of_phase = henyey_greenstein_per_sr(glm::dot(before, ray_.direction), inside_.g);
         share[1] *= guide_.pdf_per_sr(cosine) / of_phase;
         share[2] *= guide_.pdf_per_sr(-cosine) / of_phase;
         const std::array<float, 3> stretch{1.0f, guide_.stretch(cosine), guide_.stretch(-cosine)};

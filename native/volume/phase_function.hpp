@@ -6,6 +6,8 @@
 // Bound:    one square root and one division.
 #pragma once
 #include "core/math.hpp"
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace tyndall {
@@ -17,5 +19,15 @@ namespace tyndall {
     const float denominator = (1.0f - g) * (1.0f - g) + 2.0f * g * (1.0f - forward);
     const float peak = (1.0f - g) * (1.0f + g) * 0.25f * std::numbers::inv_pi_v<float>;
     return peak / (denominator * std::sqrt(denominator));
+}
+
+/// Cosine to straight on, distributed as the light is.
+/// @param u  In [0, 1); 0 is straight on.
+[[nodiscard]] inline float sample_henyey_greenstein_cosine(float asymmetry_g, float u) {
+    const float g = asymmetry_g;
+    if (std::abs(g) < 1e-3f)
+        return 1.0f - 2.0f * u;
+    const float ratio = (1.0f - g * g) / (1.0f + g - 2.0f * g * u);
+    return std::clamp((1.0f + g * g - ratio * ratio) / (2.0f * g), -1.0f, 1.0f);
 }
 } // namespace tyndall
