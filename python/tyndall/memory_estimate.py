@@ -2,8 +2,8 @@
 """The memory that a render surely takes, before it takes any: what the machine does not have is refused.
 
 A lower bound, so that nothing is refused that fits: the sums of samples and the planes that they become, what is made
-of meshes, strands and instances, and single images. What shafts take depends on what the picture shows, and is told
-afterwards, as the peak.
+of meshes, strands and instances, single images, and the shafts of a fog that is everywhere. What shafts in a box of fog
+take depends on what the picture shows, and is told afterwards, as the peak.
 """
 
 from __future__ import annotations
@@ -36,6 +36,8 @@ _CHANNELS = {
 _MATTES = {"CryptoObject", "CryptoMaterial", "CryptoAsset"}
 #: Of Embree's trees, and of what these read: half of what was measured.
 _TREE_BYTES_PER_TRIANGLE, _TREE_BYTES_PER_STRAND_POINT, _TREE_BYTES_PER_SPHERE, _BYTES_PER_INSTANCE = 60, 50, 25, 250
+#: A part of the ray, its weight, its place among all, and the light that it gets.
+_FOG_BYTES_PER_PIXEL = 32 + 12 + 4 + 12
 #: Below, nobody asks how much is free.
 _CHECKED_FROM_BYTES = 256 << 20
 
@@ -65,6 +67,16 @@ def picture_part(
         f"the picture of {width} x {height} pixels{names}",
         width * height * 4 * (2 * channels + 1),
         "lower the resolution, or render a region" + (" or fewer passes" if beside else ""),
+    )
+
+
+def fog_part(size_px: tuple[int, int]) -> Part:
+    """What waits for the light of one sample where each pixel's ray passes fog."""
+    width, height = size_px
+    return Part(
+        f"the fog of the world in {width} x {height} pixels",
+        width * height * _FOG_BYTES_PER_PIXEL,
+        "lower the resolution, render a region, or put the fog into a box",
     )
 
 

@@ -16,7 +16,7 @@ from . import _native
 from .fingerprints import fingerprint
 from .heterogeneity import Heterogeneity
 from .kept_pictures import UnstyledPictures
-from .memory_estimate import picture_part, require_room
+from .memory_estimate import fog_part, picture_part, require_room
 from .native_camera import native_camera
 from .native_data_passes import build_data_passes
 from .native_heterogeneity import KeptAir
@@ -216,6 +216,7 @@ class Session:
         self._reports: list[str] = []
         self._light_names: list[str] = []
         self._light_groups: tuple[str, ...] = ()
+        self._is_fog_everywhere = False
         self._aov_programs: dict[str, dict[int, int]] = {}
 
     @property
@@ -244,6 +245,7 @@ class Session:
             self._light_names, self._aov_programs = built.light_names, built.aov_programs
             self._geometry, self._lit_by = geometry, lit_by
             self._light_groups = description.light_groups
+            self._is_fog_everywhere = description.world.medium >= 0
             self._unstyled.clear()
         else:
             self._parts.count_all_as_reused()
@@ -277,8 +279,11 @@ class Session:
             }
             return Film(planes=planes, statistics=statistics)
         groups = len(self._light_groups) if config.keeps_light_groups else 0
-        asked = picture_part(config.region_size_px(camera), config.passes, config.data, groups)
-        require_room([asked])
+        size_px = config.region_size_px(camera)
+        asked = [picture_part(size_px, config.passes, config.data, groups)]
+        if self._is_fog_everywhere:
+            asked.append(fog_part(size_px))
+        require_room(asked)
         self._parts.texture_files.begin_picture()
         planes, native_statistics, unstyled = _native.render(
             self._scene,
@@ -297,7 +302,7 @@ class Session:
         merged = _merged(*parts)
         merged["reports"] += reports
         merged["counts"].update(texture_counts)
-        merged["counts"]["picture's memory, at least, MiB"] = asked.at_least_bytes / (1 << 20)
+        merged["counts"]["picture's memory, at least, MiB"] = asked[0].at_least_bytes / (1 << 20)
         merged["counts"]["peak memory, MiB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         return Film(planes=planes, statistics=merged)
 

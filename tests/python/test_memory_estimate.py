@@ -16,6 +16,7 @@ from support.plain_scenes import camera_above, lit_square, placed, unit_cube
 from tyndall import InvalidInput, Progress, memory_estimate
 from tyndall.memory_estimate import Part, free_bytes, picture_part, require_room, require_room_for_image, scene_parts
 from tyndall.renderer import RenderConfig, Session
+from tyndall.scene_description import Medium, World
 
 GIB = 1 << 30
 
@@ -34,9 +35,9 @@ from pathlib import Path
 import numpy as np
 from support.plain_scenes import camera_above, lit_square, placed, unit_cube
 from tyndall import Progress
-from tyndall.memory_estimate import picture_part, scene_parts
+from tyndall.memory_estimate import fog_part, picture_part, scene_parts
 from tyndall.renderer import DataConfig, RenderConfig, Session
-from tyndall.scene_description import Mesh, StrandForm, StrandObjects, Strands
+from tyndall.scene_description import Medium, Mesh, ScatterLobe, StrandForm, StrandObjects, Strands, World
 def peak():
     lines = Path("/proc/self/status").read_text().splitlines()
     return next(int(line.split()[1]) << 10 for line in lines if line.startswith("VmHWM:"))
@@ -64,6 +65,20 @@ session.render(camera_above(), config, Progress())
 before = begin()
 session.render(replace(camera_above(), size_px=(1200, 1200)), config, Progress())
 print(peak() - before, picture_part((1200, 1200), config.passes, config.data).at_least_bytes)
+"""
+    measured, said = map(int, output_of(MEASURED + script).split())
+    assert 0.25 * measured < said <= measured
+
+
+def test_fog_takes_no_less_than_is_said() -> None:
+    script = """
+fog = Medium(name="fog", lobes=(ScatterLobe(sigma_s_per_m=(0.02,) * 3),))
+session.update(lit_square(media=(fog,), world=World(medium=0)), Progress())
+config, size_px = RenderConfig(pixel_samples=1), (1200, 1200)
+session.render(camera_above(), config, Progress())
+before = begin()
+session.render(replace(camera_above(), size_px=size_px), config, Progress())
+print(peak() - before, picture_part(size_px, ()).at_least_bytes + fog_part(size_px).at_least_bytes)
 """
     measured, said = map(int, output_of(MEASURED + script).split())
     assert 0.25 * measured < said <= measured
@@ -120,6 +135,15 @@ def test_a_picture_that_does_not_fit_is_refused_by_name(monkeypatch: pytest.Monk
     film = session.render(huge, RenderConfig(pixel_samples=1, region_px=(0, 0, 8, 8)), Progress())
     assert film.planes["Combined"].shape == (8, 8, 4)
     assert film.statistics["counts"]["picture's memory, at least, MiB"] == pytest.approx(64 * 36 / (1 << 20))
+
+
+def test_fog_that_does_not_fit_is_refused_where_the_picture_alone_fits(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(memory_estimate, "free_bytes", lambda: 180 * GIB)
+    session = Session()
+    session.update(lit_square(media=(Medium(name="fog"),), world=World(medium=0)), Progress())
+    huge = replace(camera_above(), size_px=(65536, 65536))
+    with pytest.raises(InvalidInput, match=r"^the fog of the world in 65536 x 65536 pixels takes .* or put the fog"):
+        session.render(huge, RenderConfig(pixel_samples=1), Progress())
 
 
 def test_the_largest_part_is_named() -> None:
