@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import sys
+import zlib
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,11 +18,30 @@ for folder in (REPOSITORY, REPOSITORY / "tests", REPOSITORY / "python", REPOSITO
         sys.path.append(str(folder))
 
 
+#: Of every push.
+VERSIONS = ((3, 4), (4, 5), (5, 0))
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """What takes a minute is asked of one version on every push, and of the others with --all."""
+    """What takes long is asked of one version on every push, and of the others with --all: see the marks."""
+    version = bpy.app.version[:2]
+    count: Counter[str] = Counter()
     for item in items:
-        if item.get_closest_marker("costly") is not None and bpy.app.version[:2] != (4, 5):
+        is_dealt = item.get_closest_marker("dealt") is not None
+        is_of_some = item.get_closest_marker("skipif") is not None  # which the others skip
+        if item.get_closest_marker("costly") is not None or (is_dealt and is_of_some):
+            is_asked = version == (4, 5)
+        elif is_dealt and version in VERSIONS:
+            function, _, case = item.nodeid.partition("[")
+            among = function if case else str(item.path)
+            # Files begin with different versions, and the functions of a file, which may share a fixture, with one.
+            turn = zlib.crc32(item.path.name.encode()) + count[among]
+            count[among] += 1
+            is_asked = version == VERSIONS[turn % len(VERSIONS)]
+        else:
+            continue
+        if not is_asked:
             item.add_marker("long")
 
 

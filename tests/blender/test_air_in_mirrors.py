@@ -108,5 +108,6 @@ def test_mirrors_show_lit_fog(name: str) -> None:
     check(stage(name), name)
 
 
+@pytest.mark.dealt
 def test_glass_shows_lit_fog() -> None:
     check(stage("spot", glass=True), "glass")

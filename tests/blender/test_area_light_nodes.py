@@ -164,6 +164,7 @@ def test_each_part_of_the_light_lights_the_floor_below_it(shape: str, scale_x: f
     assert_like_cycles()
 
 
+@pytest.mark.dealt
 def test_gloss_mirrors_the_picture() -> None:
     shows(stage(roughness=0.15), slide)
     assert_like_cycles()
@@ -197,6 +198,7 @@ def test_lights_that_are_drawn_from_a_tree_show_their_pictures() -> None:
     np.testing.assert_allclose(many.mean(axis=(0, 1)), one.mean(axis=(0, 1)), rtol=2e-3)
 
 
+@pytest.mark.dealt
 def test_the_air_is_lit_in_the_pictures_colours() -> None:
     build(Arrangement("area", "camera inside", "perspective", "grid"))
     lamp = next(thing for thing in bpy.context.scene.objects if thing.type == "LIGHT")

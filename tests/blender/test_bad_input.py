@@ -3,7 +3,8 @@
 
 The scenes are those of tests/support/damaged_scenes.py, 550 of them, rendered in processes of their own: where one ends
 before its time, or says nothing for too long, the scene it had begun is the one that crashed or hung it, and the next
-process goes on behind it. Every push renders each damage alone; all 550 are among the long tests.
+process goes on behind it. Every push renders each damage alone, a third of them in each version of Blender; all 550 are
+among the long tests.
 """
 
 from __future__ import annotations
@@ -23,8 +24,10 @@ import pytest
 
 from support.damaged_scenes import DAMAGES, HIDES_ALL, damages_of
 
+pytestmark = pytest.mark.dealt
 ROOT = Path(__file__).parents[2]
 SCENE_COUNT = 550
+THIRDS = tuple(len(DAMAGES) * third // 3 for third in range(4))
 SCENE_LIMIT_S = 120  # most take half a second: for a hang, not for a machine that others use as well
 
 
@@ -67,7 +70,10 @@ def _lines(process: subprocess.Popen[bytes]) -> Iterator[bytes]:
 @pytest.fixture(
     scope="module",
     params=[
-        pytest.param((0, len(DAMAGES)), id="each alone"),
+        *(
+            pytest.param(THIRDS[i : i + 2], id=f"each of the {name} third alone")
+            for i, name in enumerate(("first", "second", "last"))
+        ),
         pytest.param((len(DAMAGES), SCENE_COUNT), id="together", marks=pytest.mark.long),
     ],
 )

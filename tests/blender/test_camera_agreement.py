@@ -39,6 +39,7 @@ WINDOWS = (
 )
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("window", range(len(WINDOWS)))
 def test_panoramas(stage: bpy.types.Scene, window: int) -> None:
     panorama(stage, *WINDOWS[window])
@@ -81,6 +82,7 @@ def test_shafts_all_around(stage: bpy.types.Scene, method: str) -> None:
     agree(f"shafts_{method}", ours(stage, 16), cycles(stage, 400), 0.01, 0.015)
 
 
+@pytest.mark.dealt
 def test_air_all_around(stage: bpy.types.Scene) -> None:
     """Noise in the air is the same, seen by the half of a panorama or by the other, whatever columns it is kept in."""
     fog(0.1, 0.0)
@@ -109,6 +111,7 @@ LENSES: dict[str, tuple[str, dict[str, Any]]] = {
 }
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("name", list(LENSES))
 def test_depth_of_field(stage: bpy.types.Scene, name: str) -> None:
     kind, focus = LENSES[name]
@@ -180,6 +183,7 @@ def counts_of(scene: bpy.types.Scene) -> dict[str, float]:
     return counts
 
 
+@pytest.mark.dealt
 def test_focus_on_an_object(stage: bpy.types.Scene) -> None:
     """Along the view, not as the crow flies; and what is in focus is sharp."""
     there = add("There", None)

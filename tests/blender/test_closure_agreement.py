@@ -181,6 +181,7 @@ def test_what_has_no_material(tilt: float) -> None:
     assert median <= BOUND / 5
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("name", ["principled", "glossy 0.2"])
 @pytest.mark.parametrize("light_it", [lamp(0.3), world()], ids=["lamp", "world"])
 def test_lights_with_a_size(name: str, light_it: object) -> None:

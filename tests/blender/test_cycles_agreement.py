@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Is it right? Combined equals Cycles with direct light and single scattering, within Cycles' own noise.
 
-On every push twenty scenes meet every kind of light, medium, camera and occluder at least once, by EXACT and by
-EPIPOLAR. The long tests change one thing at a time, and then try all pairs of a light with a medium, an occluder or a
-camera: where one of the twenty fails, they tell which part of it is wrong. A failure leaves a picture in
-out/cycles_agreement: ours, Cycles', and ten times the difference (red: ours is brighter).
+On every push twenty scenes, dealt out to the versions of Blender, meet every kind of light, medium, camera and occluder
+at least once, by EXACT and by EPIPOLAR. The long tests change one thing at a time, and then try all pairs of a light
+with a medium, an occluder or a camera: where one of the twenty fails, they tell which part of it is wrong. A failure
+leaves a picture in out/cycles_agreement: ours, Cycles', and ten times the difference (red: ours is brighter).
 """
 
 from __future__ import annotations
@@ -152,6 +152,7 @@ def test_everything_is_met_once() -> None:
         assert met == set(kinds)
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("arrangement", EVERYTHING_ONCE, ids=str)
 def test_equals_cycles(arrangement: Arrangement) -> None:
     """EXACT is the truth of all our other tests; here it, and the method of final renders, meet another renderer."""

@@ -78,6 +78,7 @@ def manifest(picture: PassPictures, layer_name: str) -> dict[str, str]:
     return found
 
 
+@pytest.mark.dealt
 def test_mattes_are_those_of_cycles(stage: bpy.types.Scene, tmp_path: Path) -> None:
     """Ids equal, shares equal to the noise of Cycles, which two seeds tell; manifests name the same."""
     ours = render_passes(stage, tmp_path, "TYNDALL", 256)

@@ -135,6 +135,7 @@ def test_the_button_puts_the_node_in_and_takes_it_out(scene: bpy.types.Scene) ->
     assert end.name in tree.nodes
 
 
+@pytest.mark.dealt
 @needs_denoiser
 def test_a_denoised_picture_is_nearer_to_the_converged_one(stage: bpy.types.Scene, tmp_path: Path) -> None:
     """Under a lamp as large as the room, at 2 samples: less than two thirds of the error are left, edges included.

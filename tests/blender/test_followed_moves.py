@@ -105,6 +105,7 @@ def moved_together(rng: np.random.Generator) -> None:
         thing(f"Box {index}").location.x += rng.normal()
 
 
+@pytest.mark.dealt
 def test_a_followed_scene_is_the_scene_that_is_read_at_once(
     village: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:

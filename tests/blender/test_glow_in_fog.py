@@ -44,6 +44,7 @@ def _check(scene: bpy.types.Scene, name: str) -> None:
     assert cycles[0].mean() > 0.005
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("name", SCENES)
 def test_is_lit_as_in_cycles(name: str) -> None:
     _check(build(name), name)
@@ -56,6 +57,7 @@ def test_an_object_that_media_are_not_to_see_lights_none() -> None:
     assert cycles_pixels(scene, 16, 1).mean() < 1e-5  # 3.4 lets a few rays see it: of the lit fog, 2e-4
 
 
+@pytest.mark.dealt
 @pytest.mark.skipif(bpy.app.version < (4, 0, 0), reason="light linking is there from Blender 4.0 on")
 def test_links_say_which_fog_is_lit_and_what_blocks() -> None:
     """Two boxes of fog side by side, of which one is no receiver; posts that cast no shadow.

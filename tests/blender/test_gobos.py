@@ -173,6 +173,7 @@ def pane_before_the_sun(width_m: float) -> bpy.types.Object:
     return pane
 
 
+@pytest.mark.dealt
 def test_a_suns_gobo_is_a_film_before_it() -> None:
     def make_film() -> None:
         build(Arrangement())

@@ -12,6 +12,7 @@ from support.hair_scenes import agree, both_engines, diffuse, furry, made_by_nod
 from support.small_scenes import CUBE_FACES, add, material, mesh, node, read
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("shape", ["RIBBONS", "THICK"])
 def test_particle_hair_is_lit_and_throws_shadows_as_in_cycles(shape: str) -> None:
     scene = stage()
@@ -23,6 +24,7 @@ def test_particle_hair_is_lit_and_throws_shadows_as_in_cycles(shape: str) -> Non
     assert np.abs(rendered_pixels(scene) - ours).mean() > 0.1 * ours.mean()  # the hair is what was compared
 
 
+@pytest.mark.dealt
 def test_children_and_hidden_emitters_are_as_in_cycles() -> None:
     scene = stage()
     patch = furry(scene, "RIBBONS")
@@ -34,6 +36,7 @@ def test_children_and_hidden_emitters_are_as_in_cycles() -> None:
     agree("children", *both_engines(scene))
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("shape", ["RIBBONS", "THICK"])
 def test_hair_curves_are_as_in_cycles(shape: str) -> None:
     """A thick arc that turns in space."""
@@ -55,6 +58,7 @@ def test_hair_curves_are_as_in_cycles(shape: str) -> None:
     agree(f"curves_{shape.lower()}", *both_engines(scene))
 
 
+@pytest.mark.dealt
 def test_point_clouds_are_as_in_cycles() -> None:
     scene = stage()
     corners = [(0.3 * x, 0.3 * y, 0.3 * z) for x in (-2, -1, 1, 2) for y in (-1, 1) for z in (1, 3)]
@@ -67,6 +71,7 @@ def test_point_clouds_are_as_in_cycles() -> None:
     agree("points", *both_engines(scene))
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("output", ["Intercept", "Length", "Thickness", "Random", "Tangent Normal"])
 def test_hair_info_is_as_in_cycles(output: str) -> None:
     """As colours that glow: where a point lies on its hair, how thick that is, and the direction to the viewer."""

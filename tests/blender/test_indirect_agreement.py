@@ -71,6 +71,7 @@ def assert_agree(ours: Pair, cycles: Pair, left_out: NDArray[np.bool_]) -> None:
     assert found.noise < 0.03, "a comparison that sees nothing"
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("kind", ["sun", "lamp", "world"])
 def test_one_bounce_is_that_of_cycles(kind: str) -> None:
     """What lamps and world throw on surfaces, and what these throw on one another."""
@@ -84,6 +85,7 @@ def test_one_bounce_is_that_of_cycles(kind: str) -> None:
     assert_agree(ours, cycles, left_out)
 
 
+@pytest.mark.dealt
 @pytest.mark.skipif(not IS_4, reason="in 3.4 a few blocks differ beyond noise, the mean by 0.07 %: not explained yet")
 @pytest.mark.parametrize("bounces", [0, 1])
 def test_a_glowing_panel_lights_surfaces_as_in_cycles(bounces: int) -> None:
@@ -125,6 +127,7 @@ if IS_4:
     MIRRORS["half metal"] = principled((0.6, 0.5, 0.3, 1), Metallic=0.5)
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("name", MIRRORS)
 def test_mirrors_show_what_they_show_in_cycles(name: str) -> None:
     """A wall, a floor and a box that mirror one another once, with the shares that the version's shaders give them."""
@@ -140,6 +143,7 @@ def test_mirrors_show_what_they_show_in_cycles(name: str) -> None:
     assert_agree(ours, cycles, left_out)
 
 
+@pytest.mark.dealt
 def test_mirrors_show_each_other_and_what_a_bounce_lights() -> None:
     """Two mirrors face each other; between them colours bleed."""
     scene = lit("lamp")
@@ -154,6 +158,7 @@ def test_mirrors_show_each_other_and_what_a_bounce_lights() -> None:
     assert_agree(ours, cycles, left_out)
 
 
+@pytest.mark.dealt
 def test_without_mirrors_gloss_shows_lamps_and_the_world_alone() -> None:
     """As Cycles' does without bounces; where it is rough, asked for mirrors or not."""
     scene = lit("lamp")
@@ -192,6 +197,7 @@ def ambient_pass(scene: bpy.types.Scene) -> FloatArray:
     return planes["Ambient Occlusion" if IS_5 else "AO"][..., :3].astype(np.float64)
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("distance_m", [0.0, 0.8])
 def test_the_ambient_occlusion_pass_is_that_of_cycles(distance_m: float) -> None:
     """Its distance is a setting of the world there; 0 is none here."""

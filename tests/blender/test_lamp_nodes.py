@@ -206,6 +206,7 @@ def read_of(lamp: bpy.types.Object) -> Light:
     return next(one for one in read().lights if one.name == lamp.name)
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize(
     ("make", "is_own"), [(PATTERNS["noise by normal"], True), (PATTERNS["noise by direction"], False)]
 )

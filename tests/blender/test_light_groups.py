@@ -139,6 +139,7 @@ def test_an_instance_without_a_group_has_that_of_its_instancer(stage: bpy.types.
     assert sorted(groups) == ["", "", "sky"]
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("is_foggy", [False, True])
 def test_groups_hold_the_light_that_those_of_cycles_hold(
     stage: bpy.types.Scene, tmp_path: Path, *, is_foggy: bool

@@ -23,6 +23,7 @@ _MARKS = {
 _FEWER_SAMPLES = {"200 lamps": SAMPLES // 2, "40 over gloss": SAMPLES // 8}
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize(
     "light",
     [pytest.param(light, marks=_MARKS.get(light, ())) for light in LIT_BY if "points" not in light],

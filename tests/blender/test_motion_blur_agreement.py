@@ -51,6 +51,7 @@ LIKE_CYCLES: dict[str, Callable[[Scene], None]] = {
 }
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("name", LIKE_CYCLES)
 def test_it_is_that_of_cycles(stage: Scene, name: str) -> None:
     """Of objects, meshes and cameras: Cycles knows the places at both ends and in the middle of the shutter's time."""
@@ -85,6 +86,7 @@ def test_it_is_the_mean_of_cycles_stills(stage: Scene, change: Callable[[Scene],
     assert error.max() < 2e-3
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("shape", ["LINE", "SHARP"])
 def test_the_shutter_opens_as_its_curve_says(stage: Scene, shape: str) -> None:
     """And at the side of the frame that is asked for; as in Cycles."""

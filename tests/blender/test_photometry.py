@@ -111,6 +111,7 @@ def shines(lamp: bpy.types.Object, text: str | None, vector: object = None) -> b
     return ies
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("kind", ["POINT", "SPOT"])
 @pytest.mark.parametrize("is_turned", [False, True])
 def test_a_lamp_shines_as_its_luminaire_does(kind: str, is_turned: bool) -> None:  # noqa: FBT001

@@ -71,6 +71,7 @@ def _assert_like_cycles(scene: bpy.types.Scene, cycles_samples: int = 2048) -> f
 
 
 # Seen to fail with shadow rays alone (1 in place of 0.45), and by the balance heuristic (0.56 in place of 0.48).
+@pytest.mark.dealt
 @pytest.mark.parametrize(("is_gloss", "kind", "hidden"), _CASES)
 def test_the_world_is_dimmed_by_what_its_rays_meet(kind: str, hidden: tuple[str, ...], *, is_gloss: bool) -> None:
     empty_scene(4)

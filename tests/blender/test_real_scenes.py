@@ -35,6 +35,7 @@ def ours(scene: bpy.types.Scene, samples: int) -> np.ndarray:
     return rendered_pixels(scene)
 
 
+@pytest.mark.dealt
 @each_scene
 def test_it_opens_and_renders(real: RealScene) -> None:
     picture = ours(opened(real, SMALL_PX), 1)

@@ -155,6 +155,7 @@ GLASSES: dict[str, Build] = {
 }
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("name", GLASSES)
 def test_a_ball_and_a_block_show_the_room_as_in_cycles(name: str) -> None:
     empty_scene(SIZE_PX)
@@ -184,6 +185,7 @@ def test_a_transparent_film_is_covered_by_what_bends_the_world() -> None:
     assert_same_picture(scene)
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("kind", ["AREA", "POINT", "SPOT", "SUN"])
 def test_lamps_with_a_size_are_seen_in_mirrors_and_through_glass(kind: str) -> None:
     """Beside the camera, in a mirror below and behind a ball: none of them lights anything else."""
@@ -279,6 +281,7 @@ def test_only_what_is_sharp_bends_and_only_where_it_is_asked_for() -> None:
     assert models_read() <= {"GLASS"}
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("hidden_from", ["glossy", "transmission"])
 def test_what_is_hidden_from_transmission_rays_is_not_seen_through_glass(hidden_from: str) -> None:
     """As in Cycles, whose rays through glass are glossy, too; what glass mirrors asks whether it shows to these."""
@@ -291,6 +294,7 @@ def test_what_is_hidden_from_transmission_rays_is_not_seen_through_glass(hidden_
     assert_same_picture(scene)
 
 
+@pytest.mark.dealt
 def test_mirrors_and_glass_see_the_world_that_is_not_for_cameras() -> None:
     """A sky for each kind of ray; once all were shown what cameras see."""
     empty_scene(SIZE_PX)

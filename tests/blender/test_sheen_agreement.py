@@ -87,6 +87,7 @@ def test_a_sheen_from_ahead_and_from_behind(name: str, tilt: float) -> None:
     assert_like_cycles(scene_of(SHADERS[name], sun(tilt)), WITHOUT_NOISE)
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("light_it", [lamp(0.3), area, world()], ids=["lamp", "area", "world"])
 @pytest.mark.parametrize("name", ["node 0.3", "principled"])
 def test_a_sheen_under_lights_with_a_size(name: str, light_it: LightIt) -> None:

@@ -86,6 +86,7 @@ def test_the_sun_of_a_sky_is_one_light_and_an_object_may_stand_for_it(model: str
     assert [one.name for one in sent().lights] == [made.name]
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize(("turbidity", "albedo", "elevation_deg"), HOSEK_SKIES)
 def test_every_direction_of_a_hosek_wilkie_sky_is_seen_as_in_cycles(
     turbidity: float, albedo: float, elevation_deg: float
@@ -96,6 +97,7 @@ def test_every_direction_of_a_hosek_wilkie_sky_is_seen_as_in_cycles(
     assert "HOSEK" not in " ".join(last_render.statistics_of("Scene")["reports"]).upper()
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("elevation_deg", [60.0, 14.0, 2.0])
 def test_a_plane_below_a_hosek_wilkie_sky_is_lit_as_in_cycles(elevation_deg: float) -> None:
     """It has no sun of its own: the light is the sky's."""

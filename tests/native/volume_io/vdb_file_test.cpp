@@ -49,9 +49,11 @@ static float value_at(const Grid& grid, VoxelIndex index) {
     return grid.background;
 }
 
+/// By OpenVDB's own constructor: what compiles it here would compile all of a tree's virtual functions.
 template <typename GridType>
 static typename GridType::Ptr named(const char* name, const typename GridType::ValueType& background = {}) {
-    auto grid = GridType::create(background);
+    const auto grid = vdb::gridPtrCast<GridType>(vdb::GridBase::createGrid(GridType::gridType()));
+    grid->tree().root().setBackground(background, /*updateChildNodes=*/false);
     grid->setName(name);
     return grid;
 }
