@@ -71,6 +71,7 @@ COSTLY: dict[str, Make] = {
 
 
 # Seen to fail: without the bump where light comes in, by 5 %.
+@pytest.mark.dealt
 @pytest.mark.parametrize("name", SCENES)
 def test_walks(name: str) -> None:
     beside_cycles(SCENES[name](), NOISE)
@@ -91,6 +92,7 @@ def test_a_profile(*, of_principled: bool) -> None:
 
 
 # Seen to fail: with walks that end at the 256th scattering, as Cycles' do, which loses 6 to 8 % here.
+@pytest.mark.dealt
 def test_a_white_body_is_not_seen_in_an_even_world() -> None:
     method = WALK if not IS_OLD else OTHER_WALK
     white = scattering(method, Color=(1.0, 1.0, 1.0, 1.0), Scale=0.3, Radius=(1.0, 1.0, 1.0))

@@ -181,6 +181,7 @@ def pane_whose_shadow_is_opaque(_scene: bpy.types.Scene) -> None:
     add_light("POINT", energy=300, shadow_soft_size=0).location = (0.4, -0.3, 3)
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize(
     "build",
     [

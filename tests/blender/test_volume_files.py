@@ -115,6 +115,7 @@ def test_blender_shows_our_grids_by_name_and_in_their_place(tmp_path: Path) -> N
     assert (found.max(axis=1) <= highest_of_leaves + 1e-6).all()
 
 
+@pytest.mark.dealt
 def test_cycles_renders_our_grid_where_it_should_be(tmp_path: Path) -> None:
     """A block that swallows light, 20 cm by 40 cm, seen from above before a white world."""
     scene = empty_scene(size_px=32)

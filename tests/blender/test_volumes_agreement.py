@@ -58,6 +58,7 @@ def before_a_wall(path: Path, shader: Build) -> tuple[bpy.types.Scene, bpy.types
     return scene, volume_object(path, material("Smoke", volume=shader))
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("shader", [principled, scatter_times_attribute, absorption_by_info, glowing])
 def test_a_cloud_before_a_wall_dims_it_pixel_by_pixel(tmp_path: Path, shader: Build) -> None:
     """Cycles scatters or not by chance, and in 5.0 absorbs or not: 3 % of noise."""
@@ -95,6 +96,7 @@ def test_two_metres_of_coloured_smoke_keep_to_beers_law(tmp_path: Path) -> None:
         assert cycles_pixels(scene, samples=400, seed=1).mean(axis=(0, 1)) == pytest.approx(law, rel=0.02)
 
 
+@pytest.mark.dealt
 def test_smoke_and_haze_scatter_what_each_of_them_does_in_thin_air(tmp_path: Path) -> None:
     """What both scatter adds up, each by its own phase function, but for an optical depth of 0.006 to camera and sun.
 
@@ -121,6 +123,7 @@ def test_smoke_and_haze_scatter_what_each_of_them_does_in_thin_air(tmp_path: Pat
         assert cycles.mean() == pytest.approx(closed_form, rel=0.03)
 
 
+@pytest.mark.dealt
 def test_voxels_lie_where_they_do_in_cycles(tmp_path: Path) -> None:
     """Absorption alone has no noise before 5.0. Half a voxel off would be 1.1 %."""
     scene, _ = before_a_wall(cloud_file(tmp_path), absorption_by_info)
@@ -130,6 +133,7 @@ def test_voxels_lie_where_they_do_in_cycles(tmp_path: Path) -> None:
     assert rms_difference(ours, cycles) < (5e-3 if IS_5 else 5e-4)
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("space", ["OBJECT", "WORLD"])
 def test_a_placed_cloud_keeps_its_opacity_or_its_density(tmp_path: Path, space: str) -> None:
     scene, thing = before_a_wall(cloud_file(tmp_path), principled)
@@ -169,6 +173,7 @@ def lit_cloud(path: Path, kind: str, *, is_inside: bool, has_haze: bool = False)
     return scene
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("kind", ["SUN", "POINT", "SPOT"])
 @pytest.mark.parametrize(("is_inside", "has_haze"), [(False, False), (True, False), (False, True)])
 def test_a_cloud_scatters_as_in_cycles(tmp_path: Path, kind: str, is_inside: bool, has_haze: bool) -> None:  # noqa: FBT001

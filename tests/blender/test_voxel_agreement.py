@@ -84,6 +84,7 @@ def block_means(picture: NDArray[np.float64]) -> NDArray[np.float64]:
     return picture.reshape(blocks, BLOCK_PX, blocks, BLOCK_PX, 3).mean(axis=(1, 3))
 
 
+@pytest.mark.dealt
 def test_voxels_look_as_their_boxes(
     stage: tuple[bpy.types.Object, bpy.types.Object], request: pytest.FixtureRequest
 ) -> None:

@@ -63,6 +63,7 @@ TURNS: dict[str, Turn] = {
 }
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("name", TURNS)
 @pytest.mark.parametrize("camera_rotation", [(1.5, 0.0, 0.3), (1.0, 0.2, 2.5)])
 def test_every_direction_of_an_image_is_seen_where_cycles_sees_it(
@@ -73,6 +74,7 @@ def test_every_direction_of_an_image_is_seen_where_cycles_sees_it(
     assert tyndall_pixels(scene) == pytest.approx(cycles_pixels(scene, 1, seed=1), abs=2e-3)
 
 
+@pytest.mark.dealt
 def test_an_image_lights_a_plane_as_in_cycles() -> None:
     """Both sample it; 4,096 rays of ours leave 0.7 %."""
     scene = under_panorama(TURNS["tumbled"])
@@ -137,6 +139,7 @@ PATTERNS: dict[str, Pattern] = {
 }
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("name", PATTERNS)
 def test_a_world_of_nodes_is_seen_as_in_cycles(name: str) -> None:
     """Each direction by itself: sharp, whatever the size of the image that lights."""
