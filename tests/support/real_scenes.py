@@ -141,7 +141,6 @@ REAL_SCENES = (
         _around(0.5, 0.6),
         oldest=(4, 5, 0),
     ),
-    RealScene("gltf_odd/22_simple_GN.blend", "glTF-Blender-IO, Apache-2.0"),
     RealScene(
         "gltf_odd/gn_nested_instances.blend",
         "glTF-Blender-IO, Apache-2.0",
@@ -149,6 +148,7 @@ REAL_SCENES = (
         _around(1.5, 0.6),
         oldest=(4, 5, 0),
     ),
+    RealScene("gltf_odd/22_simple_GN.blend", "glTF-Blender-IO, Apache-2.0"),
     RealScene(
         "gltf_odd/16_volume.blend",
         "glTF-Blender-IO, Apache-2.0",
