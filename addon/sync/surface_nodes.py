@@ -180,6 +180,12 @@ def _diffuse(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> 
         _add_finish(reader, shares, weight)
 
 
+def _note_direction(reader: ValueReader, at: Socket) -> None:
+    anisotropy = reader.number(at.input("Anisotropy") or at.input("Anisotropic"))
+    if anisotropy != BLACK and reader.number(at.input("Roughness"), 0.5) != BLACK:
+        reader.note("what mirrors is as sharp along its tangent as across where reflections are followed")
+
+
 def _mirror(reader: ValueReader, shares: Shares, facing: Value, edge: Value, ior: float) -> None:
     program = reader.program
     gloss = shares.gloss = shares.gloss or GlossValues()
@@ -202,6 +208,7 @@ def _glossy(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> N
         _diffuse(reader, at, weight, shares)
         return
     _note_bumps(reader, at)
+    _note_direction(reader, at)
     colour = reader.program.multiply(weight, _colour_of(reader, at))
     _mirror(reader, shares, colour, colour, 0.0)
 
@@ -213,6 +220,7 @@ def _metallic(reader: ValueReader, at: Socket, weight: Value, shares: Shares) ->
         _diffuse(reader, at, weight, shares)
         return
     _note_bumps(reader, at)
+    _note_direction(reader, at)
     _mirror(reader, shares, reader.program.multiply(weight, _colour_of(reader, at)), weight, 0.0)
 
 
@@ -295,6 +303,7 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
     opaque = program.multiply(weight, program.complement(transmission))
     scattering = program.multiply(opaque, base)
     if mirrors:
+        _note_direction(reader, at)
         index, is_3 = _principled_index(reader, at), bpy.app.version < (4, 0, 0)
         metal = program.multiply(opaque if is_3 else weight, metallic)  # up to 3.x metal and coat are one layer
         below = program.multiply(program.multiply(weight, program.complement(metallic)), program.complement(of_rest))
