@@ -45,9 +45,9 @@ Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::sp
     }
     std::vector<ScatteringLight> lights = find_scattering_lights(
         scene, media, config, count_strata(scene, media, view, clipped, config, progress), statistics);
-    if (lights.empty())
+    if (lights.empty() && !config.leaves_lamps && !config.leaves_world)
         statistics.skip("light shafts", "no light scatters in a medium");
-    else
+    if (!lights.empty())
         prepared_->prepare(scene, view, clipped, std::move(lights), config, progress);
 }
 

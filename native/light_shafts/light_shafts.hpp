@@ -71,7 +71,8 @@ struct Config {
     /// Rays too close to a light's direction for rows are walked along the map that SHADOW_MAP's rows come from, instead of
     /// asked of hierarchies for cuts, which take 0.5 us per triangle to build: for a coarse picture that is to come at once.
     bool walks_maps = false;
-    bool keeps_groups_apart = false; ///< Light groups have slots of their own, see Shafts::slots.
+    bool leaves_lamps = false, leaves_world = false; ///< To somebody else, who draws them at random.
+    bool keeps_groups_apart = false;                 ///< Light groups have slots of their own, see Shafts::slots.
     std::uint32_t seed = 0;
     std::shared_ptr<MapCache> kept_maps = {}; ///< Maps and rows of other frames; nothing: none are kept.
 };

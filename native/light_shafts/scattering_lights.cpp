@@ -157,6 +157,8 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
     const bool drowns_suns = swallows_all(media, config.attenuates_light);
     for (std::uint32_t index = 0; index < scene.lights().size(); ++index) {
         const Light& light = scene.lights()[index];
+        if (config.leaves_lamps && light.kind != LightKind::Sun)
+            continue;
         const std::string what = "light shafts of " + light.name;
         if (!light.scatters_in_media) {
             statistics.skip(what, "switched off");
@@ -189,7 +191,7 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
             paint(light, scattering.samples);
     }
     const World& world = scene.world();
-    if (world.is_black())
+    if (world.is_black() || config.leaves_world)
         return lights;
     if (counts.of_world == 0 || drowns_suns) {
         statistics.skip("light shafts of the world", drowns_suns ? remedy : "switched off");

@@ -212,7 +212,8 @@ private:
                                    .air = air_ ? &*air_ : nullptr,
                                    .pixel_samples = config_.pixel_samples,
                                    .seed = config_.seed,
-                                   .emitters = &surfaces_.emitters()};
+                                   .emitters = &surfaces_.emitters(),
+                                   .may_draw = !style_};
         config.shafts.keeps_groups_apart = groups_.has_value();
         if (style_)
             config.shafts.visibility_light = style_->parameters().visibility_light();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/frame_shafts.hpp"
 #include "core/parallel.hpp"
+#include "core/random.hpp"
 #include "light_shafts/shared_strata.hpp"
 #include "render/pixel_footprint.hpp"
 #include "render/pixel_samples.hpp"
@@ -20,17 +21,50 @@ static std::span<const light_shafts::ViewRay> rays_to_prepare(const WaitingParts
     return all;
 }
 
+static DrawnShafts find_drawn(const Scene& scene, const Media& media, const Camera& camera,
+                              const FrameShafts::Config& config) {
+    constexpr std::uint32_t least_samples = 16;
+    if (!config.may_draw || config.pixel_samples < least_samples || config.wants_visibility ||
+        config.wants_lit_moments || config.air != nullptr)
+        return {};
+    return choose_drawn(scene, media, config.shafts,
+                        static_cast<double>(config.pixel_samples) * camera.width_px * camera.height_px);
+}
+
+static light_shafts::Config without(const DrawnShafts& drawn, light_shafts::Config config) {
+    config.leaves_lamps = drawn.lamps;
+    config.leaves_world = drawn.world;
+    return config;
+}
+
 FrameShafts::FrameShafts(const Scene& scene, const Media& media, const Camera& camera, const Region& region,
                          const WaitingParts& waiting, const Config& config, Statistics& statistics, Progress& progress)
-    : camera_(camera), waiting_(waiting), region_(region), config_(config),
+    : media_(media), camera_(camera), waiting_(waiting), region_(region), config_(config),
+      drawn_kinds_(find_drawn(scene, media, camera, config)),
       shafts_(scene, media, light_shafts::view_of(camera), rays_to_prepare(waiting, config.of_frame, config.air),
-              config.shafts, progress) {
+              without(drawn_kinds_, config.shafts), progress) {
     statistics.append(shafts_.statistics());
     slots_.assign(shafts_.slots().begin(), shafts_.slots().end());
     if (config.emitters != nullptr)
         glow_.emplace(scene, media, *config.emitters, config.shafts.attenuates_light, statistics);
     if (glow_ && glow_->is_empty())
         glow_.reset();
+    for (const auto& [what, is_drawn] : {std::pair("lamps", drawn_kinds_.lamps), {"the world", drawn_kinds_.world}})
+        if (is_drawn)
+            statistics.skip(std::string("light shafts: rows of ") + what,
+                            "draws for each sample take a small part of their time");
+    if (drawn_kinds_.is_any()) {
+        drawn_.emplace(scene, media, *config.emitters,
+                       SentAir::Config{.attenuates_light = config.shafts.attenuates_light,
+                                       .world_scatters = drawn_kinds_.world,
+                                       .has_lamps = drawn_kinds_.lamps,
+                                       .has_suns = false,
+                                       .has_glow = false});
+        if (drawn_->is_empty())
+            drawn_.reset();
+        else
+            add_slots_of(drawn_->light_groups());
+    }
     if (!glow_)
         return;
     const StageTimer timer(statistics, "glow in fog: pilot");
@@ -38,8 +72,12 @@ FrameShafts::FrameShafts(const Scene& scene, const Media& media, const Camera& c
                    {config.shafts.error_target, config.pixel_samples, config.shafts.walks_maps}, progress);
     statistics.count("glow in fog: draws per ray", glow_->draw_count());
     statistics.count("glow in fog: draws directions", glow_->draws_directions() ? 1.0 : 0.0);
-    for (const std::uint8_t group : glow_->light_groups())
-        if (config.shafts.keeps_groups_apart && std::ranges::find(slots_, group) == slots_.end())
+    add_slots_of(glow_->light_groups());
+}
+
+void FrameShafts::add_slots_of(std::span<const std::uint8_t> groups) {
+    for (const std::uint8_t group : groups)
+        if (config_.shafts.keeps_groups_apart && std::ranges::find(slots_, group) == slots_.end())
             slots_.push_back(group);
 }
 
@@ -113,15 +151,15 @@ std::size_t FrameShafts::scatter(const Band& band, const Progress& progress) {
     const std::span<const light_shafts::ViewRay> rays = std::span(waiting_.rays).subspan(first, count);
     const std::span<const std::uint8_t> cells(cells_);
     shafts_.scatter(rays, cells.empty() ? cells : cells.subspan(first, count), out, progress, turn_);
-    if (glow_)
-        add_glow(band, progress);
+    if (glow_ || drawn_)
+        add_draws(band, progress);
     if (!lit_moments_.empty())
         std::ranges::copy(shafts_.find_lit_moments(rays, progress, turn_),
                           lit_moments_.begin() + static_cast<std::ptrdiff_t>(first));
     return count;
 }
 
-void FrameShafts::add_glow(const Band& band, const Progress& progress) {
+void FrameShafts::add_draws(const Band& band, const Progress& progress) {
     const std::size_t first_pixel = std::size_t{band.first_row} * width(), first = waiting_.first[first_pixel],
                       end = waiting_.first[std::size_t{band.end_row} * width()];
     for (std::size_t slot = shafts_.slots().size(); slot < slots_.size(); ++slot) {
@@ -140,26 +178,36 @@ void FrameShafts::add_glow(const Band& band, const Progress& progress) {
         std::size_t{band.end_row} * width() - first_pixel, progress,
         [&](std::size_t index) {
             const std::size_t pixel = first_pixel + index;
-            thread_local MediaLine line;
-            thread_local std::vector<FogGlow::Found> found;
-            for (std::size_t part = waiting_.first[pixel]; part < waiting_.first[pixel + 1]; ++part) {
-                glow_->assign(line, waiting_.rays[part]);
-                if (line.is_empty())
-                    continue;
-                const std::uint32_t seed =
-                    pixel_seed(camera_, config_.seed, region_.x0 + static_cast<std::uint32_t>(pixel % width()),
-                               region_.y0 + static_cast<std::uint32_t>(pixel / width()));
-                const auto number = static_cast<std::uint32_t>(part - waiting_.first[pixel]);
-                const std::uint32_t draws = glow_->draw_count();
-                for (std::uint32_t draw = 0; draw < draws; ++draw) {
-                    found.clear();
-                    glow_->draw(line, {seed, sample_index_ * draws + draw, number}, found);
-                    for (const auto& [radiance, group] : found)
-                        of_slot_[slot_of(group)][0].radiance[part] += radiance / static_cast<float>(draws);
-                }
-            }
+            const std::uint32_t seed =
+                pixel_seed(camera_, config_.seed, region_.x0 + static_cast<std::uint32_t>(pixel % width()),
+                           region_.y0 + static_cast<std::uint32_t>(pixel / width()));
+            for (std::size_t part = waiting_.first[pixel]; part < waiting_.first[pixel + 1]; ++part)
+                add_draws_of(part, static_cast<std::uint32_t>(part - waiting_.first[pixel]), seed);
         },
         64);
+}
+
+void FrameShafts::add_draws_of(std::size_t part, std::uint32_t number, std::uint32_t seed) {
+    constexpr std::uint32_t of_camera_rays = 0x6169'7221; // a seed apart from that of rays that are sent on
+    thread_local MediaLine line;
+    thread_local std::vector<FogGlow::Found> found;
+    const auto draw = [&](std::uint32_t draws, const auto& draw_once) {
+        for (std::uint32_t index = 0; index < draws; ++index) {
+            found.clear();
+            draw_once(sample_index_ * draws + index);
+            for (const auto& [radiance, group] : found)
+                of_slot_[slot_of(group)][0].radiance[part] += radiance / static_cast<float>(draws);
+        }
+    };
+    line.assign(media_, waiting_.rays[part], StepLimits{});
+    if (line.is_empty())
+        return;
+    if (drawn_)
+        draw(DrawnShafts::draws, [&](std::uint32_t index) {
+            drawn_->draw(line, {hash(seed, number, of_camera_rays), index, number}, found);
+        });
+    if (glow_)
+        draw(glow_->draw_count(), [&](std::uint32_t index) { glow_->draw(line, {seed, index, number}, found); });
 }
 
 void FrameShafts::find_heterogeneity(const Band& band, const Progress& progress) {

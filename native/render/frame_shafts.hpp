@@ -3,9 +3,10 @@
 // neighbouring pixels share.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
-#include "render/fog_glow.hpp"
+#include "render/drawn_shafts.hpp"
 #include "render/frame_air.hpp"
 #include "render/ray_parameters.hpp"
+#include "render/sent_air.hpp"
 #include "render/surface_pass.hpp"
 #include <algorithm>
 #include <array>
@@ -34,6 +35,7 @@ public:
         FrameAir* air = nullptr;                   ///< Whose texture the light gets; must outlive this. None: even air.
         std::uint32_t pixel_samples = 1, seed = 0; ///< As FrameConfig's.
         const MeshEmitters* emitters = nullptr;    ///< What glows; must outlive this. None: nothing does.
+        bool may_draw = false;                     ///< See drawn_shafts.hpp; needs emitters.
     };
     /// For the parts of the first pass. The references must outlive this; `waiting` may change between passes. Throws
     /// InvalidInput and Cancelled.
@@ -42,8 +44,8 @@ public:
 
     [[nodiscard]] const light_shafts::Shafts& prepared() const { return shafts_; }
     /// No light scatters in any medium.
-    [[nodiscard]] bool is_empty() const { return shafts_.is_empty() && !glow_; }
-    /// As light_shafts::Shafts::slots, with those of what glows.
+    [[nodiscard]] bool is_empty() const { return shafts_.is_empty() && !glow_ && !drawn_; }
+    /// As light_shafts::Shafts::slots, with those of what glows and is drawn.
     [[nodiscard]] std::span<const std::uint8_t> slots() const { return slots_; }
     /// Something that glows lights media.
     [[nodiscard]] bool has_glow() const { return glow_.has_value(); }
@@ -68,8 +70,10 @@ private:
     [[nodiscard]] std::size_t slot_of(std::uint8_t group) const {
         return slots_.size() == 1 ? 0 : static_cast<std::size_t>(std::ranges::find(slots_, group) - slots_.begin());
     }
-    /// Adds what glows to the light of a band.
-    void add_glow(const Band& band, const Progress& progress);
+    void add_slots_of(std::span<const std::uint8_t> groups);
+    /// Adds what glows, and lights that are drawn, to the light of a band.
+    void add_draws(const Band& band, const Progress& progress);
+    void add_draws_of(std::size_t part, std::uint32_t number, std::uint32_t seed);
     /// The slots' light, together.
     void add_slots(const Band& band);
     /// Of the parts of a pixel.
@@ -80,12 +84,15 @@ private:
     [[nodiscard]] std::size_t pixel_count() const { return std::size_t{region_.y1 - region_.y0} * width(); }
     void deal_cells(std::uint32_t round, const Progress& progress);
 
+    const Media& media_;
     const Camera& camera_;
     const WaitingParts& waiting_;
     Region region_;
     Config config_;
+    DrawnShafts drawn_kinds_;
     light_shafts::Shafts shafts_;
-    std::optional<FogGlow> glow_; ///< Nothing: nothing that glows lights media.
+    std::optional<FogGlow> glow_;  ///< Nothing: nothing that glows lights media.
+    std::optional<SentAir> drawn_; ///< Nothing: all lights have rows.
     std::uint32_t sample_index_ = 0;
     std::vector<std::uint8_t> slots_;
     light_shafts::Turn turn_{};

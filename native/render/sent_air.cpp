@@ -33,7 +33,8 @@ SentAir::SentAir(const Scene& scene, const Media& media, const MeshEmitters& emi
     float sum = 0.0f;
     for (std::uint32_t index = 0; index < scene.lights().size(); ++index) {
         const Light& light = scene.lights()[index];
-        if (!light.scatters_in_media || light.strength == Rgb(0.0f))
+        if (!light.scatters_in_media || light.strength == Rgb(0.0f) ||
+            !(light.kind == LightKind::Sun ? config.has_suns : config.has_lamps))
             continue;
         if (light.kind != LightKind::Sun) {
             lamps_.push_back(index);
@@ -46,6 +47,20 @@ SentAir::SentAir(const Scene& scene, const Media& media, const MeshEmitters& emi
     for (float& share : sun_shares_)
         share /= sum;
     tree_ = LightTree(bounds);
+}
+
+std::vector<std::uint8_t> SentAir::light_groups() const {
+    std::vector<std::uint8_t> groups;
+    const auto add = [&](std::uint8_t group) {
+        if (std::ranges::find(groups, group) == groups.end())
+            groups.push_back(group);
+    };
+    for (const std::vector<std::uint32_t>* const lights : {&lamps_, &suns_})
+        for (const std::uint32_t index : *lights)
+            add(scene_.lights()[index].light_group);
+    if (has_world_)
+        add(scene_.world().light_group());
+    return groups;
 }
 
 Rgb SentAir::scattered(const MediaLine& line, const Place& place, const Light& light, const vec3& towards_light,
@@ -192,16 +207,21 @@ void SentAir::draw(const light_shafts::ViewRay& part, const FogGlow::Numbers& nu
                    std::vector<FogGlow::Found>& found) const {
     thread_local MediaLine line;
     glow_.assign(line, part);
-    if (line.is_empty())
-        return;
+    if (!line.is_empty())
+        draw(line, numbers, found);
+}
+
+void SentAir::draw(const MediaLine& line, const FogGlow::Numbers& numbers, std::vector<FogGlow::Found>& found) const {
     if (!lamps_.empty())
         draw_lamp(line, numbers, found);
-    const PhaseDirections along(line);
-    if (!suns_.empty())
-        draw_sun(line, along, numbers, found);
-    if (has_world_)
-        draw_world(line, along, numbers, found);
-    if (!glow_.is_empty())
+    if (!suns_.empty() || has_world_) {
+        const PhaseDirections along(line);
+        if (!suns_.empty())
+            draw_sun(line, along, numbers, found);
+        if (has_world_)
+            draw_world(line, along, numbers, found);
+    }
+    if (config_.has_glow && !glow_.is_empty())
         glow_.draw(line, numbers, found);
 }
 } // namespace tyndall::render

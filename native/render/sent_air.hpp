@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Light that media scatter into rays from mirrors and glass: a draw for lamps, suns, the world and what glows, each.
+// Light that media scatter into rays from mirrors and glass: a draw for lamps, suns, the world and what glows, each. Into
+// those of the camera, too, where light shafts would take too long (drawn_shafts.hpp).
 // Based on: next event estimation; Kulla and Fajardo, Importance Sampling Techniques for Path Tracing in Participating
 //           Media, EGSR 2012: glow_distances.hpp for lamps, phase_directions.hpp for what is far. The world's image by
 //           multiple importance sampling (Veach 1997, section 9.2) with the phase function.
@@ -15,16 +16,23 @@ namespace tyndall::render {
 class SentAir {
 public:
     struct Config {
-        bool attenuates_light = true, world_scatters = true; ///< As light_shafts::Config's.
+        bool attenuates_light = true, world_scatters = true;     ///< As light_shafts::Config's.
+        bool has_lamps = true, has_suns = true, has_glow = true; ///< Whose light is wanted.
     };
     /// The references must outlive this.
     SentAir(const Scene& scene, const Media& media, const MeshEmitters& emitters, const Config& config);
 
     /// No light scatters in any medium.
-    [[nodiscard]] bool is_empty() const { return lamps_.empty() && suns_.empty() && !has_world_ && glow_.is_empty(); }
+    [[nodiscard]] bool is_empty() const {
+        return lamps_.empty() && suns_.empty() && !has_world_ && !(config_.has_glow && !glow_.is_empty());
+    }
+    /// Of the lamps, suns and the world that are drawn, each once.
+    [[nodiscard]] std::vector<std::uint8_t> light_groups() const;
     /// Appends what the media scatter into a part of a ray, by one draw of each kind of light: right in the mean.
     void draw(const light_shafts::ViewRay& part, const FogGlow::Numbers& numbers,
               std::vector<FogGlow::Found>& found) const;
+    /// The same of its pieces, which it has.
+    void draw(const MediaLine& line, const FogGlow::Numbers& numbers, std::vector<FogGlow::Found>& found) const;
 
 private:
     void draw_lamp(const MediaLine& line, const FogGlow::Numbers& numbers, std::vector<FogGlow::Found>& found) const;

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fog under many lamps, and under an image of the sky: time and noise of default settings, ours and Cycles'.
+
+scripts/python benchmarks/costly_fog_bench.py --context FILE --output FILE. Both engines take the samples that ours has
+by default. Times are the process's CPU time of a whole render, what is read and prepared included. Noise: of two
+renders that differ in their seed, per pixel, relative to the picture's mean; as the root of its mean square, and as the
+median.
+Variance times time is one figure of both.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+import tyndall.blender
+from report import Row, argument_parser, row, write_report
+
+sys.path.append(str(Path(__file__).parents[1] / "tests"))
+from support.cycles_reference import prepare_cycles, rendered_pixels
+from support.small_scenes import cube, empty_scene, light, material, node, plane
+
+SIZE_PX = 240, 160
+SAMPLES = 16
+#: Lamps (none: a sky), whether fog fills the world, and how often the faces of 30 posts are divided.
+SCENES = {
+    "30 lamps in the world's fog": (30, True, 0),
+    "100 lamps in the world's fog": (100, True, 0),
+    "300 lamps in the world's fog": (300, True, 0),
+    "100 lamps, 370,000 triangles": (100, True, 5),
+    "sky over a box of fog": (0, False, 0),
+    "sky over a box of fog, 5.9 million triangles": (0, False, 7),
+}
+
+
+def _fog(new: object, _link: object) -> bpy.types.NodeSocket:
+    return node(new, "ShaderNodeVolumeScatter", Density=0.02, Anisotropy=0.2).outputs[0]
+
+
+def _posts(random: np.random.Generator, divisions: int) -> None:
+    plane(0.0).scale = (40.0, 40.0, 1.0)
+    for number in range(30):
+        x, y, height = random.uniform((-12.0, -8.0, 0.5), (12.0, 14.0, 3.0))
+        post = cube(f"Post {number}")
+        post.location, post.scale = (x, y, height), (*random.uniform(0.3, 1.0, 2), height)
+        if divisions:
+            modifier = post.modifiers.new("Divided", "SUBSURF")
+            modifier.levels = modifier.render_levels = divisions
+            modifier.subdivision_type = "SIMPLE"
+
+
+def _lamps(random: np.random.Generator, count: int) -> None:
+    for number in range(count):
+        x, y, z = random.uniform((-14.0, -9.0, 0.5), (14.0, 16.0, 5.0))
+        kind = ("POINT", "SPOT", "AREA")[number % 3]
+        light(kind, (x, y, z), energy=float(random.uniform(5.0, 40.0)))
+
+
+def sky(width: int = 1024) -> NDArray[np.float32]:
+    """Bright at the zenith, with a glow and a sun: (height, width, 4), rows from the nadir."""
+    up = ((np.arange(width // 2) + 0.5) / (width // 2) - 0.5) * np.pi
+    around = (np.arange(width) + 0.5) / width * 2.0 * np.pi
+    towards = np.stack(
+        np.broadcast_arrays(
+            np.cos(up)[:, np.newaxis] * np.cos(around),
+            np.cos(up)[:, np.newaxis] * np.sin(around),
+            np.sin(up)[:, np.newaxis],
+        ),
+        axis=-1,
+    )
+    cosine = towards @ (np.array([0.5, -0.3, 0.5]) / np.linalg.norm([0.5, -0.3, 0.5]))
+    level = 0.1 + 0.9 * np.clip(towards[..., 2], 0.0, 1.0) + 20.0 * np.exp(200.0 * (cosine - 1.0))
+    level += 3000.0 * (cosine > np.cos(0.012))
+    return np.stack([level, 0.95 * level, 0.85 * level, np.ones_like(level)], axis=-1).astype(np.float32)
+
+
+def build(lamps: int, *, fills_world: bool, divisions: int) -> bpy.types.Scene:
+    """A camera over a floor with posts."""
+    scene = empty_scene(SIZE_PX[0])
+    scene.render.resolution_x, scene.render.resolution_y = SIZE_PX
+    scene.camera.data.type = "PERSP"
+    scene.camera.location, scene.camera.rotation_euler = (0.0, -18.0, 4.0), (1.45, 0.0, 0.0)
+    random = np.random.default_rng(1)
+    _posts(random, divisions)
+    _lamps(random, lamps)
+    world = scene.world or bpy.data.worlds.new("World")
+    scene.world, world.use_nodes = world, True
+    tree = world.node_tree
+    output = next(one for one in tree.nodes if one.type == "OUTPUT_WORLD")
+    background = next((one for one in tree.nodes if one.type == "BACKGROUND"), None)
+    background = background or tree.nodes.new("ShaderNodeBackground")
+    tree.links.new(background.outputs[0], output.inputs["Surface"])
+    background.inputs["Strength"].default_value = 0.0 if lamps else 1.0
+    if not lamps:
+        pixels = sky()
+        image = bpy.data.images.new("Sky", pixels.shape[1], pixels.shape[0], float_buffer=True)
+        image.pixels.foreach_set(pixels.ravel())
+        image.pack()
+        environment = tree.nodes.new("ShaderNodeTexEnvironment")
+        environment.image = image
+        tree.links.new(environment.outputs[0], background.inputs["Color"])
+    if fills_world:
+        tree.links.new(_fog(tree.nodes.new, None), output.inputs["Volume"])
+    else:
+        box = cube("Fog", material("Fog", volume=_fog))
+        box.location, box.scale = (0.0, 0.0, 5.0), (40.0, 40.0, 6.0)
+    return scene
+
+
+def _measured(scene: bpy.types.Scene, engine: str, seed: int) -> tuple[NDArray[np.float64], float]:
+    if engine == "cycles":
+        prepare_cycles(scene, SAMPLES, seed)
+        scene.cycles.use_light_tree, scene.cycles.filter_width = True, 1.5
+    else:
+        scene.render.engine, scene.tyndall.seed, scene.tyndall.pixel_samples = "TYNDALL", seed, SAMPLES
+    begin = time.process_time()
+    picture = rendered_pixels(scene)
+    return picture, time.process_time() - begin
+
+
+def run(names: list[str]) -> list[Row]:
+    """Measure both engines in all scenes."""
+    rows = []
+    for name in names or SCENES:
+        lamps, fills_world, divisions = SCENES[name]
+        scene = build(lamps, fills_world=fills_world, divisions=divisions)
+        for engine in ("tyndall", "cycles"):
+            (first, first_s), (second, second_s) = (_measured(scene, engine, seed) for seed in (1, 2))
+            cpu_s, level = min(first_s, second_s), (first.mean() + second.mean()) / 2
+            noise = np.sqrt(((first - second) ** 2).mean(axis=2) / 2) / level
+            rms, median = float(np.sqrt((noise**2).mean())), float(np.median(noise))
+            rows.append(
+                row(
+                    f"{name}, {engine}",
+                    cpu_s,
+                    samples=SAMPLES,
+                    mean=float(level),
+                    rms_noise=rms,
+                    median_noise=median,
+                    variance_times_s=rms**2 * cpu_s,
+                )
+            )
+            print(rows[-1], flush=True)
+    return rows
+
+
+if __name__ == "__main__":
+    parser = argument_parser(__doc__)
+    parser.add_argument("scenes", nargs="*", help="names of scenes; all without any")
+    arguments = parser.parse_args()
+    tyndall.blender.enable()
+    write_report(run(arguments.scenes), arguments)

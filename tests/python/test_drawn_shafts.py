@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shafts of many lamps, and of a sky over many triangles, are drawn sample by sample: in the mean what rows find."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from support.plain_scenes import camera_above, placed, square, translation, unit_cube
+from tyndall import Progress
+from tyndall.renderer import Film, RenderConfig, Session, ShaftConfig
+from tyndall.scene_description import (
+    Light,
+    LightKind,
+    Material,
+    Medium,
+    ScatterLobe,
+    SceneDescription,
+    World,
+)
+
+SAMPLES = 64
+DRAWN = RenderConfig(
+    pixel_samples=SAMPLES,
+    noise_threshold=0.0,
+    passes=frozenset({"Shafts"}),
+    shafts=ShaftConfig(method="EPIPOLAR", light_samples=4),
+)
+ROWS = replace(DRAWN, shafts=replace(DRAWN.shafts, method="EXACT", world_samples=256))
+
+
+def lamps(count: int) -> tuple[Light, ...]:
+    random = np.random.default_rng(4)
+    places = random.uniform((-1.8, -1.8, 0.2), (1.8, 1.8, 1.8), (count, 3))
+    return tuple(
+        Light(
+            name=f"Lamp {index}",
+            kind=(LightKind.POINT, LightKind.SPOT)[index % 2],
+            strength=tuple(random.uniform(0.2, 2.0, 3)),
+            world_from_light=translation(*place),
+            light_group="even" if index % 2 == 0 else "",
+        )
+        for index, place in enumerate(places)
+    )
+
+
+def stage(lights: tuple[Light, ...] = (), **changes: object) -> SceneDescription:
+    """Fog over a floor, with posts in it."""
+    posts = [translation(x, y, 0.0) @ np.diag([0.15, 0.15, 1.5, 1.0]) for x in (-0.9, 0.6) for y in (-0.7, 1.0)]
+    scene = SceneDescription(
+        instances=(
+            placed(square(), np.diag([3.0, 3, 1, 1])),
+            placed(unit_cube(), *posts),
+            placed(unit_cube(), np.diag([2.0, 2, 2, 1]), materials=(1,)),
+        ),
+        materials=(Material(name="grey"), Material(name="fog", has_surface=False, medium=0)),
+        media=(Medium(name="fog", lobes=(ScatterLobe(sigma_s_per_m=(0.1, 0.2, 0.3), asymmetry_g=0.3),)),),
+        lights=lights,
+        light_groups=("even",),
+    )
+    return replace(scene, **changes)
+
+
+def rendered(description: SceneDescription, config: RenderConfig, size_px: tuple[int, int] = (12, 8)) -> Film:
+    session = Session()
+    session.update(description, Progress())
+    return session.render(camera_above(size_px=size_px), config, Progress())
+
+
+def is_drawn(film: Film, what: str) -> bool:
+    return any(skipped["what"] == f"light shafts: rows of {what}" for skipped in film.statistics["skipped"])
+
+
+def test_three_hundred_lamps_light_the_air_in_the_mean_as_exact_rows_say() -> None:
+    drawn, rows = (rendered(stage(lamps(300)), config, (20, 12)) for config in (DRAWN, ROWS))
+    assert is_drawn(drawn, "lamps")
+    assert not is_drawn(rows, "lamps")
+    ours, truth = drawn.planes["Shafts"].astype(float), rows.planes["Shafts"].astype(float)
+    difference = (ours - truth).mean(axis=2) / truth.mean()
+    noise = difference.std() / np.sqrt(difference.size)
+    assert noise < 0.01
+    assert abs(difference.mean()) < 4.0 * noise + 2e-3
+
+
+def test_a_sky_over_many_triangles_lights_the_air_in_the_mean_as_exact_strata_say() -> None:
+    """A grid of 2 x 300 x 300 triangles far below, which nothing sees: rows would hold them all."""
+    side = np.linspace(-3.0, 3.0, 301, dtype=np.float32)
+    x, y = np.meshgrid(side, side)
+    corner = (np.arange(300)[:, np.newaxis] * 301 + np.arange(300)).ravel()
+    quads = np.stack([corner, corner + 1, corner + 302, corner + 301], axis=1)
+    floor = replace(
+        square("floor"),
+        positions=np.stack([x, y, np.full_like(x, -1.0)], axis=-1).reshape(-1, 3),
+        triangles=quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3).astype(np.uint32),
+        uv_maps=(),
+    )
+    scene = stage(world=World(radiance=(0.5, 0.7, 1.0)))
+    heavy = replace(scene, instances=(*scene.instances, placed(floor, np.eye(4))))
+    drawn, rows = rendered(heavy, DRAWN), rendered(scene, ROWS)
+    assert is_drawn(drawn, "the world")
+    ours, truth = drawn.planes["Shafts"].astype(float), rows.planes["Shafts"].astype(float)
+    difference = (ours - truth).mean(axis=2) / truth.mean()
+    noise = difference.std() / np.sqrt(difference.size)
+    assert noise < 0.01
+    assert abs(difference.mean()) < 4.0 * noise + 2e-3
+
+
+@pytest.mark.parametrize(
+    "config",
+    [
+        replace(DRAWN, pixel_samples=1),
+        replace(DRAWN, shafts=replace(DRAWN.shafts, method="EXACT")),
+        replace(DRAWN, passes=frozenset({"Shafts", "Shafts Visibility"})),
+    ],
+)
+def test_rows_stay_where_samples_are_few_or_they_are_asked_for(config: RenderConfig) -> None:
+    assert not is_drawn(rendered(stage(lamps(300)), config, (4, 4)), "lamps")
+
+
+def test_few_lamps_and_a_sky_over_little_keep_rows() -> None:
+    film = rendered(stage(lamps(8), world=World(radiance=(0.5, 0.7, 1.0))), DRAWN)
+    assert not is_drawn(film, "lamps")
+    assert not is_drawn(film, "the world")
+
+
+def test_groups_of_drawn_lamps_add_up_and_tiles_and_threads_keep_the_bits() -> None:
+    scene, config = stage(lamps(300)), replace(DRAWN, pixel_samples=16, keeps_light_groups=True)
+    scene = replace(
+        scene,
+        lights=tuple(replace(light, light_group=light.light_group or "odd") for light in scene.lights),
+        light_groups=("even", "odd"),
+    )
+    frame = rendered(scene, config)
+    groups = [frame.planes[f"Shafts_{name}"] for name in scene.light_groups]
+    assert all(group.mean() > 0.02 * frame.planes["Shafts"].mean() for group in groups)
+    assert sum(groups) == pytest.approx(frame.planes["Shafts"], abs=1e-5)
+    alone = rendered(scene, replace(config, thread_count=1))
+    tile = rendered(scene, replace(config, region_px=(4, 4, 12, 8), is_tile=True))
+    for name, plane in frame.planes.items():
+        assert np.array_equal(alone.planes[name], plane)
+        assert np.array_equal(tile.planes[name], plane[4:8, 4:12])
