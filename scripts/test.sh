@@ -72,10 +72,10 @@ finish() {
     exit
 }
 
-# beside COMMAND...: runs it while what follows goes on, beside two others at most: a stage keeps less than one of two
-# cores busy.
+# beside COMMAND...: runs it while what follows goes on, beside one other at most: a stage keeps little more than one of
+# two cores busy, and a window that waits for its turn too long fails.
 beside() {
-    while (($(jobs -pr | wc -l) >= 3)); do wait -n; done
+    while (($(jobs -pr | wc -l) >= 2)); do wait -n; done
     "$@" &
 }
 

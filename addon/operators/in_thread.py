@@ -61,6 +61,11 @@ class InThread:
                 return self.end(context, self._error)
         return {"RUNNING_MODAL"}
 
+    def cancel(self, _context: Context) -> None:
+        """Blender asks for it where it closes the window or opens another file: nobody waits for the work any more."""
+        self._progress.cancel()
+        self._thread.join()
+
     def _prepare(self) -> None:
         from tyndall import Progress
 

@@ -62,8 +62,11 @@ def stroke(window: Any) -> Iterator[float]:
     yield from window.calm()
 
 
-def stop_a_fit(window: Any) -> Iterator[float]:
-    """One that would never end, by Esc."""
+def is_fitting() -> bool:
+    return any(thread.name == "tyndall fit" for thread in threading.enumerate())
+
+
+def begin_endless_fit(window: Any) -> Iterator[float]:
     from addon.fitted_maps import PreparedFit
 
     def endless(_fit: PreparedFit, progress: Any) -> None:
@@ -74,13 +77,18 @@ def stop_a_fit(window: Any) -> Iterator[float]:
 
     whole, PreparedFit.run = PreparedFit.run, endless
     yield from click(window, FIT)
-    yield from window.until(lambda: any(thread.name == "tyndall fit" for thread in threading.enumerate()))
+    yield from window.until(is_fitting)
     yield 0.5
+    PreparedFit.run = whole
+
+
+def stop_a_fit(window: Any) -> Iterator[float]:
+    """One that would never end, by Esc."""
+    yield from begin_endless_fit(window)
     window.screenshot("light_map_fit_running")
     xdotool("key", "Escape")
-    yield from window.until(lambda: all(thread.name != "tyndall fit" for thread in threading.enumerate()))
+    yield from window.until(lambda: not is_fitting())
     yield from window.calm()
-    PreparedFit.run = whole
 
 
 def session(window: Any) -> Iterator[float]:
@@ -123,6 +131,7 @@ def session(window: Any) -> Iterator[float]:
         yield from click(window, place)
         window.facts.setdefault("views", []).append(len(bpy.data.objects[name].data.tyndall.light_map_fit.views))
         window.screenshot(f"light_map_fit_views_{len(window.facts['views'])}")
+    yield from begin_endless_fit(window)  # amid which Blender is closed: seen to hang, where nothing told it to end
 
 
 def texels_of(image: bpy.types.Image) -> np.ndarray:
