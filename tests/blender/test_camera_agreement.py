@@ -68,9 +68,8 @@ def test_the_passes_of_a_panorama(stage: bpy.types.Scene, tmp_path: Path) -> Non
     assert depth[seen] == pytest.approx(far[seen], rel=1e-5)
 
 
-@pytest.mark.parametrize(
-    "method", ["EXACT", *(pytest.param(other, marks=pytest.mark.costly) for other in ("EPIPOLAR", "SHADOW_MAP"))]
-)
+@pytest.mark.dealt
+@pytest.mark.parametrize("method", ["EXACT", "EPIPOLAR", "SHADOW_MAP"])
 def test_shafts_all_around(stage: bpy.types.Scene, method: str) -> None:
     """Towards the sun and away from it, in one picture. Nothing glows: that would light Cycles' fog alone."""
     panorama(stage, *WINDOWS[0])

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every scene of the gallery is made by its script and rendered small: each edit does what it is shown for."""
+"""Every scene of the gallery is made by its script and rendered small: each edit does what it is shown for.
+
+Half of them on every push: the scenes of the others take minutes all together.
+"""
 
 from __future__ import annotations
 
@@ -90,6 +93,7 @@ def test_filled_holes_calm_the_light_of_a_palms_crown(gallery: Gallery) -> None:
     assert calm < 0.8 * busy
 
 
+@pytest.mark.long
 def test_a_silhouette_that_is_drawn_out_darkens_the_air_around_a_figure(gallery: Gallery) -> None:
     gallery.make("scarecrow")
     (after, depth), (before, _) = (gallery.shafts(name) for name in ("scarecrow", "scarecrow_before"))
@@ -114,6 +118,7 @@ def test_filled_holes_and_lifted_shadows_of_a_turtle_change_nothing_but_its_shad
     assert gain[dark].mean() > 1.2 * np.median(gain)
 
 
+@pytest.mark.long
 def test_holes_in_crowns_let_light_onto_a_flower_bed_and_drift_over_time(gallery: Gallery) -> None:
     gallery.make("flower_bed")
     first, later, before = (gallery.shafts(name)[0] for name in ("flower_bed_1", "flower_bed_9", "flower_bed_before"))
@@ -122,6 +127,7 @@ def test_holes_in_crowns_let_light_onto_a_flower_bed_and_drift_over_time(gallery
     assert np.abs(later - first).mean() > 0.05 * first.mean()
 
 
+@pytest.mark.long
 def test_a_citadels_shafts_reach_the_colours_that_were_painted_over_three_cameras(gallery: Gallery) -> None:
     gallery.make("citadel")
     citadel = importlib.import_module("citadel")
@@ -153,6 +159,7 @@ def test_paint_gives_back_the_light_behind_a_skeleton_and_leaves_the_wisps_below
     assert np.std(textured[below][is_lit] / even[below][is_lit]) > 0.2
 
 
+@pytest.mark.long
 def test_paint_tones_the_glare_of_an_arbor_down_and_nothing_else(gallery: Gallery) -> None:
     gallery.make("arbor")
     ratio = np.divide(*(gallery.shafts(name)[0].mean(axis=-1) for name in ("arbor", "arbor_before")))

@@ -95,14 +95,8 @@ def test_hair_info_is_as_in_cycles(output: str) -> None:
     agree("info_" + output.lower().replace(" ", "_"), ours, cycles)
 
 
-@pytest.mark.parametrize(
-    "method",
-    [
-        pytest.param("EPIPOLAR", marks=pytest.mark.costly),
-        pytest.param("SHADOW_MAP", marks=pytest.mark.long),
-        "EXACT",
-    ],
-)
+@pytest.mark.dealt
+@pytest.mark.parametrize("method", ["EPIPOLAR", pytest.param("SHADOW_MAP", marks=pytest.mark.long), "EXACT"])
 def test_a_lock_of_hair_throws_shafts_as_in_cycles(method: str) -> None:
     """A furry patch hangs over a box of fog's floor, and dims the sun in the fog below."""
     scene = stage()

@@ -147,6 +147,7 @@ def test_a_world_of_nodes_is_seen_as_in_cycles(name: str) -> None:
     assert tyndall_pixels(scene) == pytest.approx(cycles_pixels(scene, 1, seed=1), abs=2e-3)
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("name", PATTERNS)
 def test_a_world_of_nodes_lights_as_in_cycles(name: str) -> None:
     scene = under(PATTERNS[name], size_px=32)
