@@ -247,7 +247,7 @@ def test_no_picture_can_tell_what_moved_before(variant: str, *, keeps_points: bo
     session = Session(kept_surfaces_bytes=room_bytes, kept_maps_bytes=ROOM_BYTES)
     states = [state]
     kept = 0
-    for _ in range(6):
+    for _ in range(8):
         film = states[-1].picture(session)
         assert_same(film, states[-1].picture(Session()))
         kept += counts(film).get("light on points kept", 0)
