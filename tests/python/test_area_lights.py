@@ -121,7 +121,7 @@ def test_the_methods_agree_about_its_shafts(spread: float, texture: LightTexture
     session.update(foggy(panel(spread_rad=math.radians(spread), texture=texture)), Progress())
 
     def shafts(method: str) -> np.ndarray:
-        config = ShaftConfig(method=method, light_samples=16, shares_strata=False)
+        config = ShaftConfig(method=method, light_samples=16, shares_strata=False, resolution=1024)
         wanted = RenderConfig(pixel_samples=4, shafts=config, passes=frozenset({"Shafts"}))
         film = session.render(camera_above(), wanted, Progress())
         return film.planes["Shafts"]
