@@ -126,7 +126,7 @@ def test_strokes_see_what_edits_leave_of_the_light(method: str) -> None:
     open_air = replace(open_air, instances=(*open_air.instances, hidden))
     close = OccluderEdit(name="close", kind=EditKind.CLOSE, size_m=1.5)
     closed = replace(open_air, lights=(replace(sun(), occluder_edits=(close,)),))
-    config = replace(CONFIG, shafts=ShaftConfig(method=method))
+    config = replace(CONFIG, shafts=ShaftConfig(method=method, resolution=1024))
     view = strokes(left_red_right_blue())
     seen = LightMapFit(session_of(open_air), session_name(), [view], Progress(), config=config).statistics["counts"]
     assert 0 < seen["light map fit: seen texels"] < 0.5 * 64**2  # the gap's
