@@ -19,6 +19,7 @@ def emission_value(reader: ValueReader, at: Socket) -> Value:
     """Of a surface input: the colour times strength of its Emission nodes."""
     source = at.source()
     if source.is_bare_shader():
+        reader.note_left_out(at)
         return BLACK
     node_type, program = source.node.type, reader.program
     if node_type == "EMISSION":

@@ -14,6 +14,11 @@ from ..shader_nodes import LEFT_TO_SHAFTS
 if TYPE_CHECKING:
     from bpy.types import Node, NodeSocket, NodeTree
 
+#: Types of nodes that Cycles does not know: their links are as if they were not there.
+LEFT_OUT = {"SHADERTORGB", "SQUEEZE"}
+#: Blender hands Cycles trees without groups and reroutes: what such a node feeds through them is not linked, either,
+#: nor what a reroute without a source feeds.
+_LINKS_SKIP_GROUPS = bpy.app.version >= (5, 0, 0)
 _MAX_STEPS = 1000  #: Links followed in a row; a loop ends here, and counts as unconnected.
 
 
@@ -51,13 +56,20 @@ class Socket:
 
     def path(self) -> list[Socket]:
         """From here to the source, over borders of groups, reroutes and muted nodes: each may be of another type."""
+        return self.traced()[0]
+
+    def traced(self) -> tuple[list[Socket], Node | None]:
+        """The path, and the node that would feed it, had Cycles not left it out."""
         path = [self]
         for _ in range(_MAX_STEPS):
             following = _step(path[-1])
             if following is None:
-                return path[: _ends_at(path)]
+                is_loose = _LINKS_SKIP_GROUPS and path[-1].node.type == "REROUTE"
+                return [self] if is_loose else path[: _ends_at(path)], None
+            if following.socket.is_output and following.node.type in LEFT_OUT and not following.node.mute:
+                return [self] if _LINKS_SKIP_GROUPS else path, following.node
             path.append(following)
-        return [self]
+        return [self], None
 
 
 def _ends_at(path: list[Socket]) -> int:

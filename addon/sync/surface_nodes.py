@@ -94,6 +94,7 @@ def _add(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None
         return
     source = at.source()
     if source.is_bare_shader():
+        reader.note_left_out(at)
         return
     if source.socket.type != "SHADER":  # a colour in place of a shader glows, as in Cycles
         program = reader.program

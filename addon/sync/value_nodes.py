@@ -86,6 +86,14 @@ class ValueReader:
     def unsupported(self, at: Socket, fallback: str) -> None:
         self.note(f"{at.node.bl_label} {fallback}")
 
+    def note_left_out(self, at: Socket) -> None:
+        """Of an input for a shader that no shader feeds."""
+        if (node := at.traced()[1]) is not None:
+            self._note_left_out(node)
+
+    def _note_left_out(self, node: bpy.types.Node) -> None:
+        self.note(f"{node.bl_label} is left out, as in Cycles: what it feeds keeps its own value")
+
     def colour(self, at: Socket | None, default: Value = BLACK) -> Value:
         """The value of an input as a colour or vector; ``default`` in a version without this input."""
         if at is None:
@@ -112,7 +120,9 @@ class ValueReader:
 
     def _arriving(self, at: Socket) -> tuple[Value, str]:
         """What reaches an input, and its type: up to 4.x each socket on the way turns it into its own."""
-        *way, source = at.path()
+        (*way, source), left_out = at.traced()
+        if left_out is not None:
+            self._note_left_out(left_out)
         value = self._output(source) if source.socket.is_output else self.own_value(source)
         kind = source.socket.type
         for socket in reversed(way[1:] if _CONVERTS_ON_THE_WAY else []):

@@ -81,7 +81,8 @@ def _rgb(channels: Rgb64) -> tuple[float, float, float]:
 @followed(otherwise=None)
 def _add(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
     source = at.source()
-    if weight == 0.0 or source.is_bare_shader():
+    if source.is_bare_shader() or weight == 0.0:
+        reader.note_left_out(at)
         return
     if source.socket.type != "SHADER":  # a colour in place of a shader glows
         coefficients.emission += weight * np.array(reader.constant_colour(at))

@@ -141,6 +141,7 @@ def _suns(reader: WorldReader, name: str, seen: Material, without: Material) -> 
 def _background(reader: ValueReader, at: Socket, weight: Value) -> Value:
     program, source = reader.program, at.source()
     if source.is_bare_shader() or weight == BLACK:
+        reader.note_left_out(at)
         return BLACK
     if source.socket.type != "SHADER":
         return program.multiply(weight, reader.colour(at))

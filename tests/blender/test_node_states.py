@@ -34,7 +34,7 @@ def test_no_node_is_left_unnamed() -> None:
 def test_what_is_no_node_is_not_called_one() -> None:
     """Reports reach the node that they are about."""
     states = node_states()
-    assert any("mid grey" in report for report in states["ShaderNodeShaderToRGB"].reports)
+    assert any("keeps its own value" in report for report in states["ShaderNodeShaderToRGB"].reports)
     assert not states["ShaderNodeMath"].reports
 
 
