@@ -16,6 +16,7 @@ from .domains import MID_GREY, Domain, on_surfaces
 from .hair_nodes import hair_number, hair_vector
 from .math_nodes import math_operation, vector_operation
 from .mesh_attributes import ISLAND, POINTINESS, tangent_of
+from .point_nodes import point_position, point_radius, point_random
 from .program import BLACK, WHITE, Value, grey
 
 if TYPE_CHECKING:
@@ -268,6 +269,14 @@ def _hair_info(reader: ValueReader, at: Socket) -> Value:
     return hair_number(program, *_HAIR[output])
 
 
+_POINT = {"Position": point_position, "Radius": point_radius, "Random": point_random}
+
+
+def _point_info(reader: ValueReader, at: Socket) -> Value:
+    """Of point clouds; elsewhere all is 0."""
+    return _POINT[at.socket.identifier](reader.program)
+
+
 def _generated(reader: ValueReader, _: Socket) -> Value:
     return coordinates.generated(reader.program)
 
@@ -310,5 +319,6 @@ NODES: dict[str, Evaluate] = {
     "VECT_TRANSFORM": on_surfaces(_vector_transform),
     "PARTICLE_INFO": _particle_info,
     "HAIR_INFO": on_surfaces(_hair_info),
+    "POINT_INFO": on_surfaces(_point_info),
     "WIREFRAME": on_surfaces(_wireframe),
 }

@@ -15,8 +15,9 @@ import bpy
 import numpy as np
 
 from tyndall.linear_colours import linear_from_srgb
-from tyndall.scene_description import StrandForm, StrandObjects, Strands, attribute_maps
+from tyndall.scene_description import StrandForm, StrandObjects, Strands, attribute_maps, point_maps
 
+from .mesh_attributes import uv_maps_of
 from .random_numbers import as_unit_floats, hashes_of_two
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ class StrandReader:
         for placement in placements:
             poll()
             material = materials.index(placement.materials[_slot_of(placement)])
-            asked = frozenset(materials.materials[material].uv_maps)
+            asked = frozenset(uv_maps_of(materials.materials[material]))
             key = (placement.data.as_pointer(), placement.hair, form, pieces, asked)
             if key not in live:
                 live[key] = self._live.get(key) or (
@@ -111,7 +112,7 @@ class StrandReader:
             form, pieces = StrandForm.SPHERES, 1
             points = _points(placement.data, len(placement.data.points), _POINT_RADIUS_M)
             firsts = np.zeros(0, np.uint32)
-            maps = _attributes(placement.data, asked)
+            maps = (*_attributes(placement.data, asked), *_of_points(points, asked))
         else:
             points = _points(placement.data, len(placement.data.points), _CURVE_RADIUS_M)
             firsts = np.zeros(len(placement.data.curves), np.int32)
@@ -283,6 +284,18 @@ def _points(data: Any, count: int, default_radius_m: float) -> NDArray[np.float3
         stored.data.foreach_get("value", radii)
     points[:, :3], points[:, 3] = places.reshape(-1, 3), radii
     return points
+
+
+def _of_points(points: NDArray[np.float32], asked: frozenset[str]) -> tuple[tuple[str, NDArray[np.float32]], ...]:
+    """What Point Info tells, if a material asks."""
+    xy, zr, random = point_maps()
+    randoms = as_unit_floats(hashes_of_two(len(points) if random in asked else 0))
+    made = {
+        xy: points[:, :2],
+        zr: points[:, 2:],
+        random: np.column_stack([randoms, np.ones(len(randoms), np.float32)]),
+    }
+    return tuple((name, np.ascontiguousarray(values)) for name, values in made.items() if name in asked)
 
 
 def _has_poly_curves(data: Any) -> bool:  # noqa: ANN401  Curves

@@ -148,6 +148,11 @@ def hair_maps() -> dict[str, str]:
     return {name: f"{ATTRIBUTE_MARK}hair {name}" for name in ("is", "il", "rt", "xy", "z", "axy", "az")}
 
 
+def point_maps() -> tuple[str, str, str]:
+    """Names of UV maps that only point clouds have: x and y of a point's centre, its z and radius, random and 1."""
+    return f"{ATTRIBUTE_MARK}point xy", f"{ATTRIBUTE_MARK}point zr", f"{ATTRIBUTE_MARK}point random"
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StrandObjects:
     """Every placement of the same strands that shares a material and flags. Strands are opaque."""
