@@ -55,6 +55,16 @@ _OBJECT = {
     "Object Index": PointInput.OBJECT_INDEX,
     "Random": PointInput.OBJECT_RANDOM,
 }
+_PARTICLE = {
+    "Index": PointInput.PARTICLE_INDEX,
+    "Random": PointInput.PARTICLE_RANDOM,
+    "Age": PointInput.PARTICLE_AGE,
+    "Lifetime": PointInput.PARTICLE_LIFETIME,
+    "Location": PointInput.PARTICLE_LOCATION,
+    "Size": PointInput.PARTICLE_SIZE,
+    "Velocity": PointInput.PARTICLE_VELOCITY,
+    "Angular Velocity": PointInput.PARTICLE_ANGULAR_VELOCITY,
+}
 #: From and to, for points, vectors and normals; camera space is joined to the world's.
 _TO_WORLD = {
     "POINT": PointInput.POINT_TO_WORLD,
@@ -237,8 +247,10 @@ def _through_camera(reader: ValueReader, at: Socket, vector: Value, kind: str, *
 
 
 def _particle_info(reader: ValueReader, at: Socket) -> Value:
-    reader.unsupported(at, "is read as 0: particles are not told apart")
-    return BLACK
+    if not reader.tells_particles:
+        reader.unsupported(at, "is read as 0 here: particles are not told apart")
+        return BLACK
+    return point_input(reader.program, _PARTICLE[at.socket.identifier])
 
 
 def _wireframe(reader: ValueReader, at: Socket) -> Value:

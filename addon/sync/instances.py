@@ -24,6 +24,7 @@ import numpy as np
 
 from ..baked_air import is_baked_air
 from .object_lighting import LightingReader
+from .particles import ParticleReader
 from .random_numbers import random_number_of
 
 if TYPE_CHECKING:
@@ -94,6 +95,9 @@ class Placement:
     depends_on: set[int] = field(default_factory=set)
     own_random_number: int | None = None  #: Of what is no instance.
     is_instanced: bool = False  #: By another object; one of its instances is, if it is a light.
+    #: Where a material asks, one per instance: rows of ParticleReader, then what they say, (count, 14).
+    particle_rows: list[int] | None = None
+    particles: NDArray[np.float32] | None = None
     hair: str | None = None  #: The modifier of the particle hair that is drawn in place of the data.
 
     def world_from_object(self) -> NDArray[np.float64]:
@@ -119,6 +123,8 @@ def read_placements(
             placement.matrices.append(instance.matrix_world.copy())
             is_own = placement.own_random_number is not None and not instance.is_instance
             placement.random_numbers.append(placement.own_random_number if is_own else instance.random_id & 0xFFFFFFFF)
+            if placement.particle_rows is not None:
+                placement.particle_rows.append(grouping.particles.row_of(instance))
     return grouping.placements()
 
 
@@ -168,6 +174,7 @@ class _Grouping:
         self._plain: dict[tuple[Object, Object | None], Placement | None] = {}
         self._hair = _hair_by_object(depsgraph)
         self._lighting = LightingReader.of(depsgraph, reports)
+        self.particles = ParticleReader(depsgraph)
         indirect = depsgraph.scene_eval.tyndall.indirect
         self._bends = indirect.has_mirrors and indirect.has_refraction
         self._limited = {thing for thing in depsgraph.objects if self._is_limited(thing)}
@@ -274,10 +281,12 @@ class _Grouping:
         )
         if has_shape and not any(seen_by):
             return None
+        materials = materials_of(thing) if has_shape else ()
+        asks = self.particles.is_asked_for(materials)
         return Placement(
             object_name=owner.name,
             data=thing.data if has_shape else None,
-            materials=materials_of(thing) if has_shape else (),
+            materials=materials,
             source=source,
             is_camera_visible=is_camera_visible,
             casts_shadow=casts_shadow,
@@ -293,10 +302,15 @@ class _Grouping:
             color=tuple(source.color),
             pass_index=source.pass_index,
             own_random_number=random_number_of(owner.name),
+            particle_rows=[] if asks else None,
         )
 
     def placements(self) -> list[Placement]:
-        return [placement for placement in self._placements.values() if placement is not None]
+        found = [placement for placement in self._placements.values() if placement is not None]
+        for placement in found:
+            if placement.particle_rows is not None:
+                placement.particles = self.particles.states(placement.particle_rows)
+        return found
 
 
 def _is_any(collection: LayerCollection, switch: str) -> bool:
@@ -347,6 +361,8 @@ def leave_out_flat_copies(meshes: list[Placement]) -> None:
         if not is_kept.all():
             placement.matrices = list(compress(placement.matrices, is_kept))
             placement.random_numbers = list(compress(placement.random_numbers, is_kept))
+            if placement.particles is not None:
+                placement.particles = placement.particles[is_kept]
 
 
 def _geometry_of(placement: Placement) -> tuple[object, ...]:

@@ -131,7 +131,7 @@ class MaterialReader:
             medium = self._medium(volume, material)
             if surface is None or not surface.is_connected():
                 return Material(name=material.name, has_surface=False, medium=medium)
-        values = self._values(material, Domain.SURFACE)
+        values = self._on_instances(material)
         # Without an output it is black, as in Cycles.
         shares = Shares()
         if surface is not None:
@@ -176,7 +176,13 @@ class MaterialReader:
         tree = None if material is None or not self.aovs else shader_tree(material)
         if tree is None:
             return read
-        return replace(read, aovs=read_aovs(self._values(material, Domain.SURFACE), tree, self.aovs, read.name))
+        return replace(read, aovs=read_aovs(self._on_instances(material), tree, self.aovs, read.name))
+
+    def _on_instances(self, material: bpy.types.Material) -> ValueReader:
+        """On what is drawn; surfaces that stand alone are of no instance."""
+        reader = self._values(material, Domain.SURFACE)
+        reader.tells_particles = self.occlusion_reach_m is not None
+        return reader
 
     def _values(self, material: bpy.types.Material, domain: Domain) -> ValueReader:
         is_seen = self._is_lit or domain is Domain.CONSTANT

@@ -55,6 +55,7 @@ class ReadScene:
     links: tuple[tuple[str, str], ...]  #: Of the lights: another one may change what objects are to it.
     #: Which of the description's instances is an object with a mesh that is drawn once, as itself.
     lone: dict[Name, int]
+    frame: float | None  #: Of particles, whose age is told, but not updated; None: no material asks for it.
 
     def serves(self, depsgraph: Depsgraph, viewport: SpaceView3D | None, *, is_lit: bool) -> bool:
         """Whether a read of this would differ in lights alone, if nothing but lights was updated."""
@@ -63,6 +64,7 @@ class ReadScene:
             and self.depsgraph == depsgraph.as_pointer()
             and self.shown_kinds == shown_kinds(viewport)
             and self.is_lit == is_lit
+            and self.frame in {None, depsgraph.scene_eval.frame_current_final}
         )
 
     def serves_lights(self, originals: list[Object | None]) -> bool:

@@ -18,6 +18,7 @@ from tyndall.linear_colours import linear_from_srgb
 from tyndall.scene_description import StrandForm, StrandObjects, Strands, attribute_maps, point_maps
 
 from .mesh_attributes import uv_maps_of
+from .particles import note_unread
 from .random_numbers import as_unit_floats, hashes_of_two
 
 if TYPE_CHECKING:
@@ -71,6 +72,7 @@ class StrandReader:
         live: dict[tuple[object, ...], tuple[Strands | None, set[int]]] = {}
         for placement in placements:
             poll()
+            note_unread(placement, reports)
             material = materials.index(placement.materials[_slot_of(placement)])
             asked = frozenset(uv_maps_of(materials.materials[material]))
             key = (placement.data.as_pointer(), placement.hair, form, pieces, asked)

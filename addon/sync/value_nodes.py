@@ -66,6 +66,7 @@ class ValueReader:
         #: Of Ambient Occlusion without a distance of its own; None: nodes trace no rays, as those of worlds and lights.
         self.occlusion_reach_m: float | None = None
         self.misses_surroundings = False  #: A render would trace them.
+        self.tells_particles = False  #: What is read knows which particle its instance is.
 
     def grid_value(self, _name: str) -> float | None:
         """Of a volume object's grid, at the place for which the reader answers; None: it has no such grid."""

@@ -16,6 +16,7 @@ from tyndall.scene_description import VoxelObjects
 
 from ..voxel_boxes import file_of, is_voxel_box
 from .mesh_attributes import what_is_missing
+from .particles import note_unread
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -56,6 +57,7 @@ class VoxelReader:
         groups = []
         for placement in placements:
             poll()
+            note_unread(placement, reports)
             path = voxel_path(placement.source)
             try:
                 if path not in kept:

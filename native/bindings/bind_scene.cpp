@@ -188,7 +188,8 @@ make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::
            const std::vector<std::shared_ptr<ShapeGeometry>>& shapes, const py::array& shape_indices,
            const py::array& world_from_shape, const py::array& shape_materials, const py::array& shape_shows_to,
            std::vector<Material> materials, std::vector<Medium> media, std::vector<VolumeInstance> volumes,
-           std::int32_t world_medium, const Progress& progress) {
+           std::int32_t world_medium, const py::array& particles, const py::array& instance_particles,
+           const Progress& progress) {
     const py::ssize_t count = mesh_indices.size();
     SceneDescription description;
     description.origin_in_world = {origin_in_world[0], origin_in_world[1], origin_in_world[2]};
@@ -221,6 +222,10 @@ make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::
     description.media = std::move(media);
     description.volumes = std::move(volumes);
     description.world_medium_index = world_medium;
+    static_assert(sizeof(ParticleState) == 14 * sizeof(float));
+    description.particles = to_vector<ParticleState, float>(particles, {-1, 14}, "particles");
+    description.instance_particles =
+        to_vector<std::uint32_t, std::uint32_t>(instance_particles, {-1}, "instance_particles");
     return without_gil([&] { return std::make_unique<SceneWithMedia>(std::move(description), progress); });
 }
 
@@ -304,7 +309,7 @@ float32 (strands, 2) or (n, 2); randoms: float32 (strands,) or None. Releases th
              "slot_materials"_a, "randoms"_a, "object_colors"_a, "object_indices"_a, "object_light_groups"_a,
              "object_sets"_a, "object_links"_a, "shapes"_a, "shape_indices"_a, "world_from_shape"_a,
              "shape_materials"_a, "shape_shows_to"_a, "materials"_a, "media"_a, "volumes"_a, "world_medium"_a,
-             "progress"_a,
+             "particles"_a, "instance_particles"_a, "progress"_a,
              R"(In the dark, see relit. Per instance: mesh_indices and first_slot_materials uint32, slot_counts uint16,
 shows_to uint8, a bit each for cameras, lights' shadows, bounces, mirrors and glass, and one each for what is
 held out, for shadow catchers and for what lights media, world_from_object float32 (n, 4, 4)
@@ -312,7 +317,8 @@ relative to origin_in_world. The same per placed shape, of which
 shape_materials, uint32, is the one material. object_names: those that name_indices, uint32 per instance, point to, of
 which object_colors and object_indices are, too; then one per shape. Of all of these, object_light_groups, uint8 (255:
 none), object_sets, uint8 (n, 2), of receivers and blockers, and object_links, uint64 (n, 2), those they light and are
-blocked by. Releases the GIL.)")
+blocked by. particles: float32 (n, 14), the members of ParticleState; instance_particles, uint32, says which of them
+each instance is, or 2^32 - 1; or nothing, if none is one. Releases the GIL.)")
         .def(
             "moved",
             [](const SceneWithMedia& built, const py::array& instances, const py::array& world_from_object,

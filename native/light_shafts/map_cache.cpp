@@ -140,16 +140,24 @@ public:
             digest.feed(vec3(instance.world_from_object[column]));
         digest.feed(is_partial ? std::uint64_t{index} + 1 : 0);
         if (is_partial)
-            feed_what_programs_read(instance);
+            feed_what_programs_read(index);
         digest.feed(instance.slot_count);
         for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot)
             feed_material(scene_.slot_materials[instance.first_slot_material + slot]);
     }
 
 private:
-    void feed_what_programs_read(const Instance& instance) {
+    void feed_what_programs_read(std::uint32_t index) {
+        const Instance& instance = scene_.instances[index];
         digest.feed(vec3(scene_.origin_in_world));
         digest.feed(instance.random);
+        if (const ParticleState* particle = scene_.particle_of(index)) {
+            for (const float number :
+                 {particle->index, particle->random, particle->age, particle->lifetime, particle->size})
+                digest.feed(number);
+            for (const vec3& vector : {particle->location, particle->velocity, particle->angular_velocity})
+                digest.feed(vector);
+        }
         if (scene_.object_infos.empty())
             return;
         const ObjectInfo& info = scene_.object_infos[instance.name_index];

@@ -108,6 +108,7 @@ PartialOccluderInstance placed_instance(const SceneDescription& scene, const Par
             .object_from_scene = glm::inverse(instance.world_from_object),
             .info = scene.object_infos.empty() ? nullptr : &scene.object_infos[instance.name_index],
             .random = instance.random,
+            .particle = scene.particle_of(index),
             .origin_in_world = vec3(scene.origin_in_world)};
 }
 

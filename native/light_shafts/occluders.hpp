@@ -58,6 +58,7 @@ struct PartialOccluderInstance {
     mat4 object_from_scene{1.0f};
     const ObjectInfo* info = nullptr;
     float random = 0.0f;
+    const ParticleState* particle = nullptr;
     vec3 origin_in_world{0.0f};
 };
 

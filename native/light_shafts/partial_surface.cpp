@@ -83,7 +83,7 @@ static ProgramPoint program_point(const PartialSurface& surface, const vec2& wei
     };
     const uvec3& corners = arrays.triangles[surface.triangle];
     const vec3 &a = arrays.positions[corners.x], &b = arrays.positions[corners.y], &c = arrays.positions[corners.z];
-    point.object = {&scene_from_object, &placed.object_from_scene, placed.info, placed.random};
+    point.object = {&scene_from_object, &placed.object_from_scene, placed.info, placed.random, placed.particle};
     point.origin_in_world = placed.origin_in_world;
     point.object_position = between(a, b, c);
     point.surface.position = vec3(scene_from_object * vec4(point.object_position, 1.0f));

@@ -99,6 +99,11 @@ void Scene::Geometry::validate() const {
                     LightLinks::most_sets,
                 "object '", scene.object_names[index], "' is in a set of light linking beyond ",
                 LightLinks::most_sets - 1);
+    require(scene.instance_particles.empty() || scene.instance_particles.size() == scene.instances.size(), "there are ",
+            scene.instance_particles.size(), " particle indices for ", scene.instances.size(), " instances");
+    for (const std::uint32_t particle : scene.instance_particles)
+        require(particle == SceneDescription::no_particle || particle < scene.particles.size(),
+                "an instance asks for particle ", particle, " of ", scene.particles.size());
     for (const std::uint32_t material : scene.slot_materials)
         require(material < scene.materials.size(), "a slot asks for material ", material, " of ",
                 scene.materials.size());
@@ -149,10 +154,18 @@ void Scene::Geometry::drop_unusable_instances() {
             ++dropped_counts[{instance.name_index, reason}];
         return reason != nullptr;
     };
+    std::vector<std::uint32_t>& particles = description.instance_particles;
+    std::size_t index = 0, kept = 0;
     std::erase_if(description.instances, [&](Instance& instance) {
         const bool is_empty = description.meshes[instance.mesh_index]->triangle_count() == 0;
-        return is_dropped(instance, is_empty, "its mesh has no usable triangle");
+        const bool drops = is_dropped(instance, is_empty, "its mesh has no usable triangle");
+        if (!drops && !particles.empty())
+            particles[kept++] = particles[index];
+        ++index;
+        return drops;
     });
+    if (!particles.empty())
+        particles.resize(kept);
     std::erase_if(description.placed_shapes, [&](PlacedShape& placed) {
         const ShapeGeometry& shape = *description.shapes[placed.shape_index];
         return is_dropped(placed, shape.bounds().is_empty(), why_empty(shape));

@@ -61,7 +61,16 @@ struct SceneDescription {
     std::vector<Light> lights;
     World world;
     std::int32_t world_medium_index = -1; ///< Into media: fills all space; -1: none.
+    std::vector<ParticleState> particles; ///< Of instances, where a material asks for it.
+    /// Into particles, or no_particle; as many as instances, or none: then none is one.
+    std::vector<std::uint32_t> instance_particles;
+    static constexpr std::uint32_t no_particle = ~0u;
 
+    /// Null: of no particle, or none that a material asks for.
+    [[nodiscard]] const ParticleState* particle_of(std::uint32_t instance) const {
+        const bool is_one = instance < instance_particles.size() && instance_particles[instance] != no_particle;
+        return is_one ? &particles[instance_particles[instance]] : nullptr;
+    }
     /// Of what a Hit's instance is.
     [[nodiscard]] std::uint32_t name_index_of(std::uint32_t instance) const {
         return instance < instances.size() ? instances[instance].name_index

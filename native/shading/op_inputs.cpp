@@ -18,6 +18,12 @@ const ObjectInfo& info_of(const ProgramPoint& point) {
     return point.object.info == nullptr ? plain : *point.object.info;
 }
 
+const ParticleState& particle_of(const ProgramPoint& point) {
+    // As in Cycles, for which all else is particle 0 with an empty state: Jenkins' hash of 0 and 0.
+    static const ParticleState none{.random = 0.86031276f};
+    return point.object.particle == nullptr ? none : *point.object.particle;
+}
+
 /// Half a pixel beside the point, or at it.
 vec3 step(const SurfaceOp& op, const ProgramPoint& point) {
     return op.shift == 0 ? vec3(0.0f) : op.value.x * pixel_steps(point).at(op.shift - 1);
@@ -52,6 +58,22 @@ Rgb plain_input(PointInput input, const SurfaceOp& op, const ProgramPoint& point
         return Rgb(info_of(point).pass_index);
     case PointInput::ObjectRandom:
         return Rgb(point.object.random);
+    case PointInput::ParticleIndex:
+        return Rgb(particle_of(point).index);
+    case PointInput::ParticleRandom:
+        return Rgb(particle_of(point).random);
+    case PointInput::ParticleAge:
+        return Rgb(particle_of(point).age);
+    case PointInput::ParticleLifetime:
+        return Rgb(particle_of(point).lifetime);
+    case PointInput::ParticleSize:
+        return Rgb(particle_of(point).size);
+    case PointInput::ParticleLocation:
+        return particle_of(point).location;
+    case PointInput::ParticleVelocity:
+        return particle_of(point).velocity;
+    case PointInput::ParticleAngularVelocity:
+        return particle_of(point).angular_velocity;
     case PointInput::RayLength:
         return Rgb(point.ray_length_m);
     case PointInput::IsRay:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What programs read of a point, of its object and of the asking ray: Blender's Texture Coordinate, Geometry, Object
-// Info, Light Path, Vector Transform and Tangent.
+// Info, Particle Info, Light Path, Vector Transform and Tangent.
 // Based on: blender/cycles v4.5.0 and v5.0.0, src/kernel/svm/{tex_coord,geometry,light_path,vector_transform}.h: what is
-//           what there.
+//           what there; and intern/cycles/blender/object.cpp, which instances are particles.
 // Differs:  rays have no history here: bounces count as one, and transparent surfaces that they passed as none.
 #pragma once
 #include "shading/operands.hpp"
@@ -29,7 +29,15 @@ enum class PointInput : std::uint8_t {
     IsRay = 14,        ///< 1 if the bit of the asking RayKind is set in `selector`, else 0.
     EdgeDistance = 15, ///< To the nearest edge of the triangle, in the world; infinite on all else.
     PixelWidth = 16,   ///< Of what a pixel covers here, as it is seen from the viewer, in metres; 0: not known.
-    PlainCount = 17,
+    ParticleIndex = 17,
+    ParticleRandom = 18,
+    ParticleAge = 19,
+    ParticleLifetime = 20,
+    ParticleSize = 21,
+    ParticleLocation = 22, ///< In the world, as the others.
+    ParticleVelocity = 23,
+    ParticleAngularVelocity = 24,
+    PlainCount = 25,
     DirectionToWorld = 32,
     DirectionToObject = 33,
     PointToWorld = 34,
@@ -44,7 +52,7 @@ enum class PointInput : std::uint8_t {
     return input < PointInput::PlainCount || (reads_operand(input) && input < PointInput::End);
 }
 [[nodiscard]] inline bool is_number(PointInput input) {
-    return input >= PointInput::ObjectAlpha && input < PointInput::PlainCount;
+    return input >= PointInput::ObjectAlpha && input < PointInput::ParticleLocation;
 }
 
 /// Of an operation of Code::Input.

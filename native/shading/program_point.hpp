@@ -17,12 +17,23 @@ enum class RayKind : std::uint8_t {
     Scatter = 6 ///< By media.
 };
 
+/// What Blender's Particle Info tells of the particle that an instance is; without values: of what is none.
+struct ParticleState {
+    float index = 0.0f;
+    float random = 0.0f;               ///< [0, 1)
+    float age = 0.0f, lifetime = 0.0f; ///< In frames.
+    float size = 0.0f;
+    vec3 location{0.0f}, velocity{0.0f}, angular_velocity{0.0f}; ///< In the world, metres and radians per second.
+    bool operator==(const ParticleState&) const = default;
+};
+
 /// The object that a point is on. Pointers may be null, and must outlive the program's run.
 struct ShadedObject {
     const mat4* scene_from_object = nullptr;
     const mat4* object_from_scene = nullptr;
     const ObjectInfo* info = nullptr;
     float random = 0.0f; ///< [0, 1)
+    const ParticleState* particle = nullptr;
 };
 
 struct ProgramPoint {

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from .scene_description import Instances
 
+NO_PARTICLE = 0xFFFFFFFF  #: As native/scene/scene.hpp has it.
+
 
 def names_of(groups: list[Instances]) -> tuple[list[str], list[int], NDArray[np.uint32]]:
     """Names, how many of them each group has, and which of them each instance: a group seldom has more than one."""
@@ -30,6 +32,25 @@ def randoms_of(groups: list[Instances]) -> NDArray[np.float32]:
     """Of every instance."""
     each = (np.zeros(len(group.object_names), np.float32) if group.random is None else group.random for group in groups)
     return np.concatenate([np.zeros(0, np.float32), *each])
+
+
+def particles_of(groups: list[Instances]) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+    """The states of all particles, and which of them each instance is; both empty where none is one."""
+    if all(group.particles is None for group in groups):
+        return np.zeros((0, 14), np.float32), np.zeros(0, np.uint32)
+    states: list[NDArray[np.float32]] = []
+    indices: list[NDArray[np.uint32]] = []
+    count = 0
+    for group in groups:
+        of_group = np.full(len(group.object_names), NO_PARTICLE, np.uint32)
+        if group.particles is not None:
+            is_one = ~np.isnan(group.particles[:, 0])
+            found = group.particles[is_one]
+            of_group[is_one] = np.arange(count, count + len(found), dtype=np.uint32)
+            states.append(found)
+            count += len(found)
+        indices.append(of_group)
+    return np.ascontiguousarray(np.concatenate(states), np.float32), np.concatenate(indices)
 
 
 def colors_of(groups: list[Instances], counts: list[int]) -> NDArray[np.float32]:

@@ -69,10 +69,13 @@ def _are_alike(before: Instances, after: Instances) -> bool:
     """But for where they stand."""
     if before.mesh.key != after.mesh.key or before.world_from_object.shape != after.world_from_object.shape:
         return False
-    if before.random is None or after.random is None:
-        if before.random is not after.random:
+    arrays = {"random", "particles"}  # or None
+    for name in arrays:
+        one, other = getattr(before, name), getattr(after, name)
+        if one is None or other is None:
+            if one is not other:
+                return False
+        elif not np.array_equal(one, other, equal_nan=True):
             return False
-    elif not np.array_equal(before.random, after.random):
-        return False
-    names = {entry.name for entry in fields(Instances)} - {"mesh", "world_from_object", "random"}
+    names = {entry.name for entry in fields(Instances)} - {"mesh", "world_from_object", *arrays}
     return all(getattr(before, name) == getattr(after, name) for name in names)

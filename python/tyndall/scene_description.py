@@ -95,6 +95,9 @@ class Instances:
     color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)  #: The object's own, for materials that ask.
     pass_index: float = 0.0
     random: NDArray[np.float32] | None = None  #: (count,) in [0, 1), for materials that ask; None: all 0.
+    #: (count, 14), for materials that ask which particle each is: its index, a random number in [0, 1), age and
+    #: lifetime in frames, size; location, velocity and angular velocity in the world. NaN: none. None: none is one.
+    particles: NDArray[np.float32] | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -3,13 +3,11 @@
 
 from __future__ import annotations
 
-import bpy
 import pytest
 
-from addon import last_render
 from support.engine_pictures import cycles_pixels, tyndall_pixels
-from support.input_setups import INPUT_SETUPS, output
-from support.patch_nodes import Link, New, Shown, Socket, patch_scene, shown_on_patches
+from support.input_setups import INPUT_SETUPS
+from support.patch_nodes import Link, New, Shown, Socket, shown_on_patches
 from support.small_scenes import add, empty_scene, material, mesh
 
 #: A picture of Cycles is up to a hundredth of a pixel off its pixels' centres.
@@ -61,13 +59,3 @@ def test_instances_have_random_numbers_of_their_own() -> None:
     cycles = cycles_pixels(scene, samples=1, seed=1)
     assert ours == pytest.approx(cycles, abs=1e-5)
     assert len({round(float(value), 4) for value in ours[..., 0].ravel()}) > 30
-
-
-def test_what_is_not_there_is_named_once() -> None:
-    scene = patch_scene({"Parted": output("ShaderNodeParticleInfo", "Index")})
-    tyndall_pixels(scene)
-    reports = [
-        line for line in last_render.statistics_of("Scene")["reports"] if "Parted" in line and "Particle" in line
-    ]
-    assert len(reports) == 1
-    assert bpy.data.materials["Parted"] is not None

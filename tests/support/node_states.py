@@ -149,6 +149,7 @@ TESTS = {
     "ShaderNodeBsdfSheen": "test_sheen_agreement",
     "ShaderNodeSubsurfaceScattering": "test_subsurface_agreement",
     "ShaderNodeHairInfo": "test_hair_agreement",
+    "ShaderNodeParticleInfo": "test_particle_info",
     "ShaderNodePointInfo": "test_point_info",
     **dict.fromkeys(["ShaderNodeBsdfHair", "ShaderNodeBsdfHairPrincipled"], "test_hair_shaders"),
     "ShaderNodeHoldout": "test_holdouts",

@@ -46,6 +46,8 @@ TEST_CASE("whatever else differs, nothing is told: the scene is another one") {
         [](auto& scene) { scene.media[0].sigma_a_per_m = Rgb(1.0f); },
         [](auto& scene) { scene.volumes.emplace_back(); },
         [](auto& scene) { scene.world_medium_index = 0; },
+        [](auto& scene) { scene.particles = {{.age = 2.0f}}; },
+        [](auto& scene) { scene.instance_particles.assign(2, 0); },
         [](auto& scene) { scene.instances[1].first_slot_material = 2; },
     };
     for (std::size_t index = 0; index < changes.size(); ++index) {

@@ -91,6 +91,30 @@ TEST_CASE("rays are told apart by kind, objects by what they are") {
     CHECK(ProgramPoint{}.object.info == nullptr); // and is read as a white object's
 }
 
+TEST_CASE("a particle tells what it is, and what is none nothing but the hash of 0") {
+    Placed placed;
+    CHECK(placed.read(PointInput::ParticleAge) == Rgb(0.0f));
+    CHECK(placed.read(PointInput::ParticleLocation) == Rgb(0.0f));
+    CHECK(placed.read(PointInput::ParticleRandom).x == doctest::Approx(0.86031276f));
+    const ParticleState particle{.index = 3.0f,
+                                 .random = 0.25f,
+                                 .age = 7.5f,
+                                 .lifetime = 40.0f,
+                                 .size = 0.1f,
+                                 .location = {1, 2, 3},
+                                 .velocity = {4, 5, 6},
+                                 .angular_velocity = {7, 8, 9}};
+    placed.point.object.particle = &particle;
+    CHECK(placed.read(PointInput::ParticleIndex) == Rgb(3.0f));
+    CHECK(placed.read(PointInput::ParticleRandom) == Rgb(0.25f));
+    CHECK(placed.read(PointInput::ParticleAge) == Rgb(7.5f));
+    CHECK(placed.read(PointInput::ParticleLifetime) == Rgb(40.0f));
+    CHECK(placed.read(PointInput::ParticleSize) == Rgb(0.1f));
+    CHECK(placed.read(PointInput::ParticleLocation) == vec3(1, 2, 3)); // in the world, wherever the scene begins
+    CHECK(placed.read(PointInput::ParticleVelocity) == vec3(4, 5, 6));
+    CHECK(placed.read(PointInput::ParticleAngularVelocity) == vec3(7, 8, 9));
+}
+
 // Seen to fail with the two steps swapped, and with the distance left out.
 TEST_CASE("a bump of a plane's height has the normal of the slope") {
     Placed placed;
@@ -208,8 +232,8 @@ TEST_CASE("a cubic lookup keeps a constant and a straight slope, and is smooth a
 TEST_CASE("what this version does not know is refused") {
     Material material{.name = "odd"};
     for (const SurfaceOp& op :
-         {SurfaceOp{.code = Code::Input, .option = 20}, SurfaceOp{.code = Code::NormalMap, .option = 9},
-          SurfaceOp{.code = Code::ImageAt, .option = 4}}) {
+         {SurfaceOp{.code = Code::Input, .option = static_cast<std::uint8_t>(PointInput::PlainCount)},
+          SurfaceOp{.code = Code::NormalMap, .option = 9}, SurfaceOp{.code = Code::ImageAt, .option = 4}}) {
         material.program = {op};
         CHECK_THROWS_AS(validate(material), InvalidInput);
     }
