@@ -23,6 +23,7 @@ import bpy
 import numpy as np
 
 from ..baked_air import is_baked_air
+from .adaptive_subdivision import note_adaptive
 from .object_lighting import LightingReader
 from .particles import ParticleReader
 from .random_numbers import random_number_of
@@ -283,6 +284,8 @@ class _Grouping:
             return None
         materials = materials_of(thing) if has_shape else ()
         asks = self.particles.is_asked_for(materials)
+        if has_shape:
+            note_adaptive(source, self._depsgraph, self._reports)
         return Placement(
             object_name=owner.name,
             data=thing.data if has_shape else None,
