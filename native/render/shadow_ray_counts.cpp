@@ -4,6 +4,7 @@
 #include "core/random.hpp"
 #include "render/best_ray_counts.hpp"
 #include "render/pixel_samples.hpp"
+#include "scene/seen_part.hpp"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -86,7 +87,7 @@ public:
             }
             const std::uint32_t pixel = pixel_seed(camera_, seed_, first_x(index), first_y(index));
             const Hit hit = scene_.closest_hit(ray, camera_mask, ray_detail(camera_, ray, voxel_detail_px_, pixel, 0));
-            rays.push_back({ray.origin, ray.direction, ray.near_m, hit.is_hit() ? hit.distance_m : ray.far_m});
+            rays.push_back({ray.origin, ray.direction, ray.near_m, seen_part(media_, ray, hit).far_m});
         }
         return rays;
     }
@@ -166,9 +167,7 @@ private:
                 continue;
             }
             const Hit& hit = hits[pixel];
-            Ray inside = rays[pixel];
-            if (hit.is_hit())
-                inside.far_m = hit.distance_m;
+            const Ray inside = seen_part(media_, rays[pixel], hit);
             const Rgb passing = media_.is_empty() ? Rgb(1.0f) : media_.transmittance(inside);
             seen.opacity[pixel][camera_ray] = 1.0f - average(passing);
             if (!hit.is_hit()) {

@@ -3,6 +3,7 @@
 #include "render/follower.hpp"
 #include "render/pixel_footprint.hpp"
 #include "render/sent_rays.hpp"
+#include "scene/seen_part.hpp"
 #include "scene/strand_spawn.hpp"
 #include <algorithm>
 #include <array>
@@ -37,9 +38,7 @@ std::optional<float> ViewPath::goes_on_at(const Follower& follower, const Ray& c
 
 void ViewPath::pass_media(Follower& follower, const Hit& hit, const Ray& camera_ray, PathSample& sample,
                           std::vector<MediumPart>& parts) const {
-    Ray inside = follower.part;
-    if (hit.is_hit())
-        inside.far_m = hit.distance_m;
+    const Ray inside = seen_part(media_, follower.part, hit);
     const Rgb in_front = follower.throughput();
     if (config_.collects_parts)
         if (const std::optional<float> before_m = goes_on_at(follower, camera_ray))

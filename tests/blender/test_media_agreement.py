@@ -11,6 +11,7 @@ import pytest
 
 from addon.sync.reports import Reports
 from addon.sync.scene import SceneReader
+from support.cycles_reference import tyndall_pixels as pixels_by_methods
 from support.engine_pictures import cycles_pixels, tyndall_pixels
 from support.small_scenes import Build, Node, block_shadow_rays, cube, empty_scene, light, material, node, plane, read
 
@@ -154,6 +155,22 @@ def test_a_medium_that_fills_the_world() -> None:
     tree.links.new(scatter(tree.nodes.new, tree.links.new), tree.nodes["World Output"].inputs["Volume"])
     described = read()
     assert described.media[described.world.medium].name == "World"
+
+
+# Seen to fail: with fog that ends where the camera's clipping does, behind which the world shows.
+def test_fog_of_the_world_does_not_end_where_surfaces_are_clipped() -> None:
+    """A camera that clips at 2 m sees a lamp's light in all of the fog, and nothing of the world behind it."""
+    scene = empty_scene()
+    tree = scene.world.node_tree
+    tree.nodes["Background"].inputs["Color"].default_value = (0.5, 0.5, 0.5, 1)
+    fog = node(tree.nodes.new, "ShaderNodeVolumeScatter", Color=COLOUR, Density=0.3).outputs[0]
+    tree.links.new(fog, tree.nodes["World Output"].inputs["Volume"])
+    scene.camera.data.clip_end = 2.0
+    light("POINT", (1.0, 0.5, -2.0), energy=100.0)
+    ours = pixels_by_methods(scene, ["EXACT", "EPIPOLAR"], light_samples=4, world_samples=1)
+    reference = cycles_pixels(scene, 64, 1).mean(axis=(0, 1))
+    for picture in ours:
+        assert picture.mean(axis=(0, 1)) == pytest.approx(reference, rel=0.01)
 
 
 def test_a_colour_that_varies_is_read_as_its_middle_and_named() -> None:
