@@ -112,12 +112,18 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
             if (!light.cells.empty())
                 beam.cell = &light.cells[index];
             if (sample.is_directional)
-                shares.add(beam.directional.emplace(media, sample, config.attenuates_light));
+                beam.directional.emplace(media, sample, config.attenuates_light);
             else
-                shares.add(beam.local.emplace(media, sample, config.attenuates_light));
+                beam.local.emplace(media, sample, config.attenuates_light);
+            // Where media only absorb, to walk them for shares of nothing would take most of a frame.
+            if (sample.is_directional ? beam.directional->is_black() : beam.local->is_black())
+                continue;
+            if (sample.is_directional)
+                shares.add(*beam.directional);
+            else
+                shares.add(*beam.local);
             beam.share = shares.size() - 1;
-            if (!(sample.is_directional ? beam.directional->is_black() : beam.local->is_black()))
-                beams.beams.push_back(std::move(beam));
+            beams.beams.push_back(std::move(beam));
         }
         if (beams.beams.empty()) {
             statistics.skip("light shafts of " + light.name, "no medium scatters its light");
