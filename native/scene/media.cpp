@@ -51,6 +51,20 @@ struct Media::Boundaries {
     [[nodiscard]] const MediumBoundary* only_box() const {
         return all.size() == 1 && all[0].is_box && world_medium < 0 ? &all[0] : nullptr;
     }
+
+    /// Of a boundary that a ray from there leaves. An open one tells by what is above, as in Cycles: a sheet whose back
+    /// is seen from afar, a picture on a wall, would else fill all the way to it.
+    [[nodiscard]] bool starts_inside(std::uint32_t boundary, const vec3& origin) const {
+        if (all[boundary].is_closed)
+            return true;
+        thread_local std::vector<MediumCrossing> above;
+        above.clear();
+        meshes->append(origin, {0.0f, 0.0f, 1.0f}, above);
+        std::int32_t winding = 0;
+        for (const MediumCrossing& crossing : above)
+            winding += crossing.boundary == boundary ? crossing.winding_step : 0;
+        return winding < 0;
+    }
 };
 
 static bool acts(const Medium& medium) {
@@ -109,8 +123,11 @@ static BoxInterval part_in_box(const MediumBoundary& boundary, const Ray& ray) {
 }
 
 /// Walks the sorted crossings with one winding number per boundary, and emits a segment wherever the set changes.
+/// `starts_inside` tells of a boundary that the ray leaves more often than it enters it whether the ray begins there.
+template <typename StartsInside>
 static void sweep(std::vector<MediumCrossing>& crossings, std::span<const MediumBoundary> boundaries,
-                  std::int32_t world_medium, const Ray& ray, std::vector<MediumSegment>& segments) {
+                  std::int32_t world_medium, const Ray& ray, const StartsInside& starts_inside,
+                  std::vector<MediumSegment>& segments) {
     std::stable_sort(crossings.begin(), crossings.end(),
                      [](const MediumCrossing& a, const MediumCrossing& b) { return a.distance_m < b.distance_m; });
     struct Winding {
@@ -128,7 +145,8 @@ static void sweep(std::vector<MediumCrossing>& crossings, std::span<const Medium
     for (const MediumCrossing& crossing : crossings)
         winding_of(crossing.boundary).number -= crossing.winding_step;
     for (Winding& winding : windings) // a closed mesh ends at 0; an open one that faces the ray starts there
-        winding.number = std::max(winding.number, 0);
+        if (winding.number < 0 || (winding.number > 0 && !starts_inside(winding.boundary)))
+            winding.number = 0;
 
     float from_m = ray.near_m;
     const auto emit_until = [&](float to_m) {
@@ -199,7 +217,9 @@ void Media::homogeneous_segments(const Ray& ray, std::vector<MediumSegment>& seg
     // A segment may only join one of the same ray.
     thread_local std::vector<MediumSegment> own;
     own.clear();
-    sweep(crossings, scene.all, scene.world_medium, ray, own);
+    sweep(
+        crossings, scene.all, scene.world_medium, ray,
+        [&](std::uint32_t boundary) { return scene.starts_inside(boundary, ray.origin); }, own);
     segments.insert(segments.end(), own.begin(), own.end());
 }
 
