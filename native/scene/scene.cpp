@@ -179,8 +179,10 @@ void Scene::Geometry::drop_unusable_instances() {
         if (mesh == nullptr)
             continue;
         std::string what;
+        // What has no area covers nothing: models have some, and nobody misses them unless they are most of one.
+        const std::size_t flat = mesh->degenerate_triangle_count(), of_any_use = mesh->triangle_count();
         for (const auto& [count, kind] : {std::pair{mesh->non_finite_triangle_count(), "a vertex that is not finite"},
-                                          {mesh->degenerate_triangle_count(), "no area"}})
+                                          {flat >= of_any_use ? flat : std::size_t{0}, "no area"}})
             if (count > 0)
                 what += (what.empty() ? "" : " and ") + std::to_string(count) +
                         (count == 1 ? " triangle with " : " triangles with ") + kind;

@@ -304,6 +304,11 @@ TEST_CASE("unusable triangles are counted, named, and their neighbours keep slot
     const auto flat =
         mesh_of({.name = "flat", .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}, {0, 1, 1}}});
     CHECK(make_scene({{.mesh = flat}})->statistics().reports[0] == "mesh 'flat': left out 1 triangle with no area");
+    const auto sound = mesh_of({.name = "sound",
+                                .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
+                                .triangles = {{0, 1, 2}, {0, 1, 1}, {1, 3, 2}}});
+    CHECK(sound->degenerate_triangle_count() == 1);
+    CHECK(make_scene({{.mesh = sound}})->statistics().reports.empty());
 }
 TEST_CASE("what is so small that rays overflow in its space is left out; a crystal of 1e-12 m is not") {
     const auto reports_of = [](float scale) {
