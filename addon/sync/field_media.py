@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volume shaders of meshes whose density or emission strength varies by nodes: media that grids of it modulate.
+"""Volume shaders of meshes whose density, emission or colours vary by nodes: media that grids of it modulate.
 
 A shader is linear in each of these inputs, as in the grids of volume objects (`volumes.py`): its coefficients where all
-of them are 0 are the mesh's own medium; what it adds where one is 1 is a medium that a grid of this one multiplies.
+of them are 0 are the mesh's own medium; what it adds where one is 1 is a medium that a grid of this one multiplies. A
+colour that varies is three inputs, each of which is its channel times the number that goes with it.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from tyndall.density_fields import FieldPlace, SampledField, field_key, sampled
 from tyndall.scene_description import Medium, Volume
 
 from .mesh_attributes import GENERATED, made_maps
-from .program import BLACK, Term
+from .program import BLACK, WHITE, Term
 from .random_numbers import as_unit_floats
 from .value_nodes import Domain, ValueReader
 from .volume_nodes import IGNORES_RAY_VISIBILITY, difference, medium_of, read_coefficients
@@ -60,8 +61,26 @@ class FieldReader(ValueReader):
         if at is None or not at.is_connected():
             return None
         value = self._at_points.number(at)
-        if not isinstance(value, Term):
+        return self._asked(value) if isinstance(value, Term) else None
+
+    def field_colour(
+        self, number: Socket | None, colour: Socket | None, *, is_complement: bool = False
+    ) -> tuple[float, float, float] | None:
+        if colour is None or not colour.is_connected():
             return None
+        program, tint = self._at_points.program, self._at_points.colour(colour)
+        if not isinstance(tint, Term):
+            return None
+        amount = WHITE if number is None else self._at_points.number(number)
+        red, green, blue = (
+            self._asked(program.multiply(amount, program.complement(channel) if is_complement else channel))
+            for channel in (program.channel(tint, index) for index in range(3))
+        )
+        return red, green, blue
+
+    def _asked(self, value: Value) -> float:
+        if not isinstance(value, Term):
+            return value[0]
         self.asked[value] = None
         return self.values.get(value, 0.0)
 

@@ -76,6 +76,12 @@ class ValueReader:
         """What an input that varies has, at the place for which the reader answers; None: it is read as a constant."""
         return None
 
+    def field_colour(
+        self, _number: Socket | None, _colour: Socket | None, *, is_complement: bool = False
+    ) -> tuple[float, float, float] | None:
+        """The same of a colour, or of what it lacks, times a number; None where the colour does not vary."""
+        return None
+
     def image(self, at: Socket) -> Value:
         """The value of an image node, in a domain that has them all alike."""
         self.unsupported(at, "is read as mid grey: textures do not reach here")

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Volume shaders as homogeneous media, or as media that a volume object's grids modulate, as Cycles reads them.
 
-Where nodes vary a density or an emission's strength, `field_media.py` says by how much; other varying inputs are read
-as 0.5 or mid grey, with a note.
+Where nodes vary a density, an emission's strength or a colour, `field_media.py` says by how much; other varying inputs
+are read as 0.5 or mid grey, with a note.
 """
 
 from __future__ import annotations
@@ -110,12 +110,19 @@ def _factor(reader: ValueReader, at: Socket | None) -> float:
     return reader.constant(at) if field is None else field
 
 
-def _density(reader: ValueReader, at: Socket) -> float:
-    return max(_factor(reader, at.input("Density")), 0.0)
-
-
 def _colour(reader: ValueReader, at: Socket, name: str = "Color") -> Rgb64:
     return np.array(reader.constant_colour(at.input(name)))
+
+
+def _tinted(
+    reader: ValueReader, at: Socket, number: str, colour: str = "Color", *, is_complement: bool = False
+) -> Rgb64:
+    """A number times a colour, or times what the colour lacks; nothing of either below 0."""
+    varying = reader.field_colour(at.input(number), at.input(colour), is_complement=is_complement)
+    if varying is not None:
+        return np.maximum(varying, 0.0)
+    tint = _colour(reader, at, colour)
+    return max(_factor(reader, at.input(number)), 0.0) * np.maximum(1.0 - tint if is_complement else tint, 0.0)
 
 
 def _asymmetry(reader: ValueReader, at: Socket) -> float:
@@ -129,24 +136,23 @@ def _asymmetry(reader: ValueReader, at: Socket) -> float:
 
 
 def _scatter(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
-    sigma_s = weight * _density(reader, at) * _colour(reader, at)
-    coefficients.scatter.append((np.maximum(sigma_s, 0.0), _asymmetry(reader, at)))
+    coefficients.scatter.append((weight * _tinted(reader, at, "Density"), _asymmetry(reader, at)))
 
 
 def _absorption(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
-    coefficients.absorption += np.maximum(weight * _density(reader, at) * (1.0 - _colour(reader, at)), 0.0)
+    coefficients.absorption += weight * _tinted(reader, at, "Density", is_complement=True)
 
 
 def _principled(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
-    density, colour = weight * _density(reader, at) * _grid_density(reader, at), _colour(reader, at)
-    coefficients.scatter.append((np.maximum(density * colour, 0.0), _asymmetry(reader, at)))
+    density = weight * _grid_density(reader, at)
+    coefficients.scatter.append((density * _tinted(reader, at, "Density"), _asymmetry(reader, at)))
     # The square root makes the absorption colour act evenly over its range.
     kept = np.sqrt(np.maximum(_colour(reader, at, "Absorption Color"), 0.0))
-    coefficients.absorption += density * np.maximum(1.0 - colour, 0.0) * np.maximum(1.0 - kept, 0.0)
+    lacks = _tinted(reader, at, "Density", is_complement=True)
+    coefficients.absorption += density * lacks * np.maximum(1.0 - kept, 0.0)
     # Emission does not depend on density; nor, in 3.x, on the factor of a Mix Shader.
     emission_weight = weight if bpy.app.version >= (4, 0, 0) else 1.0
-    strength = max(_factor(reader, at.input("Emission Strength")), 0.0)
-    coefficients.emission += emission_weight * strength * _colour(reader, at, "Emission Color")
+    coefficients.emission += emission_weight * _tinted(reader, at, "Emission Strength", "Emission Color")
     coefficients.emission += emission_weight * _flame(reader, at)
 
 
@@ -176,7 +182,7 @@ def _volume_coefficients(reader: ValueReader, at: Socket, weight: float, coeffic
 
 
 def _emission(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
-    coefficients.emission += weight * _factor(reader, at.input("Strength")) * _colour(reader, at)
+    coefficients.emission += weight * _tinted(reader, at, "Strength")
 
 
 def _mix_shader(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:

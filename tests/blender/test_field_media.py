@@ -101,6 +101,70 @@ def test_a_glow_that_rises_along_x_is_its_strength_times_the_way_through_it() ->
     assert ours == pytest.approx(closed_form, rel=1e-3)
 
 
+def rainbow(new: New, link: Link) -> Socket:
+    """Red rises along x, and green falls."""
+    both = new("ShaderNodeCombineXYZ")
+    along = slope(new, link)
+    less = new("ShaderNodeMath")
+    less.operation, less.inputs[0].default_value = "SUBTRACT", 1.0
+    link(along, less.inputs[1])
+    link(along, both.inputs[0])
+    link(less.outputs[0], both.inputs[1])
+    both.inputs[2].default_value = 0.25
+    return both.outputs[0]
+
+
+# Seen to fail: with mid grey for colours that vary, as it was.
+@pytest.mark.parametrize(
+    ("kind", "socket", "number"),
+    [
+        ("ShaderNodeEmission", "Color", {"Strength": 0.4}),
+        ("ShaderNodeVolumePrincipled", "Emission Color", {"Emission_Strength": 0.4, "Density": 0.0}),
+    ],
+)
+def test_a_glow_whose_colour_varies_is_that_colour_times_the_way_through_it(
+    kind: str, socket: str, number: dict[str, float]
+) -> None:
+    """Of a box 3 m wide and 2 m deep."""
+    scene = look(width_m=2.4, size_px=24)
+    cube("Box", material("Glow", volume=varying(kind, socket, rainbow, **number))).scale.x = 1.5
+    assert read().reports == ()
+    x = (np.arange(24) + 0.5) * 0.1 - 1.2
+    rises = x / 3.0 + 0.5
+    closed_form = 2.0 * 0.4 * np.stack([rises, 1.0 - rises, np.full(24, 0.25)], axis=1)
+    assert tyndall_pixels(scene)[12] == pytest.approx(closed_form, rel=1e-3)
+
+
+def _coloured_by(kind: str) -> Build:
+    """Density and colour both vary."""
+
+    def shader(new: New, link: Link) -> Socket:
+        shader = varying(kind, "Color", rainbow)(new, link)
+        link(slope(new, link), shader.node.inputs["Density"])
+        return shader
+
+    return shader
+
+
+def test_fog_whose_colour_varies_dims_a_wall_as_in_cycles() -> None:
+    scene = look(size_px=12)
+    plane(-3.0, material("Wall", surface=wall))
+    cube("Box", material("Fog", volume=_coloured_by("ShaderNodeVolumeAbsorption")))
+    scene.cycles.volume_step_rate = 0.05
+    ours, cycles = tyndall_pixels(scene), cycles_pixels(scene, samples=16, seed=1)
+    assert cycles[..., 0].min() < 0.9 * cycles[..., 0].max()
+    assert rms_difference(ours, cycles) < 0.01
+
+
+def test_a_principled_volume_absorbs_what_its_varying_colour_does_not_scatter() -> None:
+    """Together its density, in each channel: 2 m deep, from 0 to 1 per metre along x."""
+    scene = look(width_m=1.8, size_px=12)
+    plane(-3.0, material("Wall", surface=wall))
+    cube("Box", material("Fog", volume=_coloured_by("ShaderNodeVolumePrincipled")))
+    density_per_m = 0.5 + 0.5 * ((np.arange(12) + 0.5) * 0.15 - 0.9)
+    assert tyndall_pixels(scene)[6] == pytest.approx(np.exp(-2.0 * density_per_m)[:, np.newaxis].repeat(3, 1), rel=2e-3)
+
+
 def test_boxes_of_one_mesh_have_lumps_each_of_its_own_place() -> None:
     """Noise in the world differs between them; the grids follow what moves, and are kept of what does not."""
 
