@@ -181,8 +181,9 @@ private:
             beam.local->lit_intervals(block.local, beam.visibility.get(), steps.lit);
             for (std::uint32_t ray = 0; ray < block.rays.size(); ++ray)
                 if (find_shares(ray, ray, steps))
-                    add_local(prepared_.media, block.rays[ray], beam.sample, prepared_.attenuates_light, strata_weight,
-                              steps.of_ray[ray], steps.shares, weights_of(ray, steps));
+                    add_local(prepared_.media, block.rays[ray], beam.sample,
+                              prepared_.attenuates_light && beam.sample.casts_shadow, strata_weight, steps.of_ray[ray],
+                              steps.shares, weights_of(ray, steps));
             return;
         }
         const std::size_t step_count = air_.heterogeneity().step_count;

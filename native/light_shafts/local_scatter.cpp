@@ -21,12 +21,12 @@ static constexpr float fewest_distance_parts = 16.0f;
 
 LocalScatter::LocalScatter(const Media& media, const LightSample& light, bool attenuates_light)
     : media_(media), light_(light), shape_(light), boundaries_(media, light.position),
-      attenuates_light_(attenuates_light) {
+      attenuates_light_(attenuates_light && light.casts_shadow) {
     Rgb sigma_s(0.0f);
     for (const Medium& medium : media.scene().description().media)
         sigma_s += medium.sigma_s_per_m();
     is_black_ = media.is_empty() || light.strength * sigma_s == Rgb(0.0f);
-    if (!attenuates_light)
+    if (!attenuates_light_)
         return;
     // Any direction tells which media hold the light; this one lies in no plane that modellers favour.
     std::vector<MediumSegment> segments;

@@ -53,7 +53,7 @@ std::uint32_t key_of(const ViewRay& ray, const LightSample& light, std::uint32_t
 class Tracker {
 public:
     Tracker(const Media& media, const LightSample& light, bool attenuates_light, const ViewRay& ray, std::uint32_t seed)
-        : media_(media), light_(light), attenuates_light_(attenuates_light), ray_(ray),
+        : media_(media), light_(light), attenuates_light_(attenuates_light && light.casts_shadow), ray_(ray),
           random_(key_of(ray, light, seed)) {}
 
     /// Of the light that reaches the camera from around the point, without what shadows it: radiance per metre.

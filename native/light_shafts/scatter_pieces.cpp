@@ -26,8 +26,8 @@ Rgb scattered(const ScatterPiece& piece, float near_m, float far_m) {
 
 DirectionalScatter::DirectionalScatter(const Media& media, const LightSample& light, bool attenuates_light)
     : media_(media), towards_light_(light.towards_light), irradiance_(light.strength), light_(light),
-      attenuates_light_(attenuates_light) {
-    if (attenuates_light && media.fills_world()) {
+      attenuates_light_(attenuates_light && light.casts_shadow) { // to Cycles, fog is a shadow as well
+    if (attenuates_light_ && media.fills_world()) {
         MediumSet world;
         world.insert(static_cast<std::uint16_t>(media.world_medium_index()));
         const Rgb sigma_t = media.sigma_t_per_m(world);

@@ -168,7 +168,7 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
             statistics.skip(what, "no strength");
             continue;
         }
-        if (light.kind == LightKind::Sun && drowns_suns) {
+        if (light.kind == LightKind::Sun && light.casts_shadow && drowns_suns) {
             statistics.skip(what, remedy);
             statistics.report(light.name + ": no light shafts, " + remedy);
             continue;

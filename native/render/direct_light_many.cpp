@@ -78,6 +78,8 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
     if (has_media_ && surface.among == Among::All)
         media_.attenuate(shadow.all(), shadow.passing);
     for (std::size_t index = 0; index < shadow.count; ++index) {
+        if (!shadow.casts[index]) // not even fog's
+            shadow.passing[index] = Rgb(1.0f);
         Irradiance found;
         found.unshadowed = shadow.arriving[index];
         found.from_lights = shadow.arriving[index] * shadow.passing[index] * shadow.shares[index];
@@ -129,7 +131,7 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
                 passing[0] = scene_.shadow_transmittance(ray, surface.among);
                 blocked = passing[0] == Rgb(0.0f) ? &ray : nullptr;
             }
-            if (has_media_ && surface.among == Among::All)
+            if (has_media_ && surface.among == Among::All && to_lamp.lamp->casts_shadow)
                 media_.attenuate({&ray, 1}, passing);
             const Irradiance found{.reflected = to_lamp.reflected * passing[0]};
             irradiance[index] += found;

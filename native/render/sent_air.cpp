@@ -75,10 +75,9 @@ Rgb SentAir::scattered(const MediaLine& line, const Place& place, const Light& l
                   .direction = towards_light,
                   .near_m = 0.0f,
                   .far_m = far_m};
-    const Media* const dimming = config_.attenuates_light ? &media_ : nullptr;
-    if (light.casts_shadow)
-        return radiance * passing_along(scene_, dimming, ray, links);
-    return dimming != nullptr ? radiance * dimming->transmittance(ray) : radiance;
+    if (!light.casts_shadow)
+        return radiance;
+    return radiance * passing_along(scene_, config_.attenuates_light ? &media_ : nullptr, ray, links);
 }
 
 /// Where a spot's cone from a place on it, or what lies before an area light, has the line: a part of it, or all.
