@@ -4,8 +4,9 @@
 //   see_and_build   from the rays to the matrix and the first gradient, with the visibility of three views
 //   steps           32 steps of the solver
 //   products        T x and T' y, once each
-// Args: 0 the atrium (where its file is present), 1 the forest, 2 the atrium under a spot. Worst case: whole pictures are painted, in colours that no
-// light map can throw, and thinned to that many pixels, so that strokes see nearly all texels.
+// Args: 0 the atrium (where its file is present), 1 the forest, 2 the atrium under a spot. Worst case: whole pictures
+//       are painted, in colours that no light map can throw, and thinned to that many pixels, so that strokes see
+//       nearly all texels.
 #include "light_shafts/light_map_fit.hpp"
 #include "light_shafts/map_cache.hpp"
 #include "support/machine.hpp"

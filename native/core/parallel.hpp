@@ -19,8 +19,8 @@ void run_blocks(std::size_t count, std::size_t block_size, const Progress& progr
                 void (*call)(const void* work, std::size_t begin, std::size_t end));
 } // namespace parallel
 
-/// Runs work inside an arena of at most `thread_count` threads; 0 means all cores. Never tbb::global_control: where TBB is shared
-/// with Blender, that throttles Blender, too.
+/// Runs work inside an arena of at most `thread_count` threads; 0 means all cores. Never tbb::global_control: where TBB
+/// is shared with Blender, that throttles Blender, too.
 template <typename Work>
 auto with_threads(int thread_count, Work&& work) {
     using Result = std::invoke_result_t<Work&>;

@@ -48,8 +48,8 @@ struct AirGrid {
 /// The camera whose pixels columns stand among: the picture's own, or, of a panorama of another kind, an equirectangular
 /// one of all directions with pixels as wide as in the picture's middle.
 [[nodiscard]] Camera camera_of_columns(const Camera& camera);
-/// Of a camera of columns. Steps as long as those that rays which end halfway would have alone, as far as light of `most_depth` optical depth comes;
-/// columns are as far apart at the far end as steps are long, and at least a pixel.
+/// Of a camera of columns. Steps as long as those that rays which end halfway would have alone, as far as light of
+/// `most_depth` optical depth comes; columns are as far apart at the far end as steps are long, and at least a pixel.
 [[nodiscard]] AirGrid make_air_grid(const Media& media, const Camera& camera, const AirTexture& air, float most_depth);
 
 /// Made where and as far as they are asked for. Safe from any thread; the bits depend neither on who asks nor in what order.

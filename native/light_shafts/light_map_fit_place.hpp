@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a light's map lies. A sun's: across its light, along its own axes, in metres from its origin, as its masks and its gobo.
-// A lamp's fills its cone, or surrounds it.
+// Where a light's map lies. A sun's: across its light, along its own axes, in metres from its origin, as its masks and
+// its gobo. A lamp's fills its cone, or surrounds it.
 // Based on: Kol, dissertation, TU Delft 2018, section 5.4.2: the map has a resolution and a focus of its own.
 // Differs:  the focus is what the strokes' rays see lit, grown to one of few sizes and moved by whole texels, so that a map
 //           that is fitted again, or continued from another camera, has its texels where they were.

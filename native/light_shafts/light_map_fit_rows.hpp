@@ -21,8 +21,8 @@ void grow_focus(const SeenRay& seen, const LightMapAxes& axes, Focus& focus);
 /// Whether the channels of all the ray scatters stand in one proportion, so that one weight does for three.
 [[nodiscard]] bool is_grey(const SeenRay& seen);
 
-/// Deals `channels` amounts, 1 or 3, at each position out to the lines before and behind it. Overwrites line_weights, 1 or 4 for
-/// each line from the returned one on.
+/// Deals `channels` amounts, 1 or 3, at each position out to the lines before and behind it. Overwrites line_weights, 1
+/// or 4 for each line from the returned one on.
 float deal_out(std::span<const float> positions, std::span<const float> amounts, std::size_t channels,
                std::vector<float>& line_weights);
 

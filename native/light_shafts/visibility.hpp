@@ -62,7 +62,8 @@ public:
     /// with its own `rows`.
     virtual void lit_intervals(std::span<const ViewRay> rays, LitRows& rows) const = 0;
     /// Adds to each ray the radiance that its pieces scatter where they are lit, and to lit_length_m the length of the
-    /// lit parts (weighted by the transmittance's mean), unless that is empty: not asked for. By lit_intervals, unless a method fuses the two.
+    /// lit parts (weighted by the transmittance's mean), unless that is empty: not asked for. By lit_intervals, unless
+    /// a method fuses the two.
     virtual void add_scattered(std::span<const ViewRay> rays, const PieceRows& pieces, std::span<Rgb> radiance,
                                std::span<float> lit_length_m) const;
     /// Overwrites the share of each ray's steps that is lit, weighted by the mean of the transmittance: step s of ray r is

@@ -3,9 +3,9 @@
 // Based on: Cycles, film/denoising_passes.h: features are those of the first surface that is not mostly sharp (mirror,
 //           glass, what lets light pass), seen through what is; emission and world count as colour.
 // Differs:  layers and mirrors are followed with their shares, not picked at random: features have no noise but that of
-//           edges, and never those of what a diffuse bounce meets. A sample's colour ends at 1, where denoisers would cut the mean. Gloss as sharp as a mirror that is not
-//           followed counts with its colour, as if it mirrored white. Media count for nothing: shafts have no noise that
-//           wants a guide.
+//           edges, and never those of what a diffuse bounce meets. A sample's colour ends at 1, where denoisers would
+//           cut the mean. Gloss as sharp as a mirror that is not followed counts with its colour, as if it mirrored
+//           white. Media count for nothing: shafts have no noise that wants a guide.
 // Bound:    28 bytes per pixel; nothing is found where nobody asks.
 #pragma once
 #include "core/math.hpp"

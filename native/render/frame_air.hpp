@@ -19,8 +19,8 @@
 namespace tyndall::render {
 class FrameAir {
 public:
-    /// `camera` must outlive this. Makes the noise volume unless it is kept. `fills_dark`: rays that no light reaches have a texture, too, that of
-    /// their whole length. Throws InvalidInput and Cancelled.
+    /// `camera` must outlive this. Makes the noise volume unless it is kept. `fills_dark`: rays that no light reaches
+    /// have a texture, too, that of their whole length. Throws InvalidInput and Cancelled.
     FrameAir(const Heterogeneity& heterogeneity, const Camera& camera, const Region& region, bool fills_dark,
              const Progress& progress);
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A tile of a frame whose other tiles are rendered elsewhere: with a margin, for what neighbouring pixels share, that is
 // cut off again.
-// Bound: a margin of 8 pixels to each side for each round after which pixels may stop, and the camera rays of the full frame's first sample where there are media.
+// Bound: a margin of 8 pixels to each side for each round after which pixels may stop, and the camera rays of the full
+//        frame's first sample where there are media.
 #pragma once
 #include "render/frame.hpp"
 

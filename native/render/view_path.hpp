@@ -48,10 +48,11 @@ public:
     [[nodiscard]] bool catches_shadows() const { return scene_.has_shadow_catchers(); }
     static constexpr std::uint32_t nowhere = ~0u;
     /// Follows the rays of up to DirectLight::most_points neighbouring pixels through all that they pass. Overwrites
-    /// `samples` with what they bring home without light on surfaces (adding to their groups), and appends the parts of each that lie in media to
-    /// the parts of its index. Where light is wanted, appends a batch of points per layer to the walk, of each ray for
-    /// sample targets[ray]; rays whose target is nowhere only keep the others company. Where there is `data`, one per ray,
-    /// it gets what they meet. A ray that does not exist leaves a sample as it is by itself.
+    /// `samples` with what they bring home without light on surfaces (adding to their groups), and appends the parts of
+    /// each that lie in media to the parts of its index. Where light is wanted, appends a batch of points per layer to
+    /// the walk, of each ray for sample targets[ray]; rays whose target is nowhere only keep the others company. Where
+    /// there is `data`, one per ray, it gets what they meet. A ray that does not exist leaves a sample as it is by
+    /// itself.
     void walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds, std::uint32_t sample_index,
               std::span<const std::uint32_t> targets, std::span<PathSample> samples,
               std::span<std::vector<MediumPart>> parts, SurfaceWalk* walked, const DataOfRays& data = {}) const;

@@ -6,6 +6,7 @@
 namespace tyndall {
 /// A unit vector across the unit vector `z`, as near to `x` as can be.
 [[nodiscard]] vec3 across_of(const vec3& z, const vec3& x);
-/// Columns x, y and z of unit length, right-handed; z towards a sun, against the beam of a spot or an area light, along a point light's own Z.
+/// Columns x, y and z of unit length, right-handed; z towards a sun, against the beam of a spot or an area light, along
+/// a point light's own Z.
 [[nodiscard]] mat3 light_axes(const Light& light);
 } // namespace tyndall

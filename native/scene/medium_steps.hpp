@@ -39,8 +39,8 @@ struct StepLimits {
     float depth_gain = 0.25f;   ///< Optical depth of such a step, in its densest channel.
 };
 
-/// Appends the steps of a ray, near to far, and ends it; they cover its `segments` (of Media::segments, made finite), up to where less
-/// than 1e-9 of the light would be left.
+/// Appends the steps of a ray, near to far, and ends it; they cover its `segments` (of Media::segments, made finite),
+/// up to where less than 1e-9 of the light would be left.
 void append_steps(const Media& media, const Ray& ray, std::span<const MediumSegment> segments, const StepLimits& limits,
                   MediumSteps& steps);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shapes, of cells or strands, that stand in a scene, and those of them that cast shadows, traced by themselves: what depth maps and
-// slope rows draw where meshes give them triangles.
+// Shapes, of cells or strands, that stand in a scene, and those of them that cast shadows, traced by themselves: what
+// depth maps and slope rows draw where meshes give them triangles.
 #pragma once
 #include "core/progress.hpp"
 #include "scene/cell_geometry.hpp"

@@ -6,8 +6,9 @@
 //           the cube: it tiles space. Components of gradients are evenly distributed, whose second moments, all that a
 //           mean along a ray shows, know no direction. Mip levels are box-filtered; each is told with the mean that its
 //           8 bits have, so that N / mean(N) keeps the light to rounding at every level.
-// Bound:    1.15 bytes per texel, and 8 more at each level that steps are fine enough for; 5 operations per texel and octave: along a row between two corners the noise is
-//           one cubic in the fade, whose coefficients are shared by the row's texels.
+// Bound:    1.15 bytes per texel, and 8 more at each level that steps are fine enough for; 5 operations per texel and
+//           octave: along a row between two corners the noise is one cubic in the fade, whose coefficients are shared
+//           by the row's texels.
 #pragma once
 #include "core/progress.hpp"
 #include "volume/air_noise_kernel.hpp"

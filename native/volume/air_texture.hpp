@@ -39,8 +39,8 @@ public:
     [[nodiscard]] float at(const vec3& point, float least_level, float sequence) const;
     /// Points of a ray that mean() and find() take: twice step_count, and up to the next multiple of 16.
     [[nodiscard]] std::uint32_t most_points() const { return (2 * heterogeneity_.step_count + 15) / 16 * 16; }
-    /// Mean over the points, of which there are no more than most_points(), in proportion to their weights; 1 where all of these
-    /// are 0.
+    /// Mean over the points, of which there are no more than most_points(), in proportion to their weights; 1 where all
+    /// of these are 0.
     [[nodiscard]] float mean(const AirSteps& steps) const;
     /// Of each point that has a weight; 0 of the others. Points that are asked together or apart have the same bits.
     void find(const AirSteps& steps, std::span<float> values) const;

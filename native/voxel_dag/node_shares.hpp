@@ -7,8 +7,8 @@
 //           one behind both cover a part of a place, they are taken as independent.
 //           Bricks and 8^3 are looked at when they are met: up to 8 leaves. Of 16^3 and more, distinct nodes have 24 bits
 //           each in a table without keys (retrieval_map.hpp). A file stores none of this.
-// Bound:    3.7 bytes per distinct node of 16^3 and more, 4 per topmost node: some 3 MB of an estimated 0.75 million for the dragon at 8K^3,
-//           made once.
+// Bound:    3.7 bytes per distinct node of 16^3 and more, 4 per topmost node: some 3 MB of an estimated 0.75 million
+//           for the dragon at 8K^3, made once.
 #pragma once
 #include "voxel_dag/axis_shares.hpp"
 #include "voxel_dag/retrieval_map.hpp"

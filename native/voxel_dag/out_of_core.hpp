@@ -37,7 +37,8 @@ struct OutOfCoreStatistics {
 
 class OutOfCore {
 public:
-    /// Snaps the mesh and splits the cube: as parts that are there already did, if those fit the budget. The triangles must outlive this. Throws as voxelize() and split() do.
+    /// Snaps the mesh and splits the cube: as parts that are there already did, if those fit the budget. The triangles
+    /// must outlive this. Throws as voxelize() and split() do.
     template <typename Position>
     OutOfCore(std::span<const Position> positions_m, std::span<const uvec3> triangles, const OutOfCoreConfig& config,
               const Progress& progress);

@@ -9,8 +9,9 @@
 //           level's list changes nothing.
 // Record:   the rank of its child mask in its level's list: 2 bits of class, and as many as that class has; per child 2
 //           bits of class; per child its field: in 8^3, the rank of a pair; above, for class 0, which lies inside, the rank
-//           of a tag in 32^3, else nothing; for others a rank in the dictionary below and the rank of a tag; above 16^3, with two or more children inside, 5 bits
-//           of width and the lengths of all but the last; then the records inside.
+//           of a tag in 32^3, else nothing; for others a rank in the dictionary below and the rank of a tag; above
+//           16^3, with two or more children inside, 5 bits of width and the lengths of all but the last; then the
+//           records inside.
 // Bound:    the dragon at 8K^3, 98.1 M voxels of the thin rule: 11.7 MB with 48 turns (21.6 in the published layout), 15.1
 //           with 8, 19.4 with none. One load of 64 bits per field.
 #pragma once

@@ -43,8 +43,9 @@ struct VoxelHit {
     [[nodiscard]] bool is_hit() const { return distance < std::numeric_limits<double>::infinity(); }
 };
 
-/// A ray that passes through a voxel's inside hits it, at its start where it begins there; one that only touches a corner, an edge
-/// or a face does not. Along a face of two voxels, parallel to it, it is in the upper one. Rays that are not finite miss.
+/// A ray that passes through a voxel's inside hits it, at its start where it begins there; one that only touches a
+/// corner, an edge or a face does not. Along a face of two voxels, parallel to it, it is in the upper one. Rays that
+/// are not finite miss.
 [[nodiscard]] VoxelHit trace(const Dag& dag, const VoxelRay& ray);
 [[nodiscard]] VoxelHit trace(const PackedDag& dag, const VoxelRay& ray);
 /// As many hits as rays; by a Tracer, where they are worth making one. Throws InvalidInput and Cancelled.

@@ -30,7 +30,8 @@ namespace tyndall::ggx {
         return masking(alpha, cosine_a) * masking(alpha, cosine_b);
     return 1.0f / (1.0f + lambda(alpha, cosine_a) + lambda(alpha, cosine_b));
 }
-/// Of width `alpha` along x and y, the normal that a point of the unit disc stands for: of points spread evenly, as often as the direction sees it.
+/// Of width `alpha` along x and y, the normal that a point of the unit disc stands for: of points spread evenly, as
+/// often as the direction sees it.
 [[nodiscard]] inline vec3 visible_normal(const vec3& outgoing, vec2 alpha, vec2 disc) {
     const vec3 stretched = glm::normalize(vec3(alpha.x * outgoing.x, alpha.y * outgoing.y, outgoing.z));
     const float across2 = stretched.x * stretched.x + stretched.y * stretched.y;

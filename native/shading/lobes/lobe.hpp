@@ -36,12 +36,14 @@ struct Lobe {
     enum class Fresnel : std::uint8_t { None, Dielectric, F82, Conductor };
     Kind kind = Kind::Ggx;
     Fresnel fresnel = Fresnel::None;
-    /// As up to Blender 3.x. Ggx, Beckmann: shadowing and masking are apart. Fibre: its tilt is of the light's angle, not the viewer's.
+    /// As up to Blender 3.x. Ggx, Beckmann: shadowing and masking are apart. Fibre: its tilt is of the light's angle,
+    /// not the viewer's.
     /// Subsurface: a Principled BSDF's, where light that comes in flat is dimmed.
     bool is_separable = false;
     BumpShadowing bump_shadowing = BumpShadowing::None; ///< With a normal of its own.
     SubsurfaceMethod subsurface = SubsurfaceMethod::None;
-    /// Of facets: width, (0, 1], where `tangent` says that there are two the root of their product. OrenNayar: its A. Burley: roughness. Velvet: 1 / sigma^2. Toon: angle of full light.
+    /// Of facets: width, (0, 1], where `tangent` says that there are two the root of their product. OrenNayar: its A.
+    /// Burley: roughness. Velvet: 1 / sigma^2. Toon: angle of full light.
     /// Sheen: its a. Subsurface: width of the facets that refract. Fibre: variance along. Its others: width along.
     float alpha = 1.0f;
     /// Of facets: before it was made as wide as directions can be drawn. Subsurface: its anisotropy.
@@ -52,8 +54,9 @@ struct Lobe {
     float sampling = 0.0f; ///< Share of directions that are drawn for it; shares need not add up to 1.
     Rgb weight{0.0f};
     /// Of `fresnel`. Bent: a is what the mirrored ray's light counts, as `weight` does the bent one's. OrenNayar: b is what
-    /// scatters on between facets. Subsurface: a is what subsurface::mean_free_path() says, b its albedo. Fibre: a is sine and cosine of its tilt, and phi of its
-    /// middle, b is fibre::inverse_integrals. Its others: a.x is the angle by which their middle is off.
+    /// scatters on between facets. Subsurface: a is what subsurface::mean_free_path() says, b its albedo. Fibre: a is
+    /// sine and cosine of its tilt, and phi of its middle, b is fibre::inverse_integrals. Its others: a.x is the angle
+    /// by which their middle is off.
     Rgb a{0.0f}, b{1.0f};
     vec3 normal{0.0f}; ///< Its own, unit; zero: the point's.
     /// Of framed facets, across the normal: its length is the root of how much wider they are along it than across

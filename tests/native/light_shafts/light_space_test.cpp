@@ -20,7 +20,8 @@ static dvec2 place_in_double(const Light& light, const DepthMap& face, const Map
     return {glm::dot(p, dvec3(axes[0])), glm::dot(p, dvec3(axes[1]))};
 }
 
-// Seen to fail, by one and a half texels and by others in each row, when the step from one texel to the next was the difference of two rounded places.
+// Seen to fail, by one and a half texels and by others in each row, when the step from one texel to the next was the
+// difference of two rounded places.
 TEST_CASE("the last texels of a wide map lie where their own columns say: holes have straight edges, and stay") {
     const Light light{.name = "Sun", .kind = LightKind::Sun, .towards_light = glm::normalize(vec3(-0.5f, 0.2f, 0.8f))};
     const LightSpace space(light, vec3(0.0f), 1.0f);

@@ -14,8 +14,8 @@ using namespace tyndall::support;
 
 static constexpr double infinite = std::numeric_limits<double>::infinity();
 
-// Seen to fail, in turn, with octants turned the wrong way, with one axis advanced where two planes are crossed at once, and with a
-// plane that is reached counted as not yet crossed.
+// Seen to fail, in turn, with octants turned the wrong way, with one axis advanced where two planes are crossed at
+// once, and with a plane that is reached counted as not yet crossed.
 TEST_CASE("a ray hits what testing each voxel by itself finds, bit by bit, under each symmetry and from packed bits") {
     const Progress progress;
     for (const LeafMasks& voxels :
