@@ -18,17 +18,12 @@ static vec2 air_pair(const FogGlow::Numbers& numbers, AirPair pair) {
     return pixel_pair(numbers.pixel_seed, numbers.draw, first_air_pair + static_cast<std::uint32_t>(pair));
 }
 
-/// Counts and reports are those of the camera's light shafts.
-static FogGlow silent_glow(const Scene& scene, const Media& media, const MeshEmitters& emitters,
-                           bool attenuates_light) {
-    Statistics unread;
-    return {scene, media, emitters, attenuates_light, unread};
-}
-
 SentAir::SentAir(const Scene& scene, const Media& media, const MeshEmitters& emitters, const Config& config)
-    : scene_(scene), media_(media), config_(config),
-      glow_(silent_glow(scene, media, emitters, config.attenuates_light)),
-      has_world_(config.world_scatters && !scene.world().is_black()) {
+    : scene_(scene), media_(media), config_(config), has_world_(config.world_scatters && !scene.world().is_black()) {
+    if (config.has_glow) {
+        Statistics unread; // counts and reports are those of the camera's light shafts
+        glow_.emplace(scene, media, emitters, config.attenuates_light, unread);
+    }
     std::vector<LightBounds> bounds;
     float sum = 0.0f;
     for (std::uint32_t index = 0; index < scene.lights().size(); ++index) {
@@ -205,7 +200,7 @@ void SentAir::draw_world(const MediaLine& line, const PhaseDirections& along, co
 void SentAir::draw(const light_shafts::ViewRay& part, const FogGlow::Numbers& numbers,
                    std::vector<FogGlow::Found>& found) const {
     thread_local MediaLine line;
-    glow_.assign(line, part);
+    line.assign(media_, part, StepLimits{});
     if (!line.is_empty())
         draw(line, numbers, found);
 }
@@ -220,7 +215,7 @@ void SentAir::draw(const MediaLine& line, const FogGlow::Numbers& numbers, std::
         if (has_world_)
             draw_world(line, along, numbers, found);
     }
-    if (config_.has_glow && !glow_.is_empty())
-        glow_.draw(line, numbers, found);
+    if (has_glow())
+        glow_->draw(line, numbers, found);
 }
 } // namespace tyndall::render

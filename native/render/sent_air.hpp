@@ -11,6 +11,7 @@
 // Bound:    1 us a draw in a fog box, and its shadow ray. Nothing is made where no ray is sent on, or nothing scatters.
 #pragma once
 #include "render/fog_glow.hpp"
+#include <optional>
 
 namespace tyndall::render {
 class SentAir {
@@ -23,9 +24,7 @@ public:
     SentAir(const Scene& scene, const Media& media, const MeshEmitters& emitters, const Config& config);
 
     /// No light scatters in any medium.
-    [[nodiscard]] bool is_empty() const {
-        return lamps_.empty() && suns_.empty() && !has_world_ && !(config_.has_glow && !glow_.is_empty());
-    }
+    [[nodiscard]] bool is_empty() const { return lamps_.empty() && suns_.empty() && !has_world_ && !has_glow(); }
     /// Of the lamps, suns and the world that are drawn, each once.
     [[nodiscard]] std::vector<std::uint8_t> light_groups() const;
     /// Appends what the media scatter into a part of a ray, by one draw of each kind of light: right in the mean.
@@ -35,6 +34,7 @@ public:
     void draw(const MediaLine& line, const FogGlow::Numbers& numbers, std::vector<FogGlow::Found>& found) const;
 
 private:
+    [[nodiscard]] bool has_glow() const { return glow_.has_value() && !glow_->is_empty(); }
     void draw_lamp(const MediaLine& line, const FogGlow::Numbers& numbers, std::vector<FogGlow::Found>& found) const;
     void draw_sun(const MediaLine& line, const PhaseDirections& along, const FogGlow::Numbers& numbers,
                   std::vector<FogGlow::Found>& found) const;
@@ -55,7 +55,7 @@ private:
     const Scene& scene_;
     const Media& media_;
     Config config_;
-    FogGlow glow_;
+    std::optional<FogGlow> glow_;             ///< Where it is wanted.
     std::vector<std::uint32_t> lamps_, suns_; ///< Into Scene::lights.
     LightTree tree_;                          ///< Of the lamps.
     std::vector<float> sun_shares_;           ///< Of each sun and those before it, of all their light.
