@@ -89,6 +89,7 @@ std::unique_ptr<Visibility> fill_rows(const Preparation& preparation, PreparedRo
                 return std::make_unique<RowsVisibility>(preparation, std::move(found.rows), std::move(to_keep),
                                                         std::move(found.instead));
         }
+        own->take_room();
         std::shared_ptr<const Visibility> instead = fill(*own, partial, statistics);
         if (key)
             kept->cache().keep_all(*key, {own, instead}, keep_as->instead_bytes);

@@ -11,7 +11,9 @@ namespace tyndall::light_shafts {
 static slope_rows::LayoutConfig layout_of(const Config& config) {
     const float lines = config.resolution > 0 ? static_cast<float>(config.resolution) : 20.0f / config.error_target;
     // Half as many slices as lines: slices cost a cut per triangle each, lines next to nothing.
-    return {.lines = static_cast<std::uint32_t>(std::clamp(lines, 16.0f, 16384.0f)), .slices_per_line = 0.5f};
+    return {.lines = static_cast<std::uint32_t>(std::clamp(lines, 16.0f, 16384.0f)),
+            .slices_per_line = 0.5f,
+            .room = config.room};
 }
 
 std::unique_ptr<Visibility> make_epipolar(const Scene& scene, const View& view, const LightSample& light,

@@ -18,7 +18,8 @@
 
 namespace tyndall {
 class AirTexture; // volume/air_texture.hpp
-}
+class MemoryRoom; // core/memory_room.hpp
+} // namespace tyndall
 
 namespace tyndall::light_shafts {
 /// A part of a view ray in front of its surface. Rays of one call share the camera's position or its direction.
@@ -75,6 +76,7 @@ struct Config {
     bool keeps_groups_apart = false;                 ///< Light groups have slots of their own, see Shafts::slots.
     std::uint32_t seed = 0;
     std::shared_ptr<MapCache> kept_maps = {}; ///< Maps and rows of other frames; nothing: none are kept.
+    std::shared_ptr<MemoryRoom> room = {};    ///< For maps and rows; nothing: they take what they need.
 };
 
 struct Result {

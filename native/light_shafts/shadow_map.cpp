@@ -111,6 +111,8 @@ ShadowMap raster_shadow_map(const Layout& layout, const LightSample& light, std:
         sun.window = sun_window(layout, sun.axes);
     return raster_faces(sun, light, [&](DepthMap& face, const MapWindow& window) {
         lay_out_texels(face, window, glm::uvec2(resolution));
+        face.texels->layout.room = layout.room;
+        face.texels->take_room();
         raster_depth(face, window, occluders, progress);
         if (partial != nullptr)
             raster_partial_depth(face, window, *partial, progress);
@@ -180,7 +182,7 @@ ShadowMap raster_filter_map(const SunPlace& place, float margin, const LightSamp
 static slope_rows::LayoutConfig map_layout_of(const Config& config) {
     const float texels =
         config.resolution > 0 ? static_cast<float>(config.resolution) : texels_of_map(config.error_target);
-    return {.lines = static_cast<std::uint32_t>(texels), .slices_per_line = 1.0f};
+    return {.lines = static_cast<std::uint32_t>(texels), .slices_per_line = 1.0f, .room = config.room};
 }
 
 std::unique_ptr<Visibility> make_shadow_map(const Scene& scene, const View& view, const LightSample& light,

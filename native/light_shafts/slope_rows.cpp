@@ -288,6 +288,7 @@ Layout make_layout(const Frame& frame, std::span<const RaySpan> spans, const Lay
                    const Progress& progress) {
     Layout layout;
     layout.frame = frame;
+    layout.room = config.room;
     Needs needs = find_needs(frame, spans, progress);
     if (!(needs.lowest_line <= needs.highest_line))
         return layout;
@@ -309,5 +310,13 @@ Rows::Rows(Layout layout_to_keep)
     const std::size_t blocks = layout.sample_count / block_lines + block_lines;
     lowest = std::make_unique<float[]>(blocks);
     highest = std::make_unique<float[]>(blocks);
+}
+
+void Rows::take_room() {
+    if (layout.room && !room_taken)
+        room_taken =
+            MemoryRoom::take(layout.room, bytes(), "the maps and rows of light shafts",
+                             "render a region or at a lower resolution, or give light shafts a larger error or "
+                             "fewer samples of lights");
 }
 } // namespace tyndall::light_shafts::slope_rows

@@ -4,6 +4,7 @@
 //           Rows start and end at multiples of 16 lines, so that a block of 16 has one smallest and one largest slope.
 // Bound:    4.5 bytes per sample; make_layout lowers the resolution until all rows fit into `memory_limit_bytes`.
 #pragma once
+#include "core/memory_room.hpp"
 #include "light_shafts/ray_outline.hpp"
 #include "light_shafts/slope_rows_frame.hpp"
 #include <limits>
@@ -39,6 +40,7 @@ struct Layout {
     std::vector<float> x_at_edge;       ///< line_count + 1.
     std::vector<vec2> slice_directions; ///< Cosine and sine per slice, and 16 more; (1, 0) where slices are parallel.
     std::size_t sample_count = 0;
+    std::shared_ptr<MemoryRoom> room = {}; ///< As LayoutConfig's.
 
     [[nodiscard]] std::int32_t slice_count() const { return static_cast<std::int32_t>(rows.size()); }
 };
@@ -53,6 +55,7 @@ struct LayoutConfig {
     /// Lines beyond what the rays need, towards the camera and away from it: metres, or radians of an angular frame. For
     /// filters along the rows.
     float margin_before = 0.0f, margin_after = 0.0f;
+    std::shared_ptr<MemoryRoom> room = {}; ///< That rows are filled from; nothing: whatever they take.
 };
 /// Rows for the rays, which are finite. Throws Cancelled.
 [[nodiscard]] Layout make_layout(const Frame& frame, std::span<const RaySpan> spans, const LayoutConfig& config,
@@ -75,6 +78,7 @@ struct Rows {
     };
     std::unique_ptr<float[], FreeAligned> slopes; ///< Not initialised: clear_slices does that, in parallel.
     std::unique_ptr<float[]> lowest, highest;
+    std::shared_ptr<const void> room_taken; ///< Of layout.room, from take_room() on.
 
     explicit Rows(Layout layout_to_keep);
     [[nodiscard]] RowView row(std::int32_t slice) const {
@@ -83,5 +87,7 @@ struct Rows {
         return {slopes.get() + extent.offset, lowest.get() + block, highest.get() + block, extent.first, extent.end};
     }
     [[nodiscard]] std::size_t bytes() const { return layout.sample_count * 4 + layout.sample_count / 2; }
+    /// Before they are filled. Throws InvalidInput where there is none.
+    void take_room();
 };
 } // namespace tyndall::light_shafts::slope_rows

@@ -2,8 +2,9 @@
 """The memory that a render surely takes, before it takes any: what the machine does not have is refused.
 
 A lower bound, so that nothing is refused that fits: the sums of samples and the planes that they become, what is made
-of meshes, strands and instances, single images, and the shafts of a fog that is everywhere. What shafts in a box of fog
-take depends on what the picture shows, and is told afterwards, as the peak.
+of meshes, strands and instances, single images, and what waits for the light of a fog that is everywhere. What maps and
+rows of shafts take is known once they are laid out: native code asks for it before they are filled, from the room that
+these parts leave. What waits in a box of fog depends on what the picture shows, and is told afterwards, as the peak.
 """
 
 from __future__ import annotations
@@ -144,6 +145,12 @@ def require_room(parts: Iterable[Part], free: int | None = None) -> None:
             f"{largest.what} takes {_gib(largest.at_least_bytes)} of memory at least{rest}, and {_gib(free)} are free: "
             + largest.advice
         )
+
+
+def room_left_by(parts: Iterable[Part]) -> int | None:
+    """What parts that are not yet taken leave for others; None: nothing tells."""
+    free = free_bytes()
+    return None if free is None else max(free - sum(part.at_least_bytes for part in parts), 0)
 
 
 def free_bytes() -> int | None:

@@ -16,7 +16,7 @@ from . import _native
 from .fingerprints import fingerprint
 from .heterogeneity import Heterogeneity
 from .kept_pictures import UnstyledPictures
-from .memory_estimate import fog_part, picture_part, require_room
+from .memory_estimate import fog_part, picture_part, require_room, room_left_by
 from .native_camera import native_camera
 from .native_data_passes import build_data_passes
 from .native_heterogeneity import KeptAir
@@ -216,7 +216,7 @@ class Session:
         self._reports: list[str] = []
         self._light_names: list[str] = []
         self._light_groups: tuple[str, ...] = ()
-        self._is_fog_everywhere = False
+        self._has_media = self._is_fog_everywhere = False
         self._aov_programs: dict[str, dict[int, int]] = {}
 
     @property
@@ -245,6 +245,7 @@ class Session:
             self._light_names, self._aov_programs = built.light_names, built.aov_programs
             self._geometry, self._lit_by = geometry, lit_by
             self._light_groups = description.light_groups
+            self._has_media = bool(description.media)
             self._is_fog_everywhere = description.world.medium >= 0
             self._unstyled.clear()
         else:
@@ -288,7 +289,13 @@ class Session:
         planes, native_statistics, unstyled = _native.render(
             self._scene,
             native_camera(camera, self._origin_in_world),
-            self._native_config(config, functions, reports, keeps_unstyled=self._unstyled.capacity > 0),
+            self._native_config(
+                config,
+                functions,
+                reports,
+                keeps_unstyled=self._unstyled.capacity > 0,
+                shafts_room_bytes=room_left_by(asked) if self._has_media else None,
+            ),
             progress,
             None if on_update is None else lambda so_far: on_update(Film(planes=so_far)),
         )
@@ -345,6 +352,7 @@ class Session:
         reports: list[str],
         *,
         keeps_unstyled: bool,
+        shafts_room_bytes: int | None = None,
     ) -> _native.FrameConfig:
         reference_light = None
         if functions and config.reference_light in self._light_names:
@@ -373,7 +381,7 @@ class Session:
                 self._native_neighbours(config.data.neighbours, reports),
             ),
             light_groups=list(self._light_groups) if config.keeps_light_groups else [],
-            shafts=native_shafts(config.shafts, self._kept_maps),
+            shafts=native_shafts(config.shafts, self._kept_maps, shafts_room_bytes),
             transfer_functions=functions,
             reference_light=reference_light,
             heterogeneity=self._kept_air.build(config.heterogeneity, self._origin_in_world, reports),
@@ -449,10 +457,12 @@ def _index(names: tuple[str, ...], name: str, what: str) -> int:
     return names.index(name)
 
 
-def native_shafts(config: ShaftConfig, kept_maps: _native.MapCache | None = None) -> _native.ShaftConfig:
-    """Raises ``InvalidInput`` for a method that does not exist."""
+def native_shafts(
+    config: ShaftConfig, kept_maps: _native.MapCache | None = None, room_bytes: int | None = None
+) -> _native.ShaftConfig:
+    """``room_bytes``: for maps and rows. Raises ``InvalidInput`` for a method that does not exist."""
     indices = {
         "method": _index(METHODS, config.method, "shafts.method"),
         "grid_method": _index(GRID_METHODS, config.grid_method, "shafts.grid_method"),
     }
-    return _native.ShaftConfig(**asdict(config) | indices, kept_maps=kept_maps)
+    return _native.ShaftConfig(**asdict(config) | indices, kept_maps=kept_maps, room_bytes=room_bytes)

@@ -12,11 +12,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from support.plain_scenes import camera_above, lit_square, placed, unit_cube
+from support.plain_scenes import camera_above, lit_square, placed, translation, unit_cube
 from tyndall import InvalidInput, Progress, memory_estimate
-from tyndall.memory_estimate import Part, free_bytes, picture_part, require_room, require_room_for_image, scene_parts
-from tyndall.renderer import RenderConfig, Session
-from tyndall.scene_description import Medium, World
+from tyndall.memory_estimate import (
+    Part,
+    fog_part,
+    free_bytes,
+    picture_part,
+    require_room,
+    require_room_for_image,
+    scene_parts,
+)
+from tyndall.renderer import Film, RenderConfig, Session, ShaftConfig
+from tyndall.scene_description import Light, LightKind, Medium, ScatterLobe, World
 
 GIB = 1 << 30
 
@@ -144,6 +152,40 @@ def test_fog_that_does_not_fit_is_refused_where_the_picture_alone_fits(monkeypat
     huge = replace(camera_above(), size_px=(65536, 65536))
     with pytest.raises(InvalidInput, match=r"^the fog of the world in 65536 x 65536 pixels takes .* or put the fog"):
         session.render(huge, RenderConfig(pixel_samples=1), Progress())
+
+
+@pytest.mark.parametrize("method", ["EPIPOLAR", "SHADOW_MAP"])
+@pytest.mark.parametrize("radius_m", [0.0, 0.1])
+def test_shafts_take_the_room_of_their_maps_and_rows_and_no_more(
+    method: str, radius_m: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The statistics count the rows of one of a lamp's strata; each has maps of six faces beside them."""
+    strata, lines = (4, 256) if radius_m else (1, 512)
+    lamp = Light(
+        name="Lamp",
+        kind=LightKind.POINT,
+        strength=(1.0,) * 3,
+        world_from_light=translation(0.3, 0.2, 2),
+        radius_m=radius_m,
+    )
+    fog = Medium(name="fog", lobes=(ScatterLobe(sigma_s_per_m=(0.02,) * 3),))
+    session = Session()
+    session.update(lit_square(lights=(lamp,), media=(fog,), world=World(medium=0)), Progress())
+    shafts = ShaftConfig(method=method, resolution=512, light_samples=4)
+    config, size_px = RenderConfig(pixel_samples=1, shafts=shafts), camera_above().size_px
+    taken_before = picture_part(size_px, ()).at_least_bytes + fog_part(size_px).at_least_bytes
+
+    def picture(room_bytes: int) -> Film:
+        monkeypatch.setattr(memory_estimate, "free_bytes", lambda: taken_before + room_bytes)
+        return session.render(camera_above(), config, Progress())
+
+    ample = picture(GIB)
+    rows_bytes = int(ample.statistics["counts"]["slope rows: bytes"])
+    maps_bytes = 6 * lines * lines * 9 // 2 if method == "SHADOW_MAP" else 0
+    with pytest.raises(InvalidInput, match=r"maps and rows of light shafts take .* GiB .*: render a region"):
+        picture(rows_bytes - 1)
+    again = picture(strata * int(1.1 * (rows_bytes + maps_bytes)))
+    assert np.array_equal(ample.planes["Combined"], again.planes["Combined"])
 
 
 def test_the_largest_part_is_named() -> None:
