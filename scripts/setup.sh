@@ -135,8 +135,11 @@ mkdir -p .deps
 install_packages
 exec 9>.deps/lock
 flock 9 # Two runs at once would write into the same environment.
+# Side by side: each waits for the network, then unpacks.
+making=()
+make_environment bpy45 bpy==4.5.15 "${bpy_requirements[@]}" & making+=($!)
+make_environment bpy50 bpy==5.0.1 "${bpy_requirements[@]}" & making+=($!)
+[[ "${1:-}" != --all ]] || { make_environment bpy42 bpy==4.2.23 "${bpy_requirements[@]}" & making+=($!); }
 make_environment build "${build_requirements[@]}"
-make_environment bpy45 bpy==4.5.15 "${bpy_requirements[@]}"
-make_environment bpy50 bpy==5.0.1 "${bpy_requirements[@]}"
-[[ "${1:-}" != --all ]] || make_environment bpy42 bpy==4.2.23 "${bpy_requirements[@]}"
 make_openimageio
+for process in "${making[@]}"; do wait "$process" || exit 1; done
