@@ -119,7 +119,7 @@ TEST_CASE("batches of pieces agree with panels of the angle: media, cones, softn
             const LightSample sample =
                 light.kind == LightKind::Area ? stratum_of(light, 0, 5, 16, round) : sample_light(light, 0, u);
             MediaRays rays{media, {}, {0}, {}};
-            add_random_rays(rays, sample.position, 8, random);
+            add_random_rays(rays, sample.position, 4, random);
             const std::vector<Rgb> radiance = rays.ask(sample);
             for (std::size_t ray = 0; ray < radiance.size(); ++ray) {
                 const dvec3 expected = by_panels(boxes, sample, rays, ray);
