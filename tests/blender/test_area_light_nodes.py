@@ -144,6 +144,7 @@ def assert_like_cycles(samples: int = 128) -> None:
     np.testing.assert_allclose(np.mean(ours, axis=(0, 1, 2)), np.mean(theirs, axis=(0, 1, 2)), rtol=4e-3)
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize(
     ("shape", "scale_x", "pattern"),
     [

@@ -103,6 +103,7 @@ def test_a_silhouette_that_is_drawn_out_darkens_the_air_around_a_figure(gallery:
     assert ratio < 0.9
 
 
+@pytest.mark.long
 def test_filled_holes_and_lifted_shadows_of_a_turtle_change_nothing_but_its_shade(gallery: Gallery) -> None:
     gallery.make("turtle")
     (lifted, _), (filled, _), (before, _) = (
@@ -169,6 +170,7 @@ def test_paint_tones_the_glare_of_an_arbor_down_and_nothing_else(gallery: Galler
     assert np.median(right) > 0.95
 
 
+@pytest.mark.long
 def test_a_village_has_mist_in_its_lane_smoke_on_its_roofs_and_calm_light_below_its_belfry(gallery: Gallery) -> None:
     gallery.make("village_dawn")
     dawn = gallery.shafts("village_dawn")[0].mean(axis=-1)

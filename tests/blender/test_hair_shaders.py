@@ -123,6 +123,7 @@ def test_hair_is_lit_as_in_cycles(
     assert not [line for line in read().reports if "Hair look" in line]
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("towards", [0.5, 2.6], ids=["from ahead", "from behind"])
 @pytest.mark.parametrize("look", [coloured, reflection, transmission])
 def test_cards_of_hair_are_lit_as_in_cycles(look: Callable[[], bpy.types.Material], towards: float) -> None:

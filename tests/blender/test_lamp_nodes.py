@@ -95,6 +95,7 @@ OFTEN = [
 EACH = [(name, kind) for name in PATTERNS for kind in ("SPOT", "POINT")]
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize(
     ("name", "kind"), [*OFTEN, *(pytest.param(*one, marks=pytest.mark.long) for one in EACH if one not in OFTEN)]
 )

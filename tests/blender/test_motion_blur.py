@@ -45,6 +45,7 @@ def stage() -> Scene:
     return new_stage()
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize(("position", "opens"), [("START", 0.0), ("CENTER", -0.5), ("END", -1.0)])
 def test_an_edge_that_moves_evenly_is_a_ramp(stage: Scene, position: str, opens: float) -> None:
     """A pixel is covered for the share of the shutter's time in which the edge is beyond it."""

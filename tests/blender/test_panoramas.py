@@ -133,6 +133,7 @@ def test_depth_of_field(stage: bpy.types.Scene, kind: str) -> None:
     assert np.abs(sharp - here).sum() > there.sum()
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize(
     ("kind", "method"),
     [

@@ -175,6 +175,7 @@ def test_fog_in_front_dims_what_is_put_behind() -> None:
     assert ours[..., 3].min() > 0.8
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("film", ["transparent", "opaque"])
 @pytest.mark.parametrize("build", SCENES, ids=lambda build: build.__name__)
 def test_shadows_are_caught_as_in_cycles(build: Callable[[], bpy.types.Scene], film: str) -> None:

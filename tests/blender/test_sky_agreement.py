@@ -32,6 +32,7 @@ def read_with(reader: SceneReader) -> SceneDescription:
     return reader.read(bpy.context.evaluated_depsgraph_get(), Reports(), lambda: None)
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("elevation_deg", ELEVATIONS_DEG)
 @pytest.mark.parametrize("model", [*MODELS, "PREETHAM"])
 def test_every_direction_of_a_sky_is_seen_as_in_cycles(model: str, elevation_deg: float) -> None:
@@ -41,6 +42,7 @@ def test_every_direction_of_a_sky_is_seen_as_in_cycles(model: str, elevation_deg
     assert ours == pytest.approx(cycles, rel=2e-3, abs=5e-3 * float(cycles.mean()))
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("elevation_deg", ELEVATIONS_DEG)
 @pytest.mark.parametrize("model", MODELS)
 def test_things_below_a_sky_are_lit_as_in_cycles(model: str, elevation_deg: float) -> None:

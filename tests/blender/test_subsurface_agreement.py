@@ -68,6 +68,7 @@ COSTLY: dict[str, Make] = {
     "a lamp": lambda: sphere(scattering(WALK, Scale=0.4), lamp(0.3), SIZE_PX),
     "sharp facets": lambda: sphere(scattering(WALK, Scale=0.4, Roughness=0.1, IOR=1.8), sun(50.0), SIZE_PX),
 }
+RARELY = {"layers of skin", "a lamp", "an open sheet"}
 
 
 # Seen to fail: without the bump where light comes in, by 5 %.
@@ -80,7 +81,9 @@ def test_walks(name: str) -> None:
 
 
 @pytest.mark.costly
-@pytest.mark.parametrize("name", COSTLY)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.long if name in RARELY else ()) for name in COSTLY]
+)
 def test_other_walks(name: str) -> None:
     beside_cycles(COSTLY[name](), NOISE)
 

@@ -158,6 +158,7 @@ def test_a_world_of_nodes_lights_as_in_cycles(name: str) -> None:
     assert not last_render.statistics_of("Scene")["reports"]
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("name", ["even", "gradient"])
 @pytest.mark.parametrize("hidden_from", ["camera", "diffuse glossy scatter"])
 def test_a_world_is_black_to_rays_that_do_not_see_it(hidden_from: str, name: str) -> None:
@@ -177,6 +178,7 @@ def test_a_world_is_black_to_rays_that_do_not_see_it(hidden_from: str, name: str
     assert not last_render.statistics_of("Scene")["reports"]
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("world", ["even", "image"])
 def test_normals_that_lean_over_find_no_light_below_the_surface(world: str) -> None:
     """A sheet whose own normals lean by 53 degrees: a fifth of what they see of an even world lies below the sheet.
