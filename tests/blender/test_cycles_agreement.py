@@ -122,7 +122,7 @@ def check(arrangement: Arrangement, methods: tuple[str, ...], cycles_samples: in
     surface_samples = SURFACE_SAMPLES.get(arrangement.light, 1)
     samples = {
         "surface_samples": surface_samples,
-        "light_samples": LIGHT_SAMPLES.get(arrangement.light, 256),
+        "light_samples": LIGHT_SAMPLES.get(arrangement.light, min(256, 2 * cycles_samples)),
         "world_samples": world_samples,
     }
     firsts = tyndall_pixels(scene, methods, **samples)

@@ -138,7 +138,7 @@ def test_a_lamps_picture_colours_the_fog(light_name: str, place: str, is_soft: b
         pytest.skip("before 4.2 there is no choice")
 
     def make() -> None:
-        build(Arrangement(light=light_name))
+        build(Arrangement(light=light_name)).tyndall.shafts.resolution = 2048
         lamp = next(thing for thing in bpy.context.scene.objects if thing.type == "LIGHT")
         vector = mapped(PLACES[place], Scale=(1.2, 0.9, 1.0), Location=(0.4, 0.6, 0.0))
         if light_name.startswith("point"):
@@ -192,7 +192,7 @@ def test_stained_glass_colours_the_fog() -> None:
     """An image in a Transparent node. EXACT is 0.3 % dark here, for the hundred texels that a ray's shadow crosses."""
 
     def make() -> None:
-        build(Arrangement())
+        build(Arrangement()).tyndall.shafts.resolution = 2048
         pane_before_the_sun(2.0)
 
     assert_air_like_cycles("stained glass", make, make, methods=("EPIPOLAR",))

@@ -106,7 +106,7 @@ def test_a_lock_of_hair_throws_shafts_as_in_cycles(method: str) -> None:
     fog = material("Fog", None, lambda new, _: node(new, "ShaderNodeVolumeScatter", Density=0.4).outputs[0])
     box = add("Fog", mesh("Fog", [(x, y, z) for x in (-3, 3) for y in (-6, 3) for z in (-2, 4)], CUBE_FACES, fog))
     box.display_type = "WIRE"
-    scene.tyndall.shafts.method = method
+    scene.tyndall.shafts.method, scene.tyndall.shafts.resolution = method, 4096
     agree(f"shafts_{method.lower()}", *both_engines(scene))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from mathutils import Euler, Matrix
 
 from . import cycles_reference
-from .engine_pictures import cycles_pixels, tyndall_pixels
+from .engine_pictures import FloatArray, cycles_pixels, tyndall_pixels
 from .small_scenes import Node, empty_scene, light, material, node, plane
 
 IS_4 = bpy.app.version >= (4, 0, 0)
@@ -176,9 +176,14 @@ def assert_air_like_cycles(
     make_ours()
     scene = bpy.context.scene
     on_edges = cycles_reference.pixels_on_edges(scene)
-    firsts = seconds = cycles_reference.tyndall_pixels(scene, methods, surface_samples=surface_samples)
-    if surface_samples > 1:
-        seconds = cycles_reference.tyndall_pixels(scene, methods, surface_samples=surface_samples, seed=1)
+
+    def ours(seed: int) -> list[FloatArray]:
+        return cycles_reference.tyndall_pixels(
+            scene, methods, surface_samples=surface_samples, light_samples=64, seed=seed
+        )
+
+    firsts = ours(0)
+    seconds = ours(1) if surface_samples > 1 else firsts
     for method, first, second in zip(methods, firsts, seconds, strict=True):
         verdict = cycles_reference.agreement((first, second), cycles, on_edges, 64)
         print(f"{name}, {method}: {verdict}")
