@@ -13,9 +13,10 @@ from .heterogeneity import PaintedAir
 from .scene_description import DensityGrid, Image, Instances, Mesh, Strands
 from .voxel_dag import VoxelDag
 
-_ARRAYS_OF_INSTANCES = ("random", "particles")  #: Or None.
-_PLAIN_OF_INSTANCES = [
-    entry.name for entry in fields(Instances) if entry.name not in {"mesh", "world_from_object", *_ARRAYS_OF_INSTANCES}
+ARRAYS_OF_INSTANCES = ("random", "particles")  #: Or None.
+#: What compares by ==.
+PLAIN_OF_INSTANCES = [
+    entry.name for entry in fields(Instances) if entry.name not in {"mesh", "world_from_object", *ARRAYS_OF_INSTANCES}
 ]
 
 
@@ -62,8 +63,8 @@ def _feed_tuple(digest: _Digest, value: tuple[object, ...]) -> None:
 
 def _feed_instances(digest: _Digest, value: Instances) -> None:
     """At once: a scene may have 100,000 groups."""
-    plain = [getattr(value, name) for name in _PLAIN_OF_INSTANCES]
-    arrays = [getattr(value, name) for name in _ARRAYS_OF_INSTANCES]
+    plain = [getattr(value, name) for name in PLAIN_OF_INSTANCES]
+    arrays = [getattr(value, name) for name in ARRAYS_OF_INSTANCES]
     has = [array is not None for array in arrays]
     digest.update(f"<{value.mesh.key}>{plain!r}{value.world_from_object.shape}{has}".encode())
     digest.update(np.ascontiguousarray(value.world_from_object, np.float64).data)

@@ -7,13 +7,13 @@ addresses each is left.
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from itertools import compress, count
 from operator import is_not
 
 import numpy as np
 
-from .fingerprints import fingerprint
+from .fingerprints import ARRAYS_OF_INSTANCES, PLAIN_OF_INSTANCES, fingerprint
 from .scene_description import Instances, SceneDescription
 
 MOST_MOVED = 4096  #: Groups; of more a new scene is built.
@@ -69,13 +69,11 @@ def _are_alike(before: Instances, after: Instances) -> bool:
     """But for where they stand."""
     if before.mesh.key != after.mesh.key or before.world_from_object.shape != after.world_from_object.shape:
         return False
-    arrays = {"random", "particles"}  # or None
-    for name in arrays:
+    for name in ARRAYS_OF_INSTANCES:
         one, other = getattr(before, name), getattr(after, name)
         if one is None or other is None:
             if one is not other:
                 return False
         elif not np.array_equal(one, other, equal_nan=True):
             return False
-    names = {entry.name for entry in fields(Instances)} - {"mesh", "world_from_object", *arrays}
-    return all(getattr(before, name) == getattr(after, name) for name in names)
+    return all(getattr(before, name) == getattr(after, name) for name in PLAIN_OF_INSTANCES)
