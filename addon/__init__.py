@@ -19,6 +19,7 @@ bl_info = {
 
 _PARTS = (
     ".properties",
+    ".granted_writes",
     ".transfer_function_preview",
     ".operators",
     ".panels",

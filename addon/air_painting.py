@@ -7,6 +7,7 @@ Areas and regions are looked up anew for each event: Blender may have closed the
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from math import dist
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ from mathutils import Matrix, Vector
 
 from .air_plane import AirPlane, axes_of, normal_of, ray_under
 from .air_strokes import BoxStroke
+from .granted_writes import write
 from .painted_air import edited_box, forget, why_not_editable, world_from_unit
 
 if TYPE_CHECKING:
@@ -178,7 +180,7 @@ def end_painting() -> None:
 @persistent
 def _keep_brush(*_: object) -> None:
     if _active is not None:
-        _active.restore_brush(bpy.context)
+        write(partial(_active.restore_brush, bpy.context))
 
 
 @persistent

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.app.handlers import persistent
 
+from ..granted_writes import write
 from .shafts_scene import follow_frame, keep_in_step, shafts_scene_of
 
 if TYPE_CHECKING:
@@ -42,13 +43,13 @@ def _before_render(scene: Scene, _: object = None) -> None:
 def _before_frame(scene: Scene, _: object = None) -> None:
     shafts = shafts_scene_of(scene.original)
     if shafts is not None:
-        follow_frame(scene.original, shafts)
+        write(lambda: follow_frame(scene.original, shafts))
 
 
 def _bring_in_step(scene: Scene) -> None:
     shafts = shafts_scene_of(scene.original)
     if shafts is not None and shafts.library is None:
-        keep_in_step(scene.original, shafts)
+        write(lambda: keep_in_step(scene.original, shafts))
 
 
 _HANDLERS = (
