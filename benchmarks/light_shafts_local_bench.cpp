@@ -60,7 +60,7 @@ void local(benchmark::State& state, const std::string& name, bool is_grey, bool 
     const Hall& in = hall(is_grey);
     const Light light = light_of(name);
     const LightSample sample = sample_light(light, 0, vec3(0.3f, 0.7f, 0.4f));
-    const light_shafts::LocalScatter scatter(*in.media, sample, true);
+    const light_shafts::LocalScatter scatter(*in.media, sample);
     const ForcedSimdTarget forced(target);
     const Stripes stripes(0.0f, is_striped ? 0.3f : 1e3f, is_striped ? 1.0f : 1e3f);
     std::vector<Rgb> radiance(in.rays->rays.size());

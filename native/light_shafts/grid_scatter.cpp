@@ -29,8 +29,8 @@ void PreparedLights::track_in_grids(const Beam& beam, std::span<float> lit_lengt
     Block::InGrids& part = block.in_grids;
     part.lit.clear();
     beam.visibility->lit_intervals(part.rays, part.lit);
-    track_ratios(media, beam.sample, attenuates_light, seed, {part.rays, part.first_segment, part.segments, part.lit},
-                 part.radiance, part.unshadowed);
+    track_ratios(media, beam.sample, seed, {part.rays, part.first_segment, part.segments, part.lit}, part.radiance,
+                 part.unshadowed);
     if (beam.local || lit_length_m.empty())
         return;
     for (std::size_t index = 0; index < part.rays.size(); ++index)

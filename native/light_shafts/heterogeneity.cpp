@@ -96,9 +96,8 @@ void add_directional(const ViewRay& ray, std::span<const MediumSegment> segments
 
 /// The same of a lamp. The inverse square is integrated over the step, in the angle in which the lamp sees it; the rest is
 /// that of its point, with the step's medium all the way to the lamp.
-void add_local(const Media& media, const ViewRay& ray, const LightSample& light, bool attenuates_light,
-               float strata_weight, const AirStepping& stepping, std::span<const float> shares,
-               std::span<float> weights) {
+void add_local(const Media& media, const ViewRay& ray, const LightSample& light, float strata_weight,
+               const AirStepping& stepping, std::span<const float> shares, std::span<float> weights) {
     const vec3 foot_way = light.position - ray.origin;
     const float foot_m = glm::dot(foot_way, ray.direction);
     const float across2 =
@@ -114,7 +113,7 @@ void add_local(const Media& media, const ViewRay& ray, const LightSample& light,
         const vec3 from_light = at - light.position;
         const float distance_m = glm::length(from_light);
         const vec3 direction = from_light / distance_m;
-        if (attenuates_light)
+        if (light.is_dimmed_by_media)
             depth += media.sigma_t_per_m(segment.set) * distance_m;
         const Rgb source = intensity_w_per_sr(light, shaping_direction(light, at, direction)) *
                            media.scatter_per_m_sr(segment.set, -glm::dot(direction, ray.direction)) * glm::exp(-depth);
@@ -181,8 +180,7 @@ private:
             beam.local->lit_intervals(block.local, beam.visibility.get(), steps.lit);
             for (std::uint32_t ray = 0; ray < block.rays.size(); ++ray)
                 if (find_shares(ray, ray, steps))
-                    add_local(prepared_.media, block.rays[ray], beam.sample,
-                              prepared_.attenuates_light && beam.sample.casts_shadow, strata_weight, steps.of_ray[ray],
+                    add_local(prepared_.media, block.rays[ray], beam.sample, strata_weight, steps.of_ray[ray],
                               steps.shares, weights_of(ray, steps));
             return;
         }

@@ -32,7 +32,7 @@ public:
         if (light_.shape_.has_soft_edge)
             for (const auto which : {LocalSupport::Inner0, LocalSupport::Inner1})
                 edges_.push_back(foot_m_ + support.distance[which][support_row]);
-        if (light_.attenuates_light_) { // bends where a boundary of fog is between
+        if (light_.light_.is_dimmed_by_media) { // bends where a boundary of fog is between
             crossings_.clear();
             light_.boundaries_.append_crossings(
                 {ray.origin, ray.direction, static_cast<float>(begin_m), static_cast<float>(end_m)}, crossings_);
@@ -80,7 +80,7 @@ private:
                irradiance_per_intensity(light, at);
     }
     [[nodiscard]] Rgb light_depth(double at_m, bool is_reached) const {
-        if (!light_.attenuates_light_)
+        if (!light_.light_.is_dimmed_by_media)
             return Rgb(0.0f);
         const vec3 at = point(at_m), way = light_.light_.position - at;
         const float distance_m = glm::length(way);
@@ -189,7 +189,7 @@ void LocalScatter::scatter_in_grids(const LocalRays& rays, const MediumSteps& st
 }
 
 void LocalScatter::dim_by_grids(const GridLoss& loss) {
-    if (!attenuates_light_ || media_.grids().is_empty())
+    if (!light_.is_dimmed_by_media || media_.grids().is_empty())
         return;
     grid_depth_.emplace(media_, light_);
     if (loss.spacing_voxels > 0.0f)

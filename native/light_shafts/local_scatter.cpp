@@ -19,14 +19,13 @@ static float means_wide(const LightTexture& texture) {
 /// Of one whose light changes with the distance, which grows 6 times along the longest piece.
 static constexpr float fewest_distance_parts = 16.0f;
 
-LocalScatter::LocalScatter(const Media& media, const LightSample& light, bool attenuates_light)
-    : media_(media), light_(light), shape_(light), boundaries_(media, light.position),
-      attenuates_light_(attenuates_light && light.casts_shadow) {
+LocalScatter::LocalScatter(const Media& media, const LightSample& light)
+    : media_(media), light_(light), shape_(light), boundaries_(media, light.position) {
     Rgb sigma_s(0.0f);
     for (const Medium& medium : media.scene().description().media)
         sigma_s += medium.sigma_s_per_m();
     is_black_ = media.is_empty() || light.strength * sigma_s == Rgb(0.0f);
-    if (!attenuates_light_)
+    if (!light.is_dimmed_by_media)
         return;
     // Any direction tells which media hold the light; this one lies in no plane that modellers favour.
     std::vector<MediumSegment> segments;
@@ -95,7 +94,7 @@ void LocalScatter::Batch::prepare_splits() {
             splits_.push_back(distance(which));
     if (light_->shape_.is_area)
         splits_.insert(splits_.end(), {distance(LocalSupport::Inner0), distance(LocalSupport::Inner1)});
-    if (light_->attenuates_light_) {
+    if (light_->light_.is_dimmed_by_media) {
         ViewRay reached = rays_->ray(ray_);
         reached.near_m = static_cast<float>(light_x_ + distance(LocalSupport::Begin));
         reached.far_m = static_cast<float>(light_x_ + distance(LocalSupport::End));

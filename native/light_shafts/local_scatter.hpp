@@ -40,7 +40,7 @@ struct LocalPart {
 class LocalScatter {
 public:
     /// `media` and what `light` points to must outlive this.
-    LocalScatter(const Media& media, const LightSample& light, bool attenuates_light);
+    LocalScatter(const Media& media, const LightSample& light);
 
     /// The light is black, or no medium scatters.
     [[nodiscard]] bool is_black() const { return is_black_; }
@@ -76,7 +76,7 @@ private:
     LocalShape shape_;
     LightSideBoundaries boundaries_;
     std::array<float, 3> sigma_t_at_light_{}; ///< Of the media that hold the light.
-    bool attenuates_light_, is_black_;
+    bool is_black_;
     std::optional<GridLightDepth> grid_depth_;
     float grid_piece_m_ = 0.0f; ///< Longest outside of grids, where the light passes through one.
 };

@@ -21,14 +21,8 @@ MediaRay clip_to_media(const Media& media, const ViewRay& ray, std::vector<Mediu
                    segments);
     if (segments.size() == first)
         return result;
-    if (MediumSegment& last = segments.back(); std::isinf(last.far_m)) {
-        const Rgb sigma_t = media.sigma_t_per_m(last.set);
-        float least = std::numeric_limits<float>::infinity();
-        for (int channel = 0; channel < 3; ++channel)
-            if (sigma_t[channel] > 0.0f)
-                least = std::min(least, sigma_t[channel]);
-        last.far_m = last.near_m + (std::isinf(least) ? 0.0f : 40.0f / least);
-    }
+    if (MediumSegment& last = segments.back(); std::isinf(last.far_m))
+        last.far_m = last.near_m + opaque_within_m(media.sigma_t_per_m(last.set));
     result.clipped.near_m = segments[first].near_m;
     result.clipped.far_m = segments.back().far_m;
     for (std::size_t segment = first; segment < segments.size(); ++segment)
@@ -106,15 +100,15 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         }
         for (std::size_t index = 0; index < light.samples.size(); ++index) {
             progress.poll();
-            const LightSample& sample = light.samples[index];
             Beam beam;
-            beam.sample = sample;
+            LightSample& sample = beam.sample = light.samples[index];
+            sample.is_dimmed_by_media &= config.attenuates_light;
             if (!light.cells.empty())
                 beam.cell = &light.cells[index];
             if (sample.is_directional)
-                beam.directional.emplace(media, sample, config.attenuates_light);
+                beam.directional.emplace(media, sample);
             else
-                beam.local.emplace(media, sample, config.attenuates_light);
+                beam.local.emplace(media, sample);
             // Where media only absorb, to walk them for shares of nothing would take most of a frame.
             if (sample.is_directional ? beam.directional->is_black() : beam.local->is_black())
                 continue;
@@ -185,7 +179,6 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
     }
     GridLoss grid_loss;
     tracks_ratios = config.grid_method == GridMethod::RatioTracking;
-    attenuates_light = config.attenuates_light;
     seed = config.seed;
     if (!media.grids().is_empty() && !tracks_ratios) {
         const StageTimer timer(statistics, "light shafts: resolution in grids");

@@ -82,7 +82,6 @@ struct PreparedLights {
     std::vector<std::vector<DiscCell>> disc_cells = {}; ///< What samples point to.
     std::optional<std::uint32_t> visibility_light = {}; ///< See Config.
     const Visibility* finest = nullptr; ///< Of the sample that carries most light, and so has the largest rows.
-    bool attenuates_light = true;       ///< See Config.
     std::vector<std::uint8_t> slots = {no_light_group}; ///< See Shafts::slots.
     Statistics statistics;
 

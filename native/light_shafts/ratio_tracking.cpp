@@ -52,9 +52,8 @@ std::uint32_t key_of(const ViewRay& ray, const LightSample& light, std::uint32_t
 /// One ray under one light sample.
 class Tracker {
 public:
-    Tracker(const Media& media, const LightSample& light, bool attenuates_light, const ViewRay& ray, std::uint32_t seed)
-        : media_(media), light_(light), attenuates_light_(attenuates_light && light.casts_shadow), ray_(ray),
-          random_(key_of(ray, light, seed)) {}
+    Tracker(const Media& media, const LightSample& light, const ViewRay& ray, std::uint32_t seed)
+        : media_(media), light_(light), ray_(ray), random_(key_of(ray, light, seed)) {}
 
     /// Of the light that reaches the camera from around the point, without what shadows it: radiance per metre.
     [[nodiscard]] Rgb scattered_per_m(double at_m, const MediumSet& set) {
@@ -81,7 +80,7 @@ public:
                                              .direction = ray_.direction,
                                              .near_m = ray_.near_m,
                                              .far_m = static_cast<float>(at_m)});
-        return attenuates_light_ ? result * passing(to_light) : result;
+        return light_.is_dimmed_by_media ? result * passing(to_light) : result;
     }
     [[nodiscard]] float random() { return random_.next(); }
 
@@ -107,7 +106,6 @@ private:
 
     const Media& media_;
     const LightSample& light_;
-    bool attenuates_light_;
     const ViewRay& ray_;
     RandomStream random_;
 };
@@ -120,8 +118,8 @@ Rgb lit_share(std::span<const LitInterval> lit, double at_m) {
 }
 } // namespace
 
-void track_ratios(const Media& media, const LightSample& light, bool attenuates_light, std::uint32_t seed,
-                  const TrackedRays& tracked, std::span<Rgb> radiance, std::span<Rgb> unshadowed) {
+void track_ratios(const Media& media, const LightSample& light, std::uint32_t seed, const TrackedRays& tracked,
+                  std::span<Rgb> radiance, std::span<Rgb> unshadowed) {
     for (std::size_t ray = 0; ray < tracked.rays.size(); ++ray) {
         radiance[ray] = Rgb(0.0f);
         if (!unshadowed.empty())
@@ -131,7 +129,7 @@ void track_ratios(const Media& media, const LightSample& light, bool attenuates_
         double length_m = 0.0;
         for (const MediumSegment& segment : segments)
             length_m += double{segment.far_m} - segment.near_m;
-        Tracker tracker(media, light, attenuates_light, tracked.rays[ray], seed);
+        Tracker tracker(media, light, tracked.rays[ray], seed);
         const auto weight = static_cast<float>(length_m / point_count);
         auto segment = segments.begin();
         double before_m = 0.0; // length of the segments before

@@ -20,6 +20,6 @@ struct TrackedRays {
 };
 /// Overwrites the radiance that each ray gets of a light sample, and, unless its span is empty, what it would get if
 /// nothing cast a shadow.
-void track_ratios(const Media& media, const LightSample& light, bool attenuates_light, std::uint32_t seed,
-                  const TrackedRays& tracked, std::span<Rgb> radiance, std::span<Rgb> unshadowed);
+void track_ratios(const Media& media, const LightSample& light, std::uint32_t seed, const TrackedRays& tracked,
+                  std::span<Rgb> radiance, std::span<Rgb> unshadowed);
 } // namespace tyndall::light_shafts

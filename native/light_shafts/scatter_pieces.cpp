@@ -24,10 +24,9 @@ Rgb scattered(const ScatterPiece& piece, float near_m, float far_m) {
     return radiance;
 }
 
-DirectionalScatter::DirectionalScatter(const Media& media, const LightSample& light, bool attenuates_light)
-    : media_(media), towards_light_(light.towards_light), irradiance_(light.strength), light_(light),
-      attenuates_light_(attenuates_light && light.casts_shadow) { // to Cycles, fog is a shadow as well
-    if (attenuates_light_ && media.fills_world()) {
+DirectionalScatter::DirectionalScatter(const Media& media, const LightSample& light)
+    : media_(media), towards_light_(light.towards_light), irradiance_(light.strength), light_(light) {
+    if (light.is_dimmed_by_media && media.fills_world()) {
         MediumSet world;
         world.insert(static_cast<std::uint16_t>(media.world_medium_index()));
         const Rgb sigma_t = media.sigma_t_per_m(world);
@@ -126,10 +125,11 @@ ScatterPiece piece_between(double near_m, double far_m, const Rgb& source_per_m,
 
 /// Of one thread: begun for a ray.
 LightSideSweep& begin_sweep(const Media& media, const ViewRay& ray, std::span<const MediumSegment> segments,
-                            const vec3& towards_light, bool attenuates_light) {
+                            const LightSample& light) {
     thread_local LightSideSweep sweep;
-    if (attenuates_light)
-        sweep.begin(media, {ray.origin, ray.direction, segments.front().near_m, segments.back().far_m}, towards_light);
+    if (light.is_dimmed_by_media)
+        sweep.begin(media, {ray.origin, ray.direction, segments.front().near_m, segments.back().far_m},
+                    light.towards_light);
     else
         sweep.begin_without();
     return sweep;
@@ -147,7 +147,7 @@ void DirectionalScatter::append_pieces(const ViewRay& ray, std::span<const Mediu
         append_grid_pieces(ray, segments, steps, 0, pieces);
         return;
     }
-    LightSideSweep& sweep = begin_sweep(media_, ray, segments, towards_light_, attenuates_light_);
+    LightSideSweep& sweep = begin_sweep(media_, ray, segments, light_);
     const float cosine = glm::dot(ray.direction, towards_light_);
     dvec3 camera_depth(0.0);
     for (const MediumSegment& segment : segments) {
@@ -168,7 +168,7 @@ void DirectionalScatter::append_grid_pieces(const ViewRay& ray, std::span<const 
     const std::span<const MediumStep> steps = all_steps.of_ray(index);
     if (segments.empty() || steps.empty())
         return;
-    LightSideSweep& sweep = begin_sweep(media_, ray, segments, towards_light_, attenuates_light_);
+    LightSideSweep& sweep = begin_sweep(media_, ray, segments, light_);
     thread_local std::vector<LinePart> reached; // through grids
     thread_local std::vector<Rgb> scatter_of_grid;
     reached.clear(), scatter_of_grid.clear();
@@ -223,7 +223,7 @@ void DirectionalScatter::append_grid_pieces(const ViewRay& ray, std::span<const 
 }
 
 void DirectionalScatter::dim_by_grids(const GridLoss& loss) {
-    if (!attenuates_light_ || media_.grids().is_empty())
+    if (!light_.is_dimmed_by_media || media_.grids().is_empty())
         return;
     grid_depth_.emplace(media_, light_);
     if (loss.spacing_voxels > 0.0f)

@@ -36,7 +36,7 @@ struct ScatterPiece {
 class DirectionalScatter {
 public:
     /// `media` must outlive this.
-    DirectionalScatter(const Media& media, const LightSample& light, bool attenuates_light);
+    DirectionalScatter(const Media& media, const LightSample& light);
 
     /// Nothing is scattered: the light is black, no medium scatters, or a medium without bounds swallows it all.
     [[nodiscard]] bool is_black() const { return is_black_; }
@@ -58,7 +58,7 @@ private:
     vec3 towards_light_;
     Rgb irradiance_; ///< 0 in channels that the world's medium swallows.
     LightSample light_;
-    bool attenuates_light_, is_black_;
+    bool is_black_;
     std::optional<GridLightDepth> grid_depth_;
     float grid_piece_m_ = 0.0f; ///< Longest outside of grids, where the light passes through one.
 };

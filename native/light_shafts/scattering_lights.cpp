@@ -143,10 +143,9 @@ bool has_size(const Light& light) {
                                         : light.kind == LightKind::Area || light.radius_m > 0.0f;
 }
 
-static bool swallows_all(const Media& media, bool attenuates_light) {
-    LightSample white;
-    return DirectionalScatter(media, white, attenuates_light).is_black() &&
-           !DirectionalScatter(media, white, false).is_black();
+static bool swallows_suns(const Media& media) {
+    return DirectionalScatter(media, {}).is_black() &&
+           !DirectionalScatter(media, {.is_dimmed_by_media = false}).is_black();
 }
 
 std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Media& media, const Config& config,
@@ -154,7 +153,7 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
     std::vector<ScatteringLight> lights;
     constexpr const char* remedy = "the world's medium has no end and swallows it: put the fog into a box";
     const std::vector<float> weights = weights_of_discs(scene, counts);
-    const bool drowns_suns = swallows_all(media, config.attenuates_light);
+    const bool drowns_suns = config.attenuates_light && swallows_suns(media);
     for (std::uint32_t index = 0; index < scene.lights().size(); ++index) {
         const Light& light = scene.lights()[index];
         if (config.leaves_lamps && light.kind != LightKind::Sun)
@@ -168,7 +167,7 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
             statistics.skip(what, "no strength");
             continue;
         }
-        if (light.kind == LightKind::Sun && light.casts_shadow && drowns_suns) {
+        if (light.kind == LightKind::Sun && light.is_dimmed_by_media() && drowns_suns) {
             statistics.skip(what, remedy);
             statistics.report(light.name + ": no light shafts, " + remedy);
             continue;

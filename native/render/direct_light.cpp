@@ -26,7 +26,7 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
         if (!light.lights_surfaces || light.strength == Rgb(0.0f))
             continue;
         lights_.push_back({index, LightAim(light), light_shafts::SurfaceHoles::make(scene, light), nullptr, nullptr});
-        if (light.kind == LightKind::Sun && light.casts_shadow && media.fills_world())
+        if (light.kind == LightKind::Sun && light.is_dimmed_by_media() && media.fills_world())
             statistics.report("Light \"" + light.name +
                               "\" is infinitely far away in the world's endless medium, which lets nothing of it "
                               "through: bound the fog with a fog box");
@@ -247,7 +247,7 @@ void DirectLight::let_pass(const AimedLight& aimed, const LitSurface& surface, S
         if (aimed.shadows->is_dark(point.position, point.geometric_normal, shadow.rays[index]))
             shadow.passing[index] = Rgb(0.0f);
     }
-    if (has_media_ && light.casts_shadow) // to Cycles, fog is a shadow as well
+    if (has_media_ && light.is_dimmed_by_media())
         media_.attenuate(shadow.all(), shadow.passing);
 }
 

@@ -56,7 +56,7 @@ void DirectLight::aim_at_many(const LitSurface& surface, const PairIndex& pair, 
         const float cosine = glm::dot(point.shading.shading_normal, towards);
         shadow.shares[shadow.count - 1] =
             is_met ? power_share(aimed->pdf_per_sr, cosine_hemisphere_pdf_per_sr(cosine)) : 1.0f;
-        shadow.casts[shadow.count - 1] = aimed->lamp == nullptr || aimed->lamp->casts_shadow;
+        shadow.lamps[shadow.count - 1] = aimed->lamp;
         shadow.groups[shadow.count - 1] = aimed->light_group;
         shadow.links[shadow.count - 1] = aimed->links;
     }
@@ -67,19 +67,18 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
                            std::span<Irradiance> irradiance, std::span<Irradiance> by_group) const {
     ShadowRays shadow;
     aim_at_many(surface, pair, share, shadow);
-    for (std::size_t index = 0; index < shadow.count; ++index)
-        if (!shadow.casts[index])
-            shadow.passing[index] = Rgb(1.0f);
-        else if (shadow.links[index] == nullptr)
-            shadow.passing[index] = scene_.shadow_transmittance(shadow.rays[index], surface.among);
-        else
-            scene_.shadow_transmittances(shadow.all().subspan(index, 1), std::span(shadow.passing).subspan(index, 1),
-                                         *shadow.links[index], surface.among);
-    if (has_media_ && surface.among == Among::All)
-        media_.attenuate(shadow.all(), shadow.passing);
     for (std::size_t index = 0; index < shadow.count; ++index) {
-        if (!shadow.casts[index]) // not even fog's
-            shadow.passing[index] = Rgb(1.0f);
+        const auto ray = shadow.all().subspan(index, 1);
+        const auto passing = std::span(shadow.passing).subspan(index, 1);
+        const Light* const lamp = shadow.lamps[index];
+        if (lamp != nullptr && !lamp->casts_shadow)
+            passing[0] = Rgb(1.0f);
+        else if (shadow.links[index] == nullptr)
+            passing[0] = scene_.shadow_transmittance(ray[0], surface.among);
+        else
+            scene_.shadow_transmittances(ray, passing, *shadow.links[index], surface.among);
+        if (has_media_ && surface.among == Among::All && (lamp == nullptr || lamp->is_dimmed_by_media()))
+            media_.attenuate(ray, passing);
         Irradiance found;
         found.unshadowed = shadow.arriving[index];
         found.from_lights = shadow.arriving[index] * shadow.passing[index] * shadow.shares[index];
@@ -131,7 +130,7 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
                 passing[0] = scene_.shadow_transmittance(ray, surface.among);
                 blocked = passing[0] == Rgb(0.0f) ? &ray : nullptr;
             }
-            if (has_media_ && surface.among == Among::All && to_lamp.lamp->casts_shadow)
+            if (has_media_ && surface.among == Among::All && to_lamp.lamp->is_dimmed_by_media())
                 media_.attenuate({&ray, 1}, passing);
             const Irradiance found{.reflected = to_lamp.reflected * passing[0]};
             irradiance[index] += found;

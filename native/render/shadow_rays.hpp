@@ -13,7 +13,7 @@ struct DirectLight::ShadowRays {
     std::array<Rgb, most_points> passing;
     std::array<Rgb, most_points> reflected; ///< Towards the viewer, as `arriving`: where points have lobes.
     std::array<std::uint8_t, most_points> points;
-    std::array<bool, most_points> casts;   ///< Of lights that are drawn: whether anything stops them.
+    std::array<const Light*, most_points> lamps; ///< Of lights that are drawn; null for what glows.
     std::array<float, most_points> shares; ///< Of these: of the irradiance that is found this way, not by the cosine.
     std::array<std::uint8_t, most_points> groups;     ///< Of these: the light's group.
     std::array<const LightLinks*, most_points> links; ///< Of these.

@@ -79,7 +79,8 @@ static LightSample centre_sample(const Light& light, std::uint32_t light_index) 
             .spot = light.kind == LightKind::Spot || light.kind == LightKind::Area ? &light : nullptr,
             .textured = light.texture && light.kind != LightKind::Area ? &light : nullptr,
             .light_index = light_index,
-            .casts_shadow = light.casts_shadow};
+            .casts_shadow = light.casts_shadow,
+            .is_dimmed_by_media = light.is_dimmed_by_media()};
 }
 
 static LightSample sample_sun(const Light& light, LightSample sample, vec2 u) {

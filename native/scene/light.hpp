@@ -60,6 +60,9 @@ struct Light {
     std::vector<UnlitMedium> unlit_media = {};
     std::uint8_t light_group = no_light_group;
     bool is_camera_visible = false; ///< Cycles 4 draws lights with a size where the artist enables camera rays.
+
+    /// To Cycles, fog is a shadow as well.
+    [[nodiscard]] bool is_dimmed_by_media() const { return casts_shadow; }
 };
 
 /// Whether two lights give surfaces the same light: names, media, and edits that surfaces do not see do not count.
@@ -92,6 +95,7 @@ struct LightSample {
     const Light* textured = nullptr; ///< Its texture colours this light, too; the light must outlive the sample.
     std::uint32_t light_index = 0;   ///< Into Scene::lights; lights of the world follow after the last one.
     bool casts_shadow = true;
+    bool is_dimmed_by_media = true; ///< On its way to where it is scattered.
 };
 
 /// Spot attenuation towards a unit direction that leaves the light, [0, 1]; 1 for other kinds. Follows light.spot_falloff.

@@ -8,15 +8,11 @@ namespace tyndall {
 /// Where the ray meets nothing within the camera's clipping, an endless medium goes on, as in Cycles, until nothing comes
 /// through it: what clips surfaces opens no window in fog.
 [[nodiscard]] inline Ray seen_part(const Media& media, Ray ray, const Hit& hit) {
-    constexpr float opaque_depth = 16.0f; // 1e-7 come through
     if (hit.is_hit())
         ray.far_m = hit.distance_m;
     else if (media.fills_world()) {
         const auto index = static_cast<std::size_t>(media.world_medium_index());
-        const Rgb sigma_t_per_m = media.scene().description().media[index].sigma_t_per_m();
-        for (int channel = 0; channel < 3; ++channel)
-            if (sigma_t_per_m[channel] > 0.0f)
-                ray.far_m = std::max(ray.far_m, opaque_depth / sigma_t_per_m[channel]);
+        ray.far_m = std::max(ray.far_m, opaque_within_m(media.scene().description().media[index].sigma_t_per_m()));
     }
     return ray;
 }

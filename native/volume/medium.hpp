@@ -2,6 +2,7 @@
 // A participating medium, as Blender's volume shaders describe it; one Blender unit is one metre.
 #pragma once
 #include "core/math.hpp"
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -28,4 +29,14 @@ struct Medium {
     }
     [[nodiscard]] Rgb sigma_t_per_m() const { return sigma_s_per_m() + sigma_a_per_m; }
 };
+
+/// In how many metres a medium lets through no more than 1e-7, in each channel that it dims; 0: it dims none.
+[[nodiscard]] inline float opaque_within_m(const Rgb& sigma_t_per_m) {
+    constexpr float optical_depth = 16.0f;
+    float far_m = 0.0f;
+    for (int channel = 0; channel < 3; ++channel)
+        if (sigma_t_per_m[channel] > 0.0f)
+            far_m = std::max(far_m, optical_depth / sigma_t_per_m[channel]);
+    return far_m;
+}
 } // namespace tyndall

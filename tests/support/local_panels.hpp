@@ -151,7 +151,7 @@ struct MediaRays {
     [[nodiscard]] std::vector<Rgb> ask(const LightSample& light,
                                        const light_shafts::Visibility* visibility = nullptr) const {
         std::vector<Rgb> radiance(rays.size(), Rgb(0.0f));
-        light_shafts::LocalScatter(media, light, true).add_scattered(columns(), visibility, radiance, {}, {});
+        light_shafts::LocalScatter(media, light).add_scattered(columns(), visibility, radiance, {}, {});
         return radiance;
     }
 };

@@ -73,7 +73,8 @@ TEST_CASE("the texels asked for keep the error target, whatever the order that e
     const PreparedLights prepared{.media = media, .lights = {}, .statistics = {}};
     Beam beam;
     beam.sample = sample_light(scene->lights()[0], 0, vec3(0.5f));
-    beam.directional.emplace(media, beam.sample, false);
+    beam.sample.is_dimmed_by_media = false;
+    beam.directional.emplace(media, beam.sample);
     constexpr float target = 0.002f;
     for (const double order : {0.75, 1.0})
         for (const double error_at_2048 : {1e-4, 1e-3, 3e-3, 6e-3, 3e-2}) {
@@ -97,7 +98,8 @@ TEST_CASE("light that the rays do not see leaves the error target as it is, and 
     const PreparedLights prepared{.media = media, .lights = {}, .statistics = {}};
     Beam beam;
     beam.sample = sample_light(scene->lights()[0], 0, vec3(0.5f));
-    beam.directional.emplace(media, beam.sample, false);
+    beam.sample.is_dimmed_by_media = false;
+    beam.directional.emplace(media, beam.sample);
     const auto dark = [](std::uint32_t) { return std::make_unique<const Rough>(-1e9); };
     CHECK(measured_error_target(prepared, beam, {}, 0.002f, dark) == 0.002f);
     bool is_asked = false;

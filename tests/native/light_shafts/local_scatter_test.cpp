@@ -165,7 +165,7 @@ TEST_CASE("what a light would send without shadows is asked beside them, bit for
     const LightSample light = sample_light(spot, 0, vec3(0.5f));
     const Nest nest(light.position);
     const LocalRays local = nest.rays.columns();
-    const LocalScatter scatter(nest.media, light, true);
+    const LocalScatter scatter(nest.media, light);
     const std::vector<Rgb> black(local.size(), Rgb(0.0f));
     std::vector<Rgb> alone = black;
     scatter.add_scattered(local, nullptr, alone, {}, {});
@@ -188,7 +188,7 @@ TEST_CASE("only what the cone holds is asked for shadows, and counts as lit: by 
     const LightSample light = sample_light(spot, 0, vec3(0.5f));
     const Nest nest(light.position);
     const LocalRays local = nest.rays.columns();
-    const LocalScatter scatter(nest.media, light, true);
+    const LocalScatter scatter(nest.media, light);
     std::vector<Rgb> radiance(local.size(), Rgb(0.0f)), again = radiance;
     std::vector<float> lit_length_m(local.size(), 0.0f);
     const Stripes shadows(0.0f, 0.5f, 0.5f);
@@ -225,7 +225,8 @@ TEST_CASE("only what the cone holds is asked for shadows, and counts as lit: by 
 // whether anything is left, and not the ends of the piece.
 TEST_CASE("in ever denser soot a ray shows what the light gives its first instant") {
     const Light lamp{.name = "Lamp", .kind = LightKind::Point, .strength = Rgb(1.0f), .position = {0.5f, 1.0f, 0.7f}};
-    const LightSample sample = sample_light(lamp, 0, vec3(0.5f));
+    LightSample sample = sample_light(lamp, 0, vec3(0.5f));
+    sample.is_dimmed_by_media = false;
     for (const float sigma : {1e1f, 1e2f, 1e3f, 2.5e3f, 6e3f, 1e4f, 3e4f, 5e4f, 1e5f}) {
         CAPTURE(sigma);
         const auto scene =
@@ -235,7 +236,7 @@ TEST_CASE("in ever denser soot a ray shows what the light gives its first instan
         MediaRays rays{media, {}, {0}, {}};
         rays.add({{-1, 0, 0}, glm::normalize(vec3(2, 1, 0.5f)), 0.0f, 5.0f});
         std::vector<Rgb> radiance(1, Rgb(0.0f));
-        LocalScatter(media, sample, false).add_scattered(rays.columns(), nullptr, radiance, {}, {});
+        LocalScatter(media, sample).add_scattered(rays.columns(), nullptr, radiance, {}, {});
         const double away2 = glm::dot(dvec3(1.5, 1.0, 0.7), dvec3(1.5, 1.0, 0.7));
         const double expected = 1.0 / (4.0 * std::numbers::pi * away2); // sigma_s / sigma_t is 1
         CHECK(std::abs(radiance[0].x / expected - 1.0) < 3.0 / (sigma * std::sqrt(away2)) + 1e-4);

@@ -87,7 +87,7 @@ TEST_CASE("pieces know the way to the light through boxes, meshes, nests and ove
         suns.push_back(random.direction());
     double worst = 0.0;
     for (const vec3& towards_light : suns) {
-        const DirectionalScatter scatter(media, {.towards_light = towards_light}, true);
+        const DirectionalScatter scatter(media, {.towards_light = towards_light});
         for (int index = 0; index < 24; ++index) {
             ViewRay ray{8.0f * vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)),
                         random.direction(), 0.0f, 30.0f};
@@ -126,7 +126,7 @@ TEST_CASE("a sun in the world's endless medium is swallowed, in the channels tha
     description.world_medium_index = 0;
     const Scene scene(std::move(description), Progress());
     const Media media(scene, Progress());
-    CHECK(DirectionalScatter(media, {}, true).is_black());
-    CHECK(!DirectionalScatter(media, {}, false).is_black());
+    CHECK(DirectionalScatter(media, {}).is_black());
+    CHECK(!DirectionalScatter(media, {.is_dimmed_by_media = false}).is_black());
 }
 } // namespace scatter_pieces_test
