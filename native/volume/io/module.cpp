@@ -80,13 +80,22 @@ static VoxelBits to_voxels(const py::array& leaf_origins, const py::array& leaf_
 
 static void write_voxel_grid(const py::object& path, const std::string& name, const py::array& leaf_origins,
                              const py::array& leaf_words, const py::array& local_from_index, VoxelGridKind kind,
+                             const std::optional<std::pair<std::string, py::array>>& named_colors,
                              const Metadata& metadata, const Progress& progress) {
     VoxelBits voxels = to_voxels(leaf_origins, leaf_words);
     bindings::check_array<double>(local_from_index, {4, 4}, "local_from_index");
     std::copy_n(static_cast<const double*>(local_from_index.data()), voxels.local_from_index.size(),
                 voxels.local_from_index.begin());
+    std::optional<VoxelColors> colors;
+    if (named_colors) {
+        const auto& [color_name, linear] = *named_colors;
+        bindings::check_array<float>(linear, {-1, 3}, "colors");
+        colors = VoxelColors{
+            color_name,
+            {static_cast<const std::array<float, 3>*>(linear.data()), static_cast<std::size_t>(linear.shape(0))}};
+    }
     const std::string file = path_of(path);
-    bindings::without_gil([&] { write_voxels(file, name, voxels, kind, metadata, progress); });
+    bindings::without_gil([&] { write_voxels(file, name, voxels, kind, colors, metadata, progress); });
 }
 
 static py::tuple smooth_mesh(const py::array& leaf_origins, const py::array& leaf_words, const Progress& progress) {
@@ -121,11 +130,13 @@ TypeError: dtype or shape; IoError and InvalidInput name path and grid; Cancelle
     py::enum_<VoxelGridKind>(module, "VoxelGridKind")
         .value("FOG", VoxelGridKind::Fog)
         .value("LEVEL_SET", VoxelGridKind::LevelSet);
-    module.def("write_voxel_grid", &write_voxel_grid, "path"_a, "name"_a, "leaf_origins"_a, "leaf_words"_a,
-               "local_from_index"_a, "kind"_a, "metadata"_a, "progress"_a,
-               R"(Write voxels that are set as one grid, whole or not at all. Releases the GIL.
+    module.def(
+        "write_voxel_grid", &write_voxel_grid, "path"_a, "name"_a, "leaf_origins"_a, "leaf_words"_a,
+        "local_from_index"_a, "kind"_a, "colors"_a, "metadata"_a, "progress"_a,
+        R"(Write voxels that are set as one grid, and their colours as another, whole or not at all. Releases the GIL.
 
-leaf_origins: int32 (n, 3); leaf_words: uint64 (n, 8), bit 8 y + z of word x; local_from_index: float64 (4, 4).
+leaf_origins: int32 (n, 3); leaf_words: uint64 (n, 8), bit 8 y + z of word x; local_from_index: float64 (4, 4); colors:
+None, or a grid's name and float32 (k, 3), a row for each voxel, leaf by leaf, x slowest and z fastest.
 TypeError: dtype or shape; IoError and InvalidInput name path and grid; Cancelled.)");
     module.def(
         "smooth_mesh", &smooth_mesh, "leaf_origins"_a, "leaf_words"_a, "progress"_a,

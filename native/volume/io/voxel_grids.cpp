@@ -53,19 +53,43 @@ vdb::FloatGrid::Ptr fog_of(const vdb::MaskGrid& mask) {
     grid->setGridClass(vdb::GRID_FOG_VOLUME);
     return grid;
 }
+
+vdb::Vec3SGrid::Ptr colored(const vdb::MaskGrid& mask, const VoxelBits& voxels, const VoxelColors& colors,
+                            const std::string& named, const Progress& progress) {
+    require(colors.linear.size() == mask.activeVoxelCount(), named, colors.linear.size(), " colours for ",
+            mask.activeVoxelCount(), " voxels");
+    const auto tree = std::make_shared<vdb::Vec3STree>(mask.tree(), vdb::Vec3s(0.0f), vdb::TopologyCopy());
+    auto color = colors.linear.begin();
+    for (std::size_t leaf = 0; leaf < voxels.leaf_origins.size(); ++leaf) {
+        if (leaf % 4096 == 0)
+            progress.poll();
+        const auto& [x, y, z] = voxels.leaf_origins[leaf];
+        for (auto voxel = tree->probeLeaf(vdb::Coord(x, y, z))->beginValueOn(); voxel; ++voxel, ++color)
+            voxel.setValue(vdb::Vec3s(color->data()));
+    }
+    const vdb::Vec3SGrid::Ptr grid = vdb::Vec3SGrid::create(tree);
+    grid->setTransform(mask.transform().copy());
+    grid->setName(colors.name);
+    return grid;
+}
 } // namespace
 
 void write_voxels(const std::filesystem::path& path, const std::string& name, const VoxelBits& voxels,
-                  VoxelGridKind kind, const Metadata& metadata, const Progress& progress) {
+                  VoxelGridKind kind, const std::optional<VoxelColors>& colors, const Metadata& metadata,
+                  const Progress& progress) {
     vdb::initialize();
     const std::string named = path.string() + ": grid \"" + name + "\": ";
     require(!name.empty(), named, "it has no name");
+    require(!colors || colors->name != name, named, "there are two of this name");
     with_named_errors(path, "", writing, [&] {
         const vdb::MaskGrid::Ptr mask = mask_of(voxels, named, progress);
         mask->setTransform(to_transform(voxels.local_from_index, named)); // its voxels' size scales distances
         const vdb::FloatGrid::Ptr grid = kind == VoxelGridKind::Fog ? fog_of(*mask) : level_set_of(*mask, progress);
         grid->setName(name);
-        write_grids(path, {grid}, metadata, progress);
+        std::vector<vdb::GridBase::Ptr> grids{grid};
+        if (colors)
+            grids.push_back(colored(*mask, voxels, *colors, named, progress));
+        write_grids(path, grids, metadata, progress);
     });
 }
 

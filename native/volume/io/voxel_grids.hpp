@@ -4,6 +4,7 @@
 // Bound:    2.1 KB per leaf that is not full of voxels or empty; a level set has three voxels more on either side.
 #pragma once
 #include "volume/io/vdb_file.hpp"
+#include <optional>
 
 namespace tyndall::volume_io {
 /// Leaves of 8 x 8 x 8, in any order.
@@ -16,9 +17,15 @@ enum class VoxelGridKind : std::uint8_t {
     Fog,      ///< 1 where a voxel is set, 0 elsewhere.
     LevelSet, ///< Distance to the voxels' faces, smoothed by its own gradient; negative where a voxel is set.
 };
-/// One grid. Throws IoError and InvalidInput, which name path and grid, and Cancelled.
+/// A grid of three numbers, 0 where no voxel is set.
+struct VoxelColors {
+    std::string name;
+    std::span<const std::array<float, 3>> linear{}; ///< Of each voxel that is set: leaf by leaf, x slowest, z fastest.
+};
+/// One grid, and one of colours, if there are any. Throws IoError and InvalidInput, which name path and grid, and Cancelled.
 void write_voxels(const std::filesystem::path& path, const std::string& name, const VoxelBits& voxels,
-                  VoxelGridKind kind, const Metadata& metadata, const Progress& progress);
+                  VoxelGridKind kind, const std::optional<VoxelColors>& colors, const Metadata& metadata,
+                  const Progress& progress);
 
 struct SmoothMesh {
     std::vector<std::array<float, 3>> positions;         ///< By index: voxel (x, y, z) has its centre there.

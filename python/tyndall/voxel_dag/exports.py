@@ -15,9 +15,11 @@ from tyndall._native import Progress
 from tyndall.volumes import MEMORY_LIMIT_BYTES
 
 from .checks import MOST_BYTES, doublings, named, refuse, whole
+from .grid_colors import BYTES_PER_VOXEL, linear_of, voxels_of_blocks
 
 #: Of a block of 8 x 8 x 8 voxels while OpenVDB has it: its own leaf, and those around it that a level set needs.
 GRID_BYTES_PER_BLOCK = 8192
+_COLOR_BYTES_PER_BLOCK = 8192  #: A leaf of vectors, likewise.
 
 
 class VoxelMesh(NamedTuple):
@@ -71,6 +73,7 @@ class Exports:
         kind: Literal["fog", "level set"] = "fog",
         *,
         name: str | None = None,
+        color_name: str = "color",
         level: int | None = None,
         memory_budget_bytes: int = MEMORY_LIMIT_BYTES,
         progress: Progress | None = None,
@@ -78,8 +81,10 @@ class Exports:
         """Write an OpenVDB file with one grid of voxels, or of cubes, 2 ** ``level`` along a side, whole or not at all.
 
         "fog": 1 where a voxel is set, named "density"; "level set": distances to the voxels' surface, negative where
-        one is set, named "surface". Raises InvalidInput, which says what it would take, where the memory budget does
-        not suffice; IoError, which names the path; and Cancelled.
+        one is set, named "surface". Colours, where there are any, become a second grid, of scene-linear vectors; its
+        name of "color" is the one that Blender's Volume Info reads. "" for the name: none is written. Raises
+        InvalidInput, which says what it would take, where the memory budget does not suffice; IoError, which names the
+        path; and Cancelled.
         """
         from tyndall import __version__, _volume_io  # noqa: PLC0415 - OpenVDB is loaded by what needs it
 
@@ -98,6 +103,7 @@ class Exports:
             words,
             local_from_index,
             grid_kind,
+            self._linear_colors(color_name, level, origins, words, memory_budget_bytes, progress),
             {"creator": f"Tyndall {__version__}"},
             progress,
         )
@@ -118,6 +124,30 @@ class Exports:
         """
         budget = whole("memory_budget_bytes", memory_budget_bytes, MOST_BYTES)
         self._native.save_vox(path, quantize, budget, progress or Progress())
+
+    def _linear_colors(
+        self,
+        name: str,
+        level: int | None,
+        origins: NDArray[np.int32],
+        words: NDArray[np.uint64],
+        memory_budget_bytes: int,
+        progress: Progress,
+    ) -> tuple[str, NDArray[np.float32]] | None:
+        """Of each voxel, block by block, and the name of their grid."""
+        if not (name and self._native.has_colors):
+            return None
+        count = int(np.unpackbits(words.view(np.uint8)).sum())
+        needed = len(origins) * (GRID_BYTES_PER_BLOCK + _COLOR_BYTES_PER_BLOCK) + count * BYTES_PER_VOXEL
+        if needed > memory_budget_bytes:
+            raise refuse(
+                f"grids of these voxels and their colours take some {needed / 1e9:.1f} GB, beyond the memory budget of"
+                f" {memory_budget_bytes / 1e9:.1f} GB: choose a coarser level, raise the budget, or leave the colours"
+                ' out (color_name="")'
+            )
+        coarser = doublings(level, self._native.resolution)
+        voxels = voxels_of_blocks(origins, words) << coarser
+        return name, linear_of(self._native.colors_at(voxels, coarser, progress))
 
     def _blocks(
         self, coarser: int, memory_budget_bytes: int, progress: Progress

@@ -17,6 +17,7 @@ from tyndall.volumes import LEAF_VOXELS, MEMORY_LIMIT_BYTES, GridInfo, grid_info
 from .checks import MOST_LEVEL, budget, check_no_rows, named, refuse
 from .config import Config
 from .dag import VoxelDag
+from .grid_colors import BYTES_PER_VOXEL, colored, read_colors
 from .meshes import from_coordinates
 
 Rule = Literal["inside", "dense", "surface"]
@@ -32,19 +33,25 @@ def import_vdb(
     *,
     rule: Rule | None = None,
     threshold: float | None = None,
+    color_grid: str | None = None,
 ) -> VoxelDag:
     """The voxels of a grid in an OpenVDB file, where they lie in the grid's space and as large as they are there.
 
-    ``grid`` may be left out where the file has one grid alone. ``rule``: "inside": values of at most ``threshold``, 0
-    without; "surface": those of them that have a face towards one that is not; "dense": values of at least
-    ``threshold``, 0.5 without. None: "inside" for a level set, "dense" for all others. Of ``config``, symmetry and
-    memory budget count (for what is read: 4 GiB without). Raises InvalidInput, which names the grid, for one that lies
-    turned or stretched in space, holds no numbers, or has no bounds by the rule; IoError, which names the path; and
-    Cancelled.
+    ``grid`` may be left out where the file has one grid alone, that of the colours aside. ``rule``: "inside": values
+    of at most ``threshold``, 0 without; "surface": those of them that have a face towards one that is not; "dense":
+    values of at least ``threshold``, 0.5 without. None: "inside" for a level set, "dense" for all others.
+    ``color_grid``: one of three scene-linear numbers per voxel in the same place, as "color" of Blender or "Cd" of
+    Houdini; what is beyond 0 and 1 is clamped. Of ``config``, symmetry, how colours are stored, and memory budget count
+    (for what is read: 4 GiB without). Raises InvalidInput, which names the grid, for one that lies turned or stretched
+    in space, holds no numbers, or has no bounds by the rule; IoError, which names the path; and Cancelled.
     """
     config, progress = config or Config(), progress or Progress()
     check_no_rows(config)
-    info = _chosen(os.fspath(path), grid_infos(path, progress), grid)
+    infos = grid_infos(path, progress)
+    color_info = None if color_grid is None else _chosen(os.fspath(path), infos, color_grid)
+    info = _chosen(
+        os.fspath(path), infos if grid is not None else [info for info in infos if info is not color_info], grid
+    )
     culprit = f'{os.fspath(path)}: grid "{info.name}": '
     rule = rule or ("inside" if info.grid_class == "level set" else "dense")
     if rule not in DEFAULT_THRESHOLDS:
@@ -73,7 +80,7 @@ def import_vdb(
     side = LEAF_VOXELS + (int(np.ptp(origins, axis=0).max()) if len(origins) else 0)
     if side > MOST_VOXELS:
         raise refuse(f"{culprit}its voxels span {side}; {MOST_VOXELS} a side are possible")
-    return _dag(
+    dag = _dag(
         origins - first,
         words[is_kept],
         (side - 1).bit_length(),
@@ -83,6 +90,21 @@ def import_vdb(
         config=config,
         progress=progress,
     )
+    if color_info is None:
+        return dag
+    if dag.voxel_count * BYTES_PER_VOXEL > most_bytes:
+        raise refuse(
+            f"{culprit}the colours of {dag.voxel_count} voxels take some {dag.voxel_count * BYTES_PER_VOXEL / 1e9:.1f}"
+            f" GB, beyond the memory budget of {most_bytes / 1e9:.1f} GB: raise it"
+        )
+    channels = read_colors(path, color_info, most_bytes, progress)
+    if not np.allclose(channels[0].local_from_index, values.local_from_index, rtol=0.0, atol=1e-6 * voxel_m):
+        raise refuse(
+            f'{culprit}its colours, "{color_grid}", lie elsewhere, or have voxels of another size: resample them'
+        )
+    voxels, colors = colored(dag, channels, first)
+    listed = replace(config, resolution=dag.resolution, bounds_m=dag.bounds_m, colors=colors)
+    return from_coordinates(voxels, listed, progress)
 
 
 def from_array(
