@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 import bpy
@@ -59,6 +60,7 @@ def of_curves(mapping: bpy.types.CurveMapping) -> Table:
     return Table(values, first, last, _GOES_ON if mapping.extend == "EXTRAPOLATED" else 0)
 
 
+@cache
 def of_blackbody() -> Table:
     """Over degrees Kelvin; colours outside the gamut are cut off, as nodes do."""
     kelvin = np.linspace(COLDEST_K, HOTTEST_K, _BLACKBODY_STEPS + 1)

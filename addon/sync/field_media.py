@@ -19,7 +19,7 @@ from tyndall.density_fields import FieldPlace, SampledField, field_key, sampled
 from tyndall.scene_description import Medium, Volume
 
 from .mesh_attributes import GENERATED, made_maps
-from .program import BLACK, WHITE, Term
+from .program import BLACK, Term
 from .random_numbers import as_unit_floats
 from .value_nodes import Domain, ValueReader
 from .volume_nodes import IGNORES_RAY_VISIBILITY, difference, medium_of, read_coefficients
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from .instances import Placement
     from .materials import MaterialReader
     from .node_graph import Socket
+    from .program import Program
     from .reports import Reports
     from .value_nodes import Value
 
@@ -41,9 +42,10 @@ _MOST_VOXELS, _MOST_IN_VIEWPORT = 128, 64
 
 @dataclass(frozen=True, eq=False)
 class DensityField:
-    """What varies: a program whose emission is the factor of a medium."""
+    """What varies: a program of whose emission one channel is the factor of a medium."""
 
-    program: Material
+    program: Material  #: One object for all channels.
+    channel: int
     medium: Medium
 
 
@@ -53,48 +55,45 @@ class FieldReader(ValueReader):
     def __init__(self, at_points: ValueReader) -> None:
         """``at_points`` reads the same material where it varies."""
         super().__init__(at_points.culprit, at_points.reports, at_points.images, Domain.CONSTANT)
-        self.values: dict[Value, float] = {}  #: Of those that are not 0.
-        self.asked: dict[Value, None] = {}  #: What varies, in its order.
+        self.values: dict[tuple[Term, int], float] = {}  #: Of those that are not 0.
+        self.asked: dict[tuple[Term, int], None] = {}  #: What varies, and its channel, in their order.
         self._at_points = at_points
 
-    def field_value(self, at: Socket | None) -> float | None:
-        if at is None or not at.is_connected():
-            return None
-        value = self._at_points.number(at)
-        return self._asked(value) if isinstance(value, Term) else None
+    @property
+    def varying(self) -> Program:
+        return self._at_points.program
 
-    def field_colour(
-        self, number: Socket | None, colour: Socket | None, *, is_complement: bool = False
-    ) -> tuple[float, float, float] | None:
-        if colour is None or not colour.is_connected():
-            return None
-        program, tint = self._at_points.program, self._at_points.colour(colour)
-        if not isinstance(tint, Term):
-            return None
-        amount = WHITE if number is None else self._at_points.number(number)
-        red, green, blue = (
-            self._asked(program.multiply(amount, program.complement(channel) if is_complement else channel))
-            for channel in (program.channel(tint, index) for index in range(3))
-        )
-        return red, green, blue
+    def linear_number(self, at: Socket | None) -> Value:
+        is_set_here = at is None or not at.is_connected()
+        return super().linear_number(at) if is_set_here else self._at_points.number(at)
 
-    def _asked(self, value: Value) -> float:
+    def linear_colour(self, at: Socket | None) -> Value:
+        is_set_here = at is None or not at.is_connected()
+        return super().linear_colour(at) if is_set_here else self._at_points.colour(at)
+
+    def grid(self, name: str) -> Value | None:
+        return self._at_points.grid(name)
+
+    def at_place(self, value: Value, channel: int = 0) -> float:
         if not isinstance(value, Term):
-            return value[0]
-        self.asked[value] = None
-        return self.values.get(value, 0.0)
+            return super().at_place(value, channel)
+        self.asked[value, channel] = None
+        return self.values.get((value, channel), 0.0)
 
 
 def read_fields(at_points: ValueReader, shader: Socket, name: str) -> tuple[Medium | None, tuple[DensityField, ...]]:
     """``shader`` is the Volume input of an output node; None for a medium that does nothing where nothing varies."""
     reader = FieldReader(at_points)
     nothing = read_coefficients(reader, shader)
-    fields = []
-    for value in tuple(reader.asked):
-        reader.values = {value: 1.0}
+    fields: list[DensityField] = []
+    programs: dict[Term, Material] = {}
+    for value, channel in tuple(reader.asked):
+        reader.values = {(value, channel): 1.0}
         medium = medium_of(difference(read_coefficients(reader, shader), nothing), f"{name}, varying")
         if medium is not None:
-            fields.append(DensityField(at_points.program.material(name, (BLACK, BLACK, value)), medium))
+            if value not in programs:
+                programs[value] = at_points.program.material(name, (BLACK, BLACK, value))
+            fields.append(DensityField(programs[value], channel, medium))
     return medium_of(nothing, name), tuple(fields)
 
 
@@ -139,10 +138,11 @@ class FieldVolumes:
             for place in _places(placement, mesh):
                 for field, medium in fields:
                     sigma_t_per_m = max(field.medium.sigma_t_per_m())
-                    key = field_key(field.program, place, sigma_t_per_m, most_voxels)
+                    program = field.program, field.channel
+                    key = field_key(program, place, sigma_t_per_m, most_voxels)
                     known = self._kept.get(key) or kept.get(key)
                     try:
-                        self._kept[key] = known or sampled(field.program, place, key, sigma_t_per_m, most_voxels, poll)
+                        self._kept[key] = known or sampled(program, place, key, sigma_t_per_m, most_voxels, poll)
                     except (InvalidInput, IoError) as error:
                         reports.add(culprit, f"its varying volume is not drawn: {error}")
                         continue

@@ -68,19 +68,27 @@ class ValueReader:
         self.misses_surroundings = False  #: A render would trace them.
         self.tells_particles = False  #: What is read knows which particle its instance is.
 
-    def grid_value(self, _name: str) -> float | None:
-        """Of a volume object's grid, at the place for which the reader answers; None: it has no such grid."""
+    @property
+    def varying(self) -> Program:
+        """The program of what linear_number, linear_colour and grid give."""
+        return self.program
+
+    def linear_number(self, at: Socket | None) -> Value:
+        """Of an input in which a volume shader is linear: it may vary where the reader answers for places."""
+        return grey(self.constant(at))
+
+    def linear_colour(self, at: Socket | None) -> Value:
+        return self.constant_colour(at)
+
+    def grid(self, _name: str) -> Value | None:
+        """A grid of a volume object; None: it has none of this name."""
         return None
 
-    def field_value(self, _at: Socket | None) -> float | None:
-        """What an input that varies has, at the place for which the reader answers; None: it is read as a constant."""
-        return None
-
-    def field_colour(
-        self, _number: Socket | None, _colour: Socket | None, *, is_complement: bool = False
-    ) -> tuple[float, float, float] | None:
-        """The same of a colour, or of what it lacks, times a number; None where the colour does not vary."""
-        return None
+    def at_place(self, value: Value, channel: int = 0) -> float:
+        """A number, or a colour's channel, at the place for which the reader answers."""
+        if isinstance(value, Term):
+            raise TypeError("this reader answers for no place")
+        return value[channel]
 
     def image(self, at: Socket) -> Value:
         """The value of an image node, in a domain that has them all alike."""

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Volume shaders as homogeneous media, or as media that a volume object's grids modulate, as Cycles reads them.
 
-Where nodes vary a density, an emission's strength or a colour, `field_media.py` says by how much; other varying inputs
-are read as 0.5 or mid grey, with a note.
+Where nodes vary a density, strength, colour, temperature or the factor of a mix, `field_media.py` says by how much; all
+other varying inputs are read as 0.5 or mid grey, with a note.
 """
 
 from __future__ import annotations
@@ -18,12 +18,16 @@ import numpy as np
 from tyndall.scene_description import Medium, ScatterLobe
 
 from .blackbody import blackbody
+from .colour_tables import colour_at, of_blackbody
+from .math_nodes import math_operation
+from .program import BLACK, WHITE, Term, grey
 from .shader_limits import followed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .node_graph import Socket
+    from .program import Value
     from .value_nodes import ValueReader
 
     Rgb64 = NDArray[np.float64]
@@ -56,7 +60,7 @@ def read_volume(reader: ValueReader, at: Socket, name: str) -> Medium | None:
 def read_coefficients(reader: ValueReader, at: Socket) -> Coefficients:
     """The same before it is a medium."""
     coefficients = Coefficients()
-    _add(reader, at, 1.0, coefficients)
+    _add(reader, at, WHITE, coefficients)
     return coefficients
 
 
@@ -79,13 +83,13 @@ def _rgb(channels: Rgb64) -> tuple[float, float, float]:
 
 
 @followed(otherwise=None)
-def _add(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
+def _add(reader: ValueReader, at: Socket, weight: Value, coefficients: Coefficients) -> None:
     source = at.source()
-    if source.is_bare_shader() or weight == 0.0:
+    if source.is_bare_shader() or weight == BLACK:
         reader.note_left_out(at)
         return
     if source.socket.type != "SHADER":  # a colour in place of a shader glows
-        coefficients.emission += weight * np.array(reader.constant_colour(at))
+        coefficients.emission += _product(reader, _glow_weight(reader, weight), reader.linear_colour(at))
         return
     add = _SHADERS.get(source.node.type)
     if add is None:
@@ -104,25 +108,30 @@ def difference(here: Coefficients, nothing: Coefficients) -> Coefficients:
     )
 
 
-def _factor(reader: ValueReader, at: Socket | None) -> float:
-    """Of an input in which the shader is linear."""
-    field = reader.field_value(at)
-    return reader.constant(at) if field is None else field
+def _product(reader: ValueReader, amount: Value, tint: Value) -> Rgb64:
+    """A number times a colour, where the reader answers; nothing of either below 0."""
+    if not isinstance(tint, Term):
+        return max(reader.at_place(amount), 0.0) * np.maximum(tint, 0.0)
+    product = reader.varying.multiply(amount, tint)
+    return np.maximum([reader.at_place(product, channel) for channel in range(3)], 0.0)
+
+
+def _glow_weight(reader: ValueReader, weight: Value) -> Value:
+    """In 3.x the factor of a Mix Shader gives each of two all of its emission, unless it gives nothing."""
+    if bpy.app.version >= (4, 0, 0):
+        return weight
+    return math_operation(reader.varying, "GREATER_THAN", weight, BLACK)
 
 
 def _colour(reader: ValueReader, at: Socket, name: str = "Color") -> Rgb64:
     return np.array(reader.constant_colour(at.input(name)))
 
 
-def _tinted(
-    reader: ValueReader, at: Socket, number: str, colour: str = "Color", *, is_complement: bool = False
-) -> Rgb64:
-    """A number times a colour, or times what the colour lacks; nothing of either below 0."""
-    varying = reader.field_colour(at.input(number), at.input(colour), is_complement=is_complement)
-    if varying is not None:
-        return np.maximum(varying, 0.0)
-    tint = _colour(reader, at, colour)
-    return max(_factor(reader, at.input(number)), 0.0) * np.maximum(1.0 - tint if is_complement else tint, 0.0)
+def _of_grid(reader: ValueReader, at: Socket, attribute: str, value: Value) -> Value:
+    """Times the grid that a Principled Volume names; the value alone, where there is none."""
+    name = at.input(attribute)
+    grid = reader.grid(name.socket.default_value) if name is not None else None
+    return value if grid is None else reader.varying.multiply(value, grid)
 
 
 def _asymmetry(reader: ValueReader, at: Socket) -> float:
@@ -135,69 +144,83 @@ def _asymmetry(reader: ValueReader, at: Socket) -> float:
     return min(max(asymmetry, -_LARGEST_ASYMMETRY), _LARGEST_ASYMMETRY)
 
 
-def _scatter(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
-    coefficients.scatter.append((weight * _tinted(reader, at, "Density"), _asymmetry(reader, at)))
+def _scatter(reader: ValueReader, at: Socket, weight: Value, coefficients: Coefficients) -> None:
+    density = reader.varying.multiply(weight, reader.linear_number(at.input("Density")))
+    tint = reader.linear_colour(at.input("Color"))
+    coefficients.scatter.append((_product(reader, density, tint), _asymmetry(reader, at)))
 
 
-def _absorption(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
-    coefficients.absorption += weight * _tinted(reader, at, "Density", is_complement=True)
+def _absorption(reader: ValueReader, at: Socket, weight: Value, coefficients: Coefficients) -> None:
+    density = reader.varying.multiply(weight, reader.linear_number(at.input("Density")))
+    tint = reader.linear_colour(at.input("Color"))
+    coefficients.absorption += _product(reader, density, reader.varying.complement(tint))
 
 
-def _principled(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
-    density = weight * _grid_density(reader, at)
-    coefficients.scatter.append((density * _tinted(reader, at, "Density"), _asymmetry(reader, at)))
+def _principled(reader: ValueReader, at: Socket, weight: Value, coefficients: Coefficients) -> None:
+    program = reader.varying
+    density = _of_grid(reader, at, "Density Attribute", reader.linear_number(at.input("Density")))
+    density = program.multiply(weight, density)
+    tint = _of_grid(reader, at, "Color Attribute", reader.linear_colour(at.input("Color")))
+    coefficients.scatter.append((_product(reader, density, tint), _asymmetry(reader, at)))
     # The square root makes the absorption colour act evenly over its range.
     kept = np.sqrt(np.maximum(_colour(reader, at, "Absorption Color"), 0.0))
-    lacks = _tinted(reader, at, "Density", is_complement=True)
-    coefficients.absorption += density * lacks * np.maximum(1.0 - kept, 0.0)
-    # Emission does not depend on density; nor, in 3.x, on the factor of a Mix Shader.
-    emission_weight = weight if bpy.app.version >= (4, 0, 0) else 1.0
-    coefficients.emission += emission_weight * _tinted(reader, at, "Emission Strength", "Emission Color")
-    coefficients.emission += emission_weight * _flame(reader, at)
+    coefficients.absorption += _product(reader, density, program.complement(tint)) * np.maximum(1.0 - kept, 0.0)
+    glow_weight = _glow_weight(reader, weight)
+    strength = program.multiply(
+        glow_weight, reader.linear_number(at.input("Emission Strength"))
+    )  # whatever the density
+    coefficients.emission += _product(reader, strength, reader.linear_colour(at.input("Emission Color")))
+    coefficients.emission += _flame(reader, at, glow_weight)
 
 
-def _grid_density(reader: ValueReader, at: Socket) -> float:
-    """1 for a volume without the grid that the node names."""
-    name = at.input("Density Attribute")
-    density = reader.grid_value(name.socket.default_value) if name is not None else None
-    return 1.0 if density is None else max(density, 0.0)
-
-
-def _flame(reader: ValueReader, at: Socket) -> Rgb64:
+def _flame(reader: ValueReader, at: Socket, weight: Value) -> Rgb64:
     """Stefan-Boltzmann, in Cycles' units of a millionth, between colour only and the full fourth power."""
     share = reader.constant(at.input("Blackbody Intensity"))
     if share <= 0.0:
         return np.zeros(3)
-    temperature_k = max(reader.constant(at.input("Temperature")), 0.0)
-    radiance = 5.670373e-8 * 1e-6 / math.pi * ((1.0 - share) + share * temperature_k**4)
-    colour: Rgb64 = _colour(reader, at, "Blackbody Tint") * np.array(blackbody(temperature_k))
-    return radiance * colour
+    program = reader.varying
+    temperature = _of_grid(reader, at, "Temperature Attribute", reader.linear_number(at.input("Temperature")))
+    temperature_k = math_operation(program, "MAXIMUM", temperature, BLACK)
+    colour = (
+        colour_at(program, of_blackbody(), temperature_k)
+        if isinstance(temperature_k, Term)
+        else blackbody(temperature_k[0])
+    )
+    square = program.multiply(temperature_k, temperature_k)
+    power = program.add(grey(1.0 - share), program.multiply(grey(share), program.multiply(square, square)))
+    radiance = program.multiply(grey(5.670373e-8 * 1e-6 / math.pi), power)
+    tint = program.multiply(colour, reader.linear_colour(at.input("Blackbody Tint")))
+    return _product(reader, program.multiply(weight, radiance), tint)
 
 
-def _volume_coefficients(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
-    sigma_s = weight * np.maximum(_colour(reader, at, "Scatter Coefficients"), 0.0)
-    coefficients.scatter.append((sigma_s, _asymmetry(reader, at)))
-    coefficients.absorption += weight * np.maximum(_colour(reader, at, "Absorption Coefficients"), 0.0)
-    coefficients.emission += weight * _colour(reader, at, "Emission Coefficients")
+def _volume_coefficients(reader: ValueReader, at: Socket, weight: Value, coefficients: Coefficients) -> None:
+    def read(name: str) -> Rgb64:
+        return _product(reader, weight, reader.linear_colour(at.input(name)))
+
+    coefficients.scatter.append((read("Scatter Coefficients"), _asymmetry(reader, at)))
+    coefficients.absorption += read("Absorption Coefficients")
+    coefficients.emission += read("Emission Coefficients")
 
 
-def _emission(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
-    coefficients.emission += weight * _tinted(reader, at, "Strength")
+def _emission(reader: ValueReader, at: Socket, weight: Value, coefficients: Coefficients) -> None:
+    strength = reader.varying.multiply(_glow_weight(reader, weight), reader.linear_number(at.input("Strength")))
+    coefficients.emission += _product(reader, strength, reader.linear_colour(at.input("Color")))
 
 
-def _mix_shader(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
+def _mix_shader(reader: ValueReader, at: Socket, weight: Value, coefficients: Coefficients) -> None:
     share, first, second = at.inputs()[:3]
-    share_of_second = min(max(reader.constant(share), 0.0), 1.0)
-    _add(reader, first, weight * (1.0 - share_of_second), coefficients)
-    _add(reader, second, weight * share_of_second, coefficients)
+    program = reader.varying
+    share_of_second = program.clamp(reader.linear_number(share))
+    _add(reader, first, program.multiply(weight, program.complement(share_of_second)), coefficients)
+    _add(reader, second, program.multiply(weight, share_of_second), coefficients)
 
 
-def _add_shader(reader: ValueReader, at: Socket, weight: float, coefficients: Coefficients) -> None:
+def _add_shader(reader: ValueReader, at: Socket, weight: Value, coefficients: Coefficients) -> None:
     for shader in at.inputs()[:2]:
         _add(reader, shader, weight, coefficients)
 
 
-_SHADERS: dict[str, Callable[[ValueReader, Socket, float, Coefficients], None]] = {
+_SHADERS: dict[str, Callable[[ValueReader, Socket, Value, Coefficients], None]] = {
     "VOLUME_SCATTER": _scatter,
     "VOLUME_ABSORPTION": _absorption,
     "PRINCIPLED_VOLUME": _principled,

@@ -34,6 +34,10 @@ _VOXEL_SHIFT = 0.0 if bpy.app.version >= (5, 0, 0) else 0.5
 _DOMAIN_GRIDS = {"density": "density_grid", "flame": "flame_grid", "temperature": "temperature_grid"}
 
 
+#: A texture space in which generated coordinates are places in the object, as Cycles has them of volume objects.
+_PLACE_IN_OBJECT = np.full(3, 0.5), np.full(3, 0.5)
+
+
 class NoVolumeError(Exception):
     """There is nothing to draw; says why."""
 
@@ -41,7 +45,10 @@ class NoVolumeError(Exception):
 class VolumeSource(Protocol):
     """The grids of one volume as it is now."""
 
-    grid_names: tuple[str, ...]  #: Those that can be read.
+    grid_names: tuple[str, ...]  #: Those of numbers that can be read.
+    vector_names: tuple[str, ...]  #: Likewise, of vectors and colours.
+    #: Centre and half sides of what generated coordinates go through.
+    texture_space: tuple[NDArray[np.float64], NDArray[np.float64]]
     keeps_opacity: bool  #: When it is scaled; else its density.
     voxel_shift: float  #: Voxels by which Cycles draws its grids off their place, along each axis.
     outlives_read: bool  #: It may be asked again while nothing that it depends on is updated.
@@ -49,6 +56,9 @@ class VolumeSource(Protocol):
 
     def read(self, name: str, kept: Mapping[str, DensityGrid]) -> DensityGrid:
         """One of the grids, that in ``kept`` if it is the same. Raises IoError and InvalidInput."""
+
+    def read_vector(self, name: str, kept: Mapping[str, DensityGrid]) -> tuple[DensityGrid, ...]:
+        """The three numbers of one of vectors, likewise."""
 
 
 def source_of(placement: Placement) -> VolumeSource:
@@ -82,8 +92,13 @@ def _keeps_opacity(volume: Volume) -> bool:
     return bool(volume.render.space == "OBJECT")
 
 
-def _readable(infos: list[GridInfo]) -> tuple[str, ...]:
-    return tuple(info.name for info in infos if not info.refusal and info.value_type != "vec3s")
+def _readable(infos: list[GridInfo], *, are_vectors: bool) -> tuple[str, ...]:
+    return tuple(info.name for info in infos if not info.refusal and info.value_type.startswith("vec3") == are_vectors)
+
+
+def _parts(name: str) -> tuple[str, ...]:
+    """As `read_vdb` names the numbers of a vector."""
+    return tuple(f"{name}.{axis}" for axis in "xyz")
 
 
 def _by_content(grid: SparseGrid) -> DensityGrid:
@@ -99,7 +114,9 @@ class _VolumeFile:
     path: Path
     key: str
     grid_names: tuple[str, ...]
+    vector_names: tuple[str, ...]
     keeps_opacity: bool
+    texture_space: tuple[NDArray[np.float64], NDArray[np.float64]] = _PLACE_IN_OBJECT
     voxel_shift: float = _VOXEL_SHIFT
     outlives_read: bool = False  #: Files change without an update.
     advice_if_empty: str = ""
@@ -109,17 +126,25 @@ class _VolumeFile:
         """At this frame of a sequence. Raises OSError and IoError."""
         volume.grids.load()
         path = Path(bpy.path.abspath(volume.grids.frame_filepath or volume.filepath, library=volume.original.library))
-        facts = path.stat()
+        facts, infos = path.stat(), grid_infos(path)
         return cls(
             path=path,
             key=f"{path}:{facts.st_mtime_ns}:{facts.st_size}",
-            grid_names=_readable(grid_infos(path)),
+            grid_names=_readable(infos, are_vectors=False),
+            vector_names=_readable(infos, are_vectors=True),
             keeps_opacity=_keeps_opacity(volume),
         )
 
     def read(self, name: str, kept: Mapping[str, DensityGrid]) -> DensityGrid:
         key = f"{self.key}:{name}"
         return kept.get(key) or DensityGrid(key=key, grid=read_vdb(self.path, [name])[name])
+
+    def read_vector(self, name: str, kept: Mapping[str, DensityGrid]) -> tuple[DensityGrid, ...]:
+        keys = {part: f"{self.key}:{part}" for part in _parts(name)}
+        if all(key in kept for key in keys.values()):
+            return tuple(kept[key] for key in keys.values())
+        read = read_vdb(self.path, [name])
+        return tuple(DensityGrid(key=key, grid=read[part]) for part, key in keys.items())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,7 +153,9 @@ class _MadeVolume:
 
     grids: dict[str, DensityGrid]
     grid_names: tuple[str, ...]
+    vector_names: tuple[str, ...]
     keeps_opacity: bool
+    texture_space: tuple[NDArray[np.float64], NDArray[np.float64]] = _PLACE_IN_OBJECT
     voxel_shift: float = _VOXEL_SHIFT
     outlives_read: bool = True
     advice_if_empty: str = ""
@@ -142,12 +169,16 @@ class _MadeVolume:
             path = Path(folder) / "made.vdb"
             if not volume.grids.save(str(path)):
                 raise NoVolumeError(f"Blender could not write its grids to {path}")
-            names = _readable(grid_infos(path))
-            grids = {name: _by_content(grid) for name, grid in read_vdb(path, names).items()}
-        return cls(grids=grids, grid_names=names, keeps_opacity=_keeps_opacity(volume))
+            infos = grid_infos(path)
+            numbers, vectors = (_readable(infos, are_vectors=are_vectors) for are_vectors in (False, True))
+            grids = {name: _by_content(grid) for name, grid in read_vdb(path, (*numbers, *vectors)).items()}
+        return cls(grids=grids, grid_names=numbers, vector_names=vectors, keeps_opacity=_keeps_opacity(volume))
 
     def read(self, name: str, kept: Mapping[str, DensityGrid]) -> DensityGrid:
         return kept.get(self.grids[name].key) or self.grids[name]
+
+    def read_vector(self, name: str, kept: Mapping[str, DensityGrid]) -> tuple[DensityGrid, ...]:
+        return tuple(self.read(part, kept) for part in _parts(name))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,6 +189,8 @@ class _SmokeDomain:
     local_from_index: NDArray[np.float64]
     resolution: tuple[int, int, int]
     grid_names: tuple[str, ...]
+    texture_space: tuple[NDArray[np.float64], NDArray[np.float64]]
+    vector_names: tuple[str, ...] = ()
     keeps_opacity: bool = False
     voxel_shift: float = 0.0
     outlives_read: bool = False
@@ -173,10 +206,17 @@ class _SmokeDomain:
             raise NoVolumeError(f"its fluid domain is not simulated: {cls.advice_if_empty}")
         counts = np.array((nx, ny, nz), np.float64)
         # The grid fills what the mesh's texture space does, as in Cycles.
-        sides = 2.0 * np.array(mesh.texspace_size, np.float64)
+        centre, half_sides = np.array(mesh.texspace_location), np.array(mesh.texspace_size, np.float64)
+        sides = 2.0 * half_sides
         local_from_index = np.diag([*(sides / counts), 1.0])
-        local_from_index[:3, 3] = np.array(mesh.texspace_location) - 0.5 * sides + 0.5 * sides / counts
-        return cls(domain=domain, local_from_index=local_from_index, resolution=(nx, ny, nz), grid_names=names)
+        local_from_index[:3, 3] = centre - half_sides + 0.5 * sides / counts
+        return cls(
+            domain=domain,
+            local_from_index=local_from_index,
+            resolution=(nx, ny, nz),
+            grid_names=names,
+            texture_space=(centre, half_sides),
+        )
 
     def read(self, name: str, kept: Mapping[str, DensityGrid]) -> DensityGrid:
         values = np.empty(np.prod(self.resolution), np.float32)
@@ -184,3 +224,6 @@ class _SmokeDomain:
         dense = values.reshape(self.resolution[::-1]).transpose(2, 1, 0)
         grid = _by_content(from_dense(name, dense, self.local_from_index))
         return kept.get(grid.key) or grid
+
+    def read_vector(self, name: str, kept: Mapping[str, DensityGrid]) -> tuple[DensityGrid, ...]:
+        raise InvalidInput(f'grid "{name}" of a fluid domain is not read')

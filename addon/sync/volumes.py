@@ -1,76 +1,44 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes, whose grids modulate the media of a volume shader.
-
-A shader is asked for its coefficients where all grids are 0, and where one of them is 1. Cycles' shaders mostly are
-linear in each grid, so that each makes one medium, which its densities multiply. What bends, or depends on two at once,
-is noted.
-"""
+"""Volumes of grids: volume objects and smoke, one description per object, grid and instance."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tyndall import InvalidInput, IoError
-from tyndall.scene_description import DensityGrid, Medium, ScatterLobe, Volume
+from tyndall.grid_programs import combined, combined_key
+from tyndall.program_points import PointPlace
+from tyndall.scene_description import DensityGrid, Volume, attribute_maps
 
-from ..shader_nodes import shader_tree
-from .node_graph import output_input
-from .program import BLACK, Value, grey
-from .value_nodes import Domain, ValueReader
-from .volume_nodes import IGNORES_RAY_VISIBILITY, Coefficients, difference, medium_of, read_coefficients
+from .grid_media import GENERATED_MAPS, read_grid_media
+from .random_numbers import as_unit_floats
+from .volume_nodes import IGNORES_RAY_VISIBILITY
 from .volume_sources import NoVolumeError, source_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
-    from bpy.types import Material
+    from numpy.typing import NDArray
 
+    from tyndall.scene_description import Material
+
+    from .field_media import DensityField
     from .images import ImageReader
     from .instances import Placement
     from .materials import MaterialReader
-    from .node_graph import Socket
     from .reports import Reports
     from .volume_sources import VolumeSource
 
-#: Of the Volume Info node, by output.
-_VOLUME_INFO = {"Density": "density", "Color": "color", "Flame": "flame", "Temperature": "temperature"}
-#: Of a volume without a material, in Cycles.
-_DEFAULT_MEDIUM = Medium(
-    name="(no material)", lobes=(ScatterLobe(sigma_s_per_m=(0.5, 0.5, 0.5)),), sigma_a_per_m=(0.5, 0.5, 0.5)
-)
-_BEND = 1e-3  #: Relative: what a shader may be off a straight line before it is noted.
 
+@dataclass(frozen=True, eq=False)
+class _IndexedMedia:
+    """What a shader makes of a volume's grids, with the media's indices."""
 
-class _GridValueReader(ValueReader):
-    """A shader's values where the grids of a volume have given values."""
-
-    def __init__(self, culprit: str, reports: Reports, images: ImageReader, names: tuple[str, ...]) -> None:
-        super().__init__(culprit, reports, images, Domain.CONSTANT)
-        self._names = names
-        self.values: dict[str, float] = {}  #: Of the grids that are not 0.
-        self.asked: dict[str, None] = {}  #: Names of grids that the shader reads, in their order.
-
-    def grid_value(self, name: str) -> float | None:
-        if name not in self._names:
-            return None
-        self.asked[name] = None
-        return self.values.get(name, 0.0)
-
-    def _output(self, at: Socket) -> Value:
-        if at.node.type == "ATTRIBUTE":
-            return self._attribute(at.node.attribute_name)
-        if at.node.type == "VOLUME_INFO" and at.socket.identifier in _VOLUME_INFO:
-            return self._attribute(_VOLUME_INFO[at.socket.identifier])
-        return self._evaluated(at)  # anew: the grids' values change
-
-    def _attribute(self, name: str) -> Value:
-        value = self.grid_value(name)
-        if value is None:
-            self.note(f'the volume has no grid "{name}": read as 0')
-            return BLACK
-        return grey(value)
+    of_grids: dict[str, int]
+    fields: dict[int, list[tuple[DensityField, int]]]  #: Of one program each, by its identity.
 
 
 class VolumeReader:
@@ -99,7 +67,7 @@ class VolumeReader:
         """One per object, grid that its shader reads, and instance; their media go into ``materials``."""
         kept: dict[str, DensityGrid] = {}
         made: dict[int, tuple[VolumeSource, set[int]]] = {}
-        media: dict[tuple[tuple[str, ...], int], dict[str, int]] = {}  # per grid: into materials.media
+        media: dict[tuple[tuple[str, ...], tuple[str, ...], int], _IndexedMedia] = {}
         volumes = []
         for placement in placements:
             poll()
@@ -113,99 +81,130 @@ class VolumeReader:
             if source.outlives_read:
                 made[address] = source, placement.depends_on
             material = materials.shader_of(placement.materials[0])
-            key = source.grid_names, material.as_pointer() if material else 0
+            key = source.grid_names, source.vector_names, material.as_pointer() if material else 0
             if key not in media:
-                media[key] = {
-                    name: materials.add_medium(medium)
-                    for name, medium in _media_of(material, source.grid_names, images, reports).items()
-                }
-            if not media[key]:
+                of_shader = read_grid_media(material, source.grid_names, source.vector_names, images, reports)
+                media[key] = _IndexedMedia(
+                    {name: materials.add_medium(medium) for name, medium in of_shader.of_grids.items()}, {}
+                )
+                for field in of_shader.fields:
+                    of_program = media[key].fields.setdefault(id(field.program), [])
+                    of_program.append((field, materials.add_medium(field.medium)))
+            if not (media[key].of_grids or media[key].fields):
                 reports.add(culprit, "its volume's shader reads none of its grids: not drawn")
             if not (placement.is_camera_visible and placement.casts_shadow):
                 reports.add(culprit, IGNORES_RAY_VISIBILITY)
-            for name, medium in media[key].items():
-                try:
-                    grid = source.read(name, self._grids | kept)
-                except (IoError, InvalidInput) as error:
-                    reports.add(culprit, f"not drawn: {error}")
-                    continue
-                kept[grid.key] = grid
-                if len(grid.grid.leaf_origins):
-                    volumes += _instances(placement, source, grid, medium)
-                else:
-                    advice = f": {source.advice_if_empty}" if source.advice_if_empty else ""
-                    reports.add(culprit, f'its grid "{name}" is empty{advice}')
+            frame = _Frame(placement, source, culprit, reports, self._grids, kept)
+            for name, medium in media[key].of_grids.items():
+                volumes += frame.of_grid(name, medium)
+            for fields in media[key].fields.values():
+                volumes += frame.of_fields(fields, poll)
         self._grids, self._made = kept, made
         return tuple(volumes)
 
 
-def _media_of(
-    material: Material | None, grid_names: tuple[str, ...], images: ImageReader, reports: Reports
-) -> dict[str, Medium]:
-    """Per grid that the shader reads: its medium where the grid is 1 and the others are 0."""
-    if material is None:
-        return {"density": _DEFAULT_MEDIUM} if "density" in grid_names else {}
-    tree = shader_tree(material)
-    shader = output_input(tree, "Volume") if tree is not None else None
-    if shader is None or not shader.is_connected():
-        return {}
-    reader = _GridValueReader(f'Material "{material.name}"', reports, images, grid_names)
-    nothing = read_coefficients(reader, shader)
-    if medium_of(nothing, "") is not None:
-        reader.note("what does not depend on a grid has no bounds in a volume object: left out")
-    found = {}
-    for name in tuple(reader.asked):
-        reader.values = {name: 1.0}
-        once = difference(read_coefficients(reader, shader), nothing)
-        reader.values = {name: 2.0}
-        twice = difference(read_coefficients(reader, shader), nothing)
-        if _distance(twice, once, 2.0) > _BEND:
-            reader.note(f'is not linear in its grid "{name}": drawn as a straight line from 0 to 1')
-        medium = medium_of(once, f"{material.name}, {name}")
-        if medium is not None:
-            found[name] = medium
-    if len(found) > 1:
-        reader.values = dict.fromkeys(found, 1.0)
-        together = difference(read_coefficients(reader, shader), nothing)
-        alone = Coefficients()
-        for name in found:
-            reader.values = {name: 1.0}
-            _add(alone, difference(read_coefficients(reader, shader), nothing))
-        if _distance(together, alone, 1.0) > _BEND:
-            reader.note("multiplies grids: drawn as the sum of what each makes alone")
-    return found
+@dataclass(frozen=True, eq=False)
+class _Frame:
+    """Where one volume is drawn, and what is known of its grids."""
 
+    placement: Placement
+    source: VolumeSource
+    culprit: str
+    reports: Reports
+    before: dict[str, DensityGrid]  #: Of the last frame, by key.
+    kept: dict[str, DensityGrid]  #: Of this one.
 
-def _add(total: Coefficients, part: Coefficients) -> None:
-    total.scatter += part.scatter
-    total.absorption = total.absorption + part.absorption
-    total.emission = total.emission + part.emission
+    def of_grid(self, name: str, medium: int) -> list[Volume]:
+        (grid,) = self._read(name) or (None,)
+        if grid is None:
+            return []
+        if len(grid.grid.leaf_origins) == 0:
+            advice = f": {self.source.advice_if_empty}" if self.source.advice_if_empty else ""
+            self.reports.add(self.culprit, f'its grid "{name}" is empty{advice}')
+            return []
+        return [self._volume(grid, matrix, medium) for matrix in self.placement.world_from_object()]
 
+    def of_fields(self, fields: list[tuple[DensityField, int]], poll: Callable[[], None]) -> list[Volume]:
+        """Of one program. Each instance has grids of its own only where the program asks what these are."""
+        program = fields[0][0].program
+        asked = set(program.uv_maps)
+        names = [
+            name
+            for name in (*self.source.grid_names, *self.source.vector_names)
+            if not asked.isdisjoint(attribute_maps(name))
+        ] or [*self.source.grid_names[:1]]
+        grids = {name: found for name in names if (found := self._read(name))}
+        if len(grids) < len(names) or not grids:
+            return []
+        volumes = []
+        for place in self._places():
+            try:
+                made = self._made(program, place, grids, [field.channel for field, _ in fields], poll)
+            except (IoError, InvalidInput) as error:
+                self.reports.add(self.culprit, f"not drawn: {error}")
+                return []
+            volumes += [
+                self._volume(grid, place.world_from_object, medium)
+                for grid, (_, medium) in zip(made, fields, strict=True)
+                if len(grid.grid.leaf_origins)
+            ]
+        return volumes
 
-def _distance(a: Coefficients, b: Coefficients, times: float) -> float:
-    """Relative, of ``a`` from ``times`` of ``b``."""
+    def _made(
+        self,
+        program: Material,
+        place: PointPlace,
+        grids: dict[str, tuple[DensityGrid, ...]],
+        channels: list[int],
+        poll: Callable[[], None],
+    ) -> list[DensityGrid]:
+        key = combined_key(program, place, grids)
+        keys = [f"{key} {channel}" for channel in channels]
+        known = [self.kept.get(key) or self.before.get(key) for key in keys]
+        made = [grid for grid in known if grid is not None]
+        if len(made) < len(keys):
+            notes: list[str] = []
+            found = combined(program, place, grids, channels, self.source.voxel_shift, notes, poll)
+            made = [DensityGrid(key=key, grid=grid) for key, grid in zip(keys, found, strict=True)]
+            for note in notes:
+                self.reports.add(self.culprit, note)
+        self.kept.update(zip(keys, made, strict=True))
+        return made
 
-    def numbers(of: Coefficients) -> np.ndarray:
-        return np.concatenate([sum((s for s, _ in of.scatter), np.zeros(3)), of.absorption, of.emission])
+    def _read(self, name: str) -> tuple[DensityGrid, ...]:
+        """One, or those of a vector; none, with a report, where they cannot be read."""
+        known = self.before | self.kept
+        try:
+            is_vector = name in self.source.vector_names
+            grids = self.source.read_vector(name, known) if is_vector else (self.source.read(name, known),)
+        except (IoError, InvalidInput) as error:
+            self.reports.add(self.culprit, f"not drawn: {error}")
+            return ()
+        self.kept.update((grid.key, grid) for grid in grids)
+        return grids
 
-    first, second = numbers(a), times * numbers(b)
-    return float(np.abs(first - second).max() / max(np.abs(second).max(), 1e-30))
-
-
-def _instances(placement: Placement, source: VolumeSource, grid: DensityGrid, medium: int) -> list[Volume]:
-    shift = np.eye(4)
-    shift[:3, 3] = grid.grid.local_from_index[:3, :3] @ np.full(3, source.voxel_shift)
-    volumes = []
-    for matrix in placement.world_from_object():
-        # As Cycles: what a vector of equal parts becomes is the object's scale.
-        scale = float(np.linalg.norm(matrix[:3, :3] @ np.full(3, 3.0**-0.5)))
-        volumes.append(
-            Volume(
-                name=placement.object_name,
-                grid=grid,
-                world_from_object=matrix @ shift,
-                medium=medium,
-                density_scale=1.0 / scale if source.keeps_opacity and scale > 0.0 else 1.0,
+    def _places(self) -> Iterator[PointPlace]:
+        placement = self.placement
+        randoms = as_unit_floats(placement.random_numbers)
+        for matrix, random in zip(placement.world_from_object(), randoms, strict=True):
+            yield PointPlace(
+                world_from_object=matrix,
+                generated=self.source.texture_space,
+                generated_maps=GENERATED_MAPS,
+                color=placement.color,
+                pass_index=float(placement.pass_index),
+                random=float(random),
             )
+
+    def _volume(self, grid: DensityGrid, world_from_object: NDArray[np.float64], medium: int) -> Volume:
+        shift = np.eye(4)
+        shift[:3, 3] = grid.grid.local_from_index[:3, :3] @ np.full(3, self.source.voxel_shift)
+        # As Cycles: what a vector of equal parts becomes is the object's scale.
+        scale = float(np.linalg.norm(world_from_object[:3, :3] @ np.full(3, 3.0**-0.5)))
+        return Volume(
+            name=self.placement.object_name,
+            grid=grid,
+            world_from_object=world_from_object @ shift,
+            medium=medium,
+            density_scale=1.0 / scale if self.source.keeps_opacity and scale > 0.0 else 1.0,
         )
-    return volumes

@@ -16,13 +16,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import InvalidInput, _native
+from . import InvalidInput
 from .field_light import LightError, light_error
 from .fingerprints import fingerprint
-from .native_materials import build_material
-from .native_textures import build_texture
-from .scene_description import Code, DensityGrid
-from .surface_inputs import PointInput
+from .program_points import PointPlace, values_of
+from .scene_description import DensityGrid
 from .volumes import from_dense
 from .voxel_dag import Config, voxelize
 
@@ -46,18 +44,10 @@ _POINTS_AT_ONCE = 1 << 20
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class FieldPlace:
+class FieldPlace(PointPlace):
     """Where a program is asked, and what of its object it may read."""
 
     mesh: Mesh  #: Closed.
-    world_from_object: NDArray[np.float64]
-    generated: tuple[
-        NDArray[np.float64], NDArray[np.float64]
-    ]  #: Centre and half sides of its texture space, in metres.
-    generated_maps: tuple[str, str]  #: Names by which a program asks for coordinates in it: (x, y) and (z, 1).
-    color: tuple[float, float, float, float]
-    pass_index: float
-    random: float
 
     def unit_m(self) -> float:
         """Side of a cube as large as one of the object's units."""
@@ -72,17 +62,19 @@ class SampledField:
     notes: tuple[str, ...]
 
 
-def field_key(program: Material, place: FieldPlace, sigma_t_per_m: float, most_voxels: int) -> str:
+#: And the channel of what it gives that is the density.
+ChannelOf = tuple["Material", int]
+
+
+def field_key(program: ChannelOf, place: FieldPlace, sigma_t_per_m: float, most_voxels: int) -> str:
     """Equal where the grid is: of all instances, wherever they go, if no more is asked for than places in the mesh."""
-    asks = any(step.code is Code.INPUT and step.option != PointInput.OBJECT_POSITION for step in program.program)
-    object_alone = (place.world_from_object, place.color, place.pass_index, place.random) if asks else ()
-    of_object = (*place.generated, *object_alone)
+    of_object = place.read_by(program[0])
     optical = f"{sigma_t_per_m * place.unit_m():.3g}"  # turned instances differ by rounding
     return f"{place.mesh.key} holds {fingerprint((program, of_object, optical, most_voxels)).hex()}"
 
 
 def sampled(
-    program: Material,
+    program: ChannelOf,
     place: FieldPlace,
     key: str,
     sigma_t_per_m: float,
@@ -100,7 +92,11 @@ def sampled(
     if not (np.isfinite(sides).all() and (sides > 0.0).all()):
         raise InvalidInput(f'mesh "{place.mesh.name}" is flat or not finite, and holds no volume')
     notes: list[str] = []
-    values_at = _values_of(program, place, notes)
+    values, channel = values_of(program[0], place, notes), program[1]
+
+    def values_at(positions: NDArray[np.float64]) -> FloatArray:
+        return values(positions, {})[:, channel]
+
     probes = lower + np.random.default_rng(1).random((_PROBES, 3)) * sides
     truth = values_at(probes)
     size = float(np.sqrt(np.mean(truth**2)))
@@ -139,36 +135,6 @@ def sampled(
             )
         notes.append(said)
     return SampledField(DensityGrid(key=key, grid=from_dense("density", dense, local_from_index)), tuple(notes))
-
-
-def _values_of(program: Material, place: FieldPlace, notes: list[str]) -> Callable[[NDArray[np.float64]], FloatArray]:
-    native = build_material(program, [build_texture(use, notes) for use in program.textures])
-    location, size = place.generated
-    per_metre = np.divide(0.5, size, out=np.zeros(3), where=size != 0.0)
-
-    def values_at(positions: NDArray[np.float64]) -> FloatArray:
-        uvs = np.zeros((len(positions), len(program.uv_maps), 2), np.float32)
-        generated = (positions - location) * per_metre + 0.5
-        for index, name in enumerate(program.uv_maps):
-            if name == place.generated_maps[0]:
-                uvs[:, index] = generated[:, :2]
-            elif name == place.generated_maps[1]:
-                uvs[:, index, 0], uvs[:, index, 1] = generated[:, 2], 1.0
-        found: FloatArray = _native.program_values(
-            native,
-            positions=positions.astype(np.float32),
-            uvs=uvs,
-            world_from_object=place.world_from_object.astype(np.float32).ravel().tolist(),
-            color=place.color,
-            pass_index=place.pass_index,
-            random=place.random,
-        )[:, 0]
-        for use in program.textures:
-            if use.image.tiles is not None:
-                use.image.tiles.cache.require_whole()
-        return np.maximum(found, np.float32(0.0))
-
-    return values_at
 
 
 def _evaluated(

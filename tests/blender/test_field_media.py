@@ -135,6 +135,43 @@ def test_a_glow_whose_colour_varies_is_that_colour_times_the_way_through_it(
     assert tyndall_pixels(scene)[12] == pytest.approx(closed_form, rel=1e-3)
 
 
+def hot(new: New, link: Link) -> Socket:
+    """From 0 to 4,000 K over the box, along x."""
+    times = new("ShaderNodeMath")
+    times.operation, times.inputs[1].default_value = "MULTIPLY", 4000.0
+    link(slope(new, link), times.inputs[0])
+    return times.outputs[0]
+
+
+def test_flames_whose_temperature_varies_glow_as_in_cycles() -> None:
+    scene = look(width_m=1.8)
+    inputs = {"Density": 0.0, "Blackbody_Intensity": 0.7}
+    cube("Box", material("Flame", volume=varying("ShaderNodeVolumePrincipled", "Temperature", hot, **inputs)))
+    ours, cycles = tyndall_pixels(scene), cycles_pixels(scene, samples=256, seed=1)
+    assert cycles.max() > 1.0 > 0.1 > cycles[:, 0].max()
+    assert ours.mean(axis=(0, 1)) == pytest.approx(cycles.mean(axis=(0, 1)), rel=0.01)
+    assert rms_difference(ours, cycles) < 0.02
+
+
+def test_a_factor_that_varies_shares_out_what_two_shaders_absorb() -> None:
+    """By Beer's law, before a wall: of a box 3 m wide and 2 m deep."""
+
+    def shader(new: New, link: Link) -> Socket:
+        mix = new("ShaderNodeMixShader")
+        link(slope(new, link), mix.inputs[0])
+        for at, (density, grey) in enumerate(((0.25, 0.0), (1.0, 0.5)), 1):
+            absorption = node(new, "ShaderNodeVolumeAbsorption", Density=density, Color=(grey, grey, grey, 1.0))
+            link(absorption.outputs[0], mix.inputs[at])
+        return mix.outputs[0]
+
+    scene = look(width_m=2.4, size_px=24)
+    plane(-3.0, material("Wall", surface=wall))
+    cube("Box", material("Fog", volume=shader)).scale.x = 1.5
+    share = ((np.arange(24) + 0.5) * 0.1 - 1.2) / 3.0 + 0.5
+    closed_form = np.exp(-2.0 * ((1.0 - share) * 0.25 + share * 0.5))
+    assert tyndall_pixels(scene)[12] == pytest.approx(np.repeat(closed_form[:, None], 3, axis=1), rel=2e-3)
+
+
 def _coloured_by(kind: str) -> Build:
     """Density and colour both vary."""
 

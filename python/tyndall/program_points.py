@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a program gives at points in an object."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import _native
+from .native_materials import build_material
+from .native_textures import build_texture
+from .scene_description import Code
+from .surface_inputs import PointInput
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
+
+    from .scene_description import Material
+
+    FloatArray = NDArray[np.float32]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PointPlace:
+    """Where a program is asked, and what of its object it may read."""
+
+    world_from_object: NDArray[np.float64]
+    generated: tuple[
+        NDArray[np.float64], NDArray[np.float64]
+    ]  #: Centre and half sides of its texture space, in metres.
+    generated_maps: tuple[str, str]  #: Names by which a program asks for coordinates in it: (x, y) and (z, 1).
+    color: tuple[float, float, float, float]
+    pass_index: float
+    random: float
+
+    def read_by(self, program: Material) -> tuple[object, ...]:
+        """What of it the values depend on: of all instances the same, if no more is asked for than places in them."""
+        asks = any(step.code is Code.INPUT and step.option != PointInput.OBJECT_POSITION for step in program.program)
+        object_alone = (self.world_from_object, self.color, self.pass_index, self.random) if asks else ()
+        return (*self.generated, *object_alone)
+
+
+def values_of(
+    program: Material, place: PointPlace, notes: list[str]
+) -> Callable[[NDArray[np.float64], Mapping[str, FloatArray]], FloatArray]:
+    """Takes positions (n, 3), metres in the object, and UV maps by name, (n, 2); gives (n, 3), nothing below 0.
+
+    The function raises IoError of textures that lie in a file.
+    """
+    native = build_material(program, [build_texture(use, notes) for use in program.textures])
+    location, size = place.generated
+    per_metre = np.divide(0.5, size, out=np.zeros(3), where=size != 0.0)
+
+    def values(positions: NDArray[np.float64], uv_maps: Mapping[str, FloatArray]) -> FloatArray:
+        uvs = np.zeros((len(positions), len(program.uv_maps), 2), np.float32)
+        generated = (positions - location) * per_metre + 0.5
+        for index, name in enumerate(program.uv_maps):
+            if name == place.generated_maps[0]:
+                uvs[:, index] = generated[:, :2]
+            elif name == place.generated_maps[1]:
+                uvs[:, index, 0], uvs[:, index, 1] = generated[:, 2], 1.0
+            elif name in uv_maps:
+                uvs[:, index] = uv_maps[name]
+        found: FloatArray = _native.program_values(
+            native,
+            positions=positions.astype(np.float32),
+            uvs=uvs,
+            world_from_object=place.world_from_object.astype(np.float32).ravel().tolist(),
+            color=place.color,
+            pass_index=place.pass_index,
+            random=place.random,
+        )
+        for use in program.textures:
+            if use.image.tiles is not None:
+                use.image.tiles.cache.require_whole()
+        return np.maximum(found, np.float32(0.0))
+
+    return values
