@@ -37,6 +37,8 @@ _DOMAIN_GRIDS = {"density": "density_grid", "flame": "flame_grid", "temperature"
 #: A texture space in which generated coordinates are places in the object, as Cycles has them of volume objects.
 _PLACE_IN_OBJECT = np.full(3, 0.5), np.full(3, 0.5)
 
+_OF_COLOUR = 4  #: Numbers.
+
 
 class NoVolumeError(Exception):
     """There is nothing to draw; says why."""
@@ -190,7 +192,7 @@ class _SmokeDomain:
     resolution: tuple[int, int, int]
     grid_names: tuple[str, ...]
     texture_space: tuple[NDArray[np.float64], NDArray[np.float64]]
-    vector_names: tuple[str, ...] = ()
+    vector_names: tuple[str, ...]
     keeps_opacity: bool = False
     voxel_shift: float = 0.0
     outlives_read: bool = False
@@ -216,6 +218,7 @@ class _SmokeDomain:
             resolution=(nx, ny, nz),
             grid_names=names,
             texture_space=(centre, half_sides),
+            vector_names=("color",) if len(domain.color_grid) == _OF_COLOUR * nx * ny * nz else (),
         )
 
     def read(self, name: str, kept: Mapping[str, DensityGrid]) -> DensityGrid:
@@ -226,4 +229,12 @@ class _SmokeDomain:
         return kept.get(grid.key) or grid
 
     def read_vector(self, name: str, kept: Mapping[str, DensityGrid]) -> tuple[DensityGrid, ...]:
-        raise InvalidInput(f'grid "{name}" of a fluid domain is not read')
+        """The colours of smoke; with each its density, which shaders do not read here."""
+        values = np.empty(_OF_COLOUR * np.prod(self.resolution), np.float32)
+        self.domain.color_grid.foreach_get(values)
+        dense = values.reshape(*self.resolution[::-1], _OF_COLOUR).transpose(2, 1, 0, 3)
+        grids = [
+            _by_content(from_dense(part, dense[..., channel], self.local_from_index))
+            for channel, part in enumerate(_parts(name))
+        ]
+        return tuple(kept.get(grid.key) or grid for grid in grids)

@@ -124,6 +124,7 @@ def simulated(folder: Path, shader: bpy.types.Material, frames: int = 5, **setti
     fluid.fluid_type = "DOMAIN"
     of_domain = fluid.domain_settings
     of_domain.domain_type, of_domain.resolution_max, of_domain.cache_directory = "GAS", 16, str(folder)
+    smoke_color = settings.pop("smoke_color", (0.7, 0.7, 0.7))
     for name, value in settings.items():
         setattr(of_domain, name, value)
     source = add("Source", bpy.data.meshes.new("Source"), location=(0.1, 0.0, -0.4))
@@ -131,6 +132,7 @@ def simulated(folder: Path, shader: bpy.types.Material, frames: int = 5, **setti
     flow = source.modifiers.new("Fluid", "FLUID")
     flow.fluid_type = "FLOW"
     flow.flow_settings.flow_type, flow.flow_settings.flow_behavior = "SMOKE", "INFLOW"
+    flow.flow_settings.smoke_color = smoke_color
     source.hide_render = True
     for frame in range(1, frames + 1):
         bpy.context.scene.frame_set(frame)
@@ -160,6 +162,27 @@ def test_smoke_is_what_cycles_draws(tmp_path: Path, settings: dict[str, object])
     ours, cycles = tyndall_pixels(scene), cycles_pixels(scene, samples=16, seed=1)
     assert ours.min() < 0.7
     assert rms_difference(ours, cycles) < 2e-3
+
+
+@pytest.mark.usefixtures("fluid_solver")
+def test_coloured_smoke_is_what_cycles_draws(tmp_path: Path) -> None:
+    """Which is what it glows in."""
+    scene, _ = before_a_wall()
+
+    def glowing(new: Callable[[str], Node], link: Callable[..., object]) -> bpy.types.NodeSocket:
+        info = new("ShaderNodeVolumeInfo")
+        emission = new("ShaderNodeEmission")
+        link(info.outputs["Density"], emission.inputs["Strength"])
+        link(info.outputs["Color"], emission.inputs["Color"])
+        return emission.outputs[0]
+
+    domain = simulated(tmp_path, material("Glow", volume=glowing), smoke_color=(0.9, 0.3, 0.1))
+    assert len(settings_of(domain).color_grid) > 0
+    scene.cycles.volume_step_rate = 0.1
+    ours, cycles = tyndall_pixels(scene), cycles_pixels(scene, samples=64, seed=1)
+    red, green, blue = cycles.mean(axis=(0, 1)) - cycles.min(axis=(0, 1))
+    assert red > 2.0 * green > 0.0 < blue
+    assert ours.mean(axis=(0, 1)) == pytest.approx(cycles.mean(axis=(0, 1)), rel=0.01)
 
 
 @pytest.mark.usefixtures("fluid_solver")
