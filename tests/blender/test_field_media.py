@@ -148,7 +148,7 @@ def test_flames_whose_temperature_varies_glow_as_in_cycles() -> None:
     inputs = {"Density": 0.0, "Blackbody_Intensity": 0.7}
     cube("Box", material("Flame", volume=varying("ShaderNodeVolumePrincipled", "Temperature", hot, **inputs)))
     ours, cycles = tyndall_pixels(scene), cycles_pixels(scene, samples=256, seed=1)
-    assert cycles.max() > 1.0 > 0.1 > cycles[:, 0].max()
+    assert cycles.max() > 10.0 * cycles[:, 0].max()
     assert ours.mean(axis=(0, 1)) == pytest.approx(cycles.mean(axis=(0, 1)), rel=0.01)
     assert rms_difference(ours, cycles) < 0.02
 
