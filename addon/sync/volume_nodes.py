@@ -123,10 +123,6 @@ def _glow_weight(reader: ValueReader, weight: Value) -> Value:
     return math_operation(reader.varying, "GREATER_THAN", weight, BLACK)
 
 
-def _colour(reader: ValueReader, at: Socket, name: str = "Color") -> Rgb64:
-    return np.array(reader.constant_colour(at.input(name)))
-
-
 def _of_grid(reader: ValueReader, at: Socket, attribute: str, value: Value) -> Value:
     """Times the grid that a Principled Volume names; the value alone, where there is none."""
     name = at.input(attribute)
@@ -162,15 +158,23 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, coefficients: Co
     density = program.multiply(weight, density)
     tint = _of_grid(reader, at, "Color Attribute", reader.linear_colour(at.input("Color")))
     coefficients.scatter.append((_product(reader, density, tint), _asymmetry(reader, at)))
-    # The square root makes the absorption colour act evenly over its range.
-    kept = np.sqrt(np.maximum(_colour(reader, at, "Absorption Color"), 0.0))
-    coefficients.absorption += _product(reader, density, program.complement(tint)) * np.maximum(1.0 - kept, 0.0)
-    glow_weight = _glow_weight(reader, weight)
-    strength = program.multiply(
-        glow_weight, reader.linear_number(at.input("Emission Strength"))
-    )  # whatever the density
+    coefficients.absorption += _absorbed(reader, density, tint, reader.linear_colour(at.input("Absorption Color")))
+    glow_weight = _glow_weight(reader, weight)  # whatever the density
+    strength = program.multiply(glow_weight, reader.linear_number(at.input("Emission Strength")))
     coefficients.emission += _product(reader, strength, reader.linear_colour(at.input("Emission Color")))
     coefficients.emission += _flame(reader, at, glow_weight)
+
+
+def _absorbed(reader: ValueReader, density: Value, tint: Value, absorption: Value) -> Rgb64:
+    """What the colours lack. The square root makes the absorption colour act evenly over its range."""
+    program = reader.varying
+    lacks = program.complement(tint)
+    if not isinstance(absorption, Term):
+        kept = np.sqrt(np.maximum(absorption, 0.0))
+        return _product(reader, density, lacks) * np.maximum(1.0 - kept, 0.0)
+    channels = (program.channel(absorption, channel) for channel in range(3))
+    roots = program.combine([math_operation(program, "SQRT", channel) for channel in channels])
+    return _product(reader, density, program.multiply(lacks, program.complement(roots)))
 
 
 def _flame(reader: ValueReader, at: Socket, weight: Value) -> Rgb64:

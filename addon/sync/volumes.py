@@ -10,7 +10,7 @@ import numpy as np
 
 from tyndall import InvalidInput, IoError
 from tyndall.grid_programs import combined, combined_key
-from tyndall.program_points import PointPlace
+from tyndall.program_points import PointPlace, asks_of_instances
 from tyndall.scene_description import DensityGrid, Volume, attribute_maps
 
 from .grid_media import GENERATED_MAPS, read_grid_media
@@ -132,14 +132,16 @@ class _Frame:
             name
             for name in (*self.source.grid_names, *self.source.vector_names)
             if not asked.isdisjoint(attribute_maps(name))
-        ] or [*self.source.grid_names[:1]]
+        ] or [*self.source.grid_names[:1]]  # what asks for none fills where there is one
         grids = {name: found for name in names if (found := self._read(name))}
         if len(grids) < len(names) or not grids:
             return []
-        volumes = []
+        volumes: list[Volume] = []
+        made: list[DensityGrid] = []
         for place in self._places():
             try:
-                made = self._made(program, place, grids, [field.channel for field, _ in fields], poll)
+                if not made or asks_of_instances(program):
+                    made = self._made(program, place, grids, [field.channel for field, _ in fields], poll)
             except (IoError, InvalidInput) as error:
                 self.reports.add(self.culprit, f"not drawn: {error}")
                 return []

@@ -38,10 +38,14 @@ class PointPlace:
     random: float
 
     def read_by(self, program: Material) -> tuple[object, ...]:
-        """What of it the values depend on: of all instances the same, if no more is asked for than places in them."""
-        asks = any(step.code is Code.INPUT and step.option != PointInput.OBJECT_POSITION for step in program.program)
-        object_alone = (self.world_from_object, self.color, self.pass_index, self.random) if asks else ()
-        return (*self.generated, *object_alone)
+        """What of it the values depend on."""
+        of_instance = (self.world_from_object, self.color, self.pass_index, self.random)
+        return (*self.generated, *(of_instance if asks_of_instances(program) else ()))
+
+
+def asks_of_instances(program: Material) -> bool:
+    """Whether it asks for more than places in the object, which are the same in all of its instances."""
+    return any(step.code is Code.INPUT and step.option != PointInput.OBJECT_POSITION for step in program.program)
 
 
 def values_of(

@@ -135,6 +135,24 @@ def test_a_glow_whose_colour_varies_is_that_colour_times_the_way_through_it(
     assert tyndall_pixels(scene)[12] == pytest.approx(closed_form, rel=1e-3)
 
 
+def test_both_colours_of_a_principled_volume_may_vary() -> None:
+    """By Beer's law, before a wall: of a box 3 m wide and 2 m deep."""
+
+    def shader(new: New, link: Link) -> Socket:
+        principled = node(new, "ShaderNodeVolumePrincipled", Density=0.8)
+        for name in ("Color", "Absorption Color"):
+            link(rainbow(new, link), principled.inputs[name])
+        return principled.outputs[0]
+
+    scene = look(width_m=2.4, size_px=24)
+    plane(-3.0, material("Wall", surface=wall))
+    cube("Box", material("Fog", volume=shader)).scale.x = 1.5
+    red = ((np.arange(24) + 0.5) * 0.1 - 1.2) / 3.0 + 0.5
+    colour = np.stack([red, 1.0 - red, np.full(24, 0.25)], axis=1)
+    extinct = colour + (1.0 - colour) * (1.0 - np.sqrt(colour))
+    assert tyndall_pixels(scene)[12] == pytest.approx(np.exp(-2.0 * 0.8 * extinct), rel=4e-3)
+
+
 def hot(new: New, link: Link) -> Socket:
     """From 0 to 4,000 K over the box, along x."""
     times = new("ShaderNodeMath")
