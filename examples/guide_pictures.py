@@ -42,6 +42,7 @@ from guide_edits import (
     turn_medium,
     use_function,
 )
+from guide_fire import show_fire
 from guide_glass import show_still_life
 from guide_voxels import show_ambient_pass, show_courtyard
 
@@ -74,6 +75,8 @@ AIR_ENDS: dict[str, dict[str, float]] = {
 }
 #: Of pictures of single controls, three of which stand side by side.
 CONTROL_PX = (400, 225)
+#: Of two side by side.
+FIRE_PX = (480, 360)
 
 
 def control(name: str, scene: str, edit: Callable[[], object] = lambda: None) -> Picture:
@@ -144,6 +147,8 @@ PICTURES = (
     Picture("voxel_courtyard_direct", "", partial(show_courtyard, is_lit_by_others=False)),
     Picture("voxel_courtyard", "", partial(show_courtyard, is_lit_by_others=True)),
     Picture("voxel_courtyard_ao", "", show_ambient_pass),
+    Picture("fire", "", show_fire, size_px=FIRE_PX),
+    Picture("fire_cycles", "", partial(show_fire, "CYCLES"), size_px=FIRE_PX),
     Picture("glass_straight", "", partial(show_still_life, bends=False)),
     Picture("glass_bent", "", partial(show_still_life, bends=True)),
     Picture("colour_terrain_alarm", "terrain_sunrise", alarm_at_dawn),
