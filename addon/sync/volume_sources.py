@@ -32,12 +32,9 @@ if TYPE_CHECKING:
 _VOXEL_SHIFT = 0.0 if bpy.app.version >= (5, 0, 0) else 0.5
 #: Of a fluid domain, by the names that shaders know them by; heat is a value of the simulation's coarse grid.
 _DOMAIN_GRIDS = {"density": "density_grid", "flame": "flame_grid", "temperature": "temperature_grid"}
-
-
+_OF_COLOUR = 4  #: Numbers of a voxel's colour there.
 #: A texture space in which generated coordinates are places in the object, as Cycles has them of volume objects.
 _PLACE_IN_OBJECT = np.full(3, 0.5), np.full(3, 0.5)
-
-_OF_COLOUR = 4  #: Numbers.
 
 
 class NoVolumeError(Exception):

@@ -16,7 +16,7 @@ import numpy as np
 from . import _native
 from .fingerprints import fingerprint
 from .native_materials import build_material
-from .native_textures import build_texture
+from .native_textures import build_texture, require_whole
 from .scene_description import ATTRIBUTE_MARK, attribute_maps
 
 if TYPE_CHECKING:
@@ -127,9 +127,7 @@ def _moved(
         pass_index=shown.pass_index,
         random=shown.random,
     )
-    for use in program.textures:
-        if use.image.tiles is not None:
-            use.image.tiles.cache.require_whole()
+    require_whole(program)
     return moved
 
 

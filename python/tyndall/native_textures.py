@@ -59,6 +59,13 @@ def build_texture(use: TextureUse, reports: list[str], *, in_memory: bool = Fals
     )
 
 
+def require_whole(program: Material) -> None:
+    """Raises IoError where a texel of its images was not to be had."""
+    for use in program.textures:
+        if use.image.tiles is not None:
+            use.image.tiles.cache.require_whole()
+
+
 class TextureFiles:
     """The files that a scene's textures are looked up in, and what a picture took of them."""
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _native
 from .native_materials import build_material
-from .native_textures import build_texture
+from .native_textures import build_texture, require_whole
 from .scene_description import Code
 from .surface_inputs import PointInput
 
@@ -78,9 +78,7 @@ def values_of(
             pass_index=place.pass_index,
             random=place.random,
         )
-        for use in program.textures:
-            if use.image.tiles is not None:
-                use.image.tiles.cache.require_whole()
+        require_whole(program)
         return np.maximum(found, np.float32(0.0))
 
     return values
