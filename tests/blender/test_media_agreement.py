@@ -200,16 +200,17 @@ def test_fog_does_not_dim_a_lamp_that_casts_no_shadow(kind: str) -> None:
         assert picture.mean(axis=(0, 1)) == pytest.approx(reference, rel=0.01)
 
 
-def test_a_varying_colour_in_which_a_shader_is_not_linear_is_read_as_its_middle_and_named() -> None:
+def test_a_varying_anisotropy_is_read_as_its_middle_and_named() -> None:
     def build(new: New, link: Link) -> Socket:
         created = node(new, "ShaderNodeVolumePrincipled", Color=(0.5, 0.5, 0.5, 1), Density=1.0)
-        link(new("ShaderNodeTexNoise").outputs["Color"], created.inputs["Absorption Color"])
+        link(new("ShaderNodeTexNoise").outputs[0], created.inputs["Anisotropy"])
         return created.outputs[0]
 
     behind_slab(build)
     reports = Reports()
     described = SceneReader().read(bpy.context.evaluated_depsgraph_get(), reports, lambda: None)
-    assert described.media[0].sigma_a_per_m == pytest.approx((0.5 * (1.0 - 0.5**0.5),) * 3)
+    (lobe,) = described.media[0].lobes
+    assert lobe.asymmetry_g == 0.5
     assert sum('"Slab"' in line for line in described.reports) == 1
 
 

@@ -533,10 +533,9 @@ def test_a_smooth_mesh_is_one_of_openvdb(two_voxels: bpy.types.Object) -> None:
 
 @pytest.mark.parametrize(("kind", "name"), [("FOG", "density"), ("LEVEL SET", "surface")])
 def test_voxels_become_a_grid_of_openvdb(two_voxels: bpy.types.Object, tmp_path: Path, kind: str, name: str) -> None:
-    """Beside their own file, unless another is named."""
+    """With their colours, beside their own file, unless another is named."""
     assert bpy.ops.tyndall.export_voxels_vdb(kind=kind) == {"FINISHED"}
-    (info,) = grid_infos(tmp_path / "two.vdb")
-    assert info.name == name
+    assert [info.name for info in grid_infos(tmp_path / "two.vdb")] == [name, "color"]
     bpy.ops.tyndall.export_voxels_vdb(kind=kind, filepath=str(tmp_path / "other"))
     assert (tmp_path / "other.vdb").is_file()
 
