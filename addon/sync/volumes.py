@@ -118,9 +118,7 @@ class _Frame:
         (grid,) = self._read(name) or (None,)
         if grid is None:
             return []
-        if len(grid.grid.leaf_origins) == 0:
-            advice = f": {self.source.advice_if_empty}" if self.source.advice_if_empty else ""
-            self.reports.add(self.culprit, f'its grid "{name}" is empty{advice}')
+        if self._are_empty({name: (grid,)}):
             return []
         return [self._volume(grid, matrix, medium) for matrix in self.placement.world_from_object()]
 
@@ -128,13 +126,14 @@ class _Frame:
         """Of one program. Each instance has grids of its own only where the program asks what these are."""
         program = fields[0][0].program
         asked = set(program.uv_maps)
-        names = [
-            name
-            for name in (*self.source.grid_names, *self.source.vector_names)
-            if not asked.isdisjoint(attribute_maps(name))
-        ] or [*self.source.grid_names[:1]]  # what asks for none fills where there is one
+        every = [*self.source.grid_names, *self.source.vector_names]
+        names = [name for name in every if not asked.isdisjoint(attribute_maps(name))]
+        names = names or every[:1]  # what asks for none fills where there is one
+        if not names:
+            self.reports.add(self.culprit, "not drawn: it has no grid that can be read")
+            return []
         grids = {name: found for name in names if (found := self._read(name))}
-        if len(grids) < len(names) or not grids:
+        if len(grids) < len(names) or self._are_empty(grids):
             return []
         volumes: list[Volume] = []
         made: list[DensityGrid] = []
@@ -151,6 +150,15 @@ class _Frame:
                 if len(grid.grid.leaf_origins)
             ]
         return volumes
+
+    def _are_empty(self, grids: dict[str, tuple[DensityGrid, ...]]) -> bool:
+        """Whether none of them has a leaf, which is reported."""
+        if any(len(grid.grid.leaf_origins) for of_name in grids.values() for grid in of_name):
+            return False
+        advice = f": {self.source.advice_if_empty}" if self.source.advice_if_empty else ""
+        for name in grids:
+            self.reports.add(self.culprit, f'its grid "{name}" is empty{advice}')
+        return True
 
     def _made(
         self,

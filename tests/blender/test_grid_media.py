@@ -186,6 +186,16 @@ def glows_by_random(new: New, link: Link) -> Socket:
     return glow(new, link, math(new, link, "MULTIPLY", of_grid(new, "density"), random))
 
 
+def test_empty_grids_are_named(tmp_path: Path) -> None:
+    look()
+    path = tmp_path / "empty.vdb"
+    write_vdb(path, [sparse(np.zeros((8, 8, 8), np.float32), name) for name in ("density", "temperature")])
+    volume_object(path, material("Glow", volume=glows_by_two_grids))
+    described = read()
+    assert not described.volumes
+    assert described.reports == ('Object "Cloud": its grid "density" is empty; its grid "temperature" is empty',)
+
+
 def test_grids_of_other_voxels_are_named(tmp_path: Path) -> None:
     look()
     path = tmp_path / "two.vdb"
