@@ -15,17 +15,16 @@ import numpy as np
 
 from tyndall import InvalidInput, IoError
 from tyndall.closed_meshes import open_edge_count
-from tyndall.density_fields import FieldPlace, SampledField, field_key, sampled
+from tyndall.density_fields import SampledField, field_key, sampled
 from tyndall.scene_description import Medium, Volume
 
-from .mesh_attributes import GENERATED, made_maps
+from .point_places import places_of
 from .program import BLACK, Term
-from .random_numbers import as_unit_floats
 from .value_nodes import Domain, ValueReader
 from .volume_nodes import IGNORES_RAY_VISIBILITY, difference, medium_of, read_coefficients
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterable
 
     from tyndall.scene_description import Instances, Material, Mesh
 
@@ -135,14 +134,15 @@ class FieldVolumes:
                 continue
             if not (placement.is_camera_visible and placement.casts_shadow):
                 reports.add(culprit, IGNORES_RAY_VISIBILITY)
-            for place in _places(placement, mesh):
+            texture_space = np.array(placement.data.texspace_location), np.array(placement.data.texspace_size)
+            for place in places_of(placement, texture_space):
                 for field, medium in fields:
                     sigma_t_per_m = max(field.medium.sigma_t_per_m())
                     program = field.program, field.channel
-                    key = field_key(program, place, sigma_t_per_m, most_voxels)
+                    key = field_key(program, mesh, place, sigma_t_per_m, most_voxels)
                     known = self._kept.get(key) or kept.get(key)
                     try:
-                        self._kept[key] = known or sampled(program, place, key, sigma_t_per_m, most_voxels, poll)
+                        self._kept[key] = known or sampled(program, mesh, place, key, sigma_t_per_m, most_voxels, poll)
                     except (InvalidInput, IoError) as error:
                         reports.add(culprit, f"its varying volume is not drawn: {error}")
                         continue
@@ -157,18 +157,3 @@ class FieldVolumes:
                         )
                     )
         return tuple(volume for volume in volumes if len(volume.grid.grid.leaf_origins))
-
-
-def _places(placement: Placement, mesh: Mesh) -> Iterator[FieldPlace]:
-    texture_space = np.array(placement.data.texspace_location), np.array(placement.data.texspace_size)
-    randoms = as_unit_floats(placement.random_numbers)
-    for matrix, random in zip(placement.world_from_object(), randoms, strict=True):
-        yield FieldPlace(
-            mesh=mesh,
-            world_from_object=matrix,
-            generated=texture_space,
-            generated_maps=made_maps(GENERATED),
-            color=placement.color,
-            pass_index=float(placement.pass_index),
-            random=float(random),
-        )

@@ -16,7 +16,6 @@ from tyndall.scene_description import Medium, ScatterLobe
 
 from ..shader_nodes import shader_tree
 from .field_media import DensityField, read_fields
-from .mesh_attributes import GENERATED, made_maps
 from .node_graph import output_input
 from .program import BLACK, WHITE, Value, grey
 from .reports import Reports
@@ -36,8 +35,6 @@ _DEFAULT_MEDIUM = Medium(
     name="(no material)", lobes=(ScatterLobe(sigma_s_per_m=(0.5, 0.5, 0.5)),), sigma_a_per_m=(0.5, 0.5, 0.5)
 )
 _BEND = 1e-6  #: Relative: what a shader may be off a straight line to be taken for one.
-#: By which a program asks for generated coordinates: (x, y) and (z, 1).
-GENERATED_MAPS = made_maps(GENERATED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +48,12 @@ class GridMedia:
 class _AtGrids(ValueReader):
     """A shader's values where a volume's grids are known by name."""
 
-    def __init__(self, material: Material, reports: Reports, images: ImageReader, domain: Domain) -> None:
+    def __init__(
+        self, material: Material, reports: Reports, images: ImageReader, domain: Domain, names: tuple[str, ...]
+    ) -> None:
         super().__init__(f'Material "{material.name}"', reports, images, domain)
         self.material_index = material.pass_index
+        self._names = names
 
     def _evaluated(self, at: Socket) -> Value:
         if at.node.type == "ATTRIBUTE":
@@ -76,8 +76,7 @@ class _NumberReader(_AtGrids):
     """Where the grids of numbers have given values."""
 
     def __init__(self, material: Material, reports: Reports, images: ImageReader, names: tuple[str, ...]) -> None:
-        super().__init__(material, reports, images, Domain.CONSTANT)
-        self._names = names
+        super().__init__(material, reports, images, Domain.CONSTANT, names)
         self.values: dict[str, float] = {}  #: Of the grids that are not 0.
         self.asked: dict[str, None] = {}  #: Names of grids that the shader reads, in their order.
 
@@ -95,8 +94,7 @@ class _PlaceReader(_AtGrids):
     """Where grids vary from voxel to voxel, and with them the place."""
 
     def __init__(self, material: Material, reports: Reports, images: ImageReader, names: tuple[str, ...]) -> None:
-        super().__init__(material, reports, images, Domain.SURFACE)
-        self._names = names
+        super().__init__(material, reports, images, Domain.SURFACE, names)
 
     def grid(self, name: str) -> Value | None:
         return self.program.attribute(name) if name in self._names else None
@@ -117,43 +115,41 @@ def read_grid_media(
     if shader is None or not shader.is_connected():
         return GridMedia({})
     places = _PlaceReader(material, reports, images, (*numbers, *vectors))
-    unbounded = "what does not depend on a grid has no bounds in a volume object: left out"
     unread = Reports()  # read once more for places, where there is anything to say
     reader = _NumberReader(material, unread, images, numbers)
-    linear = _linear_media(reader, shader, material.name)
+    coefficients = read_coefficients(reader, shader)
+    linear = _linear_media(reader, shader, coefficients, material.name)
     if linear is not None and not unread.lines():
-        if medium_of(read_coefficients(_NumberReader(material, unread, images, numbers), shader), "") is not None:
-            places.note(unbounded)
-        return GridMedia(linear)
-    nothing, fields = read_fields(places, shader, material.name)
+        nothing, found = medium_of(coefficients, material.name), GridMedia(linear)
+    else:
+        nothing, fields = read_fields(places, shader, material.name)
+        found = GridMedia({}, fields)
     if nothing is not None:
-        places.note(unbounded)
-    return GridMedia({}, fields)
+        places.note("what does not depend on a grid has no bounds in a volume object: left out")
+    return found
 
 
-def _linear_media(reader: _NumberReader, shader: Socket, name: str) -> dict[str, Medium] | None:
-    """Per grid that the shader reads: its medium where the grid is 1 and the others are 0; None: it bends."""
-    nothing = read_coefficients(reader, shader)
+def _linear_media(reader: _NumberReader, shader: Socket, nothing: Coefficients, name: str) -> dict[str, Medium] | None:
+    """Per grid that the shader reads: its medium where the grid is 1 and the others are 0; None: it bends.
+
+    ``nothing``: where all of them are 0.
+    """
 
     def beyond(values: dict[str, float]) -> Coefficients:
         reader.values = values
         return difference(read_coefficients(reader, shader), nothing)
 
-    found = {}
+    found, alone = {}, Coefficients()
     for grid in tuple(reader.asked):
         once = beyond({grid: 1.0})
+        _add(alone, once)
         if any(_distance(beyond({grid: value}), once, value) > _BEND for value in (0.25, 2.0)):
             return None
         medium = medium_of(once, f"{name}, {grid}")
         if medium is not None:
             found[grid] = medium
-    if len(reader.asked) > 1:
-        alone = Coefficients()
-        for grid in reader.asked:
-            _add(alone, beyond({grid: 1.0}))
-        if _distance(beyond(dict.fromkeys(reader.asked, 1.0)), alone, 1.0) > _BEND:
-            return None
-    return found
+    together = beyond(dict.fromkeys(reader.asked, 1.0))
+    return None if _distance(together, alone, 1.0) > _BEND else found
 
 
 def _add(total: Coefficients, part: Coefficients) -> None:

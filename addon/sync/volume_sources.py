@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .instances import Placement
+    from .point_places import TextureSpace
 
 #: Voxels by which Cycles has a file's grid off its place along each axis: measured, to 1e-2.
 _VOXEL_SHIFT = 0.0 if bpy.app.version >= (5, 0, 0) else 0.5
@@ -46,8 +47,7 @@ class VolumeSource(Protocol):
 
     grid_names: tuple[str, ...]  #: Those of numbers that can be read.
     vector_names: tuple[str, ...]  #: Likewise, of vectors and colours.
-    #: Centre and half sides of what generated coordinates go through.
-    texture_space: tuple[NDArray[np.float64], NDArray[np.float64]]
+    texture_space: TextureSpace
     keeps_opacity: bool  #: When it is scaled; else its density.
     voxel_shift: float  #: Voxels by which Cycles draws its grids off their place, along each axis.
     outlives_read: bool  #: It may be asked again while nothing that it depends on is updated.
@@ -115,7 +115,7 @@ class _VolumeFile:
     grid_names: tuple[str, ...]
     vector_names: tuple[str, ...]
     keeps_opacity: bool
-    texture_space: tuple[NDArray[np.float64], NDArray[np.float64]] = _PLACE_IN_OBJECT
+    texture_space: TextureSpace = _PLACE_IN_OBJECT
     voxel_shift: float = _VOXEL_SHIFT
     outlives_read: bool = False  #: Files change without an update.
     advice_if_empty: str = ""
@@ -154,7 +154,7 @@ class _MadeVolume:
     grid_names: tuple[str, ...]
     vector_names: tuple[str, ...]
     keeps_opacity: bool
-    texture_space: tuple[NDArray[np.float64], NDArray[np.float64]] = _PLACE_IN_OBJECT
+    texture_space: TextureSpace = _PLACE_IN_OBJECT
     voxel_shift: float = _VOXEL_SHIFT
     outlives_read: bool = True
     advice_if_empty: str = ""
@@ -188,7 +188,7 @@ class _SmokeDomain:
     local_from_index: NDArray[np.float64]
     resolution: tuple[int, int, int]
     grid_names: tuple[str, ...]
-    texture_space: tuple[NDArray[np.float64], NDArray[np.float64]]
+    texture_space: TextureSpace
     vector_names: tuple[str, ...]
     keeps_opacity: bool = False
     voxel_shift: float = 0.0

@@ -10,19 +10,20 @@ import numpy as np
 
 from tyndall import InvalidInput, IoError
 from tyndall.grid_programs import combined, combined_key
-from tyndall.program_points import PointPlace, asks_of_instances
+from tyndall.program_points import asks_of_instances
 from tyndall.scene_description import DensityGrid, Volume, attribute_maps
 
-from .grid_media import GENERATED_MAPS, read_grid_media
-from .random_numbers import as_unit_floats
+from .grid_media import read_grid_media
+from .point_places import places_of
 from .volume_nodes import IGNORES_RAY_VISIBILITY
 from .volume_sources import NoVolumeError, source_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from numpy.typing import NDArray
 
+    from tyndall.program_points import PointPlace
     from tyndall.scene_description import Material
 
     from .field_media import DensityField
@@ -137,7 +138,7 @@ class _Frame:
             return []
         volumes: list[Volume] = []
         made: list[DensityGrid] = []
-        for place in self._places():
+        for place in places_of(self.placement, self.source.texture_space):
             try:
                 if not made or asks_of_instances(program):
                     made = self._made(program, place, grids, [field.channel for field, _ in fields], poll)
@@ -192,19 +193,6 @@ class _Frame:
             return ()
         self.kept.update((grid.key, grid) for grid in grids)
         return grids
-
-    def _places(self) -> Iterator[PointPlace]:
-        placement = self.placement
-        randoms = as_unit_floats(placement.random_numbers)
-        for matrix, random in zip(placement.world_from_object(), randoms, strict=True):
-            yield PointPlace(
-                world_from_object=matrix,
-                generated=self.source.texture_space,
-                generated_maps=GENERATED_MAPS,
-                color=placement.color,
-                pass_index=float(placement.pass_index),
-                random=float(random),
-            )
 
     def _volume(self, grid: DensityGrid, world_from_object: NDArray[np.float64], medium: int) -> Volume:
         shift = np.eye(4)

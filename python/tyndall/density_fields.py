@@ -19,7 +19,7 @@ import numpy as np
 from . import InvalidInput
 from .field_light import LightError, light_error
 from .fingerprints import fingerprint
-from .program_points import PointPlace, values_of
+from .program_points import values_of
 from .scene_description import DensityGrid
 from .volumes import from_dense
 from .voxel_dag import Config, voxelize
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from .program_points import PointPlace
     from .scene_description import Material, Mesh
 
     FloatArray = NDArray[np.float32]
@@ -43,17 +44,6 @@ _PROBES = 4096  #: Places at which the error is measured.
 _POINTS_AT_ONCE = 1 << 20
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class FieldPlace(PointPlace):
-    """Where a program is asked, and what of its object it may read."""
-
-    mesh: Mesh  #: Closed.
-
-    def unit_m(self) -> float:
-        """Side of a cube as large as one of the object's units."""
-        return float(np.cbrt(abs(np.linalg.det(self.world_from_object[:3, :3]))))
-
-
 @dataclass(frozen=True, eq=False)
 class SampledField:
     """A grid, and what is to be said of it."""
@@ -66,31 +56,32 @@ class SampledField:
 ChannelOf = tuple["Material", int]
 
 
-def field_key(program: ChannelOf, place: FieldPlace, sigma_t_per_m: float, most_voxels: int) -> str:
+def field_key(program: ChannelOf, mesh: Mesh, place: PointPlace, sigma_t_per_m: float, most_voxels: int) -> str:
     """Equal where the grid is: of all instances, wherever they go, if no more is asked for than places in the mesh."""
     of_object = place.read_by(program[0])
     optical = f"{sigma_t_per_m * place.unit_m():.3g}"  # turned instances differ by rounding
-    return f"{place.mesh.key} holds {fingerprint((program, of_object, optical, most_voxels)).hex()}"
+    return f"{mesh.key} holds {fingerprint((program, of_object, optical, most_voxels)).hex()}"
 
 
 def sampled(
     program: ChannelOf,
-    place: FieldPlace,
+    mesh: Mesh,
+    place: PointPlace,
     key: str,
     sigma_t_per_m: float,
     most_voxels: int,
     poll: Callable[[], None],
 ) -> SampledField:
-    """At most ``most_voxels`` along the longest side of the mesh's box; ``poll`` may raise between parts.
+    """At most ``most_voxels`` along the longest side of the box of a closed mesh; ``poll`` may raise between parts.
 
     ``sigma_t_per_m`` is the greatest extinction coefficient where the program gives 1.
 
     Raises InvalidInput of a mesh without a volume, and IoError of textures that lie in a file.
     """
-    lower, upper = place.mesh.positions.min(axis=0).astype(np.float64), place.mesh.positions.max(axis=0)
+    lower, upper = mesh.positions.min(axis=0).astype(np.float64), mesh.positions.max(axis=0)
     sides = upper - lower
     if not (np.isfinite(sides).all() and (sides > 0.0).all()):
-        raise InvalidInput(f'mesh "{place.mesh.name}" is flat or not finite, and holds no volume')
+        raise InvalidInput(f'mesh "{mesh.name}" is flat or not finite, and holds no volume')
     notes: list[str] = []
     values, channel = values_of(program[0], place, notes), program[1]
 
@@ -121,7 +112,7 @@ def sampled(
         if is_last or (error <= ERROR_TARGET * size and of_light.rms <= LIGHT_ERROR_TARGET):
             break
         voxels *= 2
-    dense *= _coverage(place.mesh, lower, step, counts)
+    dense *= _coverage(mesh, lower, step, counts)
     local_from_index = np.diag([*step, 1.0])
     local_from_index[:3, 3] = lower + 0.5 * step
     if error > ERROR_TARGET * size or of_light.rms > LIGHT_ERROR_TARGET:

@@ -37,6 +37,10 @@ class PointPlace:
     pass_index: float
     random: float
 
+    def unit_m(self) -> float:
+        """Side of a cube as large as one of the object's units."""
+        return float(np.cbrt(abs(np.linalg.det(self.world_from_object[:3, :3]))))
+
     def read_by(self, program: Material) -> tuple[object, ...]:
         """What of it the values depend on."""
         of_instance = (self.world_from_object, self.color, self.pass_index, self.random)
