@@ -6,11 +6,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from mathutils import Matrix
 
 from tyndall.scene_description import Extension, LightProjection, LightTexture, TextureUse
 
 from .light_vectors import CannotBeRead, Frame, Start, Vector, read_vector, spot_coordinates, uv_of_light
 from .program import BLACK, Term, Value
+from .texture_mapping import own_matrix
 from .texture_nodes import EXTENSIONS, image_use
 from .value_nodes import Domain, ValueReader
 
@@ -64,6 +66,8 @@ class LightValueReader(ValueReader):
         return self.program.texture(use, str(len(self._placed) - 1), (1, 0, 0, 0, 1, 0, 0, 0, 1))
 
     def _vector(self, at: Socket, *, is_environment: bool) -> Vector:
+        if own_matrix(at.node) != Matrix.Identity(4):
+            raise CannotBeRead("an image with a mapping of its own")
         socket = at.input("Vector")
         if socket.is_connected():
             return read_vector(self, self._light, socket)

@@ -24,14 +24,20 @@ _SMALLEST = 1e-5  #: Scales that are inverted are no smaller, as in Cycles.
 def mapped(reader: ValueReader, at: Socket, vector: Value) -> Value:
     """``vector`` as the node of ``at`` places it."""
     mapping = at.node.texture_mapping
-    if mapping.use_min or mapping.use_max:
-        reader.unsupported(at, "is not limited by its mapping's minimum and maximum")
     linear, offset = _affine(mapping)
     if mapping.vector_type != "NORMAL" and linear == Matrix.Identity(3) and offset == Vector((0.0, 0.0, 0.0)):
         return vector
     rows = tuple(number for row in linear for number in row)
     placed = reader.program.operation(Code.AFFINE, vector, uv_matrix=rows, value=tuple(offset))
     return vector_operation(reader.program, "NORMALIZE", placed) if mapping.vector_type == "NORMAL" else placed
+
+
+def own_matrix(node: bpy.types.Node) -> Matrix | None:
+    """4x4; None where the node makes a unit vector of what it reads, as a normal's."""
+    if node.texture_mapping.vector_type == "NORMAL":
+        return None
+    linear, offset = _affine(node.texture_mapping)
+    return Matrix.Translation(offset) @ linear.to_4x4()
 
 
 def _affine(mapping: bpy.types.TexMapping) -> tuple[Matrix, Vector]:

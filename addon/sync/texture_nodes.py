@@ -16,6 +16,7 @@ from . import coordinates
 from .domains import MID_GREY, Domain
 from .images import MAGENTA, texel_of_missing
 from .program import WHITE, Value
+from .texture_mapping import mapped, own_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -59,7 +60,7 @@ def _image_anywhere(reader: ValueReader, at: Socket, use: TextureUse) -> Value:
     """By its node's projection, at whatever vector."""
     node, program = at.node, reader.program
     projection = ImageProjection[node.projection]
-    vector = reader.colour(at.input("Vector")) if at.input("Vector").is_connected() else coordinates.uv(program)
+    vector = _vector(reader, at)
     code = Code.IMAGE_ALPHA_AT if at.socket.identifier == "Alpha" else Code.IMAGE_AT
     blend = node.projection_blend if projection is ImageProjection.BOX else 0.0
     return program.operation(
@@ -67,17 +68,24 @@ def _image_anywhere(reader: ValueReader, at: Socket, use: TextureUse) -> Value:
     )
 
 
+def _vector(reader: ValueReader, at: Socket) -> Value:
+    """Where an image is read: the active UV map, where nothing is linked."""
+    linked = at.input("Vector")
+    return mapped(reader, at, reader.colour(linked) if linked.is_connected() else coordinates.uv(reader.program))
+
+
 def _flat_coordinates(reader: ValueReader, at: Socket) -> _Coordinates | None:
-    """Of an image that lies flat on a UV map, through constant Mapping nodes; None of any other."""
-    if at.node.projection != "FLAT":
+    """Of an image that lies flat on a UV map, through constant mappings; None of any other."""
+    own = own_matrix(at.node)
+    if at.node.projection != "FLAT" or own is None:
         return None
     source = at.input("Vector").source()
     while source.socket.is_output and source.node.type == "MAPPING" and _is_affine(source):
         source = source.input("Vector").source()
     if not source.socket.is_output:
         is_linked = source.socket != at.input("Vector").socket
-        return None if is_linked else _Coordinates("", Matrix.Identity(4))
-    return _coordinates(reader, at) if _is_uv_map(source) else None
+        return None if is_linked else _Coordinates("", own)
+    return _coordinates(reader, at, own) if _is_uv_map(source) else None
 
 
 def _is_affine(mapping: Socket) -> bool:
@@ -129,10 +137,9 @@ def _tiles(reader: ValueReader, at: Socket) -> Value:
     if not tiles:
         return WHITE if wants_alpha else MAGENTA
     rows = [(*place, program.texture_index(_use_of(tile, node)), 0) for place, tile in tiles.items()]
-    vector = reader.colour(at.input("Vector")) if at.input("Vector").is_connected() else coordinates.uv(program)
     return program.operation(
         Code.IMAGE_ALPHA_AT if wants_alpha else Code.IMAGE_AT,
-        vector,
+        _vector(reader, at),
         option=int(ImageProjection.FLAT),
         selector=IMAGE_HAS_TILES,
         texture=int(rows[0][2]),
@@ -149,7 +156,10 @@ def _environment_on_surface(reader: ValueReader, at: Socket) -> Value:
     direction = reader.colour(vector) if vector.is_connected() else coordinates.point_input(reader.program, place)
     projection = EnvironmentProjection[at.node.projection]
     return reader.program.operation(
-        Code.ENVIRONMENT_AT, direction, option=int(projection), texture=reader.program.texture_index(use)
+        Code.ENVIRONMENT_AT,
+        mapped(reader, at, direction),
+        option=int(projection),
+        texture=reader.program.texture_index(use),
     )
 
 
@@ -159,9 +169,8 @@ class _Coordinates:
     matrix: Matrix  #: 4x4, from (u, v, 0), or from a direction, to the texture.
 
 
-def _coordinates(reader: ValueReader, at: Socket) -> _Coordinates:
+def _coordinates(reader: ValueReader, at: Socket, matrix: Matrix) -> _Coordinates:
     """Follows the Vector input to where it starts; Mapping nodes on the way multiply."""
-    matrix = Matrix.Identity(4)
     source = at.input("Vector").source()
     while source.socket.is_output and source.node.type == "MAPPING":
         mapping = mapping_matrix(reader, source)

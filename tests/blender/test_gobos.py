@@ -106,6 +106,13 @@ def test_beside_the_image_its_extension_holds(extension: str) -> None:
     assert_like_cycles()
 
 
+@pytest.mark.parametrize("kind", ["SPOT", "POINT"])
+def test_an_image_has_a_mapping_of_its_own(kind: str) -> None:
+    placed = read_through(stage(kind), PLACES["normal"]).texture_mapping
+    placed.scale, placed.translation, placed.rotation = (1.5, 0.8, 1.2), (0.3, -0.2, 0.1), (0.4, 0.3, 0.8)
+    assert_like_cycles(4e-3)
+
+
 def test_an_image_wraps_around_a_point_light() -> None:
     read_through(stage("POINT"), PLACES["normal"], projection="SPHERE")
     assert_like_cycles()

@@ -41,6 +41,12 @@ def mapping(**properties: object) -> Turn:
     return turn
 
 
+def own_mapping(tree: bpy.types.NodeTree) -> None:
+    """What files of 2.7 turn panoramas by, without a vector."""
+    placed = next(one for one in tree.nodes if one.type == "TEX_ENVIRONMENT").texture_mapping
+    placed.vector_type, placed.rotation = "TEXTURE", (0.4, -0.7, 1.0)
+
+
 def under_panorama(turn: Turn, strength: float = 1.0) -> bpy.types.Scene:
     scene = empty_scene(size_px=24)
     tree = scene.world.node_tree
@@ -60,6 +66,7 @@ TURNS: dict[str, Turn] = {
     "turned": mapping(Rotation=(0.0, 0.0, 1.0)),
     "tumbled": mapping(Rotation=(0.4, -0.7, 1.0)),
     "tumbled back": mapping(vector_type="TEXTURE", Rotation=(0.4, -0.7, 1.0)),
+    "by its own mapping": own_mapping,
 }
 
 

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from .patch_nodes import Link, New, Socket
+from .pattern_setups import place as place_by
 from .small_scenes import node
 
 Build = Callable[[New, Link], Socket]
@@ -39,7 +40,10 @@ def textured(
         texture, scaled = new(kind), new("ShaderNodeVectorMath")
         texture.image = picture()
         for name, value in properties.items():
-            setattr(texture, name, value)
+            if name == "mapping":
+                place_by(texture.texture_mapping, str(value))
+            else:
+                setattr(texture, name, value)
         scaled.operation = "SCALE"
         scaled.inputs["Scale"].default_value = scale
         link(new("ShaderNodeTexCoord").outputs[place], scaled.inputs[0])
@@ -47,6 +51,14 @@ def textured(
         return texture.outputs[0]
 
     return build
+
+
+def placed_by_itself(new: New, _: Link) -> Socket:
+    """An image without a vector, on the UV map as its own mapping says."""
+    texture = new("ShaderNodeTexImage")
+    texture.image = picture()
+    texture.texture_mapping.scale, texture.texture_mapping.translation = (0.5, -0.7, 1.0), (0.2, 0.1, 0.0)
+    return texture.outputs[0]
 
 
 def warped(new: New, link: Link) -> Socket:
@@ -99,6 +111,11 @@ IMAGES: dict[str, Build] = {
     "missing and clipped, no colour": lost("Color", space="Non-Color"),
     "alpha of a missing and clipped one": lost("Alpha"),
     "where an image says": warped,
+    "by its own mapping": placed_by_itself,
+    **{f"mapped as a {kind.lower()}": textured("UV", 0.5, mapping=kind) for kind in ("POINT", "TEXTURE", "VECTOR")},
+    "mapped as a normal": textured("Object", mapping="NORMAL"),
+    "box mapped as a point": textured("Object", projection="BOX", projection_blend=0.4, mapping="POINT"),
+    "environment mapped as a vector": textured("Normal", kind="ShaderNodeTexEnvironment", mapping="VECTOR"),
     "environment": textured("Normal", kind="ShaderNodeTexEnvironment"),
     "mirror ball": textured("Reflection", kind="ShaderNodeTexEnvironment", projection="MIRROR_BALL"),
 }

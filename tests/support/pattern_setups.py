@@ -44,8 +44,10 @@ def in_range(inputs: Inputs, source: Socket, low: float, high: float, kind: str 
     return node
 
 
-def _place(mapping: bpy.types.TexMapping, kind: str) -> None:
+def place(mapping: bpy.types.TexMapping, kind: str) -> None:
+    """A mapping of a node's own; Cycles does not look at what limits it."""
     mapping.vector_type = kind
+    mapping.use_min = mapping.use_max = True
     mapping.translation, mapping.rotation, mapping.scale = (0.3, -0.2, 0.5), (0.4, 0.9, -0.3), (0.7, -1.4, 2.0)
     mapping.mapping_x, mapping.mapping_y = "Z", "X"
 
@@ -76,7 +78,7 @@ def pattern(kind: str, output: str, *, whole: bool = False, **properties: object
         node = inputs.new(f"ShaderNodeTex{kind}")
         for name, value in properties.items():
             if name == "mapping":
-                _place(node.texture_mapping, str(value))
+                place(node.texture_mapping, str(value))
             else:
                 setattr(node, name, value)
         for socket in node.inputs:
