@@ -91,6 +91,15 @@ def lost(output: str, interpolation: str = "Linear", space: str = "sRGB") -> Bui
     return build
 
 
+def lost_label(new: New, link: Link) -> Socket:
+    """A missing picture over a colour, by its alpha: its own colour does not fade."""
+    mix = node(new, "ShaderNodeMixRGB", Color1=(0.1, 0.6, 0.2, 1))
+    colour = lost("Color")(new, link)
+    link(colour, mix.inputs["Color2"])
+    link(colour.node.outputs["Alpha"], mix.inputs["Fac"])
+    return mix.outputs[0]
+
+
 IMAGES: dict[str, Build] = {
     "flat": textured(),
     "flat on object coordinates": textured("Object", 2.0),
@@ -110,6 +119,7 @@ IMAGES: dict[str, Build] = {
     "missing and clipped, closest": lost("Color", "Closest"),
     "missing and clipped, no colour": lost("Color", space="Non-Color"),
     "alpha of a missing and clipped one": lost("Alpha"),
+    "missing and clipped, over a colour": lost_label,
     "where an image says": warped,
     "by its own mapping": placed_by_itself,
     **{f"mapped as a {kind.lower()}": textured("UV", 0.5, mapping=kind) for kind in ("POINT", "TEXTURE", "VECTOR")},
