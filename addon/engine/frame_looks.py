@@ -95,5 +95,6 @@ class LookReader:
             self.size_px,
             reports,
             world_from_camera=np.array(self.engine.camera_model_matrix(thing)),
-            shift_x=self.engine.camera_shift_x(thing),
+            # Of other objects Blender reads it where a camera would have it.
+            shift_x=self.engine.camera_shift_x(thing) if thing.type == "CAMERA" else None,
         )

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +23,20 @@ if TYPE_CHECKING:
 _LARGEST_COORDINATE_M = 1e18  #: Beyond it, squares do not fit into single precision.
 #: Of the aperture's radius; the native side refuses half of it. So near, all is blurred over the whole picture.
 _NEAREST_FOCUS = 2e-4
+_UNLIMITED_M = (1e-5, 1e5)
+_CONE_RAD = math.radians(45)  #: Of lights that are no spots.
+
+
+@dataclass(frozen=True)
+class _Sight:
+    """What Cycles looks through where the scene's camera is another object."""
+
+    lens: float  #: Millimetres, as the sensor.
+    type: str = "PERSP"
+    sensor_fit: str = "AUTO"
+    sensor_width: float = 36.0
+    sensor_height: float = 24.0
+    ortho_scale: float = 1.0
 
 
 def read_camera(
@@ -36,11 +52,18 @@ def read_camera(
 
     Raises ``ValueError``, which names it, for one that nothing can be seen through.
     """
-    if thing.type != "CAMERA":
-        raise ValueError(f'"{thing.name}" is the scene\'s camera, but it is of type {thing.type.lower()}')
     placed = np.array(thing.matrix_world if world_from_camera is None else world_from_camera, dtype=np.float64)
     if not (np.abs(placed) < _LARGEST_COORDINATE_M).all() or np.linalg.det(placed[:3, :3]) == 0.0:
         raise ValueError(f'Camera "{thing.name}": its position is not finite, or its scale is 0')
+    if thing.type != "CAMERA":
+        window = _window(_sight(thing), render, size_px, (0.0, 0.0))
+        return Camera(
+            kind=CameraKind.PERSPECTIVE,
+            world_from_camera=without_scale(placed),
+            window=window,
+            clip_m=_UNLIMITED_M,
+            size_px=size_px,
+        )
     data, culprit = thing.data, f'Camera "{thing.name}"'
     shift = data.shift_x if shift_x is None else shift_x, data.shift_y
     seen = read_panorama(data, render, size_px, shift, culprit, reports) if data.type == "PANO" else None
@@ -67,8 +90,19 @@ def read_camera(
     return camera
 
 
+def _sight(thing: bpy.types.Object) -> _Sight:
+    """A lamp's cone, or 50 mm."""
+    if thing.type != "LIGHT":
+        return _Sight(50.0)
+    cone_rad = thing.data.spot_size if thing.data.type == "SPOT" else _CONE_RAD
+    return _Sight(16.0 / math.tan(cone_rad / 2.0))
+
+
 def _window(
-    data: bpy.types.Camera, render: bpy.types.RenderSettings, size_px: tuple[int, int], shift: tuple[float, float]
+    data: bpy.types.Camera | _Sight,
+    render: bpy.types.RenderSettings,
+    size_px: tuple[int, int],
+    shift: tuple[float, float],
 ) -> tuple[float, float, float, float]:
     """Of a perspective camera, one metre ahead, or of an orthographic one, in metres."""
     aspect = render.pixel_aspect_y / render.pixel_aspect_x

@@ -36,7 +36,7 @@ def seen_camera(depsgraph: Depsgraph) -> SeenCamera | None:
     """None without one, or with one that nothing can be seen through."""
     scene = depsgraph.scene_eval
     camera = scene.camera
-    if camera is None or camera.type != "CAMERA":
+    if camera is None:
         return None
     render = scene.render
     size_px = tuple(
