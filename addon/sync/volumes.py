@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from tyndall.program_points import PointPlace
-    from tyndall.scene_description import Material
+    from tyndall.scene_description import Material, Medium
 
     from .field_media import DensityField
     from .images import ImageReader
@@ -35,11 +36,23 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class _IndexedMedia:
-    """What a shader makes of a volume's grids, with the media's indices."""
+class _DrawnMedium:
+    """Of the scene as soon as something has it: light is prepared for all media that there are."""
 
-    of_grids: dict[str, int]
-    fields: dict[int, list[tuple[DensityField, int]]]  #: Of one program each, by its identity.
+    medium: Medium
+    materials: MaterialReader
+
+    @cached_property
+    def index(self) -> int:
+        return self.materials.add_medium(self.medium)
+
+
+@dataclass(frozen=True, eq=False)
+class _ShaderMedia:
+    """What a shader makes of a volume's grids."""
+
+    of_grids: dict[str, _DrawnMedium]
+    fields: dict[int, list[tuple[DensityField, _DrawnMedium]]]  #: Of one program each, by its identity.
 
 
 class VolumeReader:
@@ -68,7 +81,7 @@ class VolumeReader:
         """One per object, grid that its shader reads, and instance; their media go into ``materials``."""
         kept: dict[str, DensityGrid] = {}
         made: dict[int, tuple[VolumeSource, set[int]]] = {}
-        media: dict[tuple[tuple[str, ...], tuple[str, ...], int], _IndexedMedia] = {}
+        media: dict[tuple[tuple[str, ...], tuple[str, ...], int], _ShaderMedia] = {}
         volumes = []
         for placement in placements:
             poll()
@@ -85,12 +98,12 @@ class VolumeReader:
             key = source.grid_names, source.vector_names, material.as_pointer() if material else 0
             if key not in media:
                 of_shader = read_grid_media(material, source.grid_names, source.vector_names, images, reports)
-                media[key] = _IndexedMedia(
-                    {name: materials.add_medium(medium) for name, medium in of_shader.of_grids.items()}, {}
+                media[key] = _ShaderMedia(
+                    {name: _DrawnMedium(medium, materials) for name, medium in of_shader.of_grids.items()}, {}
                 )
                 for field in of_shader.fields:
                     of_program = media[key].fields.setdefault(id(field.program), [])
-                    of_program.append((field, materials.add_medium(field.medium)))
+                    of_program.append((field, _DrawnMedium(field.medium, materials)))
             if not (media[key].of_grids or media[key].fields):
                 reports.add(culprit, "its volume's shader reads none of its grids: not drawn")
             if not (placement.is_camera_visible and placement.casts_shadow):
@@ -115,15 +128,15 @@ class _Frame:
     before: dict[str, DensityGrid]  #: Of the last frame, by key.
     kept: dict[str, DensityGrid]  #: Of this one.
 
-    def of_grid(self, name: str, medium: int) -> list[Volume]:
+    def of_grid(self, name: str, medium: _DrawnMedium) -> list[Volume]:
         (grid,) = self._read(name) or (None,)
         if grid is None:
             return []
         if self._are_empty({name: (grid,)}):
             return []
-        return [self._volume(grid, matrix, medium) for matrix in self.placement.world_from_object()]
+        return [self._volume(grid, matrix, medium.index) for matrix in self.placement.world_from_object()]
 
-    def of_fields(self, fields: list[tuple[DensityField, int]], poll: Callable[[], None]) -> list[Volume]:
+    def of_fields(self, fields: list[tuple[DensityField, _DrawnMedium]], poll: Callable[[], None]) -> list[Volume]:
         """Of one program. Each instance has grids of its own only where the program asks what these are."""
         program = fields[0][0].program
         asked = set(program.uv_maps)
@@ -146,7 +159,7 @@ class _Frame:
                 self.reports.add(self.culprit, f"not drawn: {error}")
                 return []
             volumes += [
-                self._volume(grid, place.world_from_object, medium)
+                self._volume(grid, place.world_from_object, medium.index)
                 for grid, (_, medium) in zip(made, fields, strict=True)
                 if len(grid.grid.leaf_origins)
             ]

@@ -222,6 +222,15 @@ def test_what_cannot_be_read_is_named_and_the_rest_renders(tmp_path: Path) -> No
     assert "reads none of its grids" in reports["Other"]
 
 
+def test_what_holds_nothing_leaves_the_air_clear(tmp_path: Path) -> None:
+    """Light shafts are prepared for media: of none that anything is made of 22.9 GiB were asked for once."""
+    look()
+    path = tmp_path / "empty.vdb"
+    write_vdb(path, [sparse(np.zeros((8, 8, 8), np.float32))])
+    volume_object(path, material("Smoke", volume=principled), "Empty")
+    assert read().media == ()
+
+
 def test_instances_share_a_grid_and_a_second_frame_sends_none(tmp_path: Path) -> None:
     look()
     smoke = material("Smoke", volume=principled)
