@@ -138,7 +138,7 @@ def _colour_of(reader: ValueReader, at: Socket) -> Value:
 
 def _note_bumps(reader: ValueReader, at: Socket) -> None:
     normal = at.input("Normal")
-    if normal is not None and normal.is_connected():
+    if normal is not None and normal.is_connected() and reader.normal(normal) is not None:
         reader.note(f"normal maps and bumps of {at.node.bl_label} are not drawn here")
 
 

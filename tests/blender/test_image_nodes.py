@@ -13,6 +13,7 @@ from addon import last_render
 from support.engine_pictures import tyndall_pixels
 from support.image_setups import IMAGES, NORMALS, mapped
 from support.patch_nodes import Link, New, Shown, Socket, patch_scene, shown_on_patches
+from support.small_scenes import empty_scene, material, node, plane, read
 
 #: A picture of Cycles is up to a hundredth of a pixel off its pixels' centres, and its textures are steep here.
 BOUND = 0.02
@@ -64,6 +65,19 @@ def test_a_normal_map_that_bends_nothing_asks_for_no_uv_map() -> None:
     shown = shown_on_patches({"unbent": unbent})["unbent"]
     assert shown.off() < BOUND
     assert not [line for line in last_render.statistics_of("Scene")["reports"] if "tangents" in line]
+
+
+def test_a_bump_of_an_even_height_is_none() -> None:
+    """That of an image whose file is missing, most of all: nothing of it is left out."""
+
+    def even(new: New, link: Link) -> Socket:
+        diffuse, bump = new("ShaderNodeBsdfDiffuse"), node(new, "ShaderNodeBump", Height=0.7)
+        link(bump.outputs["Normal"], diffuse.inputs["Normal"])
+        return diffuse.outputs[0]
+
+    empty_scene()
+    plane(material=material("Even", even))
+    assert read().reports == ()
 
 
 def test_tiles_and_frames_come_from_their_files(tmp_path: Path) -> None:
