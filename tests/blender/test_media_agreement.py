@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 import pytest
 
+from addon import last_render
 from addon.sync.reports import Reports
 from addon.sync.scene import SceneReader
 from support.cycles_reference import tyndall_pixels as pixels_by_methods
@@ -234,3 +235,21 @@ def test_a_pane_without_transparent_shadows_blocks_shafts_that_the_camera_sees_t
     pane.visible_camera = False
     assert blocked.mean() < 0.98 * free.mean()
     assert blocked == pytest.approx(tyndall_pixels(scene), rel=1e-3, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("anisotropy", "world_samples", "advice"),
+    [(0.7, 256, ""), (0.9, 256, "1,000 would do"), (0.9, 1024, ""), (0.999, 256, "cannot be had"), (0.999, 0, "")],
+)
+def test_too_few_directions_for_forward_fog_are_named(anisotropy: float, world_samples: int, advice: str) -> None:
+    def forward(new: New, _: Link) -> Socket:
+        return node(new, "ShaderNodeVolumeScatter", Density=0.5, Anisotropy=anisotropy).outputs[0]
+
+    scene = empty_scene(size_px=4)
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.5, 0.5, 0.5, 1.0)
+    scene.tyndall.shafts.world_samples = world_samples
+    cube("Fog", material("Fog", volume=forward))
+    tyndall_pixels(scene)
+    reports = [line for line in last_render.statistics_of(scene.name)["reports"] if "World Samples" in line]
+    assert len(reports) == bool(advice)
+    assert all(advice in line and f"{anisotropy:g}" in line for line in reports)
