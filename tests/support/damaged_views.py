@@ -38,7 +38,7 @@ def _(scene: Scene, random: Random) -> None:
     scene.camera.data.ortho_scale = float(random.choice([0.0, 1e-7, 1e30]))
 
 
-@damage("a camera that is no camera", "Floor", "camera")
+@damage("a camera that is no camera", None, "camera")
 def _(scene: Scene, _random: Random) -> None:
     scene.camera = bpy.data.objects["Floor"]
 
