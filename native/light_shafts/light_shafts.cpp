@@ -43,9 +43,10 @@ Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::sp
         statistics.skip("light shafts", "no view ray meets a medium");
         return;
     }
-    std::vector<ScatteringLight> lights = find_scattering_lights(
-        scene, media, config, count_strata(scene, media, view, clipped, config, progress), statistics);
-    if (lights.empty() && !config.leaves_lamps && !config.leaves_world)
+    const StrataCounts counts = count_strata(scene, media, view, clipped, config, progress);
+    left_ = counts.left;
+    std::vector<ScatteringLight> lights = find_scattering_lights(scene, media, config, counts, statistics);
+    if (lights.empty() && !left_.is_any())
         statistics.skip("light shafts", "no light scatters in a medium");
     if (!lights.empty())
         prepared_->prepare(scene, view, clipped, std::move(lights), config, progress);

@@ -7,6 +7,7 @@
 #pragma once
 #include "core/progress.hpp"
 #include "core/statistics.hpp"
+#include "light_shafts/rows_limit.hpp"
 #include "scene/camera.hpp"
 #include "scene/media.hpp"
 #include "scene/scene.hpp"
@@ -72,8 +73,9 @@ struct Config {
     /// Rays too close to a light's direction for rows are walked along the map that SHADOW_MAP's rows come from, instead of
     /// asked of hierarchies for cuts, which take 0.5 us per triangle to build: for a coarse picture that is to come at once.
     bool walks_maps = false;
-    bool leaves_lamps = false, leaves_world = false; ///< To somebody else, who draws them at random.
-    bool keeps_groups_apart = false;                 ///< Light groups have slots of their own, see Shafts::slots.
+    /// Lights whose rows would take longer are left to somebody else, who draws them at random: see Shafts::left().
+    RowsLimit rows_limit = {};
+    bool keeps_groups_apart = false; ///< Light groups have slots of their own, see Shafts::slots.
     std::uint32_t seed = 0;
     std::shared_ptr<MapCache> kept_maps = {}; ///< Maps and rows of other frames; nothing: none are kept.
     std::shared_ptr<MemoryRoom> room = {};    ///< For maps and rows; nothing: they take what they need.
@@ -138,6 +140,8 @@ public:
     Shafts& operator=(const Shafts&) = delete;
     ~Shafts();
 
+    /// By Config::rows_limit.
+    [[nodiscard]] const LeftLights& left() const { return left_; }
     /// No light scatters in any medium: scatter() would answer 0, and need not be called.
     [[nodiscard]] bool is_empty() const;
     /// Overwrites, per ray, the radiance (as in Result) and the average visibility, unless its span is empty.
@@ -180,6 +184,7 @@ public:
 
 private:
     std::unique_ptr<PreparedLights> prepared_;
+    LeftLights left_;
 };
 
 /// Prepares and scatters in one call. Throws InvalidInput and Cancelled. The result's bits do not depend on the number

@@ -156,7 +156,7 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
     const bool drowns_suns = config.attenuates_light && swallows_suns(media);
     for (std::uint32_t index = 0; index < scene.lights().size(); ++index) {
         const Light& light = scene.lights()[index];
-        if (config.leaves_lamps && light.kind != LightKind::Sun)
+        if (counts.left.lamps && light.kind != LightKind::Sun)
             continue;
         const std::string what = "light shafts of " + light.name;
         if (!light.scatters_in_media) {
@@ -190,7 +190,7 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
             paint(light, scattering.samples);
     }
     const World& world = scene.world();
-    if (world.is_black() || config.leaves_world)
+    if (world.is_black() || counts.left.world)
         return lights;
     if (counts.of_world == 0 || drowns_suns) {
         statistics.skip("light shafts of the world", drowns_suns ? remedy : "switched off");

@@ -33,6 +33,7 @@ struct StrataCounts {
     std::uint32_t of_world = 0;
     /// Per Scene::lights: what they give to the frame's scattered light, where that is known; else empty.
     std::vector<float> shares = {};
+    LeftLights left = {}; ///< Which get none.
 };
 [[nodiscard]] bool has_size(const Light& light);
 

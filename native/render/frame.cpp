@@ -212,6 +212,7 @@ private:
                                    .air = air_ ? &*air_ : nullptr,
                                    .pixel_samples = config_.pixel_samples,
                                    .seed = config_.seed,
+                                   .taken_samples = config_.taken_samples(),
                                    .emitters = &surfaces_.emitters(),
                                    .may_draw = !style_};
         config.shafts.keeps_groups_apart = groups_.has_value();

@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 #include "core/random.hpp"
 #include "light_shafts/shared_strata.hpp"
+#include "render/drawn_shafts.hpp"
 #include "render/pixel_footprint.hpp"
 #include "render/pixel_samples.hpp"
 #include <algorithm>
@@ -21,43 +22,39 @@ static std::span<const light_shafts::ViewRay> rays_to_prepare(const WaitingParts
     return all;
 }
 
-static DrawnShafts find_drawn(const Scene& scene, const Media& media, const Camera& camera,
-                              const FrameShafts::Config& config) {
+/// Never of few samples: those of a pixel have to average the draws.
+static light_shafts::Config with_limit(const Scene& scene, const Media& media, const Camera& camera,
+                                       const FrameShafts::Config& config) {
     constexpr std::uint32_t least_samples = 16;
-    if (!config.may_draw || config.pixel_samples < least_samples || config.wants_visibility ||
-        config.wants_lit_moments || config.air != nullptr)
-        return {};
-    return choose_drawn(scene, media, config.shafts,
-                        static_cast<double>(config.pixel_samples) * camera.width_px * camera.height_px);
-}
-
-static light_shafts::Config without(const DrawnShafts& drawn, light_shafts::Config config) {
-    config.leaves_lamps = drawn.lamps;
-    config.leaves_world = drawn.world;
-    return config;
+    light_shafts::Config shafts = config.shafts;
+    if (config.may_draw && config.pixel_samples >= least_samples && !config.wants_visibility &&
+        !config.wants_lit_moments && config.air == nullptr)
+        shafts.rows_limit = rows_limit(scene, media, shafts,
+                                       static_cast<double>(config.taken_samples) * camera.width_px * camera.height_px);
+    return shafts;
 }
 
 FrameShafts::FrameShafts(const Scene& scene, const Media& media, const Camera& camera, const Region& region,
                          const WaitingParts& waiting, const Config& config, Statistics& statistics, Progress& progress)
     : media_(media), camera_(camera), waiting_(waiting), region_(region), config_(config),
-      drawn_kinds_(find_drawn(scene, media, camera, config)),
       shafts_(scene, media, light_shafts::view_of(camera), rays_to_prepare(waiting, config.of_frame, config.air),
-              without(drawn_kinds_, config.shafts), progress) {
+              with_limit(scene, media, camera, config), progress) {
     statistics.append(shafts_.statistics());
     slots_.assign(shafts_.slots().begin(), shafts_.slots().end());
     if (config.emitters != nullptr)
         glow_.emplace(scene, media, *config.emitters, config.shafts.attenuates_light, statistics);
     if (glow_ && glow_->is_empty())
         glow_.reset();
-    for (const auto& [what, is_drawn] : {std::pair("lamps", drawn_kinds_.lamps), {"the world", drawn_kinds_.world}})
+    const light_shafts::LeftLights& left = shafts_.left();
+    for (const auto& [what, is_drawn] : {std::pair("lamps", left.lamps), {"the world", left.world}})
         if (is_drawn)
             statistics.skip(std::string("light shafts: rows of ") + what,
                             "draws for each sample take a small part of their time");
-    if (drawn_kinds_.is_any()) {
+    if (left.is_any()) {
         drawn_.emplace(scene, media, *config.emitters,
                        SentAir::Config{.attenuates_light = config.shafts.attenuates_light,
-                                       .world_scatters = drawn_kinds_.world,
-                                       .has_lamps = drawn_kinds_.lamps,
+                                       .world_scatters = left.world,
+                                       .has_lamps = left.lamps,
                                        .has_suns = false,
                                        .has_glow = false});
         if (drawn_->is_empty())
@@ -203,7 +200,7 @@ void FrameShafts::add_draws_of(std::size_t part, std::uint32_t number, std::uint
     if (line.is_empty())
         return;
     if (drawn_)
-        draw(DrawnShafts::draws, [&](std::uint32_t index) {
+        draw(shaft_draws, [&](std::uint32_t index) {
             drawn_->draw(line, {hash(seed, number, of_camera_rays), index, number}, found);
         });
     if (glow_)

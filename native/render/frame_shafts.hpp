@@ -3,7 +3,6 @@
 // neighbouring pixels share.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
-#include "render/drawn_shafts.hpp"
 #include "render/frame_air.hpp"
 #include "render/ray_parameters.hpp"
 #include "render/sent_air.hpp"
@@ -34,6 +33,7 @@ public:
         const WaitingParts* of_frame = nullptr;
         FrameAir* air = nullptr;                   ///< Whose texture the light gets; must outlive this. None: even air.
         std::uint32_t pixel_samples = 1, seed = 0; ///< As FrameConfig's.
+        std::uint32_t taken_samples = 1;           ///< Of these.
         const MeshEmitters* emitters = nullptr;    ///< What glows; must outlive this. None: nothing does.
         bool may_draw = false;                     ///< See drawn_shafts.hpp; needs emitters.
     };
@@ -89,7 +89,6 @@ private:
     const WaitingParts& waiting_;
     Region region_;
     Config config_;
-    DrawnShafts drawn_kinds_;
     light_shafts::Shafts shafts_;
     std::optional<FogGlow> glow_;  ///< Nothing: nothing that glows lights media.
     std::optional<SentAir> drawn_; ///< Nothing: all lights have rows.

@@ -13,6 +13,7 @@ from tyndall import Progress
 from tyndall.renderer import Film, RenderConfig, Session, ShaftConfig
 from tyndall.scene_description import (
     Light,
+    LightBody,
     LightKind,
     Material,
     Medium,
@@ -73,38 +74,63 @@ def is_drawn(film: Film, what: str) -> bool:
     return any(skipped["what"] == f"light shafts: rows of {what}" for skipped in film.statistics["skipped"])
 
 
-def test_three_hundred_lamps_light_the_air_in_the_mean_as_exact_rows_say() -> None:
-    drawn, rows = (rendered(stage(lamps(300)), config, (20, 12)) for config in (DRAWN, ROWS))
-    assert is_drawn(drawn, "lamps")
-    assert not is_drawn(rows, "lamps")
-    ours, truth = drawn.planes["Shafts"].astype(float), rows.planes["Shafts"].astype(float)
-    difference = (ours - truth).mean(axis=2) / truth.mean()
-    noise = difference.std() / np.sqrt(difference.size)
-    assert noise < 0.01
-    assert abs(difference.mean()) < 4.0 * noise + 2e-3
-
-
-def test_a_sky_over_many_triangles_lights_the_air_in_the_mean_as_exact_strata_say() -> None:
-    """A grid of 2 x 300 x 300 triangles far below, which nothing sees: rows would hold them all."""
-    side = np.linspace(-3.0, 3.0, 301, dtype=np.float32)
+def with_grid(scene: SceneDescription, cells: int) -> SceneDescription:
+    """And 2 x cells x cells triangles far below, which nothing sees: rows would hold them all."""
+    side = np.linspace(-3.0, 3.0, cells + 1, dtype=np.float32)
     x, y = np.meshgrid(side, side)
-    corner = (np.arange(300)[:, np.newaxis] * 301 + np.arange(300)).ravel()
-    quads = np.stack([corner, corner + 1, corner + 302, corner + 301], axis=1)
+    corner = (np.arange(cells)[:, np.newaxis] * (cells + 1) + np.arange(cells)).ravel()
+    quads = np.stack([corner, corner + 1, corner + cells + 2, corner + cells + 1], axis=1)
     floor = replace(
         square("floor"),
         positions=np.stack([x, y, np.full_like(x, -1.0)], axis=-1).reshape(-1, 3),
         triangles=quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3).astype(np.uint32),
         uv_maps=(),
     )
-    scene = stage(world=World(radiance=(0.5, 0.7, 1.0)))
-    heavy = replace(scene, instances=(*scene.instances, placed(floor, np.eye(4))))
-    drawn, rows = rendered(heavy, DRAWN), rendered(scene, ROWS)
-    assert is_drawn(drawn, "the world")
+    return replace(scene, instances=(*scene.instances, placed(floor, np.eye(4))))
+
+
+def assert_same_in_the_mean(drawn: Film, rows: Film) -> None:
     ours, truth = drawn.planes["Shafts"].astype(float), rows.planes["Shafts"].astype(float)
     difference = (ours - truth).mean(axis=2) / truth.mean()
     noise = difference.std() / np.sqrt(difference.size)
     assert noise < 0.01
     assert abs(difference.mean()) < 4.0 * noise + 2e-3
+
+
+def test_three_hundred_lamps_light_the_air_in_the_mean_as_exact_rows_say() -> None:
+    drawn, rows = (rendered(stage(lamps(300)), config, (20, 12)) for config in (DRAWN, ROWS))
+    assert is_drawn(drawn, "lamps")
+    assert not is_drawn(rows, "lamps")
+    assert_same_in_the_mean(drawn, rows)
+
+
+def test_a_sky_over_many_triangles_lights_the_air_in_the_mean_as_exact_strata_say() -> None:
+    scene = stage(world=World(radiance=(0.5, 0.7, 1.0)))
+    drawn, rows = rendered(with_grid(scene, 300), DRAWN), rendered(scene, ROWS)
+    assert is_drawn(drawn, "the world")
+    assert_same_in_the_mean(drawn, rows)
+
+
+# Seen to fail: with the limit asked of 16 strata alone, as it was before.
+def test_lamps_whose_penumbrae_ask_for_many_strata_are_drawn() -> None:
+    """How many their posts' shadows are worth, a pilot finds; 2 x 16 strata of so many triangles would be no matter."""
+    scene = stage(tuple(replace(lamp, radius_m=0.3, body=LightBody.FACING_DISC) for lamp in lamps(2)))
+    shafts = ShaftConfig(method="EPIPOLAR", light_samples=16384, error_target=1e-4, adapts_strata=True)
+    exact = replace(ROWS, shafts=replace(ROWS.shafts, light_samples=1024))
+    drawn, rows = rendered(with_grid(scene, 60), replace(DRAWN, shafts=shafts)), rendered(scene, exact)
+    assert is_drawn(drawn, "lamps")
+    assert_same_in_the_mean(drawn, rows)
+    usual = replace(shafts, light_samples=16)
+    assert not is_drawn(rendered(with_grid(scene, 60), replace(DRAWN, shafts=usual)), "lamps")
+
+
+# Seen to fail: with the rays of the whole picture.
+def test_a_part_of_a_pictures_samples_has_rows_only_where_they_pay_for_that_part() -> None:
+    """As a moment of motion blur."""
+    scene = with_grid(stage(tuple(replace(lamp, radius_m=0.3) for lamp in lamps(2))), 60)
+    shafts = replace(DRAWN.shafts, light_samples=16)
+    assert not is_drawn(rendered(scene, replace(DRAWN, shafts=shafts)), "lamps")
+    assert is_drawn(rendered(scene, replace(DRAWN, shafts=shafts, first_sample=5, sample_count=1)), "lamps")
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which lights' rows would take a picture longer than it wants to give: those of its lamps, or of the world, together.
+// Based on: the times of rows per triangle and of asking them per ray, measured in scenes of 400 to 3 million triangles.
+//           Counts alone decide, so that the same scene gives the same picture.
+// Differs:  a sun's rows, which stand for all of its light, are never left.
+#pragma once
+#include <limits>
+
+namespace tyndall {
+class Media;
+class Scene;
+} // namespace tyndall
+
+namespace tyndall::light_shafts {
+struct Config;       // light_shafts.hpp
+struct StrataCounts; // scattering_lights.hpp
+
+struct RowsLimit {
+    double most_s = std::numeric_limits<double>::infinity(); ///< Of a processor, for lamps and for the world each.
+    double ray_count = 0.0;                                  ///< Rays that ask the rows, in all passes.
+};
+/// Lights whose rows would take longer.
+struct LeftLights {
+    bool lamps = false, world = false;
+    [[nodiscard]] bool is_any() const { return lamps || world; }
+};
+/// By config.rows_limit, with so many samples of each light.
+[[nodiscard]] LeftLights find_left(const Scene& scene, const Media& media, const Config& config,
+                                   const StrataCounts& counts);
+} // namespace tyndall::light_shafts
