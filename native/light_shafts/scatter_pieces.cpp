@@ -25,7 +25,7 @@ Rgb scattered(const ScatterPiece& piece, float near_m, float far_m) {
 }
 
 DirectionalScatter::DirectionalScatter(const Media& media, const LightSample& light)
-    : media_(media), towards_light_(light.towards_light), irradiance_(light.strength), light_(light) {
+    : media_(media), irradiance_(light.strength), light_(light) {
     if (light.is_dimmed_by_media && media.fills_world()) {
         MediumSet world;
         world.insert(static_cast<std::uint16_t>(media.world_medium_index()));
@@ -148,7 +148,7 @@ void DirectionalScatter::append_pieces(const ViewRay& ray, std::span<const Mediu
         return;
     }
     LightSideSweep& sweep = begin_sweep(media_, ray, segments, light_);
-    const float cosine = glm::dot(ray.direction, towards_light_);
+    const float cosine = glm::dot(ray.direction, light_.towards_light);
     dvec3 camera_depth(0.0);
     for (const MediumSegment& segment : segments) {
         const Rgb source = irradiance_ * media_.scatter_per_m_sr(segment.set, cosine);
@@ -174,7 +174,7 @@ void DirectionalScatter::append_grid_pieces(const ViewRay& ray, std::span<const 
     reached.clear(), scatter_of_grid.clear();
     if (grid_depth_)
         grid_depth_->append_reached(ray.origin, ray.direction, steps.front().near_m, steps.back().far_m, reached);
-    const float cosine = glm::dot(ray.direction, towards_light_);
+    const float cosine = glm::dot(ray.direction, light_.towards_light);
     for (const PlacedGrid& placed : media_.grids().all())
         scatter_of_grid.push_back(placed.density_scale * media_.scatter_per_m_sr(placed.medium, cosine));
     dvec3 camera_depth(0.0);

@@ -55,7 +55,6 @@ public:
 
 private:
     const Media& media_;
-    vec3 towards_light_;
     Rgb irradiance_; ///< 0 in channels that the world's medium swallows.
     LightSample light_;
     bool is_black_;
