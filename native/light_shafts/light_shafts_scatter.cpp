@@ -98,6 +98,15 @@ void PreparedLights::add(const LightBeams& light, std::size_t stratum, Block& bl
         }
         add_pieces(light, beam, lit_length_m, block);
     }
+    if (!light.inside)
+        return;
+    const float share = 1.0f / static_cast<float>(light.stratum_count());
+    for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
+        const Rgb scattered = share * light.inside->along(media, block.rays[ray], block.segments_of(ray));
+        block.radiance[ray] += scattered;
+        if (!block.unshadowed.empty())
+            block.unshadowed[ray] += scattered;
+    }
 }
 
 void PreparedLights::add_pieces(const LightBeams& light, const Beam& beam, std::span<float> lit_length_m,

@@ -95,8 +95,11 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
     for (ScatteringLight& light : lights_to_prepare) {
         LightBeams beams{.light = light.index, .beams = {}, .parts = light.parts};
         if (light.index < scene.lights().size()) {
-            beams.lamp_position = scene.lights()[light.index].position;
-            beams.unlit_media = scene.lights()[light.index].unlit_media;
+            const Light& lamp = scene.lights()[light.index];
+            beams.lamp_position = lamp.position;
+            beams.unlit_media = lamp.unlit_media;
+            if (light.samples.size() > 1 && LampInside::shines_in(lamp))
+                beams.inside.emplace(lamp, config.attenuates_light && lamp.is_dimmed_by_media());
         }
         for (std::size_t index = 0; index < light.samples.size(); ++index) {
             progress.poll();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What Shafts keeps of a frame: its light samples, each with what casts their shadows; and how a block of rays asks them.
 #pragma once
+#include "light_shafts/lamp_inside.hpp"
 #include "light_shafts/light_shafts.hpp"
 #include "light_shafts/local_scatter.hpp"
 #include "light_shafts/media_ray.hpp"
@@ -40,6 +41,7 @@ struct LightBeams {
     vec3 lamp_position{0.0f};                             ///< Of its middle, if it is one.
     std::shared_ptr<const TextureRows> texture_rows = {}; ///< Of a sun with a picture across it.
     std::vector<UnlitMedium> unlit_media = {};            ///< Of the light.
+    std::optional<LampInside> inside = {};                ///< Of a lamp of several strata.
     std::size_t parts = 1; ///< Consecutive beams that make a stratum: they light different points.
     [[nodiscard]] std::size_t stratum_count() const { return beams.size() / parts; }
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/sent_air.hpp"
 #include "core/sampling.hpp"
+#include "light_shafts/lamp_inside.hpp"
 #include "render/glow_distances.hpp"
 #include "render/many_lights.hpp"
 #include "render/pixel_samples.hpp"
@@ -134,6 +135,8 @@ void SentAir::draw_lamp(const MediaLine& line, const FogGlow::Numbers& numbers,
     const vec3 point = line.origin() + distance.at_m * line.direction();
     if (!is_spot)
         sample = sample_light_towards(light, lamps_[chosen], u_place, point);
+    if (light_shafts::LampInside::shines_in(light))
+        light_shafts::LampInside::aim_within(light, point, u_place, sample);
     const vec3 way = sample.position - point;
     const float far_m = glm::length(way);
     if (sample.strength == Rgb(0.0f) || !(far_m > 0.0f))
