@@ -26,8 +26,6 @@ struct LightBounds {
     float power = 0.0f;      ///< Intensity in the best direction, W/sr: of several lights together.
     float back = 0.0f;       ///< The same around -axis, times this: [0, 1].
 };
-/// Around both.
-[[nodiscard]] LightBounds united(const LightBounds& a, const LightBounds& b);
 
 class LightTree {
 public:

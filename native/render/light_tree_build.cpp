@@ -1,179 +1,161 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How the lights of light_tree.hpp come into its nodes.
-// Based on: section 4.3 of the paper: the surface area orientation heuristic, equations 1 and 2, in bins; cones around
-//           cones, its algorithm 1.
+// Based on: section 4.3 of the paper: the surface area orientation heuristic, equation 2, in bins.
 // Differs:  a node's eight children come of seven splits, of that part each time which costs most.
+// Bound:    two passes over the lights for each level of the binary tree, one of them into 36 bins.
 #include "core/parallel.hpp"
+#include "render/light_cluster.hpp"
 #include "render/light_tree.hpp"
 #include <algorithm>
-#include <cmath>
-#include <numeric>
-#include <optional>
+#include <array>
 
 namespace tyndall::render {
 
-static float angle_between(const vec3& a, const vec3& b) {
-    return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
-}
-
-/// `b`'s axis may be turned round where its back shines as its front.
-static void unite_cones(LightBounds& result, const LightBounds& a, const LightBounds& b) {
-    const vec3 other = b.back == 1.0f && glm::dot(a.axis, b.axis) < 0.0f ? -b.axis : b.axis;
-    const float between = angle_between(a.axis, other);
-    if (std::min(between + b.spread_rad, pi) <= a.spread_rad) {
-        result.axis = a.axis;
-        result.spread_rad = a.spread_rad;
-    } else if (std::min(between + a.spread_rad, pi) <= b.spread_rad) {
-        result.axis = other;
-        result.spread_rad = b.spread_rad;
-    } else {
-        const float spread = 0.5f * (a.spread_rad + between + b.spread_rad);
-        const vec3 across = other - glm::dot(a.axis, other) * a.axis;
-        const float sine = glm::length(across);
-        if (spread >= pi || !(sine > 1e-6f)) {
-            result.axis = a.axis;
-            result.spread_rad = spread >= pi || between > 0.5f * pi ? pi : spread;
-        } else {
-            const float turn = spread - a.spread_rad;
-            result.axis = glm::normalize(std::cos(turn) * a.axis + std::sin(turn) / sine * across);
-            result.spread_rad = spread;
-        }
-    }
-}
-
-LightBounds united(const LightBounds& a, const LightBounds& b) {
-    if (!(a.power > 0.0f))
-        return b;
-    if (!(b.power > 0.0f))
-        return a;
-    LightBounds result = a;
-    result.box.grow(b.box);
-    result.reach_rad = std::max(a.reach_rad, b.reach_rad);
-    result.power = a.power + b.power;
-    result.back = std::max(a.back, b.back);
-    if (a.back == 1.0f && b.back != 1.0f)
-        unite_cones(result, b, a);
-    else
-        unite_cones(result, a, b);
-    return result;
-}
-
 namespace {
-/// Equation 1 of the paper, up to a factor: what a part costs. `least_m` keeps lights without a size apart.
-float cost_of(const LightBounds& bounds, float least_m) {
-    if (!(bounds.power > 0.0f))
-        return 0.0f;
-    const vec3 size = bounds.box.max - bounds.box.min + vec3(least_m);
-    const float area = size.x * size.y + size.y * size.z + size.z * size.x;
-    const float spread = bounds.spread_rad, widest = std::min(spread + bounds.reach_rad, pi);
-    const float directions = 2.0f * pi * (1.0f - std::cos(spread)) +
-                             0.5f * pi *
-                                 (2.0f * widest * std::sin(spread) - std::cos(spread - 2.0f * widest) -
-                                  2.0f * spread * std::sin(spread) + std::cos(spread));
-    return bounds.power * area * std::max(directions, 0.1f) * (1.0f + bounds.back);
-}
-
 struct Part {
     std::span<std::uint32_t> members;
-    LightBounds bounds;
+    LightCluster bounds;
+    Bounds3 centres; ///< Of their boxes.
     float cost;
 };
 
-/// united(), light after light. Most lie in the cone of those before them: a cosine says so, without an angle.
-class Union {
-public:
-    void add(const LightBounds& light) {
-        if (!(bounds_.power > 0.0f)) {
-            bounds_ = light;
-            cos_spread_ = std::cos(light.spread_rad);
-        } else if (light.spread_rad == 0.0f && light.power > 0.0f && contains(light)) {
-            bounds_.box.grow(light.box);
-            bounds_.reach_rad = std::max(bounds_.reach_rad, light.reach_rad);
-            bounds_.power += light.power;
-            bounds_.back = std::max(bounds_.back, light.back);
-        } else {
-            bounds_ = united(bounds_, light);
-            cos_spread_ = std::cos(bounds_.spread_rad);
-        }
+constexpr std::size_t bin_count = 12;
+/// Of each axis.
+struct Bins {
+    std::array<std::array<LightCluster, bin_count>, 3> of_axis;
+
+    Bins& operator+=(const Bins& other) {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            for (std::size_t bin = 0; bin < bin_count; ++bin)
+                of_axis[axis][bin].add(other.of_axis[axis][bin]);
+        return *this;
     }
-    [[nodiscard]] const LightBounds& bounds() const { return bounds_; }
+};
+
+/// Between which bins, and what lies on either side.
+struct Split {
+    int axis = -1; ///< Below 0: they stand in one place.
+    std::size_t end_bin = 0;
+    LightCluster low, high;
+};
+
+class Splitter {
+public:
+    explicit Splitter(std::span<const LightBounds> lights) : lights_(lights) {}
+
+    /// A part whose size is the measure of what lies in it.
+    [[nodiscard]] Part whole(std::span<std::uint32_t> members) {
+        Part part = part_of(members);
+        least_m_ = 1e-3f * part.bounds.box.diagonal_m();
+        return part;
+    }
+
+    /// Narrower than cones around the cones of bins.
+    [[nodiscard]] LightCluster bounds_of(std::span<const std::uint32_t> members) const {
+        LightCluster bounds;
+        for (const std::uint32_t member : members)
+            bounds.add(LightCluster(lights_[member]));
+        return bounds;
+    }
+
+    [[nodiscard]] std::pair<Part, Part> halves_of(const Part& part) {
+        if (part.members.size() == 2)
+            return {part_of(part.members.first(1)), part_of(part.members.last(1))};
+        const Split split = best_split(part);
+        if (split.axis < 0) {
+            const std::size_t half = part.members.size() / 2;
+            return {part_of(part.members.first(half)), part_of(part.members.subspan(half))};
+        }
+        Part low{.members = {}, .bounds = split.low, .centres = {}, .cost = split.low.cost(least_m_)};
+        Part high{.members = {}, .bounds = split.high, .centres = {}, .cost = split.high.cost(least_m_)};
+        std::size_t low_count = 0;
+        above_.clear();
+        for (const std::uint32_t member : part.members) {
+            const vec3 centre = lights_[member].box.centre();
+            if (bin_of(part, split.axis, centre) < split.end_bin) {
+                low.centres.grow(centre);
+                part.members[low_count++] = member;
+            } else {
+                high.centres.grow(centre);
+                above_.push_back(member);
+            }
+        }
+        low.members = part.members.first(low_count);
+        high.members = part.members.subspan(low_count);
+        std::ranges::copy(above_, high.members.begin());
+        return {low, high};
+    }
 
 private:
-    /// Rounding leaves those out that lie at the cone's border: united() takes them.
-    [[nodiscard]] bool contains(const LightBounds& light) const {
-        constexpr float rounding = 1e-6f;
-        if (bounds_.spread_rad >= pi)
-            return true;
-        const float cosine = glm::dot(bounds_.axis, light.axis);
-        return (std::max(bounds_.back, light.back) == 1.0f ? std::abs(cosine) : cosine) > cos_spread_ + rounding;
+    [[nodiscard]] Part part_of(std::span<std::uint32_t> members) const {
+        Part part{.members = members, .bounds = bounds_of(members), .centres = {}, .cost = 0.0f};
+        for (const std::uint32_t member : members)
+            part.centres.grow(lights_[member].box.centre());
+        part.cost = part.bounds.cost(least_m_);
+        return part;
     }
-    LightBounds bounds_;
-    float cos_spread_ = 1.0f;
+
+    [[nodiscard]] static std::size_t bin_of(const Part& part, int axis, const vec3& centre) {
+        const float place = (centre[axis] - part.centres.min[axis]) / (part.centres.max[axis] - part.centres.min[axis]);
+        return std::min(static_cast<std::size_t>(place * bin_count), bin_count - 1);
+    }
+
+    /// Where the two sides cost least together: equation 2, with the factor for thin parts.
+    [[nodiscard]] Split best_split(const Part& part) const {
+        const vec3 size = part.centres.max - part.centres.min;
+        const float longest = std::max({size.x, size.y, size.z});
+        std::array<bool, 3> is_wide{};
+        for (int axis = 0; axis < 3; ++axis)
+            is_wide[static_cast<std::size_t>(axis)] = size[axis] > 1e-6f * longest && size[axis] > 0.0f;
+        const auto bins_of = [&](std::size_t begin, std::size_t end) {
+            Bins bins;
+            for (const std::uint32_t member : part.members.subspan(begin, end - begin)) {
+                const LightCluster light(lights_[member]);
+                const vec3 centre = light.box.centre();
+                for (int axis = 0; axis < 3; ++axis)
+                    if (is_wide[static_cast<std::size_t>(axis)])
+                        bins.of_axis[static_cast<std::size_t>(axis)][bin_of(part, axis, centre)].add(light);
+            }
+            return bins;
+        };
+        constexpr std::size_t block = 16384;
+        const std::size_t count = part.members.size();
+        const Bins bins = count <= block ? bins_of(0, count) : parallel_sum(count, block, Bins{}, Progress{}, bins_of);
+        Split best;
+        float least_cost = 0.0f;
+        for (int axis = 0; axis < 3; ++axis) {
+            if (!is_wide[static_cast<std::size_t>(axis)])
+                continue;
+            const std::array<LightCluster, bin_count>& of_axis = bins.of_axis[static_cast<std::size_t>(axis)];
+            std::array<LightCluster, bin_count> above; // that bin and all beyond
+            above.back() = of_axis.back();
+            for (std::size_t bin = bin_count - 1; bin-- > 1;) {
+                above[bin] = above[bin + 1];
+                above[bin].add(of_axis[bin]);
+            }
+            LightCluster below;
+            for (std::size_t bin = 0; bin + 1 < bin_count; ++bin) {
+                if (of_axis[bin].is_empty()) // a split here costs what that before it did
+                    continue;
+                below.add(of_axis[bin]);
+                if (above[bin + 1].is_empty())
+                    break;
+                const float cost = (below.cost(least_m_) + above[bin + 1].cost(least_m_)) * longest / size[axis];
+                if (best.axis >= 0 && least_cost <= cost)
+                    continue;
+                best = {axis, bin + 1, below, above[bin + 1]};
+                least_cost = cost;
+            }
+        }
+        return best;
+    }
+
+    std::span<const LightBounds> lights_;
+    float least_m_ = 0.0f;
+    std::vector<std::uint32_t> above_; ///< While a part is split.
 };
 
-Part part_of(std::span<const LightBounds> lights, std::span<std::uint32_t> members, float least_m) {
-    Union all;
-    for (const std::uint32_t member : members)
-        all.add(lights[member]);
-    return {members, all.bounds(), cost_of(all.bounds(), least_m)};
-}
-
-struct Split {
-    int axis;
-    float at_m, cost;
-};
-
-/// Where the two sides cost least together: equation 2, with the factor for thin parts.
-std::optional<Split> best_split(std::span<const LightBounds> lights, const Part& part, float least_m) {
-    constexpr std::size_t bin_count = 12;
-    Bounds3 centres;
-    for (const std::uint32_t member : part.members)
-        centres.grow(lights[member].box.centre());
-    const vec3 size = centres.max - centres.min;
-    const float longest = std::max({size.x, size.y, size.z});
-    std::optional<Split> best;
-    for (int axis = 0; axis < 3; ++axis) {
-        if (!(size[axis] > 1e-6f * longest) || !(size[axis] > 0.0f))
-            continue;
-        std::array<Union, bin_count> bins{};
-        for (const std::uint32_t member : part.members) {
-            const float place = (lights[member].box.centre()[axis] - centres.min[axis]) / size[axis];
-            bins[std::min(static_cast<std::size_t>(place * bin_count), bin_count - 1)].add(lights[member]);
-        }
-        const auto is_empty = [&](std::size_t bin) { return !(bins[bin].bounds().power > 0.0f); };
-        std::array<float, bin_count> above{};
-        LightBounds side;
-        for (std::size_t bin = bin_count - 1; bin > 0; --bin) {
-            side = united(side, bins[bin].bounds());
-            above[bin] = !is_empty(bin) ? cost_of(side, least_m) : bin + 1 < bin_count ? above[bin + 1] : 0.0f;
-        }
-        side = {};
-        for (std::size_t bin = 0; bin + 1 < bin_count; ++bin) {
-            if (is_empty(bin)) // a split here costs what that before it did
-                continue;
-            side = united(side, bins[bin].bounds());
-            const float cost = (cost_of(side, least_m) + above[bin + 1]) * longest / size[axis];
-            if (!(above[bin + 1] > 0.0f) || (best && best->cost <= cost))
-                continue;
-            best = {axis, centres.min[axis] + size[axis] * static_cast<float>(bin + 1) / bin_count, cost};
-        }
-    }
-    return best;
-}
-
-std::pair<Part, Part> halves_of(std::span<const LightBounds> lights, const Part& part, float least_m) {
-    auto middle = part.members.begin();
-    if (const std::optional<Split> split = best_split(lights, part, least_m))
-        middle = std::stable_partition(middle, part.members.end(), [&](std::uint32_t member) {
-            return lights[member].box.centre()[split->axis] < split->at_m;
-        });
-    auto count = static_cast<std::size_t>(middle - part.members.begin());
-    if (count == 0 || count == part.members.size())
-        count = part.members.size() / 2; // they stand in one place
-    return {part_of(lights, part.members.first(count), least_m), part_of(lights, part.members.subspan(count), least_m)};
-}
-
-void put(const LightBounds& bounds, LightTree::Node& node, std::size_t slot) {
+void put(const LightCluster& bounds, LightTree::Node& node, std::size_t slot) {
     const vec3 centre = bounds.box.centre();
     const float radius_m = 0.5f * bounds.box.diagonal_m();
     node.x[slot] = centre.x, node.y[slot] = centre.y, node.z[slot] = centre.z;
@@ -181,9 +163,9 @@ void put(const LightBounds& bounds, LightTree::Node& node, std::size_t slot) {
     // Rounding of a light without a size that touches the point must not hide all others for good.
     node.floor2[slot] = std::max(node.radius2[slot], 1e-12f * (1.0f + glm::dot(centre, centre)));
     node.axis_x[slot] = bounds.axis.x, node.axis_y[slot] = bounds.axis.y, node.axis_z[slot] = bounds.axis.z;
-    node.cos_spread[slot] = std::cos(bounds.spread_rad);
-    node.sin_spread[slot] = bounds.spread_rad >= pi ? 0.0f : std::sin(bounds.spread_rad);
-    node.cos_reach[slot] = std::max(0.0f, std::cos(bounds.reach_rad));
+    node.cos_spread[slot] = bounds.cos_spread;
+    node.sin_spread[slot] = bounds.sin_spread;
+    node.cos_reach[slot] = std::max(0.0f, bounds.cos_reach);
     node.power[slot] = bounds.power;
     node.back[slot] = bounds.back;
 }
@@ -194,23 +176,20 @@ std::uint32_t LightTree::grow(std::span<const LightBounds> lights, std::span<std
     const auto index = static_cast<std::uint32_t>(branch.nodes.size());
     branch.nodes.emplace_back();
     branch.place_of_node.emplace_back();
-    Bounds3 all;
-    for (const std::uint32_t member : members)
-        all.grow(lights[member].box);
-    const float least_m = 1e-3f * all.diagonal_m();
-    std::vector<Part> parts{part_of(lights, members, least_m)};
+    Splitter splitter(lights);
+    std::vector<Part> parts{splitter.whole(members)};
     while (parts.size() < width) {
         const auto costliest = std::ranges::max_element(
             parts, {}, [](const Part& part) { return part.members.size() > 1 ? part.cost : -1.0f; });
         if (costliest->members.size() < 2)
             break;
-        auto [low, high] = halves_of(lights, *costliest, least_m);
+        auto [low, high] = splitter.halves_of(*costliest);
         *costliest = low;
         parts.push_back(high);
     }
     for (std::uint32_t slot = 0; slot < parts.size(); ++slot) {
         const Part& part = parts[slot];
-        put(part.bounds, branch.nodes[index], slot);
+        put(splitter.bounds_of(part.members), branch.nodes[index], slot);
         const Place here{index, slot};
         if (part.members.size() == 1) {
             branch.nodes[index].child[slot] = part.members.front() | is_light;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/mesh_emitters.hpp"
+#include "core/parallel.hpp"
 #include "core/sobol.hpp"
 #include "shading/surface_program.hpp"
 #include <algorithm>
@@ -122,13 +123,15 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
     std::map<const Material*, Sum> sums;
     const auto place_count =
         static_cast<std::uint32_t>(std::clamp<std::size_t>(65536 / (triangles_.size() + 1), 2, 64));
-    for (std::size_t index = 0; index < triangles_.size(); ++index) {
+    parallel_for(triangles_.size(), Progress{}, [&](std::size_t index) {
         EmissiveTriangle& triangle = triangles_[index];
         triangle.radiance = triangle.is_constant ? average(constant_emission(*materials[index]))
                                                  : mean_radiance(scene, triangle, place_count);
+    });
+    for (std::size_t index = 0; index < triangles_.size(); ++index) {
         Sum& sum = sums[materials[index]];
-        sum.radiance_m2 += triangle.radiance * triangle.area_m2;
-        sum.area_m2 += triangle.area_m2;
+        sum.radiance_m2 += triangles_[index].radiance * triangles_[index].area_m2;
+        sum.area_m2 += triangles_[index].area_m2;
     }
     for (std::size_t index = 0; index < triangles_.size(); ++index)
         if (const auto& [radiance_m2, area_m2] = sums[materials[index]]; !triangles_[index].is_constant)

