@@ -101,6 +101,7 @@ def check(scene: bpy.types.Scene, name: str) -> None:
 COSTLY = ("points", "area", "sky", "glow")
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.costly) if name in COSTLY else name for name in LIGHTS]
 )

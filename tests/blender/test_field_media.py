@@ -135,6 +135,7 @@ def test_a_glow_whose_colour_varies_is_that_colour_times_the_way_through_it(
     assert tyndall_pixels(scene)[12] == pytest.approx(closed_form, rel=1e-3)
 
 
+@pytest.mark.dealt
 def test_both_colours_of_a_principled_volume_may_vary() -> None:
     """By Beer's law, before a wall: of a box 3 m wide and 2 m deep."""
 

@@ -87,6 +87,7 @@ def share_of_fine_detail(shafts: NDArray[np.float64], depth: NDArray[np.float64]
     return rms(fine) / rms(coarse)
 
 
+@pytest.mark.dealt
 def test_filled_holes_calm_the_light_of_a_palms_crown(gallery: Gallery) -> None:
     gallery.make("palm_tree")
     calm, busy = (share_of_fine_detail(*gallery.shafts(name)) for name in ("palm_tree", "palm_tree_before"))
@@ -145,6 +146,7 @@ def test_a_citadels_shafts_reach_the_colours_that_were_painted_over_three_camera
         assert rms(white[is_painted] - wanted) > 0.4 * size
 
 
+@pytest.mark.dealt
 def test_paint_gives_back_the_light_behind_a_skeleton_and_leaves_the_wisps_below_it(gallery: Gallery) -> None:
     gallery.make("skeleton_hall")
     painted, textured, even = (

@@ -128,6 +128,7 @@ def test_a_missing_image_is_magenta_as_in_cycles() -> None:
 
 
 # --- in the air ------------------------------------------------------------------------------------------------------
+@pytest.mark.dealt
 @pytest.mark.parametrize(
     ("light_name", "place", "is_soft"),
     [

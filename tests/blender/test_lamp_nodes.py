@@ -164,6 +164,7 @@ def test_a_pattern_colours_the_fog(kind: str, name: str) -> None:
     assert_air_like_cycles(f"nodes {kind} {name}", make, make, methods=("EXACT", "EPIPOLAR"))
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("kind", ["spot", pytest.param("point", marks=pytest.mark.long)])
 def test_shadow_maps_and_rows_show_the_same_pattern(kind: str) -> None:
     build(Arrangement(light=kind))
@@ -292,6 +293,7 @@ def test_lamps_of_one_tree_may_differ_by_what_their_objects_are(kind: str, name:
         np.testing.assert_allclose(again["Other"], 2.0 * lights["Other"], rtol=1e-6)
 
 
+@pytest.mark.dealt
 def test_lamps_that_are_drawn_from_a_tree_show_their_patterns() -> None:
     """More than 32 of them, in one place, are one."""
     lamp = stage("SPOT")

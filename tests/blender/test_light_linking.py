@@ -153,6 +153,7 @@ def shafts_by(scene: bpy.types.Scene, method: str) -> Picture:
     return rendered_pixels(scene)
 
 
+@pytest.mark.dealt
 def test_blockers_shape_shafts_and_fog_is_a_receiver_as_in_cycles(stage: bpy.types.Scene) -> None:
     """Two boxes of one fog: the lamp lights one of them; a sun lights both."""
     first = add_fog("Lit", 1.55)

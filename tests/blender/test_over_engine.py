@@ -154,6 +154,7 @@ def test_it_is_our_own_render_where_a_pixel_sees_one_depth(hall: bpy.types.Scene
     assert np.abs(composite - own).max() < 1e-6
 
 
+@pytest.mark.dealt
 def test_where_a_pixel_mixes_depths_the_error_is_their_covariance(hall: bpy.types.Scene) -> None:
     """Of a pixel over radiances L and transmittances T, mean(L) mean(T) stands for mean(L T)."""
     set_up(hall)
@@ -176,6 +177,7 @@ def test_where_a_pixel_mixes_depths_the_error_is_their_covariance(hall: bpy.type
     assert np.median(np.abs(difference)) < 1e-6, "most pixels see one depth"
 
 
+@pytest.mark.dealt
 def test_over_a_blurred_picture_the_air_blurs_too(hall: bpy.types.Scene) -> None:
     """The camera moves while Cycles' shutter is open: the error is at most what the air changes by in that time.
 

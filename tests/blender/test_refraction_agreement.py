@@ -165,6 +165,7 @@ def test_a_ball_and_a_block_show_the_room_as_in_cycles(name: str) -> None:
     assert_same_picture(glass_room(ball("Ball", made_of)))
 
 
+@pytest.mark.dealt
 def test_ink_in_glass_absorbs_along_the_bent_way() -> None:
     """A block that absorbs, behind a sheet of one face that leads into it all."""
     empty_scene(SIZE_PX)

@@ -66,6 +66,7 @@ def test_the_disc_is_seen_as_cycles_draws_it(model: str) -> None:
     assert close.mean() > 0.98
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("model", MODELS)
 def test_the_sun_of_a_sky_is_one_light_and_an_object_may_stand_for_it(model: str) -> None:
     """It is not lit twice: without its disc the sky has no such light, and an object takes its place."""

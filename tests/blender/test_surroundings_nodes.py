@@ -112,6 +112,7 @@ _BEVELS = {
 
 
 # Seen to fail: with rays spread evenly, with only_local asked in the world, with rays that transparent things let pass.
+@pytest.mark.dealt
 def test_occlusion_is_that_of_cycles() -> None:
     scene = scene_of_cells(_OCCLUSION)
     scene.world.light_settings.distance = 0.7
@@ -134,6 +135,7 @@ def test_one_ray_is_as_noisy_as_that_of_cycles() -> None:
 
 
 # Seen to fail: with probes along the normal alone, with axes turned otherwise, with weights of the balance heuristic.
+@pytest.mark.dealt
 def test_bevels_are_those_of_cycles() -> None:
     off = {}
     for name, (cycles, ours) in pictures(scene_of_cells(_BEVELS), _BEVELS, samples=64).items():

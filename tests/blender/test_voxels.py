@@ -380,6 +380,7 @@ def test_what_cannot_be_done_is_said_and_nothing_is_left(saved: bpy.types.Scene,
     assert len(bpy.data.objects) == things
 
 
+@pytest.mark.dealt
 def test_what_is_beyond_the_memory_is_made_in_parts(saved: bpy.types.Scene, tmp_path: Path) -> None:
     """The same file, byte for byte; the parts are gone. A solid is refused, with what would fit."""
     settings = saved.tyndall.voxelize
