@@ -15,6 +15,29 @@ static void validate(const Config& config) {
     require_in(static_cast<float>(config.world_samples), 0.0f, 65536.0f, "world_samples");
 }
 
+/// Besides those that `left` names.
+static LeftLights leave_costly(const Scene& scene, const Media& media, const Config& config, LeftLights left,
+                               std::vector<ScatteringLight>& lights) {
+    const auto is_world = [&](const ScatteringLight& light) { return light.index == scene.lights().size(); };
+    const auto is_lamp = [&](const ScatteringLight& light) {
+        return !is_world(light) && scene.lights()[light.index].kind != LightKind::Sun;
+    };
+    RowsCounts counts;
+    for (const ScatteringLight& light : lights) {
+        if (is_world(light))
+            counts.world_samples += light.samples.size();
+        if (is_lamp(light))
+            counts.lamps += 1, counts.lamp_samples += light.samples.size();
+    }
+    const LeftLights costly = find_left(scene, media, config, counts);
+    std::erase_if(lights, [&](const ScatteringLight& light) {
+        return (costly.lamps && is_lamp(light)) || (costly.world && is_world(light));
+    });
+    left.lamps |= costly.lamps;
+    left.world |= costly.world;
+    return left;
+}
+
 Shafts::~Shafts() = default;
 bool Shafts::is_empty() const { return prepared_->lights.empty(); }
 std::span<const std::uint8_t> Shafts::slots() const { return prepared_->slots; }
@@ -44,8 +67,8 @@ Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::sp
         return;
     }
     const StrataCounts counts = count_strata(scene, media, view, clipped, config, progress);
-    left_ = counts.left;
     std::vector<ScatteringLight> lights = find_scattering_lights(scene, media, config, counts, statistics);
+    left_ = leave_costly(scene, media, config, counts.left, lights);
     if (lights.empty() && !left_.is_any())
         statistics.skip("light shafts", "no light scatters in a medium");
     if (!lights.empty())

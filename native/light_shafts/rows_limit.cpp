@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/rows_limit.hpp"
-#include "light_shafts/scattering_lights.hpp"
+#include "light_shafts/light_shafts.hpp"
 
 namespace tyndall::light_shafts {
 static constexpr double row_s_per_triangle = 7e-8; // of a light sample's rows
@@ -14,15 +14,13 @@ static double occluding_triangles(const SceneDescription& description) {
     return count;
 }
 
-LeftLights find_left(const Scene& scene, const Media& media, const Config& config, const StrataCounts& counts) {
+LeftLights find_left(const Scene& scene, const Media& media, const Config& config, const RowsCounts& counts) {
     const RowsLimit& limit = config.rows_limit;
     const double s_per_sample = occluding_triangles(scene.description()) * row_s_per_triangle;
-    double lamps_s = 0.0;
-    for (std::size_t index = 0; index < scene.lights().size(); ++index)
-        if (const Light& light = scene.lights()[index];
-            light.kind != LightKind::Sun && light.scatters_in_media && light.strength != Rgb(0.0f))
-            lamps_s += counts.of_light[index] * s_per_sample + row_s_per_ray * limit.ray_count;
-    const bool has_world = !scene.world().is_black() && !(config.attenuates_light && media.fills_world());
-    return {.lamps = lamps_s > limit.most_s, .world = has_world && counts.of_world * s_per_sample > limit.most_s};
+    const double lamps_s = static_cast<double>(counts.lamp_samples) * s_per_sample +
+                           static_cast<double>(counts.lamps) * row_s_per_ray * limit.ray_count;
+    const bool is_swallowed = config.attenuates_light && media.fills_world();
+    return {.lamps = lamps_s > limit.most_s,
+            .world = !is_swallowed && static_cast<double>(counts.world_samples) * s_per_sample > limit.most_s};
 }
 } // namespace tyndall::light_shafts

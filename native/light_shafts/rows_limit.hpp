@@ -4,6 +4,7 @@
 //           Counts alone decide, so that the same scene gives the same picture.
 // Differs:  a sun's rows, which stand for all of its light, are never left.
 #pragma once
+#include <cstddef>
 #include <limits>
 
 namespace tyndall {
@@ -12,8 +13,7 @@ class Scene;
 } // namespace tyndall
 
 namespace tyndall::light_shafts {
-struct Config;       // light_shafts.hpp
-struct StrataCounts; // scattering_lights.hpp
+struct Config; // light_shafts.hpp
 
 struct RowsLimit {
     double most_s = std::numeric_limits<double>::infinity(); ///< Of a processor, for lamps and for the world each.
@@ -24,7 +24,11 @@ struct LeftLights {
     bool lamps = false, world = false;
     [[nodiscard]] bool is_any() const { return lamps || world; }
 };
-/// By config.rows_limit, with so many samples of each light.
+/// Light samples with rows of their own.
+struct RowsCounts {
+    std::size_t lamps = 0, lamp_samples = 0, world_samples = 0;
+};
+/// By config.rows_limit.
 [[nodiscard]] LeftLights find_left(const Scene& scene, const Media& media, const Config& config,
-                                   const StrataCounts& counts);
+                                   const RowsCounts& counts);
 } // namespace tyndall::light_shafts

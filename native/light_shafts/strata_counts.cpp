@@ -48,17 +48,22 @@ StrataCounts count_strata(const Scene& scene, const Media& media, const View& vi
     constexpr std::uint32_t pilot_strata = 4, pilot_directions = 16;
     constexpr std::uint32_t usual_times = 4; // as many: where these are too many, so is the pilot
     constexpr std::size_t pilot_rays = 256;
-    StrataCounts most, few, usual;
+    StrataCounts most, few;
+    RowsCounts usual;
     for (const Light& light : scene.lights()) {
         most.of_light.push_back(has_size(light) ? config.light_samples : 1);
         few.of_light.push_back(std::min(most.of_light.back(), pilot_strata));
-        usual.of_light.push_back(std::min(most.of_light.back(), usual_times * pilot_strata));
+        if (light.kind != LightKind::Sun && light.scatters_in_media && light.strength != Rgb(0.0f)) {
+            usual.lamps += 1;
+            usual.lamp_samples += std::min(most.of_light.back(), usual_times * pilot_strata);
+        }
     }
     most.of_world = config.world_samples;
     few.of_world = std::min(config.world_samples, pilot_directions);
-    usual.of_world = std::min(config.world_samples, usual_times * pilot_directions);
+    if (!scene.world().is_black())
+        usual.world_samples = std::min(config.world_samples, usual_times * pilot_directions);
     const bool has_pilot = config.adapts_strata && (most.of_light != few.of_light || most.of_world != few.of_world);
-    few.left = most.left = find_left(scene, media, config, has_pilot ? usual : most);
+    few.left = most.left = find_left(scene, media, config, usual);
     if (!has_pilot)
         return most;
 
@@ -102,8 +107,6 @@ StrataCounts count_strata(const Scene& scene, const Media& media, const View& vi
         count = std::max(count,
                          strata_for_error(deviations[index], error, is_world ? most.of_world : most.of_light[light]));
     }
-    const LeftLights left = find_left(scene, media, config, counts);
-    counts.left = {.lamps = few.left.lamps || left.lamps, .world = few.left.world || left.world};
     return counts;
 }
 } // namespace tyndall::light_shafts
