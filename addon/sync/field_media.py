@@ -57,6 +57,7 @@ class FieldReader(ValueReader):
         self.values: dict[tuple[Term, int], float] = {}  #: Of those that are not 0.
         self.asked: dict[tuple[Term, int], None] = {}  #: What varies, and its channel, in their order.
         self._at_points = at_points
+        self.property_of = at_points.property_of
 
     @property
     def varying(self) -> Program:
@@ -103,7 +104,8 @@ def with_fields(found: list[tuple[Placement, Instances]], materials: MaterialRea
     """Objects in which a volume varies."""
     drawn = []
     for placement, group in found:
-        fields = [field for material in dict.fromkeys(placement.materials) for field in materials.fields(material)]
+        used = dict.fromkeys(placement.materials)
+        fields = [field for material in used for field in materials.fields(material, placement)]
         if fields:
             drawn.append((placement, group.mesh, fields))
     return drawn

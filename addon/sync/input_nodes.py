@@ -82,15 +82,31 @@ def _attribute(reader: ValueReader, at: Socket) -> Value:
     """Of meshes all that corners, points or faces have, of voxels all that they carry."""
     node = at.node
     is_colour_node = node.type == "VERTEX_COLOR"
-    if reader.domain is not Domain.SURFACE or not (is_colour_node or node.attribute_type == "GEOMETRY"):
-        reader.unsupported(at, "is not supported here: read as mid grey")
-        return MID_GREY
+    if not (is_colour_node or node.attribute_type == "GEOMETRY"):
+        return _property(reader, at)
+    if reader.domain is not Domain.SURFACE:
+        return _unknown_attribute(reader, at, "is not supported here:")
     name = node.layer_name if is_colour_node else node.attribute_name
     if not name and not is_colour_node:
         # No mesh has it, and all are opaque; the colour that is rendered goes by no name with Color Attribute alone.
         return WHITE if at.socket.identifier == "Alpha" else BLACK
     value = reader.program.attribute(name, alpha=at.socket.identifier == "Alpha")
     return reader.program.average(value) if at.socket.identifier == "Fac" else value
+
+
+def _property(reader: ValueReader, at: Socket) -> Value:
+    rgba = reader.property_of(at.node.attribute_type, at.node.attribute_name)
+    if rgba is None:
+        is_of_other = at.node.attribute_type == "INSTANCER"
+        return _unknown_attribute(reader, at, "of an instancer is" if is_of_other else "is not supported here:")
+    if at.socket.identifier == "Alpha":
+        return grey(rgba[3])
+    return reader.program.average(rgba[:3]) if at.socket.identifier == "Fac" else rgba[:3]
+
+
+def _unknown_attribute(reader: ValueReader, at: Socket, what: str) -> Value:
+    reader.unsupported(at, f"{what} read as mid grey")
+    return MID_GREY
 
 
 def _uv_map(reader: ValueReader, at: Socket) -> Value:

@@ -28,8 +28,10 @@ if TYPE_CHECKING:
 
     from tyndall.scene_description import Mesh
 
+    from .asked_properties import PropertyReader, Rgba
     from .field_media import DensityField
     from .images import ImageReader
+    from .instances import Placement
     from .node_graph import Socket
     from .seen_camera import SeenCamera
 
@@ -63,6 +65,7 @@ class MaterialReader:
         self.aovs: Mapping[str, bool] = {}
         #: Of Ambient Occlusion nodes without a distance; None: surfaces stand alone, and no node traces rays.
         self.occlusion_reach_m: float | None = None
+        self.properties: PropertyReader | None = None  #: None: surfaces are on no object whose own are known.
         #: Of each material, by name: roughness, metallic and reflectance, the diffuse part of a program of which the
         #: transparent part is their weight; and emission, the diffuse part.
         self.channels: list[dict[str, Material]] = []
@@ -75,22 +78,43 @@ class MaterialReader:
         self._with_channels = with_channels
         self._has_lobes = has_lobes
         self._camera = camera
-        self._index_of: dict[bpy.types.Material | None, int] = {}
+        self._placement: Placement | None = None  #: Whose material is read.
+        self._asked: dict[bpy.types.Material | None, dict[tuple[str, str], None]] = {}  #: Of objects.
+        self._index_of: dict[tuple[bpy.types.Material | None, tuple[Rgba | None, ...]], int] = {}
         self._fields: dict[int, list[tuple[DensityField, int]]] = {}
 
-    def index(self, material: bpy.types.Material | None) -> int:
-        """None is an empty slot: Blender's default, which is grey and diffuse before 5.0."""
+    def index(self, material: bpy.types.Material | None, placement: Placement | None = None) -> int:
+        """None is an empty slot: Blender's default, which is grey and diffuse before 5.0.
+
+        What its nodes ask of the object is that of ``placement``: of others it may be another material.
+        """
         material = self.shader_of(material)
-        if material not in self._index_of:
-            self._index_of[material] = len(self.materials)
+        self._placement = placement
+        key = material, self._told(material)
+        if key not in self._index_of:
+            index = len(self.materials)
             self.channels.append({})
             read = self._with_displacement(self._read(material), material)
             self.materials.append(self._with_aovs(read, material))
-        return self._index_of[material]
+            key = material, self._told(material)  # what it asks is known now
+            self._index_of[key] = index
+        return self._index_of[key]
 
-    def fields(self, material: bpy.types.Material | None) -> list[tuple[DensityField, int]]:
+    def indices(self, placement: Placement) -> list[int]:
+        """One per slot."""
+        return [self.index(material, placement) for material in placement.materials]
+
+    def _told(self, material: bpy.types.Material | None) -> tuple[Rgba | None, ...]:
+        return tuple(self._property_of(*asked) for asked in self._asked.get(material, ()))
+
+    def _property_of(self, kind: str, name: str) -> Rgba | None:
+        if self.properties is None or self._placement is None:
+            return None
+        return self.properties.read(kind, name, self._placement)
+
+    def fields(self, material: bpy.types.Material | None, placement: Placement) -> list[tuple[DensityField, int]]:
         """What varies in its volume, and the media that this multiplies."""
-        return self._fields.get(self.index(material), [])
+        return self._fields.get(self.index(material, placement), [])
 
     def add_medium(self, medium: Medium | None) -> int:
         if medium is None:
@@ -193,6 +217,13 @@ class MaterialReader:
         reader.misses_surroundings = self.occlusion_reach_m is None
         of_cycles = getattr(material, "cycles", None)  # where its add-on is on
         reader.corrects_bumps = getattr(of_cycles, "use_bump_map_correction", True)
+        asked = self._asked.setdefault(material, {})
+
+        def property_of(kind: str, name: str) -> Rgba | None:
+            asked[kind, name] = None
+            return self._property_of(kind, name)
+
+        reader.property_of = property_of
         return reader
 
 

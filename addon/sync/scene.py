@@ -15,6 +15,7 @@ import bpy
 from tyndall.emitter_programs import EmitterPictures
 from tyndall.scene_description import ALL_SETS, Instances, Light, Mesh, SceneDescription
 
+from .asked_properties import PropertyReader
 from .displaced_meshes import DisplacedMeshes
 from .field_media import FieldVolumes, with_fields
 from .images import ImageReader, images_of
@@ -140,9 +141,9 @@ class SceneReader:
             camera=seen_camera(depsgraph),
         )
         materials.occlusion_reach_m = occlusion_reach_m(depsgraph.scene_eval)
+        materials.properties = PropertyReader(depsgraph)
         materials.aovs = {aov.name: aov.type == "COLOR" for aov in layer.aovs if aov.is_valid and not is_viewport}
-        drawn_things = [placement for placement in placements if placement.data is not None]
-        meshes, voxels = without_and_with_voxels(drawn_things)
+        meshes, voxels = without_and_with_voxels([placement for placement in placements if placement.data is not None])
         voxel_objects = self._voxels.read(voxels, materials, reports, poll)
         strand_objects = self._strands.read(strands, depsgraph, materials, reports, poll)
         media = LinkedMedia(materials)
@@ -160,7 +161,7 @@ class SceneReader:
         world_group = "" if shown_world is None else shown_world.lightgroup
         sky_suns = tuple(replace(sun.light(), light_group=world_group) for sun in found.suns)
         poll()
-        drawn = frozenset(placement.object_name for placement in (*drawn_things, *strands))
+        drawn = frozenset(placement.object_name for placement in (*meshes, *voxels, *strands))
         world = replace(found.world, medium=materials.add_medium(found.medium), light_group=world_group)
         read_volumes = self._volumes.read(volumes, materials, self._images, reports, poll)
         of_all_but_lights = Reports()
@@ -279,8 +280,8 @@ class SceneReader:
         try:
             for placement in placements:
                 poll()
-                read_by = {materials.index(material) for material in placement.materials}
-                asked = asked_of_meshes(materials.materials[index] for index in read_by)
+                slots = [materials.materials[index] for index in materials.indices(placement)]
+                asked = asked_of_meshes(slots)
                 key = placement.data.as_pointer(), asked
                 if key not in seen:
                     seen[key] = self._live.get(key) or (
@@ -296,7 +297,6 @@ class SceneReader:
                     else:
                         lone[name] = len(groups)
                     met.add(name)
-                    slots = [materials.materials[materials.index(one)] for one in placement.materials]
                     drawn = self._displaced.moved(mesh, slots, placement, reports)
                     group = _group(placement, drawn, materials, media)
                     groups.append((placement, group))
@@ -347,7 +347,7 @@ def _group(placement: Placement, mesh: Mesh, materials: MaterialReader, media: L
         mesh=mesh,
         world_from_object=placement.world_from_object(),
         object_names=(placement.object_name,) * len(placement.matrices),
-        materials=tuple(media.material_in(materials.index(material), receiver_set) for material in placement.materials),
+        materials=tuple(media.material_in(index, receiver_set) for index in materials.indices(placement)),
         is_camera_visible=placement.is_camera_visible,
         casts_shadow=placement.casts_shadow,
         is_bounce_visible=placement.is_bounce_visible,

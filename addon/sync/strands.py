@@ -73,7 +73,7 @@ class StrandReader:
         for placement in placements:
             poll()
             note_unread(placement, reports)
-            material = materials.index(placement.materials[_slot_of(placement)])
+            material = materials.index(placement.materials[_slot_of(placement)], placement)
             asked = frozenset(uv_maps_of(materials.materials[material]))
             key = (placement.data.as_pointer(), placement.hair, form, pieces, asked)
             if key not in live:

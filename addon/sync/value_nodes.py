@@ -32,6 +32,7 @@ from .shader_limits import ShaderCount
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from .asked_properties import Rgba
     from .images import ImageReader
     from .node_graph import Socket
     from .reports import Reports
@@ -67,6 +68,8 @@ class ValueReader:
         self.occlusion_reach_m: float | None = None
         self.misses_surroundings = False  #: A render would trace them.
         self.tells_particles = False  #: What is read knows which particle its instance is.
+        #: Of an attribute type and a name: what the object has, or its view layer; None: that is not known.
+        self.property_of: Callable[[str, str], Rgba | None] = lambda _kind, _name: None
 
     @property
     def varying(self) -> Program:

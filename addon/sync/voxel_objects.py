@@ -79,7 +79,7 @@ class VoxelReader:
 
 
 def _group(placement: Placement, dag: VoxelDag, materials: MaterialReader, reports: Reports) -> VoxelObjects:
-    material = materials.index(placement.materials[0])
+    material = materials.index(placement.materials[0], placement)
     if materials.materials[material].medium >= 0:
         reports.add(f'Object "{placement.object_name}"', "voxels bound no medium: its material's volume is left out")
     for what in what_is_missing(materials.materials[material].uv_maps, ()):
