@@ -16,6 +16,8 @@ static double occluding_triangles(const SceneDescription& description) {
 
 LeftLights find_left(const Scene& scene, const Media& media, const Config& config, const RowsCounts& counts) {
     const RowsLimit& limit = config.rows_limit;
+    if (limit.most_s == std::numeric_limits<double>::infinity())
+        return {};
     const double s_per_sample = occluding_triangles(scene.description()) * row_s_per_triangle;
     const double lamps_s = static_cast<double>(counts.lamp_samples) * s_per_sample +
                            static_cast<double>(counts.lamps) * row_s_per_ray * limit.ray_count;

@@ -10,7 +10,6 @@
 #include <array>
 
 namespace tyndall::render {
-
 namespace {
 struct Part {
     std::span<std::uint32_t> members;
