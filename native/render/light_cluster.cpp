@@ -3,18 +3,6 @@
 #include <cmath>
 
 namespace tyndall::render {
-LightCluster::LightCluster(const LightBounds& light)
-    : box(light.box), axis(light.axis), reach_rad(light.reach_rad), power(light.power), back(light.back) {
-    if (light.spread_rad >= pi)
-        shine_everywhere();
-    else if (light.spread_rad > 0.0f)
-        cos_spread = std::cos(light.spread_rad), sin_spread = std::sin(light.spread_rad);
-    if (reach_rad == 0.5f * pi)
-        cos_reach = 0.0f, sin_reach = 1.0f;
-    else if (reach_rad > 0.0f)
-        cos_reach = std::cos(reach_rad), sin_reach = std::sin(reach_rad);
-}
-
 void LightCluster::add(const LightCluster& other) {
     if (other.is_empty())
         return;
@@ -47,6 +35,8 @@ void LightCluster::widen(const vec3& other_axis, float other_cos, float other_si
     if (cos_spread == -1.0f)
         return;
     const float cosine = glm::dot(axis, other_axis);
+    if (other_cos == 1.0f && cosine > cos_spread + 1e-6f) // most lights have one direction, and lie within
+        return;
     const vec3 across = other_axis - cosine * axis;
     const float sine = glm::length(across);
     // How far the other's rim is from this axis, and this one's from the other's: of angles in [0, 2 pi].

@@ -2,9 +2,10 @@
 // Bounds of several lights while a light tree grows: united millions of times, and asked for what they cost.
 // Based on: Conty Estevez and Kulla, HPG 2018, section 4.3, equation 1, and cones around cones, algorithm 1.
 // Differs:  a cone is the cosine and sine of its half angle: sums of angles are products of these, half of one is a root.
-// Bound:    0.2 times the time of the same with angles.
+// Bound:    a tree of a million lights takes 0.4 to 0.7 of its time with angles.
 #pragma once
 #include "render/light_tree.hpp"
+#include <cmath>
 
 namespace tyndall::render {
 struct LightCluster {
@@ -15,7 +16,17 @@ struct LightCluster {
     float power = 0.0f, back = 0.0f; ///< No power: nothing.
 
     LightCluster() = default;
-    explicit LightCluster(const LightBounds& light);
+    explicit LightCluster(const LightBounds& light)
+        : box(light.box), axis(light.axis), reach_rad(light.reach_rad), power(light.power), back(light.back) {
+        if (light.spread_rad >= pi)
+            shine_everywhere();
+        else if (light.spread_rad > 0.0f)
+            cos_spread = std::cos(light.spread_rad), sin_spread = std::sin(light.spread_rad);
+        if (reach_rad == 0.5f * pi) // what glows on a surface
+            cos_reach = 0.0f, sin_reach = 1.0f;
+        else if (reach_rad > 0.0f)
+            cos_reach = std::cos(reach_rad), sin_reach = std::sin(reach_rad);
+    }
     [[nodiscard]] bool is_empty() const { return !(power > 0.0f); }
     void add(const LightCluster& other);
     /// Equation 1, up to a factor. `least_m` keeps lights without a size apart.
