@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 import tyndall.blender
 from report import Row, argument_parser, row, write_report
 
+sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
 from support.cycles_reference import prepare_cycles, rendered_pixels
 from support.small_scenes import cube, empty_scene, light, material, node, plane
