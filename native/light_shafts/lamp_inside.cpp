@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/lamp_inside.hpp"
 #include "core/sampling.hpp"
+#include "light_shafts/scatter_pieces.hpp"
 #include <cmath>
 
 namespace tyndall::light_shafts {
@@ -17,15 +18,6 @@ void LampInside::aim_within(const Light& light, const vec3& point, vec2 u, Light
     const float middle_m = glm::dot(way, direction), far_m = middle_m + std::sqrt(middle_m * middle_m + within2);
     sample.position = point + far_m * direction;
     sample.strength = light.strength * (4.0f * far_m * far_m / (light.radius_m * light.radius_m));
-}
-
-/// Integral of exp(-sigma_t * x) over [0, length].
-static Rgb passing_length_m(const Rgb& sigma_t_per_m, float length_m) {
-    Rgb sum(length_m);
-    for (int channel = 0; channel < 3; ++channel)
-        if (const float depth = sigma_t_per_m[channel] * length_m; depth > 1e-4f)
-            sum[channel] = -std::expm1(-depth) / sigma_t_per_m[channel];
-    return sum;
 }
 
 Rgb LampInside::along(const Media& media, const ViewRay& ray, std::span<const MediumSegment> segments) const {
@@ -47,9 +39,12 @@ Rgb LampInside::along(const Media& media, const ViewRay& ray, std::span<const Me
             // From a point to the sphere it is one radius in the centre, and half of that on the sphere, in the mean.
             const vec3 from_centre = beside + (middle_m - 0.5f * (begin_m + end_m)) * ray.direction;
             const float mean_m = radius_m_ - 0.5f * glm::dot(from_centre, from_centre) / radius_m_;
-            const Rgb arriving = is_dimmed_ ? radiance_ * glm::exp(-sigma_t * mean_m) : radiance_;
-            sum += glm::exp(-depth - sigma_t * (begin_m - segment.near_m)) * arriving *
-                   media.sigma_s_per_m(segment.set) * passing_length_m(sigma_t, end_m - begin_m);
+            const ScatterPiece piece{.near_m = segment.near_m,
+                                     .far_m = segment.far_m,
+                                     .source_per_m = media.sigma_s_per_m(segment.set) * radiance_,
+                                     .depth_at_near = depth + (is_dimmed_ ? sigma_t * mean_m : Rgb(0.0f)),
+                                     .depth_per_m = sigma_t};
+            sum += scattered(piece, begin_m, end_m);
         }
         depth += sigma_t * (std::min(segment.far_m, far_m) - segment.near_m);
     }

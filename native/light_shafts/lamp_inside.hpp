@@ -3,7 +3,7 @@
 // Based on: Cycles, whose spherical point lights shine inwards as they do outwards.
 // Differs:  a phase function integrates to 1, so that the air scatters the surface's radiance whatever its lobes: a closed
 //           form along the ray. The strata of local_scatter.hpp are the light outside.
-// Bound:    a chord per ray and stratum. Left out: what stands in the lamp, density grids, spots and pictures.
+// Bound:    a chord per ray and turn. Left out: what stands in the lamp, density grids, spots and pictures.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
 

@@ -98,9 +98,12 @@ void PreparedLights::add(const LightBeams& light, std::size_t stratum, Block& bl
         }
         add_pieces(light, beam, lit_length_m, block);
     }
+}
+
+void PreparedLights::add_inside(const LightBeams& light, std::size_t strata, Block& block) const {
     if (!light.inside)
         return;
-    const float share = 1.0f / static_cast<float>(light.stratum_count());
+    const float share = static_cast<float>(strata) / static_cast<float>(light.stratum_count());
     for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
         const Rgb scattered = share * light.inside->along(media, block.rays[ray], block.segments_of(ray));
         block.radiance[ray] += scattered;
@@ -127,6 +130,7 @@ void PreparedLights::add(const LightBeams& light, const Turn& turn, Block& block
     swap_unlit(light.unlit_media, block);
     for (std::size_t index = mine.first; index < mine.last; ++index)
         add(light, spread(index, light.stratum_count()), block);
+    add_inside(light, mine.last - mine.first, block);
     swap_unlit(light.unlit_media, block);
     const float share = visibility_share(light) * mine.weight / static_cast<float>(light.stratum_count());
     const auto most = static_cast<float>(mine.last - mine.first);

@@ -97,6 +97,8 @@ struct PreparedLights {
     }
     void gather(std::span<const ViewRay> rays, std::span<const std::uint32_t> order, Block& block) const;
     void add(const LightBeams& light, std::size_t stratum, Block& block) const;
+    /// Of so many strata of the light, what LampInside says.
+    void add_inside(const LightBeams& light, std::size_t strata, Block& block) const;
     void add(const LightBeams& light, const Turn& turn, Block& block) const;
     /// Where there are density grids.
     void add_in_grids(const LightBeams& light, const Beam& beam, std::span<float> lit_length_m, Block& block) const;

@@ -29,6 +29,7 @@ static double variance_of(const PreparedLights& pilot, const LightBeams& light, 
         block.radiance.assign(ray_count, Rgb(0.0f));
         block.lit_length_m.assign(ray_count, 0.0f);
         pilot.add(light, stratum, block);
+        pilot.add_inside(light, 1, block);
         for (std::size_t ray = 0; ray < ray_count; ++ray) {
             const double value = strata * mean(block.radiance[ray]);
             sum[ray] += value;

@@ -70,12 +70,8 @@ def thing() -> bpy.types.Object:
     kinds += [("INSTANCER", name) for name in ("share", "four")]
     made = strip("Strip", [shown(kind, name, output) for kind, name in kinds for output in OUTPUTS])
     made["share"], made["count"], made["flag"], made["with space"], made["text"] = 0.25, 3, True, 0.75, "x"
-    made["two"], made["three"], made["four"], made["five"] = (
-        (0.5, 0.6),
-        (0.1, 0.2, 0.3),
-        (0.1, 0.2, 0.3, 0.4),
-        [0.1] * 5,
-    )
+    made["two"], made["three"], made["four"] = (0.5, 0.6), (0.1, 0.2, 0.3), (0.1, 0.2, 0.3, 0.4)
+    made["five"] = [0.1] * 5
     made["counts"], made["pass_index"] = (1, 2, 3), 0.33  # before the object's own
     made.data["of_data"], made.color, made.pass_index = 0.125, (0.2, 0.4, 0.6, 0.8), 7
     scene["of_scene"], scene.world["of_world"], bpy.context.view_layer["of_layer"] = 0.3, 0.6, 0.9
