@@ -6,6 +6,7 @@
 #include "light_shafts/map_cache.hpp"
 #include "render/asked_rays.hpp"
 #include "render/frame.hpp"
+#include "render/kept_light_trees.hpp"
 #include "render/kept_surfaces.hpp"
 #include "render/matte_id.hpp"
 #include "render/styled_shafts.hpp"
@@ -136,7 +137,8 @@ make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px
             const light_shafts::Config& shafts, std::vector<transfer_functions::WeightedFunction> functions,
             std::optional<std::uint32_t> reference_light, std::optional<Heterogeneity> heterogeneity,
             const render::IndirectConfig& indirect,
-            const std::optional<std::shared_ptr<render::KeptSurfaces>>& kept_surfaces, bool adapts_shadow_rays,
+            const std::optional<std::shared_ptr<render::KeptSurfaces>>& kept_surfaces,
+            const std::shared_ptr<render::KeptLightTrees>& kept_light_trees, bool adapts_shadow_rays,
             bool lights_take_turns, bool keeps_unstyled, std::uint32_t seed, int thread_count, bool is_tile,
             std::uint32_t first_sample, std::uint32_t sample_count) {
     render::FrameConfig config{.pixel_samples = pixel_samples,
@@ -158,6 +160,7 @@ make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px
                                .heterogeneity = std::move(heterogeneity),
                                .indirect = indirect,
                                .kept_surfaces = kept_surfaces.value_or(nullptr),
+                               .kept_light_trees = kept_light_trees,
                                .adapts_shadow_rays = adapts_shadow_rays,
                                .lights_take_turns = lights_take_turns,
                                .keeps_unstyled = keeps_unstyled,
@@ -250,6 +253,11 @@ void bind_render(py::module_& native) {
         "What camera rays met, kept from picture to picture, in at most so many bytes. For one thread at a time.")
         .def(py::init<std::size_t>(), "capacity_bytes"_a)
         .def_property_readonly("bytes", &render::KeptSurfaces::bytes);
+    py::class_<render::KeptLightTrees, std::shared_ptr<render::KeptLightTrees>>(
+        native, "KeptLightTrees",
+        "Trees of lights, kept from picture to picture, in at most so many bytes. For one thread at a time.")
+        .def(py::init<std::size_t>(), "capacity_bytes"_a)
+        .def_property_readonly("bytes", &render::KeptLightTrees::bytes);
     py::class_<light_shafts::Config>(native, "ShaftConfig")
         .def(py::init(&make_shafts), "method"_a, "error_target"_a, "resolution"_a, "light_samples"_a, "world_samples"_a,
              "attenuates_light"_a, "adapts_strata"_a, "shares_strata"_a, "grid_method"_a, "grid_error_target"_a,
@@ -269,8 +277,8 @@ void bind_render(py::module_& native) {
         .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "noise_threshold"_a,
              "region_px"_a, "voxel_detail_px"_a, "film_transparent"_a, "passes"_a, "data"_a, "light_groups"_a,
              "shafts"_a, "transfer_functions"_a, "reference_light"_a, "heterogeneity"_a, "indirect"_a,
-             "kept_surfaces"_a, "adapts_shadow_rays"_a, "lights_take_turns"_a, "keeps_unstyled"_a, "seed"_a,
-             "thread_count"_a, "is_tile"_a, "first_sample"_a = 0, "sample_count"_a = 0);
+             "kept_surfaces"_a, "kept_light_trees"_a, "adapts_shadow_rays"_a, "lights_take_turns"_a, "keeps_unstyled"_a,
+             "seed"_a, "thread_count"_a, "is_tile"_a, "first_sample"_a = 0, "sample_count"_a = 0);
     py::class_<render::UnstyledFilm, std::shared_ptr<render::UnstyledFilm>>(native, "UnstyledFilm");
     native.def(
         "render", &render_film, "scene"_a, "camera"_a, "config"_a, "progress"_a, "on_update"_a = py::none(),

@@ -47,6 +47,7 @@ struct Bounds3 {
         return {(index & 1) != 0 ? max.x : min.x, (index & 2) != 0 ? max.y : min.y, (index & 4) != 0 ? max.z : min.z};
     }
     [[nodiscard]] float diagonal_m() const { return is_empty() ? 0.0f : glm::length(max - min); }
+    [[nodiscard]] bool operator==(const Bounds3&) const = default;
 };
 
 /// Two unit vectors that complete the unit vector `axis` to a right-handed frame (tangent, bitangent, axis).

@@ -18,9 +18,10 @@
 namespace tyndall::render {
 using light_shafts::SurfaceShadows;
 
-DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& statistics, const IndirectConfig& indirect)
-    : scene_(scene), media_(media), emitters_(std::make_shared<const MeshEmitters>(scene)),
-      has_media_(!media.is_empty()), has_world_light_(!scene.world().is_black()), world_reach_m_(indirect.reach_m()) {
+DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& statistics, const IndirectConfig& indirect,
+                         KeptLightTrees* kept)
+    : scene_(scene), media_(media), emitters_(emitters_of(scene, kept)), has_media_(!media.is_empty()),
+      has_world_light_(!scene.world().is_black()), world_reach_m_(indirect.reach_m()) {
     for (std::uint32_t index = 0; index < scene.lights().size(); ++index) {
         const Light& light = scene.lights()[index];
         if (!light.lights_surfaces || light.strength == Rgb(0.0f))
@@ -43,8 +44,11 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
                 drawn.push_back(aimed.index);
         std::erase_if(lights_, is_drawn);
     }
-    if (auto many = std::make_unique<const ManyLights>(scene, std::move(drawn), emitters_); !many->is_empty())
-        many_ = std::move(many);
+    if (!drawn.empty() || !emitters_->triangles().empty()) {
+        const StageTimer timer(statistics, "light tree");
+        if (auto many = std::make_unique<const ManyLights>(scene, std::move(drawn), emitters_, kept); !many->is_empty())
+            many_ = std::move(many);
+    }
     report_glow(statistics, indirect);
     if (has_world_light_ && media.fills_world())
         statistics.report("World \"" + scene.world().name() +

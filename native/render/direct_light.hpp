@@ -37,7 +37,8 @@ public:
 
     /// Reports to `statistics` what cannot light anything. Both references must outlive this. The world's
     /// light is stopped within the reach of `indirect`.
-    DirectLight(const Scene& scene, const Media& media, Statistics& statistics, const IndirectConfig& indirect = {});
+    DirectLight(const Scene& scene, const Media& media, Statistics& statistics, const IndirectConfig& indirect = {},
+                KeptLightTrees* kept = nullptr);
 
     /// For those lights that `is_asked`: what the edits of their occluders put before surfaces. Once per light; without
     /// it, at() and add_one() know nothing of such edits. Throws Cancelled.

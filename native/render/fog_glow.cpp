@@ -15,7 +15,7 @@ static constexpr int most_panes = 16;
 static bool scatters(const Medium& medium) { return medium.sigma_s_per_m() != Rgb(0.0f); }
 
 FogGlow::FogGlow(const Scene& scene, const Media& media, const MeshEmitters& emitters, bool attenuates_light,
-                 Statistics& statistics)
+                 Statistics& statistics, KeptLightTrees* kept)
     : scene_(scene), media_(media), emitters_(emitters), attenuates_light_(attenuates_light) {
     const SceneDescription& description = scene.description();
     if (emitters.triangles().empty() || media.is_empty() || std::ranges::none_of(description.media, scatters))
@@ -33,10 +33,11 @@ FogGlow::FogGlow(const Scene& scene, const Media& media, const MeshEmitters& emi
                               "\": light linking does not reach density grids: it lights them all");
         }
     }
-    tree_ = LightTree(bounds);
-    if (!is_empty())
-        statistics.count("glow in fog: triangles", static_cast<double>(std::ranges::count_if(
-                                                       bounds, [](const LightBounds& one) { return one.power > 0; })));
+    const auto count = std::ranges::count_if(bounds, [](const LightBounds& one) { return one.power > 0.0f; });
+    if (count == 0)
+        return;
+    tree_ = tree_of(std::move(bounds), kept);
+    statistics.count("glow in fog: triangles", static_cast<double>(count));
 }
 
 std::vector<std::uint8_t> FogGlow::light_groups() const {
@@ -89,7 +90,7 @@ void FogGlow::draw(const MediaLine& line, const Numbers& numbers, std::vector<Fo
 void FogGlow::draw_triangle(const MediaLine& line, const Numbers& numbers, const PhaseDirections* directions,
                             std::vector<Found>& found) const {
     const vec2 along = pair_of(numbers, 0);
-    const auto [index, probability] = tree_.choose_along(tree_line(line), along.x);
+    const auto [index, probability] = tree_->choose_along(tree_line(line), along.x);
     if (index == LightTree::none)
         return;
     const EmissiveTriangle& triangle = emitters_.triangles()[index];
@@ -137,7 +138,7 @@ Rgb FogGlow::met(const MediaLine& line, const PhaseDirections& directions, const
     if (passing == Rgb(0.0f))
         return passing;
     const float by_triangle =
-        tree_.probability_along(index, tree_line(line)) *
+        tree_->probability_along(index, tree_line(line)) *
         GlowDistances(line, triangle, attenuates_light_ ? &media_ : nullptr).density_per_m(*drawn.piece, drawn.at_m) *
         triangle_pdf_per_sr(triangle.corners, point, point + hit.distance_m * drawn.direction);
     return power_share(density, by_triangle) * arriving * passing;

@@ -13,8 +13,8 @@
 //           of n draws falls with 1 / sqrt(n). 60 bytes a triangle beside those of mesh_emitters.hpp.
 #pragma once
 #include "core/statistics.hpp"
+#include "render/kept_light_trees.hpp"
 #include "render/media_line.hpp"
-#include "render/mesh_emitters.hpp"
 #include "render/phase_directions.hpp"
 
 namespace tyndall::render {
@@ -29,10 +29,10 @@ public:
     static constexpr std::uint32_t most_draws = 4;
     /// The references must outlive this. Reports what is not followed.
     FogGlow(const Scene& scene, const Media& media, const MeshEmitters& emitters, bool attenuates_light,
-            Statistics& statistics);
+            Statistics& statistics, KeptLightTrees* kept = nullptr);
 
     /// Nothing glows that lights media, or no medium scatters.
-    [[nodiscard]] bool is_empty() const { return tree_.is_empty(); }
+    [[nodiscard]] bool is_empty() const { return tree_ == nullptr; }
     /// Of what glows, each once; see LightLinks.
     [[nodiscard]] std::vector<std::uint8_t> light_groups() const;
 
@@ -92,7 +92,7 @@ private:
     const Scene& scene_;
     const Media& media_;
     const MeshEmitters& emitters_;
-    LightTree tree_; ///< Of those of its triangles that light media.
+    std::shared_ptr<const LightTree> tree_; ///< Of those of its triangles that light media; none: nothing does.
     bool attenuates_light_, draws_directions_ = false;
     std::uint32_t draw_count_ = 1;
 };

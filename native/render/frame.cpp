@@ -214,6 +214,7 @@ private:
                                    .seed = config_.seed,
                                    .taken_samples = config_.taken_samples(),
                                    .emitters = &surfaces_.emitters(),
+                                   .kept_light_trees = config_.kept_light_trees.get(),
                                    .may_draw = !style_};
         config.shafts.keeps_groups_apart = groups_.has_value();
         if (style_)

@@ -16,7 +16,8 @@
 #include <optional>
 
 namespace tyndall::render {
-class KeptSurfaces; // kept_surfaces.hpp
+class KeptLightTrees; // kept_light_trees.hpp
+class KeptSurfaces;   // kept_surfaces.hpp
 
 struct FrameConfig {
     std::uint32_t pixel_samples = 16; ///< [1, 65536]; 1: the pixel's centre, unfiltered.
@@ -51,6 +52,7 @@ struct FrameConfig {
     IndirectConfig indirect = {};
     /// What camera rays met in other frames; nothing: none of it is kept.
     std::shared_ptr<KeptSurfaces> kept_surfaces = {};
+    std::shared_ptr<KeptLightTrees> kept_light_trees = {}; ///< Of other frames; nothing: they grow for this one.
     /// A pilot finds how many shadow rays each light is worth at a surface point; false: one.
     bool adapts_shadow_rays = true;
     /// It may find lights that are not worth a ray at every sample: they are asked at every second or fourth alone. What is

@@ -42,7 +42,8 @@ FrameShafts::FrameShafts(const Scene& scene, const Media& media, const Camera& c
     statistics.append(shafts_.statistics());
     slots_.assign(shafts_.slots().begin(), shafts_.slots().end());
     if (config.emitters != nullptr)
-        glow_.emplace(scene, media, *config.emitters, config.shafts.attenuates_light, statistics);
+        glow_.emplace(scene, media, *config.emitters, config.shafts.attenuates_light, statistics,
+                      config.kept_light_trees);
     if (glow_ && glow_->is_empty())
         glow_.reset();
     const light_shafts::LeftLights& left = shafts_.left();
@@ -56,7 +57,8 @@ FrameShafts::FrameShafts(const Scene& scene, const Media& media, const Camera& c
                                        .world_scatters = left.world,
                                        .has_lamps = left.lamps,
                                        .has_suns = false,
-                                       .has_glow = false});
+                                       .has_glow = false},
+                       config.kept_light_trees);
         if (drawn_->is_empty())
             drawn_.reset();
         else

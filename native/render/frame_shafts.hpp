@@ -35,7 +35,8 @@ public:
         std::uint32_t pixel_samples = 1, seed = 0; ///< As FrameConfig's.
         std::uint32_t taken_samples = 1;           ///< Of these.
         const MeshEmitters* emitters = nullptr;    ///< What glows; must outlive this. None: nothing does.
-        bool may_draw = false;                     ///< See drawn_shafts.hpp; needs emitters.
+        KeptLightTrees* kept_light_trees = nullptr;
+        bool may_draw = false; ///< See drawn_shafts.hpp; needs emitters.
     };
     /// For the parts of the first pass. The references must outlive this; `waiting` may change between passes. Throws
     /// InvalidInput and Cancelled.

@@ -11,7 +11,7 @@ FrameSurfaces::FrameSurfaces(const Scene& scene, const Media& media, const Camer
                              const FrameConfig& config, Statistics& statistics, Progress& progress)
     : scene_(scene), media_(media), camera_(camera), region_(region), config_(config), statistics_(statistics),
       progress_(progress), filter_(config.pixel_filter, config.filter_width_px),
-      light_(scene, media, statistics, config.indirect),
+      light_(scene, media, statistics, config.indirect, config.kept_light_trees.get()),
       indirect_(scene, media, light_, config.indirect, config.passes.has(Pass::AmbientOcclusion)) {
     if (config.indirect.has_ambient_occlusion && !light_.has_world())
         statistics.skip("ambient occlusion", "the world is black");
@@ -20,7 +20,8 @@ FrameSurfaces::FrameSurfaces(const Scene& scene, const Media& media, const Camer
     follows_mirrors_ = find_mirrors();
     if (follows_mirrors_ && !media.is_empty()) {
         sent_air_.emplace(scene, media, light_.emitters(),
-                          SentAir::Config{config.shafts.attenuates_light, config.shafts.world_samples > 0});
+                          SentAir::Config{config.shafts.attenuates_light, config.shafts.world_samples > 0},
+                          config.kept_light_trees.get());
         if (sent_air_->is_empty())
             sent_air_.reset();
     }

@@ -3,13 +3,11 @@
 #include <cmath>
 
 namespace tyndall::render {
-void LightCluster::add(const LightCluster& other) {
+LightCluster& LightCluster::operator+=(const LightCluster& other) {
     if (other.is_empty())
-        return;
-    if (is_empty()) {
-        *this = other;
-        return;
-    }
+        return *this;
+    if (is_empty())
+        return *this = other;
     box.grow(other.box);
     power += other.power;
     if (other.reach_rad > reach_rad)
@@ -24,6 +22,7 @@ void LightCluster::add(const LightCluster& other) {
         widen(other.axis, other.cos_spread, other.sin_spread);
     }
     back = std::max(back, other.back);
+    return *this;
 }
 
 /// Of an angle in [0, 2 pi] and one in [0, pi]. Sines tell small angles apart, cosines those that differ by pi.

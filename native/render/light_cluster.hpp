@@ -28,7 +28,8 @@ struct LightCluster {
             cos_reach = std::cos(reach_rad), sin_reach = std::sin(reach_rad);
     }
     [[nodiscard]] bool is_empty() const { return !(power > 0.0f); }
-    void add(const LightCluster& other);
+    /// What surrounds both.
+    LightCluster& operator+=(const LightCluster& other);
     /// Equation 1, up to a factor. `least_m` keeps lights without a size apart.
     [[nodiscard]] float cost(float least_m) const;
 

@@ -25,6 +25,7 @@ struct LightBounds {
     float reach_rad = 0.0f;  ///< [0, pi / 2]
     float power = 0.0f;      ///< Intensity in the best direction, W/sr: of several lights together.
     float back = 0.0f;       ///< The same around -axis, times this: [0, 1].
+    [[nodiscard]] bool operator==(const LightBounds&) const = default;
 };
 
 class LightTree {
@@ -53,6 +54,9 @@ public:
     /// With which choose() returns that light.
     [[nodiscard]] float probability(std::uint32_t light, const vec3& point, const vec3& normal) const;
     [[nodiscard]] bool is_empty() const { return nodes_.empty(); }
+    [[nodiscard]] std::size_t bytes() const {
+        return nodes_.size() * (sizeof(Node) + sizeof(Place)) + place_of_light_.size() * sizeof(Place);
+    }
 
     static constexpr std::size_t width = 8;
     using Row = std::array<float, width>;
@@ -93,20 +97,7 @@ private:
     struct Place {
         std::uint32_t node = none, slot = 0;
     };
-    /// A part of the tree: its nodes are counted from its own first one.
-    struct Branch {
-        std::vector<Node> nodes;
-        std::vector<Place> place_of_node;
-    };
-    /// Lights that a branch of their own goes to, and where that hangs.
-    struct Bud {
-        std::span<std::uint32_t> members;
-        Place place;
-    };
-    /// Returns the index of its node. What has no more lights than `most_of_bud` is left to `buds`.
-    std::uint32_t grow(std::span<const LightBounds> lights, std::span<std::uint32_t> members, Branch& branch,
-                       std::size_t most_of_bud, std::vector<Bud>& buds);
-    void append(const Branch& branch, const Place& place);
+    class Builder;            // light_tree_build.cpp
     std::vector<Node> nodes_; ///< The root first.
     std::vector<Place> place_of_light_, place_of_node_;
 };

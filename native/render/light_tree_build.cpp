@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How the lights of light_tree.hpp come into its nodes.
 // Based on: section 4.3 of the paper: the surface area orientation heuristic, equation 2, in bins.
-// Differs:  a node's eight children come of seven splits, of that part each time which costs most.
-// Bound:    two passes over the lights for each level of the binary tree, one of them into 36 bins.
+// Differs:  a node's eight children come of seven splits, of that part each time which costs most. Where many lights are
+//           split, some of them tell where.
+// Bound:    two passes over the lights for each level of the binary tree, one of them into 36 bins where they are few.
 #include "core/parallel.hpp"
 #include "render/light_cluster.hpp"
 #include "render/light_tree.hpp"
@@ -10,7 +11,7 @@
 #include <array>
 
 namespace tyndall::render {
-namespace {
+namespace splitting {
 struct Part {
     std::span<std::uint32_t> members;
     LightCluster bounds;
@@ -19,17 +20,28 @@ struct Part {
 };
 
 constexpr std::size_t bin_count = 12;
-/// Of each axis.
-struct Bins {
-    std::array<std::array<LightCluster, bin_count>, 3> of_axis;
+/// Of more lights so many tell where they are split.
+constexpr std::size_t most_asked = 2048;
 
-    Bins& operator+=(const Bins& other) {
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            for (std::size_t bin = 0; bin < bin_count; ++bin)
-                of_axis[axis][bin].add(other.of_axis[axis][bin]);
-        return *this;
-    }
-};
+/// Narrower than cones around the cones of bins.
+LightCluster bounds_of(std::span<const LightBounds> lights, std::span<const std::uint32_t> members) {
+    const auto united = [&](std::size_t begin, std::size_t end) {
+        LightCluster bounds;
+        for (const std::uint32_t member : members.subspan(begin, end - begin))
+            bounds += LightCluster(lights[member]);
+        return bounds;
+    };
+    constexpr std::size_t block = 16384;
+    return members.size() <= block ? united(0, members.size())
+                                   : parallel_sum(members.size(), block, LightCluster(), Progress{}, united);
+}
+
+Bounds3 centres_of(std::span<const LightBounds> lights, std::span<const std::uint32_t> members) {
+    Bounds3 centres;
+    for (const std::uint32_t member : members)
+        centres.grow(lights[member].box.centre());
+    return centres;
+}
 
 /// Between which bins, and what lies on either side.
 struct Split {
@@ -40,22 +52,9 @@ struct Split {
 
 class Splitter {
 public:
-    explicit Splitter(std::span<const LightBounds> lights) : lights_(lights) {}
-
-    /// A part whose size is the measure of what lies in it.
-    [[nodiscard]] Part whole(std::span<std::uint32_t> members) {
-        Part part = part_of(members);
-        least_m_ = 1e-3f * part.bounds.box.diagonal_m();
-        return part;
-    }
-
-    /// Narrower than cones around the cones of bins.
-    [[nodiscard]] LightCluster bounds_of(std::span<const std::uint32_t> members) const {
-        LightCluster bounds;
-        for (const std::uint32_t member : members)
-            bounds.add(LightCluster(lights_[member]));
-        return bounds;
-    }
+    /// The size of what is split is the measure of what lies in it.
+    Splitter(std::span<const LightBounds> lights, const Part& whole)
+        : lights_(lights), least_m_(1e-3f * whole.bounds.box.diagonal_m()) {}
 
     [[nodiscard]] std::pair<Part, Part> halves_of(const Part& part) {
         if (part.members.size() == 2)
@@ -87,9 +86,10 @@ public:
 
 private:
     [[nodiscard]] Part part_of(std::span<std::uint32_t> members) const {
-        Part part{.members = members, .bounds = bounds_of(members), .centres = {}, .cost = 0.0f};
-        for (const std::uint32_t member : members)
-            part.centres.grow(lights_[member].box.centre());
+        Part part{.members = members,
+                  .bounds = bounds_of(lights_, members),
+                  .centres = centres_of(lights_, members),
+                  .cost = 0.0f};
         part.cost = part.bounds.cost(least_m_);
         return part;
     }
@@ -106,37 +106,32 @@ private:
         std::array<bool, 3> is_wide{};
         for (int axis = 0; axis < 3; ++axis)
             is_wide[static_cast<std::size_t>(axis)] = size[axis] > 1e-6f * longest && size[axis] > 0.0f;
-        const auto bins_of = [&](std::size_t begin, std::size_t end) {
-            Bins bins;
-            for (const std::uint32_t member : part.members.subspan(begin, end - begin)) {
-                const LightCluster light(lights_[member]);
-                const vec3 centre = light.box.centre();
-                for (int axis = 0; axis < 3; ++axis)
-                    if (is_wide[static_cast<std::size_t>(axis)])
-                        bins.of_axis[static_cast<std::size_t>(axis)][bin_of(part, axis, centre)].add(light);
-            }
-            return bins;
-        };
-        constexpr std::size_t block = 16384;
-        const std::size_t count = part.members.size();
-        const Bins bins = count <= block ? bins_of(0, count) : parallel_sum(count, block, Bins{}, Progress{}, bins_of);
+        std::array<std::array<LightCluster, bin_count>, 3> bins; // of each axis
+        const std::size_t stride = std::max<std::size_t>(1, part.members.size() / most_asked);
+        for (std::size_t index = stride / 2; index < part.members.size(); index += stride) {
+            const LightCluster light(lights_[part.members[index]]);
+            const vec3 centre = light.box.centre();
+            for (int axis = 0; axis < 3; ++axis)
+                if (is_wide[static_cast<std::size_t>(axis)])
+                    bins[static_cast<std::size_t>(axis)][bin_of(part, axis, centre)] += light;
+        }
         Split best;
         float least_cost = 0.0f;
         for (int axis = 0; axis < 3; ++axis) {
             if (!is_wide[static_cast<std::size_t>(axis)])
                 continue;
-            const std::array<LightCluster, bin_count>& of_axis = bins.of_axis[static_cast<std::size_t>(axis)];
+            const std::array<LightCluster, bin_count>& of_axis = bins[static_cast<std::size_t>(axis)];
             std::array<LightCluster, bin_count> above; // that bin and all beyond
             above.back() = of_axis.back();
             for (std::size_t bin = bin_count - 1; bin-- > 1;) {
                 above[bin] = above[bin + 1];
-                above[bin].add(of_axis[bin]);
+                above[bin] += of_axis[bin];
             }
             LightCluster below;
             for (std::size_t bin = 0; bin + 1 < bin_count; ++bin) {
                 if (of_axis[bin].is_empty()) // a split here costs what that before it did
                     continue;
-                below.add(of_axis[bin]);
+                below += of_axis[bin];
                 if (above[bin + 1].is_empty())
                     break;
                 const float cost = (below.cost(least_m_) + above[bin + 1].cost(least_m_)) * longest / size[axis];
@@ -146,11 +141,12 @@ private:
                 least_cost = cost;
             }
         }
+        best.low.power *= static_cast<float>(stride), best.high.power *= static_cast<float>(stride);
         return best;
     }
 
     std::span<const LightBounds> lights_;
-    float least_m_ = 0.0f;
+    float least_m_;
     std::vector<std::uint32_t> above_; ///< While a part is split.
 };
 
@@ -168,82 +164,109 @@ void put(const LightCluster& bounds, LightTree::Node& node, std::size_t slot) {
     node.power[slot] = bounds.power;
     node.back[slot] = bounds.back;
 }
-} // namespace
+} // namespace splitting
 
-std::uint32_t LightTree::grow(std::span<const LightBounds> lights, std::span<std::uint32_t> members, Branch& branch,
-                              std::size_t most_of_bud, std::vector<Bud>& buds) {
-    const auto index = static_cast<std::uint32_t>(branch.nodes.size());
-    branch.nodes.emplace_back();
-    branch.place_of_node.emplace_back();
-    Splitter splitter(lights);
-    std::vector<Part> parts{splitter.whole(members)};
-    while (parts.size() < width) {
-        const auto costliest = std::ranges::max_element(
-            parts, {}, [](const Part& part) { return part.members.size() > 1 ? part.cost : -1.0f; });
-        if (costliest->members.size() < 2)
-            break;
-        auto [low, high] = splitter.halves_of(*costliest);
-        *costliest = low;
-        parts.push_back(high);
-    }
-    for (std::uint32_t slot = 0; slot < parts.size(); ++slot) {
-        const Part& part = parts[slot];
-        put(splitter.bounds_of(part.members), branch.nodes[index], slot);
-        const Place here{index, slot};
-        if (part.members.size() == 1) {
-            branch.nodes[index].child[slot] = part.members.front() | is_light;
-            place_of_light_[part.members.front()] = here;
-            continue;
-        }
-        if (part.members.size() <= most_of_bud) {
-            buds.push_back({part.members, here});
-            continue;
-        }
-        const std::uint32_t below = grow(lights, part.members, branch, most_of_bud, buds);
-        branch.nodes[index].child[slot] = below;
-        branch.place_of_node[below] = here;
-    }
-    return index;
-}
+class LightTree::Builder {
+    using Part = splitting::Part;
 
-void LightTree::append(const Branch& branch, const Place& place) {
-    const auto first = static_cast<std::uint32_t>(nodes_.size());
-    nodes_[place.node].child[place.slot] = first;
-    for (std::size_t index = 0; index < branch.nodes.size(); ++index) {
-        Node node = branch.nodes[index];
-        for (std::size_t slot = 0; slot < width; ++slot) {
-            if (!(node.power[slot] > 0.0f))
+public:
+    Builder(std::span<const LightBounds> lights, LightTree& tree) : lights_(lights), tree_(tree) {}
+
+    void grow(std::span<std::uint32_t> members) {
+        // By their number alone, so that threads change nothing. Fewer lights have one branch, in place.
+        const std::size_t most_of_bud = members.size() < 16384 ? 0 : members.size() / 64;
+        Branch trunk;
+        std::vector<Bud> buds, none_left;
+        grow({members, splitting::bounds_of(lights_, members), splitting::centres_of(lights_, members), 0.0f}, trunk,
+             most_of_bud, buds);
+        tree_.nodes_ = std::move(trunk.nodes);
+        tree_.place_of_node_ = std::move(trunk.place_of_node);
+        std::vector<Branch> branches(buds.size());
+        parallel_for(
+            buds.size(), Progress{}, [&](std::size_t bud) { grow(buds[bud].part, branches[bud], 0, none_left); }, 1);
+        for (std::size_t bud = 0; bud < buds.size(); ++bud)
+            append(branches[bud], buds[bud].place);
+    }
+
+private:
+    /// A part of the tree: its nodes are counted from its own first one.
+    struct Branch {
+        std::vector<Node> nodes;
+        std::vector<Place> place_of_node;
+    };
+    /// Lights that a branch of their own goes to, and where that hangs.
+    struct Bud {
+        Part part;
+        Place place;
+    };
+
+    /// Returns the index of its node. What has no more lights than `most_of_bud` is left to `buds`. Bounds and centres of
+    /// the whole are its own.
+    std::uint32_t grow(const Part& whole, Branch& branch, std::size_t most_of_bud, std::vector<Bud>& buds) {
+        const auto index = static_cast<std::uint32_t>(branch.nodes.size());
+        branch.nodes.emplace_back();
+        branch.place_of_node.emplace_back();
+        splitting::Splitter splitter(lights_, whole);
+        std::vector<Part> parts{whole};
+        while (parts.size() < width) {
+            const auto costliest = std::ranges::max_element(
+                parts, {}, [](const Part& part) { return part.members.size() > 1 ? part.cost : -1.0f; });
+            if (costliest->members.size() < 2)
+                break;
+            auto [low, high] = splitter.halves_of(*costliest);
+            *costliest = low;
+            parts.push_back(high);
+        }
+        for (std::uint32_t slot = 0; slot < parts.size(); ++slot) {
+            Part& part = parts[slot];
+            part.bounds = splitting::bounds_of(lights_, part.members);
+            splitting::put(part.bounds, branch.nodes[index], slot);
+            const Place here{index, slot};
+            if (part.members.size() == 1) {
+                branch.nodes[index].child[slot] = part.members.front() | is_light;
+                tree_.place_of_light_[part.members.front()] = here;
                 continue;
-            if ((node.child[slot] & is_light) != 0)
-                place_of_light_[node.child[slot] & ~is_light].node += first;
-            else
-                node.child[slot] += first;
+            }
+            if (part.members.size() <= most_of_bud) {
+                buds.push_back({part, here});
+                continue;
+            }
+            const std::uint32_t below = grow(part, branch, most_of_bud, buds);
+            branch.nodes[index].child[slot] = below;
+            branch.place_of_node[below] = here;
         }
-        nodes_.push_back(node);
-        const Place above = branch.place_of_node[index];
-        place_of_node_.push_back(index == 0 ? place : Place{above.node + first, above.slot});
+        return index;
     }
-}
+
+    void append(const Branch& branch, const Place& place) {
+        const auto first = static_cast<std::uint32_t>(tree_.nodes_.size());
+        tree_.nodes_[place.node].child[place.slot] = first;
+        for (std::size_t index = 0; index < branch.nodes.size(); ++index) {
+            Node node = branch.nodes[index];
+            for (std::size_t slot = 0; slot < width; ++slot) {
+                if (!(node.power[slot] > 0.0f))
+                    continue;
+                if ((node.child[slot] & is_light) != 0)
+                    tree_.place_of_light_[node.child[slot] & ~is_light].node += first;
+                else
+                    node.child[slot] += first;
+            }
+            tree_.nodes_.push_back(node);
+            const Place above = branch.place_of_node[index];
+            tree_.place_of_node_.push_back(index == 0 ? place : Place{above.node + first, above.slot});
+        }
+    }
+
+    std::span<const LightBounds> lights_;
+    LightTree& tree_;
+};
 
 LightTree::LightTree(std::span<const LightBounds> lights) : place_of_light_(lights.size()) {
     std::vector<std::uint32_t> members;
     for (std::uint32_t light = 0; light < lights.size(); ++light)
         if (lights[light].power > 0.0f)
             members.push_back(light);
-    if (members.empty())
-        return;
-    // By their number alone, so that threads change nothing. Fewer lights have one branch, in place.
-    const std::size_t most_of_bud = members.size() < 16384 ? 0 : members.size() / 64;
-    Branch trunk;
-    std::vector<Bud> buds, none_left;
-    grow(lights, members, trunk, most_of_bud, buds);
-    nodes_ = std::move(trunk.nodes);
-    place_of_node_ = std::move(trunk.place_of_node);
-    std::vector<Branch> branches(buds.size());
-    parallel_for(
-        buds.size(), Progress{}, [&](std::size_t bud) { grow(lights, buds[bud].members, branches[bud], 0, none_left); },
-        1);
-    for (std::size_t bud = 0; bud < buds.size(); ++bud)
-        append(branches[bud], buds[bud].place);
+    if (!members.empty())
+        Builder(lights, *this).grow(members);
 }
 } // namespace tyndall::render

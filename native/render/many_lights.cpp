@@ -51,7 +51,7 @@ LightBounds bounds_of(const Light& lamp) {
 }
 
 ManyLights::ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps,
-                       std::shared_ptr<const MeshEmitters> emitters)
+                       std::shared_ptr<const MeshEmitters> emitters, KeptLightTrees* kept)
     : scene_(scene), lamps_(std::move(lamps)), emitters_(std::move(emitters)) {
     const auto lights_surfaces = [&](const EmissiveTriangle& triangle) {
         return scene.description().instances[triangle.instance].is_bounce_visible;
@@ -76,12 +76,12 @@ ManyLights::ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps,
         else
             bounds.back().power = 0.0f;
     }
-    tree_ = LightTree(bounds);
+    tree_ = tree_of(std::move(bounds), kept);
 }
 
 std::optional<ManyLights::Aimed> ManyLights::aim(const SurfacePoint& point, float u_choice, vec2 u_place,
                                                  bool tells_density) const {
-    const auto [light, probability] = tree_.choose(point.shading.position, point.shading.shading_normal, u_choice);
+    const auto [light, probability] = tree_->choose(point.shading.position, point.shading.shading_normal, u_choice);
     if (light == LightTree::none)
         return std::nullopt;
     std::optional<Aimed> aimed = light < lamps_.size()
@@ -172,8 +172,8 @@ std::optional<ManyLights::Aimed> ManyLights::met(const SurfacePoint& point, cons
     if (index == LightTree::none)
         return std::nullopt;
     const EmissiveTriangle& triangle = emitters_->triangles()[index];
-    const float probability = tree_.probability(static_cast<std::uint32_t>(lamps_.size()) + index,
-                                                point.shading.position, point.shading.shading_normal);
+    const float probability = tree_->probability(static_cast<std::uint32_t>(lamps_.size()) + index,
+                                                 point.shading.position, point.shading.shading_normal);
     const vec3 place = ray.origin + hit.distance_m * ray.direction;
     return Aimed{.ray = ray_to(point, hit, ray.direction),
                  .arriving = MeshEmitters::radiance(scene_, triangle, ray, hit),

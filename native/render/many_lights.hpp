@@ -2,6 +2,7 @@
 // Lights of which each point asks a few, drawn from a tree: lamps beyond a number, and triangles that glow.
 // Based on: next event estimation; light_tree.hpp chooses, scene/light.hpp and mesh_emitters.hpp place.
 #pragma once
+#include "render/kept_light_trees.hpp"
 #include "render/lamp_boxes.hpp"
 #include "render/lamp_hits.hpp"
 #include "render/mesh_emitters.hpp"
@@ -19,8 +20,9 @@ public:
     static constexpr std::size_t most_asked_each = 32;
 
     /// `lamps`: into Scene::lights; `emitters`: those of the scene, which must outlive this.
-    ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps, std::shared_ptr<const MeshEmitters> emitters);
-    [[nodiscard]] bool is_empty() const { return tree_.is_empty(); }
+    ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps, std::shared_ptr<const MeshEmitters> emitters,
+               KeptLightTrees* kept = nullptr);
+    [[nodiscard]] bool is_empty() const { return tree_->is_empty(); }
     [[nodiscard]] std::span<const std::uint32_t> lamps() const { return lamps_; }
     [[nodiscard]] bool has_triangles() const { return has_triangles_; }
     /// Whether what glows there is one of these lights.
@@ -51,7 +53,8 @@ public:
     void meet_lamps(const Ray& ray, std::vector<LampMet>& met) const;
     /// With which aim() takes the direction from the point in which a lamp was met.
     [[nodiscard]] float pdf_per_sr(const SurfacePoint& point, const LampMet& met) const {
-        return met.hit.pdf_per_sr * tree_.probability(met.number, point.shading.position, point.shading.shading_normal);
+        return met.hit.pdf_per_sr *
+               tree_->probability(met.number, point.shading.position, point.shading.shading_normal);
     }
     /// A ray from the point that met a triangle: what it brings, and with which density aim() takes it; else nothing.
     [[nodiscard]] std::optional<Aimed> met(const SurfacePoint& point, const Ray& ray, const Hit& hit) const;
@@ -71,7 +74,7 @@ private:
     const Scene& scene_;
     std::vector<std::uint32_t> lamps_;
     std::shared_ptr<const MeshEmitters> emitters_; ///< Those among them that light surfaces are in the tree.
-    LightTree tree_;                               ///< Lamps first.
+    std::shared_ptr<const LightTree> tree_;        ///< Lamps first.
     struct WideLamp {
         std::uint32_t number; ///< Into lamps_.
         LightAim aim;

@@ -15,20 +15,6 @@ static constexpr std::size_t most_boxes = 16;
 /// The back of a closed mesh is drawn, too: it may be a dome around the scene.
 static constexpr float back_of_closed = 0.05f;
 
-/// Each edge is passed once in each direction.
-static bool is_closed(const SharedMeshArrays& mesh) {
-    std::vector<std::uint64_t> there, back;
-    for (const uvec3& corners : mesh.triangles)
-        for (int corner = 0; corner < 3; ++corner) {
-            const std::uint64_t from = corners[corner], to = corners[(corner + 1) % 3];
-            there.push_back(from << 32 | to);
-            back.push_back(to << 32 | from);
-        }
-    std::ranges::sort(there);
-    std::ranges::sort(back);
-    return there == back && std::ranges::adjacent_find(there) == there.end();
-}
-
 static Hit hit_at(const EmissiveTriangle& triangle, vec2 barycentrics, float distance_m) {
     Hit hit;
     hit.distance_m = distance_m;
@@ -64,7 +50,6 @@ static float mean_radiance(const Scene& scene, const EmissiveTriangle& triangle,
 
 MeshEmitters::MeshEmitters(const Scene& scene) {
     const SceneDescription& description = scene.description();
-    std::map<std::uint32_t, bool> closed;
     std::vector<const Material*> materials;
     first_of_instance_.assign(description.instances.size(), LightTree::none);
     std::vector<std::uint8_t> glows(description.materials.size());
@@ -79,9 +64,8 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
             has_light |= glows[description.slot_materials[instance.first_slot_material + slot]] != 0;
         if (!has_light || !(instance.is_bounce_visible || instance.lights_media))
             continue;
-        const SharedMeshArrays& mesh = description.meshes[instance.mesh_index]->arrays();
-        if (!closed.contains(instance.mesh_index))
-            closed[instance.mesh_index] = is_closed(mesh);
+        const TriangleMesh& whole = *description.meshes[instance.mesh_index];
+        const SharedMeshArrays& mesh = whole.arrays();
         first_of_instance_[index] = static_cast<std::uint32_t>(index_of_triangle_.size());
         const float sign = glm::determinant(glm::dmat3(mat3(instance.world_from_object))) < 0.0 ? -1.0f : 1.0f;
         double volume = 0.0;
@@ -97,7 +81,7 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
                                       .area_m2 = 0.0f,
                                       .radiance = 0.0f,
                                       .is_constant = material.is_constant(),
-                                      .back = closed[instance.mesh_index] ? back_of_closed : 1.0f};
+                                      .back = whole.is_closed() ? back_of_closed : 1.0f};
             for (int corner = 0; corner < 3; ++corner)
                 triangle.corners[static_cast<std::size_t>(corner)] =
                     vec3(instance.world_from_object * vec4(mesh.positions[mesh.triangles[number][corner]], 1.0f));
@@ -112,7 +96,7 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
             triangles_.push_back(triangle);
             materials.push_back(&material);
         }
-        if (volume < 0.0 && closed[instance.mesh_index]) // its normals look inwards: its back is what shines
+        if (volume < 0.0 && whole.is_closed()) // its normals look inwards: its back is what shines
             for (std::size_t triangle = first; triangle < triangles_.size(); ++triangle)
                 triangles_[triangle].back = 1.0f;
     }

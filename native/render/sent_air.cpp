@@ -19,11 +19,12 @@ static vec2 air_pair(const FogGlow::Numbers& numbers, AirPair pair) {
     return pixel_pair(numbers.pixel_seed, numbers.draw, first_air_pair + static_cast<std::uint32_t>(pair));
 }
 
-SentAir::SentAir(const Scene& scene, const Media& media, const MeshEmitters& emitters, const Config& config)
+SentAir::SentAir(const Scene& scene, const Media& media, const MeshEmitters& emitters, const Config& config,
+                 KeptLightTrees* kept)
     : scene_(scene), media_(media), config_(config), has_world_(config.world_scatters && !scene.world().is_black()) {
     if (config.has_glow) {
         Statistics unread; // counts and reports are those of the camera's light shafts
-        glow_.emplace(scene, media, emitters, config.attenuates_light, unread);
+        glow_.emplace(scene, media, emitters, config.attenuates_light, unread, kept);
     }
     std::vector<LightBounds> bounds;
     float sum = 0.0f;
@@ -42,7 +43,7 @@ SentAir::SentAir(const Scene& scene, const Media& media, const MeshEmitters& emi
     }
     for (float& share : sun_shares_)
         share /= sum;
-    tree_ = LightTree(bounds);
+    tree_ = tree_of(std::move(bounds), kept);
 }
 
 std::vector<std::uint8_t> SentAir::light_groups() const {
@@ -117,7 +118,7 @@ static GlowDistances::Reach reach_of(const MediaLine& line, const Light& light, 
 void SentAir::draw_lamp(const MediaLine& line, const FogGlow::Numbers& numbers,
                         std::vector<FogGlow::Found>& found) const {
     const vec2 u = air_pair(numbers, AirPair::Lamp);
-    const auto [chosen, probability] = tree_.choose_along(tree_line(line), u.x);
+    const auto [chosen, probability] = tree_->choose_along(tree_line(line), u.x);
     if (chosen == LightTree::none)
         return;
     const Light& light = scene_.lights()[lamps_[chosen]];

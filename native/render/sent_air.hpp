@@ -21,7 +21,8 @@ public:
         bool has_lamps = true, has_suns = true, has_glow = true; ///< Whose light is wanted.
     };
     /// The references must outlive this.
-    SentAir(const Scene& scene, const Media& media, const MeshEmitters& emitters, const Config& config);
+    SentAir(const Scene& scene, const Media& media, const MeshEmitters& emitters, const Config& config,
+            KeptLightTrees* kept = nullptr);
 
     /// No light scatters in any medium.
     [[nodiscard]] bool is_empty() const { return lamps_.empty() && suns_.empty() && !has_world_ && !has_glow(); }
@@ -57,7 +58,7 @@ private:
     Config config_;
     std::optional<FogGlow> glow_;             ///< Where it is wanted.
     std::vector<std::uint32_t> lamps_, suns_; ///< Into Scene::lights.
-    LightTree tree_;                          ///< Of the lamps.
+    std::shared_ptr<const LightTree> tree_;   ///< Of the lamps.
     std::vector<float> sun_shares_;           ///< Of each sun and those before it, of all their light.
     bool has_world_;
 };

@@ -2,6 +2,7 @@
 #include "scene/triangle_mesh.hpp"
 #include "core/errors.hpp"
 #include "scene/attribute_pairs.hpp"
+#include "scene/closed_mesh.hpp"
 #include "scene/embree.hpp"
 #include <algorithm>
 
@@ -135,6 +136,13 @@ void TriangleMesh::finish_tree(const Progress& progress) const {
         throw;
     }
     quality_ = TreeQuality::Best;
+}
+
+bool TriangleMesh::is_closed() const {
+    const std::scoped_lock lock(found_mutex_);
+    if (!is_closed_)
+        is_closed_ = tyndall::is_closed(arrays_);
+    return *is_closed_;
 }
 
 TriangleMesh::~TriangleMesh() { rtcReleaseScene(embree_scene_); }

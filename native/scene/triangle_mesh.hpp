@@ -7,6 +7,7 @@
 #include <embree3/rtcore.h>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -85,6 +86,8 @@ public:
     void finish_tree(const Progress& progress) const;
     /// Built when first asked for; safe from any thread.
     [[nodiscard]] const TriangleBvh& cut_bvh(const Progress& progress) const;
+    /// See closed_mesh.hpp. Found when first asked for; safe from any thread.
+    [[nodiscard]] bool is_closed() const;
 
 private:
     void drop_unusable_triangles();
@@ -96,7 +99,8 @@ private:
     std::size_t non_finite_triangle_count_ = 0, degenerate_triangle_count_ = 0;
     RTCScene embree_scene_ = nullptr;
     mutable TreeQuality quality_;
-    mutable std::mutex cut_bvh_mutex_;
+    mutable std::mutex found_mutex_;
     mutable std::shared_ptr<const TriangleBvh> cut_bvh_; ///< Shared, not unique: deleted where the type is unknown.
+    mutable std::optional<bool> is_closed_;
 };
 } // namespace tyndall

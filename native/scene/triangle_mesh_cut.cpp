@@ -4,7 +4,7 @@
 
 namespace tyndall {
 const TriangleBvh& TriangleMesh::cut_bvh(const Progress& progress) const {
-    const std::scoped_lock lock(cut_bvh_mutex_);
+    const std::scoped_lock lock(found_mutex_);
     if (!cut_bvh_)
         cut_bvh_ = std::make_shared<const TriangleBvh>(rtcGetSceneDevice(embree_scene_), arrays_, progress);
     return *cut_bvh_;

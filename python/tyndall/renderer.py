@@ -27,6 +27,7 @@ from .scene_description import Camera, FloatArray, SceneDescription
 from .transfer_functions import WeightedFunction
 
 METHODS = ("EXACT", "EPIPOLAR", "SHADOW_MAP")
+_LIGHT_TREES_BYTES = 256 << 20  #: Of two million lights.
 GRID_METHODS = ("MARCH", "RATIO_TRACKING")
 PIXEL_FILTERS = ("BOX", "GAUSSIAN", "BLACKMAN_HARRIS")
 PASSES = (
@@ -205,6 +206,7 @@ class Session:
         if kept_maps_bytes > 0:
             self.keep_maps(kept_maps_bytes)
         self._kept_surfaces = _native.KeptSurfaces(kept_surfaces_bytes) if kept_surfaces_bytes > 0 else None
+        self._kept_light_trees = _native.KeptLightTrees(_LIGHT_TREES_BYTES)
         self._parts = NativeParts(follows_moves=follows_moves, keeps_trees=keeps_trees, builds_hastily=builds_hastily)
         self._function_textures: dict[str, _native.Texture] = {}
         self._kept_air = KeptAir()
@@ -387,6 +389,7 @@ class Session:
             heterogeneity=self._kept_air.build(config.heterogeneity, self._origin_in_world, reports),
             indirect=_native.IndirectConfig(**asdict(config.indirect)),
             kept_surfaces=self._kept_surfaces,
+            kept_light_trees=self._kept_light_trees,
             adapts_shadow_rays=config.adapts_shadow_rays,
             lights_take_turns=config.lights_take_turns,
             keeps_unstyled=keeps_unstyled,

@@ -47,7 +47,7 @@ TEST_CASE("the cone around two cones is the narrowest") {
             for (const float second : {0.0f, 1e-4f, 0.3f, 1.2f, 3.0f, pi}) {
                 const vec3 other(std::cos(between), std::sin(between), 0.0f);
                 LightCluster both(cone(x, first));
-                both.add(LightCluster(cone(other, second)));
+                both += LightCluster(cone(other, second));
                 const double wanted = std::min(
                     std::max({double{first}, double{second}, 0.5 * (double{first} + between + second)}), pi_64);
                 CAPTURE(between);
@@ -58,7 +58,7 @@ TEST_CASE("the cone around two cones is the narrowest") {
                 CHECK(outside(both, cone(other, second)) < 1e-5);
             }
     LightCluster opposite(cone(x, 0.0f));
-    opposite.add(LightCluster(cone(-x, 0.0f)));
+    opposite += LightCluster(cone(-x, 0.0f));
     CHECK(opposite.cos_spread == -1.0f);
 }
 
@@ -74,7 +74,7 @@ TEST_CASE("a cluster holds all that was added, turned round where it shines on b
             const vec3 axis = glm::normalize(middle + width * sample_uniform_sphere(u));
             lights.push_back(cone(is_two_sided && index % 4 == 0 ? -axis : axis, index % 5 == 0 ? 0.2f * u.x : 0.0f,
                                   is_two_sided ? 1.0f : 0.0f));
-            cluster.add(LightCluster(lights.back()));
+            cluster += LightCluster(lights.back());
         }
         CAPTURE(set);
         CHECK(cluster.power == doctest::Approx(40.0f));
