@@ -13,7 +13,6 @@ from tyndall.lens_points import has_lens_points
 from tyndall.moved_instances import is_same, sharing
 
 from ..sync.cameras import read_camera
-from ..sync.forward_fog import note_forward_fog
 from ..sync.heterogeneity import read_heterogeneity
 from ..sync.reports import Reports
 from ..sync.transfer_functions import read_transfer_functions
@@ -85,7 +84,6 @@ class LookReader:
             if camera.lens is not None and not has_lens_points(camera) and description.media:
                 note = "its depth of field blurs surfaces; light shafts stay sharp, but for perspective cameras"
                 reports.add(f'Camera "{self.camera.name}"', note)
-            note_forward_fog(description, self.settings.tyndall.shafts.world_samples, reports)
             if reports.lines() != description.reports:
                 description = replace(description, reports=reports.lines())
         return Look(description=description, camera=camera, functions=functions, heterogeneity=heterogeneity)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/light_shafts.hpp"
 #include "core/parallel.hpp"
+#include "light_shafts/forward_fog.hpp"
 #include "light_shafts/prepared_lights.hpp"
 #include "light_shafts/strata_counts.hpp"
 #include <algorithm>
@@ -15,23 +16,24 @@ static void validate(const Config& config) {
     require_in(static_cast<float>(config.world_samples), 0.0f, 65536.0f, "world_samples");
 }
 
+static bool is_world(const Scene& scene, const ScatteringLight& light) { return light.index == scene.lights().size(); }
+
 /// Besides those that `left` names.
 static LeftLights leave_costly(const Scene& scene, const Media& media, const Config& config, LeftLights left,
                                std::vector<ScatteringLight>& lights) {
-    const auto is_world = [&](const ScatteringLight& light) { return light.index == scene.lights().size(); };
     const auto is_lamp = [&](const ScatteringLight& light) {
-        return !is_world(light) && scene.lights()[light.index].kind != LightKind::Sun;
+        return !is_world(scene, light) && scene.lights()[light.index].kind != LightKind::Sun;
     };
     RowsCounts counts;
     for (const ScatteringLight& light : lights) {
-        if (is_world(light))
+        if (is_world(scene, light))
             counts.world_samples += light.samples.size();
         if (is_lamp(light))
             counts.lamps += 1, counts.lamp_samples += light.samples.size();
     }
     const LeftLights costly = find_left(scene, media, config, counts);
     std::erase_if(lights, [&](const ScatteringLight& light) {
-        return (costly.lamps && is_lamp(light)) || (costly.world && is_world(light));
+        return (costly.lamps && is_lamp(light)) || (costly.world && is_world(scene, light));
     });
     left.lamps |= costly.lamps;
     left.world |= costly.world;
@@ -69,6 +71,9 @@ Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::sp
     const StrataCounts counts = count_strata(scene, media, view, clipped, config, progress);
     std::vector<ScatteringLight> lights = find_scattering_lights(scene, media, config, counts, statistics);
     left_ = leave_costly(scene, media, config, counts.left, lights);
+    const bool has_world = std::ranges::any_of(lights, [&](const auto& light) { return is_world(scene, light); });
+    if (const auto lack = lack_of_directions(scene, config); lack && has_world && !config.walks_maps)
+        statistics.report(described(*lack, scene, config));
     if (lights.empty() && !left_.is_any())
         statistics.skip("light shafts", "no light scatters in a medium");
     if (!lights.empty())

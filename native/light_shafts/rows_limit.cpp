@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/rows_limit.hpp"
+#include "light_shafts/forward_fog.hpp"
 #include "light_shafts/light_shafts.hpp"
 
 namespace tyndall::light_shafts {
@@ -23,6 +24,7 @@ LeftLights find_left(const Scene& scene, const Media& media, const Config& confi
                            static_cast<double>(counts.lamps) * row_s_per_ray * limit.ray_count;
     const bool is_swallowed = config.attenuates_light && media.fills_world();
     return {.lamps = lamps_s > limit.most_s,
-            .world = !is_swallowed && static_cast<double>(counts.world_samples) * s_per_sample > limit.most_s};
+            .world = !is_swallowed && (static_cast<double>(counts.world_samples) * s_per_sample > limit.most_s ||
+                                       lack_of_directions(scene, config).has_value())};
 }
 } // namespace tyndall::light_shafts

@@ -2,6 +2,7 @@
 #include "render/frame_shafts.hpp"
 #include "core/parallel.hpp"
 #include "core/random.hpp"
+#include "light_shafts/forward_fog.hpp"
 #include "light_shafts/shared_strata.hpp"
 #include "render/drawn_shafts.hpp"
 #include "render/pixel_footprint.hpp"
@@ -47,10 +48,14 @@ FrameShafts::FrameShafts(const Scene& scene, const Media& media, const Camera& c
     if (glow_ && glow_->is_empty())
         glow_.reset();
     const light_shafts::LeftLights& left = shafts_.left();
-    for (const auto& [what, is_drawn] : {std::pair("lamps", left.lamps), {"the world", left.world}})
-        if (is_drawn)
-            statistics.skip(std::string("light shafts: rows of ") + what,
-                            "draws for each sample take a small part of their time");
+    const bool is_forward = lack_of_directions(scene, config.shafts).has_value();
+    if (left.lamps)
+        statistics.skip("light shafts: rows of lamps", "draws for each sample take a small part of their time");
+    if (left.world)
+        statistics.skip("light shafts: rows of the world",
+                        is_forward
+                            ? "fog scatters farther forward than its directions are dense: each sample draws some"
+                            : "draws for each sample take a small part of their time");
     if (left.is_any()) {
         drawn_.emplace(scene, media, *config.emitters,
                        SentAir::Config{.attenuates_light = config.shafts.attenuates_light,
