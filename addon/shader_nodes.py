@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import bpy
-from bpy.types import Material, Node, Object, ShaderNodeTree, World
+from bpy.types import Material, Node, NodeTree, Object, ShaderNodeTree, World
 
 #: Mark of the group that hides a medium from the camera of another engine; ours sees through it.
 LEFT_TO_SHAFTS = "LEFT_TO_SHAFTS"
@@ -15,6 +15,21 @@ ALWAYS_HAS_NODES = bpy.app.version >= (5, 0, 0)  # there, even reading use_nodes
 def shader_tree(owner: Material | World | None) -> ShaderNodeTree | None:
     """Nodes of a material or a world; None where it does without."""
     return owner.node_tree if owner and (ALWAYS_HAS_NODES or owner.use_nodes) else None
+
+
+def nodes_within(tree: NodeTree | None) -> list[Node]:
+    """Those of a tree and of all groups in it, of each group once."""
+    nodes: list[Node] = []
+    met: set[int] = set()
+    waiting = [tree]
+    while waiting:
+        one = waiting.pop()
+        if one is None or one.as_pointer() in met:
+            continue
+        met.add(one.as_pointer())
+        nodes += one.nodes
+        waiting += [node.node_tree for node in one.nodes if node.type == "GROUP"]
+    return nodes
 
 
 def use_nodes(owner: Material | World) -> ShaderNodeTree:

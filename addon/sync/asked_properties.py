@@ -2,7 +2,7 @@
 """Properties that Attribute nodes read of objects and view layers: custom ones first, then any other by its path.
 
 Based on: BKE_object_dupli_find_rgba_attribute and BKE_view_layer_find_rgba_attribute of Blender, which Cycles asks.
-Limits:   what an instancer gives its instances is not known here.
+Differs:  what instancers give is the instance's own, see instancer_values.py.
 """
 
 from __future__ import annotations
@@ -18,8 +18,11 @@ if TYPE_CHECKING:
     from .instances import Placement
 
 Rgba = tuple[float, float, float, float]
+Asked = tuple[str, str]  #: What a node asks: a kind, and the name of a property or attribute.
+#: Kinds of what instancers give; the first is a node's attribute type.
+INSTANCER_KINDS = ATTRIBUTE, UV, GENERATED = "INSTANCER", "UV of the instancer", "Generated of the instancer"
 
-_MISSING: Rgba = (0.0, 0.0, 0.0, 0.0)
+MISSING: Rgba = (0.0, 0.0, 0.0, 0.0)
 _NO_MORE = (0.0, 0.0, 0.0, 1.0)  #: Channels of an array that is shorter.
 _QUOTED = re.compile(r"""\[(["']).*\1\]$""")  #: A path that ends in a custom property.
 _NUMBERS = {"BOOLEAN", "INT", "FLOAT"}
@@ -32,12 +35,19 @@ class PropertyReader:
         self._layer = depsgraph.view_layer_eval
         self._scene = depsgraph.scene_eval
 
-    def read(self, kind: str, name: str, placement: Placement) -> Rgba | None:
-        """Of a node's attribute type; None where it is an instancer's. What nobody has is 0, and so is its alpha."""
-        if kind == "INSTANCER" and placement.is_instanced:
+    def read(self, kind: str, name: str, placement: Placement) -> Rgba | int | None:
+        """Of a node's attribute type, or another of INSTANCER_KINDS. What nobody has is 0, and so is its alpha.
+
+        The number of a value where each instance has its own; None where what an instancer gives is not known.
+        """
+        if placement.instancer_numbers is not None and kind in INSTANCER_KINDS:
+            return placement.instancer_numbers.get((kind, name))
+        if placement.is_instanced and kind in INSTANCER_KINDS:
             return None
+        if kind in (UV, GENERATED):
+            return MISSING
         owners = self._of_layer() if kind == "VIEW_LAYER" else _of_object(placement)
-        return next((value for owner in owners if (value := _numbers(owner, name)) is not None), _MISSING)
+        return next((value for owner in owners if (value := numbers_of(owner, name)) is not None), MISSING)
 
     def _of_layer(self) -> Iterator[bpy.types.bpy_struct[Any]]:
         yield self._layer
@@ -52,7 +62,7 @@ def _of_object(placement: Placement) -> Iterator[bpy.types.bpy_struct[Any]]:
         yield placement.source.data
 
 
-def _numbers(owner: bpy.types.bpy_struct[Any], path: str) -> Rgba | None:
+def numbers_of(owner: bpy.types.bpy_struct[Any], path: str) -> Rgba | None:
     value = _custom(owner, path)
     if value is None:
         value = _at_path(owner, path)

@@ -11,6 +11,7 @@ from tyndall.scene_description import hair_maps
 from tyndall.surface_inputs import PointInput, RayBit
 
 from . import coordinates
+from .asked_properties import ATTRIBUTE, GENERATED, UV
 from .coordinates import point_input
 from .domains import MID_GREY, Domain, on_surfaces
 from .hair_nodes import hair_number, hair_vector
@@ -20,6 +21,7 @@ from .point_nodes import point_position, point_radius, point_random
 from .program import BLACK, WHITE, Value, grey
 
 if TYPE_CHECKING:
+    from .asked_properties import Rgba
     from .domains import Evaluate
     from .node_graph import Socket
     from .value_nodes import ValueReader
@@ -95,13 +97,22 @@ def _attribute(reader: ValueReader, at: Socket) -> Value:
 
 
 def _property(reader: ValueReader, at: Socket) -> Value:
-    rgba = reader.property_of(at.node.attribute_type, at.node.attribute_name)
-    if rgba is None:
-        is_of_other = at.node.attribute_type == "INSTANCER"
+    found = reader.property_of(at.node.attribute_type, at.node.attribute_name)
+    if found is None:
+        is_of_other = at.node.attribute_type == ATTRIBUTE
         return _unknown_attribute(reader, at, "of an instancer is" if is_of_other else "is not supported here:")
     if at.socket.identifier == "Alpha":
-        return grey(rgba[3])
-    return reader.program.average(rgba[:3]) if at.socket.identifier == "Fac" else rgba[:3]
+        is_own = isinstance(found, int)
+        return point_input(reader.program, PointInput.INSTANCER_ALPHA, selector=found) if is_own else grey(found[3])
+    value = _own_or_constant(reader, found)
+    return reader.program.average(value) if at.socket.identifier == "Fac" else value
+
+
+def _own_or_constant(reader: ValueReader, found: Rgba | int) -> Value:
+    """An instance's own, by its number."""
+    if isinstance(found, int):
+        return point_input(reader.program, PointInput.INSTANCER_COLOR, selector=found)
+    return found[:3]
 
 
 def _unknown_attribute(reader: ValueReader, at: Socket, what: str) -> Value:
@@ -111,19 +122,22 @@ def _unknown_attribute(reader: ValueReader, at: Socket, what: str) -> Value:
 
 def _uv_map(reader: ValueReader, at: Socket) -> Value:
     if at.node.from_instancer:
-        return _of_instancer(reader, at)
+        return _of_instancer(reader, at, UV)
     return coordinates.uv(reader.program, at.node.uv_map)
 
 
-def _of_instancer(reader: ValueReader, at: Socket) -> Value:
-    reader.unsupported(at, "of the instancer is read as 0")
-    return BLACK
+def _of_instancer(reader: ValueReader, at: Socket, kind: str) -> Value:
+    found = reader.property_of(kind, "")
+    if found is None:
+        reader.unsupported(at, "of the instancer is read as 0")
+        return BLACK
+    return _own_or_constant(reader, found)
 
 
 def _texture_coordinate(reader: ValueReader, at: Socket) -> Value:
     output = at.socket.identifier
     if at.node.from_instancer and output in {"Generated", "UV"}:
-        return _of_instancer(reader, at)
+        return _of_instancer(reader, at, UV if output == "UV" else GENERATED)
     return _COORDINATES[output](reader, at)
 
 

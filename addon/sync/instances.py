@@ -24,6 +24,7 @@ import numpy as np
 
 from ..baked_air import is_baked_air
 from .adaptive_subdivision import note_adaptive
+from .instancer_values import InstancerReader
 from .object_lighting import LightingReader
 from .particles import ParticleReader
 from .random_numbers import random_number_of
@@ -48,6 +49,8 @@ if TYPE_CHECKING:
 
     from tyndall.scene_description import ObjectLighting
 
+    from .asked_properties import Asked
+    from .instancer_values import Row
     from .reports import Reports
 
 _POLL_EVERY = 2048  #: Instances between two polls, about 5 ms.
@@ -96,9 +99,11 @@ class Placement:
     depends_on: set[int] = field(default_factory=set)
     own_random_number: int | None = None  #: Of what is no instance.
     is_instanced: bool = False  #: By another object; one of its instances is, if it is a light.
-    #: Where a material asks, one per instance: rows of ParticleReader, then what they say, (count, 14).
-    particle_rows: list[int] | None = None
-    particles: NDArray[np.float32] | None = None
+    particle_rows: list[int] | None = None  #: Of ParticleReader, one per instance; None: no material asks.
+    instancer_rows: list[Row] | None = None  #: Likewise of InstancerReader, and the numbers of its values.
+    instancer_numbers: dict[Asked, int] | None = None
+    #: What these say: arrays of tyndall.scene_description.Instances, by name.
+    told: dict[str, NDArray[np.float32]] = field(default_factory=dict)
     hair: str | None = None  #: The modifier of the particle hair that is drawn in place of the data.
 
     def world_from_object(self) -> NDArray[np.float64]:
@@ -126,6 +131,8 @@ def read_placements(
             placement.random_numbers.append(placement.own_random_number if is_own else instance.random_id & 0xFFFFFFFF)
             if placement.particle_rows is not None:
                 placement.particle_rows.append(grouping.particles.row_of(instance))
+            if placement.instancer_rows is not None:
+                placement.instancer_rows.append(grouping.instancers.row_of(instance))
     return grouping.placements()
 
 
@@ -176,6 +183,7 @@ class _Grouping:
         self._hair = _hair_by_object(depsgraph)
         self._lighting = LightingReader.of(depsgraph, reports)
         self.particles = ParticleReader(depsgraph)
+        self.instancers = InstancerReader(depsgraph, reports)
         indirect = depsgraph.scene_eval.tyndall.indirect
         self._bends = indirect.has_mirrors and indirect.has_refraction
         self._limited = {thing for thing in depsgraph.objects if self._is_limited(thing)}
@@ -284,6 +292,7 @@ class _Grouping:
             return None
         materials = materials_of(thing) if has_shape else ()
         asks = self.particles.is_asked_for(materials)
+        asks_instancer = isinstance(thing.data, bpy.types.Mesh) and self.instancers.is_asked_for(materials)
         if has_shape:
             note_adaptive(source, self._depsgraph, self._reports)
         return Placement(
@@ -306,13 +315,19 @@ class _Grouping:
             pass_index=source.pass_index,
             own_random_number=random_number_of(owner.name),
             particle_rows=[] if asks else None,
+            instancer_rows=[] if asks_instancer else None,
+            instancer_numbers=self.instancers.numbers if asks_instancer else None,
         )
 
     def placements(self) -> list[Placement]:
         found = [placement for placement in self._placements.values() if placement is not None]
         for placement in found:
             if placement.particle_rows is not None:
-                placement.particles = self.particles.states(placement.particle_rows)
+                particles = self.particles.states(placement.particle_rows)
+                if particles is not None:
+                    placement.told["particles"] = particles
+            if placement.instancer_rows is not None:
+                placement.told["instancer_values"] = self.instancers.values(placement.instancer_rows, placement)
         return found
 
 
@@ -364,8 +379,7 @@ def leave_out_flat_copies(meshes: list[Placement]) -> None:
         if not is_kept.all():
             placement.matrices = list(compress(placement.matrices, is_kept))
             placement.random_numbers = list(compress(placement.random_numbers, is_kept))
-            if placement.particles is not None:
-                placement.particles = placement.particles[is_kept]
+            placement.told = {name: values[is_kept] for name, values in placement.told.items()}
 
 
 def _geometry_of(placement: Placement) -> tuple[object, ...]:

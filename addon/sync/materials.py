@@ -80,7 +80,7 @@ class MaterialReader:
         self._camera = camera
         self._placement: Placement | None = None  #: Whose material is read.
         self._asked: dict[bpy.types.Material | None, dict[tuple[str, str], None]] = {}  #: Of objects.
-        self._index_of: dict[tuple[bpy.types.Material | None, tuple[Rgba | None, ...]], int] = {}
+        self._index_of: dict[tuple[bpy.types.Material | None, tuple[Rgba | int | None, ...]], int] = {}
         self._fields: dict[int, list[tuple[DensityField, int]]] = {}
 
     def index(self, material: bpy.types.Material | None, placement: Placement | None = None) -> int:
@@ -104,10 +104,10 @@ class MaterialReader:
         """One per slot."""
         return [self.index(material, placement) for material in placement.materials]
 
-    def _told(self, material: bpy.types.Material | None) -> tuple[Rgba | None, ...]:
+    def _told(self, material: bpy.types.Material | None) -> tuple[Rgba | int | None, ...]:
         return tuple(self._property_of(*asked) for asked in self._asked.get(material, ()))
 
-    def _property_of(self, kind: str, name: str) -> Rgba | None:
+    def _property_of(self, kind: str, name: str) -> Rgba | int | None:
         if self.properties is None or self._placement is None:
             return None
         return self.properties.read(kind, name, self._placement)
@@ -219,7 +219,7 @@ class MaterialReader:
         reader.corrects_bumps = getattr(of_cycles, "use_bump_map_correction", True)
         asked = self._asked.setdefault(material, {})
 
-        def property_of(kind: str, name: str) -> Rgba | None:
+        def property_of(kind: str, name: str) -> Rgba | int | None:
             asked[kind, name] = None
             return self._property_of(kind, name)
 

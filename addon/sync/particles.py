@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..shader_nodes import shader_tree
+from ..shader_nodes import nodes_within, shader_tree
 from .random_numbers import as_unit_floats, hashes_of_two
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from bpy.types import Depsgraph, DepsgraphObjectInstance, Material, NodeTree, ParticleSystem
+    from bpy.types import Depsgraph, DepsgraphObjectInstance, Material, ParticleSystem
     from numpy.typing import NDArray
 
     from .instances import Placement
@@ -59,7 +59,13 @@ class ParticleReader:
     def _asked_by(self, material: Material | None) -> set[str]:
         if material not in self._asked:
             tree = None if material is None else shader_tree(material)
-            self._asked[material] = set() if tree is None else _asked_in(tree, set())
+            self._asked[material] = {
+                output.identifier
+                for node in nodes_within(tree)
+                if node.type == "PARTICLE_INFO"
+                for output in node.outputs
+                if output.is_linked
+            }
         return self._asked[material]
 
     def row_of(self, instance: DepsgraphObjectInstance) -> int:
@@ -92,7 +98,7 @@ class ParticleReader:
 
 def note_unread(placement: Placement, reports: Reports) -> None:
     """Of what is not drawn as a mesh: its programs do not know their instance."""
-    if placement.particles is not None:
+    if "particles" in placement.told:
         reports.add(f'Object "{placement.object_name}"', "is no mesh: Particle Info is read as 0 on its particles")
 
 
@@ -112,17 +118,3 @@ def _states(system: ParticleSystem, frame: float, asked: set[str]) -> NDArray[np
             found = numbers.reshape(count, width)
             states[:, column : column + width] = np.float32(frame) - found if output == "Age" else found
     return states
-
-
-def _asked_in(tree: NodeTree, met: set[int]) -> set[str]:
-    """In it, or in a group of it: which outputs of Particle Info."""
-    if tree.as_pointer() in met:
-        return set()
-    met.add(tree.as_pointer())
-    asked: set[str] = set()
-    for node in tree.nodes:
-        if node.type == "PARTICLE_INFO":
-            asked.update(output.identifier for output in node.outputs if output.is_linked)
-        elif node.type == "GROUP" and node.node_tree is not None:
-            asked |= _asked_in(node.node_tree, met)
-    return asked

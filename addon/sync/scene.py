@@ -198,7 +198,7 @@ class SceneReader:
                 sky_suns=sky_suns,
                 lone=lone,
                 frame=None
-                if all(one.particles is None for one in found_placements)
+                if not any("particles" in one.told for one in found_placements)
                 else depsgraph.scene_eval.frame_current_final,
                 has_instanced_lights=any(one.data is None and one.is_instanced for one in placements),
             )
@@ -360,7 +360,7 @@ def _group(placement: Placement, mesh: Mesh, materials: MaterialReader, media: L
         color=placement.color,
         pass_index=float(placement.pass_index),
         random=as_unit_floats(placement.random_numbers),
-        particles=placement.particles,
+        **placement.told,
     )
 
 

@@ -68,8 +68,8 @@ class ValueReader:
         self.occlusion_reach_m: float | None = None
         self.misses_surroundings = False  #: A render would trace them.
         self.tells_particles = False  #: What is read knows which particle its instance is.
-        #: Of an attribute type and a name: what the object has, or its view layer; None: that is not known.
-        self.property_of: Callable[[str, str], Rgba | None] = lambda _kind, _name: None
+        #: See PropertyReader.read.
+        self.property_of: Callable[[str, str], Rgba | int | None] = lambda _kind, _name: None
 
     @property
     def varying(self) -> Program:

@@ -189,7 +189,7 @@ make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::
            const py::array& world_from_shape, const py::array& shape_materials, const py::array& shape_shows_to,
            std::vector<Material> materials, std::vector<Medium> media, std::vector<VolumeInstance> volumes,
            std::int32_t world_medium, const py::array& particles, const py::array& instance_particles,
-           const Progress& progress) {
+           const py::array& instancer_values, const py::array& instancer_rows, const Progress& progress) {
     const py::ssize_t count = mesh_indices.size();
     SceneDescription description;
     description.origin_in_world = {origin_in_world[0], origin_in_world[1], origin_in_world[2]};
@@ -226,6 +226,9 @@ make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::
     description.particles = to_vector<ParticleState, float>(particles, {-1, 14}, "particles");
     description.instance_particles =
         to_vector<std::uint32_t, std::uint32_t>(instance_particles, {-1}, "instance_particles");
+    description.instancer_values = to_vector<vec4, float>(instancer_values, {-1, -1, 4}, "instancer_values");
+    description.instancer_value_count = static_cast<std::uint32_t>(instancer_values.shape(1));
+    description.instancer_rows = to_vector<std::uint32_t, std::uint32_t>(instancer_rows, {-1}, "instancer_rows");
     return without_gil([&] { return std::make_unique<SceneWithMedia>(std::move(description), progress); });
 }
 
@@ -309,7 +312,7 @@ float32 (strands, 2) or (n, 2); randoms: float32 (strands,) or None. Releases th
              "slot_materials"_a, "randoms"_a, "object_colors"_a, "object_indices"_a, "object_light_groups"_a,
              "object_sets"_a, "object_links"_a, "shapes"_a, "shape_indices"_a, "world_from_shape"_a,
              "shape_materials"_a, "shape_shows_to"_a, "materials"_a, "media"_a, "volumes"_a, "world_medium"_a,
-             "particles"_a, "instance_particles"_a, "progress"_a,
+             "particles"_a, "instance_particles"_a, "instancer_values"_a, "instancer_rows"_a, "progress"_a,
              R"(In the dark, see relit. Per instance: mesh_indices and first_slot_materials uint32, slot_counts uint16,
 shows_to uint8, a bit each for cameras, lights' shadows, bounces, mirrors and glass, and one each for what is
 held out, for shadow catchers and for what lights media, world_from_object float32 (n, 4, 4)
@@ -318,7 +321,8 @@ shape_materials, uint32, is the one material. object_names: those that name_indi
 which object_colors and object_indices are, too; then one per shape. Of all of these, object_light_groups, uint8 (255:
 none), object_sets, uint8 (n, 2), of receivers and blockers, and object_links, uint64 (n, 2), those they light and are
 blocked by. particles: float32 (n, 14), the members of ParticleState; instance_particles, uint32, says which of them
-each instance is, or 2^32 - 1; or nothing, if none is one. Releases the GIL.)")
+each instance is, or 2^32 - 1; or nothing, if none is one. instancer_values: float32 (n, values, 4), what instancers
+give; instancer_rows, uint32, the same way. Releases the GIL.)")
         .def(
             "moved",
             [](const SceneWithMedia& built, const py::array& instances, const py::array& world_from_object,

@@ -62,9 +62,10 @@ static bool are_alike(const SceneDescription& a, const SceneDescription& b) {
     const auto all = [](const SceneDescription& scene) {
         const auto& [origin_in_world, meshes, instances, shapes, placed_shapes, object_names, object_infos,
                      slot_materials, materials, media, volumes, lights, world, world_medium_index, particles,
-                     instance_particles] = scene;
+                     instance_particles, instancer_values, instancer_value_count, instancer_rows] = scene;
         return std::tie(origin_in_world, meshes, shapes, placed_shapes, object_names, object_infos, slot_materials,
-                        world_medium_index, particles, instance_particles);
+                        world_medium_index, particles, instance_particles, instancer_values, instancer_value_count,
+                        instancer_rows);
     };
     constexpr auto same = [](const auto& part, const auto& other) { return are_same(part, other); };
     constexpr auto alike = [](const Instance& instance, const Instance& other) { return are_alike(instance, other); };

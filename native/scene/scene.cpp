@@ -9,6 +9,7 @@
 #include "shading/op_inputs.hpp"
 #include "shading/surface_program.hpp"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -104,6 +105,13 @@ void Scene::Geometry::validate() const {
     for (const std::uint32_t particle : scene.instance_particles)
         require(particle == SceneDescription::no_particle || particle < scene.particles.size(),
                 "an instance asks for particle ", particle, " of ", scene.particles.size());
+    require(scene.instancer_rows.empty() || scene.instancer_rows.size() == scene.instances.size(), "there are ",
+            scene.instancer_rows.size(), " rows of instancers' values for ", scene.instances.size(), " instances");
+    for (const std::uint32_t row : scene.instancer_rows)
+        require(row == SceneDescription::no_row ||
+                    (std::size_t{row} + 1) * scene.instancer_value_count <= scene.instancer_values.size(),
+                "an instance asks for row ", row, " of ", scene.instancer_values.size(), " values of instancers, ",
+                scene.instancer_value_count, " a row");
     for (const std::uint32_t material : scene.slot_materials)
         require(material < scene.materials.size(), "a slot asks for material ", material, " of ",
                 scene.materials.size());
@@ -154,18 +162,23 @@ void Scene::Geometry::drop_unusable_instances() {
             ++dropped_counts[{instance.name_index, reason}];
         return reason != nullptr;
     };
-    std::vector<std::uint32_t>& particles = description.instance_particles;
+    const std::array of_instances{&description.instance_particles, &description.instancer_rows};
     std::size_t index = 0, kept = 0;
     std::erase_if(description.instances, [&](Instance& instance) {
         const bool is_empty = description.meshes[instance.mesh_index]->triangle_count() == 0;
         const bool drops = is_dropped(instance, is_empty, "its mesh has no usable triangle");
-        if (!drops && !particles.empty())
-            particles[kept++] = particles[index];
+        if (!drops) {
+            for (std::vector<std::uint32_t>* const indices : of_instances)
+                if (!indices->empty())
+                    (*indices)[kept] = (*indices)[index];
+            ++kept;
+        }
         ++index;
         return drops;
     });
-    if (!particles.empty())
-        particles.resize(kept);
+    for (std::vector<std::uint32_t>* const indices : of_instances)
+        if (!indices->empty())
+            indices->resize(kept);
     std::erase_if(description.placed_shapes, [&](PlacedShape& placed) {
         const ShapeGeometry& shape = *description.shapes[placed.shape_index];
         return is_dropped(placed, shape.bounds().is_empty(), why_empty(shape));

@@ -65,11 +65,24 @@ struct SceneDescription {
     /// Into particles, or no_particle; as many as instances, or none: then none is one.
     std::vector<std::uint32_t> instance_particles;
     static constexpr std::uint32_t no_particle = ~0u;
+    /// What instancers give to instances whose material asks: of each of these as many colours with alpha, in a row.
+    std::vector<vec4> instancer_values;
+    std::uint32_t instancer_value_count = 0; ///< Per row.
+    /// Which row each instance has, or no_row; as many as instances, or none: then none has one.
+    std::vector<std::uint32_t> instancer_rows;
+    static constexpr std::uint32_t no_row = ~0u;
 
     /// Null: of no particle, or none that a material asks for.
     [[nodiscard]] const ParticleState* particle_of(std::uint32_t instance) const {
         const bool is_one = instance < instance_particles.size() && instance_particles[instance] != no_particle;
         return is_one ? &particles[instance_particles[instance]] : nullptr;
+    }
+    /// Empty: of no instance, or none whose material asks.
+    [[nodiscard]] std::span<const vec4> instancer_values_of(std::uint32_t instance) const {
+        if (instance >= instancer_rows.size() || instancer_rows[instance] == no_row)
+            return {};
+        return std::span(instancer_values)
+            .subspan(std::size_t{instancer_rows[instance]} * instancer_value_count, instancer_value_count);
     }
     /// Of what a Hit's instance is.
     [[nodiscard]] std::uint32_t name_index_of(std::uint32_t instance) const {

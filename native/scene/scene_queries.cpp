@@ -240,7 +240,8 @@ ProgramPoint Scene::program_point(const AskingRay& asking, const ShadingPoint& p
                                .object_from_scene = &object_from_scene,
                                .info = infos.empty() ? nullptr : &infos[description().name_index_of(hit.instance)],
                                .random = placed != nullptr ? 0.0f : description().instances[hit.instance].random,
-                               .particle = description().particle_of(hit.instance)},
+                               .particle = description().particle_of(hit.instance),
+                               .instancer_values = description().instancer_values_of(hit.instance)},
                     .object_normal = placed != nullptr ? vec3(0.0f) : smooth_normal(mesh_of(hit.instance), hit)};
     if (placed == nullptr && reads_edges(surface))
         at.edge_distance_m = edge_distance(mesh_of(hit.instance), mat3(*at.object.scene_from_object), hit);

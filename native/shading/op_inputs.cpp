@@ -24,6 +24,11 @@ const ParticleState& particle_of(const ProgramPoint& point) {
     return point.object.particle == nullptr ? none : *point.object.particle;
 }
 
+vec4 instancer_value(const SurfaceOp& op, const ProgramPoint& point) {
+    const std::span<const vec4> values = point.object.instancer_values;
+    return op.selector < values.size() ? values[op.selector] : vec4(0.0f);
+}
+
 /// Half a pixel beside the point, or at it.
 vec3 step(const SurfaceOp& op, const ProgramPoint& point) {
     return op.shift == 0 ? vec3(0.0f) : op.value.x * pixel_steps(point).at(op.shift - 1);
@@ -74,6 +79,10 @@ Rgb plain_input(PointInput input, const SurfaceOp& op, const ProgramPoint& point
         return particle_of(point).velocity;
     case PointInput::ParticleAngularVelocity:
         return particle_of(point).angular_velocity;
+    case PointInput::InstancerColor:
+        return Rgb(instancer_value(op, point));
+    case PointInput::InstancerAlpha:
+        return Rgb(instancer_value(op, point).w);
     case PointInput::RayLength:
         return Rgb(point.ray_length_m);
     case PointInput::IsRay:

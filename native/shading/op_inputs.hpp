@@ -37,7 +37,9 @@ enum class PointInput : std::uint8_t {
     ParticleLocation = 22, ///< In the world, as the others.
     ParticleVelocity = 23,
     ParticleAngularVelocity = 24,
-    PlainCount = 25,
+    InstancerColor = 25, ///< Of the values that its instancer gives to the instance, that of number `selector`.
+    InstancerAlpha = 26, ///< Of the same.
+    PlainCount = 27,
     DirectionToWorld = 32,
     DirectionToObject = 33,
     PointToWorld = 34,
@@ -52,7 +54,8 @@ enum class PointInput : std::uint8_t {
     return input < PointInput::PlainCount || (reads_operand(input) && input < PointInput::End);
 }
 [[nodiscard]] inline bool is_number(PointInput input) {
-    return input >= PointInput::ObjectAlpha && input < PointInput::ParticleLocation;
+    return (input >= PointInput::ObjectAlpha && input < PointInput::ParticleLocation) ||
+           input == PointInput::InstancerAlpha;
 }
 
 /// Of an operation of Code::Input.

@@ -3,6 +3,7 @@
 #pragma once
 #include "shading/material.hpp"
 #include <limits>
+#include <span>
 
 namespace tyndall {
 class Surroundings; // surroundings.hpp
@@ -34,6 +35,7 @@ struct ShadedObject {
     const ObjectInfo* info = nullptr;
     float random = 0.0f; ///< [0, 1)
     const ParticleState* particle = nullptr;
+    std::span<const vec4> instancer_values = {}; ///< That its material asks for; none: they are 0.
 };
 
 struct ProgramPoint {

@@ -13,7 +13,7 @@ from .heterogeneity import PaintedAir
 from .scene_description import DensityGrid, Image, Instances, Mesh, Strands
 from .voxel_dag import VoxelDag
 
-ARRAYS_OF_INSTANCES = ("random", "particles")  #: Or None.
+ARRAYS_OF_INSTANCES = ("random", "particles", "instancer_values")  #: Or None.
 #: What compares by ==.
 PLAIN_OF_INSTANCES = [
     entry.name for entry in fields(Instances) if entry.name not in {"mesh", "world_from_object", *ARRAYS_OF_INSTANCES}
@@ -65,8 +65,8 @@ def _feed_instances(digest: _Digest, value: Instances) -> None:
     """At once: a scene may have 100,000 groups."""
     plain = [getattr(value, name) for name in PLAIN_OF_INSTANCES]
     arrays = [getattr(value, name) for name in ARRAYS_OF_INSTANCES]
-    has = [array is not None for array in arrays]
-    digest.update(f"<{value.mesh.key}>{plain!r}{value.world_from_object.shape}{has}".encode())
+    shapes = [None if array is None else array.shape for array in arrays]
+    digest.update(f"<{value.mesh.key}>{plain!r}{value.world_from_object.shape}{shapes}".encode())
     digest.update(np.ascontiguousarray(value.world_from_object, np.float64).data)
     for array in arrays:
         if array is not None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .scene_description import Instances
 
-NO_PARTICLE = 0xFFFFFFFF  #: As native/scene/scene.hpp has it.
+NO_PARTICLE = NO_ROW = 0xFFFFFFFF  #: As native/scene/scene.hpp has them.
 
 
 def names_of(groups: list[Instances]) -> tuple[list[str], list[int], NDArray[np.uint32]]:
@@ -51,6 +51,23 @@ def particles_of(groups: list[Instances]) -> tuple[NDArray[np.float32], NDArray[
             count += len(found)
         indices.append(of_group)
     return np.ascontiguousarray(np.concatenate(states), np.float32), np.concatenate(indices)
+
+
+def instancer_values_of(groups: list[Instances]) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+    """(rows, values, 4), and which row each instance has; both empty where none has one."""
+    found = [group.instancer_values for group in groups if group.instancer_values is not None]
+    if not found:
+        return np.zeros((0, 0, 4), np.float32), np.zeros(0, np.uint32)
+    indices: list[NDArray[np.uint32]] = []
+    count = 0
+    for group in groups:
+        own = len(group.object_names)
+        if group.instancer_values is None:
+            indices.append(np.full(own, NO_ROW, np.uint32))
+        else:
+            indices.append(np.arange(count, count + own, dtype=np.uint32))
+            count += own
+    return np.ascontiguousarray(np.concatenate(found), np.float32), np.concatenate(indices)
 
 
 def colors_of(groups: list[Instances], counts: list[int]) -> NDArray[np.float32]:

@@ -15,7 +15,7 @@ from tyndall.closed_meshes import open_edge_count
 from . import _native
 from .direction_programs import build_direction_program
 from .fingerprints import fingerprint
-from .instance_arrays import colors_of, names_of, particles_of, randoms_of, repeated
+from .instance_arrays import colors_of, instancer_values_of, names_of, particles_of, randoms_of, repeated
 from .light_textures import build_light_textures
 from .linear_colours import linear_texels
 from .memory_estimate import require_room, scene_parts
@@ -262,6 +262,7 @@ def _build_geometry(description: SceneDescription, parts: NativeParts, progress:
     ]
     volumes = build_volumes(description.volumes, parts, origin, reports, progress)
     particles, instance_particles = particles_of(groups)
+    instancer_values, instancer_rows = instancer_values_of(groups)
     counts = [len(group.object_names) for group in groups]
     mesh_keys = list(dict.fromkeys(group.mesh.key for group in groups))
     mesh_index = {key: index for index, key in enumerate(mesh_keys)}
@@ -291,6 +292,8 @@ def _build_geometry(description: SceneDescription, parts: NativeParts, progress:
         world_medium=description.world.medium,
         particles=particles,
         instance_particles=instance_particles,
+        instancer_values=instancer_values,
+        instancer_rows=instancer_rows,
         progress=progress,
     )
     follows = parts.follows_moves and len(groups) == len(description.instances)

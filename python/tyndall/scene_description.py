@@ -98,6 +98,9 @@ class Instances:
     #: (count, 14), for materials that ask which particle each is: its index, a random number in [0, 1), age and
     #: lifetime in frames, size; location, velocity and angular velocity in the world. NaN: none. None: none is one.
     particles: NDArray[np.float32] | None = None
+    #: (count, values, 4), for materials that ask what their instancer gives each: colours with alpha, as many for all
+    #: groups that have some. None: all are 0.
+    instancer_values: NDArray[np.float32] | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

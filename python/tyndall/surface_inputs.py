@@ -34,6 +34,8 @@ class PointInput(IntEnum):
     PARTICLE_LOCATION = 22
     PARTICLE_VELOCITY = 23
     PARTICLE_ANGULAR_VELOCITY = 24
+    INSTANCER_COLOR = 25  #: Of the value whose number is its selector.
+    INSTANCER_ALPHA = 26
     DIRECTION_TO_WORLD = 32
     DIRECTION_TO_OBJECT = 33
     POINT_TO_WORLD = 34

@@ -108,15 +108,3 @@ def test_objects_that_share_a_material_have_their_own() -> None:
     ours, cycles = pictures(look_along(5))
     assert ours == pytest.approx(cycles, abs=1e-6)
     assert ours.sum(axis=1) == pytest.approx([1.0, 0.5, 0.5, 0.0, 0.75], abs=1e-6)
-
-
-def test_what_an_instancer_gives_is_named() -> None:
-    scene = empty_scene()
-    collection = bpy.data.collections.new("Instanced")
-    collection.objects.link(made := strip("Hidden", [shown("INSTANCER", "tint", "Color")]))
-    scene.collection.objects.unlink(made)
-    instancer = add("Instancer", None)
-    instancer.instance_type, instancer.instance_collection = "COLLECTION", collection
-    rendered_pixels(look_along(1))
-    reports = (last_render.statistics_of(scene.name) or {})["reports"]
-    assert reports == ['Material "INSTANCER tint Color": Attribute of an instancer is read as mid grey']
