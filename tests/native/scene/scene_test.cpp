@@ -174,6 +174,30 @@ TEST_CASE("instances that cannot be drawn are left out, one line per object; the
     CHECK(hit.is_hit());
     CHECK(scene->description().object_names[scene->description().instances[hit.instance].name_index] == "part 3");
 }
+TEST_CASE("where an instance is left out, the others keep what their instancers gave them") {
+    const auto whole = make_scene({{.mesh = square()}, {.mesh = square()}, {.mesh = square()}});
+    SceneDescription description = description_of(*whole);
+    description.instancer_values = {vec4(1), vec4(2), vec4(3), vec4(4)};
+    description.instancer_value_count = 2;
+    description.instancer_rows = {1, SceneDescription::no_row, 0};
+    const Scene all(description, Progress());
+    REQUIRE(all.description().instancer_values_of(0).size() == 2);
+    CHECK(all.description().instancer_values_of(0)[1] == vec4(4));
+    CHECK(all.description().instancer_values_of(1).empty());
+    CHECK(all.description().instancer_values_of(3).empty()); // a placed shape
+    CHECK(whole->description().instancer_values_of(0).empty());
+    description.instances[0].world_from_object = glm::scale(mat4(1.0f), vec3(0.0f));
+    const Scene without(description, Progress());
+    REQUIRE(without.description().instances.size() == 2);
+    CHECK(without.description().instancer_values_of(0).empty());
+    CHECK(without.description().instancer_values_of(1)[0] == vec4(1));
+    description.instancer_rows[2] = 2;
+    CHECK_THROWS_WITH_AS(Scene(description, Progress()),
+                         "an instance asks for row 2 of 4 values of instancers, 2 a row", InvalidInput);
+    description.instancer_rows.pop_back();
+    CHECK_THROWS_WITH_AS(Scene(description, Progress()), "there are 2 rows of instancers' values for 3 instances",
+                         InvalidInput);
+}
 // Seen to fail with the particles of those that are left out kept.
 TEST_CASE("where an instance is left out, the others stay the particles that they were") {
     const mat4 flat = glm::scale(mat4(1.0f), vec3(0.0f));

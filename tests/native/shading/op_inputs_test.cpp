@@ -115,6 +115,18 @@ TEST_CASE("a particle tells what it is, and what is none nothing but the hash of
     CHECK(placed.read(PointInput::ParticleAngularVelocity) == vec3(7, 8, 9));
 }
 
+TEST_CASE("an instance tells those of its instancer's values that there are; all others are 0") {
+    Placed placed;
+    CHECK(placed.read(PointInput::InstancerColor) == Rgb(0.0f));
+    CHECK(placed.read(PointInput::InstancerAlpha) == Rgb(0.0f));
+    const std::array values{vec4(0.1f, 0.2f, 0.3f, 0.4f), vec4(5, 6, 7, 8)};
+    placed.point.object.instancer_values = values;
+    CHECK(placed.read(PointInput::InstancerColor) == Rgb(0.1f, 0.2f, 0.3f));
+    CHECK(placed.read(PointInput::InstancerColor, vec3(0.0f), 1) == Rgb(5, 6, 7));
+    CHECK(placed.read(PointInput::InstancerAlpha, vec3(0.0f), 1) == Rgb(8.0f));
+    CHECK(placed.read(PointInput::InstancerColor, vec3(0.0f), 2) == Rgb(0.0f));
+}
+
 // Seen to fail with the two steps swapped, and with the distance left out.
 TEST_CASE("a bump of a plane's height has the normal of the slope") {
     Placed placed;
