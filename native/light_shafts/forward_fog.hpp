@@ -12,6 +12,8 @@ namespace tyndall::light_shafts {
 struct LackOfDirections {
     float asymmetry_g; ///< Its absolute value.
     double wanted;     ///< Directions that would do.
+    /// Less forward fog gains less by draws than they take, in a viewport's few samples above all.
+    [[nodiscard]] bool is_worth_draws() const { return asymmetry_g >= 0.8f; }
 };
 /// Nothing: config.world_samples suffice, or the world lights no fog.
 [[nodiscard]] std::optional<LackOfDirections> lack_of_directions(const Scene& scene, const Config& config);

@@ -23,8 +23,9 @@ LeftLights find_left(const Scene& scene, const Media& media, const Config& confi
     const double lamps_s = static_cast<double>(counts.lamp_samples) * s_per_sample +
                            static_cast<double>(counts.lamps) * row_s_per_ray * limit.ray_count;
     const bool is_swallowed = config.attenuates_light && media.fills_world();
+    const std::optional<LackOfDirections> lack = lack_of_directions(scene, config);
     return {.lamps = lamps_s > limit.most_s,
             .world = !is_swallowed && (static_cast<double>(counts.world_samples) * s_per_sample > limit.most_s ||
-                                       lack_of_directions(scene, config).has_value())};
+                                       (lack && lack->is_worth_draws()))};
 }
 } // namespace tyndall::light_shafts

@@ -48,12 +48,12 @@ FrameShafts::FrameShafts(const Scene& scene, const Media& media, const Camera& c
     if (glow_ && glow_->is_empty())
         glow_.reset();
     const light_shafts::LeftLights& left = shafts_.left();
-    const bool is_forward = lack_of_directions(scene, config.shafts).has_value();
+    const auto lack = light_shafts::lack_of_directions(scene, config.shafts);
     if (left.lamps)
         statistics.skip("light shafts: rows of lamps", "draws for each sample take a small part of their time");
     if (left.world)
         statistics.skip("light shafts: rows of the world",
-                        is_forward
+                        lack && lack->is_worth_draws()
                             ? "fog scatters farther forward than its directions are dense: each sample draws some"
                             : "draws for each sample take a small part of their time");
     if (left.is_any()) {

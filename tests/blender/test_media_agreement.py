@@ -239,7 +239,14 @@ def test_a_pane_without_transparent_shadows_blocks_shafts_that_the_camera_sees_t
 
 @pytest.mark.parametrize(
     ("anisotropy", "world_samples", "advice"),
-    [(0.7, 256, ""), (0.9, 256, "1000 would do"), (0.9, 1024, ""), (0.999, 256, "cannot be had"), (0.999, 0, "")],
+    [
+        (0.7, 256, ""),
+        (0.7, 16, "112 would do"),
+        (0.9, 256, "1000 would do"),
+        (0.9, 1024, ""),
+        (0.999, 256, "cannot be had"),
+        (0.999, 0, ""),
+    ],
 )
 def test_too_few_directions_for_forward_fog_are_named(anisotropy: float, world_samples: int, advice: str) -> None:
     def forward(new: New, _: Link) -> Socket:
@@ -258,4 +265,4 @@ def test_too_few_directions_for_forward_fog_are_named(anisotropy: float, world_s
     assert all(advice in line and f"{anisotropy:g}" in line for line in reports())
     scene.tyndall.shafts.method, scene.tyndall.pixel_samples = "EPIPOLAR", 16  # of which each draws some
     bpy.ops.render.render(scene=scene.name)
-    assert not reports()
+    assert bool(reports()) == (bool(advice) and anisotropy < 0.8)
