@@ -11,7 +11,7 @@ from .fingerprints import fingerprint
 
 if TYPE_CHECKING:
     from . import _native
-    from .renderer import RenderConfig
+    from .render_config import RenderConfig
     from .scene_description import Camera
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
-from .renderer import Session, ShaftConfig, native_shafts
+from .render_config import ShaftConfig, native_shafts
+from .renderer import Session
 from .scene_description import (
     Camera,
     Extension,

@@ -19,7 +19,7 @@ from . import InvalidInput
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
 
-    from .renderer import DataConfig
+    from .render_config import DataConfig
     from .scene_description import Mesh, SceneDescription, Strands
 
 #: Of passes that are no colours. The sums of Debug Sample Count are others'.

@@ -10,7 +10,7 @@ from . import _native
 from .mattes import MATTE_NAMES
 
 if TYPE_CHECKING:
-    from .renderer import DataConfig
+    from .render_config import DataConfig
 
 
 def build_data_passes(
