@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, fields, is_dataclass, replace
-from typing import Any, TypeVar
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +11,9 @@ from numpy.typing import NDArray
 from tyndall.closed_meshes import open_edge_count
 
 from . import _native
-from .direction_programs import build_direction_program
 from .fingerprints import fingerprint
 from .instance_arrays import colors_of, instancer_values_of, names_of, particles_of, randoms_of, repeated
 from .light_textures import build_light_textures
-from .linear_colours import linear_texels
 from .memory_estimate import require_room, scene_parts
 from .moved_instances import moved_groups
 from .native_light_links import group_index, lighting_arrays
@@ -26,25 +22,14 @@ from .native_materials import build_material
 from .native_textures import TextureFiles, build_texture
 from .native_volumes import build_volumes
 from .native_voxels import build_shapes, relative_matrices, shows_to
-from .scene_description import (
-    Image,
-    Instances,
-    LightTexture,
-    Material,
-    Medium,
-    OccluderEdit,
-    SceneDescription,
-    TextureUse,
-    World,
-)
+from .native_worlds import build_world
+from .scene_description import Instances, Material, Medium, SceneDescription, TextureUse
 from .scene_origin import free_places, origin_of, places_of
+from .usable_parts import built
 
-#: Radiances and coefficients beyond it would overflow where they are summed; Blender makes 3.4e38 of infinite ones.
-_LARGEST_VALUE = 1e30
 #: What Blender shows where a mesh has no material.
 _DEFAULT_MATERIAL = Material(name="(no material)")
 _FEW_PLACES = 4096
-_Part = TypeVar("_Part")
 
 
 @dataclass(kw_only=True)
@@ -179,7 +164,7 @@ def light_scene(description: SceneDescription, kept: KeptGeometry, parts: Native
     reports = [*description.reports, *kept.reports]
     light_textures = build_light_textures(description.lights, parts, reports)
     origin = kept.origin_in_world
-    lights = _built(
+    lights = built(
         description.lights,
         lambda light: build_light(
             light,
@@ -195,7 +180,7 @@ def light_scene(description: SceneDescription, kept: KeptGeometry, parts: Native
     named = [
         (source.name, light) for source, light in zip(description.lights, lights, strict=True) if light is not None
     ]
-    world = _build_world(description, parts, reports)
+    world = build_world(description, parts, reports)
     return BuiltScene(
         scene=kept.scene.relit([light for _, light in named], world),
         origin_in_world=origin,
@@ -257,7 +242,7 @@ def _build_geometry(description: SceneDescription, parts: NativeParts, progress:
     media = [
         part if part is not None else _build_medium(Medium(name=medium.name))
         for medium, part in zip(
-            description.media, _built(description.media, _build_medium, "Volume", reports), strict=True
+            description.media, built(description.media, _build_medium, "Volume", reports), strict=True
         )
     ]
     volumes = build_volumes(description.volumes, parts, origin, reports, progress)
@@ -366,37 +351,6 @@ def _report_open_media(
     parts.open_edges = kept
 
 
-def _built(sources: Iterable[_Part], build: Callable[[_Part], Any], kind: str, reports: list[str]) -> list[Any | None]:
-    """Each source's native part, or None and a report where it cannot be used."""
-    result: list[Any | None] = []
-    for source in sources:
-        try:
-            _require_finite(source)
-            result.append(build(source))
-        except _native.InvalidInput as error:
-            reports.append(f'{kind} "{getattr(source, "name", "")}" is left out: {error}')
-            result.append(None)
-    return result
-
-
-def _usable(sources: Iterable[_Part], build: Callable[[_Part], Any], kind: str, reports: list[str]) -> list[Any]:
-    return [part for part in _built(sources, build, kind, reports) if part is not None]
-
-
-def _require_finite(part: object, path: str = "") -> None:
-    """Raise InvalidInput that names the first field of a light, medium or world that is not finite."""
-    if isinstance(part, Image | OccluderEdit | LightTexture):  # a broken one does not cost its light
-        return
-    if is_dataclass(part):
-        for entry in fields(part):
-            _require_finite(getattr(part, entry.name), f"{path}{entry.name}")
-    elif isinstance(part, tuple) and part and is_dataclass(part[0]):
-        for index, item in enumerate(part):
-            _require_finite(item, f"{path}[{index}].")
-    elif isinstance(part, float | tuple | np.ndarray) and not (np.abs(part) < _LARGEST_VALUE).all():
-        raise _native.InvalidInput(f"{path} is not finite")
-
-
 def _with_aov_programs(materials: tuple[Material, ...]) -> tuple[tuple[Material, ...], dict[str, dict[int, int]]]:
     """The materials, and behind them what fills their passes; by name, of a material the one that does."""
     built, programs = list(materials), dict[str, dict[int, int]]()
@@ -438,27 +392,4 @@ def _build_medium(medium: Medium) -> _native.Medium:
         sigma_a_per_m=medium.sigma_a_per_m,
         emission_w_per_m3_sr=medium.emission_w_per_m3_sr,
         receiver_set=medium.receiver_set,
-    )
-
-
-def _build_world(description: SceneDescription, parts: NativeParts, reports: list[str]) -> _native.World:
-    """The world's sampling tables take a while for a large image: kept as long as the world stays the same."""
-    world = description.world
-    group = group_index(world.light_group, description.light_groups)
-    current = (fingerprint(world), group)
-    if parts.world is None or parts.world[0] != current:
-        usable = _usable([world], lambda one: _make_world(one, group), "World", reports)
-        parts.world = (current, usable[0] if usable else _make_world(World(name=world.name), group))
-    return parts.world[1]
-
-
-def _make_world(world: World, light_group: int) -> _native.World:
-    return _native.World(
-        name=world.name,
-        radiance=world.radiance,
-        pixels=None if world.image is None else linear_texels(world.image),
-        image_from_world=world.image_from_world.astype(np.float32, order="C"),
-        seen_pixels=None if world.seen_image is None else linear_texels(world.seen_image),
-        seen_program=None if world.seen_program is None else build_direction_program(world.seen_program),
-        light_group=light_group,
     )
