@@ -50,6 +50,7 @@ def registered_addon() -> Iterator[None]:
     """The add-on of the source tree. A RenderEngine class that is still registered at exit crashes or hangs bpy."""
     import addon  # noqa: PLC0415  after the path is set
 
+    bpy.ops.wm.read_factory_settings()
     addon.register()
     yield
     addon.unregister()
@@ -58,9 +59,11 @@ def registered_addon() -> Iterator[None]:
 @pytest.fixture
 def scene() -> bpy.types.Scene:
     """Blender's factory scene: a cube, a point light, a camera and a world; the engine is ours."""
-    bpy.ops.wm.read_factory_settings()
-    bpy.context.scene.render.engine = "TYNDALL"
-    return bpy.context.scene
+    from support.new_file import new_file  # noqa: PLC0415  after the path is set
+
+    scene = new_file()
+    scene.render.engine = "TYNDALL"
+    return scene
 
 
 @pytest.fixture

@@ -27,6 +27,7 @@ from addon.sync.heterogeneity import read_heterogeneity
 from addon.sync.reports import Reports
 from support.beam_scene import build_beam_scene
 from support.engine_pictures import tyndall_pixels
+from support.new_file import new_file
 from support.small_scenes import add, empty_scene
 from tyndall.heterogeneity import AirNoise, Heterogeneity
 
@@ -329,7 +330,7 @@ def picture() -> np.ndarray:
 @pytest.fixture
 def beams() -> TyndallHeterogeneity:
     """The texture of a scene with four shafts of a lamp, off."""
-    bpy.ops.wm.read_factory_settings()
+    new_file()
     scene = build_beam_scene()
     scene.render.resolution_x, scene.render.resolution_y = 64, 36
     return scene.tyndall.heterogeneity

@@ -17,6 +17,7 @@ import pytest
 from numpy.typing import NDArray
 
 from addon.shader_nodes import use_nodes
+from support.new_file import new_file
 from support.small_scenes import block_shadow_rays
 
 SIZE_PX = 36
@@ -42,10 +43,9 @@ def block_means(pixels: NDArray[np.floating]) -> NDArray[np.float64]:
 
 
 @pytest.fixture
-def stage(scene: bpy.types.Scene) -> bpy.types.Scene:
+def stage() -> bpy.types.Scene:
     """A white floor under a camera, black world, and settings under which both engines compute the same."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    scene = bpy.context.scene
+    scene = new_file(is_empty=True)
     render = scene.render
     render.resolution_x = render.resolution_y = SIZE_PX
     render.resolution_percentage = 100

@@ -16,6 +16,8 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
+from support.new_file import new_file
+
 LIGHT_AT = Vector((-2.4, 1.4, 4.6))
 TARGET = Vector((0.0, 0.6, 1.0))
 
@@ -456,8 +458,7 @@ OCCLUDERS: dict[str, Callable[[], None]] = {
 
 def build(arrangement: Arrangement, width_px: int = 96, height_px: int = 54) -> bpy.types.Scene:
     """Make the scene in an empty file."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    scene = bpy.context.scene
+    scene = new_file(is_empty=True)
     scene.render.resolution_x, scene.render.resolution_y = width_px, height_px
     scene.render.resolution_percentage = 100
     scene.world = bpy.data.worlds.new("World")

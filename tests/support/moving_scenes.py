@@ -12,6 +12,7 @@ from addon import last_render
 from addon.shader_nodes import use_nodes
 from addon.shutter_position import position_settings
 from support.cycles_reference import FloatArray, rendered_pixels
+from support.new_file import new_file
 
 FRAME = 10
 SIZE_PX = 36
@@ -75,8 +76,7 @@ def add_mesh(
 
 def new_stage() -> Scene:
     """A bright wall at z = 0 under a sun, seen from above by an orthographic camera, 4 m wide; frame 10."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    scene = bpy.context.scene
+    scene = new_file(is_empty=True)
     render = scene.render
     render.engine = "TYNDALL"
     render.resolution_x = render.resolution_y = SIZE_PX

@@ -14,6 +14,8 @@ from addon.sync.reports import Reports
 from addon.sync.scene import SceneReader
 from tyndall.scene_description import Instances, SceneDescription
 
+from .new_file import new_file
+
 Node = bpy.types.Node
 #: Builds a shader from `new(type)` and `link(output, input)`, and returns its output.
 Build = Callable[[Callable[[str], Node], Callable[..., object]], bpy.types.NodeSocket]
@@ -24,8 +26,7 @@ CUBE_FACES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 
 
 def empty_scene(size_px: int = 8) -> bpy.types.Scene:
     """A black world and an orthographic camera at z = 3 that looks down on one centimetre around the origin."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    scene = bpy.context.scene
+    scene = new_file(is_empty=True)
     scene.render.engine = "TYNDALL"
     scene.render.resolution_x = scene.render.resolution_y = size_px
     scene.world = bpy.data.worlds.new("World")
