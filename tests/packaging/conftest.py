@@ -2,11 +2,14 @@
 """The packaged zip, its wheel, and Blenders with a user folder of their own to install it into."""
 
 import zipfile
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from support.blenders import ROOT, Blender, Bpy, Executable
+from support.foreign_host import build_host
 
 
 @pytest.fixture(scope="session")
@@ -34,6 +37,12 @@ def site_packages(wheel_path: Path, tmp_path_factory: pytest.TempPathFactory) ->
     with zipfile.ZipFile(wheel_path) as archive:
         archive.extractall(folder)
     return folder
+
+
+@pytest.fixture(scope="session")
+def host_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Give the host program with a version's libraries, which is linked once."""
+    return cache(lambda version: build_host(version, tmp_path_factory.mktemp("host")))
 
 
 @pytest.fixture(params=["3.4", "4.5", "5.0"])

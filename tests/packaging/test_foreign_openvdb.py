@@ -4,12 +4,12 @@
 Blender 3.4 of Debian has the same OpenVDB under the same names; 4.5 and 5.0 have version 12 in another namespace.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from support.blenders import ROOT, Blender, environment_of_bpy, run
-from support.foreign_host import build_host
 
 PROBE = (ROOT / "tests/support/volume_files_beside_blender.py").read_text(encoding="utf-8")
 
@@ -25,10 +25,10 @@ def test_volume_files_are_read_beside_blenders_own(
 @pytest.mark.parametrize("version", ["4.5", "5.0"])
 @pytest.mark.parametrize("ours_comes", ["first", "last"])
 def test_volume_files_are_read_where_blenders_libraries_are_global(
-    version: str, ours_comes: str, site_packages: Path, tmp_path: Path
+    version: str, ours_comes: str, host_of: Callable[[str], Path], site_packages: Path, tmp_path: Path
 ) -> None:
     script = tmp_path / "script.py"
     script.write_text(f"{PROBE}\ncheck({str(tmp_path)!r}, {ours_comes!r})\n", encoding="utf-8")
     environment = {"PYTHONPATH": f"{environment_of_bpy(version)}:{site_packages}", "HOME": str(tmp_path)}
-    result = run([build_host(version, tmp_path), script], environment).succeeded()
+    result = run([host_of(version), script], environment).succeeded()
     assert result.says("volume files:") == "agree"

@@ -67,6 +67,11 @@ def with_version(zip_path: Path, version: str, folder: Path) -> Path:
     return new_path
 
 
+@pytest.fixture(scope="module")
+def newer_zip(zip_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return with_version(zip_path, "99.1.2", tmp_path_factory.mktemp("newer"))
+
+
 def test_the_zip_installs_renders_and_leaves_nothing_behind(blender: Blender, zip_path: Path) -> None:
     picture = blender.user_folder / "picture.exr"
     begin = blender.install + RENDER
@@ -89,14 +94,13 @@ def test_the_zip_installs_renders_and_leaves_nothing_behind(blender: Blender, zi
     assert files_below(blender.user_folder) == []
 
 
-def test_an_update_over_the_loaded_add_on_asks_for_a_restart(blender: Blender, zip_path: Path) -> None:
+def test_an_update_over_the_loaded_add_on_asks_for_a_restart(blender: Blender, zip_path: Path, newer_zip: Path) -> None:
     """Seen to die (3.4, signal 11) with the wheel unpacked over the mapped one, and no entry for the zip's folder."""
-    newer = with_version(zip_path, "99.1.2", blender.user_folder)
     picture = blender.user_folder / "picture.exr"
     begin = blender.install + RENDER
     updated = blender.run(
         f"{begin}\ninstall({str(zip_path)!r})\nenable()\nrender({str(picture)!r})\n"
-        f"install({str(newer)!r})\nenable()\nprint('reason:', reason())"
+        f"install({str(newer_zip)!r})\nenable()\nprint('reason:', reason())"
     ).succeeded()
     assert "restart Blender" in updated.says("reason:")
     assert "99.1.2" in updated.says("reason:")

@@ -78,7 +78,7 @@ def test_functions_colour_what_is_seen_alone(method: str) -> None:
     config = RenderConfig(
         pixel_samples=1,
         passes=frozenset({"Shafts", "Depth"}),
-        shafts=ShaftConfig(method=method),
+        shafts=ShaftConfig(method=method, resolution=512),
         transfer_functions=(function,),
     )
     planes = rendered(foggy(), fisheye(), config).planes
