@@ -59,6 +59,7 @@ def mixed_by_cycles(mode: BlendMode, below: NDArray[np.float32], above: NDArray[
     return cycles_pixels(scene, samples=1, seed=1)
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("mode", BlendMode)
 def test_a_layer_over_an_opaque_one_is_the_mix_node_of_cycles(mode: BlendMode) -> None:
     if mode == BlendMode.EXCLUSION and bpy.app.version < (4, 0, 0):

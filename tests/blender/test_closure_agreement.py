@@ -174,6 +174,7 @@ def test_a_mirror_says_that_it_is_as_sharp_along_its_tangent_as_across(of_roughn
     assert said == [True, False]
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("kind", ["glossy", "coat", "principled"])
 def test_what_is_nearly_a_mirror_shows_a_sun_without_a_size(kind: str) -> None:
     """On facets that lean a little past it; what is narrower than Cycles draws shows none of it."""

@@ -92,6 +92,7 @@ def displaced_grid(
 HEIGHTS: dict[str, Build] = {"image": by_image, "noise": by_noise("Object"), "generated": by_noise("Generated")}
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("is_smooth", [True, False], ids=["smooth", "flat"])
 @pytest.mark.parametrize("name", HEIGHTS)
 def test_a_moved_mesh_is_lit_as_in_cycles(name: str, is_smooth: bool) -> None:  # noqa: FBT001  a parameter

@@ -53,6 +53,7 @@ def ball(shown: bpy.types.Material) -> bpy.types.Object:
     return bpy.context.object
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("shape", ["box", "turned box", "ball"])
 def test_what_noise_absorbs_before_a_wall_is_cycles_pixel_by_pixel(shape: str) -> None:
     """Absorption that is marched has no noise in Cycles, but for where its steps begin."""
@@ -69,6 +70,7 @@ def test_what_noise_absorbs_before_a_wall_is_cycles_pixel_by_pixel(shape: str) -
     assert rms_difference(ours, cycles) < 0.015
 
 
+@pytest.mark.dealt
 def test_lumps_scatter_a_sun_as_in_cycles() -> None:
     scene = look()
     light("SUN", (0, 0, 0), energy=3.0, angle=0.0).rotation_euler = (0.7, 0.4, 0.0)

@@ -30,6 +30,7 @@ from support.small_scenes import material, node, plane, read
 from tyndall.scene_description import LightProjection, LightTexture
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("kind", ["SPOT", "POINT"])
 @pytest.mark.parametrize("place", PLACES)
 def test_an_image_is_read_where_cycles_reads_it(kind: str, place: str) -> None:

@@ -30,6 +30,7 @@ def falls(lamp: bpy.types.Object, output_name: str, smooth: float = 0.0, strengt
     tree.links.new(falloff.outputs[output_name], emission.inputs["Strength"])
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize(
     ("kind", "output_name", "smooth", "has_pattern"),
     [

@@ -142,6 +142,7 @@ def test_a_shader_around_a_normal(name: str, normal: str, tilt: float) -> None:
     check(around(SHADERS[name], NORMALS[normal]), sun(tilt))
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("name", MORE)
 def test_other_shaders_around_a_bump(name: str) -> None:
     check(around(MORE[name], bump()), sun(60.0))
@@ -190,6 +191,7 @@ def bump_of(output: str) -> Build:
     return build
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("coordinate", ["UV", "Generated", "Object"])
 @pytest.mark.parametrize("is_flipped", [False, True], ids=["front", "back"])
 def test_bumps_on_back_faces_go_the_way_that_they_go_in_cycles(coordinate: str, *, is_flipped: bool) -> None:
@@ -267,6 +269,7 @@ def displaced_scene(surface: Build, moved: Build, method: str = "BUMP") -> bpy.t
 
 
 # Seen to fail: without the spaces' scales, without the middle's height, around the surface's own normal.
+@pytest.mark.dealt
 @pytest.mark.parametrize("moved", DISPLACEMENTS)
 @pytest.mark.parametrize("name", ["diffuse", "principled"])
 def test_displacement_is_a_bump(name: str, moved: str) -> None:
@@ -289,6 +292,7 @@ def test_a_bump_lies_on_the_displaced_surface() -> None:
     assert mean <= (0.07 if IS_OLD else 0.03)
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("moved", DISPLACEMENTS)
 def test_a_mesh_that_is_moved_is_as_in_cycles(moved: str) -> None:
     scene = displaced_scene(SHADERS["diffuse"], DISPLACEMENTS[moved], "DISPLACEMENT")

@@ -157,6 +157,7 @@ def test_shafts(stage: bpy.types.Scene, kind: str, method: str) -> None:
     agree(f"shafts_{kind}_{method}", ours(stage, 8), cycles(stage, 256), 0.01, 0.02)
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("kind", [pytest.param("FISHEYE_EQUISOLID", marks=pytest.mark.long), "MIRRORBALL"])
 def test_the_airs_texture(stage: bpy.types.Scene, kind: str) -> None:
     """Noise looked up in columns, which do not follow the lens, beside noise looked up along each ray."""
@@ -192,6 +193,7 @@ def test_motion_on_a_fisheye(stage: bpy.types.Scene, tmp_path: Path) -> None:
     assert (np.abs(here - there).max(axis=-1) < 0.02).mean() > 0.97
 
 
+@pytest.mark.dealt
 def test_a_fisheye_that_turns_is_blurred(stage: bpy.types.Scene) -> None:
     look(stage, "FISHEYE_EQUISOLID")
     render, camera = stage.render, stage.camera
