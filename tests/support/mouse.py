@@ -17,26 +17,28 @@ def xdotool(*words: object) -> None:
     subprocess.run(["xdotool", *map(str, words)], check=True)
 
 
-def click_at(window: Any, x: int, y: int, *, held: str = "") -> Iterator[float]:
-    """In pixels from the window's left and top, with a key held down."""
+def click_at(window: Any, x: int, y: int, *, held: str = "", is_calm_then: bool = True) -> Iterator[float]:
+    """In pixels from the window's left and top, with a key held down. Not calm: where it begins what draws steadily."""
     xdotool("mousemove", x - 3, y)
-    yield 0.2  # one by one: Blender handles no event before this returns, and skips moves that wait
+    yield from window.settled()  # one by one: Blender handles no event before this, and skips moves that wait
     xdotool("mousemove", x, y)
-    yield 0.2
+    yield from window.settled()
     if held:
         xdotool("keydown", held, "click", 1, "keyup", held)
     else:
         xdotool("click", 1)
-    yield 0.2
-    yield from window.calm()
+    yield from window.settled()
+    if is_calm_then:
+        yield from window.calm()
 
 
-def click(window: Any, place: tuple[int, int]) -> Iterator[float]:
+def click(window: Any, place: tuple[int, int], *, is_calm_then: bool = True) -> Iterator[float]:
     """In pixels from the right and the top of the 3D view's sidebar."""
     sidebar = next(region for region in window.area("VIEW_3D").regions if region.type == "UI")
     from_right, from_top = place
     x = sidebar.x + sidebar.width - from_right
-    yield from click_at(window, x, window.bpy_window.height - (sidebar.y + sidebar.height) + from_top)
+    y = window.bpy_window.height - (sidebar.y + sidebar.height) + from_top
+    yield from click_at(window, x, y, is_calm_then=is_calm_then)
 
 
 def through_browser(window: Any, button: tuple[int, int], name: str) -> Iterator[float]:
@@ -54,7 +56,7 @@ def through_browser(window: Any, button: tuple[int, int], name: str) -> Iterator
 def press(window: Any, keys: tuple[str, ...]) -> Iterator[float]:
     for key in keys:
         xdotool("key", key)
-        yield 0.3
+        yield from window.settled()
     yield from window.calm()
 
 

@@ -28,6 +28,7 @@ for folder in (REPOSITORY, REPOSITORY / "tests", REPOSITORY / "python", REPOSITO
 
 TICK_S = 0.01
 CALM_TICKS = 30
+SETTLED_TICKS, SETTLED_S = 5, 0.05
 #: Between ticks, while Blender answers steadily: on a busy machine, where it never answers sooner, the next of these.
 STEADY_GAPS_S = (0.1, 0.2, 0.4)
 
@@ -44,6 +45,7 @@ class Window:
         self._longest_gap_s = 0.0
         self._calm_ticks = 0
         self._steady_gap_s = STEADY_GAPS_S[0]
+        self._ticks = 0
         bpy.app.timers.register(self._tick, persistent=True)
 
     def _tick(self) -> float:
@@ -52,6 +54,7 @@ class Window:
         self._longest_gap_s = max(self._longest_gap_s, gap_s)
         self._calm_ticks = self._calm_ticks + 1 if gap_s < self._steady_gap_s else 0
         self._last_tick = now
+        self._ticks += 1
         return TICK_S
 
     def start_watch(self) -> None:
@@ -73,6 +76,12 @@ class Window:
             return
         raise TimeoutError("the window never answers steadily")
 
+    def settled(self) -> Iterator[float]:
+        """Wait until Blender has handled what mouse and keys just did: rounds of its loop, however long each is."""
+        handled = self._ticks + SETTLED_TICKS
+        yield SETTLED_S
+        yield from self.until(lambda: self._ticks >= handled)
+
     @property
     def bpy_window(self) -> bpy.types.Window:
         return bpy.context.window_manager.windows[0]
@@ -89,7 +98,8 @@ class Window:
         """What a person would see: the pixels of the X server."""
         path = self.folder / f"{name}.png"
         print(f"{time.monotonic():.1f} s: {name}", flush=True)
-        subprocess.run(["import", "-window", "root", str(path)], check=True)
+        # Packed as loosely as PNG has it: tightly, it takes a fifth of all the time that the tests do.
+        subprocess.run(["import", "-window", "root", "-quality", "10", str(path)], check=True)
         return path
 
     def until(self, is_so: Callable[[], bool], *, at_most_s: float = 120.0) -> Iterator[float]:
@@ -179,13 +189,22 @@ def finish(window: Window) -> None:
     grant(end)
 
 
+@bpy.app.handlers.persistent
+def draw_cheaply(*_: object) -> None:
+    """On the CPU, each change would be drawn again for every sample of its smooth edges: most of a session's time.
+
+    Factory settings that a session loads bring them back.
+    """
+    bpy.context.preferences.view.show_splash = False
+    bpy.context.preferences.system.viewport_aa = "OFF"
+    bpy.context.preferences.system.use_overlay_smooth_wire = False
+
+
 def main(session_path: str, folder: str) -> None:
     import addon  # noqa: PLC0415  after the path is set
 
-    bpy.context.preferences.view.show_splash = False
-    # Drawn on the CPU, each change would be drawn again for every sample of its smooth edges: most of a session's time.
-    bpy.context.preferences.system.viewport_aa = "OFF"
-    bpy.context.preferences.system.use_overlay_smooth_wire = False
+    draw_cheaply()
+    bpy.app.handlers.load_factory_preferences_post.append(draw_cheaply)
     window = Window(Path(folder))
     watch_operators(window)
     addon.register()

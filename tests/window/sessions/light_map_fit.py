@@ -53,11 +53,11 @@ def stroke(window: Any) -> Iterator[float]:
     """As a hand does it: each move an event of its own."""
     (begin, end), y = STROKE_PX
     xdotool("mousemove", begin, y)
-    yield 0.3
+    yield from window.settled()
     xdotool("mousedown", 1)
     for x in range(begin, end + 1, 4):
         xdotool("mousemove", x, y)
-        yield 0.1
+        yield from window.settled()
     xdotool("mouseup", 1)
     yield from window.calm()
 
@@ -76,7 +76,7 @@ def begin_endless_fit(window: Any) -> Iterator[float]:
             time.sleep(0.01)
 
     whole, PreparedFit.run = PreparedFit.run, endless
-    yield from click(window, FIT)
+    yield from click(window, FIT, is_calm_then=False)
     yield from window.until(is_fitting)
     yield 0.5
     PreparedFit.run = whole
@@ -123,7 +123,7 @@ def session(window: Any) -> Iterator[float]:
     window.screenshot("light_map_fit_continued")
     for key in ("ctrl+z", "ctrl+z", "ctrl+shift+z"):
         xdotool("mousemove", 500, 700)
-        yield 0.3
+        yield from window.settled()
         yield from press(window, (key,))
         settings = bpy.data.objects[name].data.tyndall
         window.facts.setdefault("gobo", []).append(settings.gobo_image is not None)

@@ -53,9 +53,9 @@ def place_px(window: Any, share: tuple[float, float]) -> tuple[int, int]:
 def hover(window: Any, share: tuple[float, float]) -> Iterator[float]:
     x, y = place_px(window, share)
     xdotool("mousemove", x - 3, y)
-    yield 0.2
+    yield from window.settled()
     xdotool("mousemove", x, y)
-    yield 0.3
+    yield from window.settled()
 
 
 def drag(window: Any, shares: Sequence[tuple[float, float]], *, button: int = 1, held: str = "") -> Iterator[float]:
@@ -63,19 +63,18 @@ def drag(window: Any, shares: Sequence[tuple[float, float]], *, button: int = 1,
     yield from hover(window, shares[0])
     if held:
         xdotool("keydown", held)
-        yield 0.2
+        yield from window.settled()
     xdotool("mousedown", button)
-    yield 0.2
+    yield from window.settled()
     for (x0, y0), (x1, y1) in pairwise(shares):
         for step in range(1, 5):
             xdotool("mousemove", *place_px(window, (x0 + (x1 - x0) * step / 4, y0 + (y1 - y0) * step / 4)))
-            yield 0.05
-    yield 0.2
+            yield from window.settled()
     xdotool("mouseup", button)
-    yield 0.3
+    yield from window.settled()
     if held:
         xdotool("keyup", held)
-    yield 0.5
+    yield from window.calm()
 
 
 def session(window: Any) -> Iterator[float]:

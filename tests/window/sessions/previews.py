@@ -67,7 +67,9 @@ def panels(window: Any) -> Iterator[float]:
         layer.objects.active = thing
         yield 0.2
         properties.context = tab
-        yield 2.0
+        yield 0.3
+        yield from window.until(lambda: not bpy.app.is_job_running("RENDER_PREVIEW"))
+        yield from window.calm()
         window.screenshot(f"preview_{tab.lower()}")
 
 

@@ -40,6 +40,11 @@ def session(window: Any) -> Iterator[float]:  # noqa: C901  its helpers share it
             space.region_3d.view_perspective = "CAMERA"
             space.shading.type = "RENDERED"
 
+    def leave_eevee() -> None:
+        """The engine of the factory's scene, to which edits go back: on the CPU it draws for seconds after each."""
+        if bpy.context.scene.render.engine == "BLENDER_EEVEE":
+            bpy.context.scene.render.engine = "BLENDER_WORKBENCH"
+
     def worker() -> ViewportWorker | None:
         return next((open_one.worker for open_one in viewport.open_viewports.values()), None)
 
@@ -71,6 +76,7 @@ def session(window: Any) -> Iterator[float]:  # noqa: C901  its helpers share it
             note(seed=seed, edit=name)
             with bpy.context.temp_override(window=window.bpy_window, area=window.area("VIEW_3D")):
                 edit(chance, window)
+            leave_eevee()
             yield chance.choice((0.0, 0.01, 0.05, 0.2))
             show_rendered()
         yield from window.until(lambda: not is_rendering(), at_most_s=RENDER_S)

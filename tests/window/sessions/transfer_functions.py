@@ -158,5 +158,5 @@ def pick(window: Any) -> Iterator[float]:
 
 def press_over_view(window: Any, key: str) -> Iterator[float]:
     xdotool("mousemove", 330, 300)
-    yield 0.3
+    yield from window.settled()
     yield from press(window, (key,))

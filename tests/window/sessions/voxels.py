@@ -98,7 +98,7 @@ def session(window: Any) -> Iterator[float]:
     window.screenshot("voxels_made")
     for name, key in (("undone", "ctrl+z"), ("redone", "ctrl+shift+z")):
         xdotool("mousemove", 500, 700)
-        yield 0.3
+        yield from window.settled()
         yield from press(window, (key,))
         window.facts[name] = boxes()
     yield from click(window, RELOAD)
