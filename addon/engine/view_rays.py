@@ -16,10 +16,10 @@ from ..shader_nodes import is_medium_only
 from ..sync.cameras import read_camera
 from ..sync.reports import Reports
 from .settings import frame_window
-from .viewport_camera import camera_of_view
+from .viewport_camera import camera_of_view, perspective_clip_m
 
 if TYPE_CHECKING:
-    from bpy.types import Area, Context, Depsgraph, Object, Region, Scene
+    from bpy.types import Area, Context, Depsgraph, Object, Region, Scene, SpaceView3D
     from mathutils import Matrix
 
     from tyndall.scene_description import Camera
@@ -93,7 +93,7 @@ def place_under(context: Context, depsgraph: Depsgraph, x_px: int, y_px: int) ->
             if region.type != "WINDOW" or not (0 <= x < region.width and 0 <= y < region.height):
                 continue
             if area.type == "VIEW_3D":
-                return _in_viewport(region, x, y)
+                return _in_viewport(area.spaces.active, region, x, y)
             if shows_render(area):
                 return _in_render(region, depsgraph, x, y)
     return None
@@ -105,9 +105,10 @@ def shows_render(area: Area) -> bool:
     return image is not None and image.type == "RENDER_RESULT"
 
 
-def _in_viewport(region: Region, x: int, y: int) -> Place:
+def _in_viewport(space: SpaceView3D, region: Region, x: int, y: int) -> Place:
     view, size_px = region.data, (region.width, region.height)
-    camera = camera_of_view(np.array(view.window_matrix), np.array(view.view_matrix), size_px)
+    matrices = np.array(view.window_matrix), np.array(view.view_matrix)
+    camera = camera_of_view(*matrices, size_px, perspective_clip_m(space, view))
     return Place(camera=camera, place_px=(x + 0.5, y + 0.5))
 
 

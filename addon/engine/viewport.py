@@ -30,7 +30,13 @@ from ..sync.transfer_functions import read_transfer_functions
 from .passes import exposed, film_exposure
 from .sessions import viewport_session
 from .settings import render_config
-from .viewport_camera import camera_frame_px, camera_of_view, frame_of_view, window_beyond_frame
+from .viewport_camera import (
+    camera_frame_px,
+    camera_of_view,
+    frame_of_view,
+    perspective_clip_m,
+    window_beyond_frame,
+)
 from .viewport_hud import draw_hud, hud_lines
 from .viewport_worker import Picture, View, ViewportWorker
 
@@ -222,7 +228,8 @@ def _tend() -> float | None:
 def _camera_of(context: Context, depsgraph: Depsgraph, size_px: tuple[int, int]) -> Camera:
     """What Blender's own drawing looks through; and in a camera's view its lens, and its panorama."""
     space, region = context.space_data, context.region_data
-    camera = camera_of_view(np.array(region.window_matrix), np.array(region.view_matrix), size_px)
+    matrices = np.array(region.window_matrix), np.array(region.view_matrix)
+    camera = camera_of_view(*matrices, size_px, perspective_clip_m(space, region))
     thing = space.camera if region.view_perspective == "CAMERA" else None
     if thing is None or thing.type != "CAMERA" or not (thing.data.type == "PANO" or thing.data.dof.use_dof):
         return camera

@@ -21,15 +21,18 @@ def camera_of_view(
     clip_from_camera: NDArray[np.float64],
     camera_from_world: NDArray[np.float64],
     size_px: tuple[int, int],
+    clip_m: tuple[float, float],
 ) -> Camera:
-    """Undo an OpenGL projection matrix: ``(4, 4)``, ``[row, column]``, clip space from -1 to 1."""
+    """Undo an OpenGL projection matrix: ``(4, 4)``, ``[row, column]``, clip space from -1 to 1.
+
+    ``clip_m``: near and far of a perspective, whose far plane hides in the last digits of Blender's matrix, or beyond.
+    """
     projection, world_from_camera = clip_from_camera, np.linalg.inv(camera_from_world)
     is_perspective = projection[3, 3] == 0.0
     scale_x, scale_y = projection[0, 0], projection[1, 1]
     if is_perspective:
         centre_x, centre_y = projection[0, 2], projection[1, 2]
-        near_m = projection[2, 3] / (projection[2, 2] - 1.0)
-        far_m = projection[2, 3] / (projection[2, 2] + 1.0)
+        near_m, far_m = clip_m
     else:
         centre_x, centre_y = -projection[0, 3], -projection[1, 3]
         near_m = (projection[2, 3] + 1.0) / projection[2, 2]
@@ -49,6 +52,13 @@ def camera_of_view(
         clip_m=(float(near_m), float(far_m)),
         size_px=size_px,
     )
+
+
+def perspective_clip_m(space: bpy.types.SpaceView3D, view: bpy.types.RegionView3D) -> tuple[float, float]:
+    """Near and far of a viewport that shows a perspective: of the camera, or of the view itself."""
+    thing = space.camera if view.view_perspective == "CAMERA" else None
+    clipped = space if thing is None or thing.type != "CAMERA" else thing.data
+    return clipped.clip_start, clipped.clip_end
 
 
 def frame_of_view(context: bpy.types.Context) -> FrameWindow:

@@ -9,12 +9,14 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import bpy
 import numpy as np
 import pytest
 
+from addon.engine import viewport
 from addon.engine.settings import frame_window, render_config
 from addon.engine.viewport_camera import camera_of_view
 from addon.engine.viewport_hud import hud_lines
@@ -47,12 +49,31 @@ def test_a_camera_view_looks_through_the_camera(
     thing.data.type, thing.data.sensor_fit = kind, fit
     thing.data.shift_x, thing.data.shift_y = 0.13, -0.21
     expected = read_camera(thing, scene.render, size_px, Reports())
-    seen = camera_of_view(projection_of(thing, size_px), np.array(thing.matrix_world.normalized().inverted()), size_px)
+    camera_from_world = np.array(thing.matrix_world.normalized().inverted())
+    seen = camera_of_view(projection_of(thing, size_px), camera_from_world, size_px, expected.clip_m)
     assert seen.kind == expected.kind
     assert seen.window == pytest.approx(expected.window, rel=1e-5, abs=1e-6)
-    # The far plane hides in the last digits of a float32 matrix: 1e-7 / (near / far) of it.
-    assert seen.clip_m == pytest.approx(expected.clip_m, rel=1e-2)
+    assert seen.clip_m == pytest.approx(expected.clip_m)
     assert seen.world_from_camera == pytest.approx(expected.world_from_camera, abs=1e-5)
+
+
+@pytest.mark.parametrize("perspective", ["CAMERA", "PERSP"])
+def test_a_view_ends_where_it_says_however_near_it_begins(scene: bpy.types.Scene, perspective: str) -> None:
+    """From a ratio of 1e8 on Blender's matrix knows no far plane: all was beyond it, and the view empty."""
+    lens = scene.camera.data
+    lens.clip_start, lens.clip_end = clip_m = 0.001, 100000.0
+    clipped = SimpleNamespace(clip_start=lens.clip_start, clip_end=lens.clip_end)
+    of_view = SimpleNamespace(clip_start=0.1, clip_end=1.0)
+    context = SimpleNamespace(
+        space_data=SimpleNamespace(camera=scene.camera, **vars(of_view if perspective == "CAMERA" else clipped)),
+        region_data=SimpleNamespace(
+            window_matrix=projection_of(scene.camera, (64, 36)),
+            view_matrix=scene.camera.matrix_world.normalized().inverted(),
+            view_perspective=perspective,
+        ),
+    )
+    seen = viewport._camera_of(context, bpy.context.evaluated_depsgraph_get(), (64, 36))  # noqa: SLF001
+    assert seen.clip_m == pytest.approx(clip_m)
 
 
 def test_a_free_orthographic_view_sees_behind_its_centre() -> None:
@@ -60,7 +81,7 @@ def test_a_free_orthographic_view_sees_behind_its_centre() -> None:
     half_width_m, near_m, far_m = 4.0, -1000.0, 1000.0
     projection = np.diag([1 / half_width_m, 1 / half_width_m, -2 / (far_m - near_m), 1.0])
     projection[2, 3] = -(far_m + near_m) / (far_m - near_m)
-    camera = camera_of_view(projection, np.eye(4), (100, 100))
+    camera = camera_of_view(projection, np.eye(4), (100, 100), (0.1, 1.0))
     assert camera.kind == CameraKind.ORTHOGRAPHIC
     assert camera.window == pytest.approx((-4, 4, -4, 4))
     assert camera.clip_m == pytest.approx((0, 2000))
