@@ -9,7 +9,6 @@ so nothing but a weak reference points to it.
 from __future__ import annotations
 
 import atexit
-import time
 import weakref
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -28,6 +27,7 @@ from ..sync.reports import Reports
 from ..sync.scene import SceneReader
 from ..sync.transfer_functions import read_transfer_functions
 from .passes import exposed, film_exposure
+from .reading_slices import ReadingSlices, SliceOver
 from .sessions import viewport_session
 from .settings import render_config
 from .viewport_camera import (
@@ -47,16 +47,10 @@ if TYPE_CHECKING:
     from tyndall.scene_description import Camera
     from tyndall.transfer_functions import WeightedFunction
 
-#: Time for which reading the scene holds up the window at once; a quarter of a second is what artists bear.
-SLICE_S = 0.15
 #: Between two looks for a new picture.
 POLL_S = 0.02
 #: A viewport takes no more of them: its first task is to follow.
 LIGHT_SAMPLES, WORLD_SAMPLES = 8, 16
-
-
-class _SliceOver(Exception):  # noqa: N818  not an error: the rest is read in the next slice
-    pass
 
 
 class Viewport:
@@ -70,8 +64,7 @@ class Viewport:
         self._functions: tuple[WeightedFunction, ...] = ()
         self._heterogeneity: Heterogeneity | None = None
         self._is_scene_outdated = True
-        self._slice_s = SLICE_S
-        self._read_s = 0.0  # for the description that is being read
+        self._slices = ReadingSlices(lambda: self._reader.read_count)
         self._region = 0  # where it was drawn last, by address
         self._view: View | None = None
         self._drawn: Picture | None = None
@@ -108,28 +101,17 @@ class Viewport:
         self._texture = None
 
     def _read_scene(self, engine: RenderEngine, view: View, space: SpaceView3D, depsgraph: Depsgraph) -> None:
-        started = time.monotonic()
-        slice_ends = started + self._slice_s
-
-        def poll() -> None:
-            if time.monotonic() > slice_ends:
-                raise _SliceOver
-
+        self._slices.begin()
         try:
-            description = self._reader.read(depsgraph, Reports(), poll, is_live=True, viewport=space)
-        except _SliceOver:
-            # What was read stays; but a part that is longer than a slice would never be.
-            self._slice_s *= 2.0
-            self._read_s += time.monotonic() - started
+            description = self._reader.read(depsgraph, Reports(), self._slices.poll, is_live=True, viewport=space)
+        except SliceOver:  # what was read stays
             engine.tag_redraw()
         except OSError as error:  # no room for textures that memory has none for
             self._is_scene_outdated = False
             self.worker.fail(str(error))
         else:
-            self._slice_s = SLICE_S
             self._is_scene_outdated = False
-            self.worker.show(view, description, self._read_s + time.monotonic() - started)
-            self._read_s = 0.0
+            self.worker.show(view, description, self._slices.end())
 
     def _draw_picture(self, engine: RenderEngine, context: Context) -> None:
         import gpu  # there is none without a window

@@ -71,6 +71,11 @@ class SceneReader:
         self._moved: dict[Name, MovedMesh] = {}  # the places of objects with meshes
         self._are_lights_outdated = False
 
+    @property
+    def read_count(self) -> int:
+        """Of what takes long, meshes and hairs: how many were read that stay if a read is interrupted."""
+        return len(self._live) + self._strands.hair_count
+
     def begin_moments(self, *, is_live: bool) -> None:
         """Before the first read of a render; ``is_live``: of the same depsgraph, those of a shutter follow."""
         self._images.hold_frames(is_held=is_live)
@@ -277,34 +282,31 @@ class SceneReader:
         met: set[Name] = set()
         leave_out_flat_copies(placements)
         seen: dict[tuple[int, frozenset[str]], tuple[Mesh | None, set[int]]] = {}
-        try:
-            for placement in placements:
-                poll()
-                slots = [materials.materials[index] for index in materials.indices(placement)]
-                asked = asked_of_meshes(slots)
-                key = placement.data.as_pointer(), asked
-                if key not in seen:
-                    seen[key] = self._live.get(key) or (
-                        self._read_mesh(placement, reports, poll, asked, is_viewport=is_viewport),
-                        set(),
-                    )
-                mesh, depends_on = seen[key]
-                depends_on |= placement.depends_on
-                if mesh is not None:
-                    name = name_of(placement.source.original)
-                    if name in met or placement.is_instanced or len(placement.matrices) > 1:
-                        lone.pop(name, None)
-                    else:
-                        lone[name] = len(groups)
-                    met.add(name)
-                    drawn = self._displaced.moved(mesh, slots, placement, reports)
-                    group = _group(placement, drawn, materials, media)
-                    groups.append((placement, group))
-                    note_missing_attributes(placement.object_name, mesh, group.materials, materials, reports)
-                    _note_hidden_medium(group, materials, reports)
-        except BaseException:
-            self._live |= seen  # a viewport reads in slices: the next one goes on from here
-            raise
+        for placement in placements:
+            poll()
+            slots = [materials.materials[index] for index in materials.indices(placement)]
+            asked = asked_of_meshes(slots)
+            key = placement.data.as_pointer(), asked
+            if key not in seen:
+                seen[key] = self._live.get(key) or (
+                    self._read_mesh(placement, reports, poll, asked, is_viewport=is_viewport),
+                    set(),
+                )
+                self._live[key] = seen[key]  # at once: a viewport reads in slices, and the next one goes on from here
+            mesh, depends_on = seen[key]
+            depends_on |= placement.depends_on
+            if mesh is not None:
+                name = name_of(placement.source.original)
+                if name in met or placement.is_instanced or len(placement.matrices) > 1:
+                    lone.pop(name, None)
+                else:
+                    lone[name] = len(groups)
+                met.add(name)
+                drawn = self._displaced.moved(mesh, slots, placement, reports)
+                group = _group(placement, drawn, materials, media)
+                groups.append((placement, group))
+                note_missing_attributes(placement.object_name, mesh, group.materials, materials, reports)
+                _note_hidden_medium(group, materials, reports)
         self._live = seen
         return groups
 

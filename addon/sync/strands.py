@@ -3,7 +3,8 @@
 
 Based on: blender v4.5.0, intern/cycles/blender/curves.cpp and pointcloud.cpp, for which points and radii there are, and
 which of them a child has.
-``ParticleSystem.co_hair`` tells one point at a time: what a live depsgraph has not updated is not read again.
+``ParticleSystem.co_hair`` tells one point at a time: what a live depsgraph has not updated is not read again, nor are
+hairs that were read when a viewport interrupted.
 """
 
 from __future__ import annotations
@@ -24,7 +25,8 @@ from .random_numbers import as_unit_floats, hashes_of_two
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from bpy.types import Depsgraph, Object, ParticleSystemModifier
+    from bpy.types import Depsgraph, Object, ParticleSystem, ParticleSystemModifier
+    from mathutils import Matrix
     from numpy.typing import NDArray
 
     from .instances import Placement
@@ -49,9 +51,18 @@ class StrandReader:
     def __init__(self) -> None:
         self._kept: dict[str, Strands] = {}
         self._live: dict[tuple[object, ...], tuple[Strands | None, set[int]]] = {}
+        self._begun: dict[tuple[object, ...], _HairPlaces] = {}
+        self._finished_count = 0
+
+    @property
+    def hair_count(self) -> int:
+        """Of particle systems: how many hairs were read so far that stay if a read is interrupted."""
+        return self._finished_count + sum(begun.count for begun in self._begun.values())
 
     def forget_stale(self, stale: set[int] | None) -> None:
         """What depends on these datablocks may be others now; None: all evaluated data may be."""
+        if stale is None or stale:
+            self._begun.clear()
         self._live = {
             key: (strands, depends_on)
             for key, (strands, depends_on) in self._live.items()
@@ -81,6 +92,7 @@ class StrandReader:
                     self._read(placement, depsgraph, form, pieces, asked, reports, poll),
                     placement.depends_on,
                 )
+                self._live[key] = live[key]  # at once: a viewport reads in slices, and the next one goes on from here
             if (strands := live[key][0]) is not None:
                 if materials.materials[material].medium >= 0:
                     reports.add(
@@ -105,7 +117,10 @@ class StrandReader:
         if placement.hair is not None:
             modifier = placement.source.modifiers[placement.hair]
             system = f'{name}, particle system "{modifier.particle_system.name}"'
-            found = _particle_hair(placement.source, modifier, asked, poll, is_final=depsgraph.mode == "RENDER")
+            key = placement.data.as_pointer(), placement.hair
+            begun = self._begun.setdefault(key, _HairPlaces())
+            found = _particle_hair(placement.source, modifier, asked, begun, poll, is_final=depsgraph.mode == "RENDER")
+            self._finished_count += self._begun.pop(key).count
             if found is None:
                 reports.add(system, "has no hair")
                 return None
@@ -191,10 +206,36 @@ def _group(placement: Placement, strands: Strands, material: int) -> StrandObjec
 _Read = tuple["NDArray[np.float32]", "NDArray[np.uint32]", "tuple[tuple[str, NDArray[np.float32]], ...]"]
 
 
+class _HairPlaces:
+    """Points of a particle system's hairs in the world. A read that is interrupted goes on where it was."""
+
+    def __init__(self) -> None:
+        self.count = 0  #: Hairs that are read.
+        self._places = np.empty((0, 0, 3))
+        self._world_from_emitter: Matrix | None = None
+
+    def read(
+        self, source: Object, system: ParticleSystem, numbers: range, steps: int, poll: Callable[[], None]
+    ) -> NDArray[np.float64]:
+        """(hairs, steps, 3)."""
+        if self._world_from_emitter != source.matrix_world or self._places.shape[:2] != (len(numbers), steps):
+            self._world_from_emitter = source.matrix_world.copy()
+            self._places, self.count = np.empty((len(numbers), steps, 3)), 0
+        co_hair: Any = system.co_hair
+        places, of_hair = self._places, range(steps)
+        while self.count < len(numbers):
+            poll()
+            for row in range(self.count, min(self.count + _POLL_EVERY, len(numbers))):
+                places[row] = [co_hair(source, particle_no=numbers[row], step=step) for step in of_hair]
+                self.count += 1
+        return places
+
+
 def _particle_hair(
     source: Object,
     modifier: ParticleSystemModifier,
     asked: frozenset[str],
+    begun: _HairPlaces,
     poll: Callable[[], None],
     *,
     is_final: bool,
@@ -211,12 +252,7 @@ def _particle_hair(
         steps += settings.kink_extra_steps
     if not numbers:
         return None
-    places = np.empty((len(numbers), steps, 3))
-    co_hair, of_hair = system.co_hair, range(steps)
-    for row, number in enumerate(numbers):
-        if row % _POLL_EVERY == 0:
-            poll()
-        places[row] = [co_hair(source, particle_no=number, step=step) for step in of_hair]
+    places = begun.read(source, system, numbers, steps, poll)
     object_from_world = np.linalg.pinv(np.array(source.matrix_world, np.float64))
     places = places @ object_from_world[:3, :3].T + object_from_world[:3, 3]
     points = np.empty((len(numbers), steps, 4), np.float32)
