@@ -83,7 +83,7 @@ def coarser(view: View, scale: int) -> View:
         error_target=min(shafts.error_target * scale, 0.1),
         grid_error_target=min(shafts.grid_error_target * scale, 0.3),
         walks_maps=True,
-        light_samples=min(shafts.light_samples, 4),
+        light_samples=min(shafts.light_samples, SCALES[0] // scale),  # places on each lamp, a map for each
         world_samples=min(shafts.world_samples, 8),
     )
     air = config.heterogeneity

@@ -153,6 +153,15 @@ def test_a_coarse_picture_covers_whole_blocks_of_pixels(scale: int) -> None:
         assert rough_high >= high
 
 
+def test_a_first_picture_asks_one_place_on_each_lamp_in_fog() -> None:
+    """A map of light is made for each, which does not care how few pixels there are: eleven times as long as one."""
+    view = a_view()
+    for asked, expected in ((8, [1, 2, 4]), (2, [1, 2, 2])):
+        shafts = replace(view.config.shafts, light_samples=asked)
+        fine = View(camera=view.camera, config=replace(view.config, shafts=shafts))
+        assert [coarser(fine, scale).config.shafts.light_samples for scale in SCALES] == expected
+
+
 def test_a_view_is_another_with_any_other_camera() -> None:
     """Also where only the rim of a fisheye is."""
     view = a_view()
