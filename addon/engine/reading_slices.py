@@ -21,7 +21,8 @@ class ReadingSlices:
     """Each slice first meets again what earlier ones have read: from its first news on it lasts twice as long.
 
     So two thirds of the time go to news. A part that is longer than a slice would never be read: a slice without news
-    doubles the next.
+    doubles the next. Where all of a scene takes longer to meet again, the first slice of a later change allows for it,
+    or it would always be in vain.
     """
 
     def __init__(self, read_count: Callable[[], int]) -> None:
@@ -51,6 +52,7 @@ class ReadingSlices:
 
     def end(self) -> float:
         """All is read: the seconds that it took."""
-        seconds = self._spent_s + time.monotonic() - self._started
-        self._length_s, self._spent_s = SLICE_S, 0.0
+        last_s = time.monotonic() - self._started
+        seconds = self._spent_s + last_s
+        self._length_s, self._spent_s = max(SLICE_S, 1.5 * last_s), 0.0
         return seconds

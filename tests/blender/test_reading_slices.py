@@ -59,6 +59,29 @@ def test_most_of_the_time_goes_to_what_is_new(clock: Clock, again_s: float) -> N
     assert clock.now < 1.6 * news_s + 8.0 * again_s
 
 
+def slice_count(clock: Clock, slices: ReadingSlices, part_count: int) -> int:
+    """Of a change that brings nothing new in so many parts of 0.1 s."""
+    for count in range(1, 20):
+        slices.begin()
+        try:
+            for _ in range(part_count):
+                clock.now += 0.1
+                slices.poll()
+        except SliceOver:
+            continue
+        slices.end()
+        return count
+    raise AssertionError("it never ends")
+
+
+def test_changes_of_a_large_scene_are_not_read_in_vain_first(clock: Clock) -> None:
+    """Once it is known how long that takes; of a small one after it, it is known anew."""
+    slices = ReadingSlices(lambda: 0)
+    counts = [slice_count(clock, slices, part_count) for part_count in (8, 8, 10, 1, 8)]
+    assert counts[1:4] == [1, 1, 1]
+    assert counts[0] == counts[4] > 2
+
+
 def read_in_slices(
     reader: SceneReader, amid: Callable[[], bpy.types.Depsgraph]
 ) -> tuple[tuple[StrandObjects, ...], list[int]]:
