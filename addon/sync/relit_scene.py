@@ -117,7 +117,9 @@ def links_of_lights(placements: list[Placement]) -> tuple[tuple[str, str], ...]:
 
 
 def is_light(thing: ID) -> bool:
-    """The object of a light, or its data. What depends on it has updates of its own."""
+    """The object of a light, its data, or its nodes, used or not. What depends on it has updates of its own."""
+    if isinstance(thing, bpy.types.ShaderNodeTree):  # one in a light, a material or a world does not tell its owner
+        return any(light.node_tree == thing.original for light in bpy.data.lights)
     return isinstance(thing, bpy.types.Light) or (isinstance(thing, bpy.types.Object) and thing.type == "LIGHT")
 
 

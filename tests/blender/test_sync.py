@@ -509,6 +509,9 @@ def test_changed_lights_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = empty_scene()
     box, lamp = cube(), light("POINT", (0, 0, 2))
     light("AREA", (0, 0, 4), size=0.0)  # left out, with a report
+    spot = light("SPOT", (2, 0, 4))
+    if not spot.data.use_nodes:
+        spot.data.use_nodes = True
     passes: list[object] = []
     monkeypatch.setattr(sync_scene, "read_placements", counting_passes(sync_scene.read_placements, passes))
     reader = SceneReader()
@@ -525,6 +528,8 @@ def test_changed_lights_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None:
 
     of_lights = [
         lambda: setattr(lamp.data, "energy", 7.0),
+        lambda: setattr(spot.data, "energy", 5.0),  # an update of its nodes, too
+        lambda: setattr(spot.data.node_tree.nodes["Emission"].inputs["Strength"], "default_value", 2.0),
         lambda: setattr(lamp, "location", (1, 2, 3)),
         lambda: setattr(lamp, "visible_diffuse", False),
         lambda: setattr(lamp, "is_shadow_catcher", False),
