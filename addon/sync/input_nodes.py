@@ -151,7 +151,7 @@ def _in_object(reader: ValueReader, at: Socket) -> Value:
 
 
 def _in_camera(reader: ValueReader, at: Socket) -> Value:
-    camera = reader.camera
+    camera = reader.camera()
     if camera is None:
         reader.unsupported(at, "has no camera: read as 0")
         return BLACK
@@ -161,7 +161,7 @@ def _in_camera(reader: ValueReader, at: Socket) -> Value:
 
 def _in_window(reader: ValueReader, at: Socket) -> Value:
     """From 0 to 1 over the picture."""
-    program, camera = reader.program, reader.camera
+    program, camera = reader.program, reader.camera()
     seen = _in_camera(reader, at)
     if camera is None:
         return seen
@@ -267,7 +267,7 @@ def _moved_between(reader: ValueReader, at: Socket, vector: Value, kind: str) ->
 
 
 def _through_camera(reader: ValueReader, at: Socket, vector: Value, kind: str, *, is_into: bool) -> Value:
-    program, camera = reader.program, reader.camera
+    program, camera = reader.program, reader.camera()
     if camera is None:
         reader.unsupported(at, "has no camera: its vector is passed on")
         return vector

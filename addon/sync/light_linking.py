@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from bpy.types import Collection, Depsgraph, Object
 
+    from .instances import Placement
     from .materials import MaterialReader
     from .reports import Reports
 
@@ -153,3 +154,14 @@ class LinkedMedia:
             return []
         lit = (medium for medium in range(len(self._materials.media)) if medium not in self._dark.values())
         return [medium for medium in lit if not links.receiver_sets >> self._set_of.get(medium, 0) & 1]
+
+
+def make_dark_media(
+    placements: list[Placement], volumes: list[Placement], media: LinkedMedia, reports: Reports
+) -> None:
+    """Those that lamps need which do not light all."""
+    for lamp in placements:
+        links = lamp.lighting.links if lamp.data is None and lamp.lighting is not None else None
+        media.make_dark(links)
+        if volumes and links is not None and links.receiver_sets != ALL_SETS:
+            reports.add(f'Light "{lamp.object_name}"', "light linking does not reach density grids: it lights them all")

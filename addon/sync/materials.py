@@ -78,6 +78,7 @@ class MaterialReader:
         self._with_channels = with_channels
         self._has_lobes = has_lobes
         self._camera = camera
+        self.asked_camera: SeenCamera | None = None  #: Once a material has asked for it.
         self._placement: Placement | None = None  #: Whose material is read.
         self._asked: dict[bpy.types.Material | None, dict[tuple[str, str], None]] = {}  #: Of objects.
         self._index_of: dict[tuple[bpy.types.Material | None, tuple[Rgba | int | None, ...]], int] = {}
@@ -202,6 +203,10 @@ class MaterialReader:
             return read
         return replace(read, aovs=read_aovs(self._on_instances(material), tree, self.aovs, read.name))
 
+    def _ask_camera(self) -> SeenCamera | None:
+        self.asked_camera = self._camera
+        return self._camera
+
     def _on_instances(self, material: bpy.types.Material) -> ValueReader:
         """On what is drawn; surfaces that stand alone are of no instance."""
         reader = self._values(material, Domain.SURFACE)
@@ -212,7 +217,7 @@ class MaterialReader:
         is_seen = self._is_lit or domain is Domain.CONSTANT
         reports = self._reports if is_seen else Reports()  # nobody misses the gloss of black surfaces
         reader = ValueReader(f'Material "{material.name}"', reports, self._images, domain)
-        reader.camera, reader.material_index = self._camera, material.pass_index
+        reader.camera, reader.material_index = self._ask_camera, material.pass_index
         reader.occlusion_reach_m = self.occlusion_reach_m
         reader.misses_surroundings = self.occlusion_reach_m is None
         of_cycles = getattr(material, "cycles", None)  # where its add-on is on

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scene of which only lights changed since it was read, or moved a few meshes: thousands of instances stay unread.
+"""A scene of which only lights or cameras changed since it was read, or a few meshes moved: thousands stay unread.
 
 Differs: nothing of Blender's is kept from read to read but names: after an undo, evaluated objects lie elsewhere.
 """
@@ -16,6 +16,7 @@ from .instances import Placement, may_stand_alone, shown_kinds
 from .light_linking import LinkedMedia, links_of
 from .object_lighting import LightingReader
 from .random_numbers import random_number_of
+from .seen_camera import seen_camera
 
 if TYPE_CHECKING:
     import numpy as np
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from tyndall.scene_description import Light, SceneDescription
 
     from .reports import Reports
+    from .seen_camera import SeenCamera
 
 
 Name = tuple[str, str | None]  #: Of an object, and the library that it is from.
@@ -55,6 +57,7 @@ class ReadScene:
     links: tuple[tuple[str, str], ...]  #: Of the lights: another one may change what objects are to it.
     #: Which of the description's instances is an object with a mesh that is drawn once, as itself.
     lone: dict[Name, int]
+    camera: SeenCamera | None  #: That materials were told of; None: none asks for it.
     frame: float | None  #: Of particles, whose age is told, but not updated; None: no material asks for it.
 
     def serves(self, depsgraph: Depsgraph, viewport: SpaceView3D | None, *, is_lit: bool) -> bool:
@@ -64,6 +67,7 @@ class ReadScene:
             and self.depsgraph == depsgraph.as_pointer()
             and self.shown_kinds == shown_kinds(viewport)
             and self.is_lit == is_lit
+            and (self.camera is None or self.camera == seen_camera(depsgraph))
             and self.frame in {None, depsgraph.scene_eval.frame_current_final}
         )
 
@@ -121,6 +125,12 @@ def is_light(thing: ID) -> bool:
     if isinstance(thing, bpy.types.ShaderNodeTree):  # one in a light, a material or a world does not tell its owner
         return any(light.node_tree == thing.original for light in bpy.data.lights)
     return isinstance(thing, bpy.types.Light) or (isinstance(thing, bpy.types.Object) and thing.type == "LIGHT")
+
+
+def is_camera(thing: ID) -> bool:
+    """The object of a camera, or its data: nothing is drawn for it. What depends on it has updates of its own."""
+    is_object = isinstance(thing, bpy.types.Object) and thing.type == "CAMERA" and thing.instance_type == "NONE"
+    return is_object or isinstance(thing, bpy.types.Camera)
 
 
 def moved_mesh(update: DepsgraphUpdate, depsgraph: Depsgraph) -> MovedMesh | None:

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 import bpy
 
 from tyndall.emitter_programs import EmitterPictures
-from tyndall.scene_description import ALL_SETS, Instances, Light, Mesh, SceneDescription
+from tyndall.scene_description import Instances, Light, Mesh, SceneDescription
 
 from .asked_properties import PropertyReader
 from .displaced_meshes import DisplacedMeshes
 from .field_media import FieldVolumes, with_fields
 from .images import ImageReader, images_of
 from .instances import Placement, leave_out_flat_copies, read_placements, shown_kinds
-from .light_linking import LinkedMedia
+from .light_linking import LinkedMedia, make_dark_media
 from .light_masks import MaskReader
 from .lights import read_lights
 from .materials import MaterialReader, note_missing_attributes
@@ -29,7 +29,17 @@ from .meshes import passing_mesh, read_mesh
 from .object_lighting import light_groups, report_left_out
 from .occluder_edits import OccluderEditReader
 from .random_numbers import as_unit_floats
-from .relit_scene import MovedMesh, Name, ReadScene, is_light, light_names, links_of_lights, moved_mesh, name_of
+from .relit_scene import (
+    MovedMesh,
+    Name,
+    ReadScene,
+    is_camera,
+    is_light,
+    light_names,
+    links_of_lights,
+    moved_mesh,
+    name_of,
+)
 from .reports import Reports
 from .seen_camera import seen_camera
 from .strands import StrandReader, is_strands
@@ -87,8 +97,8 @@ class SceneReader:
         has_updates = False
         for update in depsgraph.updates:  # looked through once: a length, or a list, looks at all of the scene twice
             has_updates = True
-            if self._last is None or isinstance(update.id, bpy.types.Action):  # what it moves has updates of its own
-                pass
+            if self._last is None or isinstance(update.id, bpy.types.Action) or is_camera(update.id):
+                pass  # what they move has updates of its own
             elif is_light(update.id):
                 self._are_lights_outdated = True
             elif (moved := moved_mesh(update, depsgraph)) is not None:
@@ -172,7 +182,7 @@ class SceneReader:
         of_all_but_lights = Reports()
         of_all_but_lights.include(reports)
         edits = OccluderEditReader(depsgraph, drawn, self._images, self._masks, reports, poll)
-        _make_dark_media(placements, volumes, media, reports)
+        make_dark_media(placements, volumes, media, reports)
         description = SceneDescription(
             instances=instances,
             voxel_objects=voxel_objects,
@@ -202,6 +212,7 @@ class SceneReader:
                 links=links_of_lights(placements),
                 sky_suns=sky_suns,
                 lone=lone,
+                camera=materials.asked_camera,
                 frame=None
                 if not any("particles" in one.told for one in found_placements)
                 else depsgraph.scene_eval.frame_current_final,
@@ -325,7 +336,8 @@ class SceneReader:
         # While it is edited, `data` has counts, but no attributes.
         is_complete = not (is_subdivided_late or placement.data.is_editmode)
         with passing_mesh(source, placement.data, is_complete=is_complete) as mesh:
-            return read_mesh(mesh, reports, self._meshes, poll, asked)
+            # Of a mesh that a slice of a viewport's reading ends in nothing would stay.
+            return read_mesh(mesh, reports, self._meshes, (lambda: None) if is_viewport else poll, asked)
 
 
 def _sorted_by_kind(found: list[Placement], layer: ViewLayer) -> tuple[list[Placement], ...]:
@@ -378,17 +390,6 @@ def _world_of(depsgraph: Depsgraph) -> World | None:
     if not layer.use_sky:
         return None
     return getattr(layer, "world_override", None) or depsgraph.scene_eval.world
-
-
-def _make_dark_media(
-    placements: list[Placement], volumes: list[Placement], media: LinkedMedia, reports: Reports
-) -> None:
-    """Those that lamps need which do not light all."""
-    for lamp in placements:
-        links = lamp.lighting.links if lamp.data is None and lamp.lighting is not None else None
-        media.make_dark(links)
-        if volumes and links is not None and links.receiver_sets != ALL_SETS:
-            reports.add(f'Light "{lamp.object_name}"', "light linking does not reach density grids: it lights them all")
 
 
 def _lights(

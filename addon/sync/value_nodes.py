@@ -60,7 +60,7 @@ class ValueReader:
         self._known: dict[tuple[object, ...], Value] = {}  #: Of outputs.
         self._nested = 0
         self.shaders = ShaderCount()
-        self.camera: SeenCamera | None = None  #: What surfaces may ask for.
+        self.camera: Callable[[], SeenCamera | None] = lambda: None  #: What surfaces may ask for.
         self.material_index = 0  #: Its pass index.
         self.displaced_normal: Value | None = None  #: In place of the point's own; None: that.
         self.corrects_bumps = True  #: Cycles' setting of the material, from 4.0 on.

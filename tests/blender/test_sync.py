@@ -523,6 +523,11 @@ def test_changed_lights_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     def note(updated_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         reader.note_updates(depsgraph)
 
+    def in_window(new: Callable[..., Any], link: Callable[..., Any]) -> bpy.types.NodeSocket:
+        emission = new("ShaderNodeEmission")
+        link(new("ShaderNodeTexCoord").outputs["Window"], emission.inputs["Color"])
+        return emission.outputs[0]
+
     def add_edit() -> None:
         lamp.data.tyndall.occluder_edits.add().kind = "HOLES"
 
@@ -535,6 +540,8 @@ def test_changed_lights_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None:
         lambda: setattr(lamp, "is_shadow_catcher", False),
         lambda: setattr(lamp.data.tyndall, "scatters_in_media", False),
         add_edit,
+        lambda: setattr(scene.camera, "location", (3, 2, 1)),
+        lambda: setattr(scene.camera.data, "lens", 20.0),
     ]
     of_more = [
         lambda: box.hide_set(True),
@@ -544,6 +551,11 @@ def test_changed_lights_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None:
         lambda: setattr(box, "parent", lamp),
     ]
     of_both = [lambda: setattr(lamp, "location", (0, 0, 1))]  # and the box with it
+    of_seen = [
+        lambda: box.data.materials.append(material("Window", in_window)),
+        lambda: setattr(scene.camera, "location", (1, 2, 3)),
+        lambda: setattr(scene.camera.data, "ortho_scale", 30.0),
+    ]
     of_all = [
         lambda: bpy.data.objects.remove(lamp),
         lambda: light("SUN", (0, 0, 2)),
@@ -552,7 +564,7 @@ def test_changed_lights_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     try:
         scene.view_layers[0].update()
         read_live()
-        for changes, expected in ((of_lights, 0), (of_more, 1), (of_both, 0), (of_all, 1)):
+        for changes, expected in ((of_lights, 0), (of_more, 1), (of_both, 0), (of_seen, 1), (of_all, 1)):
             for change in changes:
                 change()
                 scene.view_layers[0].update()
