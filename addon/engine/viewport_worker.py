@@ -272,6 +272,7 @@ class ViewportWorker:
             self._publish(None, "Finishing the scene")
             self._is_disturbed = True
             session.finish_trees(progress)
+            self._publish(None, "Rendering")  # a picture so far may not come for long
         self._is_disturbed = False
 
     def _publish(self, picture: Picture | None, status: str, film: Film | None = None) -> None:

@@ -295,12 +295,19 @@ def test_a_moving_view_shows_coarse_pictures_of_where_it_is(workers: Callable[[o
 
 
 def test_hasty_trees_are_finished_before_the_full_picture(workers: Callable[[object], ViewportWorker]) -> None:
-    """They were for the first one."""
-    session = PatientSession(lambda _camera: 0.0)
+    """They were for the first one; and then the view does not go on saying that they are finished."""
+    statuses: list[str] = []
+
+    def seconds(_camera: Camera) -> float:
+        statuses.append(worker.status)
+        return 0.0
+
+    session = PatientSession(seconds)
     session.has_hasty_trees = True
     worker = workers(session)
     worker.show(a_view(), SceneDescription())
     wait_until(lambda: is_finished(worker, (203, 101)))
+    assert statuses[-1] == "Rendering"
     assert session.finished == [1]
     assert session.rendered == [(26, 13), (203, 101)]
 
