@@ -43,7 +43,8 @@ class ReadingSlices:
         now = time.monotonic()
         if not self._has_news and self._read_count() > self._known:
             self._has_news = True
-            self._ends = now + max(SLICE_S, 2.0 * (now - self._started))
+            if now <= self._ends:  # else it was the news that took long
+                self._ends = now + max(SLICE_S, 2.0 * (now - self._started))
         if now > self._ends:
             if not self._has_news:
                 self._length_s *= 2.0
