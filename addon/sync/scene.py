@@ -50,7 +50,7 @@ from .volume_sources import is_volume
 from .volumes import VolumeReader
 from .voxel_objects import VoxelReader, without_and_with_voxels
 from .world_suns import WorldSuns
-from .worlds import ReadWorld, WorldBakes, occlusion_reach_m, read_world
+from .worlds import ReadWorld, WorldBakes, occlusion_reach_m, read_world, world_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -169,7 +169,7 @@ class SceneReader:
         of_fields = self._fields.read(varying, reports, poll, is_viewport=is_viewport)
         for placement, _, _ in varying:
             lone.pop(name_of(placement.source.original), None)  # its grids move with it
-        shown_world = _world_of(depsgraph)
+        shown_world = world_of(depsgraph)
         found = self._read_world(shown_world, placements, reports)
         groups = light_groups(layer)
         report_left_out(layer, reports)
@@ -382,14 +382,6 @@ def _note_hidden_medium(group: Instances, materials: MaterialReader, reports: Re
     is_hidden = not (group.is_camera_visible and group.casts_shadow)
     if is_hidden and any(materials.materials[index].medium >= 0 for index in group.materials):
         reports.add(f'Object "{group.object_names[0]}"', IGNORES_RAY_VISIBILITY)
-
-
-def _world_of(depsgraph: Depsgraph) -> World | None:
-    """What the view layer shows of it: none without "Environment", and from 4.3 on a world of its own."""
-    layer = depsgraph.view_layer_eval
-    if not layer.use_sky:
-        return None
-    return getattr(layer, "world_override", None) or depsgraph.scene_eval.world
 
 
 def _lights(

@@ -68,6 +68,14 @@ def occlusion_reach_m(scene: bpy.types.Scene) -> float:
     return _ANY_DISTANCE_M if scene.world is None else scene.world.light_settings.distance
 
 
+def world_of(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:
+    """What the view layer shows of it: none without "Environment", and from 4.3 on a world of its own."""
+    layer = depsgraph.view_layer_eval
+    if not layer.use_sky:
+        return None
+    return getattr(layer, "world_override", None) or depsgraph.scene_eval.world
+
+
 def read_world(
     world: bpy.types.World | None, reports: Reports, images: ImageReader, bakes: WorldBakes | None = None
 ) -> ReadWorld:
