@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..shader_nodes import nodes_within, shader_tree
 from .asked_properties import ATTRIBUTE, GENERATED, MISSING, UV, numbers_of
+from .asking_materials import AskingMaterials
 from .domains import MID_GREY
 from .instance_attributes import AttributeReader
 
@@ -46,8 +46,7 @@ class InstancerReader:
     """Of one depsgraph."""
 
     def __init__(self, depsgraph: Depsgraph, reports: Reports) -> None:
-        self._override: Material | None = depsgraph.view_layer_eval.material_override
-        self._asked: dict[Material | None, set[Asked]] = {}
+        self._materials = AskingMaterials(depsgraph, _asked_by_node)
         self._attributes = AttributeReader(depsgraph)
         self._reports = reports
         self._asks_attributes = self._asks_coordinates = False
@@ -55,19 +54,13 @@ class InstancerReader:
 
     def is_asked_for(self, materials: Iterable[Material | None]) -> bool:
         """By what is drawn of them."""
-        asked = [self._asked_by(self._override or material) for material in materials]
-        return any(asked)
-
-    def _asked_by(self, material: Material | None) -> set[Asked]:
-        if material not in self._asked:
-            tree = None if material is None else shader_tree(material)
-            self._asked[material] = {one for node in nodes_within(tree) for one in _asked_by_node(node)}
-            for one in sorted(self._asked[material]):
-                if len(self.numbers) < MOST_ASKED:
-                    self.numbers.setdefault(one, len(self.numbers))
-            kinds = {kind for kind, _ in self.numbers}
-            self._asks_attributes, self._asks_coordinates = ATTRIBUTE in kinds, not kinds.isdisjoint({UV, GENERATED})
-        return self._asked[material]
+        asked = self._materials.asked(materials)
+        for one in sorted(asked):
+            if len(self.numbers) < MOST_ASKED:
+                self.numbers.setdefault(one, len(self.numbers))
+        kinds = {kind for kind, _ in self.numbers}
+        self._asks_attributes, self._asks_coordinates = ATTRIBUTE in kinds, not kinds.isdisjoint({UV, GENERATED})
+        return bool(asked)
 
     def row_of(self, instance: DepsgraphObjectInstance) -> Row:
         """For ``values``: while the depsgraph goes through its instances."""
@@ -88,7 +81,7 @@ class InstancerReader:
         What its own do not ask for is 0.
         """
         values = np.zeros((len(rows), len(self.numbers), 4), np.float32)
-        asked = set().union(*(self._asked_by(self._override or material) for material in placement.materials))
+        asked = self._materials.asked(placement.materials)
         for (kind, name), number in self.numbers.items():
             if (kind, name) not in asked:
                 continue

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..shader_nodes import nodes_within, shader_tree
+from .asking_materials import AskingMaterials
 from .random_numbers import as_unit_floats, hashes_of_two
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
-    from bpy.types import Depsgraph, DepsgraphObjectInstance, Material, ParticleSystem
+    from bpy.types import Depsgraph, DepsgraphObjectInstance, Material, Node, ParticleSystem
     from numpy.typing import NDArray
 
     from .instances import Placement
@@ -44,8 +44,7 @@ class ParticleReader:
 
     def __init__(self, depsgraph: Depsgraph) -> None:
         self._frame = depsgraph.scene_eval.frame_current_final
-        self._override: Material | None = depsgraph.view_layer_eval.material_override
-        self._asked: dict[Material | None, set[str]] = {}
+        self._materials = AskingMaterials(depsgraph, _asked_by_node)
         self._first_rows: dict[int, tuple[int, int]] = {}  #: By a system's address; and how many there are.
         self._systems: list[ParticleSystem] = []
         self._count = 0
@@ -53,20 +52,7 @@ class ParticleReader:
 
     def is_asked_for(self, materials: Iterable[Material | None]) -> bool:
         """By what is drawn of them."""
-        asked = [self._asked_by(self._override or material) for material in materials]
-        return any(asked)
-
-    def _asked_by(self, material: Material | None) -> set[str]:
-        if material not in self._asked:
-            tree = None if material is None else shader_tree(material)
-            self._asked[material] = {
-                output.identifier
-                for node in nodes_within(tree)
-                if node.type == "PARTICLE_INFO"
-                for output in node.outputs
-                if output.is_linked
-            }
-        return self._asked[material]
+        return bool(self._materials.asked(materials))
 
     def row_of(self, instance: DepsgraphObjectInstance) -> int:
         """A number for ``states``. Of what no particle made, and of children, which Cycles leaves out: NO_PARTICLE."""
@@ -90,7 +76,7 @@ class ParticleReader:
         if not any(row != NO_PARTICLE for row in rows):
             return None
         if self._table is None:
-            asked = set().union(*self._asked.values())
+            asked = self._materials.asked_so_far()
             nothing = np.full((1, _WIDTH), np.nan, np.float32)
             self._table = np.concatenate([*(_states(one, self._frame, asked) for one in self._systems), nothing])
         return self._table[rows]
@@ -118,3 +104,9 @@ def _states(system: ParticleSystem, frame: float, asked: set[str]) -> NDArray[np
             found = numbers.reshape(count, width)
             states[:, column : column + width] = np.float32(frame) - found if output == "Age" else found
     return states
+
+
+def _asked_by_node(node: Node) -> Iterator[str]:
+    """Which outputs of Particle Info."""
+    if node.type == "PARTICLE_INFO":
+        yield from (output.identifier for output in node.outputs if output.is_linked)
