@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
     from bpy.types import Depsgraph, Material, Node
 
+    from .instances import Placement
+    from .reports import Reports
+
 _Asked = TypeVar("_Asked")
 
 
@@ -39,3 +42,11 @@ class AskingMaterials(Generic[_Asked]):
             tree = None if material is None else shader_tree(material)
             self._by_material[material] = {one for node in nodes_within(tree) for one in self._asked_by(node)}
         return self._by_material[material]
+
+
+def note_unread(placement: Placement, reports: Reports) -> None:
+    """Of what is not drawn as a mesh: its programs do not know their instance."""
+    if "particles" in placement.told:
+        reports.add(f'Object "{placement.object_name}"', "is no mesh: Particle Info is read as 0 on its particles")
+    if "instancer_values" in placement.told:
+        reports.add(f'Object "{placement.object_name}"', "is no mesh: what its instancer gives it is read as 0")

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from bpy.types import Depsgraph, DepsgraphObjectInstance, Material, Node, ParticleSystem
     from numpy.typing import NDArray
 
-    from .instances import Placement
-    from .reports import Reports
 
 #: By output: where it lies among the numbers of a particle, how many they are, and what a particle calls it.
 _COLUMNS = {
@@ -80,12 +78,6 @@ class ParticleReader:
             nothing = np.full((1, _WIDTH), np.nan, np.float32)
             self._table = np.concatenate([*(_states(one, self._frame, asked) for one in self._systems), nothing])
         return self._table[rows]
-
-
-def note_unread(placement: Placement, reports: Reports) -> None:
-    """Of what is not drawn as a mesh: its programs do not know their instance."""
-    if "particles" in placement.told:
-        reports.add(f'Object "{placement.object_name}"', "is no mesh: Particle Info is read as 0 on its particles")
 
 
 def _states(system: ParticleSystem, frame: float, asked: set[str]) -> NDArray[np.float32]:

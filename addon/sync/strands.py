@@ -18,8 +18,8 @@ import numpy as np
 from tyndall.linear_colours import linear_from_srgb
 from tyndall.scene_description import StrandForm, StrandObjects, Strands, attribute_maps, point_maps
 
+from .asking_materials import note_unread
 from .mesh_attributes import uv_maps_of
-from .particles import note_unread
 from .random_numbers import as_unit_floats, hashes_of_two
 
 if TYPE_CHECKING:

@@ -15,8 +15,8 @@ from tyndall import IoError
 from tyndall.scene_description import VoxelObjects
 
 from ..voxel_boxes import file_of, is_voxel_box
+from .asking_materials import note_unread
 from .mesh_attributes import what_is_missing
-from .particles import note_unread
 
 if TYPE_CHECKING:
     from collections.abc import Callable
