@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What instances have of their own, particles and what instancers give: sent once each, part of what tells scenes apart."""
+"""Particles, and what instancers give, of each instance: sent once, and part of what tells scenes apart."""
 
 from __future__ import annotations
 
