@@ -256,8 +256,7 @@ void bind_render(py::module_& native) {
     py::class_<render::KeptLightTrees, std::shared_ptr<render::KeptLightTrees>>(
         native, "KeptLightTrees",
         "Trees of lights, kept from picture to picture, in at most so many bytes. For one thread at a time.")
-        .def(py::init<std::size_t>(), "capacity_bytes"_a)
-        .def_property_readonly("bytes", &render::KeptLightTrees::bytes);
+        .def(py::init<std::size_t>(), "capacity_bytes"_a);
     py::class_<light_shafts::Config>(native, "ShaftConfig")
         .def(py::init(&make_shafts), "method"_a, "error_target"_a, "resolution"_a, "light_samples"_a, "world_samples"_a,
              "attenuates_light"_a, "adapts_strata"_a, "shares_strata"_a, "grid_method"_a, "grid_error_target"_a,

@@ -48,14 +48,15 @@ FrameShafts::FrameShafts(const Scene& scene, const Media& media, const Camera& c
     if (glow_ && glow_->is_empty())
         glow_.reset();
     const light_shafts::LeftLights& left = shafts_.left();
-    const auto lack = light_shafts::lack_of_directions(scene, config.shafts);
     if (left.lamps)
         statistics.skip("light shafts: rows of lamps", "draws for each sample take a small part of their time");
-    if (left.world)
+    if (left.world) {
+        const auto lack = light_shafts::lack_of_directions(scene, config.shafts);
         statistics.skip("light shafts: rows of the world",
                         lack && lack->is_worth_draws()
                             ? "fog scatters farther forward than its directions are dense: each sample draws some"
                             : "draws for each sample take a small part of their time");
+    }
     if (left.is_any()) {
         drawn_.emplace(scene, media, *config.emitters,
                        SentAir::Config{.attenuates_light = config.shafts.attenuates_light,

@@ -66,6 +66,7 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
             continue;
         const TriangleMesh& whole = *description.meshes[instance.mesh_index];
         const SharedMeshArrays& mesh = whole.arrays();
+        const bool is_closed = whole.is_closed();
         first_of_instance_[index] = static_cast<std::uint32_t>(index_of_triangle_.size());
         const float sign = glm::determinant(glm::dmat3(mat3(instance.world_from_object))) < 0.0 ? -1.0f : 1.0f;
         double volume = 0.0;
@@ -81,7 +82,7 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
                                       .area_m2 = 0.0f,
                                       .radiance = 0.0f,
                                       .is_constant = material.is_constant(),
-                                      .back = whole.is_closed() ? back_of_closed : 1.0f};
+                                      .back = is_closed ? back_of_closed : 1.0f};
             for (int corner = 0; corner < 3; ++corner)
                 triangle.corners[static_cast<std::size_t>(corner)] =
                     vec3(instance.world_from_object * vec4(mesh.positions[mesh.triangles[number][corner]], 1.0f));
@@ -96,7 +97,7 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
             triangles_.push_back(triangle);
             materials.push_back(&material);
         }
-        if (volume < 0.0 && whole.is_closed()) // its normals look inwards: its back is what shines
+        if (volume < 0.0 && is_closed) // its normals look inwards: its back is what shines
             for (std::size_t triangle = first; triangle < triangles_.size(); ++triangle)
                 triangles_[triangle].back = 1.0f;
     }

@@ -42,28 +42,4 @@ bool is_closed(const SharedMeshArrays& arrays) {
     }
     return true;
 }
-
-/// Twelve triangles, two per face of the bounds, each with its corners on corners of the bounds.
-static bool is_axis_aligned_box(const TriangleMesh& mesh) {
-    if (mesh.triangle_count() != 12)
-        return false;
-    const auto& [min, max] = mesh.bounds();
-    int triangles_on_face[6] = {};
-    for (const uvec3& triangle : mesh.arrays().triangles) {
-        int on_min[3] = {}, on_max[3] = {};
-        for (int corner = 0; corner < 3; ++corner)
-            for (int axis = 0; axis < 3; ++axis) {
-                const float at = mesh.arrays().positions[triangle[corner]][axis];
-                if (at != min[axis] && at != max[axis])
-                    return false;
-                on_min[axis] += at == min[axis];
-                on_max[axis] += at == max[axis];
-            }
-        for (int axis = 0; axis < 3; ++axis) {
-            triangles_on_face[2 * axis] += on_min[axis] == 3;
-            triangles_on_face[2 * axis + 1] += on_max[axis] == 3;
-        }
-    }
-    return std::ranges::all_of(triangles_on_face, [](int count) { return count == 2; });
-}
 } // namespace tyndall

@@ -20,6 +20,30 @@ static double signed_volume6(const SharedMeshArrays& arrays, const vec3& centre)
     return sum;
 }
 
+/// Twelve triangles, two per face of the bounds, each with its corners on corners of the bounds.
+static bool is_axis_aligned_box(const TriangleMesh& mesh) {
+    if (mesh.triangle_count() != 12)
+        return false;
+    const auto& [min, max] = mesh.bounds();
+    int triangles_on_face[6] = {};
+    for (const uvec3& triangle : mesh.arrays().triangles) {
+        int on_min[3] = {}, on_max[3] = {};
+        for (int corner = 0; corner < 3; ++corner)
+            for (int axis = 0; axis < 3; ++axis) {
+                const float at = mesh.arrays().positions[triangle[corner]][axis];
+                if (at != min[axis] && at != max[axis])
+                    return false;
+                on_min[axis] += at == min[axis];
+                on_max[axis] += at == max[axis];
+            }
+        for (int axis = 0; axis < 3; ++axis) {
+            triangles_on_face[2 * axis] += on_min[axis] == 3;
+            triangles_on_face[2 * axis + 1] += on_max[axis] == 3;
+        }
+    }
+    return std::ranges::all_of(triangles_on_face, [](int count) { return count == 2; });
+}
+
 std::int32_t medium_of_slot(const SceneDescription& description, const Instance& instance, std::uint16_t slot) {
     const std::uint32_t last = instance.slot_count > 0 ? instance.slot_count - 1u : 0u;
     const std::uint32_t entry = instance.first_slot_material + std::min<std::uint32_t>(slot, last);

@@ -4,6 +4,7 @@
 #include "scene/scene.hpp"
 #include "scene/scene_surroundings.hpp"
 #include "scene/strands.hpp"
+#include "shading/op_inputs.hpp"
 #include "shading/pixel_steps.hpp"
 #include "shading/surface_program.hpp"
 #include <algorithm>

@@ -9,6 +9,7 @@
 #include "shading/op_math.hpp"
 #include "shading/op_normals.hpp"
 #include "shading/op_patterns.hpp"
+#include "shading/op_photometry.hpp"
 #include "shading/op_surroundings.hpp"
 #include "shading/point_values.hpp"
 #include <algorithm>
