@@ -11,7 +11,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     import bpy
 
@@ -47,7 +47,7 @@ class PropertyReader:
         if kind in (UV, GENERATED):
             return MISSING
         owners = self._of_layer() if kind == "VIEW_LAYER" else _of_object(placement)
-        return next((value for owner in owners if (value := numbers_of(owner, name)) is not None), MISSING)
+        return first_numbers(owners, name) or MISSING
 
     def _of_layer(self) -> Iterator[bpy.types.bpy_struct[Any]]:
         yield self._layer
@@ -60,6 +60,11 @@ def _of_object(placement: Placement) -> Iterator[bpy.types.bpy_struct[Any]]:
     yield placement.source
     if placement.source.data is not None:
         yield placement.source.data
+
+
+def first_numbers(owners: Iterable[bpy.types.bpy_struct[Any]], path: str) -> Rgba | None:
+    """Of the first owner that has some; None: nobody has."""
+    return next((value for owner in owners if (value := numbers_of(owner, path)) is not None), None)
 
 
 def numbers_of(owner: bpy.types.bpy_struct[Any], path: str) -> Rgba | None:

@@ -8,11 +8,12 @@ Limits:   attributes of geometry nodes' instances are told from Blender 4.5 on; 
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .asked_properties import ATTRIBUTE, GENERATED, MISSING, UV, numbers_of
+from .asked_properties import ATTRIBUTE, GENERATED, MISSING, UV, first_numbers, numbers_of
 from .asking_materials import AskingMaterials
 from .domains import MID_GREY
 from .instance_attributes import AttributeReader
@@ -64,9 +65,9 @@ class InstancerReader:
 
     def row_of(self, instance: DepsgraphObjectInstance) -> Row:
         """For ``values``: while the depsgraph goes through its instances."""
-        if not instance.is_instance:
-            return Row()
         row = Row()
+        if not instance.is_instance:
+            return row
         if self._asks_coordinates:
             row = row._replace(uv=tuple(instance.uv), generated=tuple(0.5 * along - 0.5 for along in instance.orco))
         if self._asks_attributes:
@@ -94,18 +95,16 @@ class InstancerReader:
         return values
 
     def _attribute(self, name: str, rows: list[Row], placement: Placement) -> list[Rgba]:
-        of_properties: dict[tuple[Object | None, ParticleSettings | None], Rgba | None] = {}
+        of_particles = cache(lambda settings: None if settings is None else numbers_of(settings, name))
+        of_owners = cache(lambda parent: first_numbers(_owners(parent, placement), name))
         found = []
         for row in rows:
-            owners = row.parent, row.particles
-            value = None if row.particles is None else numbers_of(row.particles, name)
+            value: Rgba | None = of_particles(row.particles)
             is_known = True
             if value is None and row.parent is not None:
                 value, is_known = self._attributes.read(name, row.parent, placement.source, row.path)
             if value is None:
-                if owners not in of_properties:
-                    of_properties[owners] = _property(name, row.parent, placement)
-                value = of_properties[owners]
+                value = of_owners(row.parent)
             if value is None and not is_known:
                 note = f'attribute "{name}" of its instancer is not known here: mid grey'
                 self._reports.add(f'Object "{placement.object_name}"', note)
@@ -114,15 +113,13 @@ class InstancerReader:
         return found
 
 
-def _property(name: str, parent: Object | None, placement: Placement) -> Rgba | None:
-    def owners() -> Iterator[bpy_struct[Any]]:
-        if parent is not None:
-            yield parent
-        yield placement.source
-        if placement.data is not None:
-            yield placement.data
-
-    return next((value for owner in owners() if (value := numbers_of(owner, name)) is not None), None)
+def _owners(parent: Object | None, placement: Placement) -> Iterator[bpy_struct[Any]]:
+    """Of properties, the instancer first."""
+    if parent is not None:
+        yield parent
+    yield placement.source
+    if placement.data is not None:
+        yield placement.data
 
 
 def _asked_by_node(node: Node) -> Iterator[Asked]:
