@@ -194,12 +194,13 @@ def _note_space(image: bpy.types.Image, reports: Reports, culprit: str, *, is_fl
         reports.add(culprit, f'image "{image.name}": colour space {space} is read as sRGB')
 
 
-def texel_of_missing(image: bpy.types.Image, *, associated: bool) -> Image:
-    """What Cycles reads in place of a file that is missing: at a clipped border it, or its alpha alone, fades out."""
-    is_srgb = image.colorspace_settings.name not in _LINEAR
+def texel_of_missing(image: bpy.types.Image | None, *, associated: bool) -> Image:
+    """What Cycles reads for no file, or a missing one: at a clipped border it, or its alpha alone, fades out."""
+    is_srgb = image is not None and image.colorspace_settings.name not in _LINEAR
     pixels = np.array([[[*MAGENTA, 1.0]]], np.uint8) * np.uint8(255)
     key = f"missing {is_srgb} {associated}"
-    return Image(key=key, name=image.name, pixels=pixels, is_srgb=is_srgb, has_alpha=not associated)
+    name = "" if image is None else image.name
+    return Image(key=key, name=name, pixels=pixels, is_srgb=is_srgb, has_alpha=not associated)
 
 
 def without_pixels(image: bpy.types.Image) -> str | None:

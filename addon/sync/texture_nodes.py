@@ -117,7 +117,7 @@ def image_use(reader: ValueReader, at: Socket) -> TextureUse | Value:
     )
     if image is not None:
         return _use_of(image, node)
-    is_seen_to_end = node.image is not None and getattr(node, "extension", "") == "CLIP"
+    is_seen_to_end = getattr(node, "extension", "") == "CLIP"
     return _use_of(texel_of_missing(node.image, associated=not uses_alpha), node) if is_seen_to_end else MAGENTA
 
 

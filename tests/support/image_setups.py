@@ -91,6 +91,17 @@ def lost(output: str, interpolation: str = "Linear", space: str = "sRGB") -> Bui
     return build
 
 
+def none_chosen(output: str) -> Build:
+    """A node that has no image: the same as of a file that is missing."""
+
+    def build(new: New, link: Link) -> Socket:
+        socket = lost(output)(new, link)
+        socket.node.image = None
+        return socket
+
+    return build
+
+
 def lost_label(new: New, link: Link) -> Socket:
     """A missing picture over a colour, by its alpha: its own colour does not fade."""
     mix = node(new, "ShaderNodeMixRGB", Color1=(0.1, 0.6, 0.2, 1))
@@ -120,6 +131,8 @@ IMAGES: dict[str, Build] = {
     "missing and clipped, no colour": lost("Color", space="Non-Color"),
     "alpha of a missing and clipped one": lost("Alpha"),
     "missing and clipped, over a colour": lost_label,
+    "none and clipped": none_chosen("Color"),
+    "alpha of none and clipped": none_chosen("Alpha"),
     "where an image says": warped,
     "by its own mapping": placed_by_itself,
     **{f"mapped as a {kind.lower()}": textured("UV", 0.5, mapping=kind) for kind in ("POINT", "TEXTURE", "VECTOR")},
