@@ -43,7 +43,7 @@ class TyndallIndirectSettings(PropertyGroup):
     has_bounce: BoolProperty(
         name="Color Bleeding",
         description="Surfaces catch the light that lamps and world throw on other surfaces, and what these emit: one "
-        "diffuse bounce, as Cycles with one. With Ambient Occlusion, of what stands within its distance. "
+        "bounce, as Cycles with one, by rough gloss, too. With Ambient Occlusion, of what stands within its distance. "
         "Two to ten times the time of a picture without air",
         default=False,
         update=tag,
@@ -63,7 +63,7 @@ class TyndallIndirectSettings(PropertyGroup):
     has_mirrors: BoolProperty(
         name="Mirrors",
         description="Polished surfaces (Glossy, Metallic and Principled shaders) mirror the scene, the lit air and the "
-        "world. Off: they are drawn as diffuse in their colour, as are rougher ones. Mirrors throw no light",
+        "world. Off: they show lamps and the world alone, as do rougher ones. Mirrors throw no light",
         default=False,
         update=tag,
         override=OVERRIDABLE,

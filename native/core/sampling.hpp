@@ -64,6 +64,11 @@ namespace tyndall {
     return from_frame(axis, {sine * std::cos(turn_rad), sine * std::sin(turn_rad), cosine});
 }
 
+/// What is left of a number in [0, 1) that chose the part [first, first + width): even again within it.
+[[nodiscard]] inline float even_within(float u, float first, float width) {
+    return std::min((u - first) / width, 0x1.fffffep-1f);
+}
+
 /// Power heuristic with exponent 2 (Veach 1997, section 9.2): share of the strategy with density `own`.
 /// One of both is not 0.
 [[nodiscard]] inline float power_share(float own, float other) {

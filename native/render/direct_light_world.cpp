@@ -11,21 +11,6 @@
 namespace tyndall::render {
 /// Of directions, that the image has where there is one: as many as what reflects them.
 static constexpr float image_share = 0.5f;
-/// Of the others, that lobes with directions have at least, and leave at least: no density is far below that of a strategy.
-static constexpr float least_lobe_share = 0.1f, most_lobe_share = 0.9f;
-
-/// Of the directions by what reflects light, those of lobes: as much as they shine beside what has none of its own.
-static float lobe_share(const SurfacePoint& point, const LobeSet& set) {
-    float with_directions = 0.0f, without = point.lambert_share;
-    for (const Lobe& lobe : set.lobes) {
-        with_directions += lobe.sampling;
-        if (lobe.sampling <= 0.0f)
-            without += average(lobe.weight);
-    }
-    if (!(with_directions > 0.0f))
-        return 0.0f;
-    return std::clamp(with_directions / (with_directions + std::max(without, 0.0f)), least_lobe_share, most_lobe_share);
-}
 
 float DirectLight::share_below_surface(const SurfacePoint& point, const vec3& direction, float image_pdf_per_sr) const {
     const ShadingPoint& shading = point.shading;
@@ -36,28 +21,25 @@ float DirectLight::share_below_surface(const SurfacePoint& point, const vec3& di
     return scene_.world().has_image() ? power_share(image_pdf_per_sr, cosine_hemisphere_pdf_per_sr(cosine)) : 0.0f;
 }
 
-/// What is left of a number that chose the part [first, first + width): even again within it.
-static float within(float u, float first, float width) { return std::min((u - first) / width, 0x1.fffffep-1f); }
-
 void DirectLight::aim_by_strategies(const SurfacePoint& point, const LobeSet& lobes, vec2 u, float share,
                                     std::size_t index, ShadowRays& shadow) const {
     const World& world = scene_.world();
-    const float of_lobes = lobe_share(point, lobes);
+    const float of_lobes = lobes.share_of_directions(point.lambert_share);
     const float p_image = world.has_image() ? image_share : 0.0f, p_lobes = (1.0f - p_image) * of_lobes,
                 p_cosine = 1.0f - p_image - p_lobes;
     const vec3& normal = point.shading.shading_normal;
-    const bool is_gloss = of_lobes == most_lobe_share; // alone, or nearly so
+    const bool is_gloss = of_lobes == LobeSet::most_share; // alone, or nearly so
     vec3 direction;
     World::Look look{};
     const bool by_image = u.x < p_image, by_lobes = !by_image && u.x < p_image + p_lobes;
     if (by_image) {
-        const World::DirectionSample sample = world.sample({within(u.x, 0.0f, p_image), u.y});
+        const World::DirectionSample sample = world.sample({even_within(u.x, 0.0f, p_image), u.y});
         direction = sample.direction;
         look = {sample.radiance, sample.pdf_per_sr};
     } else if (by_lobes)
-        direction = lobes.sample({within(u.x, p_image, p_lobes), u.y});
+        direction = lobes.sample({even_within(u.x, p_image, p_lobes), u.y});
     else
-        direction = from_frame(normal, sample_cosine_hemisphere({within(u.x, p_image + p_lobes, p_cosine), u.y}));
+        direction = from_frame(normal, sample_cosine_hemisphere({even_within(u.x, p_image + p_lobes, p_cosine), u.y}));
     const float cosine = glm::dot(normal, direction);
     if (!(cosine > 0.0f)) // nor what is no direction
         return;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/indirect_light.hpp"
 #include "core/errors.hpp"
+#include "core/sampling.hpp"
 #include "render/light_groups.hpp"
 #include "render/view_path.hpp"
 #include "shading/surface_program.hpp"
@@ -38,35 +39,40 @@ IndirectLight::IndirectLight(const Scene& scene, const Media& media, const Direc
 
 void IndirectLight::add(const SurfaceWalk& walked, std::uint32_t sample_index, std::span<PathSample> samples,
                         std::size_t group_count, const Progress& progress) const {
-    std::array<Rgb, DirectLight::most_points> found;
-    thread_local std::vector<Rgb> by_group;
+    std::array<Rgb, DirectLight::most_points> seen;
+    std::array<Gathered, DirectLight::most_points> found;
+    thread_local std::vector<Gathered> by_group;
     std::size_t first = 0;
     for (const auto [end, layer, among] : walked.batches) {
         progress.poll();
         const auto points = std::span(walked.points).subspan(first, end - first);
         const auto shades = std::span(walked.shades).subspan(first, end - first);
         if (finds_ambient_ && among == Among::All) {
-            found.fill(Rgb(0.0f));
-            find_ambient(points, sample_index, layer, found);
+            seen.fill(Rgb(0.0f));
+            find_ambient(points, sample_index, layer, seen);
             for (std::size_t i = 0; i < points.size(); ++i)
-                samples[shades[i].sample].ambient += shades[i].cover * found[i];
+                samples[shades[i].sample].ambient += shades[i].cover * seen[i];
         }
         if (has_bounce_) {
-            found.fill(Rgb(0.0f));
-            by_group.assign(group_count * points.size(), Rgb(0.0f));
-            gather(points, sample_index, layer, bounce_rays_, found, by_group, among);
-            const auto add = [&](std::size_t point, const Rgb& per_irradiance) {
+            found.fill({});
+            by_group.assign(group_count * points.size(), {});
+            const std::span<const SurfaceWalk::LobedPoint> lobed = walked.lobed_of(first, end);
+            DirectLight::PointLobes lobes;
+            for (const SurfaceWalk::LobedPoint& of : lobed)
+                lobes[of.point - first] = walked.lobes_of(of);
+            gather(points, sample_index, layer, bounce_rays_, lobed.empty() ? nullptr : &lobes, found, by_group, among);
+            const auto add = [&](std::size_t point, const Rgb& share, Rgb Gathered::*of) {
                 PathSample& sample = samples[shades[point].sample];
-                sample.light_of(shades[point].of) += per_irradiance * found[point];
+                sample.light_of(shades[point].of) += share * found[point].*of;
                 if (shades[point].of != LightOf::Picture)
                     return;
                 for (std::size_t group = 0; group < sample.by_group.size(); ++group)
-                    sample.by_group[group] += per_irradiance * by_group[group * points.size() + point];
+                    sample.by_group[group] += share * by_group[group * points.size() + point].*of;
             };
             for (std::size_t i = 0; i < points.size(); ++i)
-                add(i, shades[i].radiance);
-            for (const SurfaceWalk::LobedPoint& of : walked.lobed_of(first, end)) // as if they were diffuse
-                add(of.point - first, of.throughput * walked.lobes_of(of).albedo() * std::numbers::inv_pi_v<float>);
+                add(i, shades[i].radiance, &Gathered::irradiance);
+            for (const SurfaceWalk::LobedPoint& of : lobed)
+                add(of.point - first, of.throughput, &Gathered::reflected);
         }
         first = end;
     }
@@ -93,53 +99,93 @@ void IndirectLight::find_ambient(std::span<const SurfacePoint> points, std::uint
 struct IndirectLight::Gatherer {
     std::size_t point;
     Ray part;
-    Rgb weight; ///< Irradiance per radiance.
+    Rgb weight;                      ///< Irradiance per radiance.
+    Rgb reflected{0.0f};             ///< What the point's lobes make of irradiance, 1/sr.
+    RayKind kind = RayKind::Diffuse; ///< Glossy: drawn by lobes.
+
+    [[nodiscard]] Gathered of(const Rgb& radiance) const { return {weight * radiance, weight * radiance * reflected}; }
 };
 
+/// Above the shading normal's horizon, but below the surface's own: nothing is there.
+static bool is_below_surface(const ShadingPoint& shading, const vec3& direction) {
+    return (glm::dot(direction, shading.geometric_normal) > 0.0f) == shading.is_backface;
+}
+
+void IndirectLight::push_drawn(const SurfacePoint& point, const LobeSet& lobes, vec2 u, Gatherer ray,
+                               std::vector<Gatherer>& gatherers) {
+    const float p_lobes = lobes.share_of_directions(point.lambert_share), p_cosine = 1.0f - p_lobes;
+    const vec3& normal = point.shading.shading_normal;
+    const bool by_lobes = u.x < p_lobes;
+    const vec3 direction =
+        by_lobes ? lobes.sample({even_within(u.x, 0.0f, p_lobes), u.y})
+                 : from_frame(normal, sample_cosine_hemisphere({even_within(u.x, p_lobes, p_cosine), u.y}));
+    const float cosine = glm::dot(normal, direction);
+    if (!(cosine > 0.0f) || is_below_surface(point.shading, direction)) // nor what is no direction
+        return;
+    float density = p_cosine * cosine_hemisphere_pdf_per_sr(cosine);
+    if (p_lobes > 0.0f)
+        density += p_lobes * lobes.pdf_per_sr(direction);
+    if (!(density > 0.0f) || !std::isfinite(density))
+        return;
+    ray.part.origin = point.spawn.towards(direction);
+    ray.part.direction = direction;
+    ray.weight *= cosine / density;
+    ray.reflected = lobes.per_irradiance_as_drawn(direction);
+    ray.kind = by_lobes ? RayKind::Glossy : RayKind::Diffuse;
+    gatherers.push_back(ray);
+}
+
 void IndirectLight::gather(std::span<const SurfacePoint> points, std::uint32_t sample_index, std::uint32_t layer,
-                           std::uint32_t ray_count, std::span<Rgb> irradiance, std::span<Rgb> by_group,
-                           Among among) const {
-    const LitPoints lanes = lanes_of(points);
+                           std::uint32_t ray_count, const DirectLight::PointLobes* lobes, std::span<Gathered> gathered,
+                           std::span<Gathered> by_group, Among among) const {
+    LitPoints lanes = lanes_of(points);
+    LaneSet lobed = 0;
+    for (std::size_t point = 0; lobes != nullptr && point < points.size(); ++point)
+        if (!(*lobes)[point].lobes.empty())
+            lobed |= LaneSet{1} << point;
+    lanes.present &= ~lobed;
+    const Rgb share(1.0f / static_cast<float>(ray_count));
     thread_local std::vector<Gatherer> gatherers;
     for (std::uint32_t ray = 0; ray < ray_count; ++ray) {
         const std::uint32_t sample = sample_index * ray_count + ray;
+        const PairIndex pair{sample, first_gather_pair + layer};
+        Ray part{.origin = {}, .direction = {}, .near_m = 0.0f, .far_m = config_.reach_m()};
         AimedRays aimed;
         gatherers.clear();
-        for (LaneSet left = LightAim::aim_at_world(lanes, {sample, first_gather_pair + layer}, aimed); left != 0;
-             left &= left - 1) {
+        for (LaneSet left = LightAim::aim_at_world(lanes, pair, aimed); left != 0; left &= left - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-            const ShadingPoint& shading = points[lane].shading;
-            const vec3 direction = aimed.direction.get(lane);
-            // Above the shading normal's horizon, but below the surface's own: nothing is there.
-            if ((glm::dot(direction, shading.geometric_normal) > 0.0f) == shading.is_backface)
-                continue;
-            const Ray part{
-                .origin = aimed.origin.get(lane), .direction = direction, .near_m = 0.0f, .far_m = config_.reach_m()};
-            gatherers.push_back({lane, part, Rgb(pi / static_cast<float>(ray_count))});
+            part.origin = aimed.origin.get(lane);
+            part.direction = aimed.direction.get(lane);
+            if (!is_below_surface(points[lane].shading, part.direction))
+                gatherers.push_back({lane, part, pi * share});
+        }
+        for (LaneSet left = lobed; left != 0; left &= left - 1) {
+            const auto point = static_cast<std::size_t>(std::countr_zero(left));
+            const vec2 u = pixel_pair(points[point].pixel_seed, pair.sample_index, pair.pair_index);
+            push_drawn(points[point], (*lobes)[point], u, {point, part, share}, gatherers);
         }
         for (std::uint32_t passed = 0; passed < max_layer_count && !gatherers.empty(); ++passed) {
             const std::uint32_t place = layer * layers_apart + std::min(passed, layers_apart - 1);
-            catch_light(points, gatherers, {sample, first_gathered_pair + place * pairs_per_gathered_layer}, irradiance,
+            catch_light(points, gatherers, {sample, first_gathered_pair + place * pairs_per_gathered_layer}, gathered,
                         by_group, among);
         }
     }
 }
 
 void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vector<Gatherer>& gatherers,
-                                const PairIndex& first_pair, std::span<Rgb> irradiance, std::span<Rgb> by_group,
+                                const PairIndex& first_pair, std::span<Gathered> gathered, std::span<Gathered> by_group,
                                 Among among) const {
     std::array<SurfacePoint, DirectLight::most_points> met;
-    std::array<Rgb, DirectLight::most_points> weights; ///< Irradiance per irradiance.
-    std::array<std::size_t, DirectLight::most_points> caught_by;
+    std::array<Gatherer, DirectLight::most_points> caught_by; ///< Weights: irradiance per irradiance.
     std::size_t met_count = 0, going_on = 0;
     for (Gatherer& gatherer : gatherers) {
-        const auto& [point, part, weight] = gatherer;
-        const Hit hit = scene_.closest_hit(part, mask_among(among, bounce_mask));
+        const auto& [point, part, weight, reflected, kind] = gatherer;
+        const Hit hit = scene_.closest_hit(part, mask_among(among, blocking_mask(kind)));
         if (!media_.is_empty() && among == Among::All) {
             Ray inside = part;
             if (hit.is_hit())
                 inside.far_m = hit.distance_m;
-            irradiance[point] += weight * media_.emission(inside);
+            gathered[point] += gatherer.of(media_.emission(inside));
             gatherer.weight *= media_.transmittance(inside);
         }
         if (!hit.is_hit())
@@ -147,17 +193,17 @@ void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vecto
         const SurfacePoint surface = surface_point(scene_, part, hit, points[point].pixel_seed);
         const ProgramRandom random{hash(points[point].pixel_seed, first_pair.pair_index), first_pair.sample_index};
         const SurfaceClosures closures =
-            scene_.closures({.ray = part, .kind = RayKind::Diffuse, .random = random}, surface.shading, hit);
+            scene_.closures({.ray = part, .kind = kind, .random = random}, surface.shading, hit);
         if (!light_.is_light(hit) && closures.emission != Rgb(0.0f)) {
-            irradiance[point] += weight * closures.emission;
+            const Gathered found = gatherer.of(closures.emission);
+            gathered[point] += found;
             if (!by_group.empty())
-                add_to_group(by_group, scene_.object_info(hit.instance).light_group, points.size(), point,
-                             weight * closures.emission);
+                add_to_group(by_group, scene_.object_info(hit.instance).light_group, points.size(), point, found);
         }
         if (closures.diffuse_albedo != Rgb(0.0f)) {
             met[met_count] = surface;
-            weights[met_count] = weight * closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
-            caught_by[met_count++] = point;
+            caught_by[met_count] = gatherer;
+            caught_by[met_count++].weight *= closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
         }
         gatherer.weight *= closures.transparent;
         if (gatherer.weight == Rgb(0.0f))
@@ -174,9 +220,10 @@ void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vecto
     lit_by_group.assign(group_count * met_count, {});
     light_.add_all_once(std::span(met).first(met_count), first_pair, lit, lit_by_group, among);
     for (std::size_t i = 0; i < met_count; ++i) {
-        irradiance[caught_by[i]] += weights[i] * lit[i].sum();
+        const std::size_t point = caught_by[i].point;
+        gathered[point] += caught_by[i].of(lit[i].sum());
         for (std::size_t group = 0; group < group_count; ++group)
-            by_group[group * points.size() + caught_by[i]] += weights[i] * lit_by_group[group * met_count + i].sum();
+            by_group[group * points.size() + point] += caught_by[i].of(lit_by_group[group * met_count + i].sum());
     }
 }
 } // namespace tyndall::render

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What surfaces that the camera sees catch of others: how much of the world they see (the ambient occlusion pass), and
-// the light of one diffuse bounce, which bleeds colours.
+// the light of one bounce, which bleeds colours: off what is diffuse there, by all that reflects it here.
 // Based on: Kol, dissertation, TU Delft 2018, 2.5.6: rays over the hemisphere, and from what they hit rays to the lights;
 //           Ward, Rubinstein, Clear, A Ray Tracing Solution for Diffuse Interreflection, SIGGRAPH 1988: by the cosine.
 // Differs:  Owen-scrambled Sobol points instead of jittered strata, over all samples of a pixel, each pixel with its own;
 //           what is hit gets one shadow ray of every light; transparent layers on the way are followed, not picked.
+//           Lobes catch light by directions of their own, beside those by the cosine (Veach 1997, 9.2.4): as many as
+//           they shine.
 // Bound:    per surface point and ray: one ray through the scene, which goes alone, and what it meets one shadow ray per
 //           light; of the pass one ray.
 #pragma once
@@ -33,17 +35,31 @@ public:
     /// To the samples of the walk's points, and to their so many groups. Throws Cancelled.
     void add(const SurfaceWalk& walked, std::uint32_t sample_index, std::span<PathSample> samples,
              std::size_t group_count, const Progress& progress) const;
-    /// Adds the irradiance of one bounce on up to DirectLight::most_points points, W/m^2. Takes the random numbers of a
-    /// layer of surfaces along the pixels' rays. Adds what comes from each group to by_group[group * points.size() + point].
+    /// What one bounce brings to a point.
+    struct Gathered {
+        Rgb irradiance{0.0f}; ///< W/m^2.
+        Rgb reflected{0.0f};  ///< Of that, towards the viewer by the point's lobes: radiance.
+        Gathered& operator+=(const Gathered& other) {
+            irradiance += other.irradiance;
+            reflected += other.reflected;
+            return *this;
+        }
+    };
+    /// Adds the light of one bounce on up to DirectLight::most_points points. Takes the random numbers of a layer of
+    /// surfaces along the pixels' rays. `lobes`: null where no point has any. Adds what comes from each group to
+    /// by_group[group * points.size() + point].
     void gather(std::span<const SurfacePoint> points, std::uint32_t sample_index, std::uint32_t layer,
-                std::uint32_t ray_count, std::span<Rgb> irradiance, std::span<Rgb> by_group = {},
-                Among among = Among::All) const;
+                std::uint32_t ray_count, const DirectLight::PointLobes* lobes, std::span<Gathered> gathered,
+                std::span<Gathered> by_group = {}, Among among = Among::All) const;
 
 private:
     struct Gatherer;
+    /// By a pair of random numbers: a direction of the lobes or one by the cosine, of so many rays.
+    static void push_drawn(const SurfacePoint& point, const LobeSet& lobes, vec2 u, Gatherer ray,
+                           std::vector<Gatherer>& gatherers);
     /// Up to the next surface: its light comes to the points; what passes goes on.
     void catch_light(std::span<const SurfacePoint> points, std::vector<Gatherer>& gatherers,
-                     const PairIndex& first_pair, std::span<Rgb> irradiance, std::span<Rgb> by_group,
+                     const PairIndex& first_pair, std::span<Gathered> gathered, std::span<Gathered> by_group,
                      Among among) const;
     /// Shares of the world that the points see, within reach.
     void find_ambient(std::span<const SurfacePoint> points, std::uint32_t sample_index, std::uint32_t layer,

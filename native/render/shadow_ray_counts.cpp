@@ -211,10 +211,12 @@ private:
              std::span<DirectLight::Irradiance> irradiance) const {
         if (light < light_.light_count())
             return light_.add_one(light, points, {0, 1}, irradiance, &lobes);
-        std::array<Rgb, pixels_per_square> gathered{};
-        bounce_->gather(points, 0, 0, 1, gathered);
-        for (std::size_t point = 0; point < points.size(); ++point)
-            irradiance[point].from_lights = gathered[point];
+        std::array<IndirectLight::Gathered, pixels_per_square> gathered{};
+        bounce_->gather(points, 0, 0, 1, &lobes, gathered);
+        for (std::size_t point = 0; point < points.size(); ++point) {
+            irradiance[point].from_lights = gathered[point].irradiance;
+            irradiance[point].reflected = gathered[point].reflected;
+        }
     }
 
     static OfPixel of_pixel(std::size_t pixel, std::span<const Lit> lights, const Seen& seen) {

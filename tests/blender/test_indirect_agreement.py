@@ -15,7 +15,15 @@ import pytest
 from numpy.typing import NDArray
 
 from addon import last_render
-from support.cycles_reference import Pair, agreement, cycles_pixels, pixels_on_edges, prepare_cycles, tyndall_pixels
+from support.cycles_reference import (
+    Pair,
+    agreement,
+    cycles_pixels,
+    pixels_on_edges,
+    prepare_cycles,
+    rendered_pixels,
+    tyndall_pixels,
+)
 from support.exr import read_planes
 from support.small_scenes import Build, add, cube, empty_scene, light, material, mesh, node
 
@@ -125,6 +133,38 @@ MIRRORS: dict[str, Build] = {
 }
 if IS_4:
     MIRRORS["half metal"] = principled((0.6, 0.5, 0.3, 1), Metallic=0.5)
+
+
+GLOSSES: dict[str, Build] = {
+    "glossy": glossy((0.9, 0.8, 0.6, 1), roughness=0.25),
+    # At a flat angle most of what it sends back is gloss.
+    "dark": principled((0.03, 0.03, 0.03, 1) if IS_4 else (0, 0, 0, 1), Roughness=0.3),
+    "metal": principled((0.9, 0.6, 0.2, 1), Metallic=1.0, Roughness=0.45),
+    "matte": lambda new, _: node(new, "ShaderNodeBsdfDiffuse", Color=WHITE, Roughness=1.0).outputs[0],
+}
+
+
+@pytest.mark.dealt
+@pytest.mark.parametrize("name", GLOSSES)
+def test_gloss_catches_a_bounce_from_where_it_shines(name: str) -> None:
+    """As in Cycles with one bounce, diffuse or glossy; once it was caught from all around, as if gloss were diffuse.
+
+    Walls do not see the gloss, which a bounce finds diffuse.
+    """
+    scene = lit("lamp")
+    for thing in ("Floor", "Box"):
+        bpy.data.objects[thing].data.materials[0] = material(name, GLOSSES[name])
+        bpy.data.objects[thing].visible_diffuse = bpy.data.objects[thing].visible_glossy = False
+    scene.camera.location, scene.camera.rotation_euler = (4.5, -4.5, 1.5), (1.38, 0, 0.78)
+    scene.tyndall.indirect.has_bounce = True
+    left_out = pixels_on_edges(scene)
+    ours = tuple(tyndall_pixels(scene, ["EXACT"], surface_samples=256, seed=seed)[0] for seed in (0, 1))
+    cycles = []
+    for seed in (1, 2):
+        prepare_cycles(scene, 512, seed, diffuse_bounces=1, glossy_bounces=1)
+        scene.cycles.max_bounces = 1
+        cycles.append(rendered_pixels(scene))
+    assert_agree(ours, (cycles[0], cycles[1]), left_out)
 
 
 @pytest.mark.dealt

@@ -240,6 +240,18 @@ bool LobeSet::draws_on_both_sides() const {
     return std::ranges::any_of(lobes, [](const Lobe& lobe) { return lobe.kind > Lobe::Kind::Fibre; });
 }
 
+float LobeSet::share_of_directions(float lambert_share) const {
+    float with_directions = 0.0f, without = lambert_share;
+    for (const Lobe& lobe : lobes) {
+        with_directions += lobe.sampling;
+        if (lobe.sampling <= 0.0f)
+            without += average(lobe.weight);
+    }
+    if (!(with_directions > 0.0f))
+        return 0.0f;
+    return std::clamp(with_directions / (with_directions + std::max(without, 0.0f)), least_share, most_share);
+}
+
 bool LobeSet::has_directions() const { return sum_of_sampling(lobes) > 0.0f; }
 
 vec3 LobeSet::sample(vec2 u) const {

@@ -32,6 +32,10 @@ struct LobeSet {
     /// of the point, and of aimed light what comes from the component's own side.
     [[nodiscard]] Rgb per_irradiance_as_drawn(const vec3& incoming) const { return sum_of(incoming, Way::Drawn); }
     [[nodiscard]] bool draws_on_both_sides() const;
+    /// Of directions by what reflects light, those that lobes draw, beside those by the cosine: as much as they shine, and a
+    /// part that leaves no density far below that of a strategy. Lambert's share of the point; 0: none has any.
+    [[nodiscard]] float share_of_directions(float lambert_share) const;
+    static constexpr float least_share = 0.1f, most_share = 0.9f;
     /// False: no lobe has directions of its own.
     [[nodiscard]] bool has_directions() const;
     /// A unit direction, which may lie below the horizon.
