@@ -144,18 +144,23 @@ void DirectLight::add_one(std::size_t light, std::span<const SurfacePoint> point
 }
 
 void DirectLight::add_all_once(std::span<const SurfacePoint> points, const PairIndex& first_pair,
-                               std::span<Irradiance> irradiance, std::span<Irradiance> by_group, Among among) const {
+                               std::span<Irradiance> irradiance, const PointLobes* lobes,
+                               std::span<Irradiance> by_group, Among among) const {
     const LitPoints lanes = lanes_of(points);
     std::array<Irradiance, most_points> before;
+    MostPdfs most_pdfs;
+    if (lobes != nullptr)
+        most_pdfs.fill(-1.0f);
     for (std::size_t light = 0; light < light_count(); ++light) {
         const bool is_grouped = !by_group.empty() && !is_many(light) && group_of(light) != no_light_group;
         if (is_grouped)
             std::ranges::copy(irradiance.first(points.size()), before.begin());
-        add(light, {}, {points, lanes, nullptr, among}, first_pair, irradiance, by_group);
+        add(light, {}, {points, lanes, lobes, among, &most_pdfs}, first_pair, irradiance, by_group);
         for (std::size_t point = 0; is_grouped && point < points.size(); ++point) {
             Irradiance more; // the sums keep the bits that they have without groups
             more.from_lights = irradiance[point].from_lights - before[point].from_lights;
             more.from_world = irradiance[point].from_world - before[point].from_world;
+            more.reflected = irradiance[point].reflected - before[point].reflected;
             add_to_group(by_group, group_of(light), points.size(), point, more);
         }
     }

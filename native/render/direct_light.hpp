@@ -103,7 +103,7 @@ public:
     /// Of all lights, with one shadow ray each: what a point that few will see is worth. Adds what comes from each group to
     /// by_group, as at() does for the many.
     void add_all_once(std::span<const SurfacePoint> points, const PairIndex& first_pair,
-                      std::span<Irradiance> irradiance, std::span<Irradiance> by_group = {},
+                      std::span<Irradiance> irradiance, const PointLobes* lobes, std::span<Irradiance> by_group = {},
                       Among among = Among::All) const;
     /// The world is the last light.
     [[nodiscard]] bool has_world() const { return has_world_light_; }

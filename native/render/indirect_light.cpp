@@ -60,7 +60,8 @@ void IndirectLight::add(const SurfaceWalk& walked, std::uint32_t sample_index, s
             DirectLight::PointLobes lobes;
             for (const SurfaceWalk::LobedPoint& of : lobed)
                 lobes[of.point - first] = walked.lobes_of(of);
-            gather(points, sample_index, layer, bounce_rays_, lobed.empty() ? nullptr : &lobes, found, by_group, among);
+            gather(points, sample_index, layer, bounce_rays_, lobed.empty() ? nullptr : &lobes,
+                   std::span(found).first(points.size()), by_group, among);
             const auto add = [&](std::size_t point, const Rgb& share, Rgb Gathered::*of) {
                 PathSample& sample = samples[shades[point].sample];
                 sample.light_of(shades[point].of) += share * found[point].*of;
@@ -100,11 +101,52 @@ struct IndirectLight::Gatherer {
     std::size_t point;
     Ray part;
     Rgb weight;                      ///< Irradiance per radiance.
+    float pdf_per_sr;                ///< Of its direction.
     Rgb reflected{0.0f};             ///< What the point's lobes make of irradiance, 1/sr.
     RayKind kind = RayKind::Diffuse; ///< Glossy: drawn by lobes.
 
     [[nodiscard]] Gathered of(const Rgb& radiance) const { return {weight * radiance, weight * radiance * reflected}; }
 };
+
+/// One side of what rays met, which waits for light.
+struct IndirectLight::Met {
+    std::array<SurfacePoint, DirectLight::most_points> points;
+    std::array<Gatherer, DirectLight::most_points> caught_by;
+    std::array<Rgb, DirectLight::most_points> albedos; ///< Lambert's.
+    std::array<Lobes, DirectLight::most_points> lobes;
+    std::size_t count = 0;
+
+    void push(const SurfacePoint& point, const Gatherer& by, const Rgb& albedo, Lobes& of_point) {
+        points[count] = point;
+        points[count].lambert_share = average(albedo);
+        caught_by[count] = by;
+        albedos[count] = albedo;
+        lobes[count++].swap(of_point);
+    }
+};
+
+/// Where a ray of this density ends: what is below the surface, and hair, count as diffuse, glass lets all pass straight,
+/// and gloss is as wide as Cycles' Filter Glossy makes it by default, as few rays would see where it is narrow, but all the
+/// brighter.
+static void blur(Lobes& lobes, float pdf_per_sr, SurfaceClosures& closures) {
+    const float least_alpha = 0.5f * std::sqrt(std::max(1.0f - pdf_per_sr, 0.0f));
+    std::erase_if(lobes, [&](const Lobe& lobe) {
+        const bool is_even = lobe.kind == Lobe::Kind::Subsurface || lobe.is_of_fibre();
+        const bool is_bent = lobe.kind == Lobe::Kind::Bent;
+        if (is_even)
+            closures.diffuse_albedo += lobe.weight;
+        if (is_bent)
+            closures.transparent += lobe.weight + lobe.a;
+        return is_even || is_bent;
+    });
+    for (Lobe& lobe : lobes)
+        if (lobe.is_of_facets() && lobe.alpha < least_alpha) {
+            lobe.alpha = lobe.own_alpha = least_alpha;
+            lobe.tangent = vec3(0.0f);
+            if (lobe.kind == Lobe::Kind::GgxAlongTangent)
+                lobe.kind = Lobe::Kind::Ggx;
+        }
+}
 
 /// Above the shading normal's horizon, but below the surface's own: nothing is there.
 static bool is_below_surface(const ShadingPoint& shading, const vec3& direction) {
@@ -130,6 +172,7 @@ void IndirectLight::push_drawn(const SurfacePoint& point, const LobeSet& lobes, 
     ray.part.origin = point.spawn.towards(direction);
     ray.part.direction = direction;
     ray.weight *= cosine / density;
+    ray.pdf_per_sr = density;
     ray.reflected = lobes.per_irradiance_as_drawn(direction);
     ray.kind = by_lobes ? RayKind::Glossy : RayKind::Diffuse;
     gatherers.push_back(ray);
@@ -156,13 +199,14 @@ void IndirectLight::gather(std::span<const SurfacePoint> points, std::uint32_t s
             const auto lane = static_cast<std::size_t>(std::countr_zero(left));
             part.origin = aimed.origin.get(lane);
             part.direction = aimed.direction.get(lane);
+            const float cosine = glm::dot(points[lane].shading.shading_normal, part.direction);
             if (!is_below_surface(points[lane].shading, part.direction))
-                gatherers.push_back({lane, part, pi * share});
+                gatherers.push_back({lane, part, pi * share, cosine_hemisphere_pdf_per_sr(cosine)});
         }
         for (LaneSet left = lobed; left != 0; left &= left - 1) {
             const auto point = static_cast<std::size_t>(std::countr_zero(left));
             const vec2 u = pixel_pair(points[point].pixel_seed, pair.sample_index, pair.pair_index);
-            push_drawn(points[point], (*lobes)[point], u, {point, part, share}, gatherers);
+            push_drawn(points[point], (*lobes)[point], u, {point, part, share, 0.0f}, gatherers);
         }
         for (std::uint32_t passed = 0; passed < max_layer_count && !gatherers.empty(); ++passed) {
             const std::uint32_t place = layer * layers_apart + std::min(passed, layers_apart - 1);
@@ -175,12 +219,14 @@ void IndirectLight::gather(std::span<const SurfacePoint> points, std::uint32_t s
 void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vector<Gatherer>& gatherers,
                                 const PairIndex& first_pair, std::span<Gathered> gathered, std::span<Gathered> by_group,
                                 Among among) const {
-    std::array<SurfacePoint, DirectLight::most_points> met;
-    std::array<Gatherer, DirectLight::most_points> caught_by; ///< Weights: irradiance per irradiance.
-    std::size_t met_count = 0, going_on = 0;
+    thread_local Met in_front, behind;
+    thread_local Lobes lobes;
+    in_front.count = behind.count = 0;
+    std::size_t going_on = 0;
     for (Gatherer& gatherer : gatherers) {
-        const auto& [point, part, weight, reflected, kind] = gatherer;
-        const Hit hit = scene_.closest_hit(part, mask_among(among, blocking_mask(kind)));
+        const std::size_t point = gatherer.point;
+        const Ray& part = gatherer.part;
+        const Hit hit = scene_.closest_hit(part, mask_among(among, blocking_mask(gatherer.kind)));
         if (!media_.is_empty() && among == Among::All) {
             Ray inside = part;
             if (hit.is_hit())
@@ -192,19 +238,21 @@ void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vecto
             continue; // the world's light comes straight
         const SurfacePoint surface = surface_point(scene_, part, hit, points[point].pixel_seed);
         const ProgramRandom random{hash(points[point].pixel_seed, first_pair.pair_index), first_pair.sample_index};
-        const SurfaceClosures closures =
-            scene_.closures({.ray = part, .kind = kind, .random = random}, surface.shading, hit);
+        lobes.clear();
+        SurfaceClosures closures =
+            scene_.closures({.ray = part, .kind = gatherer.kind, .random = random}, surface.shading, hit, &lobes);
+        blur(lobes, gatherer.pdf_per_sr, closures);
         if (!light_.is_light(hit) && closures.emission != Rgb(0.0f)) {
             const Gathered found = gatherer.of(closures.emission);
             gathered[point] += found;
             if (!by_group.empty())
                 add_to_group(by_group, scene_.object_info(hit.instance).light_group, points.size(), point, found);
         }
-        if (closures.diffuse_albedo != Rgb(0.0f)) {
-            met[met_count] = surface;
-            caught_by[met_count] = gatherer;
-            caught_by[met_count++].weight *= closures.diffuse_albedo * std::numbers::inv_pi_v<float>;
-        }
+        if (closures.diffuse_albedo != Rgb(0.0f) || !lobes.empty())
+            in_front.push(surface, gatherer, closures.diffuse_albedo, lobes);
+        lobes.clear();
+        if (closures.translucent != Rgb(0.0f))
+            behind.push(other_side(scene_, surface), gatherer, closures.translucent, lobes);
         gatherer.weight *= closures.transparent;
         if (gatherer.weight == Rgb(0.0f))
             continue;
@@ -212,18 +260,32 @@ void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vecto
         gatherers[going_on++] = gatherer;
     }
     gatherers.resize(going_on);
-    if (met_count == 0)
+    light(in_front, first_pair, gathered, by_group, among);
+    light(behind, first_pair, gathered, by_group, among);
+}
+
+void IndirectLight::light(const Met& met, const PairIndex& first_pair, std::span<Gathered> gathered,
+                          std::span<Gathered> by_group, Among among) const {
+    if (met.count == 0)
         return;
     std::array<DirectLight::Irradiance, DirectLight::most_points> lit{};
-    const std::size_t group_count = by_group.empty() ? 0 : by_group.size() / points.size();
+    const std::size_t group_count = by_group.size() / gathered.size();
     thread_local std::vector<DirectLight::Irradiance> lit_by_group;
-    lit_by_group.assign(group_count * met_count, {});
-    light_.add_all_once(std::span(met).first(met_count), first_pair, lit, lit_by_group, among);
-    for (std::size_t i = 0; i < met_count; ++i) {
-        const std::size_t point = caught_by[i].point;
-        gathered[point] += caught_by[i].of(lit[i].sum());
+    lit_by_group.assign(group_count * met.count, {});
+    DirectLight::PointLobes lobes;
+    for (std::size_t i = 0; i < met.count; ++i)
+        lobes[i] = {.lobes = met.lobes[i],
+                    .normal = met.points[i].shading.shading_normal,
+                    .outgoing = -met.caught_by[i].part.direction};
+    light_.add_all_once(std::span(met.points).first(met.count), first_pair, lit, &lobes, lit_by_group, among);
+    for (std::size_t i = 0; i < met.count; ++i) {
+        const Gatherer& by = met.caught_by[i];
+        const auto sent = [&](const DirectLight::Irradiance& at) {
+            return by.of(met.albedos[i] * std::numbers::inv_pi_v<float> * at.sum() + at.reflected);
+        };
+        gathered[by.point] += sent(lit[i]);
         for (std::size_t group = 0; group < group_count; ++group)
-            by_group[group * points.size() + point] += caught_by[i].of(lit_by_group[group * met_count + i].sum());
+            by_group[group * gathered.size() + by.point] += sent(lit_by_group[group * met.count + i]);
     }
 }
 } // namespace tyndall::render

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What surfaces that the camera sees catch of others: how much of the world they see (the ambient occlusion pass), and
-// the light of one bounce, which bleeds colours: off what is diffuse there, by all that reflects it here.
+// the light of one bounce, which bleeds colours.
 // Based on: Kol, dissertation, TU Delft 2018, 2.5.6: rays over the hemisphere, and from what they hit rays to the lights;
 //           Ward, Rubinstein, Clear, A Ray Tracing Solution for Diffuse Interreflection, SIGGRAPH 1988: by the cosine.
 // Differs:  Owen-scrambled Sobol points instead of jittered strata, over all samples of a pixel, each pixel with its own;
 //           what is hit gets one shadow ray of every light; transparent layers on the way are followed, not picked.
 //           Lobes catch light by directions of their own, beside those by the cosine (Veach 1997, 9.2.4): as many as
-//           they shine.
+//           they shine. Gloss of what is hit is blurred, as Cycles' Filter Glossy does by default.
 // Bound:    per surface point and ray: one ray through the scene, which goes alone, and what it meets one shadow ray per
 //           light; of the pass one ray.
 #pragma once
@@ -45,7 +45,7 @@ public:
             return *this;
         }
     };
-    /// Adds the light of one bounce on up to DirectLight::most_points points. Takes the random numbers of a layer of
+    /// Adds the light of one bounce on up to DirectLight::most_points points, as many as are `gathered`. Takes the random numbers of a layer of
     /// surfaces along the pixels' rays. `lobes`: null where no point has any. Adds what comes from each group to
     /// by_group[group * points.size() + point].
     void gather(std::span<const SurfacePoint> points, std::uint32_t sample_index, std::uint32_t layer,
@@ -54,6 +54,7 @@ public:
 
 private:
     struct Gatherer;
+    struct Met;
     /// By a pair of random numbers: a direction of the lobes or one by the cosine, of so many rays.
     static void push_drawn(const SurfacePoint& point, const LobeSet& lobes, vec2 u, Gatherer ray,
                            std::vector<Gatherer>& gatherers);
@@ -61,6 +62,9 @@ private:
     void catch_light(std::span<const SurfacePoint> points, std::vector<Gatherer>& gatherers,
                      const PairIndex& first_pair, std::span<Gathered> gathered, std::span<Gathered> by_group,
                      Among among) const;
+    /// The light of the lights there comes to as many points as have gathered.
+    void light(const Met& met, const PairIndex& first_pair, std::span<Gathered> gathered, std::span<Gathered> by_group,
+               Among among) const;
     /// Shares of the world that the points see, within reach.
     void find_ambient(std::span<const SurfacePoint> points, std::uint32_t sample_index, std::uint32_t layer,
                       std::span<Rgb> seen) const;

@@ -212,7 +212,7 @@ private:
         if (light < light_.light_count())
             return light_.add_one(light, points, {0, 1}, irradiance, &lobes);
         std::array<IndirectLight::Gathered, pixels_per_square> gathered{};
-        bounce_->gather(points, 0, 0, 1, &lobes, gathered);
+        bounce_->gather(points, 0, 0, 1, &lobes, std::span(gathered).first(points.size()));
         for (std::size_t point = 0; point < points.size(); ++point) {
             irradiance[point].from_lights = gathered[point].irradiance;
             irradiance[point].reflected = gathered[point].reflected;

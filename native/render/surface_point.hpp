@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A surface point that a view ray found, with what every light asks of it, worked out once.
 #pragma once
+#include "core/random.hpp"
 #include "scene/scene.hpp"
+#include "scene/strand_spawn.hpp"
 
 namespace tyndall::render {
 struct SurfacePoint {
@@ -21,5 +23,13 @@ struct SurfacePoint {
             .spawn = scene.spawn_point(ray, hit, shading),
             .is_smooth = scene.is_smooth(hit.instance) && !scene.is_cube(hit), // from a cube they leave outside of it
             .pixel_seed = pixel_seed};
+}
+/// The point as light from behind meets it, with random numbers of its own.
+[[nodiscard]] inline SurfacePoint other_side(const Scene& scene, SurfacePoint point) {
+    point.spawn = strand_spawn_point(scene, point.hit, point.spawn);
+    point.shading.shading_normal = -point.shading.shading_normal;
+    point.shading.is_backface = !point.shading.is_backface;
+    point.pixel_seed = hash(point.pixel_seed, 1);
+    return point;
 }
 } // namespace tyndall::render

@@ -4,7 +4,6 @@
 #include "render/pixel_footprint.hpp"
 #include "render/sent_rays.hpp"
 #include "scene/seen_part.hpp"
-#include "scene/strand_spawn.hpp"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -103,15 +102,6 @@ static SurfaceClosures with_below(SurfaceClosures closures, std::span<const Lobe
     for (const Lobe& lobe : below)
         closures.diffuse_albedo += lobe.weight;
     return closures;
-}
-
-/// The point as light from behind meets it, with random numbers of its own.
-static SurfacePoint other_side(const Scene& scene, SurfacePoint point) {
-    point.spawn = strand_spawn_point(scene, point.hit, point.spawn);
-    point.shading.shading_normal = -point.shading.shading_normal;
-    point.shading.is_backface = !point.shading.is_backface;
-    point.pixel_seed = hash(point.pixel_seed, 1);
-    return point;
 }
 
 void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint32_t> pixel_seeds,

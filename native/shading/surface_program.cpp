@@ -205,10 +205,6 @@ static void add_sources(const Material& material, std::span<const Rgb> registers
                    .outgoing = at.incoming,
                    .tangent = source.tangent == LobeSource::no_register ? vec3(0.0f) : registers[source.tangent]});
     }
-    if (lobes == nullptr) {
-        closures.diffuse_albedo += closures.translucent;
-        closures.translucent = Rgb(0.0f);
-    }
 }
 
 static Registers run(const Material& material, const ProgramPoint& at, std::span<const vec2> uvs) {

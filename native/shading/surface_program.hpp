@@ -14,7 +14,7 @@ inline constexpr std::size_t surface_register_count = 64;
 void validate(const Material& material);
 
 /// The closures of a validated material. uvs[i] is the value of material.uv_map_names[i] at the point. Appends its lobes
-/// to `lobes`; without such a list they count as diffuse, as what is translucent does.
+/// to `lobes`; without such a list they count as diffuse.
 [[nodiscard]] SurfaceClosures evaluate(const Material& material, const ProgramPoint& point, std::span<const vec2> uvs,
                                        std::vector<Lobe>* lobes = nullptr);
 
