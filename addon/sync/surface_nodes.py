@@ -247,6 +247,12 @@ def _emission(reader: ValueReader, at: Socket, weight: Value, shares: Shares) ->
     shares.emission = program.add(shares.emission, program.multiply(weight, radiance))
 
 
+def _note_tint(reader: ValueReader, at: Socket) -> None:
+    tint = at.input("Specular Tint")
+    if reader.number(tint) != BLACK if bpy.app.version < (4, 0, 0) else reader.colour(tint, WHITE) != WHITE:
+        reader.note("the tint of specular reflections is not drawn where they are followed")
+
+
 def _note_layers(reader: ValueReader, at: Socket) -> None:
     for name, older in (("Sheen", "Sheen"), ("Coat", "Clearcoat")):
         if reader.number(at.input(f"{name} Weight") or at.input(older)) != BLACK:
@@ -313,6 +319,7 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
         if metal != BLACK:  # up to 3.x it rises as the clear layer does, from 4.0 on as metals do
             _mirror(reader, shares, program.multiply(metal, base), metal, index if is_3 else 0.0)
         if opaque != BLACK and index > 1.0:
+            _note_tint(reader, at)
             _coat(reader, shares, opaque, BLACK if is_3 else scattering, index)
             scattering = scattering if is_3 else BLACK  # up to 3.x the layer keeps nothing from what lies below
     shares.diffuse = program.add(shares.diffuse, scattering)

@@ -173,8 +173,10 @@ Rgb sound_colour(const Rgb& value) {
 /// What the layers of `gloss` mirror at the point's angle, and what the coat lets in of the light on what lies below it.
 static void add_gloss(const GlossLayers& layers, const Gloss& gloss, const ShadingPoint& point,
                       SurfaceClosures& closures) {
+    // Of large indices dielectrics mirror less at an angle than straight on; in Cycles, whose shaders only rise, they do not.
     const float rise = fresnel_rise(point.view_cosine, layers.mirror_ior),
-                by_coat = fresnel_dielectric(point.view_cosine, layers.coat_ior);
+                by_coat = std::max(fresnel_dielectric(point.view_cosine, layers.coat_ior),
+                                   fresnel_dielectric(1.0f, layers.coat_ior));
     closures.mirrored =
         point.tint * share(gloss.facing + (gloss.edge - gloss.facing) * rise) + share(gloss.coat) * by_coat;
     closures.diffuse_albedo += point.tint * sound_colour(gloss.coated) * (1.0f - by_coat);

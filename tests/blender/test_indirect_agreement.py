@@ -25,7 +25,7 @@ from support.cycles_reference import (
     tyndall_pixels,
 )
 from support.exr import read_planes
-from support.small_scenes import Build, add, cube, empty_scene, light, material, mesh, node
+from support.small_scenes import Build, add, cube, empty_scene, light, material, mesh, node, plane, read
 
 RED, GREEN, WHITE = (0.8, 0.1, 0.05, 1), (0.1, 0.6, 0.15, 1), (0.8, 0.8, 0.8, 1)
 SIZE_PX = 63
@@ -200,6 +200,28 @@ def test_mirrors_show_what_they_show_in_cycles(name: str) -> None:
     assert not last_render.statistics_of(scene.name)["reports"]
     cycles = tuple(cycles_pixels(scene, seed=seed, glossy_bounces=1) for seed in (1, 2))
     assert_agree(ours, cycles, left_out)
+
+
+@pytest.mark.skipif(not IS_4, reason="up to 3.x no setting makes such an index")
+def test_a_layer_of_a_large_index_mirrors_no_less_at_an_angle() -> None:
+    """As in Cycles, whose layers only rise: a dielectric of index 20 itself has 82 % straight on, here 66 %."""
+    scene = empty_scene(16)
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (1, 1, 1, 1)
+    plane(0.0, material("Layer", principled((0, 0, 0, 1), IOR=20.0)), half_side=50.0)
+    scene.camera.data.type, scene.camera.data.angle = "PERSP", 0.05
+    scene.camera.location, scene.camera.rotation_euler = (0, -10, 2), (1.37, 0, 0)
+    scene.tyndall.indirect.has_mirrors, scene.tyndall.indirect.mirror_depth = True, 1
+    ours = tyndall_pixels(scene, ["EXACT"])[0]
+    assert ours == pytest.approx(cycles_pixels(scene, 16, glossy_bounces=1), rel=1e-3)
+
+
+def test_a_tint_that_mirrors_leave_out_is_named() -> None:
+    scene = lit("lamp")
+    tint = {"Specular_Tint": (1, 0.5, 0.5, 1) if IS_4 else 0.5}
+    bpy.data.objects["Box"].data.materials[0] = material("Tinted", principled(WHITE, **tint))
+    for is_mirror in (False, True):
+        scene.tyndall.indirect.has_mirrors = is_mirror
+        assert any("the tint of specular" in line for line in read().reports) == is_mirror
 
 
 @pytest.mark.dealt
