@@ -247,10 +247,25 @@ def _emission(reader: ValueReader, at: Socket, weight: Value, shares: Shares) ->
     shares.emission = program.add(shares.emission, program.multiply(weight, radiance))
 
 
-def _note_tint(reader: ValueReader, at: Socket) -> None:
-    tint = at.input("Specular Tint")
-    if reader.number(tint) != BLACK if bpy.app.version < (4, 0, 0) else reader.colour(tint, WHITE) != WHITE:
-        reader.note("the tint of specular reflections is not drawn where they are followed")
+def _tinted_coat(reader: ValueReader, at: Socket, shares: Shares, layer: tuple[Value, Value, float]) -> bool:
+    """Whether a Specular Tint colours what a layer mirrors, but at its edge; then the layer is added to the shares.
+
+    It comes as its weight, what lies below, and its index.
+    """
+    weight, coated, ior = layer
+    if bpy.app.version < (4, 0, 0):
+        is_tinted = reader.number(at.input("Specular Tint")) != BLACK
+    else:
+        tint = reader.colour(at.input("Specular Tint"), WHITE)
+        is_tinted = tint != WHITE
+        if is_tinted and (shares.gloss is None or "mirror_ior" not in shares.gloss.indices):
+            program, straight = reader.program, ((ior - 1.0) / (ior + 1.0)) ** 2
+            _mirror(reader, shares, program.multiply(weight, program.multiply(tint, grey(straight))), weight, ior)
+            _coat(reader, shares, BLACK, coated, ior)
+            return True
+    if is_tinted:
+        reader.note("the tint of specular reflections is not drawn here")
+    return False
 
 
 def _note_layers(reader: ValueReader, at: Socket) -> None:
@@ -319,8 +334,9 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
         if metal != BLACK:  # up to 3.x it rises as the clear layer does, from 4.0 on as metals do
             _mirror(reader, shares, program.multiply(metal, base), metal, index if is_3 else 0.0)
         if opaque != BLACK and index > 1.0:
-            _note_tint(reader, at)
-            _coat(reader, shares, opaque, BLACK if is_3 else scattering, index)
+            coated = BLACK if is_3 else scattering
+            if not _tinted_coat(reader, at, shares, (opaque, coated, index)):
+                _coat(reader, shares, opaque, coated, index)
             scattering = scattering if is_3 else BLACK  # up to 3.x the layer keeps nothing from what lies below
     shares.diffuse = program.add(shares.diffuse, scattering)
 

@@ -123,7 +123,7 @@ def glossy(colour: tuple[float, ...], roughness: float = 0.0) -> Build:
     return lambda new, _: node(new, "ShaderNodeBsdfGlossy", Color=colour, Roughness=roughness).outputs[0]
 
 
-def principled(colour: tuple[float, ...], **inputs: float) -> Build:
+def principled(colour: tuple[float, ...], **inputs: object) -> Build:
     return lambda new, _: node(
         new, "ShaderNodeBsdfPrincipled", Base_Color=colour, **{"Roughness": 0.0, **inputs}
     ).outputs[0]
@@ -146,6 +146,7 @@ MIRRORS: dict[str, Build] = {
 }
 if IS_4:
     MIRRORS["half metal"] = principled((0.6, 0.5, 0.3, 1), Metallic=0.5)
+    MIRRORS["tinted"] = principled((0.1, 0.2, 0.4, 1), IOR=2.5, Specular_Tint=(1, 0.5, 0.3, 1))
 
 
 def bumped(new: object, link: object) -> bpy.types.NodeSocket:
@@ -216,8 +217,9 @@ def test_a_layer_of_a_large_index_mirrors_no_less_at_an_angle() -> None:
 
 
 def test_a_tint_that_mirrors_leave_out_is_named() -> None:
+    """That of a layer beside metal, and up to 3.x any."""
     scene = lit("lamp")
-    tint = {"Specular_Tint": (1, 0.5, 0.5, 1) if IS_4 else 0.5}
+    tint = {"Specular_Tint": (1, 0.5, 0.5, 1), "Metallic": 0.5} if IS_4 else {"Specular_Tint": 0.5}
     bpy.data.objects["Box"].data.materials[0] = material("Tinted", principled(WHITE, **tint))
     for is_mirror in (False, True):
         scene.tyndall.indirect.has_mirrors = is_mirror
