@@ -127,9 +127,10 @@ struct IndirectLight::Met {
 
 /// Where a ray of this density ends: what is below the surface, and hair, count as diffuse, glass lets all pass straight,
 /// and gloss is as wide as Cycles' Filter Glossy makes it by default, as few rays would see where it is narrow, but all the
-/// brighter.
+/// brighter. Cycles leaves it as narrow as it is behind rays by sharp gloss: so added glass under a sun had pixels of 1e7.
 static void blur(Lobes& lobes, float pdf_per_sr, SurfaceClosures& closures) {
-    const float least_alpha = 0.5f * std::sqrt(std::max(1.0f - pdf_per_sr, 0.0f));
+    constexpr float narrowest = 0.1f; // a roughness of 0.32
+    const float least_alpha = std::max(0.5f * std::sqrt(std::max(1.0f - pdf_per_sr, 0.0f)), narrowest);
     std::erase_if(lobes, [&](const Lobe& lobe) {
         const bool is_even = lobe.kind == Lobe::Kind::Subsurface || lobe.is_of_fibre();
         const bool is_bent = lobe.kind == Lobe::Kind::Bent;

@@ -161,7 +161,7 @@ def bumped(new: object, link: object) -> bpy.types.NodeSocket:
 GLOSSES: dict[str, Build] = {
     "glossy": glossy((0.9, 0.8, 0.6, 1), roughness=0.4),
     # At a flat angle most of what it sends back is gloss.
-    "dark": principled((0.03, 0.03, 0.03, 1) if IS_4 else (0, 0, 0, 1), Roughness=0.3),
+    "dark": principled((0.03, 0.03, 0.03, 1) if IS_4 else (0, 0, 0, 1), Roughness=0.35),
     "metal": principled((0.9, 0.6, 0.2, 1), Metallic=1.0, Roughness=0.45),
     "matte": lambda new, _: node(new, "ShaderNodeBsdfDiffuse", Color=WHITE, Roughness=1.0).outputs[0],
     "bumped": bumped,
