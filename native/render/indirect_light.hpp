@@ -45,9 +45,9 @@ public:
             return *this;
         }
     };
-    /// Adds the light of one bounce on up to DirectLight::most_points points, as many as are `gathered`. Takes the random numbers of a layer of
-    /// surfaces along the pixels' rays. `lobes`: null where no point has any. Adds what comes from each group to
-    /// by_group[group * points.size() + point].
+    /// Adds the light of one bounce on up to DirectLight::most_points points, as many as are `gathered`. Takes the random
+    /// numbers of a layer of surfaces along the pixels' rays. `lobes`: null where no point has any. Adds what comes from
+    /// each group to by_group[group * points.size() + point].
     void gather(std::span<const SurfacePoint> points, std::uint32_t sample_index, std::uint32_t layer,
                 std::uint32_t ray_count, const DirectLight::PointLobes* lobes, std::span<Gathered> gathered,
                 std::span<Gathered> by_group = {}, Among among = Among::All) const;
