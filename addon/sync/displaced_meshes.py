@@ -11,7 +11,6 @@ from tyndall import InvalidInput
 from tyndall.displacement import DisplacedObject, displaced, displaced_key, displacements_of
 from tyndall.fingerprints import fingerprint
 
-from .mesh_attributes import VERTEX_NORMAL, made_maps
 from .random_numbers import as_unit_floats
 
 if TYPE_CHECKING:
@@ -27,15 +26,21 @@ class DisplacedMeshes:
     """A mesh is moved as the first object needs it that it is drawn as, and the others share it, as in Cycles."""
 
     def __init__(self) -> None:
-        self._kept: dict[str, Mesh] = {}
+        self._kept: dict[str, tuple[Mesh, list[str]]] = {}  #: With what there is to report, by key.
         self._of_frame: dict[tuple[str, bytes], Mesh] = {}
+
+    @property
+    def count(self) -> int:
+        """How many are kept, those of a read that was interrupted among them."""
+        return len(self._kept)
 
     def start_frame(self) -> None:
         self._of_frame.clear()
 
     def end_frame(self) -> None:
         """Forgets what this frame did not use."""
-        self._kept = {mesh.key: mesh for mesh in self._of_frame.values()}
+        used = {mesh.key for mesh in self._of_frame.values()}
+        self._kept = {key: moved for key, moved in self._kept.items() if key in used}
 
     def moved(self, mesh: Mesh, materials: Sequence[Material], placement: Placement, reports: Reports) -> Mesh:
         """Itself where no material moves it."""
@@ -57,14 +62,16 @@ class DisplacedMeshes:
         self, mesh: Mesh, displacements: Sequence[Displacement | None], shown: DisplacedObject, reports: Reports
     ) -> Mesh:
         key = displaced_key(mesh, displacements, shown)
-        if key in self._kept:
-            return self._kept[key]
-        culprit, lines = f'Mesh "{mesh.name}"', list[str]()
-        try:
-            moved = displaced(mesh, displacements, shown, key, made_maps(VERTEX_NORMAL), lines)
-        except InvalidInput as error:
-            reports.add(culprit, f"is not displaced: {error}")
-            return mesh
+        culprit = f'Mesh "{mesh.name}"'
+        if key not in self._kept:
+            lines: list[str] = []
+            try:
+                moved = displaced(mesh, displacements, shown, key, lines)
+            except InvalidInput as error:
+                reports.add(culprit, f"is not displaced: {error}")
+                return mesh
+            self._kept[key] = moved, lines  # at once: a viewport reads in slices, and the next one goes on from here
+        moved, lines = self._kept[key]
         for line in lines:
             reports.add(culprit, line)
         return moved

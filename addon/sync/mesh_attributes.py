@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from tyndall.scene_description import Material
 
 GENERATED = "generated"
-VERTEX_NORMAL = "vertex normal"  #: Smooth, also where faces are flat.
+VERTEX_NORMALS = "vertex normals"  #: What is no map: smooth, also where faces are flat.
 UNDISPLACED = "undisplaced"  #: Position before the material's displacement, in the object.
 POINTINESS = "pointiness"
 ISLAND = "random per island"
@@ -54,9 +54,11 @@ def tangent_of(uv_map: str) -> str:
 
 
 def asked_of_meshes(materials: Iterable[Material]) -> frozenset[str]:
-    """What materials read beside UV maps: the first names of pairs."""
-    firsts = made_maps("")[0], _OF_COLOURS
-    return frozenset(name for material in materials for name in uv_maps_of(material) if name.startswith(firsts))
+    """What materials read beside UV maps: the first names of pairs, and ``VERTEX_NORMALS``."""
+    firsts, used = (made_maps("")[0], _OF_COLOURS), list(materials)
+    pairs = {name for material in used for name in uv_maps_of(material) if name.startswith(firsts)}
+    are_moved = any(material.displacement is not None for material in used)
+    return frozenset(pairs | {VERTEX_NORMALS} if are_moved else pairs)
 
 
 def uv_maps_of(material: Material) -> tuple[str, ...]:
@@ -64,7 +66,7 @@ def uv_maps_of(material: Material) -> tuple[str, ...]:
     of_passes = (name for _, program in material.aovs for name in program.uv_maps)
     if material.displacement is None:
         return (*material.uv_maps, *of_passes)
-    return (*material.uv_maps, *of_passes, *material.displacement.program.uv_maps, *made_maps(VERTEX_NORMAL))
+    return (*material.uv_maps, *of_passes, *material.displacement.program.uv_maps)
 
 
 def what_is_missing(asked: Iterable[str], has: Iterable[str]) -> list[str]:
@@ -90,11 +92,11 @@ def what_is_missing(asked: Iterable[str], has: Iterable[str]) -> list[str]:
 def read_asked(
     mesh: bpy.types.Mesh, asked: Iterable[str], known: Iterable[str], vertex_of_corner: NDArray[np.uint32]
 ) -> tuple[tuple[str, NDArray[np.float32]], ...]:
-    """Of the names asked for those that are not known and that the mesh can have: (corners, 2) each."""
+    """Of the pairs asked for those that are not known and that the mesh can have: (corners, 2) each."""
     maps: list[tuple[str, NDArray[np.float32]]] = []
     has = set(known)
     for name in sorted(asked):
-        if name in has:
+        if name in has or name == VERTEX_NORMALS:
             continue
         if name.startswith(_OF_COLOURS):
             attribute = name[len(_OF_COLOURS) :]
@@ -114,7 +116,7 @@ def _made(mesh: bpy.types.Mesh, name: str, vertex_of_corner: NDArray[np.uint32])
     return _tangents(mesh, name[len(_TANGENT) :]) if name.startswith(_TANGENT) else None
 
 
-def _vertex_normals(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
+def vertex_normals(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
     if bpy.app.version >= (4, 1, 0):
         return _stored(mesh.vertex_normals, "vector", 3)
     return _stored(mesh.vertices, "normal", 3)
@@ -131,7 +133,7 @@ def _edges(mesh: bpy.types.Mesh) -> NDArray[np.intp]:
 
 
 def _pointiness(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
-    return np.repeat(pointiness(_positions(mesh), _vertex_normals(mesh), _edges(mesh))[:, None], 3, axis=1)
+    return np.repeat(pointiness(_positions(mesh), vertex_normals(mesh), _edges(mesh))[:, None], 3, axis=1)
 
 
 def _island(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
@@ -150,7 +152,6 @@ def _generated(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
 
 _OF_VERTICES = {
     GENERATED: _generated,
-    VERTEX_NORMAL: _vertex_normals,
     UNDISPLACED: _positions,
     POINTINESS: _pointiness,
     ISLAND: _island,

@@ -18,7 +18,7 @@ import numpy as np
 from tyndall._native import shared_array
 from tyndall.scene_description import Mesh, attribute_maps
 
-from .mesh_attributes import read_asked
+from .mesh_attributes import VERTEX_NORMALS, read_asked, vertex_normals
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -40,13 +40,15 @@ class _StoredMesh:
     slots: NDArray[np.uint16] | None  #: (triangles,); None: all 0.
     vertex_normals: NDArray[np.float32] | None = None  #: (vertices, 3)
     corner_normals: NDArray[np.float32] | None = None  #: (corners, 3); neither: flat.
+    asked_normals: NDArray[np.float32] | None = None  #: (vertices, 3), whatever the mesh is smoothed by.
     is_flat: NDArray[np.bool_] | None = None  #: (triangles,): those that use no normals; None: no triangle is.
     uv_maps: tuple[tuple[str, NDArray[np.float32]], ...] = ()  #: Names and (corners, 2), as Mesh orders them.
 
     def key(self, poll: Callable[[], None]) -> str:
         """Changes with the content and with nothing else, so it outlives a depsgraph that is built anew every frame."""
         arrays: list[NDArray[Any] | None] = [self.positions, self.vertex_of_corner, self.corners, self.slots]
-        arrays += [self.vertex_normals, self.corner_normals, self.is_flat, *(uvs for _, uvs in self.uv_maps)]
+        arrays += [self.vertex_normals, self.corner_normals, self.asked_normals, self.is_flat]
+        arrays += [uvs for _, uvs in self.uv_maps]
         shape = [(None if array is None else array.shape) for array in arrays], [name for name, _ in self.uv_maps]
         digest = hashlib.sha256(repr(shape).encode())
         for array in arrays:
@@ -67,6 +69,7 @@ class _StoredMesh:
             material_slots=self.slots,
             corner_normals=self._expanded_normals(corners, vertices),
             uv_maps=tuple((name, _taken(uvs, corners)) for name, uvs in self.uv_maps),
+            vertex_normals=self.asked_normals,
         )
 
     def _expanded_normals(self, corners: NDArray[np.intp], vertices: NDArray[np.uint32]) -> NDArray[np.float32] | None:
@@ -159,6 +162,7 @@ def _read_stored(
         vertex_of_corner=vertex_of_corner,
         corners=corners,
         slots=_slots(mesh, polygon_of_triangle),
+        asked_normals=vertex_normals(mesh) if VERTEX_NORMALS in asked else None,
         uv_maps=maps,
         **_normals(mesh, polygon_of_triangle),
     )

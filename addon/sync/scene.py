@@ -83,8 +83,8 @@ class SceneReader:
 
     @property
     def read_count(self) -> int:
-        """Of what takes long, meshes and hairs: how many were read that stay if a read is interrupted."""
-        return len(self._live) + self._strands.hair_count
+        """Of what takes long, meshes, moved ones and hairs: how many were read that stay if a read is interrupted."""
+        return len(self._live) + self._displaced.count + self._strands.hair_count
 
     def begin_moments(self, *, is_live: bool) -> None:
         """Before the first read of a render; ``is_live``: of the same depsgraph, those of a shutter follow."""
@@ -313,6 +313,7 @@ class SceneReader:
                 else:
                     lone[name] = len(groups)
                 met.add(name)
+                poll()
                 drawn = self._displaced.moved(mesh, slots, placement, reports)
                 group = _group(placement, drawn, materials, media)
                 groups.append((placement, group))

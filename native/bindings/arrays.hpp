@@ -7,6 +7,7 @@
 #include <memory>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +36,13 @@ void check_array(const py::array& array, const std::vector<py::ssize_t>& shape, 
     throw py::type_error(std::string(name) + " must be a C-contiguous " +
                          std::string(py::str(py::dtype::of<Scalar>())) + " array of shape " + shape_text(shape) +
                          ", not " + std::string(py::str(array.dtype())) + " " + shape_text(found));
+}
+
+/// An array whose rows are Items, as long as it lives.
+template <typename Item, typename Scalar>
+std::span<const Item> rows(const py::array& array, const std::vector<py::ssize_t>& shape, std::string_view name) {
+    check_array<Scalar>(array, shape, name);
+    return {static_cast<const Item*>(array.data()), static_cast<std::size_t>(array.nbytes()) / sizeof(Item)};
 }
 
 /// A copy of an array whose rows are Items: the native side keeps it beyond the call.

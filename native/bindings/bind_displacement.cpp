@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Programs asked at points of an object, before anything is rendered.
+// Programs asked at points of an object, and meshes that these move, before anything is rendered.
 #include "bindings/arrays.hpp"
 #include "bindings/bind.hpp"
 #include "core/errors.hpp"
 #include "core/parallel.hpp"
+#include "scene/displaced_corners.hpp"
 #include "shading/point_values.hpp"
+#include <algorithm>
 #include <functional>
 #include <pybind11/stl.h>
 
@@ -86,20 +88,60 @@ private:
     const vec2* first_;
 };
 
-py::array_t<float> displacements(const Material& material, const py::array& positions, const py::array& normals,
-                                 const py::array& true_normals, const py::array& uvs,
+/// A mesh whose triangles use vertices that there are.
+struct Triangles {
+    std::span<const vec3> positions;
+    std::span<const uvec3> triangles;
+
+    Triangles(const py::array& position_array, const py::array& triangle_array)
+        : positions(rows<vec3, float>(position_array, {-1, 3}, "positions")),
+          triangles(rows<uvec3, std::uint32_t>(triangle_array, {-1, 3}, "triangles")) {
+        const auto fits = [&](const uvec3& triangle) {
+            return std::max({triangle.x, triangle.y, triangle.z}) < positions.size();
+        };
+        require(std::ranges::all_of(triangles, fits), "a triangle uses a vertex that does not exist");
+    }
+    [[nodiscard]] std::span<const bool> flags(const py::array& of_triangles, std::string_view name) const {
+        return rows<bool, bool>(of_triangles, {static_cast<py::ssize_t>(triangles.size())}, name);
+    }
+};
+
+py::array_t<std::uint32_t> first_corners(const py::array& triangles, const py::array& is_moved,
+                                         const py::array& positions) {
+    const Triangles mesh(positions, triangles);
+    const std::span<const bool> moved = mesh.flags(is_moved, "is_moved");
+    auto corners = without_gil([&] { return tyndall::first_corners(mesh.triangles, moved, mesh.positions.size()); });
+    const auto count = static_cast<py::ssize_t>(corners.size());
+    return to_numpy(std::move(corners), {count});
+}
+
+void renew_normals(const py::array& positions, const py::array& triangles, const py::array& is_renewed,
+                   py::array& corner_normals) {
+    const Triangles mesh(positions, triangles);
+    const std::span<const bool> renewed = mesh.flags(is_renewed, "is_renewed");
+    check_array<float>(corner_normals, {static_cast<py::ssize_t>(mesh.triangles.size()), 3, 3}, "corner_normals");
+    const std::span normals(static_cast<vec3*>(corner_normals.mutable_data()), 3 * mesh.triangles.size());
+    without_gil([&] { tyndall::renew_normals(mesh.positions, mesh.triangles, renewed, normals, Progress()); });
+}
+
+py::array_t<float> displacements(const Material& material, const py::array& positions, const py::array& triangles,
+                                 const py::array& vertex_normals, const py::array& corners, const py::array& uvs,
                                  const std::array<float, 16>& world_from_object, const std::array<float, 4>& color,
                                  float pass_index, float random) {
-    const py::ssize_t count = positions.shape(0);
-    for (const py::array* vectors : {&positions, &normals, &true_normals})
-        check_array<float>(*vectors, {count, 3}, "positions and normals");
+    const Triangles mesh(positions, triangles);
+    const auto normals =
+        rows<vec3, float>(vertex_normals, {static_cast<py::ssize_t>(mesh.positions.size()), 3}, "vertex_normals");
+    const auto asked = rows<std::uint32_t, std::uint32_t>(corners, {-1}, "corners");
+    const auto is_known = [&](std::uint32_t corner) { return corner / 3 < mesh.triangles.size(); };
+    require(std::ranges::all_of(asked, is_known), "a corner is of no triangle");
+    const auto count = static_cast<py::ssize_t>(asked.size());
     const UvsOfPoints uv(material, uvs, count);
     const PointsOfObject points(world_from_object, color, pass_index, random);
-    const auto *const at = static_cast<const vec3*>(positions.data()),
-                      *const normal = static_cast<const vec3*>(normals.data()),
-                      *const true_normal = static_cast<const vec3*>(true_normals.data());
     return finite_rows(count, [&](std::size_t index) {
-        const ProgramPoint point = points.at(at[index], normal[index], true_normal[index]);
+        const uvec3& triangle = mesh.triangles[asked[index] / 3];
+        const std::uint32_t vertex = triangle[static_cast<int>(asked[index] % 3)];
+        const ProgramPoint point =
+            points.at(mesh.positions[vertex], normals[vertex], face_normal(mesh.positions, triangle));
         return points.in_object(emission_register_at(material, point, uv.at(index)));
     });
 }
@@ -118,13 +160,23 @@ py::array_t<float> program_values(const Material& material, const py::array& pos
 } // namespace
 
 void bind_displacement(py::module_& native) {
-    native.def(
-        "displacements", &displacements, "material"_a, "positions"_a, "normals"_a, "true_normals"_a, "uvs"_a,
-        "world_from_object"_a, "color"_a, "pass_index"_a, "random"_a,
-        R"(What a program's emission, in the world, moves points of an object by, in its own space, (n, 3) float32.
+    native.def("first_corners", &first_corners, "triangles"_a, "is_moved"_a, "positions"_a,
+               R"(Of each vertex of moved triangles the first corner there, 3 * triangle + 0 to 2, (n,) uint32.
 
-positions, normals (unit) and true_normals, (n, 3), in the object's space; uvs, (n, maps of the material, 2); all
-float32. What is not finite moves nothing. TypeError: dtype or shape.)");
+triangles, (n, 3) uint32; is_moved, (n,) bool; positions, (m, 3) float32. In the order of vertices. TypeError: dtype or
+shape; InvalidInput: a triangle's vertex that does not exist.)");
+    native.def(
+        "displacements", &displacements, "material"_a, "positions"_a, "triangles"_a, "vertex_normals"_a, "corners"_a,
+        "uvs"_a, "world_from_object"_a, "color"_a, "pass_index"_a, "random"_a,
+        R"(What a program's emission, in the world, moves corners of a mesh by, in the object's space, (n, 3) float32.
+
+positions and vertex_normals, unit, (m, 3) float32; triangles, (t, 3) uint32; corners, (n,) uint32, as first_corners
+has them; uvs, (n, maps of the material, 2) float32. What is not finite moves nothing. TypeError: dtype or shape;
+InvalidInput: a vertex or a corner that does not exist.)");
+    native.def("renew_normals", &renew_normals, "positions"_a, "triangles"_a, "is_renewed"_a, "corner_normals"_a,
+               R"(Changes corner_normals, (t, 3, 3) float32: at all vertices of renewed triangles, to the mean of their
+unit normals; but zero, flat, stays. positions, (m, 3) float32; triangles, (t, 3) uint32; is_renewed, (t,) bool.
+TypeError: dtype or shape; InvalidInput: a triangle's vertex that does not exist.)");
     native.def("program_values", &program_values, "material"_a, "positions"_a, "uvs"_a, "world_from_object"_a,
                "color"_a, "pass_index"_a, "random"_a,
                R"(A program's emission at points inside an object, (n, 3) float32; 0 where it is not finite.

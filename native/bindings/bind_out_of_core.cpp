@@ -21,8 +21,7 @@ struct HeldOutOfCore {
 template <class Vector>
 static OutOfCore out_of_core_of(const py::array& positions, std::span<const uvec3> triangles,
                                 const OutOfCoreConfig& config, const Progress& progress) {
-    check_array<typename Vector::value_type>(positions, {-1, 3}, "positions");
-    const std::span points(static_cast<const Vector*>(positions.data()), static_cast<std::size_t>(positions.shape(0)));
+    const auto points = rows<Vector, typename Vector::value_type>(positions, {-1, 3}, "positions");
     return without_gil([&] { return OutOfCore(points, triangles, config, progress); });
 }
 
@@ -32,8 +31,7 @@ static std::unique_ptr<HeldOutOfCore> made(const py::array& positions, const py:
                                            bool is_solid, Symmetry symmetry, const AttributeConfig& attribute_config,
                                            std::uint64_t memory_budget_bytes, std::uint32_t worker_count,
                                            const py::object& scratch_folder, const Progress& progress) {
-    check_array<std::uint32_t>(triangles, {-1, 3}, "triangles");
-    const std::span corners(static_cast<const uvec3*>(triangles.data()), static_cast<std::size_t>(triangles.shape(0)));
+    const auto corners = rows<uvec3, std::uint32_t>(triangles, {-1, 3}, "triangles");
     OutOfCoreConfig config{
         .voxels = {.resolution = resolution, .rule = rule, .memory_budget_bytes = memory_budget_bytes},
         .symmetry = symmetry,

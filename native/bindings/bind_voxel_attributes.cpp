@@ -14,8 +14,7 @@ static const DagAttributes& attributes_of(const PlacedDag& self) {
     return *self.attributes;
 }
 static std::span<const Voxel> voxels_of(const py::array& coordinates) {
-    check_array<std::uint32_t>(coordinates, {-1, 3}, "coordinates");
-    return {static_cast<const Voxel*>(coordinates.data()), static_cast<std::size_t>(coordinates.shape(0))};
+    return rows<Voxel, std::uint32_t>(coordinates, {-1, 3}, "coordinates");
 }
 /// Rows of three numbers each.
 template <class Row>

@@ -16,9 +16,8 @@ static std::span<const Row> rows_of(const std::optional<py::array>& array, const
                                     std::string_view name, std::vector<py::array>& kept) {
     if (!array)
         return {};
-    check_array<Scalar>(*array, shape, name);
     kept.push_back(*array);
-    return {static_cast<const Row*>(array->data()), static_cast<std::size_t>(array->nbytes()) / sizeof(Row)};
+    return rows<Row, Scalar>(*array, shape, name);
 }
 
 using ChannelValue = std::variant<float, std::shared_ptr<FilteredTexture>>;

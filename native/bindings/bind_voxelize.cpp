@@ -38,8 +38,7 @@ struct MeshVoxels {
 template <class Vector>
 static MeshVoxels voxels_of(const py::array& positions, std::span<const uvec3> triangles, const VoxelizeConfig& config,
                             const Surface& surface, bool is_solid, const Progress& progress) {
-    check_array<typename Vector::value_type>(positions, {-1, 3}, "positions");
-    const std::span points(static_cast<const Vector*>(positions.data()), static_cast<std::size_t>(positions.shape(0)));
+    const auto points = rows<Vector, typename Vector::value_type>(positions, {-1, 3}, "positions");
     return without_gil([&] {
         MeshVoxels voxels{.leaves = voxel_dag::voxelize(points, triangles, config, progress).leaves,
                           .attributes = {},
@@ -56,8 +55,7 @@ static std::shared_ptr<PlacedDag>
 voxelize_mesh(const py::array& positions, const py::array& triangles, std::uint32_t resolution, VoxelizeRule rule,
               const std::optional<Bounds>& bounds, const VoxelSurface& surface, bool is_solid, Symmetry symmetry,
               const AttributeConfig& attribute_config, std::uint64_t memory_budget_bytes, const Progress& progress) {
-    check_array<std::uint32_t>(triangles, {-1, 3}, "triangles");
-    const std::span corners(static_cast<const uvec3*>(triangles.data()), static_cast<std::size_t>(triangles.shape(0)));
+    const auto corners = rows<uvec3, std::uint32_t>(triangles, {-1, 3}, "triangles");
     VoxelizeConfig config{
         .resolution = resolution, .rule = rule, .bounds_m = {}, .memory_budget_bytes = memory_budget_bytes};
     if (bounds)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import _native
+from ._native import InvalidInput, shared_array
 from .fingerprints import fingerprint
 from .native_materials import build_material
 from .native_textures import build_texture, require_whole
@@ -62,65 +63,60 @@ def displaced(
     displacements: Sequence[Displacement | None],
     shown: DisplacedObject,
     key: str,
-    vertex_normals: tuple[str, str],
     reports: list[str],
 ) -> Mesh:
-    """``displacements``: of each slot. ``vertex_normals``: the two UV maps with smooth normals, (x, y) and (z, 1).
+    """``displacements``: of each slot.
 
-    Raises InvalidInput, and IoError of textures that lie in a file.
+    Raises InvalidInput, also of a mesh without vertex normals, and IoError of textures that lie in a file.
     """
+    if mesh.vertex_normals is None:
+        raise InvalidInput("the mesh has no vertex normals")
     slots = np.zeros(len(mesh.triangles), np.intp) if mesh.material_slots is None else mesh.material_slots
     slots = np.minimum(slots, len(displacements) - 1)
     moves = np.array([one is not None for one in displacements])[slots]
-    vertices, first = np.unique(mesh.triangles[moves], return_index=True)
-    corners = np.flatnonzero(np.repeat(moves, 3))[first]  # of those, the first of each vertex
+    corners = _native.first_corners(mesh.triangles, moves, mesh.positions)
+    vertices, slot_of_corner = mesh.triangles.ravel()[corners], slots[corners // 3]
     maps = {name: uvs.reshape(-1, 2) for name, uvs in mesh.uv_maps}
-    positions, normals = mesh.positions.copy(), _normals_at(maps, vertex_normals, corners)
-    flat_normals = face_normals(mesh.positions, mesh.triangles)[corners // 3]
+    positions = _shared_copy(mesh.positions)
     for slot, displacement in enumerate(displacements):
-        here = slots[corners // 3] == slot
+        here = slot_of_corner == slot
         if displacement is not None and here.any():
-            positions[vertices[here]] += _moved(
-                displacement.program,
-                mesh.positions[vertices[here]],
-                (normals[here], flat_normals[here]),
-                _uvs_at(displacement.program, mesh, maps, corners[here]),
-                shown,
-                reports,
-            )
+            uvs = _uvs_at(displacement.program, mesh, maps, corners[here])
+            at = corners[here], mesh.vertex_normals, uvs
+            positions[vertices[here]] += _moved(displacement.program, mesh, at, shown, reports)
     keeps = np.array([one is None or one.keeps_normals for one in displacements])[slots]
     return replace(
         mesh,
         key=key,
         positions=positions,
         corner_normals=_new_normals(mesh, positions, ~keeps),
-        uv_maps=tuple((name, uvs) for name, uvs in mesh.uv_maps if name not in vertex_normals),
+        vertex_normals=None,
     )
 
 
-def face_normals(positions: FloatArray, triangles: NDArray[np.uint32]) -> FloatArray:
-    """(triangles, 3), unit; zero of one without an area."""
-    a, b, c = (positions[triangles[:, corner]] for corner in range(3))
-    across = np.cross(b - a, c - a)
-    length = np.linalg.norm(across, axis=1, keepdims=True)
-    unit: FloatArray = np.divide(across, length, out=np.zeros_like(across), where=length > 0.0).astype(np.float32)
-    return unit
+def _shared_copy(values: FloatArray) -> FloatArray:
+    """Which native code need not copy once more."""
+    copy: FloatArray = shared_array(values.shape, values.dtype)
+    copy[...] = values
+    return copy
 
 
 def _moved(
     program: Material,
-    positions: FloatArray,
-    normals: tuple[FloatArray, FloatArray],
-    uvs: FloatArray,
+    mesh: Mesh,
+    at: tuple[NDArray[np.uint32], FloatArray, FloatArray],
     shown: DisplacedObject,
     reports: list[str],
 ) -> FloatArray:
+    """``at``: corners, the normals of all vertices, and the maps of the corners."""
+    corners, vertex_normals, uvs = at
     native = build_material(program, [build_texture(use, reports) for use in program.textures])
     moved: FloatArray = _native.displacements(
         native,
-        positions=positions,
-        normals=normals[0],
-        true_normals=normals[1],
+        positions=mesh.positions,
+        triangles=mesh.triangles,
+        vertex_normals=vertex_normals,
+        corners=corners,
         uvs=uvs,
         world_from_object=shown.world_from_object.astype(np.float32).ravel().tolist(),
         color=shown.color,
@@ -131,13 +127,7 @@ def _moved(
     return moved
 
 
-def _normals_at(maps: dict[str, FloatArray], names: tuple[str, str], corners: NDArray[np.intp]) -> FloatArray:
-    across, up = (maps[name][corners] for name in names)
-    normals: FloatArray = np.ascontiguousarray(np.column_stack([across, up[:, 0]]), np.float32)
-    return normals
-
-
-def _uvs_at(program: Material, mesh: Mesh, maps: dict[str, FloatArray], corners: NDArray[np.intp]) -> FloatArray:
+def _uvs_at(program: Material, mesh: Mesh, maps: dict[str, FloatArray], corners: NDArray[np.uint32]) -> FloatArray:
     """(corners, maps of the program, 2); the active one by no name, and zero of one that the mesh has not."""
     uvs = np.zeros((len(corners), len(program.uv_maps), 2), np.float32)
     for index, asked in enumerate(program.uv_maps):
@@ -158,15 +148,6 @@ def _new_normals(mesh: Mesh, positions: FloatArray, is_renewed: NDArray[np.bool_
     """Corners that are flat stay so."""
     if mesh.corner_normals is None or not is_renewed.any():
         return mesh.corner_normals
-    around = mesh.triangles[is_renewed]
-    each = np.repeat(face_normals(positions, around), 3, axis=0)
-    count = len(positions)
-    sums = np.stack([np.bincount(around.ravel(), each[:, axis], count) for axis in range(3)], axis=1)
-    length = np.linalg.norm(sums, axis=1, keepdims=True)
-    unit = np.divide(sums, length, out=np.zeros_like(sums), where=length > 0.0).astype(np.float32)
-    is_moved = np.zeros(count, np.bool_)
-    is_moved[around] = True
-    at_corners = is_moved[mesh.triangles] & mesh.corner_normals.any(axis=2)
-    normals = mesh.corner_normals.copy()
-    normals[at_corners] = unit[mesh.triangles[at_corners]]
+    normals = _shared_copy(mesh.corner_normals)
+    _native.renew_normals(positions, mesh.triangles, is_renewed, normals)
     return normals

@@ -44,6 +44,7 @@ class Mesh:
     corner_normals: FloatArray | None = None  #: (triangles, 3, 3), unit; None: flat shading.
     #: Name and (triangles, 3, 2), the active one first; then colours, likewise, as attribute_maps() names them.
     uv_maps: tuple[tuple[str, FloatArray], ...] = ()
+    vertex_normals: FloatArray | None = None  #: (vertices, 3), smooth; asked for by what moves the mesh alone.
 
 
 def attribute_maps(name: str) -> tuple[str, str]:

@@ -7,6 +7,7 @@ import contextlib
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 import numpy as np
@@ -14,11 +15,13 @@ import pytest
 
 from addon.engine import reading_slices
 from addon.engine.reading_slices import SLICE_S, ReadingSlices, SliceOver
-from addon.sync import strands
+from addon.sync import displaced_meshes, strands
 from addon.sync.reports import Reports
 from addon.sync.scene import SceneReader
 from support.hair_scenes import furry
-from tyndall.scene_description import StrandObjects
+from support.small_scenes import add, displace, material, mesh, node
+from tyndall.displacement import displaced
+from tyndall.scene_description import SceneDescription
 
 
 @dataclass
@@ -83,9 +86,7 @@ def test_changes_of_a_large_scene_are_not_read_in_vain_first(clock: Clock) -> No
     assert counts[0] == counts[4] > 2
 
 
-def read_in_slices(
-    reader: SceneReader, amid: Callable[[], bpy.types.Depsgraph]
-) -> tuple[tuple[StrandObjects, ...], list[int]]:
+def read_in_slices(reader: SceneReader, amid: Callable[[], bpy.types.Depsgraph]) -> tuple[SceneDescription, list[int]]:
     """A slice ends as soon as something is new; and how often each polled. ``amid``: called before each."""
     poll_counts: list[int] = []
     while len(poll_counts) < 100:
@@ -98,7 +99,7 @@ def read_in_slices(
                 raise SliceOver
 
         with contextlib.suppress(SliceOver):
-            return reader.read(amid(), Reports(), poll, is_live=True).strand_objects, poll_counts
+            return reader.read(amid(), Reports(), poll, is_live=True), poll_counts
     raise AssertionError("it never ends")
 
 
@@ -119,7 +120,8 @@ def test_hair_is_read_in_slices(scene: bpy.types.Scene, monkeypatch: pytest.Monk
             reader.note_updates(depsgraph)
         return depsgraph
 
-    found, poll_counts = read_in_slices(reader, amid)
+    description, poll_counts = read_in_slices(reader, amid)
+    found = description.strand_objects
     expected = SceneReader().read(depsgraph, Reports(), lambda: None).strand_objects
     assert len(found) == 2
     for one, other in zip(found, expected, strict=True):
@@ -127,3 +129,30 @@ def test_hair_is_read_in_slices(scene: bpy.types.Scene, monkeypatch: pytest.Monk
         assert len(one.strands.first_points) == 600
     if not is_moved:  # hairs that are read again would be polled between again
         assert max(poll_counts[: 2 * 600 // 40]) == poll_counts[0] + 1
+
+
+def test_meshes_are_displaced_in_slices(scene: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each mesh once, in a slice of its own, moved by its height of 1."""
+    calls: list[str] = []
+
+    def counted(shown: object, *rest: Any) -> object:
+        calls.append(shown.name)
+        return displaced(shown, *rest)
+
+    monkeypatch.setattr(displaced_meshes, "displaced", counted)
+    moved = material("Moved", lambda new, _: new("ShaderNodeBsdfDiffuse").outputs[0])
+
+    def up(new: Callable[[str], bpy.types.Node], _: object) -> bpy.types.NodeSocket:
+        return node(new, "ShaderNodeDisplacement", Height=1.0, Midlevel=0.0, Scale=1.0).outputs[0]
+
+    displace(moved, up, "DISPLACEMENT")
+    names = ["One", "Two", "Three"]
+    for size, name in enumerate(names, 1):
+        add(name, mesh(name, [(0, 0, 0), (size, 0, 0), (0, 1, 0)], [(0, 1, 2)], moved))
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    description, poll_counts = read_in_slices(SceneReader(), lambda: depsgraph)
+    assert sorted(calls) == sorted(names)
+    assert len(poll_counts) > 2 * len(names)
+    heights = [group.mesh.positions[:, 2] for group in description.instances if group.mesh.name in names]
+    assert len(heights) == len(names)
+    assert np.allclose(heights, 1.0)
