@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 
 _POLL_EVERY = 2048  #: Instances between two polls, about 5 ms.
 #: Ray visibility of an object, beside that to cameras.
-_OTHER_RAYS = ("visible_shadow", "visible_diffuse", "visible_glossy", "visible_transmission")
+OTHER_RAYS = ("visible_shadow", "visible_diffuse", "visible_glossy", "visible_transmission")
 
 _INSTANCING = {"NODES", "PARTICLE_SYSTEM"}  #: Modifiers.
 
@@ -191,7 +191,7 @@ class _Grouping:
     def _is_limited(self, thing: Object) -> bool:
         """Whether it is hidden from something, or lit by itself, and what it instances with it."""
         is_seen_by_all = self._is_camera_visible(thing) and all(
-            getattr(thing, switch) for switch in (*_OTHER_RAYS, "visible_volume_scatter")
+            getattr(thing, switch) for switch in (*OTHER_RAYS, "visible_volume_scatter")
         )
         if not is_seen_by_all or self._lighting.concerns(thing):
             return True
@@ -279,7 +279,7 @@ class _Grouping:
         source = owner.evaluated_get(self._depsgraph)
         is_camera_visible = source.visible_camera and self._is_camera_visible(parent or source)
         casts_shadow, is_bounce_visible, is_mirror_visible, is_glass_visible = (
-            getattr(source, switch) and (parent is None or getattr(parent, switch)) for switch in _OTHER_RAYS
+            getattr(source, switch) and (parent is None or getattr(parent, switch)) for switch in OTHER_RAYS
         )
         seen_by = (
             is_camera_visible,

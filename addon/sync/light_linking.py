@@ -129,9 +129,7 @@ class LinkedMedia:
                 replace(self._materials.media[material.medium], receiver_set=receiver_set)
             )
             self._set_of[medium] = receiver_set
-            self._copies[index, receiver_set] = len(self._materials.materials)
-            self._materials.materials.append(replace(material, medium=medium))
-            self._materials.channels.append(self._materials.channels[index])
+            self._copies[index, receiver_set] = self._materials.add_copy(index, medium)
         return self._copies[index, receiver_set]
 
     def make_dark(self, links: LightLinks | None) -> None:

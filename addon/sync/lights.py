@@ -19,12 +19,13 @@ from .light_textures import read_gobo
 from .random_numbers import as_unit_floats
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from numpy.typing import NDArray
 
     from .images import ImageReader
     from .instances import Placement
+    from .light_linking import LinkedMedia
     from .occluder_edits import OccluderEditReader
     from .reports import Reports
 
@@ -199,3 +200,19 @@ def _casts_shadow(data: bpy.types.Light) -> bool:
     if bpy.app.version >= (4, 2, 0):
         return data.use_shadow
     return data.cycles.cast_shadow if hasattr(data, "cycles") else True
+
+
+def lights_of(
+    placements: Iterable[Placement],
+    edits: OccluderEditReader,
+    media: LinkedMedia,
+    images_and_pictures: tuple[ImageReader, EmitterPictures],
+    reports: Reports,
+) -> tuple[Light, ...]:
+    """Those that are drawn, with the media that they do not light."""
+    return tuple(
+        replace(light, unlit_media=media.unlit_by(light.links)) if light.links is not None else light
+        for placement in placements
+        if placement.data is None
+        for light in read_lights(placement, edits, *images_and_pictures, reports)
+    )

@@ -10,25 +10,30 @@ from tyndall.scene_description import Material, Medium, attribute_maps
 
 from ..shader_nodes import ALWAYS_HAS_NODES, shader_tree
 from .aov_nodes import read_aovs
+from .asked_properties import PropertyReader
 from .displacement_nodes import displaced_normal, read_displacement
 from .field_media import read_fields
 from .lobe_nodes import plain_principled
 from .mesh_attributes import uv_maps_of, what_is_missing
 from .node_graph import output_input
 from .program import BLACK, WHITE, grey
+from .relit_scene import Name, name_of
 from .reports import Reports
+from .seen_camera import seen_camera
 from .shadow_rays import passable
 from .surface_nodes import Shares, SharpSurfaces, read_surface
 from .value_nodes import Domain, ValueReader
+from .worlds import occlusion_reach_m
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     import bpy
+    from bpy.types import Depsgraph
 
     from tyndall.scene_description import Mesh
 
-    from .asked_properties import PropertyReader, Rgba
+    from .asked_properties import Rgba
     from .field_media import DensityField
     from .images import ImageReader
     from .instances import Placement
@@ -61,6 +66,8 @@ class MaterialReader:
         ``camera`` is what surfaces may ask for.
         """
         self.materials: list[Material] = []
+        self.names: list[Name | None] = []  #: Of Blender's; None: of an empty slot, or a copy with another medium.
+        self.notes: list[Reports] = []  #: About each alone.
         #: Passes that materials may fill, by name: whether they are colours.
         self.aovs: Mapping[str, bool] = {}
         #: Of Ambient Occlusion nodes without a distance; None: surfaces stand alone, and no node traces rays.
@@ -95,11 +102,30 @@ class MaterialReader:
         if key not in self._index_of:
             index = len(self.materials)
             self.channels.append({})
+            reports, self._reports = self._reports, Reports()
             read = self._with_displacement(self._read(material), material)
-            self.materials.append(self._with_aovs(read, material))
+            self._append(self._with_aovs(read, material), material, self._reports)
+            reports.include(self._reports)
+            self._reports = reports
             key = material, self._told(material)  # what it asks is known now
             self._index_of[key] = index
         return self._index_of[key]
+
+    def _append(self, read: Material, material: bpy.types.Material | None, notes: Reports) -> None:
+        self.materials.append(read)
+        self.names.append(None if material is None else name_of(material.original))
+        self.notes.append(notes)
+
+    def add_copy(self, index: int, medium: int) -> int:
+        """Of a material, with another medium."""
+        self._append(replace(self.materials[index], medium=medium), None, Reports())
+        self.channels.append(self.channels[index])
+        return len(self.materials) - 1
+
+    @property
+    def asks_properties(self) -> bool:
+        """Of objects, by any of them."""
+        return any(self._asked.values())
 
     def indices(self, placement: Placement) -> list[int]:
         """One per slot."""
@@ -246,3 +272,20 @@ def note_missing_attributes(
             if mark and not any(known == name if attribute else known.startswith(name) for known, _ in mesh.uv_maps):
                 wanted = f'colour attribute "{attribute}"' if attribute else "colour attribute"
                 reports.add(f'Object "{object_name}"', f"has no {wanted}, which its material reads: black")
+
+
+def scene_materials(
+    depsgraph: Depsgraph, images: ImageReader, reports: Reports, *, is_lit: bool, is_preview: bool = False
+) -> MaterialReader:
+    """For all that a depsgraph draws. ``is_preview``: with mirrors and glass that bends, whatever it asks."""
+    layer, indirect = depsgraph.view_layer_eval, depsgraph.scene_eval.tyndall.indirect
+    sharp = None
+    if is_preview or indirect.has_mirrors:
+        sharp = SharpSurfaces(indirect.mirror_roughness, bend=is_preview or indirect.has_refraction)
+    camera = seen_camera(depsgraph)
+    materials = MaterialReader(reports, images, layer.material_override, is_lit=is_lit, sharp=sharp, camera=camera)
+    materials.occlusion_reach_m = occlusion_reach_m(depsgraph.scene_eval)
+    materials.properties = PropertyReader(depsgraph)
+    if depsgraph.mode != "VIEWPORT":  # which shows the picture alone
+        materials.aovs = {aov.name: aov.type == "COLOR" for aov in layer.aovs if aov.is_valid}
+    return materials

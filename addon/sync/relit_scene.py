@@ -26,10 +26,11 @@ if TYPE_CHECKING:
     from tyndall.scene_description import Light, SceneDescription
 
     from .reports import Reports
+    from .retouched_scene import Retouchable
     from .seen_camera import SeenCamera
 
 
-Name = tuple[str, str | None]  #: Of an object, and the library that it is from.
+Name = tuple[str, str | None]  #: Of an object or a material, and the library that it is from.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,6 +60,7 @@ class ReadScene:
     lone: dict[Name, int]
     camera: SeenCamera | None  #: That materials were told of; None: none asks for it.
     frame: float | None  #: Of particles, whose age is told, but not updated; None: no material asks for it.
+    retouchable: Retouchable | None  #: None: materials and the world are not read alone.
 
     def serves(self, depsgraph: Depsgraph, viewport: SpaceView3D | None, *, is_lit: bool) -> bool:
         """Whether a read of this would differ in lights alone, if nothing but lights was updated."""
@@ -148,8 +150,8 @@ def moved_mesh(update: DepsgraphUpdate, depsgraph: Depsgraph) -> MovedMesh | Non
     return MovedMesh(name=name_of(thing.original), world_from_object=np.array(thing.matrix_world, np.float64)[None])
 
 
-def name_of(thing: Object) -> Name:
-    """Of an original object, as ``bpy.data.objects`` takes it."""
+def name_of(thing: ID) -> Name:
+    """Of an original object or material, as ``bpy.data.objects`` and ``bpy.data.materials`` take it."""
     return thing.name, thing.library.filepath if thing.library else None
 
 

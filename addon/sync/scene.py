@@ -13,17 +13,16 @@ from typing import TYPE_CHECKING
 import bpy
 
 from tyndall.emitter_programs import EmitterPictures
-from tyndall.scene_description import Instances, Light, Mesh, SceneDescription
+from tyndall.scene_description import Instances, Mesh, SceneDescription
 
-from .asked_properties import PropertyReader
 from .displaced_meshes import DisplacedMeshes
 from .field_media import FieldVolumes, with_fields
 from .images import ImageReader, images_of
 from .instances import Placement, leave_out_flat_copies, read_placements, shown_kinds
 from .light_linking import LinkedMedia, make_dark_media
 from .light_masks import MaskReader
-from .lights import read_lights
-from .materials import MaterialReader, note_missing_attributes
+from .lights import lights_of
+from .materials import MaterialReader, note_missing_attributes, scene_materials
 from .mesh_attributes import asked_of_meshes
 from .meshes import passing_mesh, read_mesh
 from .object_lighting import light_groups, report_left_out
@@ -41,21 +40,21 @@ from .relit_scene import (
     name_of,
 )
 from .reports import Reports
-from .seen_camera import seen_camera
+from .retouched_scene import Retouches, retouchable, retouched
 from .strands import StrandReader, is_strands
-from .surface_nodes import SharpSurfaces
 from .texture_budget import budget_bytes
 from .volume_nodes import IGNORES_RAY_VISIBILITY
 from .volume_sources import is_volume
 from .volumes import VolumeReader
 from .voxel_objects import VoxelReader, without_and_with_voxels
 from .world_suns import WorldSuns
-from .worlds import ReadWorld, WorldBakes, occlusion_reach_m, read_world, world_of
+from .worlds import ReadWorld, WorldBakes, read_world, world_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
-    from bpy.types import Depsgraph, Object, SpaceView3D, ViewLayer, World
+    from bpy.types import Depsgraph, Object, SpaceView3D, ViewLayer
+    from mathutils import Matrix
 
 
 class SceneReader:
@@ -79,6 +78,7 @@ class SceneReader:
         self._stale: set[int] = set()
         self._last: ReadScene | None = None  # of the live depsgraph, unless more than this was updated since:
         self._moved: dict[Name, MovedMesh] = {}  # the places of objects with meshes
+        self._retouches = Retouches()  # materials and the world
         self._are_lights_outdated = False
 
     @property
@@ -91,6 +91,7 @@ class SceneReader:
         self._images.hold_frames(is_held=is_live)
         self._live_depsgraph, self._last = 0, None  # this one may lie where another did
         self._moved.clear()
+        self._retouches.clear()
 
     def note_updates(self, depsgraph: Depsgraph) -> None:
         """Call from ``view_update`` and handlers: remembers which geometry changed until the next read."""
@@ -103,7 +104,7 @@ class SceneReader:
                 self._are_lights_outdated = True
             elif (moved := moved_mesh(update, depsgraph)) is not None:
                 self._moved[moved.name] = moved
-            else:
+            elif not self._retouches.hears(update):
                 self._last = None
             if update.is_updated_geometry:
                 self._stale.add(update.id.original.as_pointer())
@@ -134,6 +135,7 @@ class SceneReader:
                 return followed
         self._last = None
         self._moved.clear()
+        self._retouches.clear()
         self._forget_stale(depsgraph, is_live=is_live)
         self._images.start_frame(budget := budget_bytes(depsgraph.scene_eval))
         self._images.read_ahead(lambda: images_of(depsgraph), budget)
@@ -143,21 +145,8 @@ class SceneReader:
         layer = depsgraph.view_layer_eval
         found_placements = read_placements(depsgraph, reports, poll, viewport)
         volumes, strands, placements = _sorted_by_kind(found_placements, layer)
-        indirect = depsgraph.scene_eval.tyndall.indirect
         is_viewport = depsgraph.mode == "VIEWPORT"  # which shows the picture alone
-        materials = MaterialReader(
-            reports,
-            self._images,
-            layer.material_override,
-            is_lit=is_lit,
-            sharp=SharpSurfaces(indirect.mirror_roughness, bend=is_preview or indirect.has_refraction)
-            if is_preview or indirect.has_mirrors
-            else None,
-            camera=seen_camera(depsgraph),
-        )
-        materials.occlusion_reach_m = occlusion_reach_m(depsgraph.scene_eval)
-        materials.properties = PropertyReader(depsgraph)
-        materials.aovs = {aov.name: aov.type == "COLOR" for aov in layer.aovs if aov.is_valid and not is_viewport}
+        materials = scene_materials(depsgraph, self._images, reports, is_lit=is_lit, is_preview=is_preview)
         meshes, voxels = without_and_with_voxels([placement for placement in placements if placement.data is not None])
         voxel_objects = self._voxels.read(voxels, materials, reports, poll)
         strand_objects = self._strands.read(strands, depsgraph, materials, reports, poll)
@@ -169,15 +158,16 @@ class SceneReader:
         of_fields = self._fields.read(varying, reports, poll, is_viewport=is_viewport)
         for placement, _, _ in varying:
             lone.pop(name_of(placement.source.original), None)  # its grids move with it
-        shown_world = world_of(depsgraph)
-        found = self._read_world(shown_world, placements, reports)
+        light_places = {one.object_name: one.matrices[0] for one in placements if one.data is None}
+        of_world = Reports()
+        found = self._read_world(depsgraph, light_places, of_world)
+        reports.include(of_world)
         groups = light_groups(layer)
         report_left_out(layer, reports)
-        world_group = "" if shown_world is None else shown_world.lightgroup
-        sky_suns = tuple(replace(sun.light(), light_group=world_group) for sun in found.suns)
         poll()
         drawn = frozenset(placement.object_name for placement in (*meshes, *voxels, *strands))
-        world = replace(found.world, medium=materials.add_medium(found.medium), light_group=world_group)
+        sky_suns = found.sky_suns()
+        world = replace(found.world, medium=materials.add_medium(found.medium))
         read_volumes = self._volumes.read(volumes, materials, self._images, reports, poll)
         of_all_but_lights = Reports()
         of_all_but_lights.include(reports)
@@ -187,7 +177,7 @@ class SceneReader:
             instances=instances,
             voxel_objects=voxel_objects,
             strand_objects=strand_objects,
-            lights=(*_lights(placements, edits, media, (self._images, self._pictures), reports), *sky_suns),
+            lights=(*lights_of(placements, edits, media, (self._images, self._pictures), reports), *sky_suns),
             world=world,
             light_groups=groups,
             materials=tuple(materials.materials),
@@ -217,21 +207,32 @@ class SceneReader:
                 if not any("particles" in one.told for one in found_placements)
                 else depsgraph.scene_eval.frame_current_final,
                 has_instanced_lights=any(one.data is None and one.is_instanced for one in placements),
+                retouchable=retouchable(
+                    materials,
+                    found_placements,
+                    light_places,
+                    of_world,
+                    depsgraph.scene_eval.frame_current_final,
+                ),
             )
         return description
 
-    def _read_world(self, world: World | None, placements: list[Placement], reports: Reports) -> ReadWorld:
+    def _read_world(self, depsgraph: Depsgraph, light_places: Mapping[str, Matrix], reports: Reports) -> ReadWorld:
         """Without the suns that are lights of their own."""
+        world = world_of(depsgraph)
         found = read_world(world, reports, self._images, self._bakes)
         if world is None:
             return found
-        lights = {one.object_name: one.matrices[0] for one in placements if one.data is None}
-        return self._suns.take_out(world.original, found, lights, reports)
+        found = replace(found, world=replace(found.world, light_group=world.lightgroup))
+        return self._suns.take_out(world.original, found, light_places, reports)
 
     def _follow(
         self, last: ReadScene, depsgraph: Depsgraph, reports: Reports, poll: Callable[[], None]
     ) -> SceneDescription | None:
-        """What moved, and lights; None where there is more."""
+        """What moved, and lights, or what was retouched; None where there is more."""
+        if self._retouches != Retouches():
+            is_more = self._moved or self._are_lights_outdated
+            return None if is_more else self._retouched(last, depsgraph)
         only_moved = bool(self._moved) and not self._are_lights_outdated
         lights = [] if only_moved else last.light_objects()
         moved = last.moved(self._moved)
@@ -244,6 +245,21 @@ class SceneReader:
         originals = [light for light in lights if light is not None]  # all, if they serve
         return self._read_lights(moved, depsgraph, originals, reports, poll)
 
+    def _retouched(self, last: ReadScene, depsgraph: Depsgraph) -> SceneDescription | None:
+        """The scene of the last read with its materials, and its world, as they are now."""
+        found = retouched(
+            last,
+            self._retouches,
+            depsgraph,
+            lambda: scene_materials(depsgraph, self._images, Reports(), is_lit=last.is_lit),
+            lambda light_places, reports: self._read_world(depsgraph, light_places, reports),
+        )
+        if found is None:
+            return None
+        self._retouches.clear()
+        self._last = found
+        return found.description
+
     def _read_lights(
         self,
         last: ReadScene,
@@ -255,7 +271,7 @@ class SceneReader:
         """The scene of the last read under its lights as they are now; their images join those of the last read."""
         reports.include(last.reports)
         edits = OccluderEditReader(depsgraph, last.drawn, self._images, self._masks, reports, poll)
-        lights = _lights(
+        lights = lights_of(
             last.light_placements(depsgraph, originals), edits, last.media, (self._images, self._pictures), reports
         )
         description = replace(last.description, lights=(*lights, *last.sky_suns), reports=reports.lines())
@@ -383,18 +399,3 @@ def _note_hidden_medium(group: Instances, materials: MaterialReader, reports: Re
     is_hidden = not (group.is_camera_visible and group.casts_shadow)
     if is_hidden and any(materials.materials[index].medium >= 0 for index in group.materials):
         reports.add(f'Object "{group.object_names[0]}"', IGNORES_RAY_VISIBILITY)
-
-
-def _lights(
-    placements: list[Placement],
-    edits: OccluderEditReader,
-    media: LinkedMedia,
-    images_and_pictures: tuple[ImageReader, EmitterPictures],
-    reports: Reports,
-) -> tuple[Light, ...]:
-    return tuple(
-        replace(light, unlit_media=media.unlit_by(light.links)) if light.links is not None else light
-        for placement in placements
-        if placement.data is None
-        for light in read_lights(placement, edits, *images_and_pictures, reports)
-    )

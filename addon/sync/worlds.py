@@ -7,7 +7,7 @@ itself. The suns of sky textures are lights of their own.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,7 +29,7 @@ from .world_visibility import shown_to_rays
 if TYPE_CHECKING:
     import bpy
 
-    from tyndall.scene_description import Material
+    from tyndall.scene_description import Light, Material
 
     from .images import ImageReader
     from .reports import Reports
@@ -45,6 +45,10 @@ class ReadWorld:
     world: World
     medium: Medium | None = None  #: Its index in `world` is left to the caller.
     suns: tuple[SkySun, ...] = ()
+
+    def sky_suns(self) -> tuple[Light, ...]:
+        """As lights of the scene."""
+        return tuple(replace(sun.light(), light_group=self.world.light_group) for sun in self.suns)
 
 
 class WorldBakes:

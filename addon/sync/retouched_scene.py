@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scene of which only materials, or the world, changed since it was read: its objects stay unread.
+
+A material that changes is read alone where nothing but its own entry of the scene can differ: it has no medium, moves
+no mesh, and asks meshes for what it did. From 4.1 on objects that show it have updates with it, as they have when their
+own look changes: that is compared.
+Differs: nothing of Blender's is kept from read to read but names: after an undo, evaluated objects lie elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import bpy
+
+from .instancer_values import InstancerReader
+from .instances import OTHER_RAYS
+from .light_linking import links_of
+from .mesh_attributes import uv_maps_of
+from .particles import ParticleReader
+from .relit_scene import Name, name_of
+from .reports import Reports
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from bpy.types import Depsgraph, DepsgraphUpdate, Object, ShaderNodeTree
+    from mathutils import Matrix
+
+    from tyndall.scene_description import Material
+
+    from .instances import Placement
+    from .materials import MaterialReader
+    from .relit_scene import ReadScene
+    from .worlds import ReadWorld
+
+_SHOWING = (
+    bpy.types.Mesh,
+    bpy.types.Curve,
+    bpy.types.MetaBall,
+    bpy.types.Curves,
+    bpy.types.PointCloud,
+    bpy.types.Volume,
+)
+
+
+@dataclass
+class Retouches:
+    """What updates tell since the last read."""
+
+    materials: set[Name] = field(default_factory=set)
+    objects: set[Name] = field(default_factory=set)  #: That may only show a material that changed.
+    has_world: bool = False
+
+    def clear(self) -> None:
+        self.materials.clear()
+        self.objects.clear()
+        self.has_world = False
+
+    def hears(self, update: DepsgraphUpdate) -> bool:
+        """Whether it is of these."""
+        thing = update.id
+        if update.is_updated_transform or update.is_updated_geometry:
+            return False
+        if isinstance(thing, bpy.types.ShaderNodeTree):
+            return self._hears_tree(thing.original)
+        if isinstance(thing, bpy.types.Material):
+            self.materials.add(name_of(thing.original))
+            return True
+        if isinstance(thing, bpy.types.World):
+            self.has_world = True
+            return True
+        if isinstance(thing, bpy.types.Object):
+            self.objects.add(name_of(thing.original))
+        return isinstance(thing, (bpy.types.Object, *_SHOWING)) and update.is_updated_shading
+
+    def _hears_tree(self, tree: ShaderNodeTree) -> bool:
+        """One that a material or a world has; a group of nodes may be of any."""
+        owners = {name_of(material) for material in bpy.data.materials if material.node_tree == tree}
+        self.materials |= owners
+        is_world = any(world.node_tree == tree for world in bpy.data.worlds)
+        self.has_world |= is_world
+        return is_world or bool(owners)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Retouchable:
+    """What a retouched scene is compared with."""
+
+    materials: Mapping[Name, tuple[int, Reports]]  #: Where they are in the description, and what was said of each.
+    looks: Mapping[Name, tuple[object, ...]]
+    light_places: Mapping[str, Matrix]  #: Of the objects of drawn lights by name, world from object.
+    of_world: Reports
+    frame: float
+
+    def serves(self, retouches: Retouches, depsgraph: Depsgraph) -> bool:
+        """Whether objects look as they did, and what changed is known."""
+        if retouches.objects and not retouches.materials:
+            return False  # then it is these that changed
+        return (
+            self.frame == depsgraph.scene_eval.frame_current_final
+            and retouches.materials <= self.materials.keys()
+            and all(self._looks_alike(name, depsgraph) for name in retouches.objects)
+        )
+
+    def _looks_alike(self, name: Name, depsgraph: Depsgraph) -> bool:
+        thing = bpy.data.objects.get(name)
+        return thing is not None and self.looks.get(name) == look_of(thing.evaluated_get(depsgraph))
+
+
+def retouchable(
+    materials: MaterialReader,
+    placements: Iterable[Placement],
+    light_places: Mapping[str, Matrix],
+    of_world: Reports,
+    frame: float,
+) -> Retouchable | None:
+    """Of a whole read; None: what materials ask of objects would have to be compared, too."""
+    shown = list(placements)
+    if materials.asks_properties or any(placement.told for placement in shown):
+        return None
+    counts = Counter(materials.names)
+    return Retouchable(
+        materials={
+            name: (index, materials.notes[index])
+            for index, name in enumerate(materials.names)
+            if name is not None and counts[name] == 1
+        },
+        looks={name_of(one.source.original): look_of(one.source) for one in shown},
+        light_places=light_places,
+        of_world=of_world,
+        frame=frame,
+    )
+
+
+def look_of(thing: Object) -> tuple[object, ...]:
+    """All that a placement takes from an evaluated object but its place and its geometry."""
+    return (
+        thing.visible_camera,
+        *(getattr(thing, switch) for switch in OTHER_RAYS),
+        thing.visible_volume_scatter,
+        thing.is_holdout,
+        thing.is_shadow_catcher,
+        tuple(thing.color),
+        thing.pass_index,
+        thing.lightgroup,
+        links_of(thing),
+        thing.hide_viewport,
+        thing.hide_render,
+    )
+
+
+def retouched(
+    last: ReadScene,
+    retouches: Retouches,
+    depsgraph: Depsgraph,
+    new_reader: Callable[[], MaterialReader],
+    read_world: Callable[[Mapping[str, Matrix], Reports], ReadWorld],
+) -> ReadScene | None:
+    """With materials and the world as they are now; None where that is not all that there is to change."""
+    known = last.retouchable
+    if known is None or not known.serves(retouches, depsgraph):
+        return None
+    description, sky_suns = last.description, last.sky_suns
+    materials = list(description.materials)
+    for name in retouches.materials:
+        index, notes = known.materials[name]
+        material, reader = bpy.data.materials[name].evaluated_get(depsgraph), new_reader()
+        reader.index(material)
+        is_alone = _is_alone(reader, last) and not _asks_instances(material, depsgraph)
+        says_the_same = reader.notes[0].lines() == notes.lines()
+        if not (is_alone and says_the_same and _may_replace(materials[index], reader.materials[0])):
+            return None
+        materials[index] = reader.materials[0]
+    description = replace(description, materials=tuple(materials))
+    if retouches.has_world:
+        reports = Reports()
+        found = read_world(known.light_places, reports)
+        has_medium = found.medium is not None or description.world.medium >= 0
+        if has_medium or reports.lines() != known.of_world.lines():
+            return None
+        lamps = description.lights[: len(description.lights) - len(sky_suns)]
+        sky_suns = found.sky_suns()
+        description = replace(description, world=found.world, lights=(*lamps, *sky_suns))
+    return replace(last, description=description, sky_suns=sky_suns)
+
+
+def _is_alone(reader: MaterialReader, last: ReadScene) -> bool:
+    """Whether its only material asks nothing of objects, and of the camera what others did."""
+    sees_the_same = reader.asked_camera is None or reader.asked_camera == last.camera
+    return sees_the_same and not reader.asks_properties
+
+
+def _may_replace(before: Material, after: Material) -> bool:
+    return (
+        before.medium == after.medium == -1
+        and before.displacement is None
+        and after.displacement is None
+        and uv_maps_of(before) == uv_maps_of(after)
+    )
+
+
+def _asks_instances(material: bpy.types.Material, depsgraph: Depsgraph) -> bool:
+    """What is read of each instance while they are gone through."""
+    readers = ParticleReader(depsgraph), InstancerReader(depsgraph, Reports())
+    return any(reader.is_asked_for([material]) for reader in readers)
