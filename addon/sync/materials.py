@@ -122,6 +122,10 @@ class MaterialReader:
         self.channels.append(self.channels[index])
         return len(self.materials) - 1
 
+    def has_medium(self, index: int) -> bool:
+        """Whether something is inside, also if nothing of it is the same everywhere."""
+        return self.materials[index].medium >= 0 or index in self._fields
+
     @property
     def asks_properties(self) -> bool:
         """Of objects, by any of them."""

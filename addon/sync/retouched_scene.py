@@ -22,12 +22,12 @@ from .mesh_attributes import uv_maps_of
 from .particles import ParticleReader
 from .relit_scene import Name, name_of
 from .reports import Reports
+from .worlds import occlusion_reach_m, world_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    from bpy.types import Depsgraph, DepsgraphUpdate, Object, ShaderNodeTree
-    from mathutils import Matrix
+    from bpy.types import Depsgraph, DepsgraphUpdate, Object, Scene, ShaderNodeTree
 
     from tyndall.scene_description import Material
 
@@ -91,8 +91,8 @@ class Retouchable:
 
     materials: Mapping[Name, tuple[int, Reports]]  #: Where they are in the description, and what was said of each.
     looks: Mapping[Name, tuple[object, ...]]
-    light_places: Mapping[str, Matrix]  #: Of the objects of drawn lights by name, world from object.
     of_world: Reports
+    occlusion_reach_m: float  #: Which the world has, and materials read.
     frame: float
 
     def serves(self, retouches: Retouches, depsgraph: Depsgraph) -> bool:
@@ -101,6 +101,7 @@ class Retouchable:
             return False  # then it is these that changed
         return (
             self.frame == depsgraph.scene_eval.frame_current_final
+            and self.occlusion_reach_m == occlusion_reach_m(depsgraph.scene_eval)
             and retouches.materials <= self.materials.keys()
             and all(self._looks_alike(name, depsgraph) for name in retouches.objects)
         )
@@ -113,11 +114,10 @@ class Retouchable:
 def retouchable(
     materials: MaterialReader,
     placements: Iterable[Placement],
-    light_places: Mapping[str, Matrix],
     of_world: Reports,
-    frame: float,
+    scene: Scene,
 ) -> Retouchable | None:
-    """Of a whole read; None: what materials ask of objects would have to be compared, too."""
+    """Of a whole read of an evaluated scene; None: what materials ask of objects would have to be compared, too."""
     shown = list(placements)
     if materials.asks_properties or any(placement.told for placement in shown):
         return None
@@ -126,12 +126,12 @@ def retouchable(
         materials={
             name: (index, materials.notes[index])
             for index, name in enumerate(materials.names)
-            if name is not None and counts[name] == 1
+            if name is not None and counts[name] == 1 and not materials.has_medium(index)
         },
         looks={name_of(one.source.original): look_of(one.source) for one in shown},
-        light_places=light_places,
         of_world=of_world,
-        frame=frame,
+        occlusion_reach_m=occlusion_reach_m(scene),
+        frame=scene.frame_current_final,
     )
 
 
@@ -157,7 +157,7 @@ def retouched(
     retouches: Retouches,
     depsgraph: Depsgraph,
     new_reader: Callable[[], MaterialReader],
-    read_world: Callable[[Mapping[str, Matrix], Reports], ReadWorld],
+    read_world: Callable[[Reports], ReadWorld],
 ) -> ReadScene | None:
     """With materials and the world as they are now; None where that is not all that there is to change."""
     known = last.retouchable
@@ -169,15 +169,17 @@ def retouched(
         index, notes = known.materials[name]
         material, reader = bpy.data.materials[name].evaluated_get(depsgraph), new_reader()
         reader.index(material)
-        is_alone = _is_alone(reader, last) and not _asks_instances(material, depsgraph)
+        is_alone = _is_alone(reader, last) and not (reader.has_medium(0) or _asks_instances(material, depsgraph))
         says_the_same = reader.notes[0].lines() == notes.lines()
         if not (is_alone and says_the_same and _may_replace(materials[index], reader.materials[0])):
             return None
         materials[index] = reader.materials[0]
     description = replace(description, materials=tuple(materials))
     if retouches.has_world:
-        reports = Reports()
-        found = read_world(known.light_places, reports)
+        reports, world = Reports(), world_of(depsgraph)
+        if world is not None and world.original.tyndall.takes_sun:
+            return None  # an object is in its place
+        found = read_world(reports)
         has_medium = found.medium is not None or description.world.medium >= 0
         if has_medium or reports.lines() != known.of_world.lines():
             return None
@@ -194,12 +196,8 @@ def _is_alone(reader: MaterialReader, last: ReadScene) -> bool:
 
 
 def _may_replace(before: Material, after: Material) -> bool:
-    return (
-        before.medium == after.medium == -1
-        and before.displacement is None
-        and after.displacement is None
-        and uv_maps_of(before) == uv_maps_of(after)
-    )
+    moves = before.displacement is not None or after.displacement is not None
+    return not moves and uv_maps_of(before) == uv_maps_of(after)
 
 
 def _asks_instances(material: bpy.types.Material, depsgraph: Depsgraph) -> bool:

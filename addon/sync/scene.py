@@ -207,13 +207,7 @@ class SceneReader:
                 if not any("particles" in one.told for one in found_placements)
                 else depsgraph.scene_eval.frame_current_final,
                 has_instanced_lights=any(one.data is None and one.is_instanced for one in placements),
-                retouchable=retouchable(
-                    materials,
-                    found_placements,
-                    light_places,
-                    of_world,
-                    depsgraph.scene_eval.frame_current_final,
-                ),
+                retouchable=retouchable(materials, found_placements, of_world, depsgraph.scene_eval),
             )
         return description
 
@@ -252,7 +246,7 @@ class SceneReader:
             self._retouches,
             depsgraph,
             lambda: scene_materials(depsgraph, self._images, Reports(), is_lit=last.is_lit),
-            lambda light_places, reports: self._read_world(depsgraph, light_places, reports),
+            lambda reports: self._read_world(depsgraph, {}, reports),
         )
         if found is None:
             return None

@@ -73,6 +73,29 @@ def into_output(index: int, kind: str, to: str) -> None:
         bpy.data.materials[f"Look {index}"].node_tree.links.new(nodes_of(index).new(kind).outputs[0], output.inputs[to])
 
 
+def occluded(_: object) -> None:
+    """As far as the world says."""
+    link(2, "ShaderNodeAmbientOcclusion", "Base Color")
+    for occlusion in nodes_of(2):
+        if occlusion.type == "AMBIENT_OCCLUSION":
+            occlusion.inputs["Distance"].default_value = 0.0
+
+
+def smoke(_: object) -> None:
+    """Whose density varies from place to place."""
+    into_output(3, "ShaderNodeVolumeScatter", "Volume")
+    scatter = next((one for one in nodes_of(3) if one.type == "VOLUME_SCATTER"), None)
+    if scatter is not None:
+        noise = nodes_of(3).new("ShaderNodeTexNoise")
+        bpy.data.materials["Look 3"].node_tree.links.new(noise.outputs[0], scatter.inputs["Density"])
+
+
+def swirls(rng: np.random.Generator) -> None:
+    for noise in nodes_of(3):
+        if noise.type == "TEX_NOISE":
+            noise.inputs["Scale"].default_value = rng.uniform(1.0, 9.0)
+
+
 def moved(_: object) -> None:
     shown = bpy.data.materials["Look 2"]
     output = next(one for one in shown.node_tree.nodes if one.type == "OUTPUT_MATERIAL")
@@ -120,6 +143,18 @@ def retouches() -> dict[str, Change]:
     }
 
 
+def met_by_what_stays() -> tuple[dict[str, Change], ...]:
+    """What may not be left unread while something else is there, one after the other."""
+    scene = bpy.context.scene
+    return (
+        {
+            "the camera moves": lambda rng: setattr(scene.camera, "location", rng.uniform(1, 2, 3)),
+            "smoke swirls": swirls,
+        },
+        {"occlusion reaches": lambda rng: setattr(scene.world.light_settings, "distance", rng.uniform(0.1, 2.0))},
+    )
+
+
 def others() -> dict[str, Change]:
     """What changes more than the material or the world, or comes beside them."""
     return {
@@ -132,6 +167,8 @@ def others() -> dict[str, Change]:
         "it reads its particle": lambda _: link(3, "ShaderNodeParticleInfo", "Roughness"),
         "it reads the camera": lambda _: link(1, "ShaderNodeTexCoord", "Roughness", "Window"),
         "it has a volume": lambda _: into_output(0, "ShaderNodeVolumeScatter", "Volume"),
+        "it has smoke": smoke,
+        "it is occluded": occluded,
         "it is moved": moved,
         "the world has a volume": lambda _: in_world_output("ShaderNodeVolumeAbsorption", "Volume"),
         "a box is seen by no shadow": lambda _: setattr(
@@ -160,20 +197,16 @@ def test_a_followed_look_is_the_look_that_is_read_at_once(
     original = sync_scene.read_placements
     monkeypatch.setattr(sync_scene, "read_placements", lambda *given: passes.append(given) or original(*given))
     followed, some, alone = Followed(), list(retouches().items()), 0
-    camera_moves = (
-        "the camera moves",
-        lambda rng: setattr(bpy.context.scene.camera, "location", rng.uniform(1, 2, 3)),
-    )
     with followed.hears():
         room.view_layers[0].update()
         followed.read()
         for name, other in [*others().items(), *others().items()]:
-            for step in range(5):
+            for step in range(6):
                 chosen = [some[rng.integers(len(some))] for _ in range(rng.integers(1, 3))]
-                if step in {1, 3}:
+                if step in {1, 4}:
                     chosen = [(name, other), *chosen[1:]]
-                elif step == 2:
-                    chosen = [camera_moves]
+                elif step in {2, 3}:
+                    chosen = list(met_by_what_stays()[step - 2].items())
                 for _, change in chosen:
                     change(rng)
                 room.view_layers[0].update()
