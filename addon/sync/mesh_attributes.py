@@ -117,9 +117,7 @@ def _made(mesh: bpy.types.Mesh, name: str, vertex_of_corner: NDArray[np.uint32])
 
 
 def vertex_normals(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
-    if bpy.app.version >= (4, 1, 0):
-        return _stored(mesh.vertex_normals, "vector", 3)
-    return _stored(mesh.vertices, "normal", 3)
+    return _stored(mesh.vertex_normals, "vector", 3)
 
 
 def _positions(mesh: bpy.types.Mesh) -> NDArray[np.float32]:

@@ -156,15 +156,18 @@ def _read_stored(
     maps = *_uv_maps(mesh), *_colour_maps(mesh, vertex_of_corner)
     if asked:
         maps = *maps, *read_asked(mesh, asked, [name for name, _ in maps], vertex_of_corner)
+    normals, asked_normals = _normals(mesh, polygon_of_triangle), None
+    if VERTEX_NORMALS in asked:
+        asked_normals = normals["vertex_normals"] if "vertex_normals" in normals else vertex_normals(mesh)
     return _StoredMesh(
         name=mesh.name,
         positions=_positions(mesh),
         vertex_of_corner=vertex_of_corner,
         corners=corners,
         slots=_slots(mesh, polygon_of_triangle),
-        asked_normals=vertex_normals(mesh) if VERTEX_NORMALS in asked else None,
+        asked_normals=asked_normals,
         uv_maps=maps,
-        **_normals(mesh, polygon_of_triangle),
+        **normals,
     )
 
 
@@ -237,7 +240,7 @@ def _normals(mesh: bpy.types.Mesh, polygon_of_triangle: NDArray[np.int64] | None
         if mesh.normals_domain == "FACE":
             return {}
         if mesh.normals_domain == "POINT":
-            return {"vertex_normals": _read(mesh.vertex_normals, "vector", (len(mesh.vertices), 3), np.float32)}
+            return {"vertex_normals": vertex_normals(mesh)}
         return {"corner_normals": _read(mesh.corner_normals, "vector", (len(mesh.loops), 3), np.float32)}
     if mesh.use_auto_smooth:
         mesh.calc_normals_split()
@@ -246,7 +249,7 @@ def _normals(mesh: bpy.types.Mesh, polygon_of_triangle: NDArray[np.int64] | None
     if is_flat.all():
         return {}
     return {
-        "vertex_normals": _read(mesh.vertex_normals, "vector", (len(mesh.vertices), 3), np.float32),
+        "vertex_normals": vertex_normals(mesh),
         "is_flat": _per_triangle(is_flat, polygon_of_triangle) if is_flat.any() else None,
     }
 

@@ -247,25 +247,21 @@ def _emission(reader: ValueReader, at: Socket, weight: Value, shares: Shares) ->
     shares.emission = program.add(shares.emission, program.multiply(weight, radiance))
 
 
-def _tinted_coat(reader: ValueReader, at: Socket, shares: Shares, layer: tuple[Value, Value, float]) -> bool:
-    """Whether a Specular Tint colours what a layer mirrors, but at its edge; then the layer is added to the shares.
-
-    It comes as its weight, what lies below, and its index.
-    """
-    weight, coated, ior = layer
+def _untinted(reader: ValueReader, at: Socket, shares: Shares, weight: Value, ior: float) -> Value:
+    """What is left of a clear layer's weight once a Specular Tint has coloured what it mirrors, but at its edge."""
     if bpy.app.version < (4, 0, 0):
-        is_tinted = reader.number(at.input("Specular Tint")) != BLACK
+        is_drawn, is_tinted = False, reader.number(at.input("Specular Tint")) != BLACK
     else:
         tint = reader.colour(at.input("Specular Tint"), WHITE)
-        is_tinted = tint != WHITE
-        if is_tinted and (shares.gloss is None or "mirror_ior" not in shares.gloss.indices):
-            program, straight = reader.program, ((ior - 1.0) / (ior + 1.0)) ** 2
-            _mirror(reader, shares, program.multiply(weight, program.multiply(tint, grey(straight))), weight, ior)
-            _coat(reader, shares, BLACK, coated, ior)
-            return True
-    if is_tinted:
+        is_drawn, is_tinted = shares.gloss is None or "mirror_ior" not in shares.gloss.indices, tint != WHITE
+    if not is_tinted:
+        return weight
+    if not is_drawn:
         reader.note("the tint of specular reflections is not drawn here")
-    return False
+        return weight
+    program, straight = reader.program, ((ior - 1.0) / (ior + 1.0)) ** 2
+    _mirror(reader, shares, program.multiply(weight, program.multiply(tint, grey(straight))), weight, ior)
+    return BLACK
 
 
 def _note_layers(reader: ValueReader, at: Socket) -> None:
@@ -334,9 +330,8 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
         if metal != BLACK:  # up to 3.x it rises as the clear layer does, from 4.0 on as metals do
             _mirror(reader, shares, program.multiply(metal, base), metal, index if is_3 else 0.0)
         if opaque != BLACK and index > 1.0:
-            coated = BLACK if is_3 else scattering
-            if not _tinted_coat(reader, at, shares, (opaque, coated, index)):
-                _coat(reader, shares, opaque, coated, index)
+            untinted = _untinted(reader, at, shares, opaque, index)
+            _coat(reader, shares, untinted, BLACK if is_3 else scattering, index)
             scattering = scattering if is_3 else BLACK  # up to 3.x the layer keeps nothing from what lies below
     shares.diffuse = program.add(shares.diffuse, scattering)
 

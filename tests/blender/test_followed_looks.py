@@ -45,38 +45,43 @@ def room() -> bpy.types.Scene:
     return scene
 
 
-def nodes_of(index: int) -> bpy.types.Nodes:
-    return bpy.data.materials[f"Look {index}"].node_tree.nodes
+def tree_of(index: int) -> bpy.types.NodeTree:
+    return bpy.data.materials[f"Look {index}"].node_tree
+
+
+def node_in(tree: bpy.types.NodeTree, kind: str) -> bpy.types.Node:
+    return next(one for one in tree.nodes if one.type == kind)
 
 
 def shader_of(index: int) -> bpy.types.Node:
-    return next(one for one in nodes_of(index) if one.type == "BSDF_PRINCIPLED")
+    return node_in(tree_of(index), "BSDF_PRINCIPLED")
+
+
+def toggle(tree: bpy.types.NodeTree, socket: bpy.types.NodeSocket, kind: str, output: str | int = 0) -> None:
+    """A new node into a socket, or what is there out of it."""
+    if socket.is_linked:
+        tree.nodes.remove(socket.links[0].from_node)
+    else:
+        tree.links.new(tree.nodes.new(kind).outputs[output], socket)
 
 
 def link(index: int, kind: str, to: str, output: str | int = 0, **settings: object) -> None:
-    """A new node of a kind into the shader, or what is there out of it."""
+    """Into the shader, with settings of the node."""
     socket = shader_of(index).inputs[to]
-    if socket.is_linked:
-        nodes_of(index).remove(socket.links[0].from_node)
-        return
-    new = nodes_of(index).new(kind)
-    for name, setting in settings.items():
-        setattr(new, name, setting)
-    bpy.data.materials[f"Look {index}"].node_tree.links.new(new.outputs[output], socket)
+    toggle(tree_of(index), socket, kind, output)
+    for name, setting in settings.items() if socket.is_linked else ():
+        setattr(socket.links[0].from_node, name, setting)
 
 
 def into_output(index: int, kind: str, to: str) -> None:
-    output = next(one for one in nodes_of(index) if one.type == "OUTPUT_MATERIAL")
-    if output.inputs[to].is_linked:
-        nodes_of(index).remove(output.inputs[to].links[0].from_node)
-    else:
-        bpy.data.materials[f"Look {index}"].node_tree.links.new(nodes_of(index).new(kind).outputs[0], output.inputs[to])
+    tree = tree_of(index)
+    toggle(tree, node_in(tree, "OUTPUT_MATERIAL").inputs[to], kind)
 
 
 def occluded(_: object) -> None:
     """As far as the world says."""
     link(2, "ShaderNodeAmbientOcclusion", "Base Color")
-    for occlusion in nodes_of(2):
+    for occlusion in tree_of(2).nodes:
         if occlusion.type == "AMBIENT_OCCLUSION":
             occlusion.inputs["Distance"].default_value = 0.0
 
@@ -84,38 +89,32 @@ def occluded(_: object) -> None:
 def smoke(_: object) -> None:
     """Whose density varies from place to place."""
     into_output(3, "ShaderNodeVolumeScatter", "Volume")
-    scatter = next((one for one in nodes_of(3) if one.type == "VOLUME_SCATTER"), None)
-    if scatter is not None:
-        noise = nodes_of(3).new("ShaderNodeTexNoise")
-        bpy.data.materials["Look 3"].node_tree.links.new(noise.outputs[0], scatter.inputs["Density"])
+    for scatter in tree_of(3).nodes:
+        if scatter.type == "VOLUME_SCATTER":
+            toggle(tree_of(3), scatter.inputs["Density"], "ShaderNodeTexNoise")
 
 
 def swirls(rng: np.random.Generator) -> None:
-    for noise in nodes_of(3):
+    for noise in tree_of(3).nodes:
         if noise.type == "TEX_NOISE":
             noise.inputs["Scale"].default_value = rng.uniform(1.0, 9.0)
 
 
 def moved(_: object) -> None:
     shown = bpy.data.materials["Look 2"]
-    output = next(one for one in shown.node_tree.nodes if one.type == "OUTPUT_MATERIAL")
-    if output.inputs["Displacement"].is_linked:
-        shown.node_tree.nodes.remove(output.inputs["Displacement"].links[0].from_node)
+    if node_in(shown.node_tree, "OUTPUT_MATERIAL").inputs["Displacement"].is_linked:
+        into_output(2, "", "Displacement")
     else:
         displace(shown, lambda new, _: new("ShaderNodeDisplacement").outputs[0], "DISPLACEMENT")
 
 
 def background() -> bpy.types.Node:
-    return next(one for one in bpy.context.scene.world.node_tree.nodes if one.type == "BACKGROUND")
+    return node_in(bpy.context.scene.world.node_tree, "BACKGROUND")
 
 
 def in_world_output(kind: str, to: str) -> None:
     tree = bpy.context.scene.world.node_tree
-    output = next(one for one in tree.nodes if one.type == "OUTPUT_WORLD")
-    if output.inputs[to].is_linked:
-        tree.nodes.remove(output.inputs[to].links[0].from_node)
-    else:
-        tree.links.new(tree.nodes.new(kind).outputs[0], output.inputs[to])
+    toggle(tree, node_in(tree, "OUTPUT_WORLD").inputs[to], kind)
 
 
 def thing(name: str) -> bpy.types.Object:
