@@ -16,6 +16,7 @@ import sys
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,16 @@ CALM_TICKS = 30
 SETTLED_TICKS, SETTLED_S = 5, 0.05
 #: Between ticks, while Blender answers steadily: on a busy machine, where it never answers sooner, the next of these.
 STEADY_GAPS_S = (0.1, 0.2, 0.4)
+POLL_S = 0.02
+
+
+@dataclass
+class Wait:
+    """For a condition, until the clock shows a time."""
+
+    is_so: Callable[[], bool]
+    ends_s: float
+    is_met: bool = False
 
 
 class Window:
@@ -46,6 +57,7 @@ class Window:
         self._calm_ticks = 0
         self._steady_gap_s = STEADY_GAPS_S[0]
         self._ticks = 0
+        self._wait: Wait | None = None
         bpy.app.timers.register(self._tick, persistent=True)
 
     def _tick(self) -> float:
@@ -103,12 +115,22 @@ class Window:
         return path
 
     def until(self, is_so: Callable[[], bool], *, at_most_s: float = 120.0) -> Iterator[float]:
-        """Wait for a condition; ``yield from`` it."""
-        started = time.monotonic()
-        while not is_so():
-            if time.monotonic() - started > at_most_s:
-                raise TimeoutError(f"waited {at_most_s} s in vain")
-            yield 0.02
+        """Wait for a condition, which only reads; ``yield from`` it."""
+        self._wait = wait = Wait(is_so, time.monotonic() + at_most_s)
+        yield POLL_S
+        self._wait = None
+        if not wait.is_met:
+            raise TimeoutError(f"waited {at_most_s} s in vain")
+
+    def is_waiting(self) -> bool:
+        """Whether ``until`` goes on waiting.
+
+        The session sleeps meanwhile: to play it on where Blender denies writes has all windows drawn anew.
+        """
+        if self._wait is None:
+            return False
+        self._wait.is_met = self._wait.is_so()
+        return not self._wait.is_met and time.monotonic() < self._wait.ends_s
 
 
 def watch_operators(window: Window) -> None:
@@ -138,7 +160,7 @@ def play(session: Iterator[float], expected: Iterable[str], window: Window) -> C
     def step() -> float | None:
         window.is_in_script = True
         try:
-            return next_step(session)
+            return POLL_S if window.is_waiting() else next_step(session)
         except StopIteration:
             if missing := sorted(set(expected) - window.clicked):
                 window.facts["error"] = f"never clicked: {missing}"
