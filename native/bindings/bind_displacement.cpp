@@ -39,8 +39,7 @@ public:
         point.object_normal = normal;
         const auto in_scene = [&](const vec3& direction) {
             const vec3 turned = glm::transpose(mat3(inverse_)) * direction;
-            const float length = glm::length(turned);
-            return length > 0.0f ? turned / length : turned;
+            return unit_or(turned, turned);
         };
         point.surface.position = mat3(linear_) * position;
         point.surface.geometric_normal = in_scene(true_normal);

@@ -27,6 +27,13 @@ using Rgb = glm::vec3;
 /// Mean of the channels.
 [[nodiscard]] inline float average(const Rgb& value) { return (value.x + value.y + value.z) * (1.0f / 3.0f); }
 
+/// The unit vector along `v`; `otherwise` where `v` has no length, or none that is a number.
+template <typename Vector>
+[[nodiscard]] inline Vector unit_or(const Vector& v, const Vector& otherwise) {
+    const auto length = glm::length(v);
+    return length > 0 && std::isfinite(length) ? v / length : otherwise;
+}
+
 /// Axis-aligned box; empty while any min exceeds its max.
 struct Bounds3 {
     vec3 min{std::numeric_limits<float>::infinity()};

@@ -4,6 +4,7 @@
 #include "core/sampling.hpp"
 #include "render/direct_light.hpp"
 #include "render/shadow_rays.hpp"
+#include "render/surface_directions.hpp"
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -24,38 +25,33 @@ float DirectLight::share_below_surface(const SurfacePoint& point, const vec3& di
 void DirectLight::aim_by_strategies(const SurfacePoint& point, const LobeSet& lobes, vec2 u, float share,
                                     std::size_t index, ShadowRays& shadow) const {
     const World& world = scene_.world();
-    const float of_lobes = lobes.share_of_directions(point.lambert_share);
-    const float p_image = world.has_image() ? image_share : 0.0f, p_lobes = (1.0f - p_image) * of_lobes,
-                p_cosine = 1.0f - p_image - p_lobes;
-    const vec3& normal = point.shading.shading_normal;
-    const bool is_gloss = of_lobes == LobeSet::most_share; // alone, or nearly so
+    const SurfaceDirections own(point, lobes);
+    const float p_image = world.has_image() ? image_share : 0.0f;
+    const bool by_image = u.x < p_image;
+    const vec2 within{by_image ? even_within(u.x, 0.0f, p_image) : even_within(u.x, p_image, 1.0f - p_image), u.y};
+    const bool by_lobes = !by_image && own.is_by_lobes(within);
     vec3 direction;
     World::Look look{};
-    const bool by_image = u.x < p_image, by_lobes = !by_image && u.x < p_image + p_lobes;
     if (by_image) {
-        const World::DirectionSample sample = world.sample({even_within(u.x, 0.0f, p_image), u.y});
+        const World::DirectionSample sample = world.sample(within);
         direction = sample.direction;
         look = {sample.radiance, sample.pdf_per_sr};
-    } else if (by_lobes)
-        direction = lobes.sample({even_within(u.x, p_image, p_lobes), u.y});
-    else
-        direction = from_frame(normal, sample_cosine_hemisphere({even_within(u.x, p_image + p_lobes, p_cosine), u.y}));
-    const float cosine = glm::dot(normal, direction);
+    } else
+        direction = own.sample(within);
+    const float cosine = glm::dot(point.shading.shading_normal, direction);
     if (!(cosine > 0.0f)) // nor what is no direction
         return;
     if (!by_image)
         look = world.look(direction);
-    float density = p_cosine * cosine_hemisphere_pdf_per_sr(cosine);
-    if (p_lobes > 0.0f)
-        density += p_lobes * lobes.pdf_per_sr(direction);
+    const float own_pdf_per_sr = own.pdf_per_sr(direction);
+    float density = own_pdf_per_sr;
     if (world.has_image()) {
-        const float by_surface = density, of_image = p_image * look.pdf_per_sr;
-        density += of_image;
+        const float by_surface = (1.0f - p_image) * own_pdf_per_sr, of_image = p_image * look.pdf_per_sr;
+        density = by_surface + of_image;
         // Where these meet other things, each gives what it gives in Cycles, which weighs by squares.
-        if (scene_.tells_rays_apart()) {
-            const float a = by_surface / (1.0f - p_image), b = look.pdf_per_sr;
-            density = by_image ? of_image / power_share(b, a) : by_surface / power_share(a, b);
-        }
+        if (scene_.tells_rays_apart())
+            density = by_image ? of_image / power_share(look.pdf_per_sr, own_pdf_per_sr)
+                               : by_surface / power_share(own_pdf_per_sr, look.pdf_per_sr);
     }
     if (!(density > 0.0f) || !std::isfinite(density))
         return;
@@ -66,7 +62,7 @@ void DirectLight::aim_by_strategies(const SurfacePoint& point, const LobeSet& lo
     const bool is_lifted = by_image || by_lobes;
     const Ray ray = is_lifted ? shadow_ray(point, direction)
                               : Ray{.origin = point.spawn.towards(direction), .direction = direction};
-    const RayKind kind = by_image ? RayKind::Shadow : by_lobes || is_gloss ? RayKind::Glossy : RayKind::Diffuse;
+    const RayKind kind = by_image ? RayKind::Shadow : by_lobes || own.is_gloss() ? RayKind::Glossy : RayKind::Diffuse;
     Rgb per_irradiance = lobes.lobes.empty() ? Rgb(0.0f) : lobes.per_irradiance(direction);
     if (lobes.draws_on_both_sides()) {
         const float drawn = world.has_image() ? power_share(lobes.pdf_per_sr(direction), look.pdf_per_sr) : 1.0f;

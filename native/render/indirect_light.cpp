@@ -3,6 +3,7 @@
 #include "core/errors.hpp"
 #include "core/sampling.hpp"
 #include "render/light_groups.hpp"
+#include "render/surface_directions.hpp"
 #include "render/view_path.hpp"
 #include "shading/surface_program.hpp"
 #include <algorithm>
@@ -156,18 +157,12 @@ static bool is_below_surface(const ShadingPoint& shading, const vec3& direction)
 
 void IndirectLight::push_drawn(const SurfacePoint& point, const LobeSet& lobes, vec2 u, Gatherer ray,
                                std::vector<Gatherer>& gatherers) {
-    const float p_lobes = lobes.share_of_directions(point.lambert_share), p_cosine = 1.0f - p_lobes;
-    const vec3& normal = point.shading.shading_normal;
-    const bool by_lobes = u.x < p_lobes;
-    const vec3 direction =
-        by_lobes ? lobes.sample({even_within(u.x, 0.0f, p_lobes), u.y})
-                 : from_frame(normal, sample_cosine_hemisphere({even_within(u.x, p_lobes, p_cosine), u.y}));
-    const float cosine = glm::dot(normal, direction);
+    const SurfaceDirections own(point, lobes);
+    const vec3 direction = own.sample(u);
+    const float cosine = glm::dot(point.shading.shading_normal, direction);
     if (!(cosine > 0.0f) || is_below_surface(point.shading, direction)) // nor what is no direction
         return;
-    float density = p_cosine * cosine_hemisphere_pdf_per_sr(cosine);
-    if (p_lobes > 0.0f)
-        density += p_lobes * lobes.pdf_per_sr(direction);
+    const float density = own.pdf_per_sr(direction);
     if (!(density > 0.0f) || !std::isfinite(density))
         return;
     ray.part.origin = point.spawn.towards(direction);
@@ -175,7 +170,7 @@ void IndirectLight::push_drawn(const SurfacePoint& point, const LobeSet& lobes, 
     ray.weight *= cosine / density;
     ray.pdf_per_sr = density;
     ray.reflected = lobes.per_irradiance_as_drawn(direction);
-    ray.kind = by_lobes ? RayKind::Glossy : RayKind::Diffuse;
+    ray.kind = own.is_by_lobes(u) ? RayKind::Glossy : RayKind::Diffuse;
     gatherers.push_back(ray);
 }
 

@@ -1,16 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/displaced_corners.hpp"
 #include "core/parallel.hpp"
-#include <cmath>
 
 namespace tyndall {
 namespace {
-template <typename Vector>
-Vector unit_or_zero(const Vector& vector) {
-    const auto length = glm::length(vector);
-    return length > 0 && std::isfinite(length) ? vector / length : Vector(0);
-}
-
 /// Of vertices; zero where no renewed triangle is.
 std::vector<vec3> mean_normals(std::span<const vec3> positions, std::span<const uvec3> triangles,
                                std::span<const bool> is_renewed, const Progress& progress) {
@@ -23,7 +16,8 @@ std::vector<vec3> mean_normals(std::span<const vec3> positions, std::span<const 
         for (int corner = 0; corner < 3; ++corner)
             sums[triangles[index][corner]] += dvec3(of_face[index]);
     std::vector<vec3> normals(positions.size());
-    parallel_for(sums.size(), progress, [&](std::size_t vertex) { normals[vertex] = unit_or_zero(sums[vertex]); });
+    parallel_for(sums.size(), progress,
+                 [&](std::size_t vertex) { normals[vertex] = unit_or(sums[vertex], dvec3(0.0)); });
     return normals;
 }
 } // namespace
@@ -42,7 +36,7 @@ std::vector<std::uint32_t> first_corners(std::span<const uvec3> triangles, std::
 
 vec3 face_normal(std::span<const vec3> positions, const uvec3& triangle) {
     const vec3 a = positions[triangle[0]];
-    return unit_or_zero(glm::cross(positions[triangle[1]] - a, positions[triangle[2]] - a));
+    return unit_or(glm::cross(positions[triangle[1]] - a, positions[triangle[2]] - a), vec3(0.0f));
 }
 
 void renew_normals(std::span<const vec3> positions, std::span<const uvec3> triangles, std::span<const bool> is_renewed,

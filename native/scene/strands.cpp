@@ -224,23 +224,18 @@ StrandPoint Strands::on_spline(std::uint32_t segment, float along) const {
     return {.centre = vec3(at), .radius_m = std::max(at.w, 0.0f), .tangent = tangent};
 }
 
-static vec3 unit(const vec3& v, const vec3& otherwise) {
-    const float length = glm::length(v);
-    return length > 0.0f ? v / length : otherwise;
-}
-
 StrandPoint Strands::point(std::uint32_t segment, vec2 on, const vec3& direction, const vec3& normal) const {
     StrandPoint result = on_spline(segment, on.x);
-    const vec3 back = unit(-direction, {0, 0, 1});
+    const vec3 back = unit_or(-direction, {0, 0, 1});
     if (arrays_.form == StrandForm::Ribbon) {
-        const vec3 tangent = unit(result.tangent, {0, 0, 1});
-        const vec3 across = unit(glm::cross(tangent, back), orthonormal_basis(tangent).first);
+        const vec3 tangent = unit_or(result.tangent, {0, 0, 1});
+        const vec3 across = unit_or(glm::cross(tangent, back), orthonormal_basis(tangent).first);
         const float sine = std::clamp(on.y, -1.0f, 1.0f);
-        result.normal = unit(sine * across - std::sqrt(1.0f - sine * sine) * glm::cross(tangent, across), back);
+        result.normal = unit_or(sine * across - std::sqrt(1.0f - sine * sine) * glm::cross(tangent, across), back);
     } else { // not tilted where the tube becomes thinner, as in Cycles
         const float squared = glm::dot(result.tangent, result.tangent);
-        result.normal =
-            unit(squared > 0.0f ? normal - glm::dot(normal, result.tangent) / squared * result.tangent : normal, back);
+        result.normal = unit_or(
+            squared > 0.0f ? normal - glm::dot(normal, result.tangent) / squared * result.tangent : normal, back);
     }
     return result;
 }

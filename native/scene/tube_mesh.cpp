@@ -12,8 +12,7 @@ static constexpr std::size_t pieces_of_spline = 4;
 static void add_ring(MeshArrays& mesh, const StrandPoint& at) {
     // A ring's corners lie as far out as makes its circumference that of the tube.
     const float radius_m = at.radius_m * pi / (static_cast<float>(side_count) * std::sin(pi / side_count));
-    const float length = glm::length(at.tangent);
-    const auto [first, second] = orthonormal_basis(length > 0.0f ? at.tangent / length : vec3(0, 0, 1));
+    const auto [first, second] = orthonormal_basis(unit_or(at.tangent, vec3(0, 0, 1)));
     for (std::size_t side = 0; side < side_count; ++side) {
         const float angle = 2.0f * pi * static_cast<float>(side) / static_cast<float>(side_count);
         mesh.positions.push_back(at.centre + radius_m * (std::cos(angle) * first + std::sin(angle) * second));

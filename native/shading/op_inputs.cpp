@@ -4,11 +4,6 @@
 
 namespace tyndall {
 namespace {
-vec3 unit_or(const vec3& v, const vec3& otherwise) {
-    const float length = glm::length(v);
-    return length > 0.0f ? v / length : otherwise;
-}
-
 const mat4& or_identity(const mat4* matrix) {
     static const mat4 identity(1.0f);
     return matrix == nullptr ? identity : *matrix;

@@ -6,15 +6,6 @@
 
 namespace tyndall {
 namespace {
-vec3 unit_or_zero(const vec3& v) {
-    const float length = glm::length(v);
-    return length > 0.0f ? v / length : vec3(0.0f);
-}
-vec3 finite_unit_or(const vec3& v, const vec3& otherwise) {
-    const float length = glm::length(v);
-    return length > 0.0f && std::isfinite(length) ? v / length : otherwise;
-}
-
 /// Share that a dielectric of any relative index reflects; below 1 all of it, beyond the angle of total reflection.
 float reflected_share(float cosine, float index) {
     const float c = std::abs(cosine), squared = index * index - 1.0f + c * c;
@@ -35,7 +26,7 @@ vec3 valid_specular(const ProgramPoint& point, const vec3& normal) {
     if (glm::dot(geometric, mirrored) >= least)
         return normal;
     // In the plane of both normals: the square of the new one's share of the geometric normal solves a quadratic equation.
-    const vec3 across = finite_unit_or(normal - glm::dot(normal, geometric) * geometric, normal);
+    const vec3 across = unit_or(normal - glm::dot(normal, geometric) * geometric, normal);
     const float side = glm::dot(incoming, across);
     const float a = side * side + height * height, b = 2.0f * (a + height * least);
     const float c = (least + height) * (least + height);
@@ -55,7 +46,7 @@ vec3 tangent_normal(const ProgramPoint& point, vec3 colour, float strength, cons
         colour.z = glm::mix(1.0f, colour.z, std::clamp(strength, 0.0f, 1.0f));
     }
     const vec3 bitangent = sign * glm::cross(normal, tangent);
-    return normal_in_scene(point, unit_or_zero(colour.x * tangent + colour.y * bitangent + colour.z * normal));
+    return normal_in_scene(point, unit_or(colour.x * tangent + colour.y * bitangent + colour.z * normal, vec3(0.0f)));
 }
 } // namespace
 
@@ -81,9 +72,9 @@ vec3 mapped_normal(const SurfaceOp& op, const ProgramPoint& point, const Operand
     const vec3& own = point.surface.shading_normal;
     const auto space = static_cast<NormalSpace>(op.option);
     if (space == NormalSpace::Unit)
-        return finite_unit_or(in.a, own);
+        return unit_or(in.a, own);
     if (space == NormalSpace::ValidSpecular)
-        return valid_specular(point, finite_unit_or(in.a, own));
+        return valid_specular(point, unit_or(in.a, own));
     vec3 normal = 2.0f * (in.a - 0.5f);
     bool mixes = true;
     if (space == NormalSpace::Tangent) {
@@ -95,13 +86,13 @@ vec3 mapped_normal(const SurfaceOp& op, const ProgramPoint& point, const Operand
         if (space == NormalSpace::BlenderObject || space == NormalSpace::BlenderWorld)
             normal = {normal.x, -normal.y, -normal.z};
         const bool is_in_object = space == NormalSpace::Object || space == NormalSpace::BlenderObject;
-        normal = is_in_object ? normal_in_scene(point, normal) : unit_or_zero(normal);
+        normal = is_in_object ? normal_in_scene(point, normal) : unit_or(normal, vec3(0.0f));
     }
     if (point.surface.is_backface)
         normal = -normal;
     if (mixes && in.b.x != 1.0f)
-        normal = unit_or_zero(own + (normal - own) * std::max(in.b.x, 0.0f));
-    return finite_unit_or(normal, own);
+        normal = unit_or(own + (normal - own) * std::max(in.b.x, 0.0f), vec3(0.0f));
+    return unit_or(normal, own);
 }
 
 vec3 bumped_normal(const SurfaceOp& op, const ProgramPoint& point, const Operands& in) {
@@ -114,8 +105,8 @@ vec3 bumped_normal(const SurfaceOp& op, const ProgramPoint& point, const Operand
     const vec3 slope = (in.b.x - in.a.x) * along_first + (in.c.x - in.a.x) * along_second;
     const float scale = (op.selector & bump_is_inverted) != 0 ? -in.e.x : in.e.x;
     const float side = area < 0.0f ? -1.0f : 1.0f, strength = std::max(in.d.x, 0.0f);
-    vec3 bent = unit_or_zero(op.value.x * std::abs(area) * normal - scale * side * slope);
-    bent = bent == vec3(0.0f) ? normal : finite_unit_or(strength * bent + (1.0f - strength) * normal, normal);
+    vec3 bent = unit_or(op.value.x * std::abs(area) * normal - scale * side * slope, vec3(0.0f));
+    bent = bent == vec3(0.0f) ? normal : unit_or(strength * bent + (1.0f - strength) * normal, normal);
     return (op.selector & bump_is_valid_specular) != 0 ? valid_specular(point, bent) : bent;
 }
 } // namespace tyndall

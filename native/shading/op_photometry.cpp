@@ -58,8 +58,7 @@ bool is_photometry(std::span<const vec4> table) {
 }
 
 float photometric_value(std::span<const vec4> table, const vec3& vector) {
-    const float length = glm::length(vector);
-    const vec3 unit = length > 0.0f ? vector / length : vec3(0.0f);
+    const vec3 unit = unit_or(vector, vec3(0.0f));
     const Table read(table);
     const Place down = place_of(std::acos(std::clamp(-unit.z, -1.0f, 1.0f)), read.down);
     const Place across = place_of(std::atan2(unit.x, unit.y) + std::numbers::pi_v<float>, read.across);

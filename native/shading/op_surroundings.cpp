@@ -13,11 +13,6 @@ namespace {
 // Of random pairs: far from what the renderer asks of the same pixel.
 constexpr std::uint32_t of_occlusion = 0x6f63636cu, of_bevel = 0x62657665u;
 
-vec3 unit_normal_or(const vec3& v, const vec3& otherwise) {
-    const float length = glm::length(v);
-    return length > 0.0f && std::isfinite(length) ? v / length : otherwise;
-}
-
 /// How a probe that goes through a disc around the point weighs surfaces, by their distance as a share of the radius: the
 /// cube of what is left of it. What the disc's area turns that into has the cumulative distribution
 /// 10 s^2 - 20 s^3 + 15 s^4 - 4 s^5.
@@ -138,12 +133,12 @@ vec3 rounded_normal(const SurfaceOp& op, const ProgramPoint& point, const Operan
             sum += dvec3(weight_of(probe, of, surface.position, radius_m) * of.shading_normal);
     }
     const vec3& own = surface.shading_normal;
-    vec3 rounded = unit_normal_or(vec3(sum), vec3(0.0f));
+    vec3 rounded = unit_or(vec3(sum), vec3(0.0f));
     if (rounded == vec3(0.0f))
         rounded = own; // nothing was met
     else if (surface.is_backface)
         rounded = -rounded;
-    return in.b == own ? rounded : unit_normal_or(in.b + (rounded - own), own);
+    return in.b == own ? rounded : unit_or(in.b + (rounded - own), own);
 }
 
 bool asks_for_others(const Material& material) {

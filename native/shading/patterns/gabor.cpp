@@ -74,8 +74,7 @@ Gabor gabor(const vec3& vector, const GaborConfig& config) {
         waves = waves_at<2>(vec2(at), frequency, isotropy, config.angle_rad);
         all = 6.0f * deviation<2>();
     } else {
-        const float length = glm::length(config.direction);
-        waves = waves_at<3>(at, frequency, isotropy, length > 0.0f ? config.direction / length : vec3(0.0f));
+        waves = waves_at<3>(at, frequency, isotropy, unit_or(config.direction, vec3(0.0f)));
         all = 6.0f * deviation<3>();
     }
     return {.value = waves.y / all * 0.5f + 0.5f,
