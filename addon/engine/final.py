@@ -19,6 +19,7 @@ from tyndall.neighbour_frames import Neighbour, Neighbours
 from .. import last_render
 from ..sync.reports import Reports
 from . import data_passes, failures, film_parts, over_engine, passes
+from .error_texts import text_of
 from .exposures import ExposedFilm, Exposure, exposures, lens_exposures, lens_step_count
 from .frame_looks import LookReader
 from .native_call import NativeCall
@@ -58,7 +59,7 @@ def render(engine: RenderEngine, depsgraph: Depsgraph) -> None:
     except KeyboardInterrupt:  # Ctrl-C in a script: the main thread is the one that watches
         error = failures.INTERRUPTED
     except BaseException as exception:  # noqa: BLE001  whatever it is, the frame is delivered, and the caller told
-        error = _message(exception)
+        error = f"Tyndall: {text_of(exception)}"
     engine.end_result(result, cancel=not is_whole)  # what is cancelled is not saved: no empty picture on disk
     if error is not None:
         failures.fail(engine, error)
@@ -69,11 +70,6 @@ def render(engine: RenderEngine, depsgraph: Depsgraph) -> None:
 def is_esc_pressed(engine: RenderEngine) -> bool:
     """Blender's own question, which tests answer in its place."""
     return bool(engine.test_break())
-
-
-def _message(exception: BaseException) -> str:
-    text = str(exception)
-    return f"Tyndall: {text}" if text else f"Tyndall: {type(exception).__name__}"
 
 
 @dataclass(eq=False)

@@ -20,6 +20,7 @@ from ..sync.cameras import read_camera
 from ..sync.reports import Reports
 from ..sync.scene import SceneReader
 from . import passes
+from .error_texts import text_of
 from .final import is_esc_pressed
 from .native_call import NativeCall
 from .settings import frame_window
@@ -51,7 +52,7 @@ def render(engine: RenderEngine, depsgraph: Depsgraph) -> None:
     except Cancelled:
         pass
     except Exception as exception:  # noqa: BLE001  no picture is worth the editor that it is drawn in
-        error = f"Tyndall: {exception or type(exception).__name__}"
+        error = f"Tyndall: {text_of(exception)}"
     engine.end_result(result, cancel=not is_whole)
     if error is not None:
         tell(engine, error)

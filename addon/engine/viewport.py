@@ -26,6 +26,7 @@ from ..sync.images import ImageReader
 from ..sync.reports import Reports
 from ..sync.scene import SceneReader
 from ..sync.transfer_functions import read_transfer_functions
+from .error_texts import text_of
 from .passes import exposed, film_exposure
 from .reading_slices import ReadingSlices, SliceOver
 from .sessions import viewport_session
@@ -64,6 +65,8 @@ class Viewport:
         self._functions: tuple[WeightedFunction, ...] = ()
         self._heterogeneity: Heterogeneity | None = None
         self._is_scene_outdated = True
+        self._unreadable = ""  #: Why the scene, as it is, cannot be read.
+        self.status = ""  #: What the artist is told.
         self._slices = ReadingSlices(lambda: self._reader.read_count)
         self._region = 0  # where it was drawn last, by address
         self._view: View | None = None
@@ -75,9 +78,31 @@ class Viewport:
         """Note that the scene has changed; it is read when the viewport is drawn."""
         self._reader.note_updates(depsgraph)
         self._is_scene_outdated = True
+        self._unreadable = ""
 
     def draw(self, engine: RenderEngine, context: Context, depsgraph: Depsgraph) -> None:
-        """Hand on what has changed, and draw what there is."""
+        """Hand on what has changed, and draw what there is: also where the scene or the view is refused."""
+        error = self._unreadable
+        if not error:
+            try:
+                self._follow(engine, context, depsgraph)
+            except Exception as exception:  # noqa: BLE001  Blender would print it, at each redraw, and show nothing
+                error = text_of(exception)
+        self._region = context.region.as_pointer()
+        self._draw_picture(engine, context)
+        self.status = error or self.worker.status
+        engine.update_stats("Tyndall", self.status)
+
+    def draw_hud(self, context: Context) -> None:
+        """What the picture took, if it is drawn here."""
+        if context.region.as_pointer() == self._region and self.worker.work is not None:
+            draw_hud(context, hud_lines(self.worker.work, self.status))
+
+    def close(self) -> None:
+        self.worker.close()
+        self._texture = None
+
+    def _follow(self, engine: RenderEngine, context: Context, depsgraph: Depsgraph) -> None:
         if self._is_scene_outdated:
             self._functions = read_transfer_functions(depsgraph.scene_eval, depsgraph, self._function_images, Reports())
             self._heterogeneity = read_heterogeneity(depsgraph, Reports(), is_viewport=True)
@@ -87,18 +112,6 @@ class Viewport:
         elif not view.is_like(self._view):
             self.worker.show(view)
         self._view = view
-        self._region = context.region.as_pointer()
-        self._draw_picture(engine, context)
-        engine.update_stats("Tyndall", self.worker.status)
-
-    def draw_hud(self, context: Context) -> None:
-        """What the picture took, if it is drawn here."""
-        if context.region.as_pointer() == self._region and self.worker.work is not None:
-            draw_hud(context, hud_lines(self.worker.work, self.worker.status))
-
-    def close(self) -> None:
-        self.worker.close()
-        self._texture = None
 
     def _read_scene(self, engine: RenderEngine, view: View, space: SpaceView3D, depsgraph: Depsgraph) -> None:
         self._slices.begin()
@@ -106,9 +119,9 @@ class Viewport:
             description = self._reader.read(depsgraph, Reports(), self._slices.poll, is_live=True, viewport=space)
         except SliceOver:  # what was read stays
             engine.tag_redraw()
-        except OSError as error:  # no room for textures that memory has none for
-            self._is_scene_outdated = False
-            self.worker.fail(str(error))
+        except Exception as error:  # such as no room for textures: not read again before it has changed
+            self._unreadable = text_of(error)
+            raise
         else:
             self._is_scene_outdated = False
             self.worker.show(view, description, self._slices.end())

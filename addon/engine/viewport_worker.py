@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Any
 from tyndall import Cancelled, Progress
 from tyndall.renderer import Film, RenderConfig, Session
 
+from .error_texts import text_of
+
 if TYPE_CHECKING:
     from tyndall.scene_description import Camera, FloatArray, SceneDescription
 
@@ -152,10 +154,6 @@ class ViewportWorker:
             self._changed.notify()
         self.poll()
 
-    def fail(self, message: str) -> None:
-        """What the scene could not be read for goes on the screen."""
-        self._publish(None, message)
-
     def poll(self) -> bool:
         """Call it often: stops what is outdated. Whether picture or status changed since the last call."""
         with self._changed:
@@ -203,7 +201,7 @@ class ViewportWorker:
                 finished = None
             except Exception as error:  # noqa: BLE001  nobody waits for it here: the message goes on the screen
                 finished = None
-                self._publish(None, str(error) or type(error).__name__)
+                self._publish(None, text_of(error))
 
     def _next_job(self) -> _Job | None:
         """Wait for something to do; None when there will be nothing any more."""

@@ -31,6 +31,17 @@ def test_a_picture_without_room_is_an_error_that_says_what_to_change(
     assert not list(tmp_path.iterdir())
 
 
+def test_memory_that_ends_amid_a_render_is_told_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the native core it says "std::bad_alloc"."""
+    scene = empty_scene(8)
+    scene.tyndall.pixel_samples = 1
+    with monkeypatch.context() as short_of_memory:
+        short_of_memory.setattr(final, "LookReader", lambda **_: np.empty(1 << 59))
+        with pytest.raises(RuntimeError, match="no memory left for this: try a smaller picture"):
+            bpy.ops.render.render()
+    bpy.ops.render.render()
+
+
 def test_a_tile_takes_no_room_for_the_frame_around_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """Seen to fail where the whole frame was asked for: farms cut into tiles what one machine has no room for."""
     monkeypatch.setattr(memory_estimate, "free_bytes", lambda: 100 << 20)

@@ -72,11 +72,15 @@ def test_the_viewport_follows_local_view(play: Callable[..., Any]) -> None:
 
 
 def test_the_viewport_looks_through_a_fisheye(play: Callable[..., Any]) -> None:
-    """Its circle is as large as the lens says, also when nothing but its field of view has changed."""
+    """Its circle is as large as the lens says, also when nothing but its field of view has changed.
+
+    Of a lens without a height the view tells, for as long as it is looked through.
+    """
     facts = play("fisheye").facts
     for name, field_rad in (("fisheye", 3.0), ("narrow", 1.5)):
         radius_px = 2 * 12.0 * np.sin(field_rad / 4) * facts["width_over_sensor"]
         assert facts["shares"][name] == pytest.approx(np.pi * radius_px**2 / facts["region_px"], rel=0.03)
+    assert facts["refusal"] == 'Camera "Camera": its panorama\'s least and largest latitude or longitude are equal'
     assert facts["shares"]["no camera"] > 0.9
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A rendered viewport that looks through a fisheye, whose field of view changes, and then no camera at all."""
+"""A rendered viewport through a fisheye, whose field changes, a lens that is refused, and then no camera at all."""
 
 from __future__ import annotations
 
@@ -49,5 +49,11 @@ def session(window: Any) -> Iterator[float]:
     camera.update_tag()  # of settings that an add-on keeps, Blender tells what an artist changes, not a script
     shares["narrow"] = yield from seen_share()
     window.screenshot("fisheye_narrow")
+    lens.panorama_type, lens.latitude_min = "EQUIRECTANGULAR", lens.latitude_max
+    camera.update_tag()
+    opened = next(iter(viewport.open_viewports.values()))
+    yield from window.until(lambda: opened.status.startswith("Camera"))
+    window.facts["refusal"] = opened.status
+    window.screenshot("fisheye_refused")
     space.region_3d.view_perspective = "PERSP"
     shares["no camera"] = yield from seen_share()
