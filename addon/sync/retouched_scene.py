@@ -77,7 +77,9 @@ class Retouches:
         return isinstance(thing, (bpy.types.Object, *_SHOWING)) and update.is_updated_shading
 
     def _hears_tree(self, tree: ShaderNodeTree) -> bool:
-        """One that a material or a world has; a group of nodes may be of any."""
+        """One that a material or a world has; what shows a group of nodes has updates of its own beside it."""
+        if not tree.is_embedded_data:
+            return True
         owners = {name_of(material) for material in bpy.data.materials if material.node_tree == tree}
         self.materials |= owners
         is_world = any(world.node_tree == tree for world in bpy.data.worlds)

@@ -33,6 +33,12 @@ def room() -> bpy.types.Scene:
     for index in range(2):
         tree = add(f"Tree {index}", None, (index, 2.0, 1.0))
         tree.instance_type, tree.instance_collection = "COLLECTION", twigs
+    group = wear()
+    for index in (0, 2):
+        tree = tree_of(index)
+        node = tree.nodes.new("ShaderNodeGroup")
+        node.node_tree = group
+        tree.links.new(node.outputs[0], shader_of(index).inputs["Metallic"])
     plane(half_side=9.0).data.uv_layers.new(name="Floor")
     flying = emitter("Flying", "EMITTER", 3, 5.0)
     flying.frame_end, flying.render_type, flying.instance_object = 1, "OBJECT", thing("Box 7")
@@ -43,6 +49,25 @@ def room() -> bpy.types.Scene:
     scene.world.use_nodes = True
     background().inputs["Color"].default_value = (0.5, 0.6, 0.7, 1.0)
     return scene
+
+
+def wear() -> bpy.types.NodeTree:
+    """A group of nodes with a group in it, whose value it passes on."""
+    inner, outer = (bpy.data.node_groups.new(name, "ShaderNodeTree") for name in ("Worn", "Wear"))
+    value, passed_on = inner.nodes.new("ShaderNodeValue"), outer.nodes.new("ShaderNodeGroup")
+    value.outputs[0].default_value = 0.4
+    for tree, node in ((inner, value), (outer, passed_on)):
+        if hasattr(tree, "interface"):
+            tree.interface.new_socket("Wear", in_out="OUTPUT", socket_type="NodeSocketFloat")
+        else:
+            tree.outputs.new("NodeSocketFloat", "Wear")
+        passed_on.node_tree = inner
+        tree.links.new(node.outputs[0], tree.nodes.new("NodeGroupOutput").inputs[0])
+    return outer
+
+
+def worn() -> bpy.types.NodeSocket:
+    return node_in(bpy.data.node_groups["Worn"], "VALUE").outputs[0]
 
 
 def tree_of(index: int) -> bpy.types.NodeTree:
@@ -137,6 +162,7 @@ def retouches() -> dict[str, Change]:
         "it is another colour": lambda rng: setattr(
             shader_of(1).inputs["Base Color"], "default_value", (*rng.random(3), 1.0)
         ),
+        "it is worn": lambda rng: setattr(worn(), "default_value", rng.random()),
         "it has a pattern": lambda _: link(2, "ShaderNodeTexNoise", "Roughness"),
         "the world is brighter": lambda rng: setattr(background().inputs["Strength"], "default_value", rng.random()),
     }
@@ -222,7 +248,10 @@ def described(description: SceneDescription) -> bytes:
     return fingerprint(replace(description, reports=()))
 
 
-def test_a_retouched_material_reads_nothing_else(room: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("is_of_group", [False, True])
+def test_a_retouched_material_reads_nothing_else(
+    room: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch, *, is_of_group: bool
+) -> None:
     """And the picture's light is that of the material as it is."""
     followed = Followed()
     with followed.hears():
@@ -230,7 +259,7 @@ def test_a_retouched_material_reads_nothing_else(room: bpy.types.Scene, monkeypa
         before = followed.read()
         monkeypatch.setattr(sync_scene, "read_placements", lambda *_: pytest.fail("objects are read"))
         for roughness in (0.2, 0.7):
-            shader_of(1).inputs["Roughness"].default_value = roughness
+            (worn() if is_of_group else shader_of(1).inputs["Roughness"]).default_value = roughness
             background().inputs["Strength"].default_value = roughness
             room.view_layers[0].update()
             after = followed.read()
