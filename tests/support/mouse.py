@@ -57,7 +57,8 @@ def press(window: Any, keys: tuple[str, ...]) -> Iterator[float]:
     for key in keys:
         xdotool("key", key)
         yield from window.settled()
-    yield from window.calm()
+    if keys:
+        yield from window.calm()
 
 
 def show_only(name: str) -> None:

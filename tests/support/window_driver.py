@@ -28,11 +28,11 @@ for folder in (REPOSITORY, REPOSITORY / "tests", REPOSITORY / "python", REPOSITO
     sys.path.append(str(folder))
 
 TICK_S = 0.01
-CALM_TICKS = 30
-SETTLED_TICKS, SETTLED_S = 5, 0.05
+CALM_TICKS = 10
+SETTLED_TICKS = 5
 #: Between ticks, while Blender answers steadily: on a busy machine, where it never answers sooner, the next of these.
 STEADY_GAPS_S = (0.1, 0.2, 0.4)
-POLL_S = 0.02
+POLL_S = 0.01
 
 
 @dataclass
@@ -91,7 +91,6 @@ class Window:
     def settled(self) -> Iterator[float]:
         """Wait until Blender has handled what mouse and keys just did: rounds of its loop, however long each is."""
         handled = self._ticks + SETTLED_TICKS
-        yield SETTLED_S
         yield from self.until(lambda: self._ticks >= handled)
 
     @property

@@ -24,7 +24,7 @@ def session(window: Any) -> Iterator[float]:
     bpy.ops.wm.save_as_mainfile(filepath=str(window.folder / "scene.blend"))
     with bpy.context.temp_override(window=window.bpy_window):
         bpy.ops.render.render("INVOKE_DEFAULT")
-    yield from window.until(lambda: bool(ended))
+    yield from window.until(lambda: bool(ended) and not bpy.app.is_job_running("RENDER"))
     window.facts["first"] = ended.pop()
     yield from window.calm()
     window.screenshot("render")
