@@ -79,7 +79,7 @@ def python_of_workers() -> Iterator[None]:
 
 
 def render(blend: Path, folder: Path, *arguments: str) -> int:
-    return main(["render", str(blend), "--output", str(folder / "f.exr"), "--multilayer", *arguments])
+    return main(["render", str(blend), "--output", str(folder / "f_####.exr"), "--multilayer", *arguments])
 
 
 def one_process(blend: Path, folder: Path, simd: str) -> dict[str, dict[str, bytes]]:
@@ -88,7 +88,7 @@ def one_process(blend: Path, folder: Path, simd: str) -> dict[str, dict[str, byt
         "import sys; from tyndall import _native; from tyndall.command_line import main\n"
         f"forced = _native.ForcedSimdTarget({simd!r}); sys.exit(main(sys.argv[1:]))"
     )
-    arguments = ["render", str(blend), "--output", str(folder / "f.exr"), "--frames", "1-2", "--multilayer"]
+    arguments = ["render", str(blend), "--output", str(folder / "f_####.exr"), "--frames", "1-2", "--multilayer"]
     environment = os.environ | {"PYTHONPATH": folders()}
     subprocess.run([BPY_PYTHON, "-c", code, *arguments], check=True, env=environment, capture_output=True, timeout=300)
     return pictures(folder)
@@ -114,22 +114,22 @@ def test_a_cluster_that_loses_a_worker_renders_the_frames_of_one_process(
 
     def kill_one() -> None:
         deadline = time.monotonic() + 60.0
-        while not list((tmp_path / "farm").glob(".f.*.parts/*.npz")) and time.monotonic() < deadline:
+        while not list((tmp_path / "farm").glob(".f*.parts/*.npz")) and time.monotonic() < deadline:
             time.sleep(0.02)
         os.kill(cluster.workers[0].process.process.pid, signal.SIGKILL)
 
     killer = threading.Thread(target=kill_one)
     killer.start()
-    arguments = ("--scheduler", cluster.scheduler_address, "--simd", simd, "--frames", "1-2")
-    assert render(blend, tmp_path / "farm", *arguments, "--tiles", "2x2", "--view-layers") == SUCCESS
+    arguments = ("--scheduler", cluster.scheduler_address, "--simd", simd)
+    first = tmp_path / "farm" / "f_0001.exr"
+    assert render(blend, first.parent, *arguments, "--frames", "1", "--tiles", "2x2", "--view-layers") == SUCCESS
     killer.join()
-    assert pictures(tmp_path / "farm") == wanted
-    assert sorted(path.name for path in (tmp_path / "farm").iterdir()) == sorted(wanted), "no part is left"
-    (tmp_path / "farm" / "f_0002.exr").unlink()
-    kept = (tmp_path / "farm" / "f_0001.exr").stat().st_mtime_ns
-    assert render(blend, tmp_path / "farm", *arguments) == SUCCESS
-    assert pictures(tmp_path / "farm") == wanted
-    assert (tmp_path / "farm" / "f_0001.exr").stat().st_mtime_ns == kept
+    assert pictures(first.parent) == {first.name: wanted[first.name]}
+    assert list(first.parent.iterdir()) == [first], "no part is left"
+    kept = first.stat().st_mtime_ns
+    assert render(blend, first.parent, *arguments, "--frames", "1-2") == SUCCESS
+    assert pictures(first.parent) == wanted
+    assert first.stat().st_mtime_ns == kept
 
 
 def test_a_job_that_fails_is_tried_again_and_named(
