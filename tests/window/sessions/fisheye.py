@@ -49,11 +49,14 @@ def session(window: Any) -> Iterator[float]:
     camera.update_tag()  # of settings that an add-on keeps, Blender tells what an artist changes, not a script
     shares["narrow"] = yield from seen_share()
     window.screenshot("fisheye_narrow")
+    space.overlay.show_overlays = True  # among which the message is
     lens.panorama_type, lens.latitude_min = "EQUIRECTANGULAR", lens.latitude_max
     camera.update_tag()
     opened = next(iter(viewport.open_viewports.values()))
     yield from window.until(lambda: opened.status.startswith("Camera"))
+    yield from window.calm()
     window.facts["refusal"] = opened.status
     window.screenshot("fisheye_refused")
+    space.overlay.show_overlays = False
     space.region_3d.view_perspective = "PERSP"
     shares["no camera"] = yield from seen_share()
