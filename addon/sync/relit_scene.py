@@ -83,6 +83,8 @@ class ReadScene:
 
     def moved(self, to: dict[Name, MovedMesh]) -> ReadScene | None:
         """With these objects there; None where that may not be all that there is to change."""
+        if not to:
+            return self
         if not to.keys() <= self.lone.keys():
             return None
         instances = list(self.description.instances)

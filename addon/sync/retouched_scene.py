@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scene of which only materials, or the world, changed since it was read: its objects stay unread.
+"""A scene of which only materials, the world, or settings changed since it was read: its objects stay unread.
 
+Of settings a read takes little, which is compared: most changes, and each click that selects, leave all as it was.
 A material that changes is read alone where nothing but its own entry of the scene can differ: it has no medium, moves
 no mesh, and asks meshes for what it did. From 4.1 on objects that show it have updates with it, as they have when their
 own look changes: that is compared.
@@ -22,12 +23,13 @@ from .mesh_attributes import uv_maps_of
 from .particles import ParticleReader
 from .relit_scene import Name, name_of
 from .reports import Reports
+from .scene_state import scene_state
 from .worlds import occlusion_reach_m, world_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    from bpy.types import Depsgraph, DepsgraphUpdate, Object, Scene, ShaderNodeTree
+    from bpy.types import Depsgraph, DepsgraphUpdate, Object, ShaderNodeTree, SpaceView3D
 
     from tyndall.scene_description import Material
 
@@ -51,17 +53,22 @@ class Retouches:
     """What updates tell since the last read."""
 
     materials: set[Name] = field(default_factory=set)
-    objects: set[Name] = field(default_factory=set)  #: That may only show a material that changed.
+    objects: set[Name] = field(default_factory=set)  #: That may only show a material, or be in a scene, that changed.
     has_world: bool = False
+    has_scene: bool = False
 
     def clear(self) -> None:
         self.materials.clear()
         self.objects.clear()
-        self.has_world = False
+        self.has_world = self.has_scene = False
 
-    def hears(self, update: DepsgraphUpdate) -> bool:
+    def hears(self, update: DepsgraphUpdate, depsgraph: Depsgraph) -> bool:
         """Whether it is of these."""
         thing = update.id
+        if isinstance(thing, bpy.types.Scene):
+            is_own = bool(thing.original == depsgraph.scene)
+            self.has_scene |= is_own
+            return is_own
         if update.is_updated_transform or update.is_updated_geometry:
             return False
         if isinstance(thing, bpy.types.ShaderNodeTree):
@@ -96,44 +103,62 @@ class Retouchable:
     of_world: Reports
     occlusion_reach_m: float  #: Which the world has, and materials read.
     frame: float
+    state: tuple[object, ...]
 
-    def serves(self, retouches: Retouches, depsgraph: Depsgraph) -> bool:
+    def serves(self, retouches: Retouches, depsgraph: Depsgraph, viewport: SpaceView3D | None) -> bool:
         """Whether objects look as they did, and what changed is known."""
-        if retouches.objects and not retouches.materials:
+        if retouches.objects and not (retouches.materials or retouches.has_scene):
             return False  # then it is these that changed
         return (
             self.frame == depsgraph.scene_eval.frame_current_final
             and self.occlusion_reach_m == occlusion_reach_m(depsgraph.scene_eval)
             and retouches.materials <= self.materials.keys()
-            and all(self._looks_alike(name, depsgraph) for name in retouches.objects)
+            and not (retouches.has_scene and self.state != scene_state(depsgraph, viewport))
+            and self._look_alike(retouches.objects, depsgraph)
         )
 
-    def _looks_alike(self, name: Name, depsgraph: Depsgraph) -> bool:
-        thing = bpy.data.objects.get(name)
-        return thing is not None and self.looks.get(name) == look_of(thing.evaluated_get(depsgraph))
+    def _look_alike(self, names: set[Name], depsgraph: Depsgraph) -> bool:
+        """What has no look was not drawn, and would have other updates if it were now."""
+        if not names:
+            return True
+        # At once: to look one up by its name goes through all objects of the file.
+        found = {name_of(thing.original): thing for thing in depsgraph.objects}
+        drawn = names & self.looks.keys()
+        return all(self.looks[name] == _look_now(name, found, depsgraph) for name in drawn)
+
+
+def _look_now(name: Name, found: Mapping[Name, Object], depsgraph: Depsgraph) -> tuple[object, ...] | None:
+    thing = found.get(name)
+    if thing is None and (original := bpy.data.objects.get(name)) is not None:  # one that is only instanced
+        thing = original.evaluated_get(depsgraph)
+    return None if thing is None else look_of(thing)
 
 
 def retouchable(
     materials: MaterialReader,
     placements: Iterable[Placement],
     of_world: Reports,
-    scene: Scene,
+    depsgraph: Depsgraph,
+    viewport: SpaceView3D | None,
 ) -> Retouchable | None:
-    """Of a whole read of an evaluated scene; None: what materials ask of objects would have to be compared, too."""
+    """Of a whole read; None: what materials ask of objects would have to be compared, too."""
     shown = list(placements)
     if materials.asks_properties or any(placement.told for placement in shown):
         return None
-    counts = Counter(materials.names)
+    counts, scene = Counter(materials.names), depsgraph.scene_eval
+    looking = {name_of(thing.original): thing for thing in depsgraph.objects}
+    looking |= {name_of(one.source.original): one.source for one in shown}  # what is only instanced is in none
     return Retouchable(
         materials={
             name: (index, materials.notes[index])
             for index, name in enumerate(materials.names)
             if name is not None and counts[name] == 1 and not materials.has_medium(index)
         },
-        looks={name_of(one.source.original): look_of(one.source) for one in shown},
+        looks={name: look_of(thing) for name, thing in looking.items()},
         of_world=of_world,
         occlusion_reach_m=occlusion_reach_m(scene),
         frame=scene.frame_current_final,
+        state=scene_state(depsgraph, viewport),
     )
 
 
@@ -158,12 +183,13 @@ def retouched(
     last: ReadScene,
     retouches: Retouches,
     depsgraph: Depsgraph,
+    viewport: SpaceView3D | None,
     new_reader: Callable[[], MaterialReader],
     read_world: Callable[[Reports], ReadWorld],
 ) -> ReadScene | None:
     """With materials and the world as they are now; None where that is not all that there is to change."""
     known = last.retouchable
-    if known is None or not known.serves(retouches, depsgraph):
+    if known is None or not known.serves(retouches, depsgraph, viewport):
         return None
     description, sky_suns = last.description, last.sky_suns
     materials = list(description.materials)

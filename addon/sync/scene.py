@@ -104,7 +104,7 @@ class SceneReader:
                 self._are_lights_outdated = True
             elif (moved := moved_mesh(update, depsgraph)) is not None:
                 self._moved[moved.name] = moved
-            elif not self._retouches.hears(update):
+            elif not self._retouches.hears(update, depsgraph):
                 self._last = None
             if update.is_updated_geometry:
                 self._stale.add(update.id.original.as_pointer())
@@ -130,7 +130,7 @@ class SceneReader:
         that bends, whatever it asks.
         """
         if is_live and self._last is not None and self._last.serves(depsgraph, viewport, is_lit=is_lit):
-            followed = self._follow(self._last, depsgraph, reports, poll)
+            followed = self._follow(self._last, depsgraph, viewport, reports, poll)
             if followed is not None:
                 return followed
         self._last = None
@@ -207,7 +207,7 @@ class SceneReader:
                 if not any("particles" in one.told for one in found_placements)
                 else depsgraph.scene_eval.frame_current_final,
                 has_instanced_lights=any(one.data is None and one.is_instanced for one in placements),
-                retouchable=retouchable(materials, found_placements, of_world, depsgraph.scene_eval),
+                retouchable=retouchable(materials, found_placements, of_world, depsgraph, viewport),
             )
         return description
 
@@ -221,38 +221,42 @@ class SceneReader:
         return self._suns.take_out(world.original, found, light_places, reports)
 
     def _follow(
-        self, last: ReadScene, depsgraph: Depsgraph, reports: Reports, poll: Callable[[], None]
+        self,
+        last: ReadScene,
+        depsgraph: Depsgraph,
+        viewport: SpaceView3D | None,
+        reports: Reports,
+        poll: Callable[[], None],
     ) -> SceneDescription | None:
-        """What moved, and lights, or what was retouched; None where there is more."""
-        if self._retouches != Retouches():
-            is_more = self._moved or self._are_lights_outdated
-            return None if is_more else self._retouched(last, depsgraph)
-        only_moved = bool(self._moved) and not self._are_lights_outdated
-        lights = [] if only_moved else last.light_objects()
-        moved = last.moved(self._moved)
-        if moved is None or not (only_moved or last.serves_lights(lights)):
+        """What was retouched, what moved, and lights; None where there is more."""
+        has_less = (bool(self._moved) or self._retouches != Retouches()) and not self._are_lights_outdated
+        lights = [] if has_less else last.light_objects()
+        if not (has_less or last.serves_lights(lights)):
+            return None
+        found = self._retouched(last, depsgraph, viewport)
+        found = found and found.moved(self._moved)
+        if found is None:
             return None
         self._moved.clear()
-        self._last = moved
-        if only_moved:
-            return moved.description
+        self._retouches.clear()
+        self._last = found
+        if has_less:
+            return found.description
         originals = [light for light in lights if light is not None]  # all, if they serve
-        return self._read_lights(moved, depsgraph, originals, reports, poll)
+        return self._read_lights(found, depsgraph, originals, reports, poll)
 
-    def _retouched(self, last: ReadScene, depsgraph: Depsgraph) -> SceneDescription | None:
-        """The scene of the last read with its materials, and its world, as they are now."""
-        found = retouched(
+    def _retouched(self, last: ReadScene, depsgraph: Depsgraph, viewport: SpaceView3D | None) -> ReadScene | None:
+        """The last read with its materials, and its world, as they are now."""
+        if self._retouches == Retouches():
+            return last
+        return retouched(
             last,
             self._retouches,
             depsgraph,
+            viewport,
             lambda: scene_materials(depsgraph, self._images, Reports(), is_lit=last.is_lit),
             lambda reports: self._read_world(depsgraph, {}, reports),
         )
-        if found is None:
-            return None
-        self._retouches.clear()
-        self._last = found
-        return found.description
 
     def _read_lights(
         self,
