@@ -38,6 +38,12 @@ CatcherFilm catcher_film(const Scene& scene, const FrameConfig& config) {
     return config.is_film_transparent ? CatcherFilm::Transparent : CatcherFilm::World;
 }
 
+/// The samples that the strata of lights are dealt out to. Air that is seen through a place on the lens has strata of its
+/// own (Lens::air_u): frames of other places see others, and those that this one leaves out nobody asks for.
+std::uint32_t strata_round(const Camera& camera, const FrameConfig& config) {
+    return camera.lens.air_u ? config.taken_samples() : config.pixel_samples;
+}
+
 class FrameRenderer {
 public:
     FrameRenderer(const Scene& scene, const Media& media, const Camera& camera, const FrameConfig& config,
@@ -47,7 +53,7 @@ public:
           surfaces_(scene, media, camera, region_, config, statistics_, progress),
           sums_(region_.x1 - region_.x0, region_.y1 - region_.y0, config.passes, scene.description().origin_in_world,
                 catcher_film(scene, config)),
-          is_active_(pixel_count(), 1), active_count_(pixel_count()), round_samples_(config.pixel_samples) {
+          is_active_(pixel_count(), 1), active_count_(pixel_count()), round_samples_(strata_round(camera, config)) {
         if (config.noise_threshold > 0.0f && samples_per_round(config.taken_samples()) < config.taken_samples()) {
             round_samples_ = samples_per_round(config.taken_samples());
             noise_.emplace(width(), region_.y1 - region_.y0, surfaces_.turn_samples());

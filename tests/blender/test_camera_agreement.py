@@ -160,6 +160,31 @@ def test_shafts_behind_a_lens() -> None:
     assert off[0] > 3.0 * off[1]
 
 
+@pytest.mark.parametrize("method", ["EXACT", "EPIPOLAR"])
+def test_air_behind_a_lens_is_as_bright_with_every_seed(method: str) -> None:
+    """Each place on the lens asks for all light samples of its own: no other place has the ones that it leaves out.
+
+    An aperture that blurs nothing leaves the brightness of the picture without it. A sky lights a box of fog.
+    """
+    scene = empty_scene(24)
+    scene.render.resolution_percentage = 100
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.3, 0.4, 0.5, 1)
+    cube("Thing")
+    scene.camera.location.z = 5.0
+    fog(0.2, -0.3)
+    lens(scene, "PERSP", focus_distance=5.0, aperture_fstop=1000.0)
+    scene.tyndall.shafts.method, scene.tyndall.shafts.world_samples = method, 64
+
+    def level(seed: int) -> float:
+        scene.tyndall.seed = seed
+        return float(ours(scene, 8).mean())
+
+    through_the_lens = [level(seed) for seed in range(4)]
+    assert max(through_the_lens) < 1.01 * min(through_the_lens)
+    scene.camera.data.dof.use_dof = False
+    assert np.mean(through_the_lens) == pytest.approx(np.mean([level(seed) for seed in range(4)]), rel=0.01)
+
+
 def test_places_on_the_lens_join_moments_of_the_shutter(stage: bpy.types.Scene) -> None:
     """Each moment has one, so that both blurs take as many renders as the finer one; without fog there is one."""
     stage.render.resolution_percentage = 30
