@@ -112,10 +112,10 @@ void add_local(const Media& media, const ViewRay& ray, const LightSample& light,
         const vec3 at = ray.origin + at_m * ray.direction;
         const vec3 from_light = at - light.position;
         const float distance_m = glm::length(from_light);
-        const vec3 direction = from_light / distance_m;
+        const vec3 direction = shaping_direction(light, at, from_light / distance_m);
         if (light.is_dimmed_by_media)
             depth += media.sigma_t_per_m(segment.set) * distance_m;
-        const Rgb source = intensity_w_per_sr(light, shaping_direction(light, at, direction)) *
+        const Rgb source = intensity_w_per_sr(light, direction) *
                            media.scatter_per_m_sr(segment.set, -glm::dot(direction, ray.direction)) * glm::exp(-depth);
         weights[step] += strata_weight * shares[step] * average(source) * angle / (across_m * stepping.step_m());
     });

@@ -67,17 +67,16 @@ private:
         const float distance_m = glm::length(way);
         if (!(distance_m > 0.0f))
             return Rgb(0.0f);
-        const vec3 from_light = way / distance_m;
+        const LightSample& light = light_.light_;
+        const vec3 from_light = shaping_direction(light, at, way / distance_m);
         const float cosine = -glm::dot(ray_->direction, from_light); // from the light's way to the way to the camera
         Rgb scatter = media_.scatter_per_m_sr(set, cosine);
         for (const GridShare& share : shares) {
             const PlacedGrid& placed = media_.grids().all()[share.grid];
             scatter += share.density * placed.density_scale * media_.scatter_per_m_sr(placed.medium, cosine);
         }
-        const LightSample& light = light_.light_;
         const Rgb colour = light.textured ? texture_colour(*light.textured, light.position, at) : Rgb(1.0f);
-        return scatter * colour * intensity_w_per_sr(light, shaping_direction(light, at, from_light)) *
-               irradiance_per_intensity(light, at);
+        return scatter * colour * intensity_w_per_sr(light, from_light) * irradiance_per_intensity(light, at);
     }
     [[nodiscard]] Rgb light_depth(double at_m, bool is_reached) const {
         if (!light_.light_.is_dimmed_by_media)

@@ -88,6 +88,18 @@ struct Kernel {
         const V lobe = hn::NegMulAdd(set(shape.spread_cotangent), hn::Sqrt(across2), hn::Sqrt(before2));
         return hn::Mul(hn::Max(lobe, hn::Zero(d)), reciprocal_root_of(d, hn::Add(before2, across2)));
     }
+    /// The way that a patch's light has come, along the ray and across it: from as far behind the patch as its softening
+    /// is (shaping_direction). From its middle all of it would graze the patch next to it, where it comes from all sides.
+    HWY_INLINE void soften_way(const Lanes& s, V x, V distance2, V& along, V& across2, V& inverse_way) const {
+        const V softening = set(shape.softening_m2);
+        const V before = hn::Max(hn::MulAdd(x, s.cone_d[2], s.cone[2]), hn::Zero(d));
+        const V softened = hn::Sqrt(hn::MulAdd(before, before, softening));
+        const V behind = hn::Mul(softening, reciprocal_of(d, hn::Max(hn::Add(softened, before), set(1e-20f))));
+        along = hn::MulAdd(behind, s.cone_d[2], x);
+        const V way2 = hn::Add(distance2, softening);
+        across2 = hn::Max(hn::NegMulAdd(along, along, way2), hn::Zero(d));
+        inverse_way = reciprocal_root_of(d, way2);
+    }
     /// Cosine lobe, softening and cone at a point.
     HWY_INLINE V shape_at(const Lanes& s, V x, V x2, V inverse_distance, V before, V after) const {
         if (shape.is_area)
@@ -280,11 +292,14 @@ struct Kernel {
             const V distance2 = hn::Add(x2, s.light_y2), inverse_distance = reciprocal_root_of(d, distance2);
             const V distance = hn::Mul(distance2, inverse_distance);
             // 1 - |cos| of the angle by which the light turns, as sin^2 / (1 + |cos|).
-            const V absolute = hn::Mul(hn::Abs(x), inverse_distance);
-            const V less = hn::Mul(hn::Mul(s.light_y2, hn::Mul(inverse_distance, inverse_distance)),
+            V along = x, across2 = s.light_y2, inverse_way = inverse_distance;
+            if (shape.is_area)
+                soften_way(s, x, distance2, along, across2, inverse_way);
+            const V absolute = hn::Mul(hn::Abs(along), inverse_way);
+            const V less = hn::Mul(hn::Mul(across2, hn::Mul(inverse_way, inverse_way)),
                                    reciprocal_of(d, hn::Add(set(1.0f), absolute)));
             const V more = hn::Sub(set(2.0f), less);
-            const auto turns_back = hn::Gt(x, hn::Zero(d)); // the ray has passed the light, and looks back at it
+            const auto turns_back = hn::Gt(along, hn::Zero(d)); // the ray has passed the light, and looks back at it
             const V towards = hn::IfThenElse(turns_back, more, less), away = hn::IfThenElse(turns_back, less, more);
             V scatter[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
             if (is_one_set)

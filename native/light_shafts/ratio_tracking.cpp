@@ -59,6 +59,7 @@ public:
     [[nodiscard]] Rgb scattered_per_m(double at_m, const MediumSet& set) {
         const vec3 point = ray_.origin + static_cast<float>(at_m) * ray_.direction;
         Ray to_light{.origin = point, .direction = light_.towards_light};
+        vec3 from_light = -light_.towards_light;
         Rgb irradiance = light_.strength;
         if (!light_.is_directional) {
             const vec3 way = light_.position - point;
@@ -66,13 +67,13 @@ public:
             if (!(to_light.far_m > 0.0f) || !is_in_cell(point))
                 return Rgb(0.0f);
             to_light.direction = way / to_light.far_m;
-            irradiance = intensity_w_per_sr(light_, shaping_direction(light_, point, -to_light.direction)) *
-                         irradiance_per_intensity(light_, point);
+            from_light = shaping_direction(light_, point, -to_light.direction);
+            irradiance = intensity_w_per_sr(light_, from_light) * irradiance_per_intensity(light_, point);
         }
         if (light_.textured != nullptr)
             irradiance *= texture_colour(*light_.textured,
                                          light_.is_directional ? point + light_.towards_light : light_.position, point);
-        const Rgb source = irradiance * scatter_per_m_sr(point, set, glm::dot(ray_.direction, to_light.direction));
+        const Rgb source = irradiance * scatter_per_m_sr(point, set, -glm::dot(ray_.direction, from_light));
         if (source == Rgb(0.0f))
             return source;
         // From the ray's start each time: points then are independent.

@@ -65,6 +65,7 @@ inline double spot_share(const Light& spot, const dvec3& from_light) {
 inline dvec3 scattered_at(const std::vector<FogBox>& boxes, const LightSample& light, const dvec3& origin,
                           const dvec3& direction, double t) {
     const dvec3 point = origin + t * direction, way = point - dvec3(light.position), to_point = glm::normalize(way);
+    dvec3 came = to_point;
     double intensity =
         light.spot != nullptr && light.spot->kind == LightKind::Spot ? spot_share(*light.spot, to_point) : 1.0;
     if (light.spot != nullptr && light.spot->kind == LightKind::Area) {
@@ -73,6 +74,7 @@ inline dvec3 scattered_at(const std::vector<FogBox>& boxes, const LightSample& l
         const double beside = glm::length(glm::cross(way, axis)), half_rad = light.spot->spot_half_angle_rad;
         const double slats = half_rad < 1.5707 ? std::max(0.0, 1.0 - beside / (along * std::tan(half_rad))) : 1.0;
         intensity = glm::dot(way, axis) > 0.0 ? slats * along / std::hypot(along, beside) : 0.0;
+        came = glm::normalize(way + (along - glm::dot(way, axis)) * axis); // from as far behind the patch
     } else if (light.emission_normal != vec3(0.0f))
         intensity *= std::max(0.0, glm::dot(to_point, dvec3(light.emission_normal)));
     if (intensity == 0.0)
@@ -80,7 +82,7 @@ inline dvec3 scattered_at(const std::vector<FogBox>& boxes, const LightSample& l
     const dvec3 softened = way - dvec3(light.falloff_offset);
     intensity /= glm::dot(softened, softened) + double{light.softening_m2};
     dvec3 scatter(0.0);
-    const double cosine = -glm::dot(to_point, direction);
+    const double cosine = -glm::dot(came, direction);
     for (const FogBox& box : boxes) {
         if (glm::any(glm::greaterThan(glm::abs(point - box.centre), box.half)))
             continue;

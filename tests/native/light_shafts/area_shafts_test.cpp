@@ -15,7 +15,7 @@ using namespace tyndall;
 using namespace tyndall::light_shafts;
 
 namespace {
-constexpr float sigma_s_per_m = 0.05f;
+constexpr float sigma_s_per_m = 0.05f, usual_g = 0.3f;
 struct Case {
     std::string name;
     Light light;
@@ -37,7 +37,7 @@ std::vector<Case> cases() {
     result.push_back({"narrow", window});
     return result;
 }
-std::unique_ptr<Scene> scene_of(const Light& light) {
+std::unique_ptr<Scene> scene_of(const Light& light, float asymmetry_g = usual_g) {
     const auto board = [](const vec3& at, const vec2& half) {
         return support::Part{.mesh = support::square(),
                              .world_from_object = support::translation(at) * glm::scale(mat4(1.0f), vec3(half, 1.0f))};
@@ -47,7 +47,7 @@ std::unique_ptr<Scene> scene_of(const Light& light) {
     parts.push_back({.mesh = support::cube(),
                      .world_from_object = glm::scale(mat4(1.0f), vec3(4.0f)),
                      .material = {.name = "fog", .medium_index = 0, .has_surface = false}});
-    return support::make_scene(parts, {{.name = "fog", .lobes = {{Rgb(sigma_s_per_m), 0.3f}}}}, {light});
+    return support::make_scene(parts, {{.name = "fog", .lobes = {{Rgb(sigma_s_per_m), asymmetry_g}}}}, {light});
 }
 std::vector<ViewRay> rays_past(const vec3& at, int count) {
     support::SceneRandom random(8);
@@ -58,10 +58,9 @@ std::vector<ViewRay> rays_past(const vec3& at, int count) {
             {eye, glm::normalize(at + 1.4f * std::sqrt(random.uniform()) * random.direction() - eye), 0.0f, 12.0f});
     return rays;
 }
-double march(const Scene& scene, const ViewRay& ray, int steps, support::SceneRandom& random) {
+double march(const Scene& scene, const ViewRay& ray, int steps, support::SceneRandom& random, float g) {
     const Progress progress;
     const Light& light = scene.lights()[0];
-    const float g = 0.3f;
     const double step_m = (double{ray.far_m} - ray.near_m) / steps;
     double sum = 0.0;
     for (int step = 0; step < steps; ++step) {
@@ -88,14 +87,14 @@ double march(const Scene& scene, const ViewRay& ray, int steps, support::SceneRa
     }
     return sum * step_m * sigma_s_per_m;
 }
-std::vector<double> march(const Scene& scene, std::span<const ViewRay> rays, int steps) {
+std::vector<double> march(const Scene& scene, std::span<const ViewRay> rays, int steps, float g = usual_g) {
     const Progress progress;
     std::vector<double> of_ray(rays.size());
     parallel_for(
         rays.size(), progress,
         [&](std::size_t ray) {
             support::SceneRandom random(100 + ray);
-            of_ray[ray] = march(scene, rays[ray], steps, random);
+            of_ray[ray] = march(scene, rays[ray], steps, random, g);
         },
         1);
     return of_ray;
@@ -171,6 +170,23 @@ TEST_CASE("points between an area light and its strata's spacing get light as ev
         CHECK(std::abs(average - 1.0) < 0.1);
         CHECK(std::sqrt(squares / count - average * average) < 0.35);
     }
+}
+// Patches are softened by their size, which takes a few percent of the light next to the lamp. If that came from a patch's
+// middle it would graze the patch, and a lamp seen from behind would light such fog 10 % too brightly.
+TEST_CASE("next to a wide area light fog that scatters forward is lit from all sides") {
+    constexpr float forward_g = 0.7f;
+    Light light = support::area_light({3.0f, 3.0f});
+    light.position = {0.0f, 0.0f, 0.3f};
+    light.spot_axis = {0.0f, 0.0f, -1.0f};
+    const auto [x, y] = orthonormal_basis(-light.spot_axis);
+    light.light_from_world_directions = glm::transpose(mat3(x, y, -light.spot_axis));
+    const auto scene = scene_of(light, forward_g);
+    const std::vector<ViewRay> rays = rays_past({0.0f, 0.0f, -0.5f}, 64);
+    double sum = 0.0;
+    for (std::uint32_t seed = 0; seed < 4; ++seed)
+        sum += mean(radiance(*scene, rays,
+                             {.method = Method::Exact, .light_samples = 1024, .adapts_strata = false, .seed = seed}));
+    CHECK(std::abs(sum / 4 / mean(march(*scene, rays, 4000, forward_g)) - 1.0) < 0.05);
 }
 TEST_CASE("what lies behind an area light gets nothing of it, and no sample is prepared for it") {
     Light light = cases()[0].light;
