@@ -291,10 +291,10 @@ struct Kernel {
             const V x = hn::MulAdd(before, s.x0, hn::Mul(after, s.x1)), x2 = hn::Mul(x, x);
             const V distance2 = hn::Add(x2, s.light_y2), inverse_distance = reciprocal_root_of(d, distance2);
             const V distance = hn::Mul(distance2, inverse_distance);
-            // 1 - |cos| of the angle by which the light turns, as sin^2 / (1 + |cos|).
             V along = x, across2 = s.light_y2, inverse_way = inverse_distance;
             if (shape.is_area)
                 soften_way(s, x, distance2, along, across2, inverse_way);
+            // 1 - |cos| of the angle by which the light turns, as sin^2 / (1 + |cos|).
             const V absolute = hn::Mul(hn::Abs(along), inverse_way);
             const V less = hn::Mul(hn::Mul(across2, hn::Mul(inverse_way, inverse_way)),
                                    reciprocal_of(d, hn::Add(set(1.0f), absolute)));
