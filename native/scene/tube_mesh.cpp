@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/tube_mesh.hpp"
+#include "scene/embree.hpp"
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -78,6 +79,12 @@ static UnitSphere unit_sphere() {
     for (vec3& corner : fine.corners)
         corner *= std::sqrt(4.0f * std::numbers::pi_v<float> / surface);
     return fine;
+}
+
+StrandTubes::StrandTubes(const SharedMeshArrays& arrays, const Progress& progress)
+    : bvh(embree_device(), arrays, progress) {
+    for (const vec3& position : arrays.positions)
+        bounds.grow(position);
 }
 
 MeshArrays tube_mesh(const Strands& strands) {

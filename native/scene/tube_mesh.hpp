@@ -6,7 +6,17 @@
 //           than its tube from single sides, an icosahedron cut once 2 %.
 #pragma once
 #include "scene/strands.hpp"
+#include "scene/triangle_bvh.hpp"
 
 namespace tyndall {
 [[nodiscard]] MeshArrays tube_mesh(const Strands& strands);
+
+/// No TriangleMesh: no ray ever meets them, and a tree for rays would take longer than all else of them.
+struct StrandTubes {
+    /// Throws Cancelled.
+    StrandTubes(const SharedMeshArrays& arrays, const Progress& progress);
+
+    Bounds3 bounds;
+    TriangleBvh bvh;
+};
 } // namespace tyndall
