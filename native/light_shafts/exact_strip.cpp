@@ -5,7 +5,7 @@
 #include "light_shafts/partial_shadow.hpp"
 #include "scene/embree.hpp"
 #include "scene/strands.hpp"
-#include "scene/tube_mesh.hpp"
+#include "scene/triangle_bvh.hpp"
 #include <tbb/task_arena.h>
 
 namespace tyndall::light_shafts {
@@ -47,12 +47,12 @@ StripScene make_strip_scene(const Scene& scene, const Progress& progress, const 
         const Strands* strands = description.shapes[placed.shape_index]->strands();
         if (strands == nullptr || !stops(placed))
             continue;
-        const StrandTubes& tubes = strands->tubes(progress);
-        strip.meshes.push_back({.bvh = &tubes.bvh,
+        const TriangleBvh& tubes = strands->tubes(progress);
+        strip.meshes.push_back({.bvh = &tubes,
                                 .world_from_object = placed.world_from_object,
                                 .occlusion_of_slot = {},
                                 .slot_of_triangle = {}});
-        boxes.push_back(transformed(tubes.bounds, placed.world_from_object));
+        boxes.push_back(transformed(tubes.bounds(), placed.world_from_object));
     }
     for (const PlacedShape& placed : description.placed_shapes)
         if (stops(placed)) {

@@ -242,28 +242,30 @@ HWY_ATTR void traverse(std::span<const WideBvh::Node> nodes, std::uint32_t depth
 template <bool is_local>
 HWY_ATTR void find(const StripScene& scene, const StripRay& ray, StripShadows& shadows) {
     ShadowUnion& opaque = shadows.opaque;
+    const auto keep = [&](std::uint32_t index, std::uint32_t triangle, float near_m, float far_m) {
+        const StripMesh& mesh = scene.meshes[index];
+        if (!mesh.occlusion_of_slot.empty()) {
+            const std::size_t slot = mesh.slot_of_triangle.empty() ? 0 : mesh.slot_of_triangle[triangle];
+            const Occlusion occlusion = mesh.occlusion_of_slot[std::min(slot, mesh.occlusion_of_slot.size() - 1)];
+            if (occlusion == Occlusion::Partial)
+                shadows.partial.push_back({index, triangle, near_m, far_m});
+            if (occlusion != Occlusion::Opaque)
+                return;
+        }
+        opaque.insert(near_m, far_m);
+    };
     const auto cut_mesh = [&](std::uint32_t index) HWY_ATTR {
         const StripMesh& mesh = scene.meshes[index];
         const PlaneCoordinates<double> plane = ray.coordinates.in_object(mesh.world_from_object);
         MeshStrip<is_local> strip(plane, ray, mesh.bvh->reach(), opaque);
         traverse(mesh.bvh->nodes(), mesh.bvh->depth(), strip, opaque, shadows.counters.nodes,
                  [&](std::uint32_t leaf) HWY_ATTR {
-                     const TriangleBvh::Block& block = mesh.bvh->blocks()[leaf];
-                     ++shadows.counters.blocks;
-                     strip.cut(block, [&](std::size_t lane, float near_m, float far_m) {
-                         if (!mesh.occlusion_of_slot.empty()) {
-                             const std::uint32_t triangle = block.triangle[lane];
-                             const std::size_t slot =
-                                 mesh.slot_of_triangle.empty() ? 0 : mesh.slot_of_triangle[triangle];
-                             const Occlusion occlusion =
-                                 mesh.occlusion_of_slot[std::min(slot, mesh.occlusion_of_slot.size() - 1)];
-                             if (occlusion == Occlusion::Partial)
-                                 shadows.partial.push_back({index, triangle, near_m, far_m});
-                             if (occlusion != Occlusion::Opaque)
-                                 return;
-                         }
-                         opaque.insert(near_m, far_m);
-                     });
+                     for (const TriangleBvh::Block& block : mesh.bvh->blocks_of(leaf)) {
+                         ++shadows.counters.blocks;
+                         strip.cut(block, [&](std::size_t lane, float near_m, float far_m) {
+                             keep(index, block.triangle[lane], near_m, far_m);
+                         });
+                     }
                  });
     };
     const auto cut_object = [&](std::uint32_t index) HWY_ATTR {

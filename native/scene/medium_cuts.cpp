@@ -30,9 +30,9 @@ void for_each_near_plane(const TriangleBvh& bvh, const PlaneCoordinates<double>&
                 stack.push_back(node.child[child]);
                 continue;
             }
-            const TriangleBvh::Block& block = bvh.blocks()[node.child[child] & ~WideBvh::leaf_bit];
-            for (std::size_t lane = 0; lane < block.count; ++lane)
-                visit(block.triangle[lane]);
+            for (const TriangleBvh::Block& block : bvh.blocks_of(node.child[child] & ~WideBvh::leaf_bit))
+                for (std::size_t lane = 0; lane < block.count; ++lane)
+                    visit(block.triangle[lane]);
         }
     }
 }

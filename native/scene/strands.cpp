@@ -320,10 +320,10 @@ vec2 Strands::look_up(std::string_view name, std::uint32_t segment, vec2 on, con
     return found == arrays_.maps.end() ? vec2(0.0f) : value_of(*found, segment, on.x);
 }
 
-const StrandTubes& Strands::tubes(const Progress& progress) const {
+const TriangleBvh& Strands::tubes(const Progress& progress) const {
     const std::lock_guard lock(tubes_mutex_);
     if (!tubes_)
-        tubes_ = std::make_shared<const StrandTubes>(tube_mesh(*this), progress);
+        tubes_ = std::make_shared<const TriangleBvh>(TubeMesh(*this).bvh(progress));
     return *tubes_;
 }
 } // namespace tyndall

@@ -24,8 +24,6 @@ enum class StrandForm : std::uint8_t {
     Spheres = 3      ///< No strands: each point by itself.
 };
 
-struct StrandTubes; // scene/tube_mesh.hpp
-
 struct StrandArrays {
     std::string name;
     StrandForm form = StrandForm::Ribbon;
@@ -78,7 +76,7 @@ public:
     [[nodiscard]] vec2 look_up(std::string_view name, std::uint32_t segment, vec2 on, const vec3& normal,
                                const vec3& along = vec3(0.0f)) const;
     /// Of triangles, as wide on average over all sides; built when first asked for.
-    [[nodiscard]] const StrandTubes& tubes(const Progress& progress) const;
+    [[nodiscard]] const TriangleBvh& tubes(const Progress& progress) const;
 
 private:
     void drop_unusable();
@@ -93,7 +91,7 @@ private:
     std::size_t non_finite_count_ = 0, degenerate_count_ = 0;
     RTCScene embree_scene_ = nullptr;
     mutable std::mutex tubes_mutex_;
-    mutable std::shared_ptr<const StrandTubes> tubes_;
+    mutable std::shared_ptr<const TriangleBvh> tubes_; ///< Shared, not unique: deleted where the type is unknown.
 };
 
 /// Names under which programs read of strands what Cycles' Hair Info node tells. Meshes and cells have none of it: 0.

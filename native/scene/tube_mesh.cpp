@@ -2,114 +2,106 @@
 #include "scene/tube_mesh.hpp"
 #include "scene/embree.hpp"
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
 
 namespace tyndall {
 static constexpr std::size_t side_count = 6;
 static constexpr std::size_t pieces_of_spline = 4;
 
-static void add_ring(MeshArrays& mesh, const StrandPoint& at) {
+using Ring = std::array<vec3, side_count>;
+
+static Ring ring_at(const StrandPoint& at) {
     // A ring's corners lie as far out as makes its circumference that of the tube.
     const float radius_m = at.radius_m * pi / (static_cast<float>(side_count) * std::sin(pi / side_count));
     const auto [first, second] = orthonormal_basis(unit_or(at.tangent, vec3(0, 0, 1)));
+    Ring ring;
     for (std::size_t side = 0; side < side_count; ++side) {
         const float angle = 2.0f * pi * static_cast<float>(side) / static_cast<float>(side_count);
-        mesh.positions.push_back(at.centre + radius_m * (std::cos(angle) * first + std::sin(angle) * second));
+        ring[side] = at.centre + radius_m * (std::cos(angle) * first + std::sin(angle) * second);
     }
+    return ring;
 }
 
-/// Between the last two rings.
-static void join_rings(MeshArrays& mesh) {
-    const auto from = static_cast<std::uint32_t>(mesh.positions.size() - 2 * side_count);
-    for (std::uint32_t side = 0; side < side_count; ++side) {
-        const auto next = static_cast<std::uint32_t>((side + 1) % side_count);
-        mesh.triangles.emplace_back(from + side, from + next, from + side_count + next);
-        mesh.triangles.emplace_back(from + side, from + side_count + next, from + side_count + side);
+static void join(const Ring& from, const Ring& to, std::span<TriangleBvh::Triangle> triangles) {
+    for (std::size_t side = 0; side < side_count; ++side) {
+        const std::size_t next = (side + 1) % side_count;
+        triangles[2 * side] = {from[side], from[next], to[next]};
+        triangles[2 * side + 1] = {from[side], to[next], to[side]};
     }
 }
-
-namespace {
-struct UnitSphere {
-    std::vector<vec3> corners;
-    std::vector<uvec3> triangles;
-};
-} // namespace
 
 /// Its surface is 4 pi.
-static UnitSphere unit_sphere() {
+static std::vector<TriangleBvh::Triangle> unit_sphere() {
     const float golden = std::numbers::phi_v<float>;
-    UnitSphere coarse;
+    std::vector<vec3> corners; // of an icosahedron
     for (const float one : {-1.0f, 1.0f})
         for (const float other : {-golden, golden})
             for (int axis = 0; axis < 3; ++axis) {
                 vec3 corner(0.0f);
                 corner[axis] = one, corner[(axis + 1) % 3] = other;
-                coarse.corners.push_back(glm::normalize(corner));
+                corners.push_back(glm::normalize(corner));
             }
-    // An icosahedron's faces are all the triples of neighbours.
-    const auto is_near = [&](std::size_t a, std::size_t b) {
-        return glm::dot(coarse.corners[a], coarse.corners[b]) > 0.4f;
-    };
-    for (std::uint32_t a = 0; a < 12; ++a)
-        for (std::uint32_t b = a + 1; b < 12; ++b)
-            for (std::uint32_t c = b + 1; c < 12; ++c)
-                if (is_near(a, b) && is_near(b, c) && is_near(a, c))
-                    coarse.triangles.emplace_back(a, b, c);
-    UnitSphere fine{.corners = coarse.corners, .triangles = {}};
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
-    const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-        const auto [found, is_new] =
-            middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(fine.corners.size()));
-        if (is_new)
-            fine.corners.push_back(glm::normalize(coarse.corners[a] + coarse.corners[b]));
-        return found->second;
-    };
+    // Its faces are all the triples of neighbours.
+    const auto is_near = [](const vec3& a, const vec3& b) { return glm::dot(a, b) > 0.4f; };
+    const auto middle = [](const vec3& a, const vec3& b) { return glm::normalize(a + b); }; // the same for b and a
+    std::vector<TriangleBvh::Triangle> fine;
     float surface = 0.0f;
-    for (const uvec3& face : coarse.triangles) {
-        const std::uint32_t ab = middle(face.x, face.y), bc = middle(face.y, face.z), ca = middle(face.z, face.x);
-        for (const uvec3& part :
-             {uvec3(face.x, ab, ca), uvec3(ab, face.y, bc), uvec3(ca, bc, face.z), uvec3(ab, bc, ca)}) {
-            fine.triangles.push_back(part);
-            surface += 0.5f * glm::length(glm::cross(fine.corners[part.y] - fine.corners[part.x],
-                                                     fine.corners[part.z] - fine.corners[part.x]));
+    const auto cut = [&](const vec3& a, const vec3& b, const vec3& c) {
+        const vec3 ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+        for (const TriangleBvh::Triangle& part :
+             {TriangleBvh::Triangle{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}}) {
+            fine.push_back(part);
+            surface += 0.5f * glm::length(glm::cross(part[1] - part[0], part[2] - part[0]));
         }
-    }
-    for (vec3& corner : fine.corners)
-        corner *= std::sqrt(4.0f * std::numbers::pi_v<float> / surface);
+    };
+    for (std::size_t a = 0; a < corners.size(); ++a)
+        for (std::size_t b = a + 1; b < corners.size(); ++b)
+            for (std::size_t c = b + 1; c < corners.size(); ++c)
+                if (is_near(corners[a], corners[b]) && is_near(corners[b], corners[c]) &&
+                    is_near(corners[a], corners[c]))
+                    cut(corners[a], corners[b], corners[c]);
+    for (TriangleBvh::Triangle& triangle : fine)
+        for (vec3& corner : triangle)
+            corner *= std::sqrt(4.0f * std::numbers::pi_v<float> / surface);
     return fine;
 }
 
-StrandTubes::StrandTubes(const SharedMeshArrays& arrays, const Progress& progress)
-    : bvh(embree_device(), arrays, progress) {
-    for (const vec3& position : arrays.positions)
-        bounds.grow(position);
+TubeMesh::TubeMesh(const Strands& strands)
+    : strands_(strands),
+      triangles_per_segment_(2 * side_count * (strands.form() == StrandForm::RoundLinear ? 1 : pieces_of_spline)) {
+    if (strands.form() == StrandForm::Spheres) {
+        unit_sphere_ = unit_sphere();
+        triangles_per_segment_ = unit_sphere_.size();
+    }
 }
 
-MeshArrays tube_mesh(const Strands& strands) {
-    MeshArrays mesh{.name = strands.name()};
-    const auto segment_count = static_cast<std::uint32_t>(strands.segment_count());
-    if (strands.form() == StrandForm::Spheres) {
-        const UnitSphere sphere = unit_sphere();
-        for (std::uint32_t index = 0; index < segment_count; ++index) {
-            const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-            const StrandPoint at = strands.on_spline(index, 0.0f);
-            for (const vec3& corner : sphere.corners)
-                mesh.positions.push_back(at.centre + at.radius_m * corner);
-            for (const uvec3& triangle : sphere.triangles)
-                mesh.triangles.push_back(triangle + first);
-        }
-        return mesh;
+void TubeMesh::write(std::uint32_t segment, std::span<TriangleBvh::Triangle> triangles) const {
+    if (strands_.form() == StrandForm::Spheres) {
+        const StrandPoint at = strands_.on_spline(segment, 0.0f);
+        std::ranges::transform(unit_sphere_, triangles.begin(), [&](TriangleBvh::Triangle triangle) {
+            for (vec3& corner : triangle)
+                corner = at.centre + at.radius_m * corner;
+            return triangle;
+        });
+        return;
     }
-    const std::size_t pieces = strands.form() == StrandForm::RoundLinear ? 1 : pieces_of_spline;
-    for (std::uint32_t segment = 0; segment < segment_count; ++segment)
-        for (std::size_t piece = 0; piece <= pieces; ++piece) {
-            // Every ring of a segment has the frame of the one before, but for how far the strand turns.
-            add_ring(mesh, strands.on_spline(segment, static_cast<float>(piece) / static_cast<float>(pieces)));
-            if (piece > 0)
-                join_rings(mesh);
-        }
-    return mesh;
+    const std::size_t pieces = triangles_per_segment_ / (2 * side_count);
+    Ring before = ring_at(strands_.on_spline(segment, 0.0f));
+    for (std::size_t piece = 0; piece < pieces; ++piece) {
+        // Every ring of a segment has the frame of the one before, but for how far the strand turns.
+        const Ring after =
+            ring_at(strands_.on_spline(segment, static_cast<float>(piece + 1) / static_cast<float>(pieces)));
+        join(before, after, triangles.subspan(2 * side_count * piece, 2 * side_count));
+        before = after;
+    }
+}
+
+TriangleBvh TubeMesh::bvh(const Progress& progress) const {
+    const auto write_group = [&](std::size_t group, std::span<TriangleBvh::Triangle> triangles) {
+        write(static_cast<std::uint32_t>(group), triangles);
+    };
+    return {embree_device(), strands_.segment_count(), triangles_per_segment_, write_group, progress};
 }
 } // namespace tyndall

@@ -337,11 +337,15 @@ TEST_CASE("the triangles of a tube are as wide, and those of a sphere as large, 
         StrandArrays arrays = straight(form, 0.2f);
         if (form == StrandForm::Spheres)
             arrays.points = {{1, 2, 3, 0.2f}}, arrays.first_points.clear();
-        const MeshArrays mesh = tube_mesh(Strands(arrays, Progress()));
+        const Strands strands(arrays, Progress());
+        const TubeMesh mesh(strands);
+        std::vector<TriangleBvh::Triangle> triangles(mesh.triangles_per_segment());
         double surface = 0.0;
-        for (const uvec3& corner : mesh.triangles)
-            surface += 0.5 * double{glm::length(glm::cross(mesh.positions[corner.y] - mesh.positions[corner.x],
-                                                           mesh.positions[corner.z] - mesh.positions[corner.x]))};
+        for (std::uint32_t segment = 0; segment < strands.segment_count(); ++segment) {
+            mesh.write(segment, triangles);
+            for (const auto& [a, b, c] : triangles)
+                surface += 0.5 * double{glm::length(glm::cross(b - a, c - a))};
+        }
         const double expected = form == StrandForm::Spheres ? 4.0 * double{pi} * 0.04 : 2.0 * double{pi} * 0.2 * 4.0;
         CHECK(surface == doctest::Approx(expected).epsilon(1e-4));
     }
