@@ -19,6 +19,9 @@ from tyndall.scene_description import (
     Medium,
     ScatterLobe,
     SceneDescription,
+    StrandForm,
+    StrandObjects,
+    Strands,
     World,
 )
 
@@ -107,6 +110,25 @@ def test_three_hundred_lamps_light_the_air_in_the_mean_as_exact_rows_say() -> No
 def test_a_sky_over_many_triangles_lights_the_air_in_the_mean_as_exact_strata_say() -> None:
     scene = stage(world=World(radiance=(0.5, 0.7, 1.0)))
     drawn, rows = rendered(with_grid(scene, 300), DRAWN), rendered(scene, ROWS)
+    assert is_drawn(drawn, "the world")
+    assert_same_in_the_mean(drawn, rows)
+
+
+# Seen to fail: with triangles alone counted, as it was before.
+def test_a_sky_over_hair_lights_the_air_in_the_mean_as_exact_strata_say() -> None:
+    """Each texel of its rows would ask for hairs by a ray."""
+    scene = stage(world=World(radiance=(0.5, 0.7, 1.0)))
+    hairs = np.array(
+        [[x, y, z, 0.1] for x in (-1.0, 0.0, 1.0) for y in (-0.5, 0.5) for z in (0.0, 0.5, 1.0)], np.float32
+    )
+    strands = Strands(
+        key="hair", name="hair", form=StrandForm.ROUND, points=hairs, first_points=np.arange(0, 18, 3, dtype=np.uint32)
+    )
+    scene = replace(
+        scene,
+        strand_objects=(StrandObjects(strands=strands, world_from_object=np.eye(4)[None], object_names=("hair",)),),
+    )
+    drawn, rows = rendered(scene, DRAWN), rendered(scene, ROWS)
     assert is_drawn(drawn, "the world")
     assert_same_in_the_mean(drawn, rows)
 
