@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .instances import shown_kinds
 from .worlds import world_of
 
 if TYPE_CHECKING:
@@ -20,7 +19,7 @@ _PLAIN = {"BOOLEAN", "INT", "FLOAT", "ENUM"}
 
 
 def scene_state(depsgraph: Depsgraph, viewport: SpaceView3D | None) -> tuple[object, ...]:
-    """Of a depsgraph, and of a viewport that shows it."""
+    """Of a depsgraph, and what a viewport shows of its objects."""
     scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
     cycles = (getattr(scene, name, None) for name in ("cycles", "cycles_curves"))  # nothing where it is switched off
     plain = scene.tyndall.indirect, layer, *cycles
@@ -32,7 +31,6 @@ def scene_state(depsgraph: Depsgraph, viewport: SpaceView3D | None) -> tuple[obj
         tuple(thing and thing.name_full for thing in worlds_and_looks),
         tuple(group.name for group in layer.lightgroups),
         tuple(_collections(layer.layer_collection)),
-        shown_kinds(viewport),
         tuple(_shown(thing, depsgraph, viewport) for thing in depsgraph.objects),
     )
 

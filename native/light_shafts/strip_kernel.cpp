@@ -201,7 +201,7 @@ private:
 
     const PlaneCoordinates<double>& plane_;
     const StripRay& ray_;
-    const vec3& reach_;
+    vec3 reach_;
     ShadowUnion& shadow_;
     Functional height_, x_, y_;
     Functional beyond_near_{}, beyond_far_{}; ///< Directional: beyond_near_ is the distance along the ray itself.
