@@ -70,9 +70,7 @@ Shares shares(float sine_theta, float cosine_theta, float gamma, const Rgb& abso
 }
 namespace {
 /// A point without a direction along it, as on a sphere, has any.
-vec3 unit_tangent(const vec3& tangent, const vec3& normal) {
-    return unit_or(tangent, orthonormal_basis(normal).first);
-}
+vec3 unit_tangent(const vec3& tangent, const vec3& normal) { return unit_or(tangent, orthonormal_basis(normal).first); }
 
 /// One lobe, or where there is no list, as if it were Lambert's.
 void add(Lobe lobe, SurfaceClosures& closures, Lobes* lobes) {
