@@ -23,31 +23,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from bare_meshes import bare_mesh
 from numpy.typing import NDArray
 from process_memory import most_memory_bytes
 
 from tyndall import Progress
-from tyndall.mesh_files import TriangleMesh, read_mesh
 from tyndall.voxel_dag import Config, load
 from tyndall.voxel_dag.parts import parts_of
-
-_DATA = Path(os.environ.get("TYNDALL_SHARED_DATA", "../shared/data"))
-#: Of Sponza_LowPoly.bin, as its .gltf states them: positions' offset and count, indices' offset and count, two meshes.
-_SPONZA = ((0, 64806, 777672, 175905), (1129484, 4697, 1185848, 13347))
-
-
-def _mesh(name: str) -> TriangleMesh:
-    if name == "dragon":
-        return read_mesh(_DATA / "dragon/dragon_vrip.ply.gz")
-    content = (_DATA / "sponza_lowpoly/Sponza_LowPoly.bin").read_bytes()
-    positions, triangles, first = [], [], 0
-    for position_offset, position_count, index_offset, index_count in _SPONZA:
-        positions.append(np.frombuffer(content, "<f4", 3 * position_count, position_offset).reshape(-1, 3))
-        triangles.append(
-            np.frombuffer(content, "<u2", index_count, index_offset).reshape(-1, 3).astype(np.uint32) + first
-        )
-        first += position_count
-    return np.concatenate(positions), np.concatenate(triangles)
 
 
 def _colors(positions: NDArray[np.float64], triangles: NDArray[np.uint32]) -> NDArray[np.uint8]:
@@ -72,7 +54,7 @@ def _measure(
     name: str, resolution: int, budget_bytes: int, *, has_colors: bool, scratch: str | None, keep: str | None
 ) -> None:
     """In a process of its own, whose peak of memory is this one's. Prints JSON."""
-    positions, triangles = _mesh(name)
+    positions, triangles = bare_mesh(name)
     config = Config(resolution=resolution, memory_budget_bytes=budget_bytes)
     if has_colors:
         config = replace(config, colors=_colors(positions.astype(np.float64), triangles))
