@@ -9,18 +9,11 @@
 #include <hwy/highway.h>
 
 #include "light_shafts/exp-inl.hpp"
+#include "light_shafts/local_light_shape-inl.hpp"
 #include "light_shafts/slope_rows_angle-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::light_shafts::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-using Tag = hn::CappedTag<float, 16>;
-using V = hn::Vec<Tag>;
-using Mask = hn::Mask<Tag>;
-static constexpr Tag d;
-static constexpr hn::RebindToSigned<Tag> di;
-static constexpr std::size_t lanes = hn::MaxLanes(d);
-
 /// Gauss-Legendre on [0, 1], weights of sum 1, and the weights of the Legendre coefficients 4 and 5 relative to the mean.
 struct Rule {
     static constexpr std::size_t count = 6;
@@ -41,9 +34,6 @@ constexpr Rule make_rule() {
 }
 static constexpr Rule rule = make_rule();
 
-static HWY_INLINE V set(float value) { return hn::Set(d, value); }
-static HWY_INLINE V set(double value) { return hn::Set(d, static_cast<float>(value)); }
-
 /// sin(a) / a for a^2 in [0, 2.5], 1e-7.
 static HWY_INLINE V sinc(V a2) {
     V p = hn::MulAdd(a2, set(-1.0f / 39916800), set(1.0f / 362880));
@@ -61,10 +51,8 @@ struct Part {
 };
 constexpr std::uint32_t most_halvings = 24;
 /// What a vector of pieces needs at all its points.
-struct Lanes {
-    V x0, x1, light_y2, softened_y2;
-    V depth0[3], depth_gain[3], lobe0, lobe1;
-    V cone[3], cone_d[3], offset0, offset_x;
+struct Lanes : LightLanes {
+    V x0, x1, depth0[3], depth_gain[3];
 };
 /// A crossing of each piece: n and d at both ends, signed extinction. Not vectors: std::vector is compiled for any CPU.
 struct LaneCrossing {
@@ -79,65 +67,6 @@ struct Kernel {
     LocalPieces& pieces;
     std::vector<Part>& parts;
     std::vector<LaneCrossing>& crossings;
-
-    /// Of a patch of an area light.
-    HWY_INLINE V area_lobe(const Lanes& s, V x) const {
-        const V p0 = hn::MulAdd(x, s.cone_d[0], s.cone[0]), p1 = hn::MulAdd(x, s.cone_d[1], s.cone[1]);
-        const V p2 = hn::MulAdd(x, s.cone_d[2], s.cone[2]), across2 = hn::MulAdd(p0, p0, hn::Mul(p1, p1));
-        const V before2 = hn::MulAdd(p2, p2, set(shape.softening_m2));
-        const V lobe = hn::NegMulAdd(set(shape.spread_cotangent), hn::Sqrt(across2), hn::Sqrt(before2));
-        return hn::Mul(hn::Max(lobe, hn::Zero(d)), reciprocal_root_of(d, hn::Add(before2, across2)));
-    }
-    /// The way that a patch's light has come, along the ray and across it: from as far behind the patch as its softening
-    /// is (shaping_direction). From its middle all of it would graze the patch next to it, where it comes from all sides.
-    HWY_INLINE void soften_way(const Lanes& s, V x, V distance2, V& along, V& across2, V& inverse_way) const {
-        const V softening = set(shape.softening_m2);
-        const V before = hn::Max(hn::MulAdd(x, s.cone_d[2], s.cone[2]), hn::Zero(d));
-        const V softened = hn::Sqrt(hn::MulAdd(before, before, softening));
-        const V behind = hn::Mul(softening, reciprocal_of(d, hn::Max(hn::Add(softened, before), set(1e-20f))));
-        along = hn::MulAdd(behind, s.cone_d[2], x);
-        const V way2 = hn::Add(distance2, softening);
-        across2 = hn::Max(hn::NegMulAdd(along, along, way2), hn::Zero(d));
-        inverse_way = reciprocal_root_of(d, way2);
-    }
-    /// Cosine lobe, softening and cone at a point.
-    HWY_INLINE V shape_at(const Lanes& s, V x, V x2, V inverse_distance, V before, V after) const {
-        if (shape.is_area)
-            return area_lobe(s, x);
-        V share = set(1.0f);
-        if (shape.has_normal)
-            share =
-                hn::Mul(hn::Max(hn::MulAdd(before, s.lobe0, hn::Mul(after, s.lobe1)), hn::Zero(d)), inverse_distance);
-        if (shape.is_soft) {
-            const double offset2 = glm::dot(shape.falloff_offset, shape.falloff_offset) + shape.softening_m2;
-            const V way2 =
-                hn::Sub(hn::Add(hn::Add(x2, s.light_y2), set(offset2)), hn::MulAdd(x, s.offset_x, s.offset0));
-            const V inverse_way2 = reciprocal_of(d, way2);
-            share = hn::Mul(share, hn::Mul(hn::Add(x2, s.softened_y2), inverse_way2));
-            const V cosine2 = hn::NegMulAdd(set(shape.softening_m2), inverse_way2, set(1.0f)); // at the patch of a disc
-            share = shape.faces_receivers ? hn::Mul(share, hn::Sqrt(hn::Max(cosine2, hn::Zero(d)))) : share;
-        }
-        if (!shape.has_cone)
-            return share;
-        V p[3];
-        for (int axis = 0; axis < 3; ++axis)
-            p[axis] = hn::MulAdd(x, s.cone_d[axis], s.cone[axis]);
-        const V across2 = hn::MulAdd(p[0], p[0], hn::Mul(p[1], p[1]));
-        const V inverse = reciprocal_root_of(d, hn::MulAdd(p[2], p[2], across2));
-        const V cosine = hn::Mul(p[2], inverse), one = set(1.0f);
-        // sin^2 / (1 + cos): near the axis of a narrow cone 1 - cos would be noise.
-        V one_minus_cosine =
-            hn::Mul(hn::Mul(across2, hn::Mul(inverse, inverse)), reciprocal_of(d, hn::Add(one, hn::Abs(cosine))));
-        one_minus_cosine =
-            hn::IfThenElse(hn::Lt(cosine, hn::Zero(d)), hn::Sub(set(2.0f), one_minus_cosine), one_minus_cosine);
-        const V above = hn::Sub(set(shape.one_minus_cos_half), one_minus_cosine);
-        if (shape.has_soft_edge) {
-            const V rise = hn::Min(hn::Max(hn::Mul(above, set(shape.per_smooth)), hn::Zero(d)), one);
-            share = hn::Mul(share, hn::Mul(hn::Mul(rise, rise), hn::NegMulAdd(set(2.0f), rise, set(3.0f))));
-        } else
-            share = hn::IfThenElseZero(hn::Gt(above, hn::Zero(d)), share);
-        return shape.keeps_cosine ? hn::Mul(share, hn::Max(cosine, hn::Zero(d))) : share;
-    }
 
     /// sigma_s times the phase function, where the light has come the way -x with this inverse distance.
     static HWY_INLINE void add_lobes(const SetOfMedia& media, V towards, V away, V (&scatter)[3]) {
@@ -293,7 +222,7 @@ struct Kernel {
             const V distance = hn::Mul(distance2, inverse_distance);
             V along = x, across2 = s.light_y2, inverse_way = inverse_distance;
             if (shape.is_area)
-                soften_way(s, x, distance2, along, across2, inverse_way);
+                LightShape{shape}.soften_way(s, x, distance2, along, across2, inverse_way);
             // 1 - |cos| of the angle by which the light turns, as sin^2 / (1 + |cos|).
             const V absolute = hn::Mul(hn::Abs(along), inverse_way);
             const V less = hn::Mul(hn::Mul(across2, hn::Mul(inverse_way, inverse_way)),
@@ -306,7 +235,7 @@ struct Kernel {
                 add_lobes(sets[static_cast<std::size_t>(set_of[0])], towards, away, scatter);
             else
                 scatter_of_sets(set_of, set_index, towards, away, scatter);
-            const V share = shape_at(s, x, x2, inverse_distance, before, after);
+            const V share = LightShape{shape}.shape_at(s, x, x2, inverse_distance, before, after);
             mean_share = hn::MulAdd(set(rule.weight[i]), share, mean_share);
             V sigma_t[3], transmittance{};
             light_side(before, after, sigma_t);
