@@ -95,6 +95,16 @@ def node(new: Callable[[str], Node], kind: str, **inputs: object) -> Node:
     return created
 
 
+def red_green() -> tuple[bpy.types.Material, bpy.types.Material]:
+    """Two materials, to tell slots apart."""
+    return tuple(
+        material(
+            name, surface=lambda new, _link, colour=colour: node(new, "ShaderNodeBsdfDiffuse", Color=colour).outputs[0]
+        )
+        for name, colour in (("Red", (1, 0, 0, 1)), ("Green", (0, 1, 0, 1)))
+    )
+
+
 def read(reader: SceneReader | None = None, *, is_live: bool = False) -> SceneDescription:
     """What a render of the scene would be given."""
     reader = SceneReader() if reader is None else reader
