@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/part_file.hpp"
 #include "voxel_dag/checked_file.hpp"
+#include <algorithm>
 #include <bit>
-#include <cstring>
+#include <span>
 #include <type_traits>
 
 namespace tyndall::voxel_dag {
@@ -194,9 +195,15 @@ DagLevel PartFile::read_level(std::uint32_t level, const Progress& progress) con
                    .first_children = {0},
                    .children = std::vector<std::uint32_t>(reference_count),
                    .tags = std::vector<std::uint8_t>(has_tags_ ? reference_count : 0)};
-    std::memcpy(nodes.child_masks.data(), bytes.data(), node_count);
-    std::memcpy(nodes.tags.data(), bytes.data() + node_count, nodes.tags.size());
-    std::memcpy(nodes.children.data(), bytes.data() + node_count + nodes.tags.size(), 4 * reference_count);
+    std::span<const std::byte> rest = bytes;
+    const auto take = [&rest](auto& values) {
+        const std::span<std::byte> to = std::as_writable_bytes(std::span(values));
+        std::ranges::copy(rest.first(to.size()), to.begin());
+        rest = rest.subspan(to.size());
+    };
+    take(nodes.child_masks);
+    take(nodes.tags);
+    take(nodes.children);
     nodes.first_children.reserve(node_count + 1);
     for (const std::uint8_t mask : nodes.child_masks)
         nodes.first_children.push_back(nodes.first_children.back() + static_cast<std::uint32_t>(std::popcount(mask)));
