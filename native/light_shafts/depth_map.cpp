@@ -71,6 +71,7 @@ void raster_depth(DepthMap& map, const MapWindow& window, const Occluders& occlu
     }
     const DepthMapFace face(map, window);
     const MapDrawing drawing{
+        .lamp = map.origin,
         .placer =
             [&](const OccluderInstance& instance, const OccluderBlock& block, std::size_t start, std::int32_t first,
                 std::int32_t end,

@@ -4,6 +4,8 @@
 #include "core/parallel.hpp"
 #include "light_shafts/map_cache.hpp"
 #include "light_shafts/shape_faces.hpp"
+#include "light_shafts/strand_bands.hpp"
+#include "scene/strands.hpp"
 #include <algorithm>
 #include <map>
 #include <numeric>
@@ -120,7 +122,8 @@ std::uint32_t every_third(std::uint32_t x) {
     return (x | x << 2) & 0x09249249u;
 }
 
-/// The triangles in the order of the cells of a coarse grid, along Morton's curve, so that blocks are small.
+} // namespace
+
 std::vector<std::uint32_t> order_in_space(std::span<const vec3> positions, std::span<const uvec3> triangles,
                                           const Bounds3& bounds) {
     std::vector<std::uint32_t> order(triangles.size());
@@ -154,7 +157,6 @@ std::vector<std::uint32_t> order_in_space(std::span<const vec3> positions, std::
         order[next[cell_of[t]]++] = t;
     return order;
 }
-} // namespace
 
 std::unique_ptr<const OccluderMesh> make_occluder_mesh(std::span<const vec3> positions,
                                                        std::span<const uvec3> triangles) {
@@ -222,7 +224,21 @@ struct DistinctUses {
     }
 };
 
-/// Shapes of cells join the instances by their faces, or are traced, as strands are.
+/// Whether a shape that stands so often in the scene is drawn; else it is traced.
+static bool is_drawn(const ShapeGeometry& shape, std::size_t place_count) {
+    if (const CellShape* const cells = shape.cells())
+        return cells->cell_count() <= most_cells_with_faces / place_count;
+    const Strands* const strands = shape.strands();
+    return strands != nullptr && StrandBands::can_draw(*strands) &&
+           strands->segment_count() <= most_segments_with_bands / place_count;
+}
+
+static std::unique_ptr<const OccluderMesh> drawn_mesh(const ShapeGeometry& shape) {
+    const CellShape* const cells = shape.cells();
+    return cells != nullptr ? make_face_mesh(*cells) : make_band_mesh(*shape.strands());
+}
+
+/// Shapes join the instances by what is drawn of them, or are traced.
 static void gather_shapes(const SceneDescription& scene, const Occluders* another, Occluders& occluders,
                           const Progress& progress) {
     std::vector<std::vector<std::uint32_t>> placed_of(scene.shapes.size());
@@ -235,18 +251,17 @@ static void gather_shapes(const SceneDescription& scene, const Occluders* anothe
         const std::vector<std::uint32_t>& placed = placed_of[index];
         if (placed.empty())
             continue;
-        const CellShape* const cells = scene.shapes[index]->cells();
-        if (cells == nullptr || cells->cell_count() > most_cells_with_faces / placed.size()) {
+        if (!is_drawn(*scene.shapes[index], placed.size())) {
             traced.insert(traced.end(), placed.begin(), placed.end());
             continue;
         }
         Occluders::Source source{scene.shapes[index], {}};
-        std::shared_ptr<const OccluderMesh> faces = another ? another->mesh_of(source) : nullptr;
-        if (!faces)
-            faces = make_face_mesh(*cells);
-        occluders.meshes.emplace(std::move(source), faces);
+        std::shared_ptr<const OccluderMesh> mesh = another ? another->mesh_of(source) : nullptr;
+        if (!mesh)
+            mesh = drawn_mesh(*scene.shapes[index]);
+        occluders.meshes.emplace(std::move(source), mesh);
         for (const std::uint32_t i : placed)
-            occluders.add(faces.get(), &scene.placed_shapes[i].world_from_object,
+            occluders.add(mesh.get(), &scene.placed_shapes[i].world_from_object,
                           static_cast<std::uint32_t>(scene.instances.size()) + i);
     }
     if (!traced.empty())

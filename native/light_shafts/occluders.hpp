@@ -25,11 +25,15 @@ struct OccluderBlock {
         return {x[0], x[stride], x[2 * stride]};
     }
 };
+class StrandBands; // strand_bands.hpp
+
 struct OccluderMesh {
     std::vector<float> columns;
     std::vector<OccluderBlock> blocks;
     std::vector<std::uint32_t> order; ///< Of the triangles it was made of: block b begins with order[capacity * b].
     Bounds3 bounds;
+    std::shared_ptr<const StrandBands>
+        bands; ///< Writes the blocks, which have no columns, for each light; nothing: a mesh.
 };
 struct OccluderInstance {
     const OccluderMesh* mesh = nullptr;
@@ -74,7 +78,7 @@ struct Occluders {
     std::multimap<Source, std::shared_ptr<const OccluderMesh>> meshes; ///< Of equal ones any will do.
     std::vector<OccluderInstance> instances;
     std::size_t triangle_count = 0; ///< Of all opaque instances.
-    /// Shapes of cells that are too large to be instances of their faces, and strands; nothing: there are none.
+    /// Shapes of too many cells or pieces of strands to be instances, and spheres and cones; nothing: there are none.
     std::shared_ptr<const ShapeTracer> traced;
     std::vector<std::unique_ptr<const TransparencyLookup>> lookups;
     std::vector<std::unique_ptr<const PartialOccluderMesh>> partial_meshes;
@@ -91,6 +95,9 @@ struct Occluders {
 /// Sorts the triangles into blocks; keeps nothing of its arguments.
 [[nodiscard]] std::unique_ptr<const OccluderMesh> make_occluder_mesh(std::span<const vec3> positions,
                                                                      std::span<const uvec3> triangles);
+/// The triangles in the order of the cells of a coarse grid, along Morton's curve, so that blocks are small.
+[[nodiscard]] std::vector<std::uint32_t> order_in_space(std::span<const vec3> positions,
+                                                        std::span<const uvec3> triangles, const Bounds3& bounds);
 /// The scene must outlive the result, which takes over the meshes that another one has. Throws Cancelled.
 [[nodiscard]] Occluders gather_occluders(const SceneDescription& scene, const Progress& progress,
                                          const Occluders* another = nullptr);

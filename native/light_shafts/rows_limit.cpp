@@ -2,11 +2,13 @@
 #include "light_shafts/rows_limit.hpp"
 #include "light_shafts/forward_fog.hpp"
 #include "light_shafts/light_shafts.hpp"
-#include <algorithm>
+#include "light_shafts/strand_bands.hpp"
+#include "scene/strands.hpp"
 
 namespace tyndall::light_shafts {
-static constexpr double row_s_per_triangle = 7e-8; // of a light sample's rows
-static constexpr double row_s_of_strands = 0.08;   // of a light sample's rows, whose texels ask for strands ray by ray
+// Of a light sample's rows.
+static constexpr double row_s_per_triangle = 7e-8; // or per segment of a strand
+static constexpr double row_s_of_traced = 0.08;    // whose texels ask for strands ray by ray
 static constexpr double row_s_per_ray = 3e-7;      // to ask a lamp's
 
 static double occluding_triangles(const SceneDescription& description) {
@@ -17,10 +19,18 @@ static double occluding_triangles(const SceneDescription& description) {
     return count;
 }
 
-static bool has_occluding_strands(const SceneDescription& description) {
-    return std::ranges::any_of(description.placed_shapes, [&](const PlacedShape& placed) {
-        return placed.casts_shadow && description.shapes[placed.shape_index]->strands() != nullptr;
-    });
+/// Of a light sample, with the strands alone.
+static double row_s_of_strands(const SceneDescription& description) {
+    double segments = 0.0;
+    bool is_traced = false;
+    for (const PlacedShape& placed : description.placed_shapes) {
+        const Strands* const strands = description.shapes[placed.shape_index]->strands();
+        if (!placed.casts_shadow || strands == nullptr)
+            continue;
+        segments += static_cast<double>(strands->segment_count());
+        is_traced |= !StrandBands::can_draw(*strands);
+    }
+    return segments * row_s_per_triangle + (is_traced ? row_s_of_traced : 0.0);
 }
 
 LeftLights find_left(const Scene& scene, const Media& media, const Config& config, const RowsCounts& counts) {
@@ -28,8 +38,7 @@ LeftLights find_left(const Scene& scene, const Media& media, const Config& confi
     if (limit.most_s == std::numeric_limits<double>::infinity())
         return {};
     const SceneDescription& description = scene.description();
-    const double s_per_sample = occluding_triangles(description) * row_s_per_triangle +
-                                (has_occluding_strands(description) ? row_s_of_strands : 0.0);
+    const double s_per_sample = occluding_triangles(description) * row_s_per_triangle + row_s_of_strands(description);
     const double lamps_s = static_cast<double>(counts.lamp_samples) * s_per_sample +
                            static_cast<double>(counts.lamps) * row_s_per_ray * limit.ray_count;
     const bool is_swallowed = config.attenuates_light && media.fills_world();

@@ -2,8 +2,8 @@
 // Which lights' rows would take a picture longer than it wants to give: those of its lamps, or of the world, together; the
 // world's, too, where they would not tell its light (forward_fog.hpp).
 // Based on: the times of rows per triangle and of asking them per ray, measured in scenes of 400 to 3 million triangles, and
-//           of those whose texels ask for hairs, in a meadow. Counts alone decide, so that the same scene gives the same
-//           picture.
+//           of those whose texels ask for cones and spheres. A hair's segment takes 0.02 to 0.6 us, by how much of it a row
+//           shows. Counts alone decide, so that the same scene gives the same picture.
 // Differs:  a sun's rows, which stand for all of its light, are never left.
 #pragma once
 #include <cstddef>

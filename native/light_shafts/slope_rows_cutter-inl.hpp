@@ -226,10 +226,9 @@ void Cutter<Raster>::cut(const Triangles& triangles, const Slices& slices, std::
     const V per_step = set(1.0f / layout_.line_step), first_line = set(layout_.first_line);
     const V i1 = hn::Mul(hn::Sub(line_at(frame, a1, r1), first_line), per_step),
             i2 = hn::Mul(hn::Sub(line_at(frame, a2, r2), first_line), per_step);
-    // A thousandth of a line of overlap: neighbours compute their shared end from different corners.
-    const V first = hn::Max(hn::Ceil(hn::Sub(hn::Min(i1, i2), set(0.501f))), hn::Zero(d));
-    const V last =
-        hn::Min(hn::Floor(hn::Sub(hn::Max(i1, i2), set(0.499f))), set(static_cast<float>(layout_.line_count)));
+    const V first = hn::Max(hn::Ceil(hn::Sub(hn::Min(i1, i2), set(0.5f + triangles_.overlap))), hn::Zero(d));
+    const V last = hn::Min(hn::Floor(hn::Sub(hn::Max(i1, i2), set(0.5f - triangles_.overlap))),
+                           set(static_cast<float>(layout_.line_count)));
     is_cut = hn::And(is_cut, hn::Le(first, last));
     if (hn::AllFalse(d, is_cut))
         return;

@@ -32,6 +32,8 @@ struct PlacedTriangles {
     alignas(64) std::array<Column, 9> axy;
     alignas(64) Column first_slice, last_slice;
     std::size_t count = 0;
+    /// Lines by which a cut is longer at either end: neighbours compute their shared end from different corners.
+    float overlap = 1e-3f;
 };
 /// Triangles that let a part of the light pass: which ones they are, and what their corners weigh.
 struct PlacedPartials : PlacedTriangles {

@@ -19,8 +19,9 @@ using Placer =
                               std::int32_t first, std::int32_t end, PlacedTriangles& placed)>;
 /// Raises the samples of the slices [first, end) to the shapes that are traced.
 using Tracer = std::function<void(std::int32_t first, std::int32_t end)>;
-/// How a map draws what the layout's frame does not place.
+/// How a map of a lamp draws what the layout's frame does not place.
 struct MapDrawing {
+    vec3 lamp; ///< Where it stands.
     Placer placer;
     Tracer tracer;
 };

@@ -63,6 +63,7 @@ public:
     [[nodiscard]] StrandForm form() const { return arrays_.form; }
     [[nodiscard]] std::size_t strand_count() const; ///< Or spheres.
     [[nodiscard]] std::size_t segment_count() const;
+    [[nodiscard]] std::span<const vec4> points_of(std::uint32_t strand) const; ///< With both ends doubled.
     [[nodiscard]] std::size_t non_finite_count() const { return non_finite_count_; }
     [[nodiscard]] std::size_t degenerate_count() const { return degenerate_count_; }
 
@@ -84,7 +85,6 @@ private:
     [[nodiscard]] std::uint32_t strand_of(std::uint32_t segment) const;
     [[nodiscard]] float linear_radius(std::uint32_t segment, float along) const;
     [[nodiscard]] vec2 value_of(const StrandArrays::Map& map, std::uint32_t segment, float along) const;
-    [[nodiscard]] std::span<const vec4> points_of(std::uint32_t strand) const; ///< With both ends doubled.
 
     StrandArrays arrays_; ///< Ends doubled.
     Bounds3 bounds_;

@@ -115,14 +115,24 @@ def test_a_sky_over_many_triangles_lights_the_air_in_the_mean_as_exact_strata_sa
 
 
 # Seen to fail: with triangles alone counted, as it was before.
-def test_a_sky_over_hair_lights_the_air_in_the_mean_as_exact_strata_say() -> None:
-    """Each texel of its rows would ask for hairs by a ray."""
+@pytest.mark.parametrize(
+    ("form", "hidden_count"),
+    [pytest.param(StrandForm.ROUND_LINEAR, 0, id="traced"), pytest.param(StrandForm.ROUND, 90000, id="many")],
+)
+def test_a_sky_over_hair_lights_the_air_in_the_mean_as_exact_strata_say(form: StrandForm, hidden_count: int) -> None:
+    """Each texel of its rows would ask for cones by a ray, or each of its rows would cut very many hairs."""
     scene = stage(world=World(radiance=(0.5, 0.7, 1.0)))
     hairs = np.array(
         [[x, y, z, 0.1] for x in (-1.0, 0.0, 1.0) for y in (-0.5, 0.5) for z in (0.0, 0.5, 1.0)], np.float32
     )
+    one = np.array([[0, 0, z, 0.01] for z in (0.0, 0.02, 0.04)], np.float32)
+    points = np.concatenate((hairs, np.tile(one, (hidden_count, 1))))
     strands = Strands(
-        key="hair", name="hair", form=StrandForm.ROUND, points=hairs, first_points=np.arange(0, 18, 3, dtype=np.uint32)
+        key="hair",
+        name="hair",
+        form=form,
+        points=points,
+        first_points=np.arange(0, len(points), 3, dtype=np.uint32),
     )
     scene = replace(
         scene,
