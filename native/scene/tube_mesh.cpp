@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/tube_mesh.hpp"
 #include "scene/embree.hpp"
+#include "scene/strand_bends.hpp"
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
 namespace tyndall {
 static constexpr std::size_t side_count = 6;
-static constexpr std::size_t pieces_of_spline = 4;
 
 using Ring = std::array<vec3, side_count>;
 
@@ -69,15 +68,24 @@ static std::vector<TriangleBvh::Triangle> unit_sphere() {
 }
 
 TubeMesh::TubeMesh(const Strands& strands)
-    : strands_(strands),
-      triangles_per_segment_(2 * side_count * (strands.form() == StrandForm::RoundLinear ? 1 : pieces_of_spline)) {
+    : strands_(strands), triangles_per_piece_(2 * side_count),
+      is_spline_(strands.form() == StrandForm::Ribbon || strands.form() == StrandForm::Round) {
     if (strands.form() == StrandForm::Spheres) {
         unit_sphere_ = unit_sphere();
-        triangles_per_segment_ = unit_sphere_.size();
+        triangles_per_piece_ = unit_sphere_.size();
+    }
+    if (!is_spline_)
+        return;
+    StrandBends bends(strands);
+    for (std::uint32_t strand = 0; strand < strands.strand_count(); ++strand) {
+        const std::span<const StrandPoint> points = bends.of(strand);
+        for (std::size_t i = 0; i + 1 < points.size(); ++i)
+            pieces_.push_back({points[i], points[i + 1]});
     }
 }
 
-void TubeMesh::write(std::uint32_t segment, std::span<TriangleBvh::Triangle> triangles) const {
+void TubeMesh::write(std::size_t piece, std::span<TriangleBvh::Triangle> triangles) const {
+    const auto segment = static_cast<std::uint32_t>(piece);
     if (strands_.form() == StrandForm::Spheres) {
         const StrandPoint at = strands_.on_spline(segment, 0.0f);
         std::ranges::transform(unit_sphere_, triangles.begin(), [&](TriangleBvh::Triangle triangle) {
@@ -85,23 +93,18 @@ void TubeMesh::write(std::uint32_t segment, std::span<TriangleBvh::Triangle> tri
                 corner = at.centre + at.radius_m * corner;
             return triangle;
         });
-        return;
-    }
-    const std::size_t pieces = triangles_per_segment_ / (2 * side_count);
-    Ring before = ring_at(strands_.on_spline(segment, 0.0f));
-    for (std::size_t piece = 0; piece < pieces; ++piece) {
-        // Every ring of a segment has the frame of the one before, but for how far the strand turns.
-        const Ring after =
-            ring_at(strands_.on_spline(segment, static_cast<float>(piece + 1) / static_cast<float>(pieces)));
-        join(before, after, triangles.subspan(2 * side_count * piece, 2 * side_count));
-        before = after;
+    } else if (is_spline_) {
+        // Both rings have the same frame, but for how far the strand turns.
+        join(ring_at(pieces_[piece][0]), ring_at(pieces_[piece][1]), triangles);
+    } else {
+        join(ring_at(strands_.on_spline(segment, 0.0f)), ring_at(strands_.on_spline(segment, 1.0f)), triangles);
     }
 }
 
 TriangleBvh TubeMesh::bvh(const Progress& progress) const {
     const auto write_group = [&](std::size_t group, std::span<TriangleBvh::Triangle> triangles) {
-        write(static_cast<std::uint32_t>(group), triangles);
+        write(group, triangles);
     };
-    return {embree_device(), strands_.segment_count(), triangles_per_segment_, write_group, progress};
+    return {embree_device(), piece_count(), triangles_per_piece_, write_group, progress};
 }
 } // namespace tyndall

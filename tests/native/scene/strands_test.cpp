@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Strands and spheres are met where closed forms say, with normals of a round hair, and rays leave them freely.
 #include "scene/scene.hpp"
+#include "scene/strand_bends.hpp"
 #include "scene/strand_spawn.hpp"
 #include "scene/strands.hpp"
 #include "scene/tube_mesh.hpp"
@@ -339,15 +340,56 @@ TEST_CASE("the triangles of a tube are as wide, and those of a sphere as large, 
             arrays.points = {{1, 2, 3, 0.2f}}, arrays.first_points.clear();
         const Strands strands(arrays, Progress());
         const TubeMesh mesh(strands);
-        std::vector<TriangleBvh::Triangle> triangles(mesh.triangles_per_segment());
+        std::vector<TriangleBvh::Triangle> triangles(mesh.triangles_per_piece());
         double surface = 0.0;
-        for (std::uint32_t segment = 0; segment < strands.segment_count(); ++segment) {
-            mesh.write(segment, triangles);
+        for (std::size_t piece = 0; piece < mesh.piece_count(); ++piece) {
+            mesh.write(piece, triangles);
             for (const auto& [a, b, c] : triangles)
                 surface += 0.5 * double{glm::length(glm::cross(b - a, c - a))};
         }
         const double expected = form == StrandForm::Spheres ? 4.0 * double{pi} * 0.04 : 2.0 * double{pi} * 0.2 * 4.0;
         CHECK(surface == doctest::Approx(expected).epsilon(1e-4));
     }
+}
+
+// Seen to fail: where only the middle of what lies between two bends was compared.
+TEST_CASE("between its bends a strand is straight and as wide, and a straight one has none") {
+    CHECK(StrandBends(Strands(straight(StrandForm::Round, 0.2f), Progress())).of(0).size() == 2);
+    StrandArrays arrays{.name = "curls"};
+    SceneRandom random(3);
+    for (int strand = 0; strand < 200; ++strand) {
+        arrays.first_points.push_back(static_cast<std::uint32_t>(arrays.points.size()));
+        vec3 at(0.0f), way = random.direction();
+        for (int point = 0; point < 12; ++point) {
+            arrays.points.emplace_back(at, random.uniform(0.01f, 0.012f));
+            at += 0.1f * way;
+            way = glm::normalize(way + random.uniform(0.0f, 0.4f) * random.direction());
+        }
+    }
+    const Strands strands(arrays, Progress());
+    StrandBends bends(strands);
+    std::size_t bend_count = 0;
+    for (std::uint32_t strand = 0; strand < 200; ++strand) {
+        const std::span<const StrandPoint> points = bends.of(strand);
+        bend_count += points.size();
+        for (std::uint32_t segment = 11 * strand; segment < 11 * (strand + 1); ++segment)
+            for (const float along : {0.0f, 0.21f, 0.5f, 0.83f}) {
+                const StrandPoint at = strands.on_spline(segment, along);
+                float nearest_m = std::numeric_limits<float>::infinity(), radius_m = 0.0f;
+                for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+                    const vec3 way = points[i + 1].centre - points[i].centre;
+                    const float share =
+                        std::clamp(glm::dot(at.centre - points[i].centre, way) / glm::dot(way, way), 0.0f, 1.0f);
+                    const float off_m = glm::length(points[i].centre + share * way - at.centre);
+                    if (off_m < nearest_m) {
+                        nearest_m = off_m;
+                        radius_m = points[i].radius_m + share * (points[i + 1].radius_m - points[i].radius_m);
+                    }
+                }
+                CHECK(nearest_m < 0.21f * at.radius_m);
+                CHECK(std::abs(radius_m - at.radius_m) < 0.05f * at.radius_m);
+            }
+    }
+    CHECK(bend_count < 200 * 60);
 }
 } // namespace strands_test
