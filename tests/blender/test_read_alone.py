@@ -12,6 +12,7 @@ import pytest
 from addon.sync import scene as sync_scene
 from addon.sync.reports import Reports
 from addon.sync.scene import SceneReader
+from support.followed_scene import Followed
 from support.small_scenes import (
     add,
     cube,
@@ -22,7 +23,6 @@ from support.small_scenes import (
     read,
 )
 from tyndall.fingerprints import fingerprint
-from tyndall.scene_description import SceneDescription
 
 
 def test_changed_lights_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -35,14 +35,7 @@ def test_changed_lights_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None:
         spot.data.use_nodes = True
     passes: list[object] = []
     monkeypatch.setattr(sync_scene, "read_placements", counting_passes(sync_scene.read_placements, passes))
-    reader = SceneReader()
-
-    def read_live() -> SceneDescription:
-        depsgraph = bpy.context.evaluated_depsgraph_get()
-        return reader.read(depsgraph, Reports(), lambda: None, is_live=True)
-
-    def note(updated_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-        reader.note_updates(depsgraph)
+    followed = Followed()
 
     def in_window(new: Callable[..., Any], link: Callable[..., Any]) -> bpy.types.NodeSocket:
         emission = new("ShaderNodeEmission")
@@ -81,10 +74,9 @@ def test_changed_lights_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None:
         lambda: bpy.data.objects.remove(lamp),
         lambda: light("SUN", (0, 0, 2)),
     ]
-    bpy.app.handlers.depsgraph_update_post.append(note)
-    try:
+    with followed.hears():
         scene.view_layers[0].update()
-        read_live()
+        followed.read()
         for changes, expected in (
             *((of_lights, {0}), (of_more, {1}), (of_parents, {0, 1})),
             *((of_both, {0}), (of_seen, {1}), (of_all, {1})),
@@ -93,12 +85,10 @@ def test_changed_lights_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None:
                 change()
                 scene.view_layers[0].update()
                 passes.clear()
-                found = read_live()
+                found = followed.read()
                 assert len(passes) in expected
                 assert fingerprint(found) == fingerprint(read())
                 assert any("no area" in line for line in found.reports)
-    finally:
-        bpy.app.handlers.depsgraph_update_post.remove(note)
 
 
 def counting_passes(function: Callable[..., Any], passes: list[object]) -> Callable[..., Any]:
@@ -109,7 +99,7 @@ def counting_passes(function: Callable[..., Any], passes: list[object]) -> Calla
     return counted
 
 
-def test_moved_objects_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None:  # noqa: PLR0915  what all hangs on them
+def test_moved_objects_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """From a live depsgraph, and as a fresh read would, whatever hangs on what moves."""
     scene = empty_scene()
     box, child, far = cube("Box"), cube("Child"), cube("Far")
@@ -146,14 +136,7 @@ def test_moved_objects_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None: 
         far.keyframe_insert("color", frame=frame)
     passes: list[object] = []
     monkeypatch.setattr(sync_scene, "read_placements", counting_passes(sync_scene.read_placements, passes))
-    reader = SceneReader()
-
-    def read_live() -> SceneDescription:
-        depsgraph = bpy.context.evaluated_depsgraph_get()
-        return reader.read(depsgraph, Reports(), lambda: None, is_live=True)
-
-    def note(updated_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-        reader.note_updates(depsgraph)
+    followed = Followed()
 
     alone = [
         lambda: setattr(box, "location", (1, 2, 3)),  # and its child
@@ -175,21 +158,15 @@ def test_moved_objects_are_read_alone(monkeypatch: pytest.MonkeyPatch) -> None: 
         lambda: scene.frame_set(1),
         lambda: setattr(box.modifiers.new("Subdivision", "SUBSURF"), "levels", 1),
     ]
-    handlers = bpy.app.handlers.depsgraph_update_post, bpy.app.handlers.frame_change_post
-    for events in handlers:
-        events.append(note)
-    try:
+    with followed.hears():
         scene.view_layers[0].update()
-        read_live()
+        followed.read()
         for changes, expected in ((alone, 0), (with_more, None)):
             for index, change in enumerate(changes):
                 change()
                 scene.view_layers[0].update()
                 passes.clear()
-                live = read_live()
+                live = followed.read()
                 assert expected is None or len(passes) == expected, index
                 fresh = SceneReader().read(bpy.context.evaluated_depsgraph_get(), Reports(), lambda: None)
                 assert fingerprint(live) == fingerprint(fresh), index
-    finally:
-        for events in handlers:
-            events.remove(note)
