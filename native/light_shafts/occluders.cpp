@@ -229,7 +229,7 @@ static bool is_drawn(const ShapeGeometry& shape, std::size_t place_count) {
     if (const CellShape* const cells = shape.cells())
         return cells->cell_count() <= most_cells_with_faces / place_count;
     const Strands* const strands = shape.strands();
-    return strands != nullptr && StrandBands::can_draw(*strands) &&
+    return strands != nullptr && strands->are_splines() &&
            strands->segment_count() <= most_segments_with_bands / place_count;
 }
 

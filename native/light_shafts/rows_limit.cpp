@@ -2,7 +2,6 @@
 #include "light_shafts/rows_limit.hpp"
 #include "light_shafts/forward_fog.hpp"
 #include "light_shafts/light_shafts.hpp"
-#include "light_shafts/strand_bands.hpp"
 #include "scene/strands.hpp"
 
 namespace tyndall::light_shafts {
@@ -28,7 +27,7 @@ static double row_s_of_strands(const SceneDescription& description) {
         if (!placed.casts_shadow || strands == nullptr)
             continue;
         segments += static_cast<double>(strands->segment_count());
-        is_traced |= !StrandBands::can_draw(*strands);
+        is_traced |= !strands->are_splines();
     }
     return segments * row_s_per_triangle + (is_traced ? row_s_of_traced : 0.0);
 }

@@ -14,10 +14,6 @@ LightPlace LightPlace::in_object(const mat4& scene_from_object) const {
     return {vec3(object_from_scene * glm::dvec4(at, is_directional ? 0.0 : 1.0)), is_directional};
 }
 
-bool StrandBands::can_draw(const Strands& strands) {
-    return strands.form() == StrandForm::Ribbon || strands.form() == StrandForm::Round;
-}
-
 static std::vector<std::uint32_t> order_of(const Strands& strands) {
     std::vector<vec3> positions;
     std::vector<uvec3> triples;

@@ -23,9 +23,7 @@ struct LightPlace {
 class StrandBands {
 public:
     static constexpr std::size_t pieces_per_block = OccluderBlock::capacity / 2;
-    /// Nothing of spheres and cones: those are traced.
-    [[nodiscard]] static bool can_draw(const Strands& strands);
-    /// Of strands it can draw; keeps nothing of them.
+    /// Of splines: spheres and cones are traced. Keeps nothing of them.
     explicit StrandBands(const Strands& strands);
 
     [[nodiscard]] std::size_t block_count() const { return (piece_count() + pieces_per_block - 1) / pieces_per_block; }

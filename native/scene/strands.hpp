@@ -61,6 +61,7 @@ public:
     [[nodiscard]] const Strands* strands() const override { return this; }
 
     [[nodiscard]] StrandForm form() const { return arrays_.form; }
+    [[nodiscard]] bool are_splines() const { return form() == StrandForm::Ribbon || form() == StrandForm::Round; }
     [[nodiscard]] std::size_t strand_count() const; ///< Or spheres.
     [[nodiscard]] std::size_t segment_count() const;
     [[nodiscard]] std::span<const vec4> points_of(std::uint32_t strand) const; ///< With both ends doubled.

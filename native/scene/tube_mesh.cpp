@@ -67,14 +67,12 @@ static std::vector<TriangleBvh::Triangle> unit_sphere() {
     return fine;
 }
 
-TubeMesh::TubeMesh(const Strands& strands)
-    : strands_(strands), triangles_per_piece_(2 * side_count),
-      is_spline_(strands.form() == StrandForm::Ribbon || strands.form() == StrandForm::Round) {
+TubeMesh::TubeMesh(const Strands& strands) : strands_(strands), triangles_per_piece_(2 * side_count) {
     if (strands.form() == StrandForm::Spheres) {
         unit_sphere_ = unit_sphere();
         triangles_per_piece_ = unit_sphere_.size();
     }
-    if (!is_spline_)
+    if (!strands.are_splines())
         return;
     StrandBends bends(strands);
     for (std::uint32_t strand = 0; strand < strands.strand_count(); ++strand) {
@@ -93,7 +91,7 @@ void TubeMesh::write(std::size_t piece, std::span<TriangleBvh::Triangle> triangl
                 corner = at.centre + at.radius_m * corner;
             return triangle;
         });
-    } else if (is_spline_) {
+    } else if (strands_.are_splines()) {
         // Both rings have the same frame, but for how far the strand turns.
         join(ring_at(pieces_[piece][0]), ring_at(pieces_[piece][1]), triangles);
     } else {

@@ -15,7 +15,9 @@ class TubeMesh {
 public:
     explicit TubeMesh(const Strands& strands); ///< Must outlive it.
     /// Of strands, or spheres.
-    [[nodiscard]] std::size_t piece_count() const { return is_spline_ ? pieces_.size() : strands_.segment_count(); }
+    [[nodiscard]] std::size_t piece_count() const {
+        return strands_.are_splines() ? pieces_.size() : strands_.segment_count();
+    }
     [[nodiscard]] std::size_t triangles_per_piece() const { return triangles_per_piece_; }
     void write(std::size_t piece, std::span<TriangleBvh::Triangle> triangles) const;
     /// Throws Cancelled.
@@ -25,7 +27,6 @@ private:
     const Strands& strands_;
     std::vector<TriangleBvh::Triangle> unit_sphere_; ///< Of spheres alone.
     std::size_t triangles_per_piece_;
-    bool is_spline_;
     std::vector<std::array<StrandPoint, 2>> pieces_; ///< Of splines alone: both ends.
 };
 } // namespace tyndall

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .native_scene import NativeParts
-    from .scene_description import ObjectLighting, SceneDescription, VoxelObjects
+    from .scene_description import ObjectLighting, PlacedObjects, SceneDescription, VoxelObjects
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,7 +111,7 @@ def _build_voxels(groups: tuple[VoxelObjects, ...], parts: NativeParts) -> None:
     parts.voxels = kept
 
 
-def shows_to(group: Instances | VoxelObjects | StrandObjects) -> int:
+def shows_to(group: PlacedObjects) -> int:
     """A bit per kind of ray, as native/scene/instance_masks.hpp has them; then held out, catcher, lights media."""
     to_others = (group.casts_shadow, group.is_bounce_visible, group.is_mirror_visible, group.is_glass_visible)
     lights_media = isinstance(group, Instances) and group.lights_media

@@ -67,22 +67,28 @@ class ObjectLighting:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Instances:
-    """Every placement of one mesh that shares a material assignment and flags."""
+class PlacedObjects:
+    """Every placement of the same geometry that shares its flags."""
 
-    mesh: Mesh
     world_from_object: NDArray[np.float64]  #: (count, 4, 4), affine, may mirror.
     object_names: tuple[str, ...]  #: count names, for reports.
-    materials: tuple[int, ...]  #: Per material slot, into SceneDescription.materials.
     is_camera_visible: bool = True
     casts_shadow: bool = True
     is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
     is_mirror_visible: bool = True
     is_glass_visible: bool = True  #: Through what bends rays.
-    lights_media: bool = True  #: Its light falls on media.
     is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
     is_shadow_catcher: bool = False  #: Of it cameras see only the shadows that others cast on it.
     lighting: ObjectLighting | None = None  #: None: as it begins.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Instances(PlacedObjects):
+    """Every placement of one mesh that shares a material assignment and flags."""
+
+    mesh: Mesh
+    materials: tuple[int, ...]  #: Per material slot, into SceneDescription.materials.
+    lights_media: bool = True  #: Its light falls on media.
     color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)  #: The object's own, for materials that ask.
     pass_index: float = 0.0
     random: NDArray[np.float32] | None = None  #: (count,) in [0, 1), for materials that ask; None: all 0.
@@ -95,21 +101,11 @@ class Instances:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class VoxelObjects:
+class VoxelObjects(PlacedObjects):
     """Every placement of the same voxels that shares a material and flags. Voxels are opaque."""
 
     dag: VoxelDag  #: Told by itself, not by its content: keep it from frame to frame. Its bounds are in object space.
-    world_from_object: NDArray[np.float64]  #: (count, 4, 4), affine, may mirror.
-    object_names: tuple[str, ...]  #: count names, for reports.
     material: int | None = None  #: Into SceneDescription.materials; None: grey.
-    is_camera_visible: bool = True
-    casts_shadow: bool = True
-    is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
-    is_mirror_visible: bool = True
-    is_glass_visible: bool = True  #: Through what bends rays.
-    is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
-    is_shadow_catcher: bool = False  #: Of it cameras see only the shadows that others cast on it.
-    lighting: ObjectLighting | None = None  #: None: as it begins.
 
 
 class StrandForm(IntEnum):
@@ -151,18 +147,8 @@ def point_maps() -> tuple[str, str, str]:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class StrandObjects:
+class StrandObjects(PlacedObjects):
     """Every placement of the same strands that shares a material and flags. Strands are opaque."""
 
     strands: Strands
-    world_from_object: NDArray[np.float64]  #: (count, 4, 4), affine, may mirror.
-    object_names: tuple[str, ...]  #: count names, for reports.
     material: int | None = None  #: Into SceneDescription.materials; None: grey.
-    is_camera_visible: bool = True
-    casts_shadow: bool = True
-    is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
-    is_mirror_visible: bool = True
-    is_glass_visible: bool = True  #: Through what bends rays.
-    is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
-    is_shadow_catcher: bool = False  #: Of it cameras see only the shadows that others cast on it.
-    lighting: ObjectLighting | None = None  #: None: as it begins.
