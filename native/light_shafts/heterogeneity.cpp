@@ -5,6 +5,7 @@
 #include "light_shafts/heterogeneity_kernel.hpp"
 #include "light_shafts/picture_air.hpp"
 #include "light_shafts/turns.hpp"
+#include "scene/area_patch.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -110,13 +111,12 @@ void add_local(const Media& media, const ViewRay& ray, const LightSample& light,
         const float begin = at_m - half_m - foot_m, end = at_m + half_m - foot_m;
         const float angle = std::atan2((end - begin) * across_m, across_m * across_m + begin * end);
         const vec3 at = ray.origin + at_m * ray.direction;
-        const vec3 from_light = at - light.position;
-        const float distance_m = glm::length(from_light);
-        const vec3 direction = shaping_direction(light, at, from_light / distance_m);
+        const LocalView view = view_local(light, at);
         if (light.is_dimmed_by_media)
-            depth += media.sigma_t_per_m(segment.set) * distance_m;
-        const Rgb source = intensity_w_per_sr(light, direction) *
-                           media.scatter_per_m_sr(segment.set, -glm::dot(direction, ray.direction)) * glm::exp(-depth);
+            depth += media.sigma_t_per_m(segment.set) * view.distance_m;
+        const Rgb source = view.edge_share * intensity_w_per_sr(light, view.shaping) *
+                           media.scatter_per_m_sr(segment.set, -glm::dot(view.from_light, ray.direction)) *
+                           glm::exp(-depth);
         weights[step] += strata_weight * shares[step] * average(source) * angle / (across_m * stepping.step_m());
     });
 }

@@ -5,6 +5,7 @@
 //           by the midpoint, or by Simpson's rule where that would not do: 1e-4.
 #include "light_shafts/lit_pieces.hpp"
 #include "light_shafts/local_reached.hpp"
+#include "scene/area_patch.hpp"
 #include "scene/light_texture.hpp"
 #include <algorithm>
 #include <cmath>
@@ -63,30 +64,32 @@ private:
     [[nodiscard]] vec3 point(double at_m) const { return ray_->origin + static_cast<float>(at_m) * ray_->direction; }
     /// Radiance per metre that the step's media scatter towards the camera.
     [[nodiscard]] Rgb source(double at_m, const MediumSet& set, std::span<const GridShare> shares) const {
-        const vec3 at = point(at_m), way = at - light_.light_.position;
-        const float distance_m = glm::length(way);
-        if (!(distance_m > 0.0f))
-            return Rgb(0.0f);
         const LightSample& light = light_.light_;
-        const vec3 from_light = shaping_direction(light, at, way / distance_m);
-        const float cosine = -glm::dot(ray_->direction, from_light); // from the light's way to the way to the camera
+        const vec3 at = point(at_m);
+        if (at == light.position)
+            return Rgb(0.0f);
+        const LocalView view = view_local(light, at);
+        const float cosine =
+            -glm::dot(ray_->direction, view.from_light); // from the light's way to the way to the camera
         Rgb scatter = media_.scatter_per_m_sr(set, cosine);
         for (const GridShare& share : shares) {
             const PlacedGrid& placed = media_.grids().all()[share.grid];
             scatter += share.density * placed.density_scale * media_.scatter_per_m_sr(placed.medium, cosine);
         }
         const Rgb colour = light.textured ? texture_colour(*light.textured, light.position, at) : Rgb(1.0f);
-        return scatter * colour * intensity_w_per_sr(light, from_light) * irradiance_per_intensity(light, at);
+        return scatter * colour * intensity_w_per_sr(light, view.shaping) *
+               (view.edge_share * irradiance_per_intensity(light, at));
     }
     [[nodiscard]] Rgb light_depth(double at_m, bool is_reached) const {
         if (!light_.light_.is_dimmed_by_media)
             return Rgb(0.0f);
-        const vec3 at = point(at_m), way = light_.light_.position - at;
-        const float distance_m = glm::length(way);
-        if (!(distance_m > 0.0f))
+        const vec3 at = point(at_m), position = light_.light_.position;
+        if (at == position)
             return Rgb(0.0f);
-        const Rgb passing = media_.homogeneous_transmittance(
-            {.origin = at, .direction = way / distance_m, .near_m = 0.0f, .far_m = distance_m});
+        const Rgb passing = media_.homogeneous_transmittance({.origin = at,
+                                                              .direction = glm::normalize(position - at),
+                                                              .near_m = 0.0f,
+                                                              .far_m = view_local(light_.light_, at).distance_m});
         const Rgb depth = -glm::log(glm::max(passing, Rgb(1e-30f)));
         return is_reached ? depth + light_.grid_depth_->depth(at) : depth;
     }

@@ -219,23 +219,24 @@ struct Kernel {
             }
             const V x = hn::MulAdd(before, s.x0, hn::Mul(after, s.x1)), x2 = hn::Mul(x, x);
             const V distance2 = hn::Add(x2, s.light_y2), inverse_distance = reciprocal_root_of(d, distance2);
-            const V distance = hn::Mul(distance2, inverse_distance);
-            V along = x, across2 = s.light_y2, inverse_way = inverse_distance;
+            const V inverse2 = hn::Mul(inverse_distance, inverse_distance);
+            LightView view{
+                {}, hn::Mul(x, inverse_distance), hn::Mul(s.light_y2, inverse2), hn::Mul(distance2, inverse_distance)};
             if (shape.is_area)
-                LightShape{shape}.soften_way(s, x, distance2, along, across2, inverse_way);
+                view = LightShape{shape}.area_at(s, x, distance2);
+            else
+                view.share = LightShape{shape}.shape_at(s, x, x2, inverse_distance, before, after);
+            const auto& [share, cosine, sine2, distance] = view;
             // 1 - |cos| of the angle by which the light turns, as sin^2 / (1 + |cos|).
-            const V absolute = hn::Mul(hn::Abs(along), inverse_way);
-            const V less = hn::Mul(hn::Mul(across2, hn::Mul(inverse_way, inverse_way)),
-                                   reciprocal_of(d, hn::Add(set(1.0f), absolute)));
+            const V less = hn::Mul(sine2, reciprocal_of(d, hn::Add(set(1.0f), hn::Abs(cosine))));
             const V more = hn::Sub(set(2.0f), less);
-            const auto turns_back = hn::Gt(along, hn::Zero(d)); // the ray has passed the light, and looks back at it
+            const auto turns_back = hn::Gt(cosine, hn::Zero(d)); // the ray has passed the light, and looks back at it
             const V towards = hn::IfThenElse(turns_back, more, less), away = hn::IfThenElse(turns_back, less, more);
             V scatter[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
             if (is_one_set)
                 add_lobes(sets[static_cast<std::size_t>(set_of[0])], towards, away, scatter);
             else
                 scatter_of_sets(set_of, set_index, towards, away, scatter);
-            const V share = LightShape{shape}.shape_at(s, x, x2, inverse_distance, before, after);
             mean_share = hn::MulAdd(set(rule.weight[i]), share, mean_share);
             V sigma_t[3], transmittance{};
             light_side(before, after, sigma_t);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/local_support.hpp"
-#include "scene/area_light.hpp"
+#include "scene/light_axes.hpp"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -188,8 +188,18 @@ LocalShape::LocalShape(const LightSample& light)
     if (is_area) {
         spread_cotangent = double{area_spread(spot).cotangent};
         cos_half = spread_cotangent / std::hypot(spread_cotangent, 1.0);
-        const auto [u, v] = orthonormal_basis(spot.spot_axis);
-        cone_from_world = glm::transpose(glm::dmat3(dvec3(u), dvec3(v), dvec3(spot.spot_axis)));
+        const mat3 axes = light_axes(spot);
+        cone_from_world = glm::transpose(glm::dmat3(dvec3(axes[0]), dvec3(axes[1]), dvec3(spot.spot_axis)));
+        const vec2 place(cone_from_world * (position - dvec3(spot.position)));
+        outline = area_outline(spot);
+        for (std::size_t corner = 2; corner < outline.count; ++corner) {
+            const vec2 a = outline.corners_m[corner - 1] - outline.corners_m[0];
+            const vec2 b = outline.corners_m[corner] - outline.corners_m[0];
+            twice_fan_m2[corner - 2] = a.x * b.y - a.y * b.x;
+        }
+        for (vec2& corner : outline.corners_m)
+            corner -= place;
+        edge_width = tyndall::edge_width(area_spread(spot));
         return;
     }
     cos_half = std::cos(double{spot.spot_half_angle_rad});

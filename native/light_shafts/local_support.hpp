@@ -6,6 +6,7 @@
 // Bound:    8 rays at a time in doubles (AVX-512): the foot may be a million times nearer than the ray's origin.
 #pragma once
 #include "light_shafts/local_rays.hpp"
+#include "scene/area_patch.hpp"
 #include <array>
 #include <vector>
 
@@ -27,6 +28,9 @@ struct LocalShape {
     double cos_half = 0.0, cos_inner = 0.0;
     double one_minus_cos_half = 0.0, per_smooth = 0.0; ///< 1 / width of the soft edge in cosine.
     double spread_cotangent = 0.0;                     ///< Area: of half its spread.
+    AreaOutline outline{};                             ///< Area: of the whole light, from the patch.
+    std::array<float, 6> twice_fan_m2{};               ///< Areas of the triangles from its first corner, doubled.
+    double edge_width = 1.0;                           ///< See area_patch.hpp.
 };
 
 /// Per ray, x being the distance along it from the light's foot. Columns are padded as those of LocalRays.

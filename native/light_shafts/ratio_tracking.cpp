@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/ratio_tracking.hpp"
 #include "core/random.hpp"
+#include "scene/area_patch.hpp"
 #include "scene/light_texture.hpp"
 #include <algorithm>
 #include <bit>
@@ -67,8 +68,10 @@ public:
             if (!(to_light.far_m > 0.0f) || !is_in_cell(point))
                 return Rgb(0.0f);
             to_light.direction = way / to_light.far_m;
-            from_light = shaping_direction(light_, point, -to_light.direction);
-            irradiance = intensity_w_per_sr(light_, from_light) * irradiance_per_intensity(light_, point);
+            const LocalView view = view_local(light_, point);
+            from_light = view.from_light, to_light.far_m = view.distance_m;
+            irradiance =
+                intensity_w_per_sr(light_, view.shaping) * (view.edge_share * irradiance_per_intensity(light_, point));
         }
         if (light_.textured != nullptr)
             irradiance *= texture_colour(*light_.textured,

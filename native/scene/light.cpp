@@ -58,17 +58,6 @@ float irradiance_per_intensity(const LightSample& sample, const vec3& point) {
     return sample.faces_receivers ? std::sqrt(distance2 / softened2) / softened2 : 1.0f / softened2;
 }
 
-vec3 shaping_direction(const LightSample& sample, const vec3& point, const vec3& from_light) {
-    if (sample.softening_m2 == 0.0f || sample.spot == nullptr || sample.spot->kind != LightKind::Area)
-        return from_light;
-    const vec3 way = point - sample.position;
-    const float before_m = glm::dot(way, sample.emission_normal);
-    if (!(before_m > 0.0f))
-        return from_light;
-    const float softened_m = std::sqrt(before_m * before_m + sample.softening_m2);
-    return glm::normalize(way + (softened_m - before_m) * sample.emission_normal);
-}
-
 /// What all samples of a light have in common; complete for a light without a size.
 static LightSample centre_sample(const Light& light, std::uint32_t light_index) {
     return {.is_directional = light.kind == LightKind::Sun,

@@ -82,7 +82,7 @@ struct LightSample {
     Rgb strength{1.0f};          ///< Irradiance, W/m^2, or intensity, W/sr, before shaping; its share of the light.
     vec3 emission_normal{0.0f};  ///< Local: intensity falls with max(0, cos) around it; zero vector: isotropic.
     /// Local: from position to where the inverse square is measured from, and what is added to the squared distance. Of
-    /// a patch of an area light also to the square of how far a point lies before it: see shaping_direction.
+    /// a patch of an area light also to the square of how far a point lies before it: see view_local.
     vec3 falloff_offset{0.0f};
     float softening_m2 = 0.0f;
     /// Local: a patch of a disc that turns to each point. Inverse square times the cosine at the patch:
@@ -106,9 +106,6 @@ struct LightSample {
 /// Irradiance per intensity, 1/m^2, that a local sample gives a point that faces it: the inverse square of its distance
 /// to position + falloff_offset, softened. Its cell is for those who ask to know.
 [[nodiscard]] float irradiance_per_intensity(const LightSample& sample, const vec3& point);
-/// The direction in which to ask for a local sample's intensity at a point that lies at the unit direction `from_light`
-/// from it: the same, but before a softened patch of an area light.
-[[nodiscard]] vec3 shaping_direction(const LightSample& sample, const vec3& point, const vec3& from_light);
 /// The stratum of `light` at `u` in [0, 1)^3; its strength is that of the whole light. A light of size 0 ignores u; the
 /// third number is the depth of a stratum of a facing disc: strata that tie it to the others lean to one side.
 [[nodiscard]] LightSample sample_light(const Light& light, std::uint32_t light_index, const vec3& u);

@@ -4,6 +4,8 @@
 // is found by bisection.
 #pragma once
 #include "light_shafts/local_scatter.hpp"
+#include "scene/area_light.hpp"
+#include "scene/light_axes.hpp"
 #include "support/scenes.hpp"
 #include <cmath>
 #include <numbers>
@@ -66,6 +68,7 @@ inline dvec3 scattered_at(const std::vector<FogBox>& boxes, const LightSample& l
                           const dvec3& direction, double t) {
     const dvec3 point = origin + t * direction, way = point - dvec3(light.position), to_point = glm::normalize(way);
     dvec3 came = to_point;
+    double passed_share = 1.0; // of the way to the light
     double intensity =
         light.spot != nullptr && light.spot->kind == LightKind::Spot ? spot_share(*light.spot, to_point) : 1.0;
     if (light.spot != nullptr && light.spot->kind == LightKind::Area) {
@@ -74,7 +77,23 @@ inline dvec3 scattered_at(const std::vector<FogBox>& boxes, const LightSample& l
         const double beside = glm::length(glm::cross(way, axis)), half_rad = light.spot->spot_half_angle_rad;
         const double slats = half_rad < 1.5707 ? std::max(0.0, 1.0 - beside / (along * std::tan(half_rad))) : 1.0;
         intensity = glm::dot(way, axis) > 0.0 ? slats * along / std::hypot(along, beside) : 0.0;
-        came = glm::normalize(way + (along - glm::dot(way, axis)) * axis); // from as far behind the patch
+        // As a point from farther before the patch sees it.
+        const double before = glm::dot(way, axis), way_m = std::hypot(along, beside);
+        passed_share = (way_m - (along - before) * std::sqrt(way_m / along)) / glm::length(way);
+        // A rectangle's edges, of which both points see the solid angle; faded out from 500 to 1,000 softenings.
+        const glm::dmat3 axes(light_axes(*light.spot));
+        const dvec3 from_middle = point - dvec3(light.spot->position);
+        const dvec2 foot(glm::dot(from_middle, axes[0]), glm::dot(from_middle, axes[1]));
+        const double narrow = 1.0 + (half_rad < 1.5707 ? 7.0 / std::tan(half_rad) : 0.0);
+        const auto seen_sr = [&](double height_m) {
+            const dvec2 half(light.spot->half_size_m);
+            return rectangle_solid_angle_sr(-half - foot, half - foot, height_m / narrow);
+        };
+        const double fade = std::clamp(2.0 - before * before / (500.0 * light.softening_m2), 0.0, 1.0);
+        const double edges = before > 0.0 ? std::lerp(1.0, seen_sr(before) / seen_sr(along), fade) : 1.0;
+        intensity *= edges;
+        const double z = along / way_m, down = edges > 1.0 ? std::max(0.0, 1.0 - (1.0 - z) * edges) : z * edges;
+        came = down * axis + std::sqrt(1.0 - down * down) * glm::normalize(way - before * axis);
     } else if (light.emission_normal != vec3(0.0f))
         intensity *= std::max(0.0, glm::dot(to_point, dvec3(light.emission_normal)));
     if (intensity == 0.0)
@@ -93,7 +112,8 @@ inline dvec3 scattered_at(const std::vector<FogBox>& boxes, const LightSample& l
         }
     }
     return intensity * scatter *
-           glm::exp(-depth_of_boxes(boxes, origin, point) - depth_of_boxes(boxes, point, dvec3(light.position)));
+           glm::exp(-depth_of_boxes(boxes, origin, point) -
+                    passed_share * depth_of_boxes(boxes, point, dvec3(light.position)));
 }
 
 /// Gauss's 3 points on panels of the angle, cut where the light begins and ends.

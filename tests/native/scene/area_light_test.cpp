@@ -120,7 +120,7 @@ TEST_CASE("strata that stand still are on average the light that is sampled for 
                 for (std::uint32_t index = 0; index < count; ++index) {
                     const LightSample sample = sample_light(light, 0, {sobol_point(index, 3), 0.0f});
                     const vec3 from_light = glm::normalize(point - sample.position);
-                    still += double{intensity_w_per_sr(sample, shaping_direction(sample, point, from_light)).x} *
+                    still += double{intensity_w_per_sr(sample, from_light).x} *
                              irradiance_per_intensity(sample, point) * std::max(0.0f, glm::dot(normal, -from_light)) /
                              count;
                 }
