@@ -15,7 +15,7 @@ public:
     explicit LampReach(const LightSample& light) : shape_(light) {}
 
     [[nodiscard]] bool may_touch(const Bounds3& box) const {
-        if (shape_.has_normal && lies_below(box, shape_.normal, 0.0))
+        if (shape_.has_normal && lies_below(box, shape_.normal, shape_.below_m))
             return false;
         for (std::size_t plane = 0; shape_.has_cell && plane < shape_.cell_normals.size(); ++plane)
             // A stratum beside its cell shines into it from outside.

@@ -5,7 +5,7 @@
 #include "light_shafts/heterogeneity_kernel.hpp"
 #include "light_shafts/picture_air.hpp"
 #include "light_shafts/turns.hpp"
-#include "scene/area_patch.hpp"
+#include "scene/softened_patch.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -114,7 +114,7 @@ void add_local(const Media& media, const ViewRay& ray, const LightSample& light,
         const LocalView view = view_local(light, at);
         if (light.is_dimmed_by_media)
             depth += media.sigma_t_per_m(segment.set) * view.distance_m;
-        const Rgb source = view.edge_share * intensity_w_per_sr(light, view.shaping) *
+        const Rgb source = view.irradiance * (glm::dot(at - light.position, at - light.position) + light.softening_m2) *
                            media.scatter_per_m_sr(segment.set, -glm::dot(view.from_light, ray.direction)) *
                            glm::exp(-depth);
         weights[step] += strata_weight * shares[step] * average(source) * angle / (across_m * stepping.step_m());

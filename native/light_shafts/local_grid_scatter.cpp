@@ -5,8 +5,8 @@
 //           by the midpoint, or by Simpson's rule where that would not do: 1e-4.
 #include "light_shafts/lit_pieces.hpp"
 #include "light_shafts/local_reached.hpp"
-#include "scene/area_patch.hpp"
 #include "scene/light_texture.hpp"
+#include "scene/softened_patch.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -32,6 +32,9 @@ public:
         edges_.clear();
         if (light_.shape_.has_soft_edge)
             for (const auto which : {LocalSupport::Inner0, LocalSupport::Inner1})
+                edges_.push_back(foot_m_ + support.distance[which][support_row]);
+        if (light_.shape_.sphere_radius_m > 0.0)
+            for (const auto which : {LocalSupport::Body0, LocalSupport::Body1})
                 edges_.push_back(foot_m_ + support.distance[which][support_row]);
         if (light_.light_.is_dimmed_by_media) { // bends where a boundary of fog is between
             crossings_.clear();
@@ -77,8 +80,7 @@ private:
             scatter += share.density * placed.density_scale * media_.scatter_per_m_sr(placed.medium, cosine);
         }
         const Rgb colour = light.textured ? texture_colour(*light.textured, light.position, at) : Rgb(1.0f);
-        return scatter * colour * intensity_w_per_sr(light, view.shaping) *
-               (view.edge_share * irradiance_per_intensity(light, at));
+        return scatter * colour * view.irradiance;
     }
     [[nodiscard]] Rgb light_depth(double at_m, bool is_reached) const {
         if (!light_.light_.is_dimmed_by_media)

@@ -26,7 +26,7 @@ static HWY_INLINE V set(double value) { return hn::Set(d, static_cast<float>(val
 
 /// What a vector of rays needs of a light at all its points.
 struct LightLanes {
-    V light_y2, softened_y2, lobe0, lobe1;
+    V light_y2, softened_y2, lobe0, lobe1, normal_d;
     V cone[3], cone_d[3], offset0, offset_x;
 };
 
@@ -40,41 +40,67 @@ struct LightView {
 struct LightShape {
     const LocalShape& shape;
 
-    /// view_local of a patch, x from its foot.
-    HWY_INLINE LightView area_at(const LightLanes& s, V x, V distance2) const {
-        const V softening = set(shape.softening_m2), one = set(1.0f), zero = hn::Zero(d), tiny = set(1e-20f);
-        const V p0 = hn::MulAdd(x, s.cone_d[0], s.cone[0]), p1 = hn::MulAdd(x, s.cone_d[1], s.cone[1]);
-        const V before = hn::Max(hn::MulAdd(x, s.cone_d[2], s.cone[2]), zero);
+    /// view_local of a softened patch, x from its foot; `normal_m`: of the point over the plane of a patch of a sphere.
+    HWY_INLINE LightView patch_at(const LightLanes& s, V x, V distance2, V normal_m) const {
+        const V one = set(1.0f), zero = hn::Zero(d), tiny = set(1e-20f), softening = set(shape.softening_m2);
+        // Of the axis off the lamp: the way to the point along it, the ray's direction, and how far before it the point lies.
+        V off_m, off_d, before, middle = zero, radius = zero, is_outside = one;
+        if (shape.is_area) {
+            before = off_m = hn::Max(hn::MulAdd(x, s.cone_d[2], s.cone[2]), zero), off_d = s.cone_d[2];
+        } else {
+            radius = set(shape.sphere_radius_m);
+            const V square = hn::MulAdd(hn::Add(radius, radius), normal_m, distance2); // above the sphere
+            const V middle2 = hn::Max(hn::MulAdd(radius, radius, square), tiny),
+                    inverse = reciprocal_root_of(d, middle2);
+            middle = hn::Mul(middle2, inverse);
+            off_m = hn::Mul(hn::MulAdd(radius, normal_m, distance2), inverse);
+            off_d = hn::Mul(hn::MulAdd(radius, s.normal_d, x), inverse);
+            before = hn::Max(hn::Mul(square, reciprocal_of(d, hn::Add(middle, radius))), zero);
+            is_outside = hn::IfThenElseZero(hn::Gt(square, zero), one);
+        }
         const V softened = hn::Sqrt(hn::MulAdd(before, before, softening));
-        const V way2 = hn::Add(distance2, softening), inverse_way = reciprocal_root_of(d, way2);
-        const V way = hn::Mul(way2, inverse_way), beside2 = hn::MulAdd(p0, p0, hn::Mul(p1, p1));
-        const V edges = edge_share(p0, p1, before, softened), z = hn::Mul(softened, inverse_way);
+        const V nearer = hn::Mul(softening, reciprocal_of(d, hn::Max(hn::Add(softened, before), tiny)));
+        const V lifted2 = hn::MulAdd(nearer, hn::MulAdd(set(2.0f), off_m, nearer), distance2);
+        const V inverse = reciprocal_root_of(d, lifted2), lifted = hn::Mul(lifted2, inverse);
+        const V z = hn::Mul(hn::Add(off_m, nearer), inverse);
+        const V beside2 = hn::Max(hn::NegMulAdd(off_m, off_m, distance2), zero);
+        const V far = hn::Mul(hn::Mul(before, before), set(1.0 / (far_before_softenings * shape.softening_m2)));
+        const V fade = hn::Min(hn::Max(hn::Sub(set(2.0f), far), zero), one);
 
         LightView view;
-        const V lobe = hn::NegMulAdd(set(shape.spread_cotangent), hn::Sqrt(beside2), softened);
-        view.share = hn::Mul(hn::Mul(hn::Max(lobe, zero), inverse_way), edges);
-        const V nearer = hn::Mul(softening, reciprocal_of(d, hn::Max(hn::Add(softened, before), tiny)));
-        view.distance = hn::NegMulAdd(nearer, hn::Sqrt(hn::Div(way, hn::Max(softened, tiny))), way);
-        const V stretched = hn::Max(hn::NegMulAdd(hn::Sub(one, z), edges, one), zero);
-        const V down = hn::Min(hn::IfThenElse(hn::Gt(edges, one), stretched, hn::Mul(z, edges)), one);
-        const V aside =
-            hn::Mul(hn::Sqrt(hn::NegMulAdd(down, down, one)), reciprocal_root_of(d, hn::Max(beside2, tiny)));
-        const V came0 = hn::Mul(aside, p0), came1 = hn::Mul(aside, p1);
-        const auto product = [](V a, V b, V c, V e) { return hn::MulSub(a, b, hn::Mul(c, e)); };
-        const V across0 = product(came1, s.cone_d[2], down, s.cone_d[1]),
-                across1 = product(down, s.cone_d[0], came0, s.cone_d[2]),
-                across2 = product(came0, s.cone_d[1], came1, s.cone_d[0]);
-        view.cosine = hn::MulAdd(came0, s.cone_d[0], hn::MulAdd(came1, s.cone_d[1], hn::Mul(down, s.cone_d[2])));
-        view.sine2 = hn::MulAdd(across0, across0, hn::MulAdd(across1, across1, hn::Mul(across2, across2)));
+        V angles = one, lobe;
+        if (shape.is_area) {
+            angles = hn::AllTrue(d, hn::Eq(fade, zero)) ? one : area_angles(s, x, before, softened);
+            lobe = hn::NegMulAdd(set(shape.spread_cotangent), hn::Sqrt(beside2), softened);
+        } else {
+            angles = sphere_angles(radius, before, softened);
+            const V normal_off = hn::Mul(hn::Add(normal_m, radius), reciprocal_of(d, middle));
+            lobe = hn::MulAdd(nearer, normal_off, normal_m);
+        }
+        angles = hn::Mul(is_outside, hn::MulAdd(fade, hn::Sub(angles, one), one));
+        const V measure = hn::Mul(hn::MulAdd(x, x, s.softened_y2), hn::Mul(inverse, inverse));
+        view.share = hn::Mul(hn::Mul(hn::Max(lobe, zero), inverse), hn::Mul(angles, measure));
+        view.distance = hn::NegMulAdd(nearer, hn::Sqrt(hn::Div(lifted, hn::Max(softened, tiny))), lifted);
+        const V stretched = hn::Max(hn::NegMulAdd(hn::Sub(one, z), angles, one), zero);
+        const V off = hn::Min(hn::IfThenElse(hn::Gt(angles, one), stretched, hn::Mul(z, angles)), one);
+        const V aside = hn::Mul(hn::Sqrt(hn::NegMulAdd(off, off, one)), reciprocal_root_of(d, hn::Max(beside2, tiny)));
+        view.cosine = hn::MulAdd(off, off_d, hn::Mul(aside, hn::NegMulAdd(off_m, off_d, x)));
+        view.sine2 = hn::Max(hn::NegMulAdd(view.cosine, view.cosine, one), zero);
         return view;
     }
-    /// LocalView::edge_share.
-    HWY_INLINE V edge_share(V p0, V p1, V before, V softened) const {
+    /// Of the half angles in which two points see a sphere's cap.
+    HWY_INLINE V sphere_angles(V radius, V before, V softened) const {
         const V one = set(1.0f);
-        const V far = hn::Mul(hn::Mul(before, before), set(1.0 / (far_before_softenings * shape.softening_m2)));
-        const V weight = hn::Min(hn::Max(hn::Sub(set(2.0f), far), hn::Zero(d)), one);
-        if (hn::AllTrue(d, hn::Eq(weight, hn::Zero(d))))
-            return one;
+        const auto cap = [&](V height) {
+            const V sine = hn::Div(radius, hn::Add(radius, height)), sine2 = hn::Mul(sine, sine);
+            return hn::Div(sine2, hn::Add(one, hn::Sqrt(hn::Max(hn::Sub(one, sine2), hn::Zero(d)))));
+        };
+        return hn::Div(cap(before), cap(softened));
+    }
+    /// Of the half angles in which two points see an area light.
+    HWY_INLINE V area_angles(const LightLanes& s, V along, V before, V softened) const {
+        const V one = set(1.0f);
+        const V p0 = hn::MulAdd(along, s.cone_d[0], s.cone[0]), p1 = hn::MulAdd(along, s.cone_d[1], s.cone[1]);
         V x[8], y[8], across2[8];
         for (std::size_t corner = 0; corner < shape.outline.count; ++corner) {
             x[corner] = hn::Sub(set(shape.outline.corners_m[corner].x), p0);
@@ -106,14 +132,13 @@ struct LightShape {
         };
         const V width = set(shape.edge_width);
         const V seen = half_angle(hn::Mul(width, before)), softly = half_angle(hn::Mul(width, softened));
-        return hn::MulAdd(weight, hn::Div(hn::Sub(seen, softly), hn::Max(softly, set(1e-30f))), one);
+        return hn::Div(seen, hn::Max(softly, set(1e-30f)));
     }
-    /// Cosine lobe, softening and cone at a point, of lights that are none of an area light's patches.
-    HWY_INLINE V shape_at(const LightLanes& s, V x, V x2, V inverse_distance, V before, V after) const {
+    /// Cosine lobe and softening at a point, of what is no softened patch.
+    HWY_INLINE V shape_at(const LightLanes& s, V x, V x2, V inverse_distance, V normal_m) const {
         V share = set(1.0f);
         if (shape.has_normal)
-            share =
-                hn::Mul(hn::Max(hn::MulAdd(before, s.lobe0, hn::Mul(after, s.lobe1)), hn::Zero(d)), inverse_distance);
+            share = hn::Mul(hn::Max(normal_m, hn::Zero(d)), inverse_distance);
         if (shape.is_soft) {
             const double offset2 = glm::dot(shape.falloff_offset, shape.falloff_offset) + shape.softening_m2;
             const V way2 =
@@ -123,8 +148,10 @@ struct LightShape {
             const V cosine2 = hn::NegMulAdd(set(shape.softening_m2), inverse_way2, set(1.0f)); // at the patch of a disc
             share = shape.faces_receivers ? hn::Mul(share, hn::Sqrt(hn::Max(cosine2, hn::Zero(d)))) : share;
         }
-        if (!shape.has_cone)
-            return share;
+        return share;
+    }
+    /// `share` in the cone of a spot light.
+    HWY_INLINE V cone_at(const LightLanes& s, V x, V share) const {
         V p[3];
         for (int axis = 0; axis < 3; ++axis)
             p[axis] = hn::MulAdd(x, s.cone_d[axis], s.cone[axis]);

@@ -92,6 +92,8 @@ void LocalScatter::Batch::prepare_splits() {
     for (const auto which : {LocalSupport::Inner0, LocalSupport::Inner1})
         if (light_->shape_.has_soft_edge && distance(LocalSupport::Inner0) < distance(LocalSupport::Inner1))
             splits_.push_back(distance(which));
+    if (light_->shape_.sphere_radius_m > 0.0)
+        splits_.insert(splits_.end(), {distance(LocalSupport::Body0), distance(LocalSupport::Body1)});
     if (light_->shape_.is_area)
         splits_.insert(splits_.end(), {distance(LocalSupport::Inner0), distance(LocalSupport::Inner1)});
     if (light_->light_.is_dimmed_by_media) {
@@ -231,8 +233,9 @@ void LocalScatter::Batch::append_piece(const LocalRays::Segment& segment, double
     }
     if (light_->shape_.has_normal) {
         const double at_foot = distance(LocalSupport::Normal0), per_m = distance(LocalSupport::NormalX);
-        pieces_.lobe0[at] = static_cast<float>(std::max(0.0, at_foot + per_m * x0));
-        pieces_.lobe1[at] = static_cast<float>(std::max(0.0, at_foot + per_m * x1));
+        const double least_m = -light_->shape_.below_m;
+        pieces_.lobe0[at] = static_cast<float>(std::max(least_m, at_foot + per_m * x0));
+        pieces_.lobe1[at] = static_cast<float>(std::max(least_m, at_foot + per_m * x1));
     }
     const auto is_grey = [](const auto& value) { return value[0] == value[1] && value[0] == value[2]; };
     bool all_grey = is_grey(depth) && is_grey(sigma_t) && is_grey(light_->sigma_t_at_light_);

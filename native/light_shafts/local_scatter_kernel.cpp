@@ -158,7 +158,8 @@ struct Kernel {
             s.depth_gain[channel] = of_piece(pieces.depth_gain[channel]);
         }
         if (shape.has_normal)
-            s.lobe0 = of_piece(pieces.lobe0), s.lobe1 = of_piece(pieces.lobe1);
+            s.lobe0 = of_piece(pieces.lobe0), s.lobe1 = of_piece(pieces.lobe1),
+            s.normal_d = of_ray(LocalSupport::NormalD);
         if (shape.is_soft)
             s.offset0 = of_ray(LocalSupport::Offset0), s.offset_x = of_ray(LocalSupport::OffsetX);
         if (shape.has_cone) {
@@ -222,10 +223,14 @@ struct Kernel {
             const V inverse2 = hn::Mul(inverse_distance, inverse_distance);
             LightView view{
                 {}, hn::Mul(x, inverse_distance), hn::Mul(s.light_y2, inverse2), hn::Mul(distance2, inverse_distance)};
-            if (shape.is_area)
-                view = LightShape{shape}.area_at(s, x, distance2);
+            const LightShape light{shape};
+            const V normal_m = shape.has_normal ? hn::MulAdd(before, s.lobe0, hn::Mul(after, s.lobe1)) : hn::Zero(d);
+            if (shape.is_patch())
+                view = light.patch_at(s, x, distance2, normal_m);
             else
-                view.share = LightShape{shape}.shape_at(s, x, x2, inverse_distance, before, after);
+                view.share = light.shape_at(s, x, x2, inverse_distance, normal_m);
+            if (shape.has_cone && !shape.is_area)
+                view.share = light.cone_at(s, x, view.share);
             const auto& [share, cosine, sine2, distance] = view;
             // 1 - |cos| of the angle by which the light turns, as sin^2 / (1 + |cos|).
             const V less = hn::Mul(sine2, reciprocal_of(d, hn::Add(set(1.0f), hn::Abs(cosine))));
@@ -253,11 +258,12 @@ struct Kernel {
         }
         // Coefficients of an analytic function fall like rho^-k, and the rule's error like rho^-12. The points may all miss
         // what is left of a steep exponential; behind 80 optical depths nothing is. At the rim of a cone the share rises
-        // from 0 as a square of what floats know to 1e-7, and halving would not end.
-        // That of a spread rises as a difference of two numbers near 1.
-        const V noise = shape.is_area ? hn::Div(set(4e-7f), hn::Max(mean_share, set(1e-12f)))
-                                      : hn::Mul(set(1e-5 * shape.one_minus_cos_half * shape.per_smooth),
-                                                reciprocal_root_of(d, hn::Max(mean_share, set(1e-12f))));
+        // from 0 as a square of what floats know to 1e-7, and halving would not end. Where a patch's lobe ends the share
+        // has a bend, next to which there is hardly any light.
+        const V least_share = hn::Max(mean_share, set(1e-12f));
+        const V noise =
+            hn::MulAdd(set(1e-5 * shape.one_minus_cos_half * shape.per_smooth), reciprocal_root_of(d, least_share),
+                       hn::Div(set(shape.is_patch() ? 1e-2f : 0.0f), least_share));
         auto is_rough = hn::Gt(hn::Zero(d), hn::Zero(d));
         for (std::size_t channel = 0; channel < 3; ++channel) {
             const std::size_t depths = is_grey ? 0 : channel;

@@ -65,6 +65,18 @@ static HWY_INLINE Interval inside_cone(const V3& q, const V3& v, double cosine) 
     return {begin, end};
 }
 
+/// Where the ray is within the sphere of which the light is a patch; infinite where it misses it.
+static HWY_INLINE Interval inside_sphere(const LocalShape& shape, const V3& foot, const V3& along) {
+    const V radius = set(shape.sphere_radius_m), middle = hn::Neg(hn::Mul(radius, dot(shape.normal, along)));
+    const V3 beside{hn::MulAdd(radius, set(shape.normal.x), foot.x), hn::MulAdd(radius, set(shape.normal.y), foot.y),
+                    hn::MulAdd(radius, set(shape.normal.z), foot.z)};
+    const V half2 = hn::MulAdd(middle, middle, hn::MulAdd(radius, radius, hn::Neg(dot(beside, beside))));
+    const V half = hn::Sqrt(hn::Max(half2, hn::Zero(d))), infinity = set(std::numeric_limits<double>::infinity());
+    const auto meets = hn::Gt(half, hn::Zero(d));
+    return {hn::IfThenElse(meets, hn::Sub(middle, half), infinity),
+            hn::IfThenElse(meets, hn::Add(middle, half), infinity)};
+}
+
 /// Keeps what may lie in the lobe of an area light's patch: x^2 + y^2 < tan^2 (z^2 + softening), a hyperboloid. A ray that
 /// comes into it twice keeps what lies between. `edge`: a place where the ray crosses it.
 static HWY_INLINE void clip_to_spread(const LocalShape& shape, const V3& q, const V3& v, V& begin, V& end, V& edge) {
@@ -137,7 +149,8 @@ void find_support_of(const LocalShape& shape, const LocalRays& rays, LocalSuppor
         keep_term(LocalSupport::SoftenedY, at, hn::Sqrt(hn::Add(light_y2, set(shape.softening_m2))));
         if (shape.has_normal) {
             const V at_foot = dot(shape.normal, foot), per_m = dot(shape.normal, along);
-            clip_to_half_space(at_foot, per_m, begin, end);
+            clip_to_half_space(hn::Add(at_foot, set(shape.below_m)), per_m, begin, end);
+            keep_term(LocalSupport::NormalD, at, per_m);
             keep(LocalSupport::Normal0, at, at_foot);
             keep(LocalSupport::NormalX, at, per_m);
         }
@@ -166,6 +179,10 @@ void find_support_of(const LocalShape& shape, const LocalRays& rays, LocalSuppor
         }
         keep(LocalSupport::Begin, at, begin), keep(LocalSupport::End, at, end);
         keep(LocalSupport::Inner0, at, inner.begin), keep(LocalSupport::Inner1, at, inner.end);
+        if (shape.sphere_radius_m > 0.0) {
+            const Interval body = inside_sphere(shape, foot, along);
+            keep(LocalSupport::Body0, at, body.begin), keep(LocalSupport::Body1, at, body.end);
+        }
     }
 }
 } // namespace tyndall::light_shafts::HWY_NAMESPACE
@@ -177,10 +194,15 @@ LocalShape::LocalShape(const LightSample& light)
     : position(light.position), has_normal(light.emission_normal != vec3(0.0f)), is_soft(light.softening_m2 > 0.0f),
       faces_receivers(light.faces_receivers), has_cone(light.spot != nullptr), has_soft_edge(false),
       keeps_cosine(false), is_area(has_cone && light.spot->kind == LightKind::Area), normal(light.emission_normal),
-      falloff_offset(light.falloff_offset), softening_m2(light.softening_m2), has_cell(light.cell != nullptr) {
+      falloff_offset(light.falloff_offset), softening_m2(light.softening_m2), sphere_radius_m(light.sphere_radius_m),
+      has_cell(light.cell != nullptr) {
     for (std::size_t plane = 0; has_cell && plane < cell_normals.size(); ++plane) {
         cell_normals[plane] = dvec3(light.cell->inwards[plane]);
         cell_heights[plane] = glm::dot(cell_normals[plane], position - dvec3(light.cell->apex));
+    }
+    if (sphere_radius_m > 0.0) {
+        const double softening_m = std::sqrt(softening_m2);
+        below_m = sphere_radius_m * softening_m / (sphere_radius_m + softening_m);
     }
     if (!has_cone)
         return;

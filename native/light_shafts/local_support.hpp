@@ -6,7 +6,7 @@
 // Bound:    8 rays at a time in doubles (AVX-512): the foot may be a million times nearer than the ray's origin.
 #pragma once
 #include "light_shafts/local_rays.hpp"
-#include "scene/area_patch.hpp"
+#include "scene/softened_patch.hpp"
 #include <array>
 #include <vector>
 
@@ -14,6 +14,7 @@ namespace tyndall::light_shafts {
 /// What shapes a local light, in the terms of the vector loops.
 struct LocalShape {
     explicit LocalShape(const LightSample& light);
+    [[nodiscard]] bool is_patch() const { return is_area || sphere_radius_m > 0.0; } ///< See softened_patch.hpp.
     dvec3 position;
     bool has_normal, is_soft, faces_receivers, has_cone, has_soft_edge;
     bool keeps_cosine; ///< Up to 3.x the spot's cosine stays a factor.
@@ -21,6 +22,8 @@ struct LocalShape {
     dvec3 normal;      ///< Cosine lobe of a stratum of a sphere; what an area light faces.
     dvec3 falloff_offset; ///< Of a stratum of a facing disc; see LightSample.
     double softening_m2;
+    double sphere_radius_m; ///< Of a sphere of which it is a softened patch, or 0.
+    double below_m = 0.0;   ///< How far below its plane a point of that sphere may be lit.
     bool has_cell;
     std::array<dvec3, 4> cell_normals{};  ///< Of the planes that bound the light's cell, inwards; zero: no plane.
     std::array<double, 4> cell_heights{}; ///< Of the light over them, metres.
@@ -30,7 +33,7 @@ struct LocalShape {
     double spread_cotangent = 0.0;                     ///< Area: of half its spread.
     AreaOutline outline{};                             ///< Area: of the whole light, from the patch.
     std::array<float, 6> twice_fan_m2{};               ///< Areas of the triangles from its first corner, doubled.
-    double edge_width = 1.0;                           ///< See area_patch.hpp.
+    double edge_width = 1.0;                           ///< See softened_patch.hpp.
 };
 
 /// Per ray, x being the distance along it from the light's foot. Columns are padded as those of LocalRays.
@@ -42,6 +45,8 @@ struct LocalSupport {
         Inner0,
         Inner1, ///< Between them a soft edge has risen to 1; crossed or infinite where it does not. Of an area light: where
                 ///< the ray is nearest to the lobe's axis, and where it comes into the lobe or leaves it.
+        Body0,
+        Body1,  ///< Of a patch of a sphere: where the ray comes into the sphere, and leaves it; or infinite.
         LightY, ///< Between light and foot; at least 1e-6 of the way from the ray's origin to the light.
         Normal0,
         NormalX, ///< normal . (point - position) at the foot, and per metre along the ray.
@@ -55,7 +60,8 @@ struct LocalSupport {
         ConeZ, ///< The foot in cone_from_world's space, from the light.
         ConeDx,
         ConeDy,
-        ConeDz, ///< The ray's direction there.
+        ConeDz,  ///< The ray's direction there.
+        NormalD, ///< normal . direction.
         Offset0,
         OffsetX, ///< 2 falloff_offset . (point - position) at the foot, and per metre.
         TermCount

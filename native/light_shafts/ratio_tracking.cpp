@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/ratio_tracking.hpp"
 #include "core/random.hpp"
-#include "scene/area_patch.hpp"
 #include "scene/light_texture.hpp"
+#include "scene/softened_patch.hpp"
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -69,9 +69,7 @@ public:
                 return Rgb(0.0f);
             to_light.direction = way / to_light.far_m;
             const LocalView view = view_local(light_, point);
-            from_light = view.from_light, to_light.far_m = view.distance_m;
-            irradiance =
-                intensity_w_per_sr(light_, view.shaping) * (view.edge_share * irradiance_per_intensity(light_, point));
+            from_light = view.from_light, to_light.far_m = view.distance_m, irradiance = view.irradiance;
         }
         if (light_.textured != nullptr)
             irradiance *= texture_colour(*light_.textured,

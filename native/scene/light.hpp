@@ -85,6 +85,7 @@ struct LightSample {
     /// a patch of an area light also to the square of how far a point lies before it: see view_local.
     vec3 falloff_offset{0.0f};
     float softening_m2 = 0.0f;
+    float sphere_radius_m = 0.0f; ///< Local: of the sphere of which it is a softened patch; 0: it is none.
     /// Local: a patch of a disc that turns to each point. Inverse square times the cosine at the patch:
     /// D / (D^2 + softening)^1.5 for a point at distance D from position + falloff_offset.
     bool faces_receivers = false;

@@ -71,7 +71,26 @@ inline dvec3 scattered_at(const std::vector<FogBox>& boxes, const LightSample& l
     double passed_share = 1.0; // of the way to the light
     double intensity =
         light.spot != nullptr && light.spot->kind == LightKind::Spot ? spot_share(*light.spot, to_point) : 1.0;
-    if (light.spot != nullptr && light.spot->kind == LightKind::Area) {
+    dvec3 softened = way - dvec3(light.falloff_offset);
+    double softening_m2 = light.softening_m2;
+    if (light.sphere_radius_m > 0.0f) {
+        // As a point from farther off the sphere sees it, and the whole sphere.
+        const double radius_m = light.sphere_radius_m;
+        const dvec3 normal(light.emission_normal), from_middle = way + radius_m * normal;
+        const double off = glm::length(from_middle) - radius_m, farther = std::hypot(off, std::sqrt(softening_m2));
+        const dvec3 axis = glm::normalize(from_middle);
+        softened = (radius_m + farther) * axis - radius_m * normal;
+        const double way_m = glm::length(softened),
+                     fade = std::clamp(2.0 - off * off / (500.0 * softening_m2), 0.0, 1.0);
+        const auto cap = [&](double height_m) { return 1.0 - std::cos(std::asin(radius_m / (radius_m + height_m))); };
+        const double share = off > 0.0 ? std::lerp(1.0, cap(off) / cap(farther), fade) : 0.0;
+        intensity *= share * std::max(0.0, glm::dot(softened, normal) / way_m);
+        passed_share = (way_m - (farther - off) * std::sqrt(way_m / farther)) / glm::length(way);
+        const double aside = 1.0 - (1.0 - glm::dot(softened, axis) / way_m) * std::max(share, 1.0);
+        came = std::max(aside, 0.0) * axis +
+               std::sqrt(1.0 - std::pow(std::max(aside, 0.0), 2.0)) * glm::normalize(way - glm::dot(way, axis) * axis);
+        softening_m2 = 0.0;
+    } else if (light.spot != nullptr && light.spot->kind == LightKind::Area) {
         const dvec3 axis(light.emission_normal);
         const double along = std::hypot(glm::dot(way, axis), std::sqrt(light.softening_m2));
         const double beside = glm::length(glm::cross(way, axis)), half_rad = light.spot->spot_half_angle_rad;
@@ -98,8 +117,7 @@ inline dvec3 scattered_at(const std::vector<FogBox>& boxes, const LightSample& l
         intensity *= std::max(0.0, glm::dot(to_point, dvec3(light.emission_normal)));
     if (intensity == 0.0)
         return dvec3(0.0);
-    const dvec3 softened = way - dvec3(light.falloff_offset);
-    intensity /= glm::dot(softened, softened) + double{light.softening_m2};
+    intensity /= glm::dot(softened, softened) + softening_m2;
     dvec3 scatter(0.0);
     const double cosine = -glm::dot(came, direction);
     for (const FogBox& box : boxes) {

@@ -2,8 +2,8 @@
 // Shafts of area lights, against marching with points of the light that each point of a ray samples for itself.
 #include "core/parallel.hpp"
 #include "light_shafts/scattering_lights.hpp"
-#include "scene/area_patch.hpp"
 #include "scene/light_texture.hpp"
+#include "scene/softened_patch.hpp"
 #include "support/area_lights.hpp"
 #include "support/forest.hpp"
 #include "support/relative_error.hpp"
@@ -157,8 +157,7 @@ TEST_CASE("points between an area light and its strata's spacing get light as ev
             for (std::uint32_t stratum = 0; stratum < 256; ++stratum) {
                 const LightSample sample = stratum_of(light, 0, stratum, 256, 0);
                 const LocalView view = view_local(sample, point);
-                irradiance += double{intensity_w_per_sr(sample, view.shaping).x} * view.edge_share *
-                              irradiance_per_intensity(sample, point) * glm::dot(light.spot_axis, view.shaping);
+                irradiance += double{view.irradiance.x} * glm::dot(light.spot_axis, view.from_light);
             }
             const double ratio = irradiance / (std::numbers::pi * light.strength.x / 4.0);
             sum += ratio;
@@ -221,9 +220,7 @@ TEST_CASE("beside an area light's edge its strata light what the light does, and
                 double fluence = 0.0, truth = 0.0;
                 for (std::uint32_t stratum = 0; stratum < 64; ++stratum) {
                     const LightSample sample = stratum_of(light, 0, stratum, 64, 0);
-                    const LocalView view = view_local(sample, point);
-                    fluence += double{intensity_w_per_sr(sample, view.shaping).x} * view.edge_share *
-                               irradiance_per_intensity(sample, point);
+                    fluence += double{view_local(sample, point).irradiance.x};
                     const LightSample towards = sample_light_towards(
                         light, 0, vec2((static_cast<float>(stratum) + random.uniform()) / 64.0f, random.uniform()),
                         point);

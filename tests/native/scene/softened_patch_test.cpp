@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Outlines of area lights against closed forms of their solid angles, and patches against the light they are patches of.
-#include "scene/area_patch.hpp"
+#include "scene/softened_patch.hpp"
 #include "support/area_lights.hpp"
 #include "support/forest.hpp"
 #include <doctest/doctest.h>
 
-namespace area_patch_test {
+namespace softened_patch_test {
 using namespace tyndall;
 
 TEST_CASE("a rectangle's outline is seen under its solid angle, from anywhere before it") {
@@ -44,10 +44,13 @@ TEST_CASE("far from a light its patches are points, and beside its plane next to
     patch.softening_m2 = area_m2(light) * std::numbers::inv_pi_v<float> / 64.0f;
     const vec3 afar = support::before(light, {3.0f, -2.0f}, 200.0f), way = afar - patch.position;
     const LocalView view = view_local(patch, afar);
-    CHECK(std::abs(view.edge_share - 1.0f) < 1e-3f);
+    const double closed = double{patch.strength.x} * glm::dot(way, light.spot_axis) / std::pow(glm::length(way), 3.0f);
+    CHECK(std::abs(view.irradiance.x / closed - 1.0) < 1e-3);
     CHECK(glm::length(view.from_light - glm::normalize(way)) < 1e-4f);
     CHECK(std::abs(view.distance_m / glm::length(way) - 1.0f) < 1e-4f);
-    CHECK(view_local(patch, support::before(light, {1.05f, 0.0f}, 1e-4f)).edge_share < 0.01f);
-    CHECK(view_local(patch, support::before(light, {0.95f, 0.0f}, 1e-4f)).edge_share > 1.0f);
+    const auto at = [&](float aside) {
+        return view_local(patch, support::before(light, {aside, 0.0f}, 1e-4f)).irradiance.x;
+    };
+    CHECK(at(1.05f) < 0.01f * at(0.95f));
 }
-} // namespace area_patch_test
+} // namespace softened_patch_test
