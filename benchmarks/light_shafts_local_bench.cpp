@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a local light scatters, shadows given: time per ray and light sample, per instruction set, one thread. 96 x 54 rays
 // of a camera in a hall of fog of 17 x 14 x 8 m. A spot that half of them meet or all of them meet, a lamp, strata of
-// soft ones, a lamp outside of the fog; all of a ray lit, or 30 cm of each metre.
+// soft ones, of a wide area light and of a ball, a lamp outside of the fog; all of a ray lit, or 30 cm of each metre.
 // Counter: worst relative error of 200 of the rays against thousands of panels in doubles.
 #include "core/simd.hpp"
 #include "light_shafts/local_scatter.hpp"
+#include "light_shafts/scattering_lights.hpp"
 #include "support/local_panels.hpp"
 #include "support/machine.hpp"
 #include <benchmark/benchmark.h>
@@ -51,6 +52,12 @@ Light light_of(const std::string& name) {
     light.radius_m = name == "soft" ? 0.06f : 0.0f;
     if (name == "lamp" || name == "outside")
         light.kind = LightKind::Point;
+    if (name == "ball")
+        light.kind = LightKind::Point, light.body = LightBody::Sphere, light.radius_m = 0.3f;
+    if (name == "panel") {
+        light.kind = LightKind::Area, light.half_size_m = {1.0f, 1.0f};
+        light.spot_half_angle_rad = 0.5f * std::numbers::pi_v<float>;
+    }
     if (name == "outside")
         light.position = {-3.0f, 2.0f, 12.0f};
     return light;
@@ -59,7 +66,8 @@ Light light_of(const std::string& name) {
 void local(benchmark::State& state, const std::string& name, bool is_grey, bool is_striped, SimdTarget target) {
     const Hall& in = hall(is_grey);
     const Light light = light_of(name);
-    const LightSample sample = sample_light(light, 0, vec3(0.3f, 0.7f, 0.4f));
+    const LightSample sample = name == "panel" || name == "ball" ? light_shafts::stratum_of(light, 0, 20, 64, 0)
+                                                                 : sample_light(light, 0, vec3(0.3f, 0.7f, 0.4f));
     const light_shafts::LocalScatter scatter(*in.media, sample);
     const ForcedSimdTarget forced(target);
     const Stripes stripes(0.0f, is_striped ? 0.3f : 1e3f, is_striped ? 1.0f : 1e3f);
@@ -100,7 +108,7 @@ const bool is_registered = [] {
     add_machine_to_context();
     for (const SimdTarget target : available_simd_targets()) {
         const ForcedSimdTarget forced(target);
-        for (const std::string name : {"spot", "wide", "soft", "lamp", "outside"})
+        for (const std::string name : {"spot", "wide", "soft", "lamp", "panel", "ball", "outside"})
             for (const bool is_grey : {true, false})
                 for (const bool is_striped : {false, true})
                     benchmark::RegisterBenchmark(
