@@ -11,7 +11,7 @@ import pytest
 from addon.sync.images import ImageReader
 from addon.sync.materials import MaterialReader
 from addon.sync.reports import Reports
-from support.agreement_scenes import diffuse
+from support.agreement_shapes import diffuse
 from tyndall.scene_description import Material
 
 

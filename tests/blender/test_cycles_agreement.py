@@ -20,10 +20,10 @@ from support.agreement_scenes import (
     CAMERAS,
     LIGHTS,
     MEDIA,
-    OCCLUDERS,
     Arrangement,
     build,
 )
+from support.agreement_shapes import OCCLUDERS
 from support.cycles_reference import (
     BLOCK_PX,
     CYCLES_SAMPLES,

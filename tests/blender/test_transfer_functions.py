@@ -1,34 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Transfer functions of a scene: what of them is sent, what cannot be used, what is kept."""
+"""Transfer functions of a scene: what of them is sent, and what cannot be used."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import fields
-from pathlib import Path
 from typing import Any
 
 import bpy
-import numpy as np
 import pytest
 
-from addon import last_render
 from addon.animation_paths import curves_at
 from addon.function_trees import ramp_of, set_stops
 from addon.panels import transfer_functions as panels
 from addon.properties import transfer_functions as properties
 from addon.properties import transfer_layers
-from addon.sync.images import ImageReader
-from addon.sync.reports import Reports
-from addon.sync.transfer_functions import RAMP_SAMPLES, read_transfer_functions
-from addon.transfer_function_presets import PRESETS
+from addon.sync.transfer_functions import RAMP_SAMPLES
 from support.recording_layout import drawn
-from support.small_scenes import empty_scene, light
-from support.transfer_scene import LAYERS, add_layers, image, keyed_states, read, sent, shafts, weights
+from support.transfer_scene import add_layers, image, read, sent, shafts, weights
 from tyndall import transfer_functions as description
-from tyndall.native_transfer_functions import compose
-from tyndall.renderer import RenderConfig, Session
-from tyndall.transfer_functions import Layer, LayerKind, TransferFunction
+from tyndall.transfer_functions import Layer, TransferFunction
 
 # What is sent
 
@@ -276,182 +267,3 @@ def test_a_deleted_function_leaves_the_physical_picture(function: bpy.types.Node
     bpy.data.node_groups.remove(function)
     assert read() == ((), ())
     assert drawn(panels.TYNDALL_PT_transfer_functions)
-
-
-# What is kept
-
-
-def test_functions_survive_save_and_reload(function: bpy.types.NodeTree, tmp_path: Path) -> None:
-    """Layers, ramps, constraints, axes, keys; a function that no scene uses, too."""
-    add_layers("GRADIENT", "DIFFUSION")
-    bpy.ops.tyndall.transfer_constraint_add()
-    set_stops(ramp_of(function.tyndall.layers[0]), [(0.0, (1, 0, 0, 1)), (1.0, (0, 0, 1, 1))])
-    keyed_states(1, 11)
-    before = read()
-    bpy.ops.tyndall.transfer_state_remove()
-    path = str(tmp_path / "functions.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.open_mainfile(filepath=path)
-    assert len(bpy.data.node_groups) == 2
-    shafts().transfer_states[0].function = bpy.data.node_groups["Transfer Function.001"]
-    bpy.context.scene.frame_set(1)
-    assert read() == before
-
-
-def _load(path: Path, *, link: bool) -> bpy.types.NodeTree:
-    with bpy.data.libraries.load(str(path), link=link) as (_there, here):
-        here.node_groups = ["Transfer Function"]
-    return here.node_groups[0]
-
-
-@pytest.fixture
-def library(function: bpy.types.NodeTree, tmp_path: Path) -> Path:
-    """A file with a function of two layers; an empty scene is open."""
-    add_layers("SOLID", "GRADIENT")
-    function.tyndall.layers[1].keyframe_insert("opacity", frame=1)
-    path = tmp_path / "library.blend"
-    bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    empty_scene()
-    bpy.ops.tyndall.transfer_state_add()
-    return path
-
-
-def test_an_appended_function_brings_its_layers_ramps_and_keys(library: Path) -> None:
-    shafts().transfer_states[0].function = _load(library, link=False)
-    assert [(layer.name, len(layer.ramp)) for layer in sent().layers] == [("Solid", 0), ("Gradient", RAMP_SAMPLES)]
-    assert len(curves_at(shafts().transfer_states[0].function, f"{LAYERS}[1].opacity")) == 1
-
-
-def test_a_linked_function_is_shared_and_its_override_is_changed(library: Path, tmp_path: Path) -> None:
-    """A value and an added layer survive; inherited layers cannot be removed."""
-    linked = _load(library, link=True)
-    shafts().transfer_states[0].function = linked
-    assert [layer.name for layer in sent().layers] == ["Solid", "Gradient"]
-    assert not bpy.ops.tyndall.transfer_layer_add.poll()
-    override = linked.override_create(remap_local_usages=True)
-    shafts().transfer_states[0].function = override
-    override.tyndall.layers[0].colour = (0.0, 1.0, 0.0, 1.0)
-    override.tyndall.active_layer = 1
-    add_layers("DIFFUSION")
-    bpy.ops.tyndall.transfer_constraint_add()
-    path = str(tmp_path / "override.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.open_mainfile(filepath=path)
-    tree = shafts().transfer_states[0].function
-    assert tree.override_library is not None
-    assert [layer.name for layer in sent().layers] == ["Solid", "Gradient", "Diffusion"]
-    assert sent().layers[0].colour == (0.0, 1.0, 0.0, 1.0)
-    tree.tyndall.active_layer = 0
-    with pytest.raises(RuntimeError, match='"Solid" comes from the library'):
-        bpy.ops.tyndall.transfer_layer_remove()
-    tree.tyndall.active_layer = 2
-    assert bpy.ops.tyndall.transfer_layer_remove() == {"FINISHED"}
-
-
-# Presets
-
-
-@pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.identifier)
-def test_each_preset_makes_a_picture(function: bpy.types.NodeTree, preset: Any) -> None:
-    """It composes without a report, is no single grey, and one that replaces says how bright it is."""
-    assert bpy.ops.tyndall.transfer_function_preset(preset=preset.identifier) == {"FINISHED"}
-    made = sent()
-    picture = compose(made, 64)
-    assert np.isfinite(picture).all()
-    assert picture[..., :3].std(axis=(0, 1)).max() > 0.01
-    if made.use == description.Use.REPLACE:
-        assert f"strength {made.strength:g}" in preset.description
-
-
-def test_there_are_a_dozen_presets_for_any_scene() -> None:
-    """Those take their brightness from the scene; names and descriptions tell all of them apart."""
-    assert sum(preset.use != "REPLACE" for preset in PRESETS) >= 12
-    for texts in zip(*((preset.identifier, preset.name, preset.description) for preset in PRESETS), strict=True):
-        assert len(set(texts)) == len(PRESETS)
-
-
-# What a change costs
-
-
-@pytest.fixture
-def updated() -> Iterator[list[str]]:
-    seen: list[str] = []
-
-    def note(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-        seen.extend(update.id.name for update in depsgraph.updates)
-
-    bpy.app.handlers.depsgraph_update_post.append(note)
-    yield seen
-    bpy.app.handlers.depsgraph_update_post.remove(note)
-
-
-def test_each_setting_reaches_the_dependency_graph(function: bpy.types.NodeTree, updated: list[str]) -> None:
-    """Set by a script, every property tags its function or its scene."""
-    add_layers("DIFFUSION")
-    bpy.ops.tyndall.transfer_constraint_add()
-    layer = function.tyndall.layers[0]
-    groups = (function.tyndall, function.tyndall.x, function.tyndall.y, layer, layer.constraints[0])
-    for group in (*groups, shafts().transfer_states[0]):
-        for name, rna in group.bl_rna.properties.items():
-            is_ours = hasattr(type(group), "UNNAMED") or name != "name"
-            if name == "rna_type" or rna.type == "COLLECTION" or rna.is_readonly or not is_ours:
-                continue
-            bpy.context.view_layer.update()
-            updated.clear()
-            setattr(group, name, getattr(group, name))
-            bpy.context.view_layer.update()
-            assert group.id_data.name in updated, f"{name} tags nothing"
-
-
-def test_an_image_that_has_not_changed_is_sent_as_it_was(function: bpy.types.NodeTree) -> None:
-    """The same object: the viewport sees that its picture is the same."""
-    add_layers("IMAGE")
-    function.tyndall.layers[0].image = image("Picture", 8)
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    images = ImageReader()
-    first, second = (
-        read_transfer_functions(bpy.context.scene, depsgraph, images, Reports())[0].function.layers[0] for _ in range(2)
-    )
-    assert first.image is second.image
-    assert first == second
-
-
-@pytest.fixture
-def rendered(monkeypatch: pytest.MonkeyPatch) -> list[RenderConfig]:
-    """What each render was asked for, in turn."""
-    seen: list[RenderConfig] = []
-    render = Session.render
-
-    def spy(session: Session, camera: Any, config: RenderConfig, *arguments: Any) -> Any:
-        seen.append(config)
-        return render(session, camera, config, *arguments)
-
-    monkeypatch.setattr(Session, "render", spy)
-    return seen
-
-
-def test_a_render_is_asked_for_what_the_scene_shows(function: bpy.types.NodeTree, rendered: list[RenderConfig]) -> None:
-    """The final render's settings hold the functions, and its reports what was left out of them."""
-    add_layers("SOLID", "IMAGE")
-    lamp = light("SPOT", (0, 0, 5))
-    shafts().transfer_light = lamp
-    bpy.ops.render.render()
-    bpy.data.objects.remove(lamp)
-    bpy.ops.render.render()
-    config, without_lamp = rendered
-    assert (config.reference_light, without_lamp.reference_light) == ("Spot", "")
-    assert [one.function.layers[0].kind for one in config.transfer_functions] == [LayerKind.SOLID]
-    lines = last_render.statistics_of(bpy.context.scene.name)["reports"]
-    assert any('layer "Image": left out: it has no image' in line for line in lines)
-
-
-def test_a_render_has_the_keyed_value(function: bpy.types.NodeTree, rendered: list[RenderConfig]) -> None:
-    """A slider that was moved over its key, and not keyed, counts in the viewport only, as everywhere in Blender."""
-    add_layers("SOLID")
-    layer = function.tyndall.layers[0]
-    layer.opacity = 0.25
-    layer.keyframe_insert("opacity", frame=1)
-    layer.opacity = 0.75
-    assert sent().layers[0].opacity == 0.75
-    bpy.ops.render.render()
-    assert rendered[0].transfer_functions[0].function.layers[0].opacity == 0.25

@@ -8,7 +8,7 @@ from math import nan
 import bpy
 import numpy as np
 
-from support.agreement_scenes import diffuse
+from support.agreement_shapes import diffuse
 from support.damaged_nodes import ABSURD, NOT_NUMBERS, node_of, on_soup, spoil, surface_of
 from support.damaged_surroundings import not_a_normal, number_without_end
 from support.damages import Random, Scene, damage, mesh_object

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 
-from support.agreement_scenes import diffuse
+from support.agreement_shapes import diffuse
 from support.damaged_nodes import ABSURD, NOT_NUMBERS, on_soup, spoil, surface_of
 from support.damages import Random, Scene, damage, light_object
 from support.photometry_files import AROUND, DOWN, luminaire

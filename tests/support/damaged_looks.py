@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from support.agreement_scenes import diffuse
+from support.agreement_shapes import diffuse
 from support.damages import Random, Scene, damage, light_object, mesh_object, soup, textured
 
 # --- materials and images --------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from math import inf, nan
 import bpy
 import numpy as np
 
-from support.agreement_scenes import diffuse
+from support.agreement_shapes import diffuse
 from support.damages import Random, Scene, damage, mesh_object, soup, textured
 
 ABSURD = (0.0, -0.0, -1.0, -1e30, 1e30, 3e38, 1e-38, 2.0)

@@ -31,7 +31,8 @@ from support import (  # noqa: F401
     damaged_things,
     damaged_views,
 )
-from support.agreement_scenes import Arrangement, build, diffuse
+from support.agreement_scenes import Arrangement, build
+from support.agreement_shapes import diffuse
 from support.damages import DAMAGES, Damage, Scene
 
 #: A picture may be black, or absent, after these; after all others the cube must still be lit.

@@ -7,7 +7,7 @@ from math import inf, nan
 
 import bpy
 
-from support.agreement_scenes import diffuse
+from support.agreement_shapes import diffuse
 from support.damaged_nodes import ABSURD, NOT_NUMBERS, on_soup, surface_of
 from support.damages import Random, Scene, damage
 

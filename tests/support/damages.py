@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from support.agreement_scenes import diffuse
+from support.agreement_shapes import diffuse
 
 Random = np.random.Generator
 Scene = bpy.types.Scene

@@ -11,7 +11,8 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from support.agreement_scenes import Arrangement, _link, _mesh, _output, _plane, build, diffuse
+from support.agreement_scenes import Arrangement, build
+from support.agreement_shapes import _link, _mesh, _output, _plane, diffuse
 
 
 def _glow(strength: float, *, picture: bool = False) -> bpy.types.Material:
