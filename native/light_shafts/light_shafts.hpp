@@ -97,14 +97,14 @@ struct Turn {
 struct Scattered {
     std::span<Rgb> radiance; ///< As in Result.
     std::span<float> average_visibility;
-    /// What lights at points scatter, apart from `radiance`, and what they would if nothing cast a shadow; both empty:
-    /// it is in `radiance`.
-    std::span<Rgb> from_points, from_points_unshadowed;
+    /// What lamps with a cone or a picture scatter, apart from `radiance`, and what they would if nothing cast a shadow; both
+    /// empty: it is in `radiance`.
+    std::span<Rgb> patterned, patterned_unshadowed;
 };
 struct ConstScattered {
     std::span<const Rgb> radiance;
     std::span<const float> average_visibility;
-    std::span<const Rgb> from_points, from_points_unshadowed;
+    std::span<const Rgb> patterned, patterned_unshadowed;
 };
 /// The media along a ray: where they begin and end, and how much of what lies behind they hide, 1 - exp(-optical depth),
 /// mean over the channels; 0 where there are none.

@@ -5,6 +5,7 @@
 #include "light_shafts/shared_strata.hpp"
 #include "light_shafts/textured_beam.hpp"
 #include "light_shafts/turns.hpp"
+#include "scene/area_light.hpp"
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -71,8 +72,8 @@ void PreparedLights::swap_unlit(std::span<const UnlitMedium> unlit, Block& block
 
 void PreparedLights::begin_sums(Block& block) {
     block.all_radiance.assign(block.rays.size(), Rgb(0.0f));
-    for (std::vector<Rgb>* const apart : {&block.from_points, &block.all_unshadowed})
-        apart->assign(block.keeps_points_apart ? block.rays.size() : 0, Rgb(0.0f));
+    for (std::vector<Rgb>* const apart : {&block.patterned, &block.all_unshadowed})
+        apart->assign(block.keeps_patterned_apart ? block.rays.size() : 0, Rgb(0.0f));
     block.visibility.assign(block.rays.size(), 0.0f);
 }
 
@@ -121,10 +122,17 @@ void PreparedLights::add_pieces(const LightBeams& light, const Beam& beam, std::
         beam.visibility->add_scattered(block.rays, block.pieces, block.radiance, lit_length_m);
 }
 
+/// A lamp whose light has edges or a picture, which pixels that share its strata would blur.
+static bool has_pattern(const LightSample& sample) {
+    const bool has_cone =
+        sample.spot != nullptr && (sample.spot->kind == LightKind::Spot || is_narrow_area(*sample.spot));
+    return !sample.is_directional && (has_cone || sample.textured != nullptr);
+}
+
 void PreparedLights::add(const LightBeams& light, const Turn& turn, Block& block) const {
     block.lit_length_m.assign(block.rays.size(), 0.0f);
     block.radiance.assign(block.rays.size(), Rgb(0.0f));
-    const bool is_apart = block.keeps_points_apart && light.beams.front().local.has_value();
+    const bool is_apart = block.keeps_patterned_apart && has_pattern(light.beams.front().sample);
     block.unshadowed.assign(is_apart ? block.rays.size() : 0, Rgb(0.0f));
     const Deal mine = deal(light.stratum_count(), turn);
     swap_unlit(light.unlit_media, block);
@@ -134,7 +142,7 @@ void PreparedLights::add(const LightBeams& light, const Turn& turn, Block& block
     swap_unlit(light.unlit_media, block);
     const float share = visibility_share(light) * mine.weight / static_cast<float>(light.stratum_count());
     const auto most = static_cast<float>(mine.last - mine.first);
-    std::vector<Rgb>& sum = is_apart ? block.from_points : block.all_radiance;
+    std::vector<Rgb>& sum = is_apart ? block.patterned : block.all_radiance;
     for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
         sum[ray] += mine.weight * block.radiance[ray];
         if (is_apart)
@@ -210,12 +218,12 @@ void Shafts::scatter(std::span<const ViewRay> rays, std::span<const std::uint8_t
     const std::array used = cells.empty() ? std::array{true, false, false} : sides_used(turn.count);
     for (const ScatteredBySide& out : by_slot)
         for (std::size_t side = 0; side < shared_sides.size(); ++side) {
-            const auto& [radiance, visibility, from_points, unshadowed] = out[side];
+            const auto& [radiance, visibility, patterned, unshadowed] = out[side];
             const auto fits = [&](std::size_t size) { return size == 0 || size == rays.size(); };
             require(!used[side] || (radiance.size() == rays.size() && fits(visibility.size()) &&
-                                    fits(from_points.size()) && from_points.size() == unshadowed.size()),
+                                    fits(patterned.size()) && patterned.size() == unshadowed.size()),
                     "scatter: ", rays.size(), " rays, but room for ", radiance.size(), " results");
-            for (const std::span<Rgb> light : {radiance, from_points, unshadowed})
+            for (const std::span<Rgb> light : {radiance, patterned, unshadowed})
                 std::ranges::fill(light, Rgb(0.0f));
             std::ranges::fill(visibility, 0.0f);
         }
@@ -255,7 +263,7 @@ void PreparedLights::scatter_side(std::span<const ViewRay> rays, std::span<const
             for (std::size_t slot = 0; slot < by_slot.size(); ++slot) {
                 const Scattered& out = by_slot[slot][side];
                 block.wants_visibility = !out.average_visibility.empty();
-                block.keeps_points_apart = !out.from_points.empty();
+                block.keeps_patterned_apart = !out.patterned.empty();
                 begin_sums(block);
                 for (const LightBeams& light : lights) {
                     const Sharing shared =
@@ -266,9 +274,9 @@ void PreparedLights::scatter_side(std::span<const ViewRay> rays, std::span<const
                 }
                 for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
                     out.radiance[block.target[ray]] = block.all_radiance[ray];
-                    if (block.keeps_points_apart) {
-                        out.from_points[block.target[ray]] = block.from_points[ray];
-                        out.from_points_unshadowed[block.target[ray]] = block.all_unshadowed[ray];
+                    if (block.keeps_patterned_apart) {
+                        out.patterned[block.target[ray]] = block.patterned[ray];
+                        out.patterned_unshadowed[block.target[ray]] = block.all_unshadowed[ray];
                     }
                     if (!out.average_visibility.empty())
                         out.average_visibility[block.target[ray]] = block.visibility[ray];

@@ -53,9 +53,9 @@ struct Block {
     std::vector<float> length_m;
     std::vector<std::uint32_t> first_segment;
     std::vector<MediumSegment> segments, lit_segments; ///< The latter: while a light is asked that some are dark for.
-    std::vector<Rgb> radiance, unshadowed;        ///< Of one light; unshadowed: where lights at points are kept apart.
-    std::vector<Rgb> all_radiance;                ///< Of all so far.
-    std::vector<Rgb> from_points, all_unshadowed; ///< Of all at points so far, where those are kept apart.
+    std::vector<Rgb> radiance, unshadowed; ///< Of one light; unshadowed: where those with a pattern are kept apart.
+    std::vector<Rgb> all_radiance;         ///< Of all so far.
+    std::vector<Rgb> patterned, all_unshadowed; ///< Of all with a pattern so far, where they are kept apart.
     std::vector<float> lit_length_m, visibility;
     PieceRows pieces;
     MediumSteps steps; ///< Where there are density grids.
@@ -69,7 +69,7 @@ struct Block {
         std::vector<Rgb> radiance, unshadowed, radiance_of_all, unshadowed_of_all;
     } in_grids;
     LocalRays local; ///< The same for lights at points; empty until one asks.
-    bool wants_visibility = false, keeps_points_apart = false;
+    bool wants_visibility = false, keeps_patterned_apart = false;
 
     [[nodiscard]] std::span<const MediumSegment> segments_of(std::size_t ray) const {
         return std::span(segments).subspan(first_segment[ray], first_segment[ray + 1] - first_segment[ray]);

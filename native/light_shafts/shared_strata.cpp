@@ -25,7 +25,7 @@ void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t fi
     const auto share_here = [&](std::int32_t offset) {
         return std::max(0.0f, 1.0f - static_cast<float>(std::abs(offset)) / std::max(1.0f, static_cast<float>(reach)));
     };
-    const bool has_visibility = !shared.average_visibility.empty(), has_points = !shared.from_points.empty();
+    const bool has_visibility = !shared.average_visibility.empty(), has_patterned = !shared.patterned.empty();
     parallel_for(
         end_row - first_row, progress,
         [&](std::size_t row) {
@@ -36,7 +36,7 @@ void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t fi
                     const Air& air = picture.air[ray];
                     if (picture.cells[ray] == alone_cell || !(air.opacity > 0.0f))
                         continue;
-                    Rgb radiance(0.0f), from_points(0.0f), unshadowed(0.0f), unshadowed_here(0.0f);
+                    Rgb radiance(0.0f), patterned(0.0f), unshadowed(0.0f), unshadowed_here(0.0f);
                     float visibility = 0.0f, weight_sum = 0.0f, weight_here = 0.0f, opacity_sum = 0.0f;
                     for (std::int32_t dy = std::max(-reach, -y); dy <= std::min(reach, height - 1 - y); ++dy)
                         for (std::int32_t dx = std::max(-reach, -x); dx <= std::min(reach, width - 1 - x); ++dx) {
@@ -51,11 +51,11 @@ void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t fi
                                 continue;
                             const float weight = share_of(dx) * share_of(dy);
                             radiance += weight * shared.radiance[other];
-                            if (has_points) {
-                                from_points += weight * shared.from_points[other];
-                                unshadowed += weight * shared.from_points_unshadowed[other];
+                            if (has_patterned) {
+                                patterned += weight * shared.patterned[other];
+                                unshadowed += weight * shared.patterned_unshadowed[other];
                                 const float here = share_here(dx) * share_here(dy);
-                                unshadowed_here += here * shared.from_points_unshadowed[other];
+                                unshadowed_here += here * shared.patterned_unshadowed[other];
                                 weight_here += here;
                             }
                             if (has_visibility)
@@ -65,10 +65,10 @@ void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t fi
                         }
                     // Neither sum is 0: the ray itself is like itself.
                     sum.radiance[ray] += radiance * (air.opacity / opacity_sum);
-                    for (int channel = 0; has_points && channel < 3; ++channel)
+                    for (int channel = 0; has_patterned && channel < 3; ++channel)
                         if (unshadowed[channel] > 0.0f)
                             sum.radiance[ray][channel] +=
-                                from_points[channel] / unshadowed[channel] * unshadowed_here[channel] / weight_here;
+                                patterned[channel] / unshadowed[channel] * unshadowed_here[channel] / weight_here;
                     if (has_visibility)
                         sum.average_visibility[ray] += visibility / weight_sum;
                 }

@@ -5,8 +5,8 @@
 //           Shading of Interleaved Sample Patterns, Graphics Hardware 2006 (averaging across the pattern).
 // Differs:  only lights whose strata outnumber the samples take part, hard shafts stay as sharp as their pixels; a tent
 //           over one period and a pixel counts every stratum exactly once; neighbours count where their air lies alike,
-//           and in proportion to its opacity: the rim of a cloud stays a rim; of a light at a point they count by how
-//           much of it is in shadow: a beam keeps the edge of its cone, to a pixel;
+//           and in proportion to its opacity: the rim of a cloud stays a rim; of a lamp with a cone or a picture they
+//           count by how much of it is in shadow: a beam keeps its edge, to a pixel;
 //           rays that pass close to a lamp, where its light changes from pixel to pixel, share nothing.
 // Bound:    9 or 25 neighbours per ray; a light is asked once per ray instead of once per stratum. Unbiased over the
 //           square; its blur of at most two pixels ends when the samples reach the number of strata.
@@ -34,7 +34,7 @@ struct PictureRays {
     std::span<const std::uint8_t> cells;      ///< Per ray.
 };
 /// Adds to each ray of the rows [first_row, end_row) the mean that its neighbours within `side` pixels have in `shared`
-/// (one value per ray, of a pass) in proportion to the opacity of their air, or to what lights at points would send
+/// (one value per ray, of a pass) in proportion to the opacity of their air, or to what lamps with a cone would send
 /// without shadows; without those whose air lies elsewhere or who share nothing.
 void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t first_row, std::uint32_t end_row,
                 const ConstScattered& shared, const Scattered& sum, const Progress& progress);

@@ -133,8 +133,8 @@ void FrameShafts::begin_pass(std::uint32_t sample_index, const Progress& progres
         OfSide& light = of_slot_[index / used.size()][side];
         light.radiance.resize(used[side] ? waiting_.rays.size() : 0);
         if (side > 0) {
-            light.from_points.resize(light.radiance.size());
-            light.from_points_unshadowed.resize(light.radiance.size());
+            light.patterned.resize(light.radiance.size());
+            light.patterned_unshadowed.resize(light.radiance.size());
         }
         if (config_.wants_visibility)
             light.visibility.resize(light.radiance.size());
@@ -147,11 +147,11 @@ std::size_t FrameShafts::scatter(const Band& band, const Progress& progress) {
     std::vector<light_shafts::ScatteredBySide> out(shafts_.slots().size());
     for (std::size_t slot = 0; slot < out.size(); ++slot)
         for (std::size_t side = 0; side < out[slot].size(); ++side) {
-            auto& [radiance, visibility, from_points, unshadowed] = of_slot_[slot][side];
+            auto& [radiance, visibility, patterned, unshadowed] = of_slot_[slot][side];
             const auto part_of = [&](auto& values) {
                 return values.empty() ? std::span(values) : std::span(values).subspan(first, count);
             };
-            out[slot][side] = {part_of(radiance), part_of(visibility), part_of(from_points), part_of(unshadowed)};
+            out[slot][side] = {part_of(radiance), part_of(visibility), part_of(patterned), part_of(unshadowed)};
         }
     const std::span<const light_shafts::ViewRay> rays = std::span(waiting_.rays).subspan(first, count);
     const std::span<const std::uint8_t> cells(cells_);
@@ -175,8 +175,8 @@ void FrameShafts::add_draws(const Band& band, const Progress& progress) {
         for (OfSide& side : of_slot_[slot]) {
             clear(side.radiance);
             clear(side.visibility);
-            clear(side.from_points);
-            clear(side.from_points_unshadowed);
+            clear(side.patterned);
+            clear(side.patterned_unshadowed);
         }
     }
     parallel_for(
@@ -251,18 +251,18 @@ Rgb FrameShafts::sum_of_slot(std::size_t slot, std::size_t first, std::size_t co
 
 void FrameShafts::sum(const Band& band, const Deliver& deliver, const Progress& progress) {
     for (OfSides& of_side : of_slot_) {
-        auto& [radiance, visibility, from_points, unshadowed] = of_side[0];
+        auto& [radiance, visibility, patterned, unshadowed] = of_side[0];
         for (std::size_t side = 1; side < of_side.size(); ++side)
             if (const OfSide& shared = of_side[side]; !shared.radiance.empty())
                 light_shafts::add_shared(
                     {width(), region_.y1 - region_.y0, waiting_.first, air_, cells_}, light_shafts::shared_sides[side],
                     band.first_row, band.end_row,
-                    {shared.radiance, shared.visibility, shared.from_points, shared.from_points_unshadowed},
-                    {radiance, visibility, from_points, unshadowed}, progress);
+                    {shared.radiance, shared.visibility, shared.patterned, shared.patterned_unshadowed},
+                    {radiance, visibility, patterned, unshadowed}, progress);
     }
     if (of_slot_.size() > 1)
         add_slots(band);
-    const auto& [radiance, visibility, from_points, unshadowed] = of_slot_.size() > 1 ? of_all_ : of_slot_[0][0];
+    const auto& [radiance, visibility, patterned, unshadowed] = of_slot_.size() > 1 ? of_all_ : of_slot_[0][0];
     find_heterogeneity(band, progress);
     const std::size_t first_pixel = std::size_t{band.first_row} * width();
     parallel_for(std::size_t{band.end_row} * width() - first_pixel, progress, [&](std::size_t index) {

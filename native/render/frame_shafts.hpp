@@ -64,7 +64,7 @@ private:
     struct OfSide {
         std::vector<Rgb> radiance;
         std::vector<float> visibility;
-        std::vector<Rgb> from_points, from_points_unshadowed; ///< Of what is shared.
+        std::vector<Rgb> patterned, patterned_unshadowed; ///< Of what is shared.
     };
     using OfSides = std::array<OfSide, light_shafts::shared_sides.size()>;
     /// Into slots().

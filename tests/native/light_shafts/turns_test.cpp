@@ -21,7 +21,7 @@ struct SoftLamp {
     light_shafts::View view{.is_orthographic = false, .position = {0, -4, 0}};
     std::vector<light_shafts::ViewRay> rays;
 
-    explicit SoftLamp(std::uint32_t light_samples) {
+    explicit SoftLamp(std::uint32_t light_samples, bool is_spot = false) {
         Material fog{.name = "fog"};
         fog.has_surface = false;
         fog.medium_index = 0;
@@ -31,6 +31,8 @@ struct SoftLamp {
         lamp.kind = LightKind::Point;
         lamp.position = {0.3f, 0.2f, 3.0f};
         lamp.radius_m = 0.5f;
+        if (is_spot)
+            lamp.kind = LightKind::Spot, lamp.spot_axis = {0, 0, -1};
         scene =
             make_scene({{.mesh = cube(), .material = fog},
                         {.mesh = square(), .world_from_object = glm::scale(translation({0.2f, 0, 1.5f}), vec3(0.4f))}},
@@ -203,6 +205,53 @@ TEST_CASE("where a light at a point is equally lit, sharing changes nothing: a b
             else
                 CHECK(glm::length(found - (x == 3 ? 0.25f : 0.75f) * lit[y * width + 5]) < 0.02f);
         }
+}
+
+// Of a cone the pixels' own strata tell where its edge is; of a lamp without one they are noise, 30 % of its light here.
+TEST_CASE("pixels that share a lamp without a cone each have the light of all of its strata") {
+    constexpr std::uint32_t width = 12, turns = 4;
+    for (const bool is_spot : {false, true}) {
+        SoftLamp lamp(64, is_spot);
+        lamp.rays.clear();
+        std::vector<std::uint8_t> cells;
+        std::vector<std::uint32_t> first_ray{0};
+        for (std::uint32_t pixel = 0; pixel < width * width; ++pixel) {
+            const vec2 at(pixel % width, pixel / width);
+            lamp.rays.push_back(
+                {lamp.view.position, glm::normalize(vec3(5e-4f * at.x - 0.2f, 1.0f, 5e-4f * at.y)), 0.0f, 10.0f});
+            cells.push_back(light_shafts::cell_of_pixel(pixel % width, pixel / width));
+            first_ray.push_back(pixel + 1);
+        }
+        const light_shafts::Shafts shafts = lamp.shafts();
+        const std::vector<light_shafts::Air> air = shafts.find_air(lamp.rays, lamp.progress);
+        std::vector<Rgb> truth(lamp.rays.size()), sum(lamp.rays.size(), Rgb(0.0f));
+        shafts.scatter(lamp.rays, truth, {}, lamp.progress);
+        double apart = 0.0;
+        for (std::uint32_t turn = 0; turn < turns; ++turn) {
+            using Light = std::vector<Rgb>;
+            std::array<std::array<Light, 3>, light_shafts::shared_sides.size()> light;
+            std::array<light_shafts::Scattered, light_shafts::shared_sides.size()> out;
+            for (std::size_t side = 0; side < out.size(); ++side) {
+                for (Light& values : light[side])
+                    values.assign(lamp.rays.size(), Rgb(0.0f));
+                out[side] = {light[side][0], {}, light[side][1], light[side][2]};
+            }
+            shafts.scatter(lamp.rays, cells, out, lamp.progress, {turn, turns});
+            for (std::size_t side = 1; side < out.size(); ++side)
+                light_shafts::add_shared({width, width, first_ray, air, cells}, light_shafts::shared_sides[side], 0,
+                                         width, {light[side][0], {}, light[side][1], light[side][2]}, {sum, {}, {}, {}},
+                                         lamp.progress);
+            for (const auto& [radiance, patterned, unshadowed] : light)
+                for (const Rgb& value : patterned)
+                    apart += value.x;
+        }
+        CHECK((apart > 0.0) == is_spot);
+        for (std::uint32_t y = 2; !is_spot && y + 2 < width; ++y)
+            for (std::uint32_t x = 2; x + 2 < width; ++x) {
+                const std::size_t pixel = y * width + x;
+                CHECK(std::abs(sum[pixel].x / (static_cast<float>(turns) * truth[pixel].x) - 1.0f) < 0.01f);
+            }
+    }
 }
 
 TEST_CASE("rays that pass close to a lamp share nothing and ask for all strata themselves") {
