@@ -58,8 +58,8 @@ LightSample stratum_of(const Light& light, std::uint32_t light_index, std::uint3
     if (light.kind != LightKind::Sun) {
         // A disc that faces the receiver is soft already, save in its middle.
         const bool is_sphere = light.body == LightBody::Sphere;
-        sample.softening_m2 = is_sphere ? 4.0f * patch_m2(light, count)
-                                        : std::max(sample.softening_m2, 0.5f * patch_m2(light, count));
+        sample.softening_m2 =
+            is_sphere ? 4.0f * patch_m2(light, count) : std::max(sample.softening_m2, 0.5f * patch_m2(light, count));
         sample.sphere_radius_m = is_sphere ? light.radius_m : 0.0f;
     }
     sample.strength *= 1.0f / static_cast<float>(count);
