@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How a local light shines towards points of rays, a ray in each lane, compiled once per SIMD target: its surface's cosine,
-// its softening, its spread and its cone.
+// its softening, patches of surfaces (softened_patch.hpp), its spread and its cone.
 #if defined(TYNDALL_LOCAL_LIGHT_SHAPE_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TYNDALL_LOCAL_LIGHT_SHAPE_INL
 #undef TYNDALL_LOCAL_LIGHT_SHAPE_INL
@@ -10,6 +10,7 @@
 #include "light_shafts/exp-inl.hpp"
 #include "light_shafts/local_scatter_kernel.hpp"
 #include "light_shafts/slope_rows_angle-inl.hpp"
+#include <algorithm>
 
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::light_shafts::HWY_NAMESPACE {
@@ -64,7 +65,8 @@ struct LightShape {
         const V inverse = reciprocal_root_of(d, lifted2), lifted = hn::Mul(lifted2, inverse);
         const V z = hn::Mul(hn::Add(off_m, nearer), inverse);
         const V beside2 = hn::Max(hn::NegMulAdd(off_m, off_m, distance2), zero);
-        const V far = hn::Mul(hn::Mul(before, before), set(1.0 / (far_before_softenings * shape.softening_m2)));
+        const V far =
+            hn::Mul(hn::Mul(before, before), set(std::min(1e30, 1.0 / (far_before_softenings * shape.softening_m2))));
         const V fade = hn::Min(hn::Max(hn::Sub(set(2.0f), far), zero), one);
 
         LightView view;
