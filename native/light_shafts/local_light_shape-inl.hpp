@@ -45,9 +45,11 @@ struct LightShape {
     HWY_INLINE LightView patch_at(const LightLanes& s, V x, V distance2, V normal_m) const {
         const V one = set(1.0f), zero = hn::Zero(d), tiny = set(1e-20f), softening = set(shape.softening_m2);
         // Of the axis off the lamp: the way to the point along it, the ray's direction, and how far before it the point lies.
-        V off_m, off_d, before, middle = zero, radius = zero, is_outside = one;
+        V off_m, off_d, before, beside2, middle = zero, radius = zero, is_outside = one;
         if (shape.is_area) {
+            const V p0 = hn::MulAdd(x, s.cone_d[0], s.cone[0]), p1 = hn::MulAdd(x, s.cone_d[1], s.cone[1]);
             before = off_m = hn::Max(hn::MulAdd(x, s.cone_d[2], s.cone[2]), zero), off_d = s.cone_d[2];
+            beside2 = hn::MulAdd(p0, p0, hn::Mul(p1, p1)); // as a difference it would be noise to a narrow spread
         } else {
             radius = set(shape.sphere_radius_m);
             const V square = hn::MulAdd(hn::Add(radius, radius), normal_m, distance2); // above the sphere
@@ -57,6 +59,7 @@ struct LightShape {
             off_m = hn::Mul(hn::MulAdd(radius, normal_m, distance2), inverse);
             off_d = hn::Mul(hn::MulAdd(radius, s.normal_d, x), inverse);
             before = hn::Max(hn::Mul(square, reciprocal_of(d, hn::Add(middle, radius))), zero);
+            beside2 = hn::Max(hn::NegMulAdd(off_m, off_m, distance2), zero);
             is_outside = hn::IfThenElseZero(hn::Gt(square, zero), one);
         }
         const V softened = hn::Sqrt(hn::MulAdd(before, before, softening));
@@ -64,7 +67,6 @@ struct LightShape {
         const V lifted2 = hn::MulAdd(nearer, hn::MulAdd(set(2.0f), off_m, nearer), distance2);
         const V inverse = reciprocal_root_of(d, lifted2), lifted = hn::Mul(lifted2, inverse);
         const V z = hn::Mul(hn::Add(off_m, nearer), inverse);
-        const V beside2 = hn::Max(hn::NegMulAdd(off_m, off_m, distance2), zero);
         const V far =
             hn::Mul(hn::Mul(before, before), set(std::min(1e30, 1.0 / (far_before_softenings * shape.softening_m2))));
         const V fade = hn::Min(hn::Max(hn::Sub(set(2.0f), far), zero), one);
