@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 #include "voxel_dag/cube_group.hpp"
 #include "voxel_dag/upright.hpp"
+#include "voxel_dag/use_ranks.hpp"
 #include <algorithm>
 #include <atomic>
 #include <hwy/cache_control.h>
@@ -11,39 +12,7 @@
 
 namespace tyndall::voxel_dag {
 namespace {
-constexpr std::uint32_t no_rank = ~std::uint32_t{0};
 constexpr std::size_t fewest_ready = 256; ///< Records that threads can share among them.
-
-/// Names in the order of how often they are named, and the rank of each; those below `fewest` uses have none.
-struct Ranks {
-    std::vector<std::uint32_t> uses;  ///< By rank, falling.
-    std::vector<std::uint32_t> names; ///< By rank.
-    std::vector<std::uint32_t> rank;  ///< By name.
-};
-Ranks ranked_by(const std::vector<std::uint32_t>& uses, std::uint32_t fewest) {
-    Ranks ranks;
-    ranks.names.reserve(
-        static_cast<std::size_t>(std::ranges::count_if(uses, [&](auto times) { return times >= fewest; })));
-    for (std::uint32_t name = 0; name < uses.size(); ++name)
-        if (uses[name] >= fewest)
-            ranks.names.push_back(name);
-    std::ranges::stable_sort(ranks.names, std::greater(), [&](std::uint32_t name) { return uses[name]; });
-    ranks.rank.assign(uses.size(), no_rank);
-    for (std::uint32_t i = 0; i < ranks.names.size(); ++i) {
-        ranks.rank[ranks.names[i]] = i;
-        ranks.uses.push_back(uses[ranks.names[i]]);
-    }
-    return ranks;
-}
-/// Names of two or more references. How often each is used is not asked for again.
-Ranks ranked(const std::vector<std::uint32_t>& references, std::size_t name_count) {
-    std::vector<std::uint32_t> uses(name_count, 0);
-    for (const std::uint32_t name : references)
-        ++uses[name];
-    Ranks ranks = ranked_by(uses, 2);
-    ranks.uses = {};
-    return ranks;
-}
 
 /// For each octant as it lies in the world, the reference to the child there; that of a node which `turn` has turned.
 template <class Visit>
