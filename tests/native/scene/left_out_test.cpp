@@ -2,7 +2,6 @@
 // What cannot be drawn, or not whole, is left out or refused by name, and its neighbours stay what they were.
 #include "core/errors.hpp"
 #include "scene/scene.hpp"
-#include "shading/op_inputs.hpp"
 #include "support/scenes.hpp"
 #include <cmath>
 #include <doctest/doctest.h>
