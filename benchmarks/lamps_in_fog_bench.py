@@ -19,8 +19,7 @@ import numpy as np
 from mathutils import Vector
 from numpy.typing import NDArray
 
-import tyndall.blender
-from report import Row, argument_parser, row, write_report
+from report import Row, row, run_scenes
 
 sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
@@ -123,8 +122,4 @@ def run(names: list[str]) -> list[Row]:
 
 
 if __name__ == "__main__":
-    parser = argument_parser(__doc__)
-    parser.add_argument("scenes", nargs="*", help="names of scenes; all without any")
-    arguments = parser.parse_args()
-    tyndall.blender.enable()
-    write_report(run(arguments.scenes), arguments)
+    run_scenes(run, __doc__)

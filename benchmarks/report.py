@@ -5,10 +5,12 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import bpy
+
+import tyndall.blender
 
 Row = dict[str, float | str | bool]
 
@@ -34,6 +36,15 @@ def write_report(rows: Sequence[Row], arguments: argparse.Namespace) -> None:
     part = arguments.output.with_suffix(".json.part")
     part.write_text(json.dumps({"context": context, "benchmarks": rows}, indent=1) + "\n", encoding="utf-8")
     part.replace(arguments.output)
+
+
+def run_scenes(run: Callable[[list[str]], Sequence[Row]], description: str | None) -> None:
+    """Report what `run` measures in the scenes that the command line names; in all of them without any."""
+    parser = argument_parser(description)
+    parser.add_argument("scenes", nargs="*", help="names of scenes; all without any")
+    arguments = parser.parse_args()
+    tyndall.blender.enable()
+    write_report(run(arguments.scenes), arguments)
 
 
 def write_page(name: str, text: str, arguments: argparse.Namespace) -> None:

@@ -91,7 +91,7 @@ private:
         const Rgb passing = media_.homogeneous_transmittance({.origin = at,
                                                               .direction = glm::normalize(position - at),
                                                               .near_m = 0.0f,
-                                                              .far_m = view_local(light_.light_, at).distance_m});
+                                                              .far_m = local_distance_m(light_.light_, at)});
         const Rgb depth = -glm::log(glm::max(passing, Rgb(1e-30f)));
         return is_reached ? depth + light_.grid_depth_->depth(at) : depth;
     }

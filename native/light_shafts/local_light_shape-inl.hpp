@@ -45,9 +45,9 @@ struct LightShape {
     HWY_INLINE LightView patch_at(const LightLanes& s, V x, V distance2, V normal_m) const {
         const V one = set(1.0f), zero = hn::Zero(d), tiny = set(1e-20f), softening = set(shape.softening_m2);
         // Of the axis off the lamp: the way to the point along it, the ray's direction, and how far before it the point lies.
-        V off_m, off_d, before, beside2, middle = zero, radius = zero, is_outside = one;
+        V off_m, off_d, before, beside2, p0 = zero, p1 = zero, middle = zero, radius = zero, is_outside = one;
         if (shape.is_area) {
-            const V p0 = hn::MulAdd(x, s.cone_d[0], s.cone[0]), p1 = hn::MulAdd(x, s.cone_d[1], s.cone[1]);
+            p0 = hn::MulAdd(x, s.cone_d[0], s.cone[0]), p1 = hn::MulAdd(x, s.cone_d[1], s.cone[1]);
             before = off_m = hn::Max(hn::MulAdd(x, s.cone_d[2], s.cone[2]), zero), off_d = s.cone_d[2];
             beside2 = hn::MulAdd(p0, p0, hn::Mul(p1, p1)); // as a difference it would be noise to a narrow spread
         } else {
@@ -74,7 +74,7 @@ struct LightShape {
         LightView view;
         V angles = one, lobe;
         if (shape.is_area) {
-            angles = hn::AllTrue(d, hn::Eq(fade, zero)) ? one : area_angles(s, x, before, softened);
+            angles = hn::AllTrue(d, hn::Eq(fade, zero)) ? one : area_angles(p0, p1, before, softened);
             lobe = hn::NegMulAdd(set(shape.spread_cotangent), hn::Sqrt(beside2), softened);
         } else {
             angles = sphere_angles(radius, before, softened);
@@ -101,10 +101,9 @@ struct LightShape {
         };
         return hn::Div(cap(before), cap(softened));
     }
-    /// Of the half angles in which two points see an area light.
-    HWY_INLINE V area_angles(const LightLanes& s, V along, V before, V softened) const {
+    /// Of the half angles in which two points, (p0, p1) beside the patch, see an area light.
+    HWY_INLINE V area_angles(V p0, V p1, V before, V softened) const {
         const V one = set(1.0f);
-        const V p0 = hn::MulAdd(along, s.cone_d[0], s.cone[0]), p1 = hn::MulAdd(along, s.cone_d[1], s.cone[1]);
         V x[8], y[8], across2[8];
         for (std::size_t corner = 0; corner < shape.outline.count; ++corner) {
             x[corner] = hn::Sub(set(shape.outline.corners_m[corner].x), p0);

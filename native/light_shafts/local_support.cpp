@@ -208,7 +208,8 @@ LocalShape::LocalShape(const LightSample& light)
         return;
     const Light& spot = *light.spot;
     if (is_area) {
-        spread_cotangent = double{area_spread(spot).cotangent};
+        const AreaSpread spread = area_spread(spot);
+        spread_cotangent = double{spread.cotangent};
         cos_half = spread_cotangent / std::hypot(spread_cotangent, 1.0);
         const mat3 axes = light_axes(spot);
         cone_from_world = glm::transpose(glm::dmat3(dvec3(axes[0]), dvec3(axes[1]), dvec3(spot.spot_axis)));
@@ -221,7 +222,7 @@ LocalShape::LocalShape(const LightSample& light)
         }
         for (vec2& corner : outline.corners_m)
             corner -= place;
-        edge_width = tyndall::edge_width(area_spread(spot));
+        edge_width = tyndall::edge_width(spread);
         return;
     }
     cos_half = std::cos(double{spot.spot_half_angle_rad});

@@ -6,14 +6,22 @@
 #include <numbers>
 
 namespace tyndall {
-AreaOutline area_outline(const Light& light) {
-    AreaOutline outline{{}, light.is_ellipse ? 8u : 4u};
-    const double reach = light.is_ellipse ? std::sqrt(std::numbers::pi / std::sqrt(8.0)) : std::sqrt(2.0);
-    for (std::size_t corner = 0; corner < outline.count; ++corner) {
-        const double turn =
-            (2.0 * static_cast<double>(corner) + 1.0) / static_cast<double>(outline.count) * std::numbers::pi;
-        outline.corners_m[corner] = vec2(reach * dvec2(std::cos(turn), std::sin(turn))) * light.half_size_m;
+/// Corners of the outline of half sizes of 1.
+static std::array<vec2, 8> unit_corners(std::size_t count) {
+    std::array<vec2, 8> corners{};
+    const double reach = count == 8 ? std::sqrt(std::numbers::pi / std::sqrt(8.0)) : std::sqrt(2.0);
+    for (std::size_t corner = 0; corner < count; ++corner) {
+        const double turn = (2.0 * static_cast<double>(corner) + 1.0) / static_cast<double>(count) * std::numbers::pi;
+        corners[corner] = vec2(reach * dvec2(std::cos(turn), std::sin(turn)));
     }
+    return corners;
+}
+
+AreaOutline area_outline(const Light& light) {
+    static const std::array<vec2, 8> square = unit_corners(4), octagon = unit_corners(8);
+    AreaOutline outline{light.is_ellipse ? octagon : square, light.is_ellipse ? 8u : 4u};
+    for (vec2& corner : outline.corners_m)
+        corner *= light.half_size_m;
     return outline;
 }
 
@@ -34,74 +42,92 @@ double half_solid_angle_sr(const AreaOutline& outline, const dvec2& foot_m, doub
     return std::atan2(std::max(product.y, 0.0), product.x); // of triangles on one side: at most half a turn
 }
 
+static bool is_area_patch(const LightSample& sample) {
+    return sample.softening_m2 > 0.0f && sample.spot != nullptr && sample.spot->kind == LightKind::Area;
+}
+static bool is_sphere_patch(const LightSample& sample) {
+    return sample.softening_m2 > 0.0f && sample.sphere_radius_m > 0.0f;
+}
+
 namespace {
 /// A patch from a point that lies `before_m` before the lamp, as from one that lies `softened_m` before it.
 struct Lift {
     dvec3 axis; ///< Unit vector off the lamp.
     double before_m, softened_m;
-    double share = 1.0; ///< Of the solid angles in which both points see the whole lamp.
 
-    Lift(const dvec3& off_lamp, double height_m, double softening_m2)
-        : axis(off_lamp), before_m(std::max(height_m, 0.0)), softened_m(std::sqrt(before_m * before_m + softening_m2)),
-          fade_(std::clamp(2.0 - before_m * before_m / (far_before_softenings * softening_m2), 0.0, 1.0)) {}
-    void share_angles(double seen, double softly_seen) { share = std::lerp(1.0, seen / softly_seen, fade_); }
-    [[nodiscard]] bool is_far() const { return fade_ == 0.0; }
+    Lift(const LightSample& patch, const dvec3& way) : axis(patch.emission_normal) {
+        double height_m = glm::dot(way, axis);
+        if (!is_area_patch(patch)) {
+            const dvec3 from_middle = way + double{patch.sphere_radius_m} * axis;
+            const double middle_m = glm::length(from_middle);
+            axis = from_middle / middle_m, height_m = middle_m - double{patch.sphere_radius_m};
+        }
+        before_m = std::max(height_m, 0.0);
+        softened_m = std::sqrt(before_m * before_m + double{patch.softening_m2});
+        is_inside = height_m < 0.0;
+    }
+    /// Of the solid angles in which both points see the whole lamp.
+    [[nodiscard]] double share_of_angles(const LightSample& patch, const dvec3& point) const {
+        const double far = before_m * before_m / (far_before_softenings * double{patch.softening_m2});
+        const double fade = std::clamp(2.0 - far, 0.0, 1.0);
+        if (!is_area_patch(patch))
+            return is_inside ? 0.0 : std::lerp(1.0, cap(patch, before_m) / cap(patch, softened_m), fade);
+        if (fade == 0.0)
+            return 1.0;
+        const Light& light = *patch.spot;
+        const dvec3 from_middle = point - dvec3(light.position);
+        const mat3 axes = light_axes(light);
+        const dvec2 foot(glm::dot(from_middle, dvec3(axes[0])), glm::dot(from_middle, dvec3(axes[1])));
+        const AreaOutline outline = area_outline(light);
+        const double width = edge_width(area_spread(light));
+        return std::lerp(1.0,
+                         half_solid_angle_sr(outline, foot, width * before_m) /
+                             half_solid_angle_sr(outline, foot, width * softened_m),
+                         fade);
+    }
+    [[nodiscard]] dvec3 lifted(const dvec3& way) const { return way + (softened_m - before_m) * axis; }
+    [[nodiscard]] double distance_m(double lifted_m) const {
+        return lifted_m - (softened_m - before_m) * std::sqrt(lifted_m / softened_m);
+    }
 
 private:
-    double fade_;
-};
-
-Lift lift_off_area(const LightSample& patch, const dvec3& point) {
-    const Light& light = *patch.spot;
-    const dvec3 axis(patch.emission_normal), from_middle = point - dvec3(light.position);
-    Lift lift(axis, glm::dot(from_middle, axis), double{patch.softening_m2});
-    if (lift.is_far())
-        return lift;
-    const mat3 axes = light_axes(light);
-    const dvec2 foot(glm::dot(from_middle, dvec3(axes[0])), glm::dot(from_middle, dvec3(axes[1])));
-    const AreaOutline outline = area_outline(light);
-    const double width = edge_width(area_spread(light));
-    lift.share_angles(half_solid_angle_sr(outline, foot, width * lift.before_m),
-                      half_solid_angle_sr(outline, foot, width * lift.softened_m));
-    return lift;
-}
-
-Lift lift_off_sphere(const LightSample& patch, const dvec3& point) {
-    const double radius_m = patch.sphere_radius_m;
-    const dvec3 from_middle = point - dvec3(patch.position) + radius_m * dvec3(patch.emission_normal);
-    const double middle_m = glm::length(from_middle);
-    Lift lift(from_middle / middle_m, middle_m - radius_m, double{patch.softening_m2});
-    const auto cap = [&](double height_m) {
-        const double sine = radius_m / (radius_m + height_m), sine2 = sine * sine;
+    static double cap(const LightSample& patch, double height_m) {
+        const double sine = patch.sphere_radius_m / (patch.sphere_radius_m + height_m), sine2 = sine * sine;
         return sine2 / (1.0 + std::sqrt(1.0 - sine2));
-    };
-    lift.share_angles(cap(lift.before_m), cap(lift.softened_m));
-    if (middle_m < radius_m)
-        lift.share = 0.0; // of what shines outwards
-    return lift;
-}
+    }
+    bool is_inside; ///< A sphere, of which this is what shines outwards.
+};
 } // namespace
+
+float local_distance_m(const LightSample& sample, const vec3& point) {
+    const dvec3 way = dvec3(point) - dvec3(sample.position);
+    if (!is_area_patch(sample) && !is_sphere_patch(sample))
+        return static_cast<float>(glm::length(way));
+    const Lift lift(sample, way);
+    return static_cast<float>(lift.distance_m(glm::length(lift.lifted(way))));
+}
 
 LocalView view_local(const LightSample& sample, const vec3& point) {
     const dvec3 way = dvec3(point) - dvec3(sample.position);
     const vec3 straight(glm::normalize(way));
-    const bool is_area = sample.spot != nullptr && sample.spot->kind == LightKind::Area;
-    if (sample.softening_m2 == 0.0f || !(is_area || sample.sphere_radius_m > 0.0f))
+    const bool is_area = is_area_patch(sample);
+    if (!is_area && !is_sphere_patch(sample))
         return {straight, static_cast<float>(glm::length(way)),
                 intensity_w_per_sr(sample, straight) * irradiance_per_intensity(sample, point)};
-    const Lift lift = is_area ? lift_off_area(sample, dvec3(point)) : lift_off_sphere(sample, dvec3(point));
-    const double nearer_m = lift.softened_m - lift.before_m;
-    const dvec3 lifted = way + nearer_m * lift.axis, beside = way - glm::dot(way, lift.axis) * lift.axis;
+    const Lift lift(sample, way);
+    const dvec3 lifted = lift.lifted(way), beside = way - glm::dot(way, lift.axis) * lift.axis;
     const double lifted_m = glm::length(lifted), z = glm::dot(lifted, lift.axis) / lifted_m;
-    const double off = std::clamp(lift.share > 1.0 ? 1.0 - (1.0 - z) * lift.share : z * lift.share, 0.0, 1.0);
+    const double share = lift.share_of_angles(sample, dvec3(point));
+    const double off = std::clamp(share > 1.0 ? 1.0 - (1.0 - z) * share : z * share, 0.0, 1.0);
     const dvec3 aside = std::sqrt(1.0 - off * off) / std::max(glm::length(beside), 1e-10) * beside;
-    Rgb intensity = intensity_w_per_sr(sample, vec3(lifted / lifted_m));
-    if (!is_area && sample.spot != nullptr) { // a cone is where it is
-        const float lobe = std::max(0.0f, glm::dot(sample.emission_normal, vec3(lifted / lifted_m)));
-        intensity = sample.strength * (lobe * spot_attenuation(*sample.spot, straight));
-    }
-    return {vec3(off * lift.axis + aside),
-            static_cast<float>(lifted_m - nearer_m * std::sqrt(lifted_m / lift.softened_m)),
-            intensity * static_cast<float>(lift.share / (lifted_m * lifted_m))};
+    const vec3 shaping(lifted / lifted_m);
+    Rgb intensity = sample.strength;
+    if (is_area)
+        intensity = intensity_w_per_sr(sample, shaping);
+    else // the cone of a spot light is where it is
+        intensity *= std::max(0.0f, glm::dot(sample.emission_normal, shaping)) *
+                     (sample.spot != nullptr ? spot_attenuation(*sample.spot, straight) : 1.0f);
+    return {vec3(off * lift.axis + aside), static_cast<float>(lift.distance_m(lifted_m)),
+            intensity * static_cast<float>(share / (lifted_m * lifted_m))};
 }
 } // namespace tyndall

@@ -20,6 +20,8 @@ struct LocalView {
 };
 /// `point` is not the sample's position.
 [[nodiscard]] LocalView view_local(const LightSample& sample, const vec3& point);
+/// LocalView::distance_m alone.
+[[nodiscard]] float local_distance_m(const LightSample& sample, const vec3& point);
 
 /// A rectangle's corners, or those of an octagon of an ellipse's area, in turn around its middle, along its light_axes.
 struct AreaOutline {

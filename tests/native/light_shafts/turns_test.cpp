@@ -207,7 +207,7 @@ TEST_CASE("where a light at a point is equally lit, sharing changes nothing: a b
         }
 }
 
-// Of a cone the pixels' own strata tell where its edge is; of a lamp without one they are noise, 30 % of its light here.
+// Of a cone the pixels' own strata tell where its edge is; of a lamp without one they are noise, up to a fifth of its light here.
 TEST_CASE("pixels that share a lamp without a cone each have the light of all of its strata") {
     constexpr std::uint32_t width = 12, turns = 4;
     for (const bool is_spot : {false, true}) {
