@@ -18,6 +18,7 @@ from many_lights_bench import measured
 import tyndall.blender
 from report import Row, argument_parser, row, write_report
 
+sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
 from support.glow_scenes import SCENES, build
 
