@@ -3,7 +3,8 @@
 // Based on: Cycles, whose spherical point lights shine inwards as they do outwards, and spot lights whatever their cone.
 // Differs:  a phase function integrates to 1, so that the air scatters the surface's radiance whatever its lobes: a closed
 //           form along the ray. The strata of local_scatter.hpp are the light outside.
-// Bound:    a chord per ray and turn. Left out: what stands in the lamp, density grids and pictures.
+// Bound:    a chord per ray and turn, shared with no other pixel: it ends at the sphere. Left out: what stands in the lamp,
+//           density grids and pictures.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
 

@@ -34,6 +34,7 @@ struct View {
     bool is_orthographic = false;
     vec3 position{0.0f};      ///< Perspective: all rays leave from here.
     vec3 direction{0, 0, -1}; ///< Orthographic: all rays go this way.
+    float spacing = 0.0f;     ///< Between neighbouring pixels of a picture: radians, or metres of parallel rays.
 };
 [[nodiscard]] inline View view_of(const Camera& camera) {
     return {.is_orthographic = camera.kind == CameraKind::Orthographic,
@@ -98,7 +99,7 @@ struct Scattered {
     std::span<Rgb> radiance; ///< As in Result.
     std::span<float> average_visibility;
     /// What lamps with a cone or a picture scatter, apart from `radiance`, and what they would if nothing cast a shadow; both
-    /// empty: it is in `radiance`.
+    /// empty: it is in `radiance`. Not of lamps whose size spreads them, see LightBeams::has_pattern.
     std::span<Rgb> patterned, patterned_unshadowed;
 };
 struct ConstScattered {
@@ -173,9 +174,9 @@ public:
                                                                 Turn turn) const;
     /// One per ray.
     [[nodiscard]] std::vector<Air> find_air(std::span<const ViewRay> rays, const Progress& progress) const;
-    /// Gives alone_cell to the rays that pass a lamp whose strata are shared at less than a few times the spacing of the
-    /// rays: its light changes from one to the next. Spacing: an angle, or metres between parallel rays.
-    void set_alone(std::span<const ViewRay> rays, const View& view, float spacing, std::uint32_t turn_count,
+    /// Gives alone_cell to the rays that pass a lamp whose strata are shared at less than a few times the view's spacing:
+    /// its light changes from one to the next.
+    void set_alone(std::span<const ViewRay> rays, const View& view, std::uint32_t turn_count,
                    std::span<std::uint8_t> cells, const Progress& progress) const;
     /// Whether out[i] of shared_sides gets any light when a picture has turn_count passes.
     [[nodiscard]] std::array<bool, shared_sides.size()> sides_used(std::uint32_t turn_count) const;

@@ -5,7 +5,6 @@
 #include "light_shafts/shared_strata.hpp"
 #include "light_shafts/textured_beam.hpp"
 #include "light_shafts/turns.hpp"
-#include "scene/area_light.hpp"
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -101,16 +100,13 @@ void PreparedLights::add(const LightBeams& light, std::size_t stratum, Block& bl
     }
 }
 
-void PreparedLights::add_inside(const LightBeams& light, std::size_t strata, Block& block) const {
+void PreparedLights::add_inside(const LightBeams& light, Block& block, std::span<Rgb> radiance, float share) const {
     if (!light.inside)
         return;
-    const float share = static_cast<float>(strata) / static_cast<float>(light.stratum_count());
-    for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
-        const Rgb scattered = share * light.inside->along(media, block.rays[ray], block.segments_of(ray));
-        block.radiance[ray] += scattered;
-        if (!block.unshadowed.empty())
-            block.unshadowed[ray] += scattered;
-    }
+    swap_unlit(light.unlit_media, block);
+    for (std::size_t ray = 0; ray < block.rays.size(); ++ray)
+        radiance[ray] += share * light.inside->along(media, block.rays[ray], block.segments_of(ray));
+    swap_unlit(light.unlit_media, block);
 }
 
 void PreparedLights::add_pieces(const LightBeams& light, const Beam& beam, std::span<float> lit_length_m,
@@ -122,23 +118,15 @@ void PreparedLights::add_pieces(const LightBeams& light, const Beam& beam, std::
         beam.visibility->add_scattered(block.rays, block.pieces, block.radiance, lit_length_m);
 }
 
-/// A lamp whose light has edges or a picture, which pixels that share its strata would blur.
-static bool has_pattern(const LightSample& sample) {
-    const bool has_cone =
-        sample.spot != nullptr && (sample.spot->kind == LightKind::Spot || is_narrow_area(*sample.spot));
-    return !sample.is_directional && (has_cone || sample.textured != nullptr);
-}
-
 void PreparedLights::add(const LightBeams& light, const Turn& turn, Block& block) const {
     block.lit_length_m.assign(block.rays.size(), 0.0f);
     block.radiance.assign(block.rays.size(), Rgb(0.0f));
-    const bool is_apart = block.keeps_patterned_apart && has_pattern(light.beams.front().sample);
+    const bool is_apart = block.keeps_patterned_apart && light.has_pattern;
     block.unshadowed.assign(is_apart ? block.rays.size() : 0, Rgb(0.0f));
     const Deal mine = deal(light.stratum_count(), turn);
     swap_unlit(light.unlit_media, block);
     for (std::size_t index = mine.first; index < mine.last; ++index)
         add(light, spread(index, light.stratum_count()), block);
-    add_inside(light, mine.last - mine.first, block);
     swap_unlit(light.unlit_media, block);
     const float share = visibility_share(light) * mine.weight / static_cast<float>(light.stratum_count());
     const auto most = static_cast<float>(mine.last - mine.first);
@@ -178,7 +166,7 @@ std::vector<Air> Shafts::find_air(std::span<const ViewRay> rays, const Progress&
     return air;
 }
 
-void Shafts::set_alone(std::span<const ViewRay> rays, const View& view, float spacing, std::uint32_t turn_count,
+void Shafts::set_alone(std::span<const ViewRay> rays, const View& view, std::uint32_t turn_count,
                        std::span<std::uint8_t> cells, const Progress& progress) const {
     constexpr float spacings = 8.0f; // the mean of 1 / distance over two pixels around is then right to 2 %
     std::vector<vec3> lamps;
@@ -189,7 +177,7 @@ void Shafts::set_alone(std::span<const ViewRay> rays, const View& view, float sp
         for (const vec3& lamp : lamps) {
             const vec3 way = lamp - rays[ray].origin;
             const float along = glm::dot(way, rays[ray].direction);
-            const float limit = spacings * spacing * (view.is_orthographic ? 1.0f : along);
+            const float limit = spacings * view.spacing * (view.is_orthographic ? 1.0f : along);
             if (along > rays[ray].near_m && glm::dot(way, way) - along * along < limit * limit)
                 cells[ray] = alone_cell;
         }
@@ -266,10 +254,14 @@ void PreparedLights::scatter_side(std::span<const ViewRay> rays, std::span<const
                 block.keeps_patterned_apart = !out.patterned.empty();
                 begin_sums(block);
                 for (const LightBeams& light : lights) {
+                    if (by_slot.size() > 1 && light.slot != slot)
+                        continue;
+                    if (side == 0) // no stratum of it is shared
+                        add_inside(light, block, block.all_radiance);
                     const Sharing shared =
                         cells.empty() || is_alone ? Sharing{} : sharing(light.stratum_count(), turn.count);
                     const std::uint32_t turns_before = is_alone ? 0 : cell * shared.count / cell_count * turn.count;
-                    if (!block.rays.empty() && shared.side == side && (by_slot.size() == 1 || light.slot == slot))
+                    if (!block.rays.empty() && shared.side == side)
                         add(light, {turns_before + turn.index, shared.count * turn.count}, block);
                 }
                 for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {

@@ -9,6 +9,7 @@
 #include "light_shafts/occluder_edits.hpp"
 #include "light_shafts/occluders.hpp"
 #include "light_shafts/ray_outline.hpp"
+#include "scene/area_light.hpp"
 #include <algorithm>
 
 namespace tyndall::light_shafts {
@@ -89,6 +90,18 @@ static std::vector<std::uint8_t> assign_slots(const Scene& scene, std::span<Ligh
     return slots;
 }
 
+static bool has_pattern(const LightSample& sample, const Light& lamp, const View& view) {
+    const bool has_cone =
+        sample.spot != nullptr && (sample.spot->kind == LightKind::Spot || is_narrow_area(*sample.spot));
+    if (sample.is_directional || !(has_cone || sample.textured != nullptr))
+        return false;
+    constexpr float wide_px = 8.0f; // twice the width over which pixels share
+    const float radius_m =
+        lamp.kind == LightKind::Area ? std::min(lamp.half_size_m.x, lamp.half_size_m.y) : lamp.radius_m;
+    const float pixel_m = view.spacing * (view.is_orthographic ? 1.0f : glm::distance(view.position, lamp.position));
+    return 2.0f * radius_m < wide_px * pixel_m;
+}
+
 void PreparedLights::prepare(const Scene& scene, const View& view, std::span<const ViewRay> clipped,
                              std::vector<ScatteringLight> lights_to_prepare, const Config& config, Progress& progress) {
     LightShares shares(media, clipped);
@@ -125,7 +138,10 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         if (beams.beams.empty()) {
             statistics.skip("light shafts of " + light.name, "no medium scatters its light");
         } else {
-            const Light* textured = beams.beams.front().sample.textured;
+            const LightSample& first = beams.beams.front().sample;
+            const Light* textured = first.textured;
+            beams.has_pattern =
+                light.index < scene.lights().size() && has_pattern(first, scene.lights()[light.index], view);
             if (textured != nullptr && textured->texture->projection == LightProjection::Planar)
                 beams.texture_rows = std::make_shared<const TextureRows>(*textured, view, clipped);
             lights.push_back(std::move(beams));

@@ -42,6 +42,9 @@ struct LightBeams {
     std::shared_ptr<const TextureRows> texture_rows = {}; ///< Of a sun with a picture across it.
     std::vector<UnlitMedium> unlit_media = {};            ///< Of the light.
     std::optional<LampInside> inside = {};                ///< Of a lamp of several strata.
+    /// Pixels that share its strata would blur edges or a picture that they have in common; of a lamp that is several
+    /// pixels wide each stratum has its own, aside from the others'.
+    bool has_pattern = false;
     std::size_t parts = 1; ///< Consecutive beams that make a stratum: they light different points.
     [[nodiscard]] std::size_t stratum_count() const { return beams.size() / parts; }
 };
@@ -97,9 +100,9 @@ struct PreparedLights {
     }
     void gather(std::span<const ViewRay> rays, std::span<const std::uint32_t> order, Block& block) const;
     void add(const LightBeams& light, std::size_t stratum, Block& block) const;
-    /// Of so many strata of the light, what LampInside says.
-    void add_inside(const LightBeams& light, std::size_t strata, Block& block) const;
     void add(const LightBeams& light, const Turn& turn, Block& block) const;
+    /// Of what LampInside says.
+    void add_inside(const LightBeams& light, Block& block, std::span<Rgb> radiance, float share = 1.0f) const;
     /// Where there are density grids.
     void add_in_grids(const LightBeams& light, const Beam& beam, std::span<float> lit_length_m, Block& block) const;
     void gather_in_grids(const Beam& beam, Block& block) const;

@@ -6,8 +6,8 @@
 // Differs:  only lights whose strata outnumber the samples take part, hard shafts stay as sharp as their pixels; a tent
 //           over one period and a pixel counts every stratum exactly once; neighbours count where their air lies alike,
 //           and in proportion to its opacity: the rim of a cloud stays a rim; of a lamp with a cone or a picture they
-//           count by how much of it is in shadow: a beam keeps its edge, to a pixel;
-//           rays that pass close to a lamp, where its light changes from pixel to pixel, share nothing.
+//           count by how much of it is in shadow: a beam keeps its edge, to a pixel, unless the lamp's own width
+//           spreads it; rays that pass close to a lamp, where its light changes from pixel to pixel, share nothing.
 // Bound:    9 or 25 neighbours per ray; a light is asked once per ray instead of once per stratum. Unbiased over the
 //           square; its blur of at most two pixels ends when the samples reach the number of strata.
 #pragma once

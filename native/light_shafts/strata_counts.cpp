@@ -29,7 +29,7 @@ static double variance_of(const PreparedLights& pilot, const LightBeams& light, 
         block.radiance.assign(ray_count, Rgb(0.0f));
         block.lit_length_m.assign(ray_count, 0.0f);
         pilot.add(light, stratum, block);
-        pilot.add_inside(light, 1, block);
+        pilot.add_inside(light, block, block.radiance, 1.0f / static_cast<float>(light.stratum_count()));
         for (std::size_t ray = 0; ray < ray_count; ++ray) {
             const double value = strata * mean(block.radiance[ray]);
             sum[ray] += value;

@@ -10,6 +10,15 @@
 #include <algorithm>
 
 namespace tyndall::render {
+/// Its spacing is that in the picture's middle.
+static light_shafts::View view_of_picture(const Camera& camera) {
+    light_shafts::View view = light_shafts::view_of(camera);
+    view.spacing = camera.is_panoramic()
+                       ? pixel_footprint(camera, glm::normalize(camera.forward())).spread
+                       : (camera.window_right - camera.window_left) / static_cast<float>(camera.width_px);
+    return view;
+}
+
 /// Those of the region, and those beside it that the air's texture is carried over from; `all` lives as long as the call.
 static std::span<const light_shafts::ViewRay> rays_to_prepare(const WaitingParts& waiting, const WaitingParts* of_frame,
                                                               const FrameAir* air,
@@ -38,7 +47,7 @@ static light_shafts::Config with_limit(const Scene& scene, const Media& media, c
 FrameShafts::FrameShafts(const Scene& scene, const Media& media, const Camera& camera, const Region& region,
                          const WaitingParts& waiting, const Config& config, Statistics& statistics, Progress& progress)
     : media_(media), camera_(camera), waiting_(waiting), region_(region), config_(config),
-      shafts_(scene, media, light_shafts::view_of(camera), rays_to_prepare(waiting, config.of_frame, config.air),
+      shafts_(scene, media, view_of_picture(camera), rays_to_prepare(waiting, config.of_frame, config.air),
               with_limit(scene, media, camera, config), progress) {
     statistics.append(shafts_.statistics());
     slots_.assign(shafts_.slots().begin(), shafts_.slots().end());
@@ -86,13 +95,6 @@ void FrameShafts::add_slots_of(std::span<const std::uint8_t> groups) {
             slots_.push_back(group);
 }
 
-/// Between neighbouring rays in the picture's middle: radians, or metres of an orthographic camera.
-static float pixel_spacing(const Camera& camera) {
-    if (camera.is_panoramic())
-        return pixel_footprint(camera, glm::normalize(camera.forward())).spread;
-    return (camera.window_right - camera.window_left) / static_cast<float>(camera.width_px);
-}
-
 void FrameShafts::deal_cells(std::uint32_t round, const Progress& progress) {
     // Each round deals the cells out anew: 5 is a step along the squares of 4 x 4 and of 2 x 2.
     const std::uint32_t turned = round * 5;
@@ -103,8 +105,7 @@ void FrameShafts::deal_cells(std::uint32_t round, const Progress& progress) {
                 (turned + light_shafts::cell_of_pixel(region_.x0 + static_cast<std::uint32_t>(pixel % width()),
                                                       region_.y0 + static_cast<std::uint32_t>(pixel / width()))) %
                 16));
-    shafts_.set_alone(waiting_.rays, light_shafts::view_of(camera_), pixel_spacing(camera_), config_.round_samples,
-                      cells_, progress);
+    shafts_.set_alone(waiting_.rays, view_of_picture(camera_), config_.round_samples, cells_, progress);
     air_ = shafts_.find_air(waiting_.rays, progress);
 }
 

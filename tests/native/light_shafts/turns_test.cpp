@@ -207,18 +207,25 @@ TEST_CASE("where a light at a point is equally lit, sharing changes nothing: a b
         }
 }
 
-// Of a cone the pixels' own strata tell where its edge is; of a lamp without one they are noise, up to a fifth of its light here.
-TEST_CASE("pixels that share a lamp without a cone each have the light of all of its strata") {
+// Of the cone of a small lamp the pixels' own strata tell where its edge is; else they are noise, up to a fifth of the light
+// here: where there is no cone, and where each stratum of a lamp many pixels wide has an edge of its own.
+TEST_CASE(
+    "pixels that share a lamp each have the light of all of its strata, but for a cone that these have in common") {
     constexpr std::uint32_t width = 12, turns = 4;
-    for (const bool is_spot : {false, true}) {
+    constexpr float spacing_rad = 5e-4f; // a lamp 400 pixels wide
+    for (const auto& [is_spot, times_as_far_apart] :
+         {std::pair{false, 200.0f}, std::pair{true, 200.0f}, std::pair{true, 1.0f}}) {
+        const bool keeps_edge = is_spot && times_as_far_apart > 1.0f;
         SoftLamp lamp(64, is_spot);
+        lamp.view.spacing = times_as_far_apart * spacing_rad;
         lamp.rays.clear();
         std::vector<std::uint8_t> cells;
         std::vector<std::uint32_t> first_ray{0};
         for (std::uint32_t pixel = 0; pixel < width * width; ++pixel) {
             const vec2 at(pixel % width, pixel / width);
-            lamp.rays.push_back(
-                {lamp.view.position, glm::normalize(vec3(5e-4f * at.x - 0.2f, 1.0f, 5e-4f * at.y)), 0.0f, 10.0f});
+            lamp.rays.push_back({lamp.view.position,
+                                 glm::normalize(vec3(spacing_rad * at.x - 0.2f, 1.0f, spacing_rad * at.y)), 0.0f,
+                                 10.0f});
             cells.push_back(light_shafts::cell_of_pixel(pixel % width, pixel / width));
             first_ray.push_back(pixel + 1);
         }
@@ -245,8 +252,8 @@ TEST_CASE("pixels that share a lamp without a cone each have the light of all of
                 for (const Rgb& value : patterned)
                     apart += value.x;
         }
-        CHECK((apart > 0.0) == is_spot);
-        for (std::uint32_t y = 2; !is_spot && y + 2 < width; ++y)
+        CHECK((apart > 0.0) == keeps_edge);
+        for (std::uint32_t y = 2; !keeps_edge && y + 2 < width; ++y)
             for (std::uint32_t x = 2; x + 2 < width; ++x) {
                 const std::size_t pixel = y * width + x;
                 CHECK(std::abs(sum[pixel].x / (static_cast<float>(turns) * truth[pixel].x) - 1.0f) < 0.01f);
@@ -259,15 +266,16 @@ TEST_CASE("rays that pass close to a lamp share nothing and ask for all strata t
     const light_shafts::Shafts shafts = lamp.shafts();
     const vec3 at_lamp = glm::normalize(vec3(0.3f, 0.2f, 3.0f) - lamp.view.position);
     constexpr float spacing_rad = 0.001f;
+    lamp.view.spacing = spacing_rad;
     std::vector<light_shafts::ViewRay> rays;
     for (const float spacings : {0.0f, 4.0f, 7.5f, 8.5f, 100.0f})
         rays.push_back({lamp.view.position, glm::normalize(at_lamp + vec3(spacings * spacing_rad, 0, 0)), 0.0f, 10.0f});
     rays.push_back({lamp.view.position, -at_lamp, 0.0f, 10.0f}); // the lamp is behind
     std::vector<std::uint8_t> cells(rays.size(), 3);
-    shafts.set_alone(rays, lamp.view, spacing_rad, 16, cells, lamp.progress);
+    shafts.set_alone(rays, lamp.view, 16, cells, lamp.progress);
     for (const std::uint8_t cell : cells)
         CHECK(cell == 3); // as many passes as strata: nothing is shared
-    shafts.set_alone(rays, lamp.view, spacing_rad, 1, cells, lamp.progress);
+    shafts.set_alone(rays, lamp.view, 1, cells, lamp.progress);
     CHECK(cells == std::vector<std::uint8_t>{255, 255, 255, 3, 3, 3});
 
     std::vector<Rgb> truth(3);
