@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The strata of a light with a size are dealt out to the samples of a pixel and to neighbouring pixels: no pass pays for
 // all, together they have all.
+#include "core/simd.hpp"
 #include "light_shafts/light_shafts.hpp"
 #include "light_shafts/shared_strata.hpp"
 #include "support/scenes.hpp"
 #include <cmath>
 #include <doctest/doctest.h>
+#include <limits>
 #include <random>
 
 namespace turns_test {
@@ -153,6 +155,67 @@ TEST_CASE("a pixel takes in every cell of the square once, and nothing from wher
             for (std::size_t ray = 0; ray < air.size(); ++ray)
                 CHECK(std::abs(visibility_sum[ray] - (cells[ray] == 0 ? 0.75f : 0.5f)) < 1e-6f);
         }
+}
+
+TEST_CASE("lines of pixels are shared as pixels one by one are, whatever their air, on each instruction set") {
+    constexpr std::uint32_t width = 53, height = 21;
+    std::mt19937 random(7);
+    const auto number = [&] { return std::uniform_real_distribution<float>(0.0f, 1.0f)(random); };
+    const auto colour = [&] { return Rgb(number(), number(), number()); };
+    struct Picture {
+        std::vector<std::uint32_t> first_ray{0};
+        std::vector<light_shafts::Air> air;
+        std::vector<std::uint8_t> cells;
+        std::vector<Rgb> shared, patterned, unshadowed;
+        std::vector<float> visibility;
+    } one, two; // the same, with a ray more in each pixel, which shares nothing
+    for (std::uint32_t pixel = 0; pixel < width * height; ++pixel) {
+        const float far_m = number() < 0.1f ? std::numeric_limits<float>::infinity() : number() < 0.3f ? 5.0f : 50.0f;
+        const light_shafts::Air air{0.1f * number(), far_m * (1.0f + 0.1f * number()), number() - 0.1f};
+        const bool has_ray = number() > 0.1f, is_alone = number() < 0.1f;
+        const Rgb shared = colour(), patterned = colour(), unshadowed = number() < 0.5f ? Rgb(0.0f) : colour();
+        const float visibility = number();
+        const auto add = [&](Picture& picture, const light_shafts::Air& of_ray) {
+            picture.air.push_back(of_ray);
+            picture.cells.push_back(is_alone ? light_shafts::alone_cell : 0);
+            picture.shared.push_back(shared), picture.patterned.push_back(patterned);
+            picture.unshadowed.push_back(unshadowed), picture.visibility.push_back(visibility);
+        };
+        if (has_ray)
+            add(one, air), add(two, {air.near_m, air.far_m, 0.0f}), add(two, air);
+        one.first_ray.push_back(static_cast<std::uint32_t>(one.air.size()));
+        two.first_ray.push_back(static_cast<std::uint32_t>(two.air.size()));
+    }
+    Progress progress;
+    for (const SimdTarget target : available_simd_targets())
+        for (const std::uint32_t side : {2u, 4u})
+            for (const bool has_patterned : {false, true}) {
+                const ForcedSimdTarget forced(target);
+                CAPTURE(simd_target_name());
+                CAPTURE(side);
+                const auto shared_of = [&](const Picture& picture, std::vector<Rgb>& sum, std::vector<float>& visible) {
+                    const auto apart = [&](const std::vector<Rgb>& values) {
+                        return has_patterned ? std::span(values) : std::span<const Rgb>();
+                    };
+                    sum.assign(picture.air.size(), Rgb(0.25f));
+                    visible.assign(picture.air.size(), 0.5f);
+                    light_shafts::add_shared(
+                        {width, height, picture.first_ray, picture.air, picture.cells}, side, 0, height,
+                        {picture.shared, picture.visibility, apart(picture.patterned), apart(picture.unshadowed)},
+                        {sum, visible, {}, {}}, progress);
+                };
+                std::vector<Rgb> by_lines, by_rays;
+                std::vector<float> visible_by_lines, visible_by_rays;
+                shared_of(one, by_lines, visible_by_lines);
+                shared_of(two, by_rays, visible_by_rays);
+                double shared_sum = 0.0;
+                for (std::size_t ray = 0; ray < one.air.size(); ++ray) {
+                    CHECK(glm::length(by_lines[ray] - by_rays[2 * ray + 1]) <= 1e-5f * glm::length(by_lines[ray]));
+                    CHECK(std::abs(visible_by_lines[ray] - visible_by_rays[2 * ray + 1]) <= 1e-6f);
+                    shared_sum += by_lines[ray].x - 0.25f;
+                }
+                CHECK(shared_sum > 0.2 * width * height);
+            }
 }
 
 TEST_CASE("where light is in proportion to the opacity of the air, sharing changes nothing: a cloud keeps its rim") {
