@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iomanip>
 #include <map>
+#include <numeric>
 #include <sstream>
 
 namespace tyndall::light_shafts {
@@ -19,11 +20,27 @@ static bool is_made(const OccluderEdit& edit, OccluderEdits::Made made) {
 }
 
 OccluderEdits::OccluderEdits(const SceneDescription& scene, const Light& light, const Occluders& occluders)
-    : light_name_(light.name), is_sun_(light.kind == LightKind::Sun),
-      largest_size_(is_sun_ ? bounds_of_occluders(scene).diagonal_m() : 2.0f), space_(light, light.position, 1.0f) {
+    : light_name_(light.name), is_sun_(light.kind == LightKind::Sun), largest_size_(2.0f),
+      space_(light, light.position, 1.0f) {
+    const Bounds3 of_all = bounds_of_occluders(scene);
+    if (is_sun_)
+        largest_size_ = of_all.diagonal_m();
     for (const OccluderEdit& edit : light.occluder_edits)
         if (edit_does_something(edit))
-            edits_.emplace_back(edit, light, scene);
+            edits_.emplace_back(edit, light, edit.affects_all ? of_all : bounds_of_occluders(scene, &edit));
+    if (std::ranges::all_of(edits_, [](const PlacedEdit& edit) { return edit.what->affects_all; })) {
+        if (occluders.is_empty())
+            return;
+        Group& all = groups_.emplace_back();
+        all.occluders.instances = occluders.instances;
+        all.occluders.triangle_count = occluders.triangle_count;
+        all.occluders.partial_instances = occluders.partial_instances;
+        all.occluders.traced = occluders.traced;
+        all.occluders.kept = occluders.kept;
+        all.edits.resize(edits_.size());
+        std::iota(all.edits.begin(), all.edits.end(), std::size_t{0});
+        return;
+    }
     std::map<std::vector<bool>, Group> groups;
     const auto group_of = [&](std::uint32_t index) -> Group& {
         const std::uint32_t name_index = scene.name_index_of(index);

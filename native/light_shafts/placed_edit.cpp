@@ -29,9 +29,9 @@ Bounds3 bounds_of_occluders(const SceneDescription& scene, const OccluderEdit* e
 /// The middle of what an edit means: there, the strata of a sun agree about holes.
 static vec3 middle_of(const Bounds3& bounds) { return bounds.is_empty() ? vec3(0.0f) : bounds.centre(); }
 
-PlacedEdit::PlacedEdit(const OccluderEdit& edit, const Light& light, const SceneDescription& scene)
+PlacedEdit::PlacedEdit(const OccluderEdit& edit, const Light& light, const Bounds3& bounds)
     : what(&edit), noise(edit.kind == EditKind::Holes ? std::make_shared<const HoleNoiseField>(edit.noise) : nullptr),
-      space(light, middle_of(bounds_of_occluders(scene, &edit)), edit.distance_m) {}
+      space(light, middle_of(bounds), edit.distance_m) {}
 
 void PlacedEdit::find_holes(std::span<const float> x, std::span<const float> y, std::span<const float> z,
                             std::span<std::uint8_t> is_hole) const {

@@ -17,8 +17,8 @@ struct PlacedEdit {
     std::shared_ptr<const HoleNoiseField> noise; ///< Of holes.
     LightSpace space;
 
-    /// `edit` must outlive this.
-    PlacedEdit(const OccluderEdit& edit, const Light& light, const SceneDescription& scene);
+    /// `edit` must outlive this. `bounds`: of the occluders that it means.
+    PlacedEdit(const OccluderEdit& edit, const Light& light, const Bounds3& bounds);
     /// Of places in the light's space, as LightSpace has them: z is not read of a sun.
     void find_holes(std::span<const float> x, std::span<const float> y, std::span<const float> z,
                     std::span<std::uint8_t> is_hole) const;

@@ -7,7 +7,7 @@ std::unique_ptr<const SurfaceHoles> SurfaceHoles::make(const Scene& scene, const
     std::unique_ptr<SurfaceHoles> holes(new SurfaceHoles(scene));
     for (const OccluderEdit& edit : light.occluder_edits)
         if (edit.kind == EditKind::Holes && edit.affects_surfaces && edit_does_something(edit))
-            holes->edits_.emplace_back(edit, light, scene.description());
+            holes->edits_.emplace_back(edit, light, bounds_of_occluders(scene.description(), &edit));
     if (holes->edits_.empty())
         return nullptr;
     require(holes->edits_.size() < 64, "light \"", light.name, "\" has ", holes->edits_.size(),
