@@ -73,6 +73,7 @@ struct Config {
     float grid_error_target = 0.005f; ///< Relative RMS error of what grids scatter, over the frame, [1e-4, 0.3].
     /// Rays too close to a light's direction for rows are walked along the map that SHADOW_MAP's rows come from, instead of
     /// asked of hierarchies for cuts, which take 0.5 us per triangle to build: for a coarse picture that is to come at once.
+    /// A sun's map then stays where it is in the scene, and serves pictures of a camera that moves, see kept_maps.
     bool walks_maps = false;
     /// Lights whose rows would take longer are left to somebody else, who draws them at random: see Shafts::left().
     RowsLimit rows_limit = {};

@@ -200,12 +200,22 @@ std::unique_ptr<Visibility> make_shadow_map_beam(const Scene& scene, const Occlu
     if (prepared.instead)
         return std::move(prepared.instead);
     const Layout& made = prepared.rows->layout;
-    KeepAs keep_as{CastKind::ShadowMapRows, in_rows_of_map(made, light, texel_of_map(made, light, layout.lines)),
-                   layout.lines};
+    // While the camera moves, rows are laid out anew for each picture; a map of texels that stay where they are serves many.
+    // Its texels are square, not turned with the rows, and rounded up: with half as many again it is as good.
+    std::optional<SunPlace> place;
+    const std::uint32_t texels = layout.lines + layout.lines / 2;
+    float texel = texel_of_map(made, light, layout.lines);
+    if (config.walks_maps && light.is_directional) {
+        const auto [x_axis, y_axis] = orthonormal_basis(light.towards_light);
+        place = sun_place(made, x_axis, y_axis);
+        texel = snapped_texel(place->window, texels);
+    }
+    KeepAs keep_as{CastKind::ShadowMapRows, in_rows_of_map(made, light, texel), layout.lines};
     if (config.walks_maps) {
         keep_as.kind = CastKind::WalkedMapRows;
         const std::size_t faces = light.is_directional || is_narrow_spot(light) ? 1 : 6;
-        keep_as.instead_bytes = faces * layout.lines * layout.lines * sizeof(float);
+        const std::size_t side = place ? texels : layout.lines;
+        keep_as.instead_bytes = faces * side * side * sizeof(float);
     }
     return fill_rows(
         preparation, std::move(prepared), config.seed, std::move(keep_as),
@@ -213,7 +223,8 @@ std::unique_ptr<Visibility> make_shadow_map_beam(const Scene& scene, const Occlu
             ShadowMap map;
             {
                 const StageTimer timer(statistics, "shadow map: raster");
-                map = raster_shadow_map(rows.layout, light, layout.lines, occluders, progress, &partial);
+                map = place ? raster_filter_map(*place, 0.0f, light, texels, occluders, progress, partial)
+                            : raster_shadow_map(rows.layout, light, layout.lines, occluders, progress, &partial);
             }
             {
                 const StageTimer timer(statistics, "shadow map: rectify");

@@ -122,7 +122,9 @@ TEST_CASE("rays through and next to the epipole are answered exactly") {
 }
 
 // Seen to fail where the map is not handed on: then they are exact.
-TEST_CASE("where maps are walked, those rays are as right as the map, and all others have the same bits") {
+TEST_CASE(
+    "where maps are walked, those rays are as right as the map, and all others as right as without; of lamps they are "
+    "the same bits") {
     double coarse = 0.0, fine = 0.0;
     for (const std::size_t index : {std::size_t{1}, std::size_t{2}, std::size_t{4}, std::size_t{5}}) {
         const Case made = make_case(settings()[index], 1.0f, vec3(0.0f));
@@ -136,7 +138,10 @@ TEST_CASE("where maps are walked, those rays are as right as the map, and all ot
         std::size_t differing = 0;
         for (std::size_t r = 0; r < walked.size(); ++r)
             differing += walked[r] != asked[r];
-        CHECK(differing < walked.size() / 20);
+        if (!made.setting.light.is_directional)
+            CHECK(differing < walked.size() / 20);
+        const auto every = lengths_by(make_exact_strip, made, 0);
+        CHECK(relative_rmse(walked, every) < 1.2 * relative_rmse(asked, every) + 1e-4);
     }
     CHECK(coarse > 0.0);
     CHECK(coarse < 4 * 0.4);
