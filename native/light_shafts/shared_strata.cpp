@@ -6,8 +6,7 @@
 #include <cmath>
 
 namespace tyndall::light_shafts {
-using namespace shared_strata;
-
+namespace shared_strata {
 namespace {
 /// Two pixels see much the same air: it begins and ends within a tenth of its distance.
 bool is_alike(const Air& a, const Air& b) {
@@ -155,12 +154,13 @@ private:
     std::vector<std::uint8_t> has_several_; ///< Rays, of each pixel of lines_.
 };
 } // namespace
+} // namespace shared_strata
 
 void add_shared(const PictureRays& picture, std::uint32_t side, std::uint32_t first_row, std::uint32_t end_row,
                 const ConstScattered& shared, const Scattered& sum, const Progress& progress) {
     constexpr std::size_t rows_per_block = 8; // half as many again are gathered
     parallel_blocks(end_row - first_row, rows_per_block, progress, [&](std::size_t begin, std::size_t end) {
-        Neighbours(picture, side, shared, sum)
+        shared_strata::Neighbours(picture, side, shared, sum)
             .add_lines(static_cast<std::int32_t>(first_row + begin), static_cast<std::int32_t>(first_row + end));
     });
 }
