@@ -140,7 +140,7 @@ static void copy(const Rows& from, Rows& to, const Progress& progress) {
 SunPlace sun_place(const Layout& layout, const vec3& x_axis, const vec3& y_axis) {
     // From the scene's origin, which stays.
     const MapAxes axes{vec3(0.0f), x_axis, y_axis, layout.frame.axis};
-    return {axes, sun_window(layout, axes)};
+    return {.axes = axes, .window = sun_window(layout, axes), .room = layout.room};
 }
 
 ShadowMap raster_filter_map(const SunPlace& place, float margin, const LightSample& light, std::uint32_t resolution,
@@ -151,7 +151,7 @@ ShadowMap raster_filter_map(const SunPlace& place, float margin, const LightSamp
         if (light.is_directional) {
             const float texel = snapped_texel(window, resolution);
             if (const std::optional<TexelRange> range = texels_in(window, texel)) {
-                face = raster_sun_map(place.axes, texel, *range, occluders, partial, progress);
+                face = raster_sun_map(place.axes, texel, *range, occluders, partial, progress, place.room);
                 return;
             }
         }
@@ -204,11 +204,13 @@ std::unique_ptr<Visibility> make_shadow_map_beam(const Scene& scene, const Occlu
     // Its texels are square, not turned with the rows, and rounded up: with half as many again it is as good.
     std::optional<SunPlace> place;
     const std::uint32_t texels = layout.lines + layout.lines / 2;
-    float texel = texel_of_map(made, light, layout.lines);
+    float texel;
     if (config.walks_maps && light.is_directional) {
         const auto [x_axis, y_axis] = orthonormal_basis(light.towards_light);
         place = sun_place(made, x_axis, y_axis);
         texel = snapped_texel(place->window, texels);
+    } else {
+        texel = texel_of_map(made, light, layout.lines);
     }
     KeepAs keep_as{CastKind::ShadowMapRows, in_rows_of_map(made, light, texel), layout.lines};
     if (config.walks_maps) {

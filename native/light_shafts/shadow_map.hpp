@@ -22,6 +22,7 @@ struct ShadowMap {
 struct SunPlace {
     MapAxes axes{};
     MapWindow window{};
+    std::shared_ptr<MemoryRoom> room = {}; ///< Of the rows; nothing: there is no limit.
 };
 /// Around what the rows' light lines need, along the given axes.
 [[nodiscard]] SunPlace sun_place(const slope_rows::Layout& layout, const vec3& x_axis, const vec3& y_axis);

@@ -74,9 +74,11 @@ static TexelRange grown(const TexelRange& range) {
 }
 
 static std::shared_ptr<Rows> raster_range(const MapAxes& axes, float texel, const TexelRange& range,
-                                          const Occluders& occluders, PartialShading partial,
-                                          const Progress& progress) {
+                                          const Occluders& occluders, PartialShading partial, const Progress& progress,
+                                          const std::shared_ptr<MemoryRoom>& room) {
     auto rows = std::make_shared<Rows>(texel_layout(axes, texel, range));
+    rows->layout.room = room;
+    rows->take_room();
     raster(*rows, occluders, progress);
     partial.first_slice = range.first.y;
     raster_partial(*rows, partial, progress);
@@ -97,12 +99,15 @@ static void crop(const Rows& from, const TexelRange& range, Rows& to, const Prog
 }
 
 DepthMap raster_sun_map(const MapAxes& axes, float texel, const TexelRange& range, const Occluders& occluders,
-                        const PartialShading& partial, const Progress& progress) {
+                        const PartialShading& partial, const Progress& progress,
+                        const std::shared_ptr<MemoryRoom>& room) {
     DepthMap map;
     static_cast<MapAxes&>(map) = axes;
     lay_out_texels(map, {texel * vec2(range.first), texel * vec2(range.end)}, glm::uvec2(range.end - range.first));
+    map.texels->layout.room = room;
+    map.texels->take_room();
     if (!occluders.kept) {
-        map.texels->slopes = std::move(raster_range(axes, texel, range, occluders, partial, progress)->slopes);
+        map.texels->slopes = std::move(raster_range(axes, texel, range, occluders, partial, progress, {})->slopes);
         return map;
     }
     // Of all ranges with the same anchor.
@@ -117,7 +122,7 @@ DepthMap raster_sun_map(const MapAxes& axes, float texel, const TexelRange& rang
         return range_of(rows.layout).contains(range);
     });
     if (!kept) {
-        kept = raster_range(axes, texel, has_part ? grown(range) : range, occluders, partial, progress);
+        kept = raster_range(axes, texel, has_part ? grown(range) : range, occluders, partial, progress, room);
         occluders.kept->cache().keep(key, kept);
     }
     crop(*kept, range, *map.texels, progress); // filters work in place

@@ -22,8 +22,9 @@ struct TexelRange {
 [[nodiscard]] float snapped_texel(const MapWindow& window, std::uint32_t resolution);
 /// The texels that a window touches; rows are multiples of slope_rows::block_lines. Nothing where floats cannot count them.
 [[nodiscard]] std::optional<TexelRange> texels_in(const MapWindow& window, float texel);
-/// The map of a range, from what is kept of the occluders, if that has it. Throws Cancelled.
+/// The map of a range, from what is kept of the occluders, if that has it. Takes `room`, if there is one, before it is
+/// filled. Throws InvalidInput where that does not suffice, and Cancelled.
 [[nodiscard]] DepthMap raster_sun_map(const MapAxes& axes, float texel, const TexelRange& range,
                                       const Occluders& occluders, const PartialShading& partial,
-                                      const Progress& progress);
+                                      const Progress& progress, const std::shared_ptr<MemoryRoom>& room = {});
 } // namespace tyndall::light_shafts

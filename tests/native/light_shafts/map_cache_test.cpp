@@ -123,7 +123,13 @@ TEST_CASE("a part of a sun's map has the bits that it would have alone") {
         CHECK(different == 0);
         CHECK(occluded > 1000);
     }
+    const auto raster_with_room = [&](std::size_t bytes) {
+        return raster_sun_map(axes, texel, whole, occluders, partial, progress, std::make_shared<MemoryRoom>(bytes));
+    };
+    CHECK_THROWS_AS((void)raster_with_room(map.texels->bytes() - 1), InvalidInput);
+    CHECK_NOTHROW((void)raster_with_room(map.texels->bytes()));
 }
+
 // Seen to fail where the map follows the view: none is found.
 TEST_CASE("walked maps of a sun serve a camera that moves, with the bits that they have without a cache") {
     Light sun{.name = "Sun", .kind = LightKind::Sun, .towards_light = glm::normalize(vec3(0.2f, -0.3f, 1.0f))};
