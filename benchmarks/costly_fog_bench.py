@@ -11,18 +11,18 @@ Variance times time is one figure of both.
 from __future__ import annotations
 
 import sys
-import time
 from pathlib import Path
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
+from timed_render import timed_pixels
 
 from report import Row, row, run_scenes
 
 sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
-from support.cycles_reference import prepare_cycles, rendered_pixels
+from support.cycles_reference import prepare_cycles
 from support.small_scenes import cube, empty_scene, light, material, node, plane
 
 SIZE_PX = 240, 160
@@ -118,9 +118,7 @@ def _measured(scene: bpy.types.Scene, engine: str, seed: int) -> tuple[NDArray[n
         scene.cycles.use_light_tree, scene.cycles.filter_width = True, 1.5
     else:
         scene.render.engine, scene.tyndall.seed, scene.tyndall.pixel_samples = "TYNDALL", seed, SAMPLES
-    begin = time.process_time()
-    picture = rendered_pixels(scene)
-    return picture, time.process_time() - begin
+    return timed_pixels(scene)
 
 
 def run(names: list[str]) -> list[Row]:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -19,12 +18,13 @@ import bpy
 import numpy as np
 from mathutils import Vector
 from numpy.typing import NDArray
+from timed_render import timed_pixels
 
 from report import Row, row, run_scenes
 
 sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
-from support.cycles_reference import prepare_cycles, rendered_pixels
+from support.cycles_reference import prepare_cycles
 from support.small_scenes import cube, empty_scene, light, material, node
 
 SIZE_PX, CYCLES_SAMPLES, CYCLES_RENDERS = 160, 64, 8
@@ -83,9 +83,7 @@ def _measured(scene: bpy.types.Scene, samples: int, seed: int, *, by_cycles: boo
     else:
         scene.render.engine, settings.seed, settings.pixel_samples = "TYNDALL", seed, samples
         settings.noise_threshold, settings.pixel_filter, settings.filter_width_px = 0.0, "BOX", 1.0
-    begin = time.process_time()
-    picture = rendered_pixels(scene)
-    return picture, time.process_time() - begin
+    return timed_pixels(scene)
 
 
 def run(names: list[str]) -> list[Row]:

@@ -15,19 +15,19 @@ pixel's value and a twentieth of the picture's mean, the thousandth of the pixel
 from __future__ import annotations
 
 import sys
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
 import numpy as np
+from timed_render import timed_pixels
 
 import tyndall.blender
 from report import Row, argument_parser, row, write_report
 
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
-from support.cycles_reference import _prepare_tyndall, prepare_cycles, rendered_pixels
+from support.cycles_reference import _prepare_tyndall, prepare_cycles
 from support.many_light_scenes import build_lit_by, plates_over_gloss
 
 SIZE_PX = 96, 54
@@ -68,9 +68,7 @@ def _prepare(scene: bpy.types.Scene, engine: str, samples: int, seed: int) -> No
 def measured(scene: bpy.types.Scene, engine: str, samples: int, seed: int) -> tuple[np.ndarray, float]:
     """Render; the picture and the CPU seconds."""
     _prepare(scene, engine, samples, seed)
-    begin = time.process_time()
-    picture = rendered_pixels(scene)
-    return picture, time.process_time() - begin
+    return timed_pixels(scene)
 
 
 def run(names: list[str]) -> list[Row]:
