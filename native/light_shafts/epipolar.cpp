@@ -3,7 +3,8 @@
 // Error:    first order in the spacing of lines and slices: a lit interval's end is off by at most half a line, and a
 //           shaft by at most half a slice.
 #include "light_shafts/coloured_rows.hpp"
-#include "light_shafts/slope_rows_raster.hpp"
+#include "light_shafts/slope_rows_partial.hpp"
+#include "light_shafts/slope_rows_traced.hpp"
 #include <algorithm>
 
 namespace tyndall::light_shafts {
@@ -34,7 +35,7 @@ std::unique_ptr<Visibility> make_epipolar_beam(const Scene& scene, const Occlude
                      [&](slope_rows::Rows& rows, const PartialShading& partial,
                          Statistics& statistics) -> std::shared_ptr<const Visibility> {
                          const StageTimer timer(statistics, "slope rows: raster");
-                         slope_rows::raster(rows, occluders, progress);
+                         slope_rows::fill(rows, scene, occluders, progress);
                          slope_rows::raster_partial(rows, partial, progress);
                          return nullptr;
                      });

@@ -272,11 +272,14 @@ Occluders gather_occluders(const SceneDescription& scene, const Progress& progre
     Occluders occluders;
     DistinctUses<MeshUse> opaque;
     DistinctUses<PartialUse> partial;
+    occluders.are_whole =
+        std::ranges::none_of(scene.placed_shapes, [](const PlacedShape& placed) { return placed.casts_shadow; });
     for (std::uint32_t index = 0; index < scene.instances.size(); ++index) {
         const Instance& instance = scene.instances[index];
         if (!instance.casts_shadow || instance.slot_count == 0)
             continue;
         Uses uses = uses_of(scene, instance);
+        occluders.are_whole &= uses.opaque ? uses.opaque->is_opaque.empty() : !scene.has_surface(instance);
         if (uses.opaque)
             opaque.add(std::move(*uses.opaque), index);
         if (uses.partial)

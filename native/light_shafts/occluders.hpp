@@ -83,6 +83,8 @@ struct Occluders {
     std::vector<std::unique_ptr<const TransparencyLookup>> lookups;
     std::vector<std::unique_ptr<const PartialOccluderMesh>> partial_meshes;
     std::vector<PartialOccluderInstance> partial_instances;
+    /// Rays of the scene they were gathered of meet, on their way to a light, nothing else, and no light passes what they meet.
+    bool are_whole = false;
     std::shared_ptr<const KeptCasts> kept; ///< What they cast in other frames; nothing: nothing is kept.
 
     [[nodiscard]] bool is_empty() const { return triangle_count == 0 && partial_instances.empty() && !traced; }

@@ -71,9 +71,11 @@ LightLine light_line(const Layout& layout, float highest_axial, std::int32_t sli
         way = {-1.0f, 0.0f};
     }
     const vec2 turn = layout.slice_directions[static_cast<std::size_t>(slice)];
-    const vec3 radial = turn.x * frame.u + turn.y * frame.v;
+    // Metres per number along an axis: the axes of a frame that counts texels are longer than 1.
+    const vec3 u = frame.u / glm::dot(frame.u, frame.u), v = frame.v / glm::dot(frame.v, frame.v);
+    const vec3 radial = turn.x * u + turn.y * v;
     const float across = frame.is_parallel ? layout.first_slice + static_cast<float>(slice) * layout.slice_step : 0.0f;
-    result.ray.origin = frame.origin + (start.x * frame.axis + start.y * radial + across * frame.v);
+    result.ray.origin = frame.origin + (start.x * frame.axis + start.y * radial + across * v);
     result.ray.direction = way.x * frame.axis + way.y * radial;
     result.y = {frame.y.at(start.x, start.y), frame.y.per_axial * way.x + frame.y.per_radial * way.y};
     result.w = {frame.w.at(start.x, start.y), frame.w.per_axial * way.x + frame.w.per_radial * way.y};

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/strata_counts.hpp"
+#include "light_shafts/map_cache.hpp"
 #include "light_shafts/prepared_lights.hpp"
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <numeric>
+#include <optional>
 
 namespace tyndall::light_shafts {
 static double mean(const Rgb& radiance) {
@@ -19,6 +22,11 @@ std::uint32_t strata_for_error(double deviation, double error, std::uint32_t mos
         return most;
     return std::min(most, std::bit_ceil(static_cast<std::uint32_t>(std::ceil(std::max(count, 1.0)))));
 }
+
+/// Lines of a whole light with which the pilot begins: with 4 strata each has half as many.
+static constexpr std::uint32_t few_lines = 128;
+/// From this error target on finer rows would take longer than what strata cost that the pilot asks for needlessly.
+static constexpr float draft_error = 0.03f;
 
 /// Mean over rays of the variance between the strata of one light, each as if it were the whole light.
 static double variance_of(const PreparedLights& pilot, const LightBeams& light, Block& block, double& light_sum) {
@@ -44,11 +52,88 @@ static double variance_of(const PreparedLights& pilot, const LightBeams& light, 
     return variance / static_cast<double>(std::max<std::size_t>(ray_count, 1));
 }
 
+namespace {
+/// What the pilot finds of a light.
+struct Piloted {
+    std::size_t light; ///< As ScatteringLight::index.
+    /// A sun's strata differ by less than rows of few lines do; what edits change is not seen in few texels.
+    bool needs_fine_rows;
+    std::optional<double> variance = {};         ///< In the last rows; nothing: none of its strata scatters light.
+    std::optional<double> coarser_variance = {}; ///< In rows of half as many lines.
+    double light_sum = 0.0;                      ///< Over the pilot's rays.
+    bool is_settled = false;
+
+    /// Rows shift a shadow's edges by parts of a line, each stratum's its own way: that adds a variance which falls with the
+    /// square of the number of lines, or slower among many edges. Where it falls faster, lines were too few to tell.
+    [[nodiscard]] double deviation() const {
+        constexpr double least_share = 0.25;
+        const double added = coarser_variance ? (*coarser_variance - *variance) / 3.0 : 0.0;
+        return std::sqrt(std::max(least_share * *variance, *variance - added));
+    }
+};
+
+/// A few strata of each light along a few rays.
+class Pilot {
+public:
+    Pilot(const Scene& scene, const Media& media, const View& view, std::span<const ViewRay> rays, const Config& config,
+          std::vector<ScatteringLight> lights)
+        : scene_(scene), media_(media), view_(view), config_(config), lights_(std::move(lights)) {
+        config_.method = config.method == Method::Exact ? Method::Exact : Method::Epipolar;
+        if (!config_.kept_maps) // occluders are gathered once for all rows
+            config_.kept_maps = std::make_shared<MapCache>(0);
+        constexpr std::size_t pilot_rays = 256;
+        const std::size_t step = std::max<std::size_t>(1, rays.size() / pilot_rays);
+        for (std::size_t ray = step / 2; ray < rays.size(); ray += step)
+            rays_.push_back(rays[ray]);
+        for (const ScatteringLight& light : lights_) {
+            const Light* const lamp = light.index < scene.lights().size() ? &scene.lights()[light.index] : nullptr;
+            found_.push_back(
+                {.light = light.index,
+                 .needs_fine_rows = lamp && (lamp->kind == LightKind::Sun || !lamp->occluder_edits.empty())});
+        }
+    }
+    [[nodiscard]] std::span<Piloted> found() { return found_; }
+    [[nodiscard]] std::size_t ray_count() const { return rays_.size(); }
+
+    /// Those that are meant, in rows of so many lines of a whole light.
+    void measure(std::uint32_t lines, const std::function<bool(const Piloted&)>& is_meant, Progress& progress) {
+        std::vector<ScatteringLight> lights;
+        for (std::size_t index = 0; index < lights_.size(); ++index)
+            if (is_meant(found_[index]))
+                lights.push_back(lights_[index]); // what its samples refer to stays here
+        if (lights.empty())
+            return;
+        PreparedLights prepared{.media = media_, .lights = {}, .statistics = {}};
+        config_.resolution = lines;
+        prepared.prepare(scene_, view_, rays_, std::move(lights), config_, progress);
+        Block block;
+        std::vector<std::uint32_t> all(rays_.size());
+        std::iota(all.begin(), all.end(), 0u);
+        prepared.gather(rays_, all, block);
+        for (const LightBeams& light : prepared.lights) {
+            progress.poll();
+            Piloted& of = *std::ranges::find(found_, light.light, &Piloted::light);
+            of.coarser_variance = of.variance;
+            of.light_sum = 0.0;
+            of.variance = variance_of(prepared, light, block, of.light_sum);
+        }
+    }
+
+private:
+    const Scene& scene_;
+    const Media& media_;
+    const View& view_;
+    Config config_;
+    std::vector<ScatteringLight> lights_;
+    std::vector<ViewRay> rays_;
+    std::vector<Piloted> found_;
+};
+} // namespace
+
 StrataCounts count_strata(const Scene& scene, const Media& media, const View& view, std::span<const ViewRay> rays,
                           const Config& config, Progress& progress) {
     constexpr std::uint32_t pilot_strata = 4, pilot_directions = 16;
     constexpr std::uint32_t usual_times = 4; // as many: where these are too many, so is the pilot
-    constexpr std::size_t pilot_rays = 256;
     StrataCounts most, few;
     RowsCounts usual;
     for (const Light& light : scene.lights()) {
@@ -70,43 +155,54 @@ StrataCounts count_strata(const Scene& scene, const Media& media, const View& vi
 
     few.shares.assign(scene.lights().size(), 0.0f); // as few cells as can be, where something stands in a lamp
     Statistics ignored;                             // the frame's own preparation reports
-    std::vector<ScatteringLight> lights = find_scattering_lights(scene, media, config, few, ignored);
-    std::vector<ViewRay> some;
-    const std::size_t step = std::max<std::size_t>(1, rays.size() / pilot_rays);
-    for (std::size_t ray = step / 2; ray < rays.size(); ray += step)
-        some.push_back(rays[ray]);
-    Config coarse = config;
-    coarse.method = config.method == Method::Exact ? Method::Exact : Method::Epipolar;
-    coarse.resolution = 256; // of a whole light; 128 lines for each of 4 strata
-    PreparedLights pilot{.media = media, .lights = {}, .statistics = {}};
-    pilot.prepare(scene, view, some, std::move(lights), coarse, progress);
-
-    Block block;
-    std::vector<std::uint32_t> all(some.size());
-    std::iota(all.begin(), all.end(), 0u);
-    pilot.gather(some, all, block);
-    double frame_sum = 0.0;
-    std::vector<double> deviations, sums;
-    for (const LightBeams& light : pilot.lights) {
-        progress.poll();
-        sums.push_back(-frame_sum);
-        deviations.push_back(std::sqrt(variance_of(pilot, light, block, frame_sum)));
-        sums.back() += frame_sum;
+    Pilot pilot(scene, media, view, rays, config, find_scattering_lights(scene, media, config, few, ignored));
+    const std::span<Piloted> lights = pilot.found();
+    const auto is_world = [&](const Piloted& light) { return light.light == scene.lights().size(); };
+    double frame_sum = 0.0, error = 0.0;
+    /// Never fewer than the pilot had: it may have missed a penumbra.
+    const auto count_for = [&](const Piloted& light, double deviation) {
+        return std::max(
+            is_world(light) ? few.of_world : few.of_light[light.light],
+            strata_for_error(deviation, error, is_world(light) ? most.of_world : most.of_light[light.light]));
+    };
+    const auto settle = [&] {
+        frame_sum = 0.0;
+        std::size_t with_size = 0;
+        for (const Piloted& light : lights) {
+            frame_sum += light.light_sum;
+            with_size += light.variance && (is_world(light) ? few.of_world : few.of_light[light.light]) > 1;
+        }
+        const double frame_mean = frame_sum / static_cast<double>(std::max<std::size_t>(pilot.ray_count(), 1));
+        error = double{config.error_target} * frame_mean / std::sqrt(std::max(static_cast<double>(with_size), 1.0));
+        for (Piloted& light : lights)
+            light.is_settled =
+                !light.variance || count_for(light, light.deviation()) == count_for(light, std::sqrt(*light.variance));
+    };
+    const auto all = [](const Piloted&) { return true; };
+    if (config.method == Method::Exact) {
+        pilot.measure(few_lines, all, progress);
+        settle();
+    } else {
+        pilot.measure(
+            few_lines / 2, [](const Piloted& light) { return !light.needs_fine_rows; }, progress);
+        pilot.measure(few_lines, all, progress);
+        settle();
+        pilot.measure(
+            2 * few_lines, [](const Piloted& light) { return light.needs_fine_rows || !light.is_settled; }, progress);
+        settle();
+        if (config.error_target < draft_error) {
+            pilot.measure(
+                4 * few_lines, [](const Piloted& light) { return !light.is_settled; }, progress);
+            settle();
+        }
     }
-    const double frame_mean = frame_sum / static_cast<double>(std::max<std::size_t>(some.size(), 1));
-    const auto with_size = static_cast<double>(
-        std::ranges::count_if(pilot.lights, [](const LightBeams& light) { return light.stratum_count() > 1; }));
-    const double error = double{config.error_target} * frame_mean / std::sqrt(std::max(with_size, 1.0));
     StrataCounts counts = few;
-    for (std::size_t index = 0; index < pilot.lights.size(); ++index) {
-        const std::size_t light = pilot.lights[index].light;
-        const bool is_world = light == scene.lights().size();
-        if (!is_world)
-            counts.shares[light] = frame_sum > 0.0 ? static_cast<float>(sums[index] / frame_sum) : 1.0f;
-        std::uint32_t& count = is_world ? counts.of_world : counts.of_light[light];
-        // Never fewer than the pilot had: it may have missed a penumbra.
-        count = std::max(count,
-                         strata_for_error(deviations[index], error, is_world ? most.of_world : most.of_light[light]));
+    for (const Piloted& light : lights) {
+        if (!light.variance)
+            continue;
+        if (!is_world(light))
+            counts.shares[light.light] = frame_sum > 0.0 ? static_cast<float>(light.light_sum / frame_sum) : 1.0f;
+        (is_world(light) ? counts.of_world : counts.of_light[light.light]) = count_for(light, light.deviation());
     }
     return counts;
 }

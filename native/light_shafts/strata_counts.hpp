@@ -2,8 +2,9 @@
 // How many strata each light of a frame is worth: a pilot with a few of them along a few rays tells how much they differ.
 // Based on: the error of a stratified mean in two dimensions, which falls as n^-0.75 where the integrand has edges
 //           (Mitchell, Consequences of Stratified Sampling in Graphics, SIGGRAPH 1996): between random and smooth.
-// Differs:  lights share the frame's error evenly, as independent errors add up; rows of the pilot are coarse.
-// Bound:    256 rays, 4 strata per light and 16 of the world, rows of 128 lines.
+// Differs:  lights share the frame's error evenly, as independent errors add up; rows of the pilot are coarse, and finer
+//           for a light as long as their own error decides how many strata it gets.
+// Bound:    256 rays, 4 strata per light and 16 of the world, rows of 32 and 64 lines, or 64, 128 and 256.
 #pragma once
 #include "light_shafts/scattering_lights.hpp"
 

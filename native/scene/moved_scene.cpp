@@ -37,7 +37,7 @@ void Scene::Geometry::find_bounds() {
     for (const Instance& instance : description.instances) {
         const Bounds3 box = transformed(description.meshes[instance.mesh_index]->bounds(), instance.world_from_object);
         bounds.grow(box);
-        if (has_surface(instance))
+        if (description.has_surface(instance))
             surface_bounds.grow(box);
     }
     for (const PlacedShape& placed : description.placed_shapes) {
@@ -69,7 +69,7 @@ Scene::Geometry::Geometry(const Geometry& other, std::span<const MovedInstance> 
         limit_reach(index, instance.name_index);
         const Bounds3 box = transformed(of_mesh, instance.world_from_object);
         bounds.grow(box);
-        if (has_surface(instance))
+        if (description.has_surface(instance))
             surface_bounds.grow(box);
         indices.push_back(index);
     }
@@ -88,7 +88,7 @@ Scene::Geometry::Geometry(const Geometry& other, std::span<const MovedInstance> 
 
 void Scene::Geometry::take(std::uint32_t index) {
     const Instance& instance = description.instances[index];
-    if (has_surface(instance))
+    if (description.has_surface(instance))
         trees.take(description.meshes[instance.mesh_index]->embree_scene(), instance.world_from_object, index,
                    mask_of(instance));
 }
@@ -100,7 +100,7 @@ void Scene::Geometry::share_trees(const Geometry& other, std::span<const std::ui
     for (std::uint32_t index = 0; index < description.instances.size(); ++index) {
         if (is_moved[index])
             take(index);
-        else if (has_surface(description.instances[index]))
+        else if (description.has_surface(description.instances[index]))
             trees.share(other.trees, index);
     }
     for (std::size_t i = 0; i < description.placed_shapes.size(); ++i)

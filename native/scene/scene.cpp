@@ -355,11 +355,4 @@ void Scene::Geometry::report_reach() {
            << "lies farthest";
     statistics.report(report.str());
 }
-
-bool Scene::Geometry::has_surface(const Instance& instance) const {
-    for (std::size_t slot = 0; slot < instance.slot_count; ++slot)
-        if (slot_material(instance, slot).has_surface)
-            return true;
-    return false;
-}
 } // namespace tyndall

@@ -16,6 +16,7 @@
 #include "scene/world.hpp"
 #include "shading/program_point.hpp"
 #include "volume/medium.hpp"
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -83,6 +84,11 @@ struct SceneDescription {
             return {};
         return std::span(instancer_values)
             .subspan(std::size_t{instancer_rows[instance]} * instancer_value_count, instancer_value_count);
+    }
+    /// Whether a material of any of its slots has one.
+    [[nodiscard]] bool has_surface(const Instance& instance) const {
+        const auto slots = std::span(slot_materials).subspan(instance.first_slot_material, instance.slot_count);
+        return std::ranges::any_of(slots, [&](std::uint32_t slot) { return materials[slot].has_surface; });
     }
     /// Of what a Hit's instance is.
     [[nodiscard]] std::uint32_t name_index_of(std::uint32_t instance) const {
@@ -310,7 +316,6 @@ private:
         void report_reach();
         void take(std::uint32_t index); ///< One of the instances, into the trees.
         void share_trees(const Geometry& other, std::span<const std::uint32_t> but);
-        [[nodiscard]] bool has_surface(const Instance& instance) const;
         [[nodiscard]] const Material& slot_material(const Instance& instance, std::size_t slot) const;
     };
     void drop_unusable_lights();

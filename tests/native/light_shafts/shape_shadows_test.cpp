@@ -3,6 +3,7 @@
 #include "light_shafts/exact_strip.hpp"
 #include "light_shafts/occluder_edits.hpp"
 #include "light_shafts/shadow_map.hpp"
+#include "light_shafts/sun_map.hpp"
 #include "light_shafts/turning_disc.hpp"
 #include "support/box_shape.hpp"
 #include "support/shaft_settings.hpp"
@@ -108,6 +109,25 @@ TEST_CASE("slope rows and depth maps of a shape hold what those of a mesh hold, 
             CHECK(in_map.different < in_map.samples / 500 + 2);
         }
     }
+}
+
+// Seen to fail with the lengths of the axes left out: no texel has what the mesh's has.
+TEST_CASE("a sun's map that stays in the scene holds of a shape what it holds of a mesh") {
+    Progress progress;
+    const Setting setting = settings().front();
+    const auto meshes = placed_boxes(setting).description(boxes_of(), true);
+    const auto shapes = placed_boxes(setting).description(boxes_of(std::uint64_t{1} << 40), false);
+    const Occluders truth = gather_occluders(meshes, progress), occluders = gather_occluders(shapes, progress);
+    REQUIRE(occluders.traced != nullptr);
+    const auto [x_axis, y_axis] = orthonormal_basis(setting.light.towards_light);
+    const MapAxes axes{vec3(0.0f), x_axis, y_axis, setting.light.towards_light};
+    const PartialShading nothing({}, setting.light, 0);
+    const TexelRange range{{-128, -128}, {128, 128}};
+    Difference in_map;
+    in_map.add(*raster_sun_map(axes, 0.025f, range, occluders, nothing, progress).texels,
+               *raster_sun_map(axes, 0.025f, range, truth, nothing, progress).texels);
+    CHECK(in_map.samples > 10000);
+    CHECK(in_map.different < in_map.samples / 500 + 2);
 }
 
 TEST_CASE("an edit means a shape by its object's name, whether it is drawn or traced") {

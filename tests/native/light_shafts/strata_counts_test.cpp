@@ -2,6 +2,7 @@
 // As many strata as an error target asks for: enough for its error, and not many more.
 #include "light_shafts/strata_counts.hpp"
 #include "support/scenes.hpp"
+#include <algorithm>
 #include <cmath>
 #include <doctest/doctest.h>
 
@@ -9,49 +10,58 @@ namespace strata_counts_test {
 using namespace tyndall;
 using namespace tyndall::support;
 
-/// A lamp over a row of slats in fog, seen from the side: nothing but penumbrae.
-static std::unique_ptr<Scene> slats_under_a_lamp(float radius_m) {
+/// A light over a row of slats in fog, seen from the side: nothing but penumbrae.
+static std::unique_ptr<Scene> slats_under(const Light& light) {
     Material fog{.name = "fog"};
     fog.has_surface = false;
     fog.medium_index = 0;
     const Medium medium{.name = "fog", .lobes = {{.sigma_s_per_m = Rgb(0.2f)}}};
-    Light lamp;
-    lamp.name = "Lamp";
-    lamp.kind = LightKind::Point;
-    lamp.position = {0.1f, 0.2f, 3.0f};
-    lamp.radius_m = radius_m;
     std::vector<Part> parts{{.mesh = cube(), .material = fog}};
     for (int slat = -4; slat <= 4; ++slat)
         parts.push_back(
             {.mesh = square(),
              .world_from_object = glm::scale(translation({0.25f * float(slat), 0, 1.5f}), vec3(0.06f, 2, 1))});
-    return make_scene(parts, {medium}, {lamp});
+    return make_scene(parts, {medium}, {light});
 }
 
-TEST_CASE("the strata that an error target asks for keep it, and a smaller lamp takes fewer") {
-    const light_shafts::View view{.is_orthographic = false, .position = {0, -4, 0}};
+static Light lamp_of(float radius_m) {
+    return {.name = "Lamp", .kind = LightKind::Point, .position = {0.1f, 0.2f, 3.0f}, .radius_m = radius_m};
+}
+
+/// A picture of the slats from the side.
+static const light_shafts::View side{.is_orthographic = false, .position = {0, -4, 0}};
+static std::vector<light_shafts::ViewRay> rays_from_the_side() {
     std::vector<light_shafts::ViewRay> rays;
     for (int y = -8; y <= 8; ++y)
         for (int x = -8; x <= 8; ++x)
-            rays.push_back({view.position, glm::normalize(vec3(0.025f * float(x), 1, 0.025f * float(y))), 0.0f, 10.0f});
+            rays.push_back({side.position, glm::normalize(vec3(0.025f * float(x), 1, 0.025f * float(y))), 0.0f, 10.0f});
+    return rays;
+}
+
+static double light_samples(const light_shafts::Result& result) {
+    const auto& counts = result.statistics.counts;
+    return std::ranges::find(counts, "light shafts: light samples", [](const auto& count) { return count.name; })
+        ->value;
+}
+
+TEST_CASE("the strata that an error target asks for keep it, and a smaller lamp takes fewer") {
+    const std::vector<light_shafts::ViewRay> rays = rays_from_the_side();
     double samples_of_large = 0.0;
     for (const float radius_m : {0.4f, 0.004f}) {
-        const auto scene = slats_under_a_lamp(radius_m);
+        const auto scene = slats_under(lamp_of(radius_m));
         Progress progress;
         light_shafts::Config config{.method = light_shafts::Method::Exact, .light_samples = 4096};
-        const light_shafts::Result truth = light_shafts::run(*scene, view, rays, config, progress);
+        const light_shafts::Result truth = light_shafts::run(*scene, side, rays, config, progress);
         config.adapts_strata = true;
         for (const float target : {0.1f, 0.03f, 0.01f}) {
             config.error_target = target;
-            const light_shafts::Result result = light_shafts::run(*scene, view, rays, config, progress);
-            double squared_error = 0.0, sum = 0.0, samples = 0.0;
+            const light_shafts::Result result = light_shafts::run(*scene, side, rays, config, progress);
+            const double samples = light_samples(result);
+            double squared_error = 0.0, sum = 0.0;
             for (std::size_t ray = 0; ray < rays.size(); ++ray) {
                 squared_error += std::pow(result.radiance[ray].x - truth.radiance[ray].x, 2.0);
                 sum += truth.radiance[ray].x;
             }
-            for (const auto& count : result.statistics.counts)
-                if (count.name == "light shafts: light samples")
-                    samples = count.value;
             const auto count = double(rays.size());
             CAPTURE(radius_m);
             CAPTURE(target);
@@ -62,6 +72,32 @@ TEST_CASE("the strata that an error target asks for keep it, and a smaller lamp 
                 samples_of_large = samples;
             else
                 CHECK(samples <= samples_of_large);
+        }
+    }
+}
+
+// Seen to fail, with 128 strata instead of 16, where the pilot takes what its rows add for what strata differ by.
+TEST_CASE("a sun gets the strata that its penumbrae ask for, though rows add errors of their own") {
+    const std::vector<light_shafts::ViewRay> rays = rays_from_the_side();
+    for (const float half_angle_rad : {0.002f, 0.02f}) {
+        const auto scene = slats_under({.name = "Sun",
+                                        .kind = LightKind::Sun,
+                                        .towards_light = glm::normalize(vec3(0.1f, 0.2f, 1.0f)),
+                                        .half_angle_rad = half_angle_rad});
+        for (const float target : {0.05f, 0.01f, 0.003f}) {
+            CAPTURE(half_angle_rad);
+            CAPTURE(target);
+            Progress progress;
+            light_shafts::Config config{.method = light_shafts::Method::Exact,
+                                        .error_target = target,
+                                        .light_samples = 4096,
+                                        .adapts_strata = true};
+            const double asked = light_samples(light_shafts::run(*scene, side, rays, config, progress));
+            config.method = light_shafts::Method::Epipolar;
+            const double taken = light_samples(light_shafts::run(*scene, side, rays, config, progress));
+            CAPTURE(asked);
+            CHECK(taken >= asked);
+            CHECK(taken <= 4 * asked);
         }
     }
 }
