@@ -30,29 +30,44 @@ struct Needs {
     }
 };
 
-/// How far a ray is from the epipole: the radius it gains per metre, or keeps where rays run along the axis.
-static float radius_of(const Frame& frame, const PlacedRays& placed, std::size_t i) {
-    return frame.is_orthographic ? placed.radial[i] : placed.radial_per_m[i];
-}
-
-/// Part of a span: two placed rays that are less than widest_rad apart around the axis.
-struct PlacedSpan {
-    const PlacedRays& placed;
-    std::size_t first, last;
-    float low, width; ///< Slice coordinates that it covers.
+namespace {
+/// What rows need of a part of a span, whose ends are less than widest_rad apart around the axis.
+struct SpanPart {
+    float low, width;            ///< Slice coordinates that it covers.
+    float first_line, last_line; ///< Metres or radians.
+    float slope;                 ///< The least.
+    /// How far its rays are from the epipole, at most: the radius they gain per metre, or keep where they run along the axis.
+    float radius;
 };
-static constexpr float widest_rad = 0.25f;
+using SpanParts = std::vector<std::vector<SpanPart>>; ///< Per task.
+constexpr float widest_rad = 0.25f;
 
-static PlacedSpan span_between(const Frame& frame, const PlacedRays& placed, std::size_t first, std::size_t last) {
+/// Between its ends the slope is a cosine of the angle, A cos(p - p0), so that it falls below both of them by at most their
+/// distance's 1 / cos(width / 2).
+SpanPart part_between(const Frame& frame, const PlacedRays& placed, std::size_t first, std::size_t last) {
     float to_last = placed.slice_coordinate[last] - placed.slice_coordinate[first];
     if (!frame.is_parallel)
         to_last -= turn_rad * std::rint(to_last * (1 / turn_rad));
-    return {placed, first, last, placed.slice_coordinate[first] + std::min(to_last, 0.0f), std::abs(to_last)};
+    const PlacedRays::Column& radius = frame.is_orthographic ? placed.radial : placed.radial_per_m;
+    SpanPart part{.low = placed.slice_coordinate[first] + std::min(to_last, 0.0f),
+                  .width = std::abs(to_last),
+                  .first_line = std::min(placed.near_line[first], placed.near_line[last]),
+                  .last_line = std::max(placed.far_line[first], placed.far_line[last]),
+                  .slope = std::min(placed.slope[first], placed.slope[last]),
+                  .radius = std::max(radius[first], radius[last])};
+    const float excess = frame.is_parallel ? 0.0f : 0.14f * std::min(part.width * part.width, 1.0f);
+    part.slope -= excess * std::abs(part.slope);
+    if (frame.is_angular) {
+        part.first_line -= excess * part.first_line;
+        part.last_line += excess * (turn_rad / 2 - part.last_line);
+    } else if (!frame.is_parallel) {
+        part.first_line -= excess * part.first_line;
+    }
+    return part;
 }
 
 /// Close to the axis a few pixels are half a turn apart: what lies between is placed ray by ray.
-template <typename Work>
-static void for_parts(const Frame& frame, const RaySpan& span, const Work& work) {
+void append_parts(const Frame& frame, const RaySpan& span, std::vector<SpanPart>& parts) {
     constexpr std::size_t part_count = 32;
     std::array<ViewRay, part_count + 1> rays;
     for (std::size_t i = 0; i <= part_count; ++i) {
@@ -64,71 +79,55 @@ static void for_parts(const Frame& frame, const RaySpan& span, const Work& work)
     PlacedRays placed;
     place_rays(frame, rays, placed);
     for (std::size_t i = 0; i < part_count; ++i)
-        work(span_between(frame, placed, i, i + 1));
+        parts.push_back(part_between(frame, placed, i, i + 1));
 }
 
-template <typename Work>
-static void for_placed_spans(const Frame& frame, std::span<const RaySpan> spans, const Work& work) {
+SpanParts place_spans(const Frame& frame, std::span<const RaySpan> spans, const Progress& progress) {
     static_assert(sizeof(RaySpan) == 2 * sizeof(ViewRay));
-    PlacedRays placed;
     constexpr std::size_t spans_per_block = PlacedRays::capacity / 2;
-    for (std::size_t start = 0; start < spans.size(); start += spans_per_block) {
-        const auto block = spans.subspan(start, std::min(spans_per_block, spans.size() - start));
-        place_rays(frame, {&block.front().first, 2 * block.size()}, placed);
-        for (std::size_t i = 0; i < block.size(); ++i) {
-            if (!(block[i].first.near_m < block[i].first.far_m))
-                continue;
-            const PlacedSpan span = span_between(frame, placed, 2 * i, 2 * i + 1);
-            if (frame.is_parallel || span.width < widest_rad)
-                work(span);
-            else
-                for_parts(frame, block[i], work);
+    SpanParts parts((spans.size() + spans_per_task - 1) / spans_per_task);
+    parallel_blocks(spans.size(), spans_per_task, progress, [&](std::size_t begin, std::size_t end) {
+        std::vector<SpanPart>& of_task = parts[begin / spans_per_task];
+        of_task.reserve(end - begin);
+        PlacedRays placed;
+        for (std::size_t start = begin; start < end; start += spans_per_block) {
+            const auto block = spans.subspan(start, std::min(spans_per_block, end - start));
+            place_rays(frame, {&block.front().first, 2 * block.size()}, placed);
+            for (std::size_t i = 0; i < block.size(); ++i) {
+                if (!(block[i].first.near_m < block[i].first.far_m))
+                    continue;
+                const SpanPart part = part_between(frame, placed, 2 * i, 2 * i + 1);
+                if (frame.is_parallel || part.width < widest_rad)
+                    of_task.push_back(part);
+                else
+                    append_parts(frame, block[i], of_task);
+            }
         }
-    }
+    });
+    return parts;
 }
+} // namespace
 
-/// Lines and the least slope of a span. Between its ends the slope is a cosine of the angle, A cos(p - p0), so that it
-/// falls below both of them by at most their distance's 1 / cos(width / 2).
-struct SpanReach {
-    float first_line, last_line, slope;
-    SpanReach(const Frame& frame, const PlacedSpan& span) {
-        const PlacedRays& placed = span.placed;
-        const float excess = frame.is_parallel ? 0.0f : 0.14f * std::min(span.width * span.width, 1.0f);
-        first_line = std::min(placed.near_line[span.first], placed.near_line[span.last]);
-        last_line = std::max(placed.far_line[span.first], placed.far_line[span.last]);
-        slope = std::min(placed.slope[span.first], placed.slope[span.last]);
-        slope -= excess * std::abs(slope);
-        if (frame.is_angular) {
-            first_line -= excess * first_line;
-            last_line += excess * (turn_rad / 2 - last_line);
-        } else if (!frame.is_parallel) {
-            first_line -= excess * first_line;
-        }
-    }
-};
-
-static Needs find_needs(const Frame& frame, std::span<const RaySpan> spans, const Progress& progress) {
-    return parallel_sum(spans.size(), spans_per_task, Needs{}, progress, [&](std::size_t begin, std::size_t end) {
+static Needs find_needs(const Frame& frame, const SpanParts& parts, const Progress& progress) {
+    return parallel_sum(parts.size(), 1, Needs{}, progress, [&](std::size_t task, std::size_t) {
         Needs needs;
-        for_placed_spans(frame, spans.subspan(begin, end - begin), [&](const PlacedSpan& span) {
-            const SpanReach reach(frame, span);
-            needs.lowest_line = std::min(needs.lowest_line, reach.first_line);
-            needs.highest_line = std::max(needs.highest_line, reach.last_line);
-            needs.lowest_slice = std::min(needs.lowest_slice, span.low);
-            needs.highest_slice = std::max(needs.highest_slice, span.low + span.width);
-            needs.largest_radius = std::max({needs.largest_radius, radius_of(frame, span.placed, span.first),
-                                             radius_of(frame, span.placed, span.last)});
+        for (const SpanPart& part : parts[task]) {
+            needs.lowest_line = std::min(needs.lowest_line, part.first_line);
+            needs.highest_line = std::max(needs.highest_line, part.last_line);
+            needs.lowest_slice = std::min(needs.lowest_slice, part.low);
+            needs.highest_slice = std::max(needs.highest_slice, part.low + part.width);
+            needs.largest_radius = std::max(needs.largest_radius, part.radius);
             if (frame.is_parallel)
-                return;
+                continue;
             // Angles are above -1.5 turns; the last sector is the first one again.
             constexpr std::size_t turn = sector_count - 1;
-            std::size_t sector = static_cast<std::size_t>((span.low * (1 / turn_rad) + 1.5f) * turn);
-            std::size_t last = static_cast<std::size_t>(((span.low + span.width) * (1 / turn_rad) + 1.5f) * turn);
+            std::size_t sector = static_cast<std::size_t>((part.low * (1 / turn_rad) + 1.5f) * turn);
+            std::size_t last = static_cast<std::size_t>(((part.low + part.width) * (1 / turn_rad) + 1.5f) * turn);
             for (; sector >= turn; last -= turn)
                 sector -= turn;
             for (; sector <= last; ++sector)
                 needs.sectors.set(sector < turn ? sector : sector - turn);
-        });
+        }
         return needs;
     });
 }
@@ -206,36 +205,33 @@ struct GroupNeeds {
 };
 static constexpr std::int32_t group_slices = 8;
 
-static std::vector<GroupNeeds> find_group_needs(const Layout& layout, std::int32_t slice_count,
-                                                std::span<const RaySpan> spans, const Progress& progress) {
+static std::vector<GroupNeeds> find_group_needs(const Layout& layout, std::int32_t slice_count, const SpanParts& parts,
+                                                const Progress& progress) {
     const auto group_count = static_cast<std::size_t>(slice_count / group_slices + 1);
-    const std::size_t block_count = (spans.size() + spans_per_task - 1) / spans_per_task;
-    std::vector<std::vector<GroupNeeds>> per_block(block_count);
-    parallel_blocks(spans.size(), spans_per_task, progress, [&](std::size_t begin, std::size_t end) {
-        std::vector<GroupNeeds>& groups = per_block[begin / spans_per_task];
+    std::vector<std::vector<GroupNeeds>> per_task(parts.size());
+    const auto find = [&](std::size_t task) {
+        std::vector<GroupNeeds>& groups = per_task[task];
         groups.resize(group_count);
-        const Frame& frame = layout.frame;
-        for_placed_spans(frame, spans.subspan(begin, end - begin), [&](const PlacedSpan& span) {
-            if (!frame.is_parallel && std::max(radius_of(frame, span.placed, span.first),
-                                               radius_of(frame, span.placed, span.last)) < layout.smallest_radius)
-                return;
-            const SpanReach reach(frame, span);
+        for (const SpanPart& part : parts[task]) {
+            if (!layout.frame.is_parallel && part.radius < layout.smallest_radius)
+                continue;
             const auto grow = [&](std::int32_t first, std::int32_t last) {
                 first = std::max(first, 0);
                 last = std::min(last, slice_count - 1);
                 for (std::int32_t g = first / group_slices; first <= last && g <= last / group_slices; ++g)
-                    groups[static_cast<std::size_t>(g)].grow({reach.first_line, reach.last_line, reach.slope});
+                    groups[static_cast<std::size_t>(g)].grow({part.first_line, part.last_line, part.slope});
             };
-            const std::int32_t first = nearest_slice(layout, span.low);
-            const std::int32_t last = first + static_cast<std::int32_t>(span.width / layout.slice_step) + 1;
+            const std::int32_t first = nearest_slice(layout, part.low);
+            const std::int32_t last = first + static_cast<std::int32_t>(part.width / layout.slice_step) + 1;
             grow(first, last);
             grow(first - layout.slices_per_turn, last - layout.slices_per_turn);
-        });
-    });
+        }
+    };
+    parallel_for(parts.size(), progress, find, 1);
     std::vector<GroupNeeds> groups(group_count);
-    for (const auto& block : per_block)
-        for (std::size_t g = 0; g < group_count && !block.empty(); ++g)
-            groups[g].grow(block[g]);
+    for (const auto& of_task : per_task)
+        for (std::size_t g = 0; g < group_count; ++g)
+            groups[g].grow(of_task[g]);
     return groups;
 }
 
@@ -289,7 +285,8 @@ Layout make_layout(const Frame& frame, std::span<const RaySpan> spans, const Lay
     Layout layout;
     layout.frame = frame;
     layout.room = config.room;
-    Needs needs = find_needs(frame, spans, progress);
+    const SpanParts parts = place_spans(frame, spans, progress);
+    Needs needs = find_needs(frame, parts, progress);
     if (!(needs.lowest_line <= needs.highest_line))
         return layout;
     needs.lowest_line -= config.margin_before;
@@ -297,7 +294,7 @@ Layout make_layout(const Frame& frame, std::span<const RaySpan> spans, const Lay
     for (auto lines = static_cast<float>(config.lines);; lines *= 0.8f) {
         place_lines(layout, needs, static_cast<std::uint32_t>(lines));
         const std::int32_t slice_count = place_slices(layout, needs, config.slices_per_line);
-        place_rows(layout, slice_count, find_group_needs(layout, slice_count, spans, progress), config);
+        place_rows(layout, slice_count, find_group_needs(layout, slice_count, parts, progress), config);
         if (layout.sample_count * 9 / 2 <= config.memory_limit_bytes || lines < 32.0f)
             return layout;
     }
