@@ -180,7 +180,7 @@ StrataCounts count_strata(const Scene& scene, const Media& media, const View& vi
     };
     const auto all = [](const Piloted&) { return true; };
     if (config.method == Method::Exact) {
-        pilot.measure(few_lines, all, progress);
+        pilot.measure(2 * few_lines, all, progress); // the lines are of edited lights
         settle();
     } else {
         pilot.measure(
