@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Slope rows that rays fill: where a scene has many more triangles than rows have samples, one ray per sample, from the
 // light to the first occluder, takes less time than to place each triangle. A sample holds what it would of the raster.
-// Bound:    0.3 to 0.6 us per sample in packets of 16 along a line, beside 25 to 50 ns per triangle that is placed.
+// Bound:    0.3 us per sample in a hall and 3 among a million leaves, in packets of 16 along a row, beside 13 to 77 ns per
+//           triangle that is placed (without AVX-512).
 #pragma once
 #include "light_shafts/occluders.hpp"
 #include "light_shafts/slope_rows.hpp"

@@ -158,19 +158,20 @@ StrataCounts count_strata(const Scene& scene, const Media& media, const View& vi
     Pilot pilot(scene, media, view, rays, config, find_scattering_lights(scene, media, config, few, ignored));
     const std::span<Piloted> lights = pilot.found();
     const auto is_world = [&](const Piloted& light) { return light.light == scene.lights().size(); };
+    const auto count_in = [&](auto& counts, const Piloted& light) -> auto& {
+        return is_world(light) ? counts.of_world : counts.of_light[light.light];
+    };
     double frame_sum = 0.0, error = 0.0;
     /// Never fewer than the pilot had: it may have missed a penumbra.
     const auto count_for = [&](const Piloted& light, double deviation) {
-        return std::max(
-            is_world(light) ? few.of_world : few.of_light[light.light],
-            strata_for_error(deviation, error, is_world(light) ? most.of_world : most.of_light[light.light]));
+        return std::max(count_in(few, light), strata_for_error(deviation, error, count_in(most, light)));
     };
     const auto settle = [&] {
         frame_sum = 0.0;
         std::size_t with_size = 0;
         for (const Piloted& light : lights) {
             frame_sum += light.light_sum;
-            with_size += light.variance && (is_world(light) ? few.of_world : few.of_light[light.light]) > 1;
+            with_size += light.variance && count_in(few, light) > 1;
         }
         const double frame_mean = frame_sum / static_cast<double>(std::max<std::size_t>(pilot.ray_count(), 1));
         error = double{config.error_target} * frame_mean / std::sqrt(std::max(static_cast<double>(with_size), 1.0));
@@ -202,7 +203,7 @@ StrataCounts count_strata(const Scene& scene, const Media& media, const View& vi
             continue;
         if (!is_world(light))
             counts.shares[light.light] = frame_sum > 0.0 ? static_cast<float>(light.light_sum / frame_sum) : 1.0f;
-        (is_world(light) ? counts.of_world : counts.of_light[light.light]) = count_for(light, light.deviation());
+        count_in(counts, light) = count_for(light, light.deviation());
     }
     return counts;
 }

@@ -4,7 +4,8 @@
 //           (Mitchell, Consequences of Stratified Sampling in Graphics, SIGGRAPH 1996): between random and smooth.
 // Differs:  lights share the frame's error evenly, as independent errors add up; rows of the pilot are coarse, and finer
 //           for a light as long as their own error decides how many strata it gets.
-// Bound:    256 rays, 4 strata per light and 16 of the world, rows of 32 and 64 lines, or 64, 128 and 256.
+// Bound:    256 rays, 4 strata per light and 16 of the world, rows of 32 and 64 lines, of 64 and 128 for suns and
+//           edited lights; where these do not agree on the number, of 128, and unless it is a draft 256.
 #pragma once
 #include "light_shafts/scattering_lights.hpp"
 
