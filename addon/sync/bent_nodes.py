@@ -9,6 +9,7 @@ import bpy
 
 from tyndall.scene_description import LobeModel
 
+from .film_nodes import film_of
 from .lobe_values import LobeNormals, LobeValues
 from .math_nodes import math_operation
 from .program import BLACK, WHITE, Program, Term, Value
@@ -87,8 +88,7 @@ def add_bent_transmission(reader: ValueReader, at: Socket, weight: Value, base: 
 
 def _push(reader: ValueReader, at: Socket, shares: Shares, model: LobeModel, *inputs: Value) -> None:
     reader.note("the light of lamps passes straight through what bends it")
-    if reader.number(at.input("Thin Film Thickness")) != BLACK:
-        reader.note("thin films are not drawn")
+    film, of_film = film_of(reader, at)
     normals = LobeNormals(facets=reader.normal(at.input("Normal"), is_specular=True))
     if shares.lobes is not None:
-        shares.lobes.append(LobeValues(model, inputs, normals=normals))
+        shares.lobes.append(LobeValues(model, (*inputs, *of_film), normals=normals, film=film))

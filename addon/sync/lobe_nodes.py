@@ -11,6 +11,7 @@ from tyndall.scene_description import BumpShadowing, LobeModel, SubsurfaceMethod
 
 from .bent_nodes import add_bent_glass, through_one_side
 from .facet_nodes import facets_of_glass, facets_of_glossy, facets_of_metal
+from .film_nodes import film_of
 from .hair_nodes import hair_bsdf, principled_hair
 from .lobe_values import Facets, LobeNormals, LobeValues
 from .math_nodes import vector_operation
@@ -19,6 +20,8 @@ from .subsurface_nodes import method_of, principled_inputs, principled_share, sc
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from tyndall.scene_description import FilmSpectra
 
     from .node_graph import Socket
     from .surface_nodes import Shares
@@ -58,11 +61,12 @@ def _push(
     normals: LobeNormals | None = None,
     subsurface: SubsurfaceMethod = SubsurfaceMethod.NONE,
     facets: Facets | None = None,
+    film: FilmSpectra | None = None,
 ) -> bool:
     if shares.lobes is None:
         return False
     normals, facets = normals or LobeNormals(), facets or Facets()
-    shares.lobes.append(LobeValues(model, inputs, preserves_energy, normals, subsurface, facets))
+    shares.lobes.append(LobeValues(model, inputs, preserves_energy, normals, subsurface, facets, film))
     return True
 
 
@@ -123,8 +127,16 @@ def _metallic(reader: ValueReader, at: Socket, weight: Value, shares: Shares) ->
     else:
         model, names = LobeModel.CONDUCTOR, ("IOR", "Extinction")
     first, second = (reader.colour(at.input(name), WHITE) for name in names)
-    inputs, normals, facets = (weight, first, roughness, second), _normals(reader, at), facets_of_metal(reader, at)
-    return _push(shares, model, *inputs, preserves_energy=_is_multiple(at), normals=normals, facets=facets)
+    film, of_film = film_of(reader, at)
+    return _push(
+        shares,
+        model,
+        *(weight, first, roughness, second, *of_film),
+        preserves_energy=_is_multiple(at),
+        normals=_normals(reader, at),
+        facets=facets_of_metal(reader, at),
+        film=film,
+    )
 
 
 def _pass_straight(reader: ValueReader, shares: Shares, passing: Value, base: Value) -> None:
@@ -147,8 +159,9 @@ def _glass(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bo
     is_sharp = getattr(at.node, "distribution", "") == "SHARP"
     model = LobeModel.GLASS_3 if _is_old() else LobeModel.GLASS
     roughness = BLACK if is_sharp else reader.number(at.input("Roughness"))
-    inputs = weight, colour, roughness, reader.number(at.input("IOR"), 1.45)
-    return _push(shares, model, *inputs, normals=_normals(reader, at), facets=facets_of_glass(at))
+    film, of_film = film_of(reader, at)
+    inputs = weight, colour, roughness, reader.number(at.input("IOR"), 1.45), *of_film
+    return _push(shares, model, *inputs, normals=_normals(reader, at), facets=facets_of_glass(at), film=film)
 
 
 def _sheen(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
@@ -186,8 +199,9 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
     sheen = reader.number(at.input("Sheen Weight") or at.input("Sheen"))
     diffuse_roughness = reader.number(at.input("Diffuse Roughness"))
     subsurface, normals = principled_share(reader, at), _normals(reader, at)
+    film, of_film = film_of(reader, at)
     rough = specular, metallic, transmission, coat, sheen, diffuse_roughness, subsurface
-    if not _is_old() and normals.diffuse is None and all(value == BLACK for value in rough):
+    if not _is_old() and film is None and normals.diffuse is None and all(value == BLACK for value in rough):
         return False
     alpha = program.clamp(reader.number(at.input("Alpha"), 1.0))
     shares.transparent = program.add(shares.transparent, program.multiply(weight, program.complement(alpha)))
@@ -211,8 +225,6 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
         inputs = [specular, tint, sheen, sheen_tint, coat, coat_roughness, transmission, ior]
         model = LobeModel.PRINCIPLED_3 if subsurface == BLACK else LobeModel.PRINCIPLED_3_SUBSURFACE
     else:
-        if reader.number(at.input("Thin Film Thickness")) != BLACK:
-            reader.note("thin films are not drawn")
         coat_ior, coat_tint = reader.number(at.input("Coat IOR"), 1.5), reader.colour(at.input("Coat Tint"), WHITE)
         tint = reader.colour(at.input("Specular Tint"), WHITE)
         inputs = [specular, tint, transmission, ior, coat, coat_roughness, coat_ior, coat_tint]
@@ -232,10 +244,12 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
         shares,
         model,
         *inputs,
+        *of_film,
         preserves_energy=is_multiple,
         normals=normals,
         subsurface=method,
         facets=facets_of_metal(reader, at),
+        film=film,
     )
 
 

@@ -6,7 +6,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tyndall.scene_description import BumpShadowing, FacetDistribution, LobeModel, Lobes, SubsurfaceMethod
+from tyndall.scene_description import (
+    BumpShadowing,
+    FacetDistribution,
+    FilmSpectra,
+    LobeModel,
+    Lobes,
+    SubsurfaceMethod,
+)
 
 from .program import BLACK, Term, Value
 
@@ -45,6 +52,7 @@ class LobeValues:
     normals: LobeNormals = LobeNormals()
     subsurface: SubsurfaceMethod = SubsurfaceMethod.NONE
     facets: Facets = Facets()
+    film: FilmSpectra | None = None
 
     def terms(self) -> list[Term]:
         values = (*self.inputs, *self.normals.all(), self.facets.tangent)
@@ -65,4 +73,5 @@ class LobeValues:
             subsurface=self.subsurface,
             distribution=self.facets.distribution,
             tangent=-1 if self.facets.tangent is None else register_of(self.facets.tangent),
+            film=self.film,
         )

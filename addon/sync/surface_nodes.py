@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from .bent_nodes import add_bent_transmission, bends_transmission, is_sharp, through_one_side
+from .film_nodes import has_film
 from .hair_nodes import principled_hair_colour
 from .lobe_nodes import add_lobes
 from .program import BLACK, WHITE, GlossValues, Value, grey
@@ -222,6 +223,7 @@ def _metallic(reader: ValueReader, at: Socket, weight: Value, shares: Shares) ->
         return
     _note_bumps(reader, at)
     _note_direction(reader, at)
+    _note_film(reader, at)
     _mirror(reader, shares, reader.program.multiply(weight, _colour_of(reader, at)), weight, 0.0)
 
 
@@ -272,6 +274,11 @@ def _note_layers(reader: ValueReader, at: Socket) -> None:
         reader.note("subsurface scattering is drawn as diffuse on voxels, and where reflections are followed")
 
 
+def _note_film(reader: ValueReader, at: Socket) -> None:
+    if has_film(reader, at):
+        reader.note("thin films are not drawn on voxels, and where reflections are followed on glass alone")
+
+
 def _transmit(reader: ValueReader, at: Socket, factors: tuple[Value, Value, Value], shares: Shares) -> bool:
     """Adds what a Principled shader transmits: its share of the surface, of that what it transmits, in its base colour.
 
@@ -318,6 +325,7 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
     transmission = program.multiply(of_rest, program.complement(metallic))
     if not _transmit(reader, at, (weight, transmission, base), shares) or transmission != WHITE:
         _note_bumps(reader, at)
+        _note_film(reader, at)
     opaque = program.multiply(weight, program.complement(transmission))
     scattering = program.multiply(opaque, base)
     if mirrors:

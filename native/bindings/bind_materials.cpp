@@ -48,9 +48,25 @@ static GlossLayers make_gloss(const std::array<Triple, 4>& constant, const std::
             .coat_ior = coat_ior};
 }
 
+static std::shared_ptr<FilmSpectra> make_film(const py::array& seen, float reach_nm, float fades_below_nm,
+                                              bool covers_metals) {
+    const std::vector<std::array<float, 6>> rows = to_vector<std::array<float, 6>, float>(seen, {-1, 6}, "seen");
+    auto film = std::make_shared<FilmSpectra>();
+    film->reach_nm = reach_nm;
+    film->fades_below_nm = fades_below_nm;
+    film->covers_metals = covers_metals;
+    for (const std::array<float, 6>& row : rows) {
+        film->cosine.emplace_back(row[0], row[1], row[2]);
+        film->sine.emplace_back(row[3], row[4], row[5]);
+    }
+    validate(*film);
+    return film;
+}
+
 static LobeSource make_lobes(int model, bool preserves_energy, const std::vector<Triple>& constants,
                              const std::vector<int>& registers, const std::array<int, 3>& normals, int bump_shadowing,
-                             int subsurface, int distribution, int tangent) {
+                             int subsurface, int distribution, int tangent,
+                             const std::optional<std::shared_ptr<FilmSpectra>>& film) {
     const auto register_of = [](int index) {
         return index < 0 ? LobeSource::no_register : static_cast<std::uint16_t>(index);
     };
@@ -62,7 +78,8 @@ static LobeSource make_lobes(int model, bool preserves_energy, const std::vector
                       .facet_normal = register_of(normals[1]),
                       .coat_normal = register_of(normals[2]),
                       .tangent = register_of(tangent),
-                      .bump_shadowing = static_cast<BumpShadowing>(bump_shadowing)};
+                      .bump_shadowing = static_cast<BumpShadowing>(bump_shadowing),
+                      .film = film.value_or(nullptr)};
     for (const Triple& constant : constants)
         source.constants.push_back(to_vec3(constant));
     for (const int index : registers)
@@ -153,9 +170,12 @@ void bind_materials(py::module_& native) {
     py::class_<GlossLayers>(native, "Gloss")
         .def(py::init(&make_gloss), "constant"_a, "registers"_a, "mirror_ior"_a, "coat_ior"_a,
              "Four colours, and four registers: facing, edge, coat, coated.");
+    py::class_<FilmSpectra, std::shared_ptr<FilmSpectra>>(native, "FilmSpectra")
+        .def(py::init(&make_film), "seen"_a, "reach_nm"_a, "fades_below_nm"_a, "covers_metals"_a,
+             "float32 (n, 6): the cosine's red, green and blue, then the sine's. Raises InvalidInput.");
     py::class_<LobeSource>(native, "Lobes")
         .def(py::init(&make_lobes), "model"_a, "preserves_energy"_a, "constants"_a, "registers"_a, "normals"_a,
-             "bump_shadowing"_a, "subsurface"_a, "distribution"_a, "tangent"_a,
+             "bump_shadowing"_a, "subsurface"_a, "distribution"_a, "tangent"_a, "film"_a,
              "Of one shader: its inputs, each a colour, or, where it is not below 0, a register; three registers of "
              "normals, below 0 the point's own: of what is diffuse, of facets, of a coat; and that of the facets' "
              "tangent, below 0: none.");

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from . import _native
 from .surface_operations import build_op
 
 if TYPE_CHECKING:
-    from .scene_description import Gloss, Material
+    from .scene_description import FilmSpectra, Gloss, Material
 
 
 def build_material(material: Material, textures: list[_native.Texture]) -> _native.Material:
@@ -41,11 +42,18 @@ def build_material(material: Material, textures: list[_native.Texture]) -> _nati
                 subsurface=int(lobes.subsurface),
                 distribution=int(lobes.distribution),
                 tangent=lobes.tangent,
+                film=None if lobes.film is None else _build_film(lobes.film),
             )
             for lobes in material.lobes
         ],
         medium=material.medium,
     )
+
+
+@lru_cache(maxsize=4)
+def _build_film(film: FilmSpectra) -> _native.FilmSpectra:
+    """The same for all materials: two are equal where their films are one."""
+    return _native.FilmSpectra(film.seen, film.reach_nm, film.fades_below_nm, film.covers_metals)
 
 
 def _build_gloss(gloss: Gloss) -> _native.Gloss:

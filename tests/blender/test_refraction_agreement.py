@@ -153,6 +153,10 @@ GLASSES: dict[str, Build] = {
     "bumped": bumped,
     "half clear": half_clear,
 }
+if bpy.app.version >= (4, 2, 0):
+    # Seen to fail: without the film, and with its outer index from within.
+    soap = {"Base_Color": (1, 1, 1, 1), "Thin_Film_Thickness": 420.0, "Thin_Film_IOR": 1.9}
+    GLASSES["soap bubble"] = principled(IOR=1.2, **soap)
 
 
 @pytest.mark.dealt

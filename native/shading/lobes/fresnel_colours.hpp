@@ -37,10 +37,18 @@ namespace tyndall {
     const float rest = std::clamp(1.0f - cosine, 0.0f, 1.0f), rest5 = rest * rest * rest * rest * rest;
     return glm::clamp(glm::mix(straight, Rgb(1.0f), rest5) - dark * (cosine * rest5 * rest), 0.0f, 1.0f);
 }
-/// The `dark` with which a metal has `tint` of Schlick's share where the cosine is 1 / 7.
+/// Schlick's share where the cosine is 1 / 7, and the `dark` with which a metal has `edge` there.
+[[nodiscard]] inline Rgb f82_schlick(const Rgb& straight) {
+    constexpr float rest = 6.0f / 7.0f;
+    return glm::mix(straight, Rgb(1.0f), rest * rest * rest * rest * rest);
+}
+[[nodiscard]] inline Rgb f82_dark_of_edge(const Rgb& straight, const Rgb& edge) {
+    constexpr float rest2 = (6.0f / 7.0f) * (6.0f / 7.0f);
+    return (f82_schlick(straight) - edge) * (7.0f / (rest2 * rest2 * rest2));
+}
+/// The same with `tint` of Schlick's share.
 [[nodiscard]] inline Rgb f82_dark(const Rgb& straight, const Rgb& tint) {
-    constexpr float rest = 6.0f / 7.0f, rest5 = rest * rest * rest * rest * rest;
-    return glm::mix(straight, Rgb(1.0f), rest5) * (7.0f / (rest5 * rest)) * (1.0f - tint);
+    return f82_dark_of_edge(straight, f82_schlick(straight) * tint);
 }
 /// Of complex index n + i k.
 [[nodiscard]] inline Rgb fresnel_conductor(float cosine, const Rgb& n, const Rgb& k) {

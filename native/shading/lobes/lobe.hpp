@@ -5,6 +5,7 @@
 #include "core/math.hpp"
 #include "shading/lobes/bump_shadowing.hpp"
 #include "shading/lobes/subsurface.hpp"
+#include "shading/lobes/thin_film.hpp"
 #include <cstdint>
 #include <vector>
 
@@ -58,7 +59,8 @@ struct Lobe {
     /// sine and cosine of its tilt, and phi of its middle, b is fibre::inverse_integrals. Its others: a.x is the angle
     /// by which their middle is off.
     Rgb a{0.0f}, b{1.0f};
-    vec3 normal{0.0f}; ///< Its own, unit; zero: the point's.
+    vec3 normal{0.0f};  ///< Its own, unit; zero: the point's.
+    ThinFilm film = {}; ///< Of `fresnel`, which it changes: not of None.
     /// Of framed facets, across the normal: its length is the root of how much wider they are along it than across
     /// it. Zero: they are as wide along as across.
     vec3 tangent{0.0f};

@@ -9,6 +9,7 @@
 #include "shading/lobes/lobe_set.hpp"
 #include "shading/lobes/sheen.hpp"
 #include "shading/lobes/subsurface.hpp"
+#include "shading/lobes/thin_film.hpp"
 #include "shading/material.hpp"
 #include <algorithm>
 
@@ -102,6 +103,13 @@ private:
     /// The surface's own colour.
     [[nodiscard]] Rgb colour(std::size_t input) const { return point_.tint * non_negative(inputs_[input]); }
 
+    /// On the surface's outer side; no film where it is too thin.
+    [[nodiscard]] ThinFilm film() const {
+        const std::size_t at = input_count(source_.model);
+        if (!source_.film || !(number(at) > thinnest_film_nm))
+            return {};
+        return {.spectra = source_.film.get(), .thickness_nm = number(at), .ior = index(at + 1)};
+    }
     /// Of the way to the viewer.
     [[nodiscard]] float cosine_around(const vec3& normal) const {
         return normal == vec3(0.0f) ? point_.view_cosine : std::max(glm::dot(normal, normals_.outgoing), 0.0f);
@@ -213,6 +221,8 @@ private:
         lobe.fresnel = Lobe::Fresnel::F82;
         lobe.a = straight;
         lobe.b = dark;
+        if (source_.film && source_.film->covers_metals)
+            lobe.film = film();
         preserve_energy(lobe, mean_f82(straight, dark), roughness);
         add(lobe);
     }
@@ -223,10 +233,10 @@ private:
         lobe.fresnel = Lobe::Fresnel::Conductor;
         lobe.a = n;
         lobe.b = k;
+        lobe.film = film();
         // Its mean by the metal of fresnel_f82 that reflects as much straight and at 82 degrees.
-        const Rgb straight = fresnel_conductor(1.0f, n, k), edge = fresnel_conductor(1.0f / 7.0f, n, k);
-        constexpr float rest = 6.0f / 7.0f, rest5 = rest * rest * rest * rest * rest;
-        const Rgb dark = (glm::mix(straight, Rgb(1.0f), rest5) - edge) * (7.0f / (rest5 * rest));
+        const Rgb straight = fresnel_conductor(1.0f, n, k);
+        const Rgb dark = f82_dark_of_edge(straight, fresnel_conductor(1.0f / 7.0f, n, k));
         preserve_energy(lobe, clamped(mean_f82(straight, dark)), clamped(number(2)));
         add(lobe);
     }
@@ -237,7 +247,6 @@ private:
                float from_outside, bool is_of_blender3) {
         const float outside = std::max(from_outside, 1e-5f), ior = point_.is_backface ? 1.0f / outside : outside;
         const float share = fresnel_of_any_index(cosine_, ior);
-        closures_.transparent = glm::max(closures_.transparent - passing * share, Rgb(0.0f));
         Lobe lobe = facets(roughness, is_of_blender3 ? of_blender3 * share : reflecting);
         lobe.is_separable = is_of_blender3;
         if (!is_of_blender3 || straight != Rgb(1.0f)) {
@@ -245,7 +254,17 @@ private:
             lobe.a = straight;
             lobe.ior = ior;
         }
+        cover_glass(lobe, outside);
+        const Rgb kept = lobe.film.spectra == nullptr ? Rgb(share) : facet_colour(lobe, cosine_);
+        closures_.transparent = glm::max(closures_.transparent - passing * kept, Rgb(0.0f));
         add(lobe);
+    }
+
+    /// Seen from within, the film lies beyond the glass: its index counts against that.
+    void cover_glass(Lobe& lobe, float outside) const {
+        lobe.film = film();
+        if (point_.is_backface)
+            lobe.film.ior /= outside;
     }
 
     void bent_glass() {
@@ -258,7 +277,11 @@ private:
         const float ior = point_.is_backface ? 1.0f / from_outside : from_outside;
         const float share = fresnel_of_any_index(cosine_, ior), rise = fresnel_rise_of_any_index(cosine_, ior);
         const Rgb risen = glm::mix(straight, Rgb(1.0f), rise);
-        const Rgb mirrored = is_of_blender3 ? share * risen : tint == Rgb(1.0f) ? Rgb(share) : risen;
+        Rgb mirrored = is_of_blender3 ? share * risen : tint == Rgb(1.0f) ? Rgb(share) : risen;
+        Lobe covered{.fresnel = Lobe::Fresnel::Dielectric, .ior = ior, .a = straight};
+        cover_glass(covered, from_outside);
+        if (covered.film.spectra != nullptr)
+            mirrored = facet_colour(covered, cosine_);
         bend(passing, passing * (1.0f - (is_of_blender3 ? Rgb(share) : mirrored)), reflecting * mirrored, from_outside);
     }
 

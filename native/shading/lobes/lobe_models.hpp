@@ -62,7 +62,13 @@ enum class LobeModel : std::uint8_t {
 [[nodiscard]] constexpr bool bends_rays(LobeModel model) {
     return model == LobeModel::BentGlass3 || model == LobeModel::BentGlass || model == LobeModel::Refraction;
 }
-inline constexpr std::size_t most_lobe_inputs = 20;
+/// After them those of a thin film, where the source has one: its thickness in nanometres, its index.
+[[nodiscard]] constexpr bool can_have_film(LobeModel model) {
+    return model == LobeModel::MetalF82 || model == LobeModel::Conductor || model == LobeModel::Glass ||
+           model == LobeModel::BentGlass || model == LobeModel::Principled || model == LobeModel::PrincipledSheen ||
+           model == LobeModel::PrincipledSubsurface;
+}
+inline constexpr std::size_t most_lobe_inputs = 22, film_input_count = 2;
 inline constexpr std::size_t principled_emission = 13; ///< Which of its inputs that is, with and without a sheen.
 /// It is one of those whose layers dim what glows below them.
 [[nodiscard]] constexpr bool has_emission(LobeModel model) {

@@ -147,7 +147,35 @@ float sum_of_sampling(std::span<const Lobe> lobes) {
 }
 } // namespace
 
+/// Of a film over a dielectric whose share straight is `a` in place of its own: what the film mirrors counts as much more or
+/// less, and the same where it is all.
+static Rgb scaled_film(const Lobe& lobe, float cosine) {
+    const Rgb mirrored = film_over_dielectric(cosine, lobe.film, lobe.ior);
+    const float straight = straight_share(lobe.ior);
+    if (!(straight > 1e-5f))
+        return mirrored;
+    const Rgb from_all = glm::clamp((mirrored - 1.0f) / (straight - 1.0f), 0.0f, 1.0f);
+    return mirrored * glm::mix(Rgb(1.0f), lobe.a / straight, from_all);
+}
+
+/// Apart: what has no film shall not make room for it.
+[[gnu::noinline]] static Rgb colour_of_film(const Lobe& lobe, float cosine) {
+    switch (lobe.fresnel) {
+    case Lobe::Fresnel::Dielectric:
+        return scaled_film(lobe, cosine);
+    case Lobe::Fresnel::F82:
+        return film_over_f82(cosine, lobe.film, lobe.a, lobe.b);
+    case Lobe::Fresnel::Conductor:
+        return film_over_conductor(cosine, lobe.film, lobe.a, lobe.b);
+    case Lobe::Fresnel::None:
+        break;
+    }
+    return Rgb(1.0f);
+}
+
 Rgb facet_colour(const Lobe& lobe, float cosine) {
+    if (lobe.film.spectra != nullptr)
+        return colour_of_film(lobe, cosine);
     switch (lobe.fresnel) {
     case Lobe::Fresnel::Dielectric:
         return glm::mix(lobe.a, lobe.b, fresnel_rise_of_any_index(cosine, lobe.ior));

@@ -53,8 +53,8 @@ std::size_t input_count(Model model) {
 }
 
 void validate(const LobeSource& source, const std::string& material_name) {
-    const std::size_t count = input_count(source.model);
-    require(count > 0, "material \"", material_name, "\" has a model ", static_cast<int>(source.model),
+    const std::size_t of_model = input_count(source.model), count = of_model + (source.film ? film_input_count : 0);
+    require(of_model > 0, "material \"", material_name, "\" has a model ", static_cast<int>(source.model),
             " of lobes, which this version does not know");
     require(source.constants.size() == count && source.registers.size() == count, "material \"", material_name,
             "\" has ", source.constants.size(), " inputs of lobes in place of ", count);
@@ -74,6 +74,8 @@ void validate(const LobeSource& source, const std::string& material_name) {
                 (source.distribution == FacetDistribution::Ggx || (has_choice && !source.preserves_energy)),
             "material \"", material_name, "\" has a distribution ", static_cast<int>(source.distribution),
             " of facets, which its model ", static_cast<int>(source.model), " does not know");
+    require(!source.film || can_have_film(source.model), "material \"", material_name,
+            "\" has a thin film, which its model ", static_cast<int>(source.model), " does not know");
     require(source.bump_shadowing < BumpShadowing::Count, "material \"", material_name, "\" has a shadowing of bumps ",
             static_cast<int>(source.bump_shadowing), ", which this version does not know");
 }

@@ -4,6 +4,7 @@
 #include "core/math.hpp"
 #include "shading/lobes/bump_shadowing.hpp"
 #include "shading/lobes/subsurface.hpp"
+#include "shading/lobes/thin_film.hpp"
 #include <cstdint>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct LobeSource {
     /// Where LobeNormals::tangent is; no_register: facets are as wide along as across.
     std::uint16_t tangent = no_register;
     BumpShadowing bump_shadowing = BumpShadowing::None; ///< Of what is diffuse around such a normal.
+    std::shared_ptr<const FilmSpectra> film = {};       ///< Nothing: no thin film covers its facets.
     bool operator==(const LobeSource&) const = default;
 };
 } // namespace tyndall

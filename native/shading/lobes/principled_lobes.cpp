@@ -81,16 +81,20 @@ void LobeBuilder::principled() {
         if (ior < 1.0f)
             eta = 1.0f / eta;
     }
-    if (eta != 1.0f) {
+    if (const ThinFilm covering = film(); eta != 1.0f || covering.spectra != nullptr) {
         Lobe lobe = facets_along_tangent(roughness, weight);
         lobe.fresnel = Lobe::Fresnel::Dielectric;
         lobe.ior = eta;
         lobe.a = clamped(straight * tint);
+        lobe.film = covering;
         const Rgb mean = glm::mix(lobe.a, Rgb(1.0f), mean_rise_of(eta));
         const Rgb share = preserve_energy(lobe, mean, roughness);
         add(lobe);
         const float evened = evened_roughness(lobe, roughness);
-        const Rgb albedo = glm::mix(lobe.a, Rgb(1.0f), ggx::mean_rise(evened, cosine_, eta));
+        // No table knows a film's mean: it is what a smooth surface has.
+        const Rgb albedo = covering.spectra != nullptr
+                               ? facet_colour(lobe, cosine_)
+                               : glm::mix(lobe.a, Rgb(1.0f), ggx::mean_rise(evened, cosine_, eta));
         weight = below(weight * share * albedo, weight);
     }
     if (has_subsurface) {

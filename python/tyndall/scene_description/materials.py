@@ -166,6 +166,17 @@ class FacetDistribution(IntEnum):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class FilmSpectra:
+    """What the channels see of light that went a longer way; see native/shading/lobes/thin_film.hpp."""
+
+    #: (n, 6), at even steps from no way to ``reach_nm``: red, green and blue of the cosine, then of the sine.
+    seen: NDArray[np.float32]
+    reach_nm: float
+    fades_below_nm: float = 1.0  #: Thinner films have an index between theirs and that of air.
+    covers_metals: bool = True  #: Of Principled: its metal has the film, too.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Lobes:
     """What one shader of a surface does beside Material's results. The first input is its share of the surface."""
 
@@ -180,6 +191,8 @@ class Lobes:
     distribution: FacetDistribution = FacetDistribution.GGX
     #: Register of what facets are wide along, as long as the root of how much wider than across; below 0: nothing.
     tangent: int = -1
+    #: A thin film over its facets, whose thickness in nanometres and index are the last two inputs.
+    film: FilmSpectra | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
