@@ -147,8 +147,8 @@ float sum_of_sampling(std::span<const Lobe> lobes) {
 }
 } // namespace
 
-/// Of a film over a dielectric whose share straight is `a` in place of its own: what the film mirrors counts as much more or
-/// less, and the same where it is all.
+/// Of a film over a dielectric whose share straight is `a` in place of its own: what the film mirrors counts as much
+/// more or less, and the same where it is all.
 static Rgb scaled_film(const Lobe& lobe, float cosine) {
     const Rgb mirrored = film_over_dielectric(cosine, lobe.film, lobe.ior);
     const float straight = straight_share(lobe.ior);

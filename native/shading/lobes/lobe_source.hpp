@@ -6,6 +6,7 @@
 #include "shading/lobes/subsurface.hpp"
 #include "shading/lobes/thin_film.hpp"
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace tyndall {

@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Interference in a thin film on facets: soap, oil on water, tempered steel. What the film's two faces mirror adds up or
-// cancels out by how much longer one way is, wavelength by wavelength.
+// Interference in a thin film on facets: soap, oil on water, tempered steel. What the film's two faces mirror adds up
+// or cancels out by how much longer one way is, wavelength by wavelength.
 // Based on: Belcour and Barla, A Practical Extension to Microfacet Theory for the Modeling of Varying Iridescence, TOG
-//           36(4), 2017: Airy's sum as one over orders of interference, and what channels see of each order by the Fourier
-//           transform of their sensitivity; Born and Wolf, Principles of Optics, 7th ed., section 14.4.1 (metals); Gulbrandsen,
-//           Artist Friendly Metallic Fresnel, JCGT 3(4), 2014 (the index of a metal that has two colours).
-// Differs:  the transform is a table over the longer way, by whichever sensitivity its maker knows, for the cosine and the
-//           sine apart; a phase is a unit complex number, and its multiples are powers: no arctangent.
-// Bound:    three orders, one place of the table each for both polarisations: 40 ns on a dielectric.
+//           36(4), 2017: Airy's sum as one over orders of interference, and what channels see of each order by the
+//           Fourier transform of their sensitivity; Born and Wolf, Principles of Optics, 7th ed., section 14.4.1
+//           (metals); Gulbrandsen, Artist Friendly Metallic Fresnel, JCGT 3(4), 2014 (the index of a metal that has two
+//           colours).
+// Differs:  the transform is a table over the longer way, by whichever sensitivity its maker knows, for the cosine and
+//           the sine apart; a phase is a unit complex number, and its multiples are powers: no arctangent.
+// Bound:    three orders, one place of the table each for both polarisations: 0.1 us on a dielectric. What is left out
+//           of higher orders is below 2e-3 on dielectrics, 5e-3 on metals.
 #pragma once
 #include "core/math.hpp"
-#include <memory>
 #include <vector>
 
 namespace tyndall {
-/// What the channels of a white light see of cos(2 pi w / wavelength) and of its sine, over ways w at even steps from 0 to
-/// reach_nm; beyond they see nothing. Both have as many entries, at least 2, finite; the cosine begins with 1, the sine with 0.
+/// What the channels of a white light see of cos(2 pi w / wavelength) and of its sine, over ways w at even steps from 0
+/// to reach_nm; beyond they see nothing. Both have as many entries, at least 2, finite; the cosine begins with 1, the
+/// sine with 0.
 struct FilmSpectra {
     std::vector<Rgb> cosine, sine;
     float reach_nm = 0.0f;       ///< Above 0.
