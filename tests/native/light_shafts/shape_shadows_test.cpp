@@ -5,8 +5,7 @@
 #include "light_shafts/shadow_map.hpp"
 #include "light_shafts/sun_map.hpp"
 #include "light_shafts/turning_disc.hpp"
-#include "support/box_shape.hpp"
-#include "support/shaft_settings.hpp"
+#include "support/placed_boxes.hpp"
 #include <doctest/doctest.h>
 
 namespace shape_shadows_test {
@@ -15,17 +14,6 @@ using namespace tyndall::light_shafts;
 using namespace tyndall::support;
 
 namespace {
-/// Boxes in the ball that the settings look at; `counted` cells: beyond what is drawn by its faces.
-std::shared_ptr<const BoxShape> boxes_of(std::uint64_t counted = 0) {
-    return std::make_shared<const BoxShape>(scattered_cells(80, 8, 7), 0.4f, counted);
-}
-BoxScene placed_boxes(const Setting& setting = {}) {
-    const mat4 there = glm::scale(translation(setting.centre), vec3(setting.scale_m));
-    return {.places = {there * glm::rotate(translation({-1.6f, -1.6f, -1.0f}), 0.3f, glm::normalize(vec3(1, 1, 2))),
-                       there * glm::rotate(glm::scale(translation({2.5f, 1.0f, 0.5f}), vec3(-0.7f, 0.8f, 0.6f)), 0.2f,
-                                           glm::normalize(vec3(2, 1, 1)))}}; // no face lies along a light line
-}
-
 LitRows exact_rows(const Scene& scene, const Setting& setting, std::span<const ViewRay> rays) {
     Progress progress;
     LitRows rows;

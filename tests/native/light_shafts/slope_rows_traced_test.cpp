@@ -2,9 +2,8 @@
 // Rays from the light and rastered triangles put the same slopes into rows, and rays answer only where they may.
 #include "light_shafts/slope_rows_raster.hpp"
 #include "light_shafts/slope_rows_traced.hpp"
-#include "support/box_shape.hpp"
+#include "support/placed_boxes.hpp"
 #include "support/scenes.hpp"
-#include "support/shaft_settings.hpp"
 #include <cmath>
 #include <doctest/doctest.h>
 
@@ -14,16 +13,6 @@ using namespace tyndall::light_shafts;
 using namespace tyndall::support;
 
 namespace {
-/// Cubes in the ball that the settings look at.
-std::unique_ptr<Scene> cubes_in(const Setting& setting) {
-    const mat4 there = glm::scale(translation(setting.centre), vec3(setting.scale_m));
-    const BoxScene boxes{
-        .places = {there * glm::rotate(translation({-1.6f, -1.6f, -1.0f}), 0.3f, glm::normalize(vec3(1, 1, 2))),
-                   there * glm::rotate(glm::scale(translation({2.5f, 1.0f, 0.5f}), vec3(-0.7f, 0.8f, 0.6f)), 0.2f,
-                                       glm::normalize(vec3(2, 1, 1)))}};
-    return boxes.scene(std::make_shared<const BoxShape>(scattered_cells(80, 8, 7), 0.4f), true);
-}
-
 slope_rows::Layout layout_of(const Setting& setting, std::uint32_t lines) {
     Progress progress;
     const auto rays = make_rays(setting, 24);
@@ -43,7 +32,7 @@ TEST_CASE("rows that rays fill hold what the raster puts into them, for suns and
     Progress progress;
     for (const Setting& setting : settings()) {
         CAPTURE(setting.name);
-        const auto scene = cubes_in(setting);
+        const auto scene = placed_boxes(setting).scene(boxes_of(), true);
         const Occluders occluders = gather_occluders(scene->description(), progress);
         slope_rows::Rows traced(layout_of(setting, 192)), rastered(layout_of(setting, 192));
         slope_rows::trace(traced, *scene, progress);
@@ -94,7 +83,7 @@ TEST_CASE("occluders are whole where a shadow ray meets nothing else, and no lig
 
 TEST_CASE("rays fill coarse rows of many triangles, and neither fine ones nor those of a few") {
     const Setting setting = settings().front();
-    const auto cubes = cubes_in(setting);
+    const auto cubes = placed_boxes(setting).scene(boxes_of(), true);
     Occluders occluders = gather_occluders(cubes->description(), Progress());
     const std::size_t triangles = occluders.triangle_count;
     const slope_rows::Rows coarse(layout_of(setting, 16)), fine(layout_of(setting, 256));
