@@ -88,7 +88,6 @@ def add_bent_transmission(reader: ValueReader, at: Socket, weight: Value, base: 
 
 def _push(reader: ValueReader, at: Socket, shares: Shares, model: LobeModel, *inputs: Value) -> None:
     reader.note("the light of lamps passes straight through what bends it")
-    film, of_film = film_of(reader, at)
     normals = LobeNormals(facets=reader.normal(at.input("Normal"), is_specular=True))
     if shares.lobes is not None:
-        shares.lobes.append(LobeValues(model, (*inputs, *of_film), normals=normals, film=film))
+        shares.lobes.append(LobeValues(model, inputs, normals=normals, film=film_of(reader, at)))

@@ -18,7 +18,8 @@ import numpy as np
 from tyndall.scene_description import FilmSpectra
 
 from .cie_1931 import FIRST_NM, LAST_NM, matching_functions
-from .program import Term, Value
+from .lobe_values import Film
+from .program import BLACK
 from .working_space import rgb_from_xyz
 
 if TYPE_CHECKING:
@@ -31,7 +32,6 @@ _IS_FITTED = bpy.app.version < (5, 0, 0)
 _REACH_NM = 60000.0 / (2.0 * np.pi)  #: Beyond, an observer sees none of it, to 1e-3.
 #: From 5.0 on as many as Cycles has, between which it is linear, too: up to half a percent of a wave's height.
 _STEPS = 4096 if _IS_FITTED else 511
-_THINNEST_NM = 0.1  #: What is thinner is none, as in Cycles.
 #: Over the wave number, X by two: which of X, Y and Z, height, and in 1 / m middle and variance.
 _GAUSSIANS = (
     (0, 5.4856e-13, 1.6810e6, 4.3278e9),
@@ -42,16 +42,12 @@ _GAUSSIANS = (
 _GAUSSIAN_SUM = 1.0685e-7
 
 
-def film_of(reader: ValueReader, at: Socket) -> tuple[FilmSpectra | None, tuple[Value, ...]]:
-    """A shader's thin film, and the two inputs that it adds; neither where there is none."""
+def film_of(reader: ValueReader, at: Socket) -> Film | None:
+    """A shader's thin film."""
     thickness = reader.number(at.input("Thin Film Thickness"))
-    if not isinstance(thickness, Term) and thickness[0] <= _THINNEST_NM:
-        return None, ()
-    return spectra(), (thickness, reader.number(at.input("Thin Film IOR"), 1.33))
-
-
-def has_film(reader: ValueReader, at: Socket) -> bool:
-    return film_of(reader, at)[0] is not None
+    if thickness == BLACK:
+        return None
+    return Film(spectra(), thickness, reader.number(at.input("Thin Film IOR"), 1.33))
 
 
 @lru_cache(maxsize=1)

@@ -13,15 +13,13 @@ from .bent_nodes import add_bent_glass, through_one_side
 from .facet_nodes import facets_of_glass, facets_of_glossy, facets_of_metal
 from .film_nodes import film_of
 from .hair_nodes import hair_bsdf, principled_hair
-from .lobe_values import Facets, LobeNormals, LobeValues
+from .lobe_values import Facets, Film, LobeNormals, LobeValues
 from .math_nodes import vector_operation
 from .program import BLACK, WHITE, Program, Term, Value, grey
 from .subsurface_nodes import method_of, principled_inputs, principled_share, scattering_inputs
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from tyndall.scene_description import FilmSpectra
 
     from .node_graph import Socket
     from .surface_nodes import Shares
@@ -61,7 +59,7 @@ def _push(
     normals: LobeNormals | None = None,
     subsurface: SubsurfaceMethod = SubsurfaceMethod.NONE,
     facets: Facets | None = None,
-    film: FilmSpectra | None = None,
+    film: Film | None = None,
 ) -> bool:
     if shares.lobes is None:
         return False
@@ -127,15 +125,17 @@ def _metallic(reader: ValueReader, at: Socket, weight: Value, shares: Shares) ->
     else:
         model, names = LobeModel.CONDUCTOR, ("IOR", "Extinction")
     first, second = (reader.colour(at.input(name), WHITE) for name in names)
-    film, of_film = film_of(reader, at)
     return _push(
         shares,
         model,
-        *(weight, first, roughness, second, *of_film),
+        weight,
+        first,
+        roughness,
+        second,
         preserves_energy=_is_multiple(at),
         normals=_normals(reader, at),
         facets=facets_of_metal(reader, at),
-        film=film,
+        film=film_of(reader, at),
     )
 
 
@@ -159,9 +159,9 @@ def _glass(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bo
     is_sharp = getattr(at.node, "distribution", "") == "SHARP"
     model = LobeModel.GLASS_3 if _is_old() else LobeModel.GLASS
     roughness = BLACK if is_sharp else reader.number(at.input("Roughness"))
-    film, of_film = film_of(reader, at)
-    inputs = weight, colour, roughness, reader.number(at.input("IOR"), 1.45), *of_film
-    return _push(shares, model, *inputs, normals=_normals(reader, at), facets=facets_of_glass(at), film=film)
+    inputs = weight, colour, roughness, reader.number(at.input("IOR"), 1.45)
+    normals, facets = _normals(reader, at), facets_of_glass(at)
+    return _push(shares, model, *inputs, normals=normals, facets=facets, film=film_of(reader, at))
 
 
 def _sheen(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:
@@ -199,7 +199,7 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
     sheen = reader.number(at.input("Sheen Weight") or at.input("Sheen"))
     diffuse_roughness = reader.number(at.input("Diffuse Roughness"))
     subsurface, normals = principled_share(reader, at), _normals(reader, at)
-    film, of_film = film_of(reader, at)
+    film = film_of(reader, at)
     rough = specular, metallic, transmission, coat, sheen, diffuse_roughness, subsurface
     if not _is_old() and film is None and normals.diffuse is None and all(value == BLACK for value in rough):
         return False
@@ -244,7 +244,6 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
         shares,
         model,
         *inputs,
-        *of_film,
         preserves_energy=is_multiple,
         normals=normals,
         subsurface=method,

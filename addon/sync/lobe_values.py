@@ -43,6 +43,15 @@ class Facets:
 
 
 @dataclass(frozen=True)
+class Film:
+    """A thin film over a shader's facets."""
+
+    spectra: FilmSpectra
+    thickness_nm: Value
+    ior: Value
+
+
+@dataclass(frozen=True)
 class LobeValues:
     """A shader with lobes, see tyndall.scene_description.Lobes."""
 
@@ -52,26 +61,29 @@ class LobeValues:
     normals: LobeNormals = LobeNormals()
     subsurface: SubsurfaceMethod = SubsurfaceMethod.NONE
     facets: Facets = Facets()
-    film: FilmSpectra | None = None
+    film: Film | None = None
+
+    def _all_inputs(self) -> tuple[Value, ...]:
+        return self.inputs if self.film is None else (*self.inputs, self.film.thickness_nm, self.film.ior)
 
     def terms(self) -> list[Term]:
-        values = (*self.inputs, *self.normals.all(), self.facets.tangent)
+        values = (*self._all_inputs(), *self.normals.all(), self.facets.tangent)
         return [value for value in values if isinstance(value, Term)]
 
     def constant(self, register_of: Callable[[Term], int]) -> Lobes:
         def normal(value: Value | None) -> int:
             return register_of(value) if isinstance(value, Term) else -1
 
-        diffuse, facets, coat = self.normals.all()
+        (diffuse, facets, coat), inputs = self.normals.all(), self._all_inputs()
         return Lobes(
             model=self.model,
-            inputs=tuple(BLACK if isinstance(value, Term) else value for value in self.inputs),
-            registers=tuple(register_of(value) if isinstance(value, Term) else -1 for value in self.inputs),
+            inputs=tuple(BLACK if isinstance(value, Term) else value for value in inputs),
+            registers=tuple(register_of(value) if isinstance(value, Term) else -1 for value in inputs),
             preserves_energy=self.preserves_energy,
             normals=(normal(diffuse), normal(facets), normal(coat)),
             bump_shadowing=self.normals.bump_shadowing,
             subsurface=self.subsurface,
             distribution=self.facets.distribution,
             tangent=-1 if self.facets.tangent is None else register_of(self.facets.tangent),
-            film=self.film,
+            film=None if self.film is None else self.film.spectra,
         )

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from .bent_nodes import add_bent_transmission, bends_transmission, is_sharp, through_one_side
-from .film_nodes import has_film
+from .film_nodes import film_of
 from .hair_nodes import principled_hair_colour
 from .lobe_nodes import add_lobes
 from .program import BLACK, WHITE, GlossValues, Value, grey
@@ -275,7 +275,7 @@ def _note_layers(reader: ValueReader, at: Socket) -> None:
 
 
 def _note_film(reader: ValueReader, at: Socket) -> None:
-    if has_film(reader, at):
+    if film_of(reader, at) is not None:
         reader.note("thin films are not drawn on voxels, and where reflections are followed on glass alone")
 
 
