@@ -160,8 +160,15 @@ def _glass(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bo
     model = LobeModel.GLASS_3 if _is_old() else LobeModel.GLASS
     roughness = BLACK if is_sharp else reader.number(at.input("Roughness"))
     inputs = weight, colour, roughness, reader.number(at.input("IOR"), 1.45)
-    normals, facets = _normals(reader, at), facets_of_glass(at)
-    return _push(shares, model, *inputs, normals=normals, facets=facets, film=film_of(reader, at))
+    return _push(
+        shares,
+        model,
+        *inputs,
+        preserves_energy=_is_multiple(at),
+        normals=_normals(reader, at),
+        facets=facets_of_glass(at),
+        film=film_of(reader, at),
+    )
 
 
 def _sheen(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> bool:

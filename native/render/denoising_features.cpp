@@ -25,7 +25,7 @@ static LobeAlbedos albedos_of(const LobeSet& lobes) {
             std::clamp(glm::dot(lobe.has_own_normal() ? lobe.normal : lobes.normal, lobes.outgoing), 0.0f, 1.0f);
         const bool is_ggx = lobe.kind == Lobe::Kind::Ggx || lobe.kind == Lobe::Kind::GgxAlongTangent;
         const bool is_made_up = is_ggx && !lobe.is_separable;
-        const float seen = is_made_up ? ggx::albedo(std::sqrt(lobe.alpha), cosine) : 1.0f;
+        const float seen = is_made_up ? ggx::albedo(std::sqrt(lobe.alpha), cosine).seen : 1.0f;
         (is_sharp ? found.sharp : found.rough) += seen * alone.albedo();
     }
     return found;

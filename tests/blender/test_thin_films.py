@@ -15,9 +15,9 @@ import pytest
 from addon import last_render
 from addon.sync import film_nodes
 from addon.sync.working_space import luminance_weights
-from support.closure_scenes import assert_like_cycles, scene_of, shader, sun
+from support.closure_scenes import assert_like_cycles, pane_scene, scene_of, shader, sun
 from support.engine_pictures import cycles_pixels, tyndall_pixels
-from support.small_scenes import Build, empty_scene, material, node, plane
+from support.small_scenes import Build, node
 
 if bpy.app.version < (4, 2, 0):
     pytest.skip("thin films came with 4.2", allow_module_level=True)
@@ -82,12 +82,8 @@ def test_a_film_whose_thickness_nodes_vary() -> None:
 @pytest.mark.parametrize("turn", [0.0, pi], ids=["from without", "from within"])
 def test_a_pane_of_rough_glass(turn: float) -> None:
     """Of what it reflects: 0 bounces are black in Cycles behind it."""
-    scene = empty_scene(8)
     glass = principled(350.0, 1.8, Transmission_Weight=1.0, Roughness=0.5, Specular_Tint=(1.0, 0.5, 0.4, 1.0))
-    pane = plane(0.0, material("Pane", glass))
-    pane.rotation_euler.x = turn
-    scene.camera.location.x = 0.3  # not above the diagonal, where Cycles' rays leave through the other triangle
-    sun(10.0)(scene)
+    scene = pane_scene(glass, sun(10.0), turn)
     ours, cycles = tyndall_pixels(scene), cycles_pixels(scene, 2, seed=1)
     assert cycles.mean() > 0.01
     assert ours == pytest.approx(cycles, rel=5e-3)

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from .engine_pictures import cycles_pixels, tyndall_pixels
-from .small_scenes import add, empty_scene, light, material, mesh, node
+from .small_scenes import add, empty_scene, light, material, mesh, node, plane
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -56,6 +56,15 @@ def scene_of(build: Build, light_it: Callable[[bpy.types.Scene], object], size_p
     scene = empty_scene(size_px)
     scene.camera.data.ortho_scale = 2.1
     ball(material("Shown", build))
+    light_it(scene)
+    return scene
+
+
+def pane_scene(build: Build, light_it: Callable[[bpy.types.Scene], object], turn: float = 0.0) -> bpy.types.Scene:
+    """A plane of one shader, seen straight; turned by pi, from behind."""
+    scene = empty_scene(8)
+    plane(0.0, material("Pane", build)).rotation_euler.x = turn
+    scene.camera.location.x = 0.3  # not above the diagonal, where Cycles' rays leave through the other triangle
     light_it(scene)
     return scene
 

@@ -46,11 +46,14 @@ public:
         case Model::Conductor:
             return conductor();
         case Model::Glass3:
-            return glass(weight_ * colour(1), weight_ * colour(1), weight_ * colour(1), Rgb(1.0f), number(2), number(3),
-                         true);
         case Model::Glass:
-            return glass(weight_ * colour(1), weight_ * colour(1), weight_ * colour(1), Rgb(straight_share(index(3))),
-                         number(2), number(3), false);
+            return glass({.reflecting = weight_ * colour(1),
+                          .passing = weight_ * colour(1),
+                          .let_in = clamped(colour(1)),
+                          .straight = Rgb(source_.model == Model::Glass3 ? 1.0f : straight_share(index(3))),
+                          .roughness = number(2),
+                          .ior = number(3),
+                          .is_of_blender3 = source_.model == Model::Glass3});
         case Model::Velvet:
             return velvet();
         case Model::DiffuseToon:
@@ -174,10 +177,11 @@ private:
     Rgb preserve_energy(Lobe& lobe, const Rgb& mean, float roughness) const {
         if (!source_.preserves_energy)
             return Rgb(1.0f);
-        roughness = evened_roughness(lobe, roughness);
-        const float seen = ggx::albedo(roughness, cosine_), all = ggx::mean_albedo(roughness);
-        const float missing = (1.0f - seen) / seen;
-        const Rgb factor = 1.0f + mean * all / (1.0f - mean * (1.0f - all)) * missing;
+        return give_back(lobe, mean, ggx::albedo(evened_roughness(lobe, roughness), cosine_));
+    }
+    static Rgb give_back(Lobe& lobe, const Rgb& mean, const ggx::Albedo& albedo) {
+        const float missing = (1.0f - albedo.seen) / albedo.seen;
+        const Rgb factor = 1.0f + mean * albedo.mean / (1.0f - mean * (1.0f - albedo.mean)) * missing;
         lobe.weight *= factor;
         return factor / (1.0f + missing);
     }
@@ -241,22 +245,32 @@ private:
         add(lobe);
     }
 
-    /// Reflects `reflecting` times what rises from `straight` to 1; of `passing`, already among what is transparent, the
-    /// rest stays. Up to Blender 3.x the whole lobe has the share of the surface's own cosine.
-    void glass(const Rgb& reflecting, const Rgb& passing, const Rgb& of_blender3, const Rgb& straight, float roughness,
-               float from_outside, bool is_of_blender3) {
-        const float outside = std::max(from_outside, 1e-5f), ior = point_.is_backface ? 1.0f / outside : outside;
+    struct Glass {
+        Rgb reflecting; ///< Times what rises from `straight` to 1.
+        Rgb passing;    ///< Already among what is transparent; what is not mirrored stays.
+        Rgb let_in;     ///< Its colour.
+        Rgb straight;
+        float roughness;
+        float ior; ///< From without.
+        /// The whole lobe has the share of the surface's own cosine.
+        bool is_of_blender3;
+    };
+    void glass(const Glass& of) {
+        const float outside = std::max(of.ior, 1e-5f), ior = point_.is_backface ? 1.0f / outside : outside;
         const float share = fresnel_of_any_index(cosine_, ior);
-        Lobe lobe = facets(roughness, is_of_blender3 ? of_blender3 * share : reflecting);
-        lobe.is_separable = is_of_blender3;
-        if (!is_of_blender3 || straight != Rgb(1.0f)) {
+        Lobe lobe = facets(of.roughness, of.is_of_blender3 ? of.reflecting * share : of.reflecting);
+        lobe.is_separable = of.is_of_blender3;
+        if (!of.is_of_blender3 || of.straight != Rgb(1.0f)) {
             lobe.fresnel = Lobe::Fresnel::Dielectric;
-            lobe.a = straight;
+            lobe.a = of.straight;
             lobe.ior = ior;
         }
         cover_glass(lobe, outside);
         const Rgb kept = lobe.film.spectra == nullptr ? Rgb(share) : facet_colour(lobe, cosine_);
-        closures_.transparent = glm::max(closures_.transparent - passing * kept, Rgb(0.0f));
+        closures_.transparent = glm::max(closures_.transparent - of.passing * kept, Rgb(0.0f));
+        // What is hidden is mostly let in at last, as it is in Cycles. Sharp facets hide nothing.
+        if (source_.preserves_energy && !of.is_of_blender3 && lobe.own_alpha > 0.0f)
+            give_back(lobe, of.let_in, ggx::glass_albedo(clamped(of.roughness), cosine_, ior));
         add(lobe);
     }
 
@@ -273,7 +287,13 @@ private:
         const float from_outside = index(4);
         const Rgb straight = is_of_blender3 ? tint : straight_share(from_outside) * tint;
         if (lobes_ == nullptr)
-            return glass(reflecting, passing, reflecting, straight, 0.0f, from_outside, is_of_blender3);
+            return glass({.reflecting = reflecting,
+                          .passing = passing,
+                          .let_in = Rgb(1.0f),
+                          .straight = straight,
+                          .roughness = 0.0f,
+                          .ior = from_outside,
+                          .is_of_blender3 = is_of_blender3});
         const float ior = point_.is_backface ? 1.0f / from_outside : from_outside;
         const float share = fresnel_of_any_index(cosine_, ior), rise = fresnel_rise_of_any_index(cosine_, ior);
         const Rgb risen = glm::mix(straight, Rgb(1.0f), rise);

@@ -37,8 +37,13 @@ void LobeBuilder::principled_of_blender3() {
         add(lobe);
     }
     if (passing > least_share)
-        glass(weight_ * passing, weight_ * base * passing, weight_ * passing,
-              clamped(glm::mix(Rgb(1.0f), base, specular_tint)), roughness, number(11), true);
+        glass({.reflecting = weight_ * passing,
+               .passing = weight_ * base * passing,
+               .let_in = clamped(base),
+               .straight = clamped(glm::mix(Rgb(1.0f), base, specular_tint)),
+               .roughness = roughness,
+               .ior = number(11),
+               .is_of_blender3 = true});
     Lobe coat = facets(number(9), weight_ * (0.25f * std::max(number(8), 0.0f)));
     coat.kind = Lobe::Kind::Clearcoat;
     coat.normal = normals_.coat;
@@ -68,9 +73,15 @@ void LobeBuilder::principled() {
     if (transmission > least_share) {
         const Rgb all = weight_ * ((1.0f - metallic) * transmission);
         const Rgb share = below_sheen * ((1.0f - metallic) * transmission);
-        closures_.transparent = glm::max(closures_.transparent - (all - share) * glm::sqrt(base), Rgb(0.0f));
-        glass(weight * transmission, share * glm::sqrt(base), weight * transmission,
-              clamped(straight_share(ior) * tint), roughness, ior, false);
+        const Rgb let_in = glm::sqrt(base);
+        closures_.transparent = glm::max(closures_.transparent - (all - share) * let_in, Rgb(0.0f));
+        glass({.reflecting = weight * transmission,
+               .passing = share * let_in,
+               .let_in = clamped(let_in),
+               .straight = clamped(straight_share(ior) * tint),
+               .roughness = roughness,
+               .ior = ior,
+               .is_of_blender3 = false});
         weight *= 1.0f - transmission;
     }
     const float level = std::max(number(4), 0.0f);
@@ -122,13 +133,10 @@ Rgb LobeBuilder::below_coat(const Rgb& weight, float coat) {
     lobe.fresnel = Lobe::Fresnel::Dielectric;
     lobe.ior = ior;
     lobe.a = Rgb(straight_share(ior));
-    const float seen = ggx::albedo(roughness, coat_cosine_), all = ggx::mean_albedo(roughness);
-    const float mean = mean_fresnel(ior), missing = (1.0f - seen) / seen;
-    const float factor = 1.0f + mean * all / (1.0f - mean * (1.0f - all)) * missing;
-    lobe.weight *= factor;
+    const Rgb share = give_back(lobe, Rgb(mean_fresnel(ior)), ggx::albedo(roughness, coat_cosine_));
     add(lobe);
     const Rgb albedo = glm::mix(lobe.a, Rgb(1.0f), ggx::mean_rise(roughness, coat_cosine_, ior));
-    const Rgb left = below(weight * coat * (factor / (1.0f + missing)) * albedo, weight);
+    const Rgb left = below(weight * coat * share * albedo, weight);
     // Beer's law along the refracted way; the tint is that of the way straight through.
     const float inner = std::sqrt(std::max(0.0f, 1.0f - (1.0f - coat_cosine_ * coat_cosine_) / (ior * ior)));
     const Rgb through = glm::pow(non_negative(inputs_[11]), Rgb(1.0f / std::max(inner, 1e-3f)));

@@ -117,18 +117,27 @@ float longer_way_nm(const ThinFilm& film, float index, float inner_cosine) {
     return 2.0f * index * film.thickness_nm * inner_cosine;
 }
 
-/// By the channel's own inner face: `face(channel)`.
-template <typename FaceOf>
-Rgb interfered(const ThinFilm& film, float index, const Refracting& outer, const FaceOf& face_of) {
-    const float way_nm = longer_way_nm(film, index, outer.inner_cosine);
+using Faces = std::array<Face, 3>; // one for each channel
+
+/// `inner_faces(cosine in the film, its index)`: nothing where they mirror all.
+template <typename InnerFaces>
+Rgb interfered(float cosine, const ThinFilm& film, const InnerFaces& inner_faces) {
+    const float index = film_index(film);
+    const std::optional<Refracting> outer = refracting(cosine, index);
+    if (!outer)
+        return Rgb(1.0f);
+    const std::optional<Faces> inner = inner_faces(outer->inner_cosine, index);
+    if (!inner)
+        return Rgb(1.0f);
+    const float way_nm = longer_way_nm(film, index, outer->inner_cosine);
     std::array<Seen, Orders::count> seen;
     for (std::size_t order = 0; order < seen.size(); ++order)
         seen[order] = seen_of(*film.spectra, static_cast<float>(order + 1) * way_nm);
     Rgb sum(0.0f);
     for (int channel = 0; channel < 3; ++channel) {
-        const Face inner = face_of(channel);
+        const Face& face = (*inner)[static_cast<std::size_t>(channel)];
         for (const Orders& orders :
-             {orders_of(outer.face.across, inner.across), orders_of(outer.face.along, inner.along)}) {
+             {orders_of(outer->face.across, face.across), orders_of(outer->face.along, face.along)}) {
             sum[channel] += orders.mean;
             for (std::size_t order = 0; order < seen.size(); ++order)
                 sum[channel] += orders.amplitude[order].real * seen[order].cosine[channel] -
@@ -153,46 +162,40 @@ void validate(const FilmSpectra& spectra) {
 }
 
 Rgb film_over_dielectric(float cosine, const ThinFilm& film, float ior) {
-    const float index = film_index(film);
-    const std::optional<Refracting> outer = refracting(cosine, index);
-    if (!outer)
-        return Rgb(1.0f);
-    const std::optional<Refracting> inner = refracting(outer->inner_cosine, ior / index);
-    if (!inner)
-        return Rgb(1.0f);
-    return interfered(film, index, *outer, [&](int) { return inner->face; });
+    return interfered(cosine, film, [&](float inner_cosine, float index) -> std::optional<Faces> {
+        const std::optional<Refracting> inner = refracting(inner_cosine, ior / index);
+        if (!inner)
+            return std::nullopt;
+        return Faces{inner->face, inner->face, inner->face};
+    });
 }
 
 Rgb film_over_conductor(float cosine, const ThinFilm& film, const Rgb& n, const Rgb& k) {
-    const float index = film_index(film);
-    const std::optional<Refracting> outer = refracting(cosine, index);
-    if (!outer)
-        return Rgb(1.0f);
-    return interfered(film, index, *outer, [&](int channel) {
-        return conducting(outer->inner_cosine, index, n[channel], k[channel], std::nullopt);
+    return interfered(cosine, film, [&](float inner_cosine, float index) -> std::optional<Faces> {
+        const auto of = [&](int channel) {
+            return conducting(inner_cosine, index, n[channel], k[channel], std::nullopt);
+        };
+        return Faces{of(0), of(1), of(2)};
     });
 }
 
 Rgb film_over_f82(float cosine, const ThinFilm& film, const Rgb& straight, const Rgb& dark) {
-    const float index = film_index(film);
-    const std::optional<Refracting> outer = refracting(cosine, index);
-    if (!outer)
-        return Rgb(1.0f);
     // Gulbrandsen's eq. 2 and 5: n and k of what is mirrored straight, and of the edge's colour.
     const Rgb share = glm::min(straight, Rgb(0.999f)), edge = fresnel_f82(1.0f / 7.0f, straight, dark);
     const Rgb root = glm::sqrt(share);
     const Rgb n = glm::mix((1.0f + root) / (1.0f - root), (1.0f - share) / (1.0f + share), edge);
     const Rgb k2 = (share * (n + 1.0f) * (n + 1.0f) - (n - 1.0f) * (n - 1.0f)) / (1.0f - share);
     const Rgb k = glm::sqrt(glm::max(k2, Rgb(0.0f)));
-    return interfered(film, index, *outer, [&](int channel) {
+    return interfered(cosine, film, [&](float inner_cosine, float index) -> std::optional<Faces> {
         // Below the film the metal is another: its shares are those of its index there.
-        const float below_n = n[channel] / index, below_k = k[channel] / index;
-        const float straight_below = ((below_n - 1.0f) * (below_n - 1.0f) + below_k * below_k) /
-                                     ((below_n + 1.0f) * (below_n + 1.0f) + below_k * below_k);
-        const Rgb of(straight_below);
-        const Rgb dark_below = f82_dark_of_edge(of, Rgb(edge[channel]));
-        return conducting(outer->inner_cosine, index, n[channel], k[channel],
-                          fresnel_f82(outer->inner_cosine, of, dark_below).x);
+        const Rgb below_n = n / index, below_k2 = k * k / (index * index);
+        const Rgb straight_below =
+            ((below_n - 1.0f) * (below_n - 1.0f) + below_k2) / ((below_n + 1.0f) * (below_n + 1.0f) + below_k2);
+        const Rgb below = fresnel_f82(inner_cosine, straight_below, f82_dark_of_edge(straight_below, edge));
+        const auto of = [&](int channel) {
+            return conducting(inner_cosine, index, n[channel], k[channel], below[channel]);
+        };
+        return Faces{of(0), of(1), of(2)};
     });
 }
 } // namespace tyndall
