@@ -220,8 +220,7 @@ def _light_path(reader: ValueReader, at: Socket) -> Value:
     if output == "Ray Length":
         return point_input(program, PointInput.RAY_LENGTH)
     if output == "Transparent Depth":
-        reader.unsupported(at, "Transparent Depth is read as 0")
-        return BLACK
+        return point_input(program, PointInput.PASSED_COUNT)
     rays = int(_RAYS.get(output, 0))
     return point_input(program, PointInput.IS_RAY, selector=rays) if rays else BLACK
 

@@ -101,7 +101,7 @@ void DirectLight::prepare_edits(std::span<const std::uint8_t> is_asked, const Ca
 }
 
 Ray DirectLight::shadow_ray(const SurfacePoint& point, const vec3& direction) const {
-    Ray ray{.origin = point.spawn.towards(direction), .direction = direction};
+    Ray ray{.origin = point.spawn.towards(direction), .direction = direction, .passed_count = point.passed_count};
     if (point.is_smooth)
         ray.origin += terminator_lift(scene_, point.hit, point.shading, direction);
     return ray;
@@ -193,6 +193,7 @@ PairIndex DirectLight::pair_of(std::size_t light, std::uint32_t ray, const RayCo
 }
 
 void DirectLight::finish(const Light& light, const SurfacePoint& point, Ray& ray, Rgb& arriving) const {
+    ray.passed_count = point.passed_count;
     if (light.kind == LightKind::Spot)
         arriving *= spot_attenuation(light, -ray.direction);
     if (light.texture && arriving != Rgb(0.0f)) {

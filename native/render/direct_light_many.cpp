@@ -199,6 +199,7 @@ Rgb DirectLight::of_triangles(const SurfacePoint& point, const vec3& direction, 
         if (scene_.transparency(ray, hit) == Rgb(0.0f))
             break;
         ray.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), ray.far_m);
+        ++ray.passed_count;
     }
     return sum;
 }

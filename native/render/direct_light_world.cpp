@@ -60,8 +60,10 @@ void DirectLight::aim_by_strategies(const SurfacePoint& point, const LobeSet& lo
     if (arriving == Rgb(0.0f))
         return;
     const bool is_lifted = by_image || by_lobes;
-    const Ray ray = is_lifted ? shadow_ray(point, direction)
-                              : Ray{.origin = point.spawn.towards(direction), .direction = direction};
+    const Ray ray =
+        is_lifted
+            ? shadow_ray(point, direction)
+            : Ray{.origin = point.spawn.towards(direction), .direction = direction, .passed_count = point.passed_count};
     const RayKind kind = by_image ? RayKind::Shadow : by_lobes || own.is_gloss() ? RayKind::Glossy : RayKind::Diffuse;
     Rgb per_irradiance = lobes.lobes.empty() ? Rgb(0.0f) : lobes.per_irradiance(direction);
     if (lobes.draws_on_both_sides()) {
@@ -85,7 +87,8 @@ void DirectLight::aim_at_world(const LitSurface& surface, const PairIndex& pair,
         for (LaneSet left = LightAim::aim_at_world(surface.lanes, pair, towards) & together; left != 0;
              left &= left - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-            const Ray ray = ray_of(towards, lane);
+            Ray ray = ray_of(towards, lane);
+            ray.passed_count = surface.points[lane].passed_count;
             if (share_below_surface(surface.points[lane], ray.direction, 0.0f) == 0.0f)
                 continue;
             const Rgb arriving = pi * share * world.radiance(ray.direction);

@@ -167,6 +167,7 @@ void FogGlow::draw_direction(const MediaLine& line, const Numbers& numbers, cons
         if (casts_shadow(scene_, hit) && scene_.transparency(ray, hit) == Rgb(0.0f))
             return;
         ray.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), ray.far_m);
+        ++ray.passed_count;
     }
 }
 } // namespace tyndall::render

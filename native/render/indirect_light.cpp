@@ -167,6 +167,7 @@ void IndirectLight::push_drawn(const SurfacePoint& point, const LobeSet& lobes, 
         return;
     ray.part.origin = point.spawn.towards(direction);
     ray.part.direction = direction;
+    ray.part.passed_count = point.passed_count;
     ray.weight *= cosine / density;
     ray.pdf_per_sr = density;
     ray.reflected = lobes.per_irradiance_as_drawn(direction);
@@ -195,6 +196,7 @@ void IndirectLight::gather(std::span<const SurfacePoint> points, std::uint32_t s
             const auto lane = static_cast<std::size_t>(std::countr_zero(left));
             part.origin = aimed.origin.get(lane);
             part.direction = aimed.direction.get(lane);
+            part.passed_count = points[lane].passed_count;
             const float cosine = glm::dot(points[lane].shading.shading_normal, part.direction);
             if (!is_below_surface(points[lane].shading, part.direction))
                 gatherers.push_back({lane, part, pi * share, cosine_hemisphere_pdf_per_sr(cosine)});
@@ -253,6 +255,7 @@ void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vecto
         if (gatherer.weight == Rgb(0.0f))
             continue;
         gatherer.part.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), gatherer.part.far_m);
+        ++gatherer.part.passed_count;
         gatherers[going_on++] = gatherer;
     }
     gatherers.resize(going_on);

@@ -139,7 +139,10 @@ Ray ManyLights::ray_to(const SurfacePoint& point, const Hit& hit, const vec3& di
     const vec3 target = scene_.spawn_point(hit).towards(-direction), origin = point.spawn.towards(direction);
     const vec3 way = target - origin;
     const float far_m = glm::dot(way, direction) > 0.0f ? glm::length(way) : 0.0f;
-    return {.origin = origin, .direction = far_m > 0.0f ? way / far_m : direction, .near_m = 0.0f, .far_m = far_m};
+    return {.origin = origin,
+            .direction = far_m > 0.0f ? way / far_m : direction,
+            .far_m = far_m,
+            .passed_count = point.passed_count};
 }
 
 std::optional<ManyLights::Aimed> ManyLights::aim_at_triangle(const SurfacePoint& point,
@@ -155,7 +158,7 @@ std::optional<ManyLights::Aimed> ManyLights::aim_at_triangle(const SurfacePoint&
     if (!(cosine > 0.0f))
         return std::nullopt;
     const Hit hit = hit_at(triangle, place, distance_m);
-    const Ray there{.origin = position, .direction = direction};
+    const Ray there{.origin = position, .direction = direction, .passed_count = point.passed_count};
     const Rgb radiance = MeshEmitters::radiance(scene_, triangle, there, hit);
     if (radiance == Rgb(0.0f))
         return std::nullopt;

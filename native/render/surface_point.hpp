@@ -10,8 +10,9 @@ struct SurfacePoint {
     Hit hit;
     ShadingPoint shading;
     SpawnPoint spawn;
-    bool is_smooth;           ///< Has normals of its own: shadow rays may have to be lifted.
-    std::uint32_t pixel_seed; ///< Of the pixel whose random numbers it takes.
+    bool is_smooth;             ///< Has normals of its own: shadow rays may have to be lifted.
+    std::uint32_t pixel_seed;   ///< Of the pixel whose random numbers it takes.
+    std::uint32_t passed_count; ///< Transparent surfaces on the way here: those that it sends out count on from there.
     float lambert_share =
         1.0f; ///< Of light, that Lambert's part of it sends back: beside it lobes have their directions.
 };
@@ -22,7 +23,8 @@ struct SurfacePoint {
             .shading = shading,
             .spawn = scene.spawn_point(ray, hit, shading),
             .is_smooth = scene.is_smooth(hit.instance) && !scene.is_cube(hit), // from a cube they leave outside of it
-            .pixel_seed = pixel_seed};
+            .pixel_seed = pixel_seed,
+            .passed_count = ray.passed_count};
 }
 /// The point as light from behind meets it, with random numbers of its own.
 [[nodiscard]] inline SurfacePoint other_side(const Scene& scene, SurfacePoint point) {

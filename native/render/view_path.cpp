@@ -325,6 +325,7 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
                 continue;
             // The same ray meets the same triangle at the same distance, bit for bit: one step further is behind it.
             follower.part.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), follower.part.far_m);
+            ++follower.part.passed_count;
             followers[going_on++] = follower;
         }
         count = going_on;

@@ -20,6 +20,7 @@ void ViewPath::send_on(const Sending& sending, const SurfaceClosures& closures, 
     const auto send = [&](const Rgb& share, const Ray& ray, RayKind kind) {
         Follower& next = sent.emplace_back(follower);
         next.part = ray;
+        next.part.passed_count = follower.part.passed_count;
         next.width_m = width_m;
         next.near_m = 0.0f;
         next.through_surfaces = left_behind(next.through_surfaces, share);

@@ -2,6 +2,7 @@
 #include "scene/box_transmittance.hpp"
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
@@ -23,10 +24,11 @@ static HWY_INLINE V set(float value) { return hn::Set(d, value); }
 
 /// Lengths of the rays' parts in the box; `count` is at most the vector's.
 static HWY_INLINE V length_in_box(const FogBox& box, const Ray* rays, std::size_t count) {
-    static_assert(sizeof(Ray) == 8 * sizeof(float));
+    constexpr std::int32_t stride = sizeof(Ray) / sizeof(float);
+    static_assert(sizeof(Ray) == stride * sizeof(float) && offsetof(Ray, far_m) == 7 * sizeof(float));
     const auto* floats = reinterpret_cast<const float*>(rays);
-    const auto last = hn::Set(di, static_cast<std::int32_t>(8 * (count - 1)));
-    const auto at = hn::Min(hn::Mul(hn::Iota(di, 0), hn::Set(di, 8)), last);
+    const auto last = hn::Set(di, stride * static_cast<std::int32_t>(count - 1));
+    const auto at = hn::Min(hn::Mul(hn::Iota(di, 0), hn::Set(di, stride)), last);
     const auto field = [&](int index) { return hn::GatherIndex(d, floats + index, at); };
     const V ox = field(0), oy = field(1), oz = field(2), dx = field(3), dy = field(4), dz = field(5);
     const V nothing = set(std::numeric_limits<float>::infinity());

@@ -16,10 +16,11 @@ struct Ray {
     vec3 origin;
     vec3 direction; ///< Unit.
     float near_m = 0.0f, far_m = std::numeric_limits<float>::infinity();
+    std::uint32_t passed_count = 0; ///< Transparent surfaces that all the way up to now led through.
 
     /// What a camera has where it sees nothing, as beside a fisheye's circle: its range is empty, so that it hits nothing.
     [[nodiscard]] static Ray none(const vec3& origin, const vec3& direction) {
-        return {origin, direction, 0.0f, -std::numeric_limits<float>::infinity()};
+        return {.origin = origin, .direction = direction, .far_m = -std::numeric_limits<float>::infinity()};
     }
     /// False of none(): nobody should ask what it meets, nor what lies behind.
     [[nodiscard]] bool exists() const { return far_m > -std::numeric_limits<float>::infinity(); }

@@ -55,7 +55,7 @@ Scene::Geometry::Geometry(const Geometry& other, std::span<const MovedInstance> 
       name_of_least_reach(other.name_of_least_reach), shape_lengths(other.shape_lengths),
       transparent_operations(other.transparent_operations), lets_light_pass(other.lets_light_pass),
       blocker_bits(other.blocker_bits), has_holes(other.has_holes), has_catchers(other.has_catchers),
-      tells_rays_apart(other.tells_rays_apart) {
+      tells_rays_apart(other.tells_rays_apart), counts_passed(other.counts_passed) {
     statistics.reports = other.statistics.reports;
     bool may_shrink = false;
     std::vector<std::uint32_t> indices;

@@ -12,6 +12,8 @@
 #include "scene/strands.hpp"
 #include <algorithm>
 #include <array>
+#include <tuple>
+#include <vector>
 
 namespace tyndall {
 static constexpr std::size_t packet_size = 16;
@@ -43,6 +45,12 @@ static std::array<int, packet_size> fill(RTCRay16& packet, std::span<const Ray> 
     return valid;
 }
 
+/// What may let light pass, on a shadow ray's way.
+struct PassedHit {
+    unsigned int ray; ///< RTCRay::id
+    Hit hit;
+};
+
 /// Embree's context, and behind it what cells and filters need.
 struct QueryContext : CellQuery {
     QueryContext(const Scene& asked, const Ray* first_ray, dvec3* first_passing)
@@ -54,8 +62,10 @@ struct QueryContext : CellQuery {
     dvec3* passing;
     const std::uint64_t* bits_of_instance = nullptr;
     std::uint64_t ignored = 0;
-    RayKind kind = RayKind::Shadow;        ///< Of those that gather light.
-    bool asks_materials = false;           ///< Of what is met: it may have holes, or let light pass.
+    RayKind kind = RayKind::Shadow; ///< Of those that gather light.
+    bool asks_materials = false;    ///< Of what is met: it may have holes, or let light pass.
+    /// Where what lets light pass counts what did so before: what rays meet, in no order, until let_pass_in_order().
+    std::vector<PassedHit>* waiting = nullptr;
     const InstanceTrees* passed = nullptr; ///< What has moved of these is passed.
 
     [[nodiscard]] bool passes(unsigned int instance) const { return passed != nullptr && passed->has_moved(instance); }
@@ -120,6 +130,14 @@ static void attenuate(const RTCFilterFunctionNArguments* arguments) {
         }
         if (!context.asks_materials)
             continue;
+        if (context.waiting != nullptr) {
+            const Hit met = hit_of(ray, hit);
+            if (context.scene.is_opaque(met))
+                continue;
+            context.waiting->push_back({ray.id, met});
+            arguments->valid[lane] = 0;
+            continue;
+        }
         dvec3& passing = context.passing[ray.id];
         passing *= dvec3(context.scene.transparency(context.rays[ray.id], hit_of(ray, hit), context.kind));
         if (Rgb(passing) != Rgb(0.0f))
@@ -195,6 +213,30 @@ void Scene::closest_hits(std::span<const Ray> rays, std::span<Hit> hits, unsigne
     }
 }
 
+/// Shadow rays of a scene whose surfaces count what was passed keep what they meet.
+static std::vector<PassedHit>* waiting_for(bool counts_passed) {
+    thread_local std::vector<PassedHit> waiting;
+    waiting.clear();
+    return counts_passed ? &waiting : nullptr;
+}
+
+/// Multiplies the transmittances of what waits, each ray's nearest first.
+static void let_pass_in_order(const QueryContext& context) {
+    if (context.waiting == nullptr)
+        return;
+    std::ranges::sort(*context.waiting, {}, [](const PassedHit& met) {
+        return std::tuple(met.ray, met.hit.distance_m, met.hit.instance, met.hit.triangle);
+    });
+    std::uint32_t before = 0;
+    for (std::size_t index = 0; index < context.waiting->size(); ++index) {
+        const auto& [id, hit] = (*context.waiting)[index];
+        before = index > 0 && (*context.waiting)[index - 1].ray == id ? before + 1 : 0;
+        Ray asking = context.rays[id];
+        asking.passed_count += before;
+        context.passing[id] *= dvec3(context.scene.transparency(asking, hit, context.kind));
+    }
+}
+
 /// Of one ray.
 static Rgb passing_along(QueryContext& context, const Ray& ray, Among among, const dvec3& passing) {
     if (!is_within(ray.origin, context.scene.reach_m()))
@@ -204,6 +246,7 @@ static Rgb passing_along(QueryContext& context, const Ray& ray, Among among, con
         if (query.tfar >= 0.0f) // less: something stops it
             rtcOccluded1(tree, &context.embree, &query);
     });
+    let_pass_in_order(context);
     const bool is_occluded = query.tfar < 0.0f;
     return is_occluded ? Rgb(0.0f) : Rgb(passing);
 }
@@ -213,6 +256,7 @@ Rgb Scene::shadow_transmittance(const Ray& ray, Among among, RayKind kind) const
     QueryContext context(*this, &ray, &passing);
     context.kind = kind;
     context.asks_materials = geometry_->lets_light_pass;
+    context.waiting = waiting_for(geometry_->counts_passed);
     return passing_along(context, ray, among, passing);
 }
 
@@ -223,6 +267,7 @@ Rgb Scene::shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> b
     context.bits_of_instance = bits_of_instance.data();
     context.ignored = ignored;
     context.asks_materials = geometry_->lets_light_pass;
+    context.waiting = waiting_for(geometry_->counts_passed);
     return passing_along(context, ray, among, passing);
 }
 
@@ -242,6 +287,7 @@ void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> pass
         context.bits_of_instance = bits_of_instance.data();
         context.ignored = ignored;
         context.asks_materials = geometry_->lets_light_pass;
+        context.waiting = waiting_for(geometry_->counts_passed);
         RTCRay16 query;
         alignas(64) std::array<int, packet_size> valid = fill(query, these, mask_among(among, shadow_mask), reach_m());
         context.trace_all(attenuate, [&](RTCScene tree) {
@@ -250,6 +296,7 @@ void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> pass
                     valid[lane] = 0;
             rtcOccluded16(valid.data(), tree, &context.embree, &query);
         });
+        let_pass_in_order(context);
         for (std::size_t lane = 0; lane < these.size(); ++lane)
             passing[first + lane] = query.tfar[lane] < 0.0f ? Rgb(0.0f) : Rgb(passing_of[lane]);
     }

@@ -42,8 +42,14 @@ static bool tells_light_apart(const Material& material, const TransparentOperati
     return std::ranges::any_of(operations.places, [&](std::uint16_t place) {
         const SurfaceOp& op = material.program[place];
         const unsigned int asked = op.selector & of_light;
-        return op.code == SurfaceOp::Code::Input && static_cast<PointInput>(op.option) == PointInput::IsRay &&
-               asked != 0 && asked != of_light;
+        return reads(op, PointInput::IsRay) && asked != 0 && asked != of_light;
+    });
+}
+
+/// Whether what it lets pass differs with what did so before.
+static bool counts_passed_surfaces(const Material& material, const TransparentOperations& operations) {
+    return std::ranges::any_of(operations.places, [&](std::uint16_t place) {
+        return reads(material.program[place], PointInput::PassedCount);
     });
 }
 
@@ -52,6 +58,12 @@ Scene::Geometry::Geometry(SceneDescription scene, const Progress& progress) : de
     for (const Material& material : description.materials) {
         transparent_operations.emplace_back(material);
         tells_rays_apart |= tells_light_apart(material, transparent_operations.back());
+        if (!counts_passed_surfaces(material, transparent_operations.back()))
+            continue;
+        counts_passed = true;
+        if (!description.media.empty() || !description.volumes.empty())
+            statistics.report("Material \"" + material.name +
+                              "\": Transparent Depth is 0 where it shades light shafts");
     }
     drop_unusable_instances();
     drop_unusable_volumes();

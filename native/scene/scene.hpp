@@ -220,6 +220,8 @@ public:
                                            std::vector<Lobe>* lobes = nullptr) const;
     /// closures().transparent alone, as rays of this kind see it, at less cost.
     [[nodiscard]] Rgb transparency(const Ray& ray, const Hit& hit, RayKind kind = RayKind::Shadow) const;
+    /// Wherever, and by whichever ray of light, such a hit is met, it lets nothing pass.
+    [[nodiscard]] bool is_opaque(const Hit& hit) const;
 
     /// Where rays leave a hit from.
     [[nodiscard]] SpawnPoint spawn_point(const Hit& hit) const;
@@ -297,6 +299,7 @@ private:
         bool has_holes = false;                  ///< Some instance that is seen has slots without a surface.
         bool has_catchers = false;               ///< Some instance catches shadows.
         bool tells_rays_apart = false;           ///< See there.
+        bool counts_passed = false;              ///< Of what lets light pass, some asks how much did so before.
 
         Geometry(SceneDescription scene, const Progress& progress);
         Geometry(const Geometry& other, std::span<const MovedInstance> moved, TreeUpdate update,

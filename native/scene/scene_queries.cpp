@@ -65,9 +65,8 @@ static bool reads_beside(const Material& material) {
 }
 
 static bool reads_edges(const Material& material) {
-    return std::ranges::any_of(material.program, [](const SurfaceOp& op) {
-        return op.code == SurfaceOp::Code::Input && static_cast<PointInput>(op.option) == PointInput::EdgeDistance;
-    });
+    return std::ranges::any_of(material.program,
+                               [](const SurfaceOp& op) { return reads(op, PointInput::EdgeDistance); });
 }
 
 /// From a point within a triangle to the nearest of its edges, whose ends are placed by `to_scene`.
@@ -232,6 +231,7 @@ ProgramPoint Scene::program_point(const AskingRay& asking, const ShadingPoint& p
                     .ray_kind = asking.kind,
                     .incoming = -asking.ray.direction,
                     .ray_length_m = hit.distance_m - asking.ray.near_m,
+                    .passed_count = asking.ray.passed_count,
                     .footprint_m = asking.footprint_m,
                     .object_position = vec3(object_from_scene * vec4(point.position, 1.0f)),
                     .origin_in_world = vec3(description().origin_in_world),
@@ -309,6 +309,13 @@ SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& poi
 
 SurfaceClosures Scene::closures(const Ray& ray, const Hit& hit) const {
     return closures({.ray = ray}, shading_point(ray, hit), hit);
+}
+
+bool Scene::is_opaque(const Hit& hit) const {
+    if (placed_shape(hit.instance) != nullptr)
+        return true;
+    const Material& surface = material(hit.instance, hit.triangle);
+    return surface.has_surface && is_opaque_everywhere(surface);
 }
 
 Rgb Scene::transparency(const Ray& ray, const Hit& hit, RayKind kind) const {

@@ -80,6 +80,8 @@ Rgb plain_input(PointInput input, const SurfaceOp& op, const ProgramPoint& point
         return Rgb(instancer_value(op, point).w);
     case PointInput::RayLength:
         return Rgb(point.ray_length_m);
+    case PointInput::PassedCount:
+        return Rgb(static_cast<float>(point.passed_count));
     case PointInput::IsRay:
         return Rgb(((op.selector >> static_cast<unsigned>(point.ray_kind)) & 1u) != 0 ? 1.0f : 0.0f);
     case PointInput::EdgeDistance:

@@ -3,7 +3,7 @@
 // Info, Particle Info, Light Path, Vector Transform and Tangent.
 // Based on: blender/cycles v4.5.0 and v5.0.0, src/kernel/svm/{tex_coord,geometry,light_path,vector_transform}.h: what is
 //           what there; and intern/cycles/blender/object.cpp, which instances are particles.
-// Differs:  rays have no history here: bounces count as one, and transparent surfaces that they passed as none.
+// Differs:  bounces count as one.
 #pragma once
 #include "shading/operands.hpp"
 #include "shading/program_point.hpp"
@@ -39,7 +39,8 @@ enum class PointInput : std::uint8_t {
     ParticleAngularVelocity = 24,
     InstancerColor = 25, ///< Of the values that its instancer gives to the instance, that of number `selector`.
     InstancerAlpha = 26, ///< Of the same.
-    PlainCount = 27,
+    PassedCount = 27,    ///< Of transparent surfaces, on the whole way.
+    PlainCount = 28,
     DirectionToWorld = 32,
     DirectionToObject = 33,
     PointToWorld = 34,
@@ -55,7 +56,12 @@ enum class PointInput : std::uint8_t {
 }
 [[nodiscard]] inline bool is_number(PointInput input) {
     return (input >= PointInput::ObjectAlpha && input < PointInput::ParticleLocation) ||
-           input == PointInput::InstancerAlpha;
+           input == PointInput::InstancerAlpha || input == PointInput::PassedCount;
+}
+
+/// Whether the operation is that input.
+[[nodiscard]] inline bool reads(const SurfaceOp& op, PointInput input) {
+    return op.code == SurfaceOp::Code::Input && static_cast<PointInput>(op.option) == input;
 }
 
 /// Of an operation of Code::Input.

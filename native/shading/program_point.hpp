@@ -43,9 +43,10 @@ struct ProgramPoint {
     RayKind ray_kind = RayKind::Camera;
     vec3 incoming{0, 0, 1}; ///< Unit, back along the ray.
     float ray_length_m = 0.0f;
-    float footprint_m = 0.0f;   ///< What a pixel covers here, across the ray; 0: not known. Bumps differ over it.
-    vec3 object_position{0.0f}; ///< In the object's space.
-    vec3 origin_in_world{0.0f}; ///< What positions are relative to.
+    std::uint32_t passed_count = 0; ///< Transparent surfaces that the way here led through.
+    float footprint_m = 0.0f;       ///< What a pixel covers here, across the ray; 0: not known. Bumps differ over it.
+    vec3 object_position{0.0f};     ///< In the object's space.
+    vec3 origin_in_world{0.0f};     ///< What positions are relative to.
     ShadedObject object = {};
     /// Interpolated in the object's space, not of unit length; zero where the surface is flat.
     vec3 object_normal{0.0f};

@@ -36,6 +36,7 @@ class PointInput(IntEnum):
     PARTICLE_ANGULAR_VELOCITY = 24
     INSTANCER_COLOR = 25  #: Of the value whose number is its selector.
     INSTANCER_ALPHA = 26
+    PASSED_COUNT = 27  #: Of transparent surfaces, on the ray's whole way.
     DIRECTION_TO_WORLD = 32
     DIRECTION_TO_OBJECT = 33
     POINT_TO_WORLD = 34

@@ -79,9 +79,11 @@ TEST_CASE("a pixel is as wide as it looks: all of it seen straight, half of its 
     CHECK(placed.read(PointInput::EdgeDistance).x == std::numeric_limits<float>::infinity()); // no triangle is known
 }
 
-TEST_CASE("rays are told apart by kind, objects by what they are") {
+TEST_CASE("rays are told apart by kind and by what they passed, objects by what they are") {
     Placed placed;
     placed.point.ray_kind = RayKind::Mirror;
+    placed.point.passed_count = 3;
+    CHECK(placed.read(PointInput::PassedCount) == Rgb(3.0f));
     CHECK(placed.read(PointInput::IsRay, {}, 1u << static_cast<unsigned>(RayKind::Mirror)) == Rgb(1.0f));
     CHECK(placed.read(PointInput::IsRay, {}, 1u << static_cast<unsigned>(RayKind::Camera)) == Rgb(0.0f));
     CHECK(placed.read(PointInput::ObjectColor) == Rgb(0.1f, 0.2f, 0.3f));
