@@ -32,8 +32,9 @@ Exits<SubsurfaceExit> subsurface_exits(const SubsurfaceEntry& entry) {
     for (const FoundExit& exit : found.all()) {
         const auto number = static_cast<std::uint32_t>(exits.count);
         constexpr std::uint32_t of_light = 0x6c69'7465; // a seed apart from those of the way
-        const SurfacePoint point =
+        SurfacePoint point =
             surface_point(entry.scene, exit.from_outside, exit.hit, hash(entry.random.seed, of_light + number));
+        point.passed_count = entry.point.passed_count; // its light began there, wherever the way below led
         exits.each[exits.count++] = {point, own_normal_at(entry, exit, point), exit.weight};
     }
     return exits;

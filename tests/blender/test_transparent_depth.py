@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 SIZE_PX = 16
+GLOSSY = "ShaderNodeBsdfGlossy" if bpy.app.version < (4, 0, 0) else "ShaderNodeBsdfAnisotropic"
 
 
 def by_depth(operation: str, *numbers: float, is_glowing: bool = True) -> Build:
@@ -90,6 +91,42 @@ def test_a_room_is_seen_through_its_first_wall() -> None:
     light("SUN", (0, 0, 5), energy=3.0, angle=0.0).rotation_euler.y = radians(30.0)
     light("POINT", (0.3, -0.4, 0.2), energy=20.0, shadow_soft_size=0.0)
     agree(scene)
+
+
+# Seen to fail below the surface, where light began to count anew.
+@pytest.mark.parametrize("kind", ["diffuse", "gloss", "below the surface", "from behind"])
+@pytest.mark.parametrize("light_it", ["sun", "world", "what glows", "lamps"])
+def test_a_wall_that_the_camera_alone_sees_through_keeps_light_out(kind: str, light_it: str) -> None:
+    """Whatever waits for light behind it."""
+    builds = {
+        "diffuse": grey,
+        "gloss": lambda new, _: node(new, GLOSSY, Roughness=0.5).outputs[0],
+        "below the surface": lambda new, _: node(new, "ShaderNodeSubsurfaceScattering", Scale=0.05).outputs[0],
+        "from behind": lambda new, _: node(new, "ShaderNodeBsdfTranslucent").outputs[0],
+    }
+    scene = empty_scene(SIZE_PX)
+    shown = material("Thing", builds[kind])
+    if kind == "from behind":
+        plane(0.0, shown, half_side=0.5)
+    else:
+        cube("Thing", shown).scale = (0.5, 0.5, 0.5)
+    wall = cube("Wall", material("Wall", by_depth("LESS_THAN", 0.5, is_glowing=False)))
+    if light_it == "world":
+        scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (1, 1, 1, 1)
+    elif light_it == "what glows":
+        glow = material("Glow", lambda new, _: node(new, "ShaderNodeEmission", Strength=5.0).outputs[0])
+        for height in (-4.0, 4.0):
+            plane(height, glow, half_side=2.0).location.x = 2.5  # beside the camera's way
+    elif light_it == "lamps":  # so many that a tree picks among them
+        for place in range(40):
+            light("POINT", (2.0, 0.1 * place, 3.0 if place % 2 else -3.0), energy=100.0, shadow_soft_size=0.1)
+    else:
+        for tilt in (20.0, 160.0):
+            light("SUN", (0, 0, 5), energy=3.0, angle=0.0).rotation_euler.y = radians(tilt)
+    scene.tyndall.indirect.has_bounce = True
+    assert tyndall_pixels(scene, 4).max() == 0.0
+    bpy.data.objects.remove(wall)
+    assert tyndall_pixels(scene, 4).mean() > 0.01
 
 
 def test_light_shafts_say_that_they_do_not_count() -> None:
