@@ -101,7 +101,7 @@ void DirectLight::prepare_edits(std::span<const std::uint8_t> is_asked, const Ca
 }
 
 Ray DirectLight::shadow_ray(const SurfacePoint& point, const vec3& direction) const {
-    Ray ray{.origin = point.spawn.towards(direction), .direction = direction, .passed_count = point.passed_count};
+    Ray ray = point.ray_towards(direction);
     if (point.is_smooth)
         ray.origin += terminator_lift(scene_, point.hit, point.shading, direction);
     return ray;

@@ -60,10 +60,7 @@ void DirectLight::aim_by_strategies(const SurfacePoint& point, const LobeSet& lo
     if (arriving == Rgb(0.0f))
         return;
     const bool is_lifted = by_image || by_lobes;
-    const Ray ray =
-        is_lifted
-            ? shadow_ray(point, direction)
-            : Ray{.origin = point.spawn.towards(direction), .direction = direction, .passed_count = point.passed_count};
+    const Ray ray = is_lifted ? shadow_ray(point, direction) : point.ray_towards(direction);
     const RayKind kind = by_image ? RayKind::Shadow : by_lobes || own.is_gloss() ? RayKind::Glossy : RayKind::Diffuse;
     Rgb per_irradiance = lobes.lobes.empty() ? Rgb(0.0f) : lobes.per_irradiance(direction);
     if (lobes.draws_on_both_sides()) {

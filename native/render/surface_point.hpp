@@ -15,6 +15,10 @@ struct SurfacePoint {
     std::uint32_t passed_count; ///< Transparent surfaces on the way here: those that it sends out count on from there.
     float lambert_share =
         1.0f; ///< Of light, that Lambert's part of it sends back: beside it lobes have their directions.
+
+    [[nodiscard]] Ray ray_towards(const vec3& direction) const {
+        return {.origin = spawn.towards(direction), .direction = direction, .passed_count = passed_count};
+    }
 };
 [[nodiscard]] inline SurfacePoint surface_point(const Scene& scene, const Ray& ray, const Hit& hit,
                                                 std::uint32_t pixel_seed) {

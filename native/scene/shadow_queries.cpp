@@ -40,11 +40,12 @@ static void attenuate(const RTCFilterFunctionNArguments* arguments) {
     }
 }
 
-/// Shadow rays of a scene whose surfaces count what was passed keep what they meet.
-static std::vector<PassedHit>* waiting_for(bool counts_passed) {
+/// Materials are asked where some let light pass; where some count what was passed, hits wait to be asked in order.
+static void ask_materials(QueryContext& context, bool lets_light_pass, bool counts_passed) {
     thread_local std::vector<PassedHit> waiting;
     waiting.clear();
-    return counts_passed ? &waiting : nullptr;
+    context.asks_materials = lets_light_pass;
+    context.waiting = counts_passed ? &waiting : nullptr;
 }
 
 /// Multiplies the transmittances of what waits, each ray's nearest first.
@@ -64,15 +65,30 @@ static void let_pass_in_order(const QueryContext& context) {
     }
 }
 
+/// What stops a ray leaves its far end below 0; such a one is not asked for in the next tree.
+static void occlude(QueryContext& context, RTCRay& query) {
+    context.trace_all(attenuate, [&](RTCScene tree) {
+        if (query.tfar >= 0.0f)
+            rtcOccluded1(tree, &context.embree, &query);
+    });
+}
+
+/// The same of a packet. Embree wants `valid` aligned to 64 bytes.
+static void occlude(QueryContext& context, std::array<int, packet_size>& valid, RTCRay16& query) {
+    context.trace_all(attenuate, [&](RTCScene tree) {
+        for (std::size_t lane = 0; lane < packet_size; ++lane)
+            if (query.tfar[lane] < 0.0f)
+                valid[lane] = 0;
+        rtcOccluded16(valid.data(), tree, &context.embree, &query);
+    });
+}
+
 /// Of one ray.
 static Rgb passing_along(QueryContext& context, const Ray& ray, Among among, const dvec3& passing) {
     if (!is_within(ray.origin, context.scene.reach_m()))
         return Rgb(1.0f);
     RTCRay query = embree_ray(ray, mask_among(among, blocking_mask(context.kind)));
-    context.trace_all(attenuate, [&](RTCScene tree) {
-        if (query.tfar >= 0.0f) // less: something stops it
-            rtcOccluded1(tree, &context.embree, &query);
-    });
+    occlude(context, query);
     let_pass_in_order(context);
     const bool is_occluded = query.tfar < 0.0f;
     return is_occluded ? Rgb(0.0f) : Rgb(passing);
@@ -82,8 +98,7 @@ Rgb Scene::shadow_transmittance(const Ray& ray, Among among, RayKind kind) const
     dvec3 passing(1.0);
     QueryContext context(*this, &ray, &passing);
     context.kind = kind;
-    context.asks_materials = geometry_->lets_light_pass;
-    context.waiting = waiting_for(geometry_->counts_passed);
+    ask_materials(context, geometry_->lets_light_pass, geometry_->counts_passed);
     return passing_along(context, ray, among, passing);
 }
 
@@ -93,8 +108,7 @@ Rgb Scene::shadow_transmittance(const Ray& ray, std::span<const std::uint64_t> b
     QueryContext context(*this, &ray, &passing);
     context.bits_of_instance = bits_of_instance.data();
     context.ignored = ignored;
-    context.asks_materials = geometry_->lets_light_pass;
-    context.waiting = waiting_for(geometry_->counts_passed);
+    ask_materials(context, geometry_->lets_light_pass, geometry_->counts_passed);
     return passing_along(context, ray, among, passing);
 }
 
@@ -113,17 +127,11 @@ void Scene::shadow_transmittances(std::span<const Ray> rays, std::span<Rgb> pass
         QueryContext context(*this, these.data(), passing_of.data());
         context.bits_of_instance = bits_of_instance.data();
         context.ignored = ignored;
-        context.asks_materials = geometry_->lets_light_pass;
-        context.waiting = waiting_for(geometry_->counts_passed);
+        ask_materials(context, geometry_->lets_light_pass, geometry_->counts_passed);
         RTCRay16 query;
         alignas(64) std::array<int, packet_size> valid =
             fill_packet(query, these, mask_among(among, shadow_mask), reach_m());
-        context.trace_all(attenuate, [&](RTCScene tree) {
-            for (std::size_t lane = 0; lane < packet_size; ++lane)
-                if (query.tfar[lane] < 0.0f) // something stops it
-                    valid[lane] = 0;
-            rtcOccluded16(valid.data(), tree, &context.embree, &query);
-        });
+        occlude(context, valid, query);
         let_pass_in_order(context);
         for (std::size_t lane = 0; lane < these.size(); ++lane)
             passing[first + lane] = query.tfar[lane] < 0.0f ? Rgb(0.0f) : Rgb(passing_of[lane]);
@@ -159,20 +167,8 @@ std::size_t Scene::open_count(std::span<const Ray> rays) const {
     QueryContext context(*this, rays.data(), nullptr);
     return open_among(
         rays, shadow_mask, reach_m(),
-        [&](std::array<int, packet_size>& valid, RTCRay16& query) {
-            context.trace_all(attenuate, [&](RTCScene tree) {
-                for (std::size_t lane = 0; lane < packet_size; ++lane)
-                    if (query.tfar[lane] < 0.0f) // something stops it
-                        valid[lane] = 0;
-                rtcOccluded16(valid.data(), tree, &context.embree, &query);
-            });
-        },
-        [&](RTCRay& query) {
-            context.trace_all(attenuate, [&](RTCScene tree) {
-                if (query.tfar >= 0.0f)
-                    rtcOccluded1(tree, &context.embree, &query);
-            });
-        });
+        [&](std::array<int, packet_size>& valid, RTCRay16& query) { occlude(context, valid, query); },
+        [&](RTCRay& query) { occlude(context, query); });
 }
 
 std::size_t Scene::open_count(std::span<const Ray> rays, std::uint32_t instance) const {
