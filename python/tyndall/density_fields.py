@@ -2,11 +2,12 @@
 """Densities that a program gives at points of a closed mesh, as a grid of voxels.
 
 Based on: trilinear interpolation between the centres of voxels, halved until it is as near to the program as asked.
-Differs:  where the mesh does not fill a voxel its density is that share of it, of 8 places: an edge is a voxel wide,
-          half of it outside. Where a voxel is no small part of a free path, the light that the field scatters counts,
-          too (field_light.py).
-Bound:    one evaluation of the program per voxel, an eighth more for coarser grids, a fifth more where it is dense;
-          4 bytes per voxel.
+Differs:  voxels are halved along those axes alone along which straight lines miss the program: air in layers has thin
+          ones. Where the mesh does not fill a voxel its density is that share of it, of 8 places: an edge is a voxel
+          wide, half of it outside. Where a voxel is no small part of a free path, the light that the field scatters
+          counts, too (field_light.py).
+Bound:    one evaluation of the program per voxel, at most as many more for coarser grids, a fifth more where it is
+          dense; 4 bytes per voxel.
 """
 
 from __future__ import annotations
@@ -40,6 +41,8 @@ ERROR_TARGET = 0.01
 LIGHT_ERROR_TARGET = 0.03
 _THICK = 0.1  #: Optical depth of a voxel from which on that is asked.
 _FIRST_VOXELS = 32  #: Along the longest side.
+_ABOUT_AS_MUCH = 0.5  #: Relative, of the axes that are halved together.
+_MOST_ALONG_AXIS = 2048  #: Voxels.
 _PROBES = 4096  #: Places at which the error is measured.
 _POINTS_AT_ONCE = 1 << 20
 
@@ -72,7 +75,7 @@ def sampled(
     most_voxels: int,
     poll: Callable[[], None],
 ) -> SampledField:
-    """At most ``most_voxels`` along the longest side of the box of a closed mesh; ``poll`` may raise between parts.
+    """At most ``most_voxels`` to the third in the box of a closed mesh; ``poll`` may raise between parts.
 
     ``sigma_t_per_m`` is the greatest extinction coefficient where the program gives 1.
 
@@ -92,9 +95,8 @@ def sampled(
     truth = values_at(probes)
     size = float(np.sqrt(np.mean(truth**2)))
     sigma_t = sigma_t_per_m * place.unit_m()
-    voxels = _FIRST_VOXELS
+    counts = np.maximum(np.ceil(_FIRST_VOXELS * sides / sides.max() - 1e-6).astype(np.int64), 1)
     while True:
-        counts = np.maximum(np.ceil(voxels * sides / sides.max() - 1e-6).astype(np.int64), 1)
         step = sides / counts
         dense = _evaluated(values_at, lower, step, counts, poll)
 
@@ -104,14 +106,16 @@ def sampled(
             return _interpolated(dense, (positions - lower) / step)
 
         error = float(np.sqrt(np.mean((between(probes) - truth) ** 2)))
-        is_last = 2 * voxels > most_voxels
+        is_near = error <= ERROR_TARGET * size
+        bends = np.zeros(3) if is_near else _bends(values_at, probes, truth, (lower, upper), step)
+        finer = _halved(counts, step, bends, most_voxels)
         of_light = LightError(0.0, 0.0)
-        if (error <= ERROR_TARGET * size or is_last) and sigma_t * float(dense.max() * step.max()) > _THICK:
+        if (is_near or finer is None) and sigma_t * float(dense.max() * step.max()) > _THICK:
             poll()
             of_light = light_error(values_at, between, lower, step, counts, sigma_t)
-        if is_last or (error <= ERROR_TARGET * size and of_light.rms <= LIGHT_ERROR_TARGET):
+        if finer is None or (is_near and of_light.rms <= LIGHT_ERROR_TARGET):
             break
-        voxels *= 2
+        counts = finer
     dense *= _coverage(mesh, lower, step, counts)
     local_from_index = np.diag([*step, 1.0])
     local_from_index[:3, 3] = lower + 0.5 * step
@@ -126,6 +130,39 @@ def sampled(
             )
         notes.append(said)
     return SampledField(DensityGrid(key=key, grid=from_dense("density", dense, local_from_index)), tuple(notes))
+
+
+def _bends(
+    values_at: Callable[[NDArray[np.float64]], FloatArray],
+    probes: NDArray[np.float64],
+    truth: FloatArray,
+    box: tuple[NDArray[np.float64], NDArray[np.float64]],
+    step: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Per axis: how far the program is off a straight line through one voxel, RMS."""
+    found = np.zeros(3)
+    for axis in range(3):
+        half = np.zeros(3)
+        half[axis] = 0.5 * step[axis]
+        before, behind = (values_at(np.clip(probes + way * half, *box)) for way in (-1.0, 1.0))
+        found[axis] = np.sqrt(np.mean((0.5 * (before + behind) - truth) ** 2))
+    return found
+
+
+def _halved(
+    counts: NDArray[np.int64], step: NDArray[np.float64], bends: NDArray[np.float64], most_voxels: int
+) -> NDArray[np.int64] | None:
+    """Counts of the next grid: twice as many along the axes that bend about as much as any; None: no room for more.
+
+    Where none bends the longest sides of voxels are halved.
+    """
+    weights = bends if bends.any() else step
+    finer = counts.copy()
+    for axis in np.argsort(-weights, kind="stable"):
+        is_due = weights[axis] >= _ABOUT_AS_MUCH * weights.max()
+        if is_due and 2 * int(finer.prod()) <= most_voxels**3 and 2 * finer[axis] <= _MOST_ALONG_AXIS:
+            finer[axis] *= 2
+    return None if (finer == counts).all() else finer
 
 
 def _evaluated(
@@ -169,7 +206,7 @@ def _coverage(
     if volume > (1.0 - 1e-4) * float((counts * step).prod()):
         return np.float32(1.0)
     longest = float((counts * step).max())
-    resolution = 1 << int(np.ceil(np.log2(2 * counts.max())))
+    resolution = 1 << int(np.ceil(np.log2(min(2.0 * longest / float(step.min()), _MOST_ALONG_AXIS))))
     solid = voxelize(
         mesh.positions,
         mesh.triangles,
