@@ -47,6 +47,11 @@ def plugged_in(owner: Material | World | None, socket_name: str) -> Node | None:
     return links[0].from_node if links else None
 
 
+def is_fed_by_nodes(node: Node) -> bool:
+    """Whether any of its values may vary."""
+    return any(socket.is_linked for socket in node.inputs)
+
+
 def is_medium_only(owner: Object) -> bool:
     """Whether all of an object's materials are media without a surface."""
     materials = [slot.material for slot in owner.material_slots]

@@ -12,7 +12,7 @@ from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Context, Depsgraph, Material, Node, Object, Operator
 from mathutils import Vector
 
-from ..shader_nodes import is_medium_only, plugged_in, use_nodes
+from ..shader_nodes import is_fed_by_nodes, is_medium_only, plugged_in, use_nodes
 
 #: Half the side of the box in a scene without anything to enclose, metres.
 EMPTY_SCENE_HALF_SIDE_M = 5.0
@@ -73,7 +73,7 @@ def fog_material(density_per_m: float, asymmetry_g: float) -> Material:
 
 
 def copy_medium(source: Node, material: Material) -> None:
-    """Replace a material's medium by another node's, value by value. Links into that node are not followed."""
+    """Replace a material's medium by another node's, value by value."""
     tree = material.node_tree
     output = tree.get_output_node("CYCLES")
     tree.nodes.remove(output.inputs["Volume"].links[0].from_node)
@@ -157,6 +157,9 @@ class TYNDALL_OT_add_fog_box(Operator):
         source = plugged_in(world, "Volume") if self.replaces_world_medium else None
         if source and source.bl_idname not in COPIED_MEDIA:
             self.report({"ERROR"}, f"The world's medium is a {source.bl_label}: plug a single volume shader in first")
+            return {"CANCELLED"}
+        if source and is_fed_by_nodes(source):
+            self.report({"ERROR"}, "Nodes feed the world's medium, and fill a box as it is: unplug them from it first")
             return {"CANCELLED"}
         points = enclosed_points(context.evaluated_depsgraph_get(), with_camera_and_lights=self.with_camera_and_lights)
         lowest, highest = box_bounds_m(points, self.margin)

@@ -56,7 +56,7 @@ class TYNDALL_PT_sidebar_medium(SidebarPanel, Panel):
         materials = media_materials()
         has_world_medium = plugged_in(context.scene.world, "Volume") is not None
         if has_world_medium:
-            draw_unbounded_medium(layout, context)
+            draw_unbounded_medium(layout, context, context.scene.world)
             draw_medium(layout, context, context.scene.world)
         else:
             if not materials:

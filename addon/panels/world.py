@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import math
 
-from bpy.types import Context, Panel, UILayout
+from bpy.types import Context, Panel, UILayout, World
 
-from ..shader_nodes import plugged_in
+from ..shader_nodes import is_fed_by_nodes, plugged_in
 from .base import PropertiesPanel, draw_node_socket, draw_text, draw_value, draw_without_output
 
 
@@ -19,8 +19,18 @@ class WorldPanel(PropertiesPanel):
         return super().poll(context) and context.world is not None
 
 
-def draw_unbounded_medium(layout: UILayout, context: Context) -> None:
+def draw_unbounded_medium(layout: UILayout, context: Context, world: World) -> None:
     """Say what the world's medium does to the light, and offer the remedy."""
+    medium = plugged_in(world, "Volume")
+    if medium is not None and is_fed_by_nodes(medium):
+        draw_text(
+            layout,
+            context,
+            "What nodes vary of this medium fills a box around what is drawn, lamps and the camera; "
+            "a report says how large.",
+            icon="INFO",
+        )
+        return
     draw_text(
         layout,
         context,
@@ -90,7 +100,7 @@ class TYNDALL_PT_world_volume(WorldPanel, Panel):
         layout = self.layout
         layout.use_property_split = True
         if plugged_in(context.world, "Volume"):
-            draw_unbounded_medium(layout, context)
+            draw_unbounded_medium(layout, context, context.world)
         if not draw_node_socket(layout, context.world, "Volume"):
             draw_without_output(layout, context.world)
 

@@ -9,6 +9,7 @@ colour that varies is three inputs, each of which is its channel times the numbe
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,11 +22,12 @@ from tyndall.scene_description import Medium, Volume
 from .point_places import places_of
 from .program import BLACK, Term
 from .value_nodes import Domain, ValueReader
-from .volume_nodes import IGNORES_RAY_VISIBILITY, difference, medium_of, read_coefficients
+from .volume_nodes import difference, medium_of, read_coefficients
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from tyndall.program_points import PointPlace
     from tyndall.scene_description import Instances, Material, Mesh
 
     from .instances import Placement
@@ -35,7 +37,7 @@ if TYPE_CHECKING:
     from .reports import Reports
     from .value_nodes import Value
 
-#: Voxels along the longest side, at most.
+#: Voxels along the side of a cube, at most.
 _MOST_VOXELS, _MOST_IN_VIEWPORT = 128, 64
 
 
@@ -97,17 +99,28 @@ def read_fields(at_points: ValueReader, shader: Socket, name: str) -> tuple[Medi
     return medium_of(nothing, name), tuple(fields)
 
 
-Drawn = tuple["Placement", "Mesh", list[tuple[DensityField, int]]]  #: With the media that each field multiplies.
+@dataclass(frozen=True, eq=False)
+class Varying:
+    """A mesh in which a volume varies."""
+
+    culprit: str
+    name: str
+    mesh: Mesh
+    fields: list[tuple[DensityField, int]]  #: With the media that they multiply.
+    places: Callable[[], Iterable[PointPlace]]
 
 
-def with_fields(found: list[tuple[Placement, Instances]], materials: MaterialReader) -> list[Drawn]:
+def with_fields(found: list[tuple[Placement, Instances]], materials: MaterialReader) -> list[tuple[Placement, Varying]]:
     """Objects in which a volume varies."""
     drawn = []
     for placement, group in found:
         used = dict.fromkeys(placement.materials)
         fields = [field for material in used for field in materials.fields(material, placement)]
         if fields:
-            drawn.append((placement, group.mesh, fields))
+            texture_space = np.array(placement.data.texspace_location), np.array(placement.data.texspace_size)
+            places = partial(places_of, placement, texture_space)
+            name = placement.object_name
+            drawn.append((placement, Varying(f'Object "{name}"', name, group.mesh, fields, places)))
     return drawn
 
 
@@ -119,7 +132,7 @@ class FieldVolumes:
 
     def read(
         self,
-        drawn: Iterable[Drawn],
+        drawn: Iterable[Varying],
         reports: Reports,
         poll: Callable[[], None],
         *,
@@ -129,16 +142,13 @@ class FieldVolumes:
         kept, self._kept = self._kept, {}
         volumes = []
         most_voxels = _MOST_IN_VIEWPORT if is_viewport else _MOST_VOXELS
-        for placement, mesh, fields in drawn:
-            culprit = f'Object "{placement.object_name}"'
+        for varying in drawn:
+            mesh = varying.mesh
             if open_edge_count(mesh):
-                reports.add(culprit, "its varying volume is not drawn: its mesh is open, and has no inside")
+                reports.add(varying.culprit, "its varying volume is not drawn: its mesh is open, and has no inside")
                 continue
-            if not (placement.is_camera_visible and placement.casts_shadow):
-                reports.add(culprit, IGNORES_RAY_VISIBILITY)
-            texture_space = np.array(placement.data.texspace_location), np.array(placement.data.texspace_size)
-            for place in places_of(placement, texture_space):
-                for field, medium in fields:
+            for place in varying.places():
+                for field, medium in varying.fields:
                     sigma_t_per_m = max(field.medium.sigma_t_per_m())
                     program = field.program, field.channel
                     key = field_key(program, mesh, place, sigma_t_per_m, most_voxels)
@@ -146,13 +156,13 @@ class FieldVolumes:
                     try:
                         self._kept[key] = known or sampled(program, mesh, place, key, sigma_t_per_m, most_voxels, poll)
                     except (InvalidInput, IoError) as error:
-                        reports.add(culprit, f"its varying volume is not drawn: {error}")
+                        reports.add(varying.culprit, f"its varying volume is not drawn: {error}")
                         continue
                     for note in self._kept[key].notes:
-                        reports.add(culprit, note)
+                        reports.add(varying.culprit, note)
                     volumes.append(
                         Volume(
-                            name=placement.object_name,
+                            name=varying.name,
                             grid=self._kept[key].grid,
                             world_from_object=place.world_from_object,
                             medium=medium,

@@ -208,7 +208,7 @@ def retouched(
         if world is not None and world.original.tyndall.takes_sun:
             return None  # an object is in its place
         found = read_world(reports)
-        has_medium = found.medium is not None or description.world.medium >= 0
+        has_medium = found.medium is not None or bool(found.fields) or description.world.medium >= 0
         if has_medium or reports.lines() != known.of_world.lines():
             return None
         lamps = description.lights[: len(description.lights) - len(sky_suns)]

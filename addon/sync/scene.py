@@ -43,10 +43,11 @@ from .reports import Reports
 from .retouched_scene import Retouches, retouchable, retouched
 from .strands import StrandReader, is_strands
 from .texture_budget import budget_bytes
-from .volume_nodes import IGNORES_RAY_VISIBILITY
+from .volume_nodes import note_hidden_medium
 from .volume_sources import is_volume
 from .volumes import VolumeReader
 from .voxel_objects import VoxelReader, without_and_with_voxels
+from .world_fields import world_fields
 from .world_suns import WorldSuns
 from .worlds import ReadWorld, WorldBakes, read_world, world_of
 
@@ -155,12 +156,12 @@ class SceneReader:
         found_meshes = self._instances(meshes, (materials, media), reports, poll, lone, is_viewport=is_viewport)
         instances = tuple(group for _, group in found_meshes)
         varying = with_fields(found_meshes, materials)
-        of_fields = self._fields.read(varying, reports, poll, is_viewport=is_viewport)
-        for placement, _, _ in varying:
+        for placement, _ in varying:
             lone.pop(name_of(placement.source.original), None)  # its grids move with it
         light_places = {one.object_name: one.matrices[0] for one in placements if one.data is None}
         of_world = Reports()
         found = self._read_world(depsgraph, light_places, of_world)
+        of_air = world_fields(found.world.name, found.fields, found_placements, depsgraph, materials, of_world)
         reports.include(of_world)
         groups = light_groups(layer)
         report_left_out(layer, reports)
@@ -168,6 +169,9 @@ class SceneReader:
         drawn = frozenset(placement.object_name for placement in (*meshes, *voxels, *strands))
         sky_suns = found.sky_suns()
         world = replace(found.world, medium=materials.add_medium(found.medium))
+        of_fields = self._fields.read(
+            [*(of_mesh for _, of_mesh in varying), *of_air], reports, poll, is_viewport=is_viewport
+        )
         read_volumes = self._volumes.read(volumes, materials, self._images, reports, poll)
         of_all_but_lights = Reports()
         of_all_but_lights.include(reports)
@@ -201,7 +205,7 @@ class SceneReader:
                 media=media,
                 links=links_of_lights(placements),
                 sky_suns=sky_suns,
-                lone=lone,
+                lone={} if of_air else lone,  # what moves may leave the air's box
                 camera=materials.asked_camera,
                 frame=None
                 if not any("particles" in one.told for one in found_placements)
@@ -332,7 +336,7 @@ class SceneReader:
                 group = _group(placement, drawn, materials, media)
                 groups.append((placement, group))
                 note_missing_attributes(placement.object_name, mesh, group.materials, materials, reports)
-                _note_hidden_medium(group, materials, reports)
+                note_hidden_medium(placement, materials, reports)
         self._live = seen
         return groups
 
@@ -391,9 +395,3 @@ def _group(placement: Placement, mesh: Mesh, materials: MaterialReader, media: L
         random=as_unit_floats(placement.random_numbers),
         **placement.told,
     )
-
-
-def _note_hidden_medium(group: Instances, materials: MaterialReader, reports: Reports) -> None:
-    is_hidden = not (group.is_camera_visible and group.casts_shadow)
-    if is_hidden and any(materials.materials[index].medium >= 0 for index in group.materials):
-        reports.add(f'Object "{group.object_names[0]}"', IGNORES_RAY_VISIBILITY)

@@ -26,14 +26,24 @@ from .shader_limits import followed
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from .instances import Placement
+    from .materials import MaterialReader
     from .node_graph import Socket
     from .program import Value
+    from .reports import Reports
     from .value_nodes import ValueReader
 
     Rgb64 = NDArray[np.float64]
 
 IGNORES_RAY_VISIBILITY = "ray visibility does not reach its volume, which the camera sees and which dims light"
 _LARGEST_ASYMMETRY = 0.999  #: Cycles, too, keeps away from the limit, at which all light goes straight on.
+
+
+def note_hidden_medium(placement: Placement, materials: MaterialReader, reports: Reports) -> None:
+    """Of a mesh that holds one."""
+    is_hidden = not (placement.is_camera_visible and placement.casts_shadow)
+    if is_hidden and any(materials.has_medium(index) for index in materials.indices(placement)):
+        reports.add(f'Object "{placement.object_name}"', IGNORES_RAY_VISIBILITY)
 
 
 @dataclass(eq=False)
@@ -52,13 +62,8 @@ class Coefficients:
         return lobes
 
 
-def read_volume(reader: ValueReader, at: Socket, name: str) -> Medium | None:
-    """``at`` is the Volume input of an output node; None for a medium that does nothing."""
-    return medium_of(read_coefficients(reader, at), name)
-
-
 def read_coefficients(reader: ValueReader, at: Socket) -> Coefficients:
-    """The same before it is a medium."""
+    """``at`` is the Volume input of an output node."""
     coefficients = Coefficients()
     _add(reader, at, WHITE, coefficients)
     return coefficients

@@ -16,12 +16,12 @@ from tyndall.direction_programs import baked, baked_key
 from tyndall.scene_description import Image, Medium, World
 
 from ..shader_nodes import shader_tree
+from .field_media import read_fields
 from .node_graph import Socket, output_input
 from .program import BLACK, WHITE, Value
 from .shader_limits import followed
 from .sky_suns import SkySun, sky_sun
 from .value_nodes import Domain, ValueReader
-from .volume_nodes import read_volume
 from .world_nodes import WorldReader
 from .world_programs import as_turned_image, image_width, linear_map
 from .world_visibility import shown_to_rays
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from tyndall.scene_description import Light, Material
 
+    from .field_media import DensityField
     from .images import ImageReader
     from .reports import Reports
 
@@ -44,6 +45,7 @@ class ReadWorld:
 
     world: World
     medium: Medium | None = None  #: Its index in `world` is left to the caller.
+    fields: tuple[DensityField, ...] = ()  #: What else is in the world's volume, where nodes vary it.
     suns: tuple[SkySun, ...] = ()
 
     def sky_suns(self) -> tuple[Light, ...]:
@@ -89,9 +91,9 @@ def read_world(
     tree = shader_tree(world)
     culprit = f'World "{world.name}"'
     surface, volume = (output_input(tree, name) for name in ("Surface", "Volume"))
-    medium = None
+    air: tuple[Medium | None, tuple[DensityField, ...]] = None, ()
     if volume is not None:
-        medium = read_volume(ValueReader(culprit, reports, images, Domain.CONSTANT), volume, world.name)
+        air = read_fields(ValueReader(culprit, reports, images, Domain.SURFACE), volume, world.name)
 
     def drawn(by: WorldReader) -> Value:
         colour = BLACK if surface is None else _background(by, surface, WHITE)
@@ -101,13 +103,13 @@ def read_world(
     background = drawn(reader)
     material = reader.program.material(world.name, (BLACK, BLACK, background))
     if not material.program:
-        return ReadWorld(World(name=world.name, radiance=material.emission), medium)
+        return ReadWorld(World(name=world.name, radiance=material.emission), *air)
     turned = as_turned_image(reader.program, background)
     if turned is not None:
         image = World(
             name=world.name, radiance=turned.factor, image=turned.image, image_from_world=turned.image_from_world
         )
-        return ReadWorld(image, medium)
+        return ReadWorld(image, *air)
     seen, has_sharp_disc = material, False
     suns: tuple[SkySun, ...] = ()
     if reader.discs:
@@ -119,8 +121,8 @@ def read_world(
     width = image_width(reader.program, background, has_sharp_disc=has_sharp_disc)
     light = (bakes or WorldBakes()).image(seen if has_sharp_disc else material, width)
     if (even := _one_colour(light)) is not None:  # but for cameras: as in Cycles it has no shadow rays then
-        return ReadWorld(World(name=world.name, radiance=even, seen_program=seen), medium, suns)
-    return ReadWorld(World(name=world.name, radiance=WHITE, image=light, seen_program=seen), medium, suns)
+        return ReadWorld(World(name=world.name, radiance=even, seen_program=seen), *air, suns)
+    return ReadWorld(World(name=world.name, radiance=WHITE, image=light, seen_program=seen), *air, suns)
 
 
 def _one_colour(image: Image) -> tuple[float, float, float] | None:

@@ -134,6 +134,19 @@ def test_a_mixed_medium_of_the_world_is_refused_by_name(scene: bpy.types.Scene) 
     assert len(bpy.data.objects) == before
 
 
+def test_a_medium_of_the_world_that_nodes_feed_is_refused(scene: bpy.types.Scene) -> None:
+    """A box would have the values behind the links."""
+    tree = scene.world.node_tree
+    source, noise = tree.nodes.new("ShaderNodeVolumeScatter"), tree.nodes.new("ShaderNodeTexNoise")
+    tree.links.new(noise.outputs[0], source.inputs["Density"])
+    tree.links.new(source.outputs[0], tree.get_output_node("CYCLES").inputs["Volume"])
+    before = len(bpy.data.objects)
+    with pytest.raises(RuntimeError, match="Nodes feed the world's medium"):
+        bpy.ops.tyndall.add_fog_box(replaces_world_medium=True)
+    assert len(bpy.data.objects) == before
+    assert source.outputs[0].is_linked
+
+
 def test_fog_box_can_be_undone(scene: bpy.types.Scene) -> None:
     """Undo works headless, too, once there is a step to go back to."""
     bpy.context.preferences.edit.use_global_undo = True
