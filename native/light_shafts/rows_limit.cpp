@@ -2,20 +2,39 @@
 #include "light_shafts/rows_limit.hpp"
 #include "light_shafts/forward_fog.hpp"
 #include "light_shafts/light_shafts.hpp"
+#include "light_shafts/transparency_lookup.hpp"
 #include "scene/strands.hpp"
 
 namespace tyndall::light_shafts {
 // Of a light sample's rows.
-static constexpr double row_s_per_triangle = 7e-8; // or per segment of a strand
-static constexpr double row_s_of_traced = 0.08;    // whose texels ask for strands ray by ray
-static constexpr double row_s_per_ray = 3e-7;      // to ask a lamp's
+static constexpr double row_s_per_triangle = 7e-8;         // or per segment of a strand
+static constexpr double row_s_per_partial_triangle = 2e-6; // which its texels ask how much light it lets pass
+static constexpr double row_s_of_traced = 0.08;            // whose texels ask for strands ray by ray
+static constexpr double row_s_per_ray = 3e-7;              // to ask a lamp's
 
-static double occluding_triangles(const SceneDescription& description) {
-    double count = 0.0;
-    for (const Instance& instance : description.instances)
-        if (instance.casts_shadow)
-            count += static_cast<double>(description.meshes[instance.mesh_index]->triangle_count());
-    return count;
+static Occlusion most_costly(const SceneDescription& description, const Instance& instance) {
+    Occlusion found = Occlusion::None;
+    for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot) {
+        const std::uint32_t material = description.slot_materials[instance.first_slot_material + slot];
+        const Occlusion occlusion = occlusion_of(description.materials[material]);
+        if (occlusion == Occlusion::Partial)
+            return occlusion;
+        if (occlusion != Occlusion::None)
+            found = occlusion;
+    }
+    return found;
+}
+
+/// Of a light sample, with the triangles alone.
+static double row_s_of_triangles(const SceneDescription& description) {
+    double seconds = 0.0;
+    for (const Instance& instance : description.instances) {
+        const Occlusion occlusion = most_costly(description, instance);
+        if (instance.casts_shadow && occlusion != Occlusion::None)
+            seconds += static_cast<double>(description.meshes[instance.mesh_index]->triangle_count()) *
+                       (occlusion == Occlusion::Partial ? row_s_per_partial_triangle : row_s_per_triangle);
+    }
+    return seconds;
 }
 
 /// Of a light sample, with the strands alone.
@@ -37,7 +56,7 @@ LeftLights find_left(const Scene& scene, const Media& media, const Config& confi
     if (limit.most_s == std::numeric_limits<double>::infinity())
         return {};
     const SceneDescription& description = scene.description();
-    const double s_per_sample = occluding_triangles(description) * row_s_per_triangle + row_s_of_strands(description);
+    const double s_per_sample = row_s_of_triangles(description) + row_s_of_strands(description);
     const double lamps_s = static_cast<double>(counts.lamp_samples) * s_per_sample +
                            static_cast<double>(counts.lamps) * row_s_per_ray * limit.ray_count;
     const bool is_swallowed = config.attenuates_light && media.fills_world();
