@@ -92,6 +92,17 @@ def with_grid(scene: SceneDescription, cells: int) -> SceneDescription:
     return replace(scene, instances=(*scene.instances, placed(floor, np.eye(4))))
 
 
+@pytest.mark.parametrize("looks", ["opaque", "half", "clear"])
+def test_triangles_that_let_a_part_of_the_light_pass_count_for_what_their_rows_take(looks: str) -> None:
+    """10,000 far below the fog: of those that stop all light, or none, rows are soon told."""
+    passing = {"opaque": 0.0, "half": 0.5, "clear": 1.0}[looks]
+    scene = with_grid(stage(world=World(name="sky", radiance=(0.3, 0.5, 0.9))), 70)
+    far = replace(scene.instances[-1], materials=(len(scene.materials),))
+    veil = Material(name="veil", transparent=(passing,) * 3)
+    scene = replace(scene, instances=(*scene.instances[:-1], far), materials=(*scene.materials, veil))
+    assert is_drawn(rendered(scene, replace(DRAWN, pixel_samples=16), (40, 24)), "the world") == (looks == "half")
+
+
 def assert_same_in_the_mean(drawn: Film, rows: Film) -> None:
     ours, truth = drawn.planes["Shafts"].astype(float), rows.planes["Shafts"].astype(float)
     difference = (ours - truth).mean(axis=2) / truth.mean()
