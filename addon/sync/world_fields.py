@@ -30,8 +30,9 @@ if TYPE_CHECKING:
 
     Corners = NDArray[np.float64]
 
-_MARGIN_SHARE = 0.1  #: Of the longest side, beyond what is drawn.
+_MARGIN_SHARE = 0.05  #: Of the longest side, beyond what is drawn.
 _LEAST_SIDE_M = 1.0
+_STEPS = 8  #: Of a box's sides, to the power of two below the longest: what moves a little leaves box and voxels alone.
 _FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))  #: Of its corners.
 
 
@@ -86,8 +87,9 @@ def _bounds(drawn: Iterable[Placement], camera: Object | None) -> tuple[Corners,
     if not len(places):
         places = np.zeros((1, 3))
     lower, upper = places.min(axis=0), places.max(axis=0)
-    margin = max(_MARGIN_SHARE * float((upper - lower).max()), 0.5 * _LEAST_SIDE_M)
-    return lower - margin, upper + margin
+    longest = max(float((upper - lower).max()), _LEAST_SIDE_M)
+    margin, step = _MARGIN_SHARE * longest, 2.0 ** np.floor(np.log2(longest)) / _STEPS
+    return step * np.floor((lower - margin) / step), step * np.ceil((upper + margin) / step)
 
 
 def _corners(placement: Placement) -> Corners:

@@ -119,6 +119,17 @@ def test_the_box_holds_what_is_drawn_and_lamps_but_no_sun_and_is_told() -> None:
     assert told.startswith('World "World": its volume varies')
 
 
+def test_a_camera_that_moves_a_little_leaves_the_voxels_where_they_are() -> None:
+    """Else an animation would flicker by what lies between them."""
+    scene = room(varying("ShaderNodeVolumeScatter", "Density", lumps("Object")))
+    keys = []
+    for y in (-2.5, -2.6, -9.0):
+        scene.camera.location.y = y
+        bpy.context.view_layer.update()
+        keys.append(read().volumes[0].grid.key)
+    assert keys[0] == keys[1] != keys[2]
+
+
 def test_what_does_not_vary_stays_without_bounds() -> None:
     def both(new: New, link: Link) -> Socket:
         shader = new("ShaderNodeAddShader")
