@@ -5,20 +5,18 @@ A sun in a medium without bounds is attenuated over an infinite way: nothing of 
 """
 
 from collections.abc import Iterator
-from itertools import product
 
 import bpy
 from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Context, Depsgraph, Material, Node, Object, Operator
 from mathutils import Vector
 
+from ..boxes import BOX_FACES, box_corners
 from ..shader_nodes import is_fed_by_nodes, is_medium_only, plugged_in, use_nodes
 
 #: Half the side of the box in a scene without anything to enclose, metres.
 EMPTY_SCENE_HALF_SIDE_M = 5.0
 COPIED_MEDIA = frozenset({"ShaderNodeVolumePrincipled", "ShaderNodeVolumeScatter", "ShaderNodeVolumeAbsorption"})
-#: Into corners counted with z fastest and x slowest; outward.
-BOX_FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
 
 
 def select_only(context: Context, *things: Object) -> None:
@@ -90,7 +88,7 @@ def copy_medium(source: Node, material: Material) -> None:
 def add_box(context: Context, lowest: Vector, highest: Vector, material: Material) -> Object:
     """Add an axis-aligned box, centred on its origin so that scaling it keeps it in place; drawn as wires."""
     centre = (lowest + highest) / 2
-    corners = [Vector(corner) - centre for corner in product(*zip(lowest.to_tuple(), highest.to_tuple(), strict=True))]
+    corners = [Vector(corner) - centre for corner in box_corners(lowest, highest)]
     mesh = bpy.data.meshes.new("Fog Box")
     mesh.from_pydata(corners, [], BOX_FACES)
     mesh.materials.append(material)

@@ -14,6 +14,7 @@ import numpy as np
 from tyndall.program_points import PointPlace
 from tyndall.scene_description import Mesh
 
+from ..boxes import BOX_FACES, box_corners
 from .field_media import Varying
 from .mesh_attributes import GENERATED, made_maps
 
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
 _MARGIN_SHARE = 0.05  #: Of the longest side, beyond what is drawn.
 _LEAST_SIDE_M = 1.0
 _STEPS = 8  #: Of a box's sides, to the power of two below the longest: what moves a little leaves box and voxels alone.
-_FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))  #: Of its corners.
 
 
 def world_fields(
@@ -57,12 +57,11 @@ def world_fields(
     reports.add(
         culprit, f"its volume varies: it fills a box of {width:.3g} x {depth:.3g} x {height:.3g} m around what is drawn"
     )
-    corners = np.where(np.array(list(np.ndindex(2, 2, 2)), bool), upper, lower)
     box = Mesh(
         key=f"the world from {lower.tolist()} to {upper.tolist()}",
         name=name,
-        positions=corners.astype(np.float32),
-        triangles=np.array([(a, *pair) for a, b, c, d in _FACES for pair in ((b, c), (c, d))], np.uint32),
+        positions=np.array(box_corners(lower, upper), np.float32),
+        triangles=np.array([(a, *pair) for a, b, c, d in BOX_FACES for pair in ((b, c), (c, d))], np.uint32),
     )
     place = PointPlace(
         world_from_object=np.eye(4),
