@@ -18,7 +18,8 @@ SIGMA_T = 12.0  # per metre, of a field a metre wide: opaque to 6e-6
 def test_even_fog_that_is_lit_from_the_side_scatters_what_reaches_each_line() -> None:
     """All that comes is scattered along a line of sight through opaque fog: exp(-depth of the light)."""
     side = 1.0 / 50
-    found = scattered_along(np.full((50, 50), SIGMA_T), side, side)
+    parts = (np.full((rows, 50), SIGMA_T) for rows in (20, 29, 1))
+    found = scattered_along(parts, side, side)
     edges = np.exp(-SIGMA_T * np.linspace(0.0, 1.0, 51))
     closed_form = (edges[:-1] - edges[1:]) / (SIGMA_T * side) * -np.expm1(-SIGMA_T)
     assert found == pytest.approx(closed_form, rel=1e-12)
