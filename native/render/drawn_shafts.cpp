@@ -3,15 +3,21 @@
 #include <algorithm>
 
 namespace tyndall::render {
-static constexpr double ray_s = 12e-6;    // of a camera ray: its surfaces and draws
+static constexpr std::uint32_t draws_per_pixel = 64; // at least
+static constexpr std::uint32_t usual_draws = 4;
+static constexpr double draw_s = 3e-6;    // and a camera ray's share of surfaces for each of usual_draws
 static constexpr double most_times = 4.0; // as long as that
 
+std::uint32_t shaft_draws(std::uint32_t pixel_samples) {
+    return std::max(usual_draws, (draws_per_pixel + pixel_samples - 1) / pixel_samples);
+}
+
 light_shafts::RowsLimit rows_limit(const Scene& scene, const Media& media, const light_shafts::Config& config,
-                                   double ray_count) {
+                                   double ray_count, std::uint32_t pixel_samples) {
     const auto is_edited = [](const Light& light) { return !light.occluder_edits.empty(); };
     if (config.method != light_shafts::Method::Epipolar || config.resolution != 0 || config.walks_maps ||
         !media.grids().is_empty() || std::ranges::any_of(scene.lights(), is_edited))
         return {};
-    return {.most_s = most_times * ray_s * ray_count, .ray_count = ray_count};
+    return {.most_s = most_times * draw_s * shaft_draws(pixel_samples) * ray_count, .ray_count = ray_count};
 }
 } // namespace tyndall::render

@@ -10,9 +10,11 @@
 #include "scene/media.hpp"
 
 namespace tyndall::render {
-/// Of lamps and of the world each, per camera ray and sample.
-inline constexpr std::uint32_t shaft_draws = 4;
-/// For a picture of `ray_count` camera rays, all samples together. EPIPOLAR alone draws.
+/// Of lamps and of the world each, per camera ray of a picture of so many samples: where these are few, as many draws to a
+/// pixel as of more.
+[[nodiscard]] std::uint32_t shaft_draws(std::uint32_t pixel_samples);
+/// For `ray_count` camera rays of a picture, all samples together. EPIPOLAR alone draws.
 [[nodiscard]] light_shafts::RowsLimit rows_limit(const Scene& scene, const Media& media,
-                                                 const light_shafts::Config& config, double ray_count);
+                                                 const light_shafts::Config& config, double ray_count,
+                                                 std::uint32_t pixel_samples);
 } // namespace tyndall::render

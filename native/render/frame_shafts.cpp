@@ -32,15 +32,13 @@ static std::span<const light_shafts::ViewRay> rays_to_prepare(const WaitingParts
     return all;
 }
 
-/// Never of few samples: those of a pixel have to average the draws.
 static light_shafts::Config with_limit(const Scene& scene, const Media& media, const Camera& camera,
                                        const FrameShafts::Config& config) {
-    constexpr std::uint32_t least_samples = 16;
     light_shafts::Config shafts = config.shafts;
-    if (config.may_draw && config.pixel_samples >= least_samples && !config.wants_visibility &&
-        !config.wants_lit_moments && config.air == nullptr)
+    if (config.may_draw && !config.wants_visibility && !config.wants_lit_moments && config.air == nullptr)
         shafts.rows_limit = rows_limit(scene, media, shafts,
-                                       static_cast<double>(config.taken_samples) * camera.width_px * camera.height_px);
+                                       static_cast<double>(config.taken_samples) * camera.width_px * camera.height_px,
+                                       config.pixel_samples);
     return shafts;
 }
 
@@ -209,7 +207,7 @@ void FrameShafts::add_draws_of(std::size_t part, std::uint32_t number, std::uint
     if (line.is_empty())
         return;
     if (drawn_)
-        draw(shaft_draws, [&](std::uint32_t index) {
+        draw(shaft_draws(config_.pixel_samples), [&](std::uint32_t index) {
             drawn_->draw(line, {hash(seed, number, of_camera_rays), index, number}, found);
         });
     if (glow_)

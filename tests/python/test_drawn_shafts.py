@@ -92,15 +92,17 @@ def with_grid(scene: SceneDescription, cells: int) -> SceneDescription:
     return replace(scene, instances=(*scene.instances, placed(floor, np.eye(4))))
 
 
+@pytest.mark.parametrize("samples", [1, 16])
 @pytest.mark.parametrize("looks", ["opaque", "half", "clear"])
-def test_triangles_that_let_a_part_of_the_light_pass_count_for_what_their_rows_take(looks: str) -> None:
+def test_triangles_that_let_a_part_of_the_light_pass_count_for_what_their_rows_take(looks: str, samples: int) -> None:
     """10,000 far below the fog: of those that stop all light, or none, rows are soon told."""
     passing = {"opaque": 0.0, "half": 0.5, "clear": 1.0}[looks]
     scene = with_grid(stage(world=World(name="sky", radiance=(0.3, 0.5, 0.9))), 70)
     far = replace(scene.instances[-1], materials=(len(scene.materials),))
     veil = Material(name="veil", transparent=(passing,) * 3)
     scene = replace(scene, instances=(*scene.instances[:-1], far), materials=(*scene.materials, veil))
-    assert is_drawn(rendered(scene, replace(DRAWN, pixel_samples=16), (40, 24)), "the world") == (looks == "half")
+    film = rendered(scene, replace(DRAWN, pixel_samples=samples), (40, 24))
+    assert is_drawn(film, "the world") == (looks == "half")
 
 
 def assert_same_in_the_mean(drawn: Film, rows: Film) -> None:
@@ -118,9 +120,14 @@ def test_three_hundred_lamps_light_the_air_in_the_mean_as_exact_rows_say() -> No
     assert_same_in_the_mean(drawn, rows)
 
 
-def test_a_sky_over_many_triangles_lights_the_air_in_the_mean_as_exact_strata_say() -> None:
+# Seen to fail: of one sample, with four draws.
+@pytest.mark.parametrize("samples", [1, SAMPLES])
+def test_a_sky_over_many_triangles_lights_the_air_in_the_mean_as_exact_strata_say(samples: int) -> None:
+    """A draft has as many draws to a pixel as a picture of more samples, and no more noise in its air."""
     scene = stage(world=World(radiance=(0.5, 0.7, 1.0)))
-    drawn, rows = rendered(with_grid(scene, 300), DRAWN), rendered(scene, ROWS)
+    size_px = (24, 16) if samples == 1 else (12, 8)
+    rows = rendered(scene, replace(ROWS, pixel_samples=samples), size_px)
+    drawn = rendered(with_grid(scene, 300), replace(DRAWN, pixel_samples=samples), size_px)
     assert is_drawn(drawn, "the world")
     assert_same_in_the_mean(drawn, rows)
 
