@@ -162,13 +162,14 @@ private:
     void aim_at_many(const LitSurface& surface, const PairIndex& pair, float share, ShadowRays& shadow) const;
     void add_many(const LitSurface& surface, const PairIndex& pair, float share, std::span<Irradiance> irradiance,
                   std::span<Irradiance> by_group) const;
-    /// A direction that lobes of a point drew for what is among the many; nothing: none that counts.
-    struct DrawnByLobes {
+    /// For what is among the many, with the cosine by which it counts.
+    struct DrawnDirection {
         vec3 direction;
         float cosine, pdf_per_sr;
     };
-    [[nodiscard]] static std::optional<DrawnByLobes> draw_by_lobes(const SurfacePoint& point, const LobeSet& lobes,
-                                                                   const PairIndex& pair);
+    /// Nothing: none that counts.
+    [[nodiscard]] static std::optional<DrawnDirection> draw_by_lobes(const SurfacePoint& point, const LobeSet& lobes,
+                                                                     const PairIndex& pair);
     /// Towards a lamp among the many that the lobes' direction meets.
     struct RayToLamp {
         Ray ray;
@@ -176,13 +177,13 @@ private:
         const Light* lamp;
     };
     /// From a point whose lobes are sharp: see finds_lamps.
-    void aim_at_lamps_met(const SurfacePoint& point, const LobeSet& lobes, const DrawnByLobes& drawn, float share,
+    void aim_at_lamps_met(const SurfacePoint& point, const LobeSet& lobes, const DrawnDirection& drawn, float share,
                           Among among, std::vector<RayToLamp>& rays) const;
     /// Whether directions of lobes, too, look for lamps among the many.
     [[nodiscard]] bool finds_lamps(const LobeSet& lobes) const;
-    /// Irradiance from triangles that a ray in a direction drawn with that density meets; the share of that strategy.
+    /// Irradiance from triangles that a ray in a drawn direction meets; the share of that strategy.
     /// by_group: of each group that is asked for, or empty.
-    [[nodiscard]] Rgb of_triangles(const SurfacePoint& point, const vec3& direction, float pdf_per_sr, Among among,
+    [[nodiscard]] Rgb of_triangles(const SurfacePoint& point, const DrawnDirection& drawn, Among among,
                                    std::span<Rgb> by_group) const;
     void report_glow(Statistics& statistics, const IndirectConfig& indirect) const;
     /// Whether directions of a point's lobes are worth drawing beside rays that are aimed at a lamp with a size.
@@ -201,8 +202,8 @@ private:
     void aim_at_world(const LitSurface& surface, const PairIndex& pair, float share, ShadowRays& shadow) const;
     /// What counts of the world's light from a direction that leads below the surface, where shading normals see it, too:
     /// nothing, and of an image what its own share in Cycles' power heuristic is. 1 above.
-    [[nodiscard]] float share_below_surface(const SurfacePoint& point, const vec3& direction,
-                                            float image_pdf_per_sr) const;
+    [[nodiscard]] float share_below_surface(const SurfacePoint& point, const vec3& direction, float image_pdf_per_sr,
+                                            float own_pdf_per_sr) const;
     /// One ray of a point in a direction that one of several strategies draws.
     void aim_by_strategies(const SurfacePoint& point, const LobeSet& lobes, vec2 u, float share, std::size_t index,
                            ShadowRays& shadow) const;

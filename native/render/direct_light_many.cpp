@@ -94,7 +94,8 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
         const vec3 direction = from_frame(point.shading.shading_normal, sample_cosine_hemisphere(u));
         const float cosine = glm::dot(point.shading.shading_normal, direction);
         irradiance[index].from_lights +=
-            share * of_triangles(point, direction, cosine_hemisphere_pdf_per_sr(cosine), surface.among, of_groups);
+            share *
+            of_triangles(point, {direction, cosine, cosine_hemisphere_pdf_per_sr(cosine)}, surface.among, of_groups);
         for (std::size_t group = 0; group < of_groups.size(); ++group)
             by_group[group * surface.points.size() + index].from_lights += share * of_groups[group];
     }
@@ -104,13 +105,12 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
         const bool may_find_lamps = finds_lamps(lobes);
         if (!may_find_lamps && !(many_->has_triangles() && lobes.has_directions()))
             continue;
-        const std::optional<DrawnByLobes> drawn = draw_by_lobes(point, lobes, pair);
+        const std::optional<DrawnDirection> drawn = draw_by_lobes(point, lobes, pair);
         if (!drawn)
             continue;
         if (many_->has_triangles()) {
             const Rgb per_irradiance = share * lobes.per_irradiance_as_drawn(drawn->direction);
-            irradiance[index].reflected +=
-                of_triangles(point, drawn->direction, drawn->pdf_per_sr, surface.among, of_groups) * per_irradiance;
+            irradiance[index].reflected += of_triangles(point, *drawn, surface.among, of_groups) * per_irradiance;
             for (std::size_t group = 0; group < of_groups.size(); ++group)
                 by_group[group * surface.points.size() + index].reflected += of_groups[group] * per_irradiance;
         }
@@ -143,17 +143,17 @@ bool DirectLight::finds_lamps(const LobeSet& lobes) const {
     return many_->has_wide_lamps() && lobes.has_directions() && are_sharp(lobes);
 }
 
-std::optional<DirectLight::DrawnByLobes> DirectLight::draw_by_lobes(const SurfacePoint& point, const LobeSet& lobes,
-                                                                    const PairIndex& pair) {
+std::optional<DirectLight::DrawnDirection> DirectLight::draw_by_lobes(const SurfacePoint& point, const LobeSet& lobes,
+                                                                      const PairIndex& pair) {
     const vec3 direction = lobes.sample(pixel_pair(point.pixel_seed, pair.sample_index, lobe_pairs + pair.pair_index));
     const float cosine = glm::dot(point.shading.shading_normal, direction);
     const float pdf_per_sr = cosine > 0.0f ? lobes.pdf_per_sr(direction) : 0.0f;
     if (!(pdf_per_sr > 0.0f))
         return std::nullopt;
-    return DrawnByLobes{direction, cosine, pdf_per_sr};
+    return DrawnDirection{direction, cosine, pdf_per_sr};
 }
 
-void DirectLight::aim_at_lamps_met(const SurfacePoint& point, const LobeSet& lobes, const DrawnByLobes& drawn,
+void DirectLight::aim_at_lamps_met(const SurfacePoint& point, const LobeSet& lobes, const DrawnDirection& drawn,
                                    float share, Among among, std::vector<RayToLamp>& rays) const {
     thread_local std::vector<ManyLights::LampMet> met;
     many_->meet_lamps({.origin = point.shading.position, .direction = drawn.direction}, met);
@@ -172,10 +172,10 @@ void DirectLight::aim_at_lamps_met(const SurfacePoint& point, const LobeSet& lob
     }
 }
 
-Rgb DirectLight::of_triangles(const SurfacePoint& point, const vec3& direction, float pdf_per_sr, Among among,
+Rgb DirectLight::of_triangles(const SurfacePoint& point, const DrawnDirection& drawn, Among among,
                               std::span<Rgb> by_group) const {
+    const auto& [direction, cosine, pdf_per_sr] = drawn;
     std::ranges::fill(by_group, Rgb(0.0f));
-    const float cosine = glm::dot(point.shading.shading_normal, direction);
     Rgb sum(0.0f);
     if (!(cosine > 0.0f) || !(pdf_per_sr > 0.0f))
         return sum;

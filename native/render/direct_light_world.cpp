@@ -13,13 +13,11 @@ namespace tyndall::render {
 /// Of directions, that the image has where there is one: as many as what reflects them.
 static constexpr float image_share = 0.5f;
 
-float DirectLight::share_below_surface(const SurfacePoint& point, const vec3& direction, float image_pdf_per_sr) const {
-    const ShadingPoint& shading = point.shading;
-    const bool is_off = (glm::dot(direction, shading.geometric_normal) > 0.0f) != shading.is_backface;
-    if (is_off || scene_.is_cube(point.hit))
+float DirectLight::share_below_surface(const SurfacePoint& point, const vec3& direction, float image_pdf_per_sr,
+                                       float own_pdf_per_sr) const {
+    if (!point.is_below_surface(direction) || scene_.is_cube(point.hit))
         return 1.0f;
-    const float cosine = glm::dot(shading.shading_normal, direction);
-    return scene_.world().has_image() ? power_share(image_pdf_per_sr, cosine_hemisphere_pdf_per_sr(cosine)) : 0.0f;
+    return scene_.world().has_image() ? power_share(image_pdf_per_sr, own_pdf_per_sr) : 0.0f;
 }
 
 void DirectLight::aim_by_strategies(const SurfacePoint& point, const LobeSet& lobes, vec2 u, float share,
@@ -38,8 +36,10 @@ void DirectLight::aim_by_strategies(const SurfacePoint& point, const LobeSet& lo
         look = {sample.radiance, sample.pdf_per_sr};
     } else
         direction = own.sample(within);
-    const float cosine = glm::dot(point.shading.shading_normal, direction);
-    if (!(cosine > 0.0f)) // nor what is no direction
+    const float cosine = counted_cosine(point, lobes, direction);
+    const bool is_behind = cosine == LobeSet::least_cosine;
+    // As in Cycles, where shadow rays that leave a smooth surface against its normal begin inside.
+    if (cosine == 0.0f || (by_image && is_behind))
         return;
     if (!by_image)
         look = world.look(direction);
@@ -49,13 +49,13 @@ void DirectLight::aim_by_strategies(const SurfacePoint& point, const LobeSet& lo
         const float by_surface = (1.0f - p_image) * own_pdf_per_sr, of_image = p_image * look.pdf_per_sr;
         density = by_surface + of_image;
         // Where these meet other things, each gives what it gives in Cycles, which weighs by squares.
-        if (scene_.tells_rays_apart())
+        if (scene_.tells_rays_apart() || is_behind)
             density = by_image ? of_image / power_share(look.pdf_per_sr, own_pdf_per_sr)
                                : by_surface / power_share(own_pdf_per_sr, look.pdf_per_sr);
     }
     if (!(density > 0.0f) || !std::isfinite(density))
         return;
-    const float counted = share_below_surface(point, direction, look.pdf_per_sr);
+    const float counted = share_below_surface(point, direction, look.pdf_per_sr, own_pdf_per_sr);
     const Rgb arriving = look.radiance * (counted * share * cosine / density);
     if (arriving == Rgb(0.0f))
         return;
@@ -86,7 +86,7 @@ void DirectLight::aim_at_world(const LitSurface& surface, const PairIndex& pair,
             const auto lane = static_cast<std::size_t>(std::countr_zero(left));
             Ray ray = ray_of(towards, lane);
             ray.passed_count = surface.points[lane].passed_count;
-            if (share_below_surface(surface.points[lane], ray.direction, 0.0f) == 0.0f)
+            if (share_below_surface(surface.points[lane], ray.direction, 0.0f, 1.0f) == 0.0f)
                 continue;
             const Rgb arriving = pi * share * world.radiance(ray.direction);
             shadow.push(ray, arriving, lane,

@@ -150,17 +150,12 @@ static void blur(Lobes& lobes, float pdf_per_sr, SurfaceClosures& closures) {
         }
 }
 
-/// Above the shading normal's horizon, but below the surface's own: nothing is there.
-static bool is_below_surface(const ShadingPoint& shading, const vec3& direction) {
-    return (glm::dot(direction, shading.geometric_normal) > 0.0f) == shading.is_backface;
-}
-
 void IndirectLight::push_drawn(const SurfacePoint& point, const LobeSet& lobes, vec2 u, Gatherer ray,
                                std::vector<Gatherer>& gatherers) {
     const SurfaceDirections own(point, lobes);
     const vec3 direction = own.sample(u);
-    const float cosine = glm::dot(point.shading.shading_normal, direction);
-    if (!(cosine > 0.0f) || is_below_surface(point.shading, direction)) // nor what is no direction
+    const float cosine = counted_cosine(point, lobes, direction);
+    if (cosine == 0.0f || point.is_below_surface(direction)) // nothing is there
         return;
     const float density = own.pdf_per_sr(direction);
     if (!(density > 0.0f) || !std::isfinite(density))
@@ -198,7 +193,7 @@ void IndirectLight::gather(std::span<const SurfacePoint> points, std::uint32_t s
             part.direction = aimed.direction.get(lane);
             part.passed_count = points[lane].passed_count;
             const float cosine = glm::dot(points[lane].shading.shading_normal, part.direction);
-            if (!is_below_surface(points[lane].shading, part.direction))
+            if (!points[lane].is_below_surface(part.direction))
                 gatherers.push_back({lane, part, pi * share, cosine_hemisphere_pdf_per_sr(cosine)});
         }
         for (LaneSet left = lobed; left != 0; left &= left - 1) {

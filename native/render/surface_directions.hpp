@@ -7,6 +7,16 @@
 #include <algorithm>
 
 namespace tyndall::render {
+/// By which the world's irradiance, and what is gathered, counts from a unit direction that was drawn: 0 where nothing of it
+/// comes back, nor of what is no direction. Behind the point's normal, but above its surface, LobeSet's least, which gloss
+/// around a normal of its own takes back. From lamps behind a smooth normal nothing comes, as in Cycles.
+[[nodiscard]] inline float counted_cosine(const SurfacePoint& point, const LobeSet& lobes, const vec3& direction) {
+    const float cosine = glm::dot(point.shading.shading_normal, direction);
+    if (cosine > 0.0f)
+        return cosine;
+    return lobes.reflects_from_behind() && !point.is_below_surface(direction) ? LobeSet::least_cosine : 0.0f;
+}
+
 class SurfaceDirections {
 public:
     /// Both outlive it.

@@ -16,6 +16,10 @@ struct SurfacePoint {
     float lambert_share =
         1.0f; ///< Of light, that Lambert's part of it sends back: beside it lobes have their directions.
 
+    /// Whatever the shading normal says.
+    [[nodiscard]] bool is_below_surface(const vec3& direction) const {
+        return (glm::dot(direction, shading.geometric_normal) > 0.0f) == shading.is_backface;
+    }
     [[nodiscard]] Ray ray_towards(const vec3& direction) const {
         return {.origin = spawn.towards(direction), .direction = direction, .passed_count = passed_count};
     }

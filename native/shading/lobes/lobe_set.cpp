@@ -13,8 +13,6 @@
 
 namespace tyndall {
 namespace {
-constexpr float least_light = 1e-6f; ///< Cosine, for a quotient that is finite.
-
 /// What lobes ask of two directions, once for all of them.
 struct Angles {
     float view, light, between;     ///< Cosines.
@@ -101,14 +99,15 @@ Rgb reflected(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const 
 Rgb reflected_around_own(const Lobe& lobe, const LobeSet& set, const vec3& incoming, float light) {
     Angles angles(lobe.normal, set.outgoing, incoming);
     const float between = glm::dot(set.normal, lobe.normal);
-    if (angles.light <= 0.0f || between <= 0.0f || (angles.view <= 0.0f && !lobe.is_matte()))
+    const bool is_turned_away = lobe.is_matte() ? light <= 0.0f || between <= 0.0f : angles.view <= 0.0f;
+    if (angles.light <= 0.0f || is_turned_away)
         return Rgb(0.0f);
     if (lobe.kind != Lobe::Kind::Sheen)
         angles.view = std::max(angles.view, 0.0f);
     const float left = unshadowed_by_bumps(lobe.bump_shadowing, light, angles.light, between);
     const Rgb found = lobe.is_framed() ? reflected_by_framed(lobe, set, incoming, angles.view_half)
                                        : reflected(lobe, set, incoming, angles);
-    return found * (left * angles.light / std::max(light, least_light));
+    return found * (left * angles.light / std::max(light, LobeSet::least_cosine));
 }
 
 float pdf_of(const Lobe& lobe, const Angles& angles) {
@@ -203,7 +202,7 @@ namespace {
 Rgb reflected_by_any(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const Angles& angles) {
     if (lobe.has_own_normal())
         return reflected_around_own(lobe, set, incoming, angles.light);
-    if (angles.view <= 0.0f)
+    if (angles.view <= 0.0f || angles.light <= 0.0f)
         return Rgb(0.0f);
     return lobe.is_framed() ? reflected_by_framed(lobe, set, incoming, angles.view_half)
                             : reflected(lobe, set, incoming, angles);
@@ -247,13 +246,13 @@ float LobeSet::of_fibre(const Lobe& lobe, const fibre::Meeting& meeting, Way way
 Rgb LobeSet::sum_of(const vec3& incoming, Way way) const {
     const Angles angles(normal, outgoing, incoming);
     Rgb sum(0.0f);
-    if (angles.light <= 0.0f)
+    if (angles.light <= 0.0f && !reflects_from_behind())
         return sum;
     Meetings meetings(outgoing, incoming);
     for (const Lobe& lobe : lobes) {
         if (lobe.is_of_fibre()) {
             sum +=
-                lobe.weight * (of_fibre(lobe, meetings.along(lobe.normal), way) / std::max(angles.light, least_light));
+                lobe.weight * (of_fibre(lobe, meetings.along(lobe.normal), way) / std::max(angles.light, least_cosine));
             continue;
         }
         if (way == Way::FromPoint && lobe.is_of_facets() && lobe.own_alpha < lobe.alpha)
@@ -266,6 +265,10 @@ Rgb LobeSet::sum_of(const vec3& incoming, Way way) const {
 
 bool LobeSet::draws_on_both_sides() const {
     return std::ranges::any_of(lobes, [](const Lobe& lobe) { return lobe.kind > Lobe::Kind::Fibre; });
+}
+
+bool LobeSet::reflects_from_behind() const {
+    return std::ranges::any_of(lobes, [](const Lobe& lobe) { return lobe.has_own_normal() && !lobe.is_matte(); });
 }
 
 float LobeSet::share_of_directions(float lambert_share) const {

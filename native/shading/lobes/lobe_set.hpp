@@ -22,8 +22,8 @@ struct LobeSet {
     std::span<const Lobe> lobes;
     vec3 normal{0, 0, 1}, outgoing{0, 0, 1};
 
-    /// Radiance towards the viewer per irradiance from a unit direction, 1/sr. Nothing comes back of light behind the
-    /// point's normal.
+    /// Radiance towards the viewer per irradiance from a unit direction, 1/sr. Of light behind the point's normal, which
+    /// counts with `least_cosine`, gloss around a normal of its own sends back what lies before that, and others nothing.
     [[nodiscard]] Rgb per_irradiance(const vec3& incoming) const { return sum_of(incoming, Way::Aimed); }
     /// The same of a light without a size. Lobes are then as narrow as they are; of mirrors, for which Cycles takes the
     /// narrowest, nothing comes back.
@@ -32,6 +32,10 @@ struct LobeSet {
     /// of the point, and of aimed light what comes from the component's own side.
     [[nodiscard]] Rgb per_irradiance_as_drawn(const vec3& incoming) const { return sum_of(incoming, Way::Drawn); }
     [[nodiscard]] bool draws_on_both_sides() const;
+    /// Some gloss has a normal of its own.
+    [[nodiscard]] bool reflects_from_behind() const;
+    /// Of irradiance: its quotient with a lobe's own cosine is finite.
+    static constexpr float least_cosine = 1e-6f;
     /// Of directions by what reflects light, those that lobes draw, beside those by the cosine: as much as they shine, and a
     /// part that leaves no density far below that of a strategy. Lambert's share of the point; 0: none has any.
     [[nodiscard]] float share_of_directions(float lambert_share) const;

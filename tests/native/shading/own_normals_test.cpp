@@ -88,11 +88,20 @@ TEST_CASE("a lobe sends light back as if the whole surface were turned") {
         }
 }
 
-TEST_CASE("light that the surface turns from, or the lobe, comes back from neither") {
+TEST_CASE("light behind the point's normal comes back from gloss around a normal before it alone") {
     for (const auto kind : {Lobe::Kind::Lambert, Lobe::Kind::Ggx}) {
-        const Lobe lobe = around(kind, at_angle(60.0f));
-        const LobeSet set{.lobes = {&lobe, 1}, .normal = up, .outgoing = at_angle(30.0f)};
-        CHECK(set.per_irradiance(at_angle(91.0f)) == Rgb(0.0f));  // behind the surface
+        Lobe own = around(kind, at_angle(60.0f));
+        Lobe turned = own;
+        turned.normal = vec3(0.0f);
+        const vec3 behind = at_angle(91.0f);
+        const LobeSet set{.lobes = {&own, 1}, .normal = up, .outgoing = at_angle(30.0f)},
+            whole{.lobes = {&turned, 1}, .normal = own.normal, .outgoing = set.outgoing},
+            without{.lobes = {&turned, 1}, .normal = up, .outgoing = set.outgoing};
+        CHECK(set.reflects_from_behind() == (kind == Lobe::Kind::Ggx));
+        CHECK(!without.reflects_from_behind());
+        CHECK(without.per_irradiance(behind) == Rgb(0.0f));
+        CHECK(static_cast<double>(set.per_irradiance(behind).x * LobeSet::least_cosine) ==
+              doctest::Approx(kind == Lobe::Kind::Ggx ? reflected(whole, behind) : 0.0).epsilon(1e-4));
         CHECK(set.per_irradiance(at_angle(-31.0f)) == Rgb(0.0f)); // behind the lobe
         CHECK(set.per_irradiance(at_angle(89.9999f)).x >= 0.0f);  // nor is it infinite at the horizon
         CHECK(std::isfinite(set.per_irradiance(at_angle(89.9999f)).x));
