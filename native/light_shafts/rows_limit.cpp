@@ -4,6 +4,7 @@
 #include "light_shafts/light_shafts.hpp"
 #include "light_shafts/transparency_lookup.hpp"
 #include "scene/strands.hpp"
+#include <algorithm>
 
 namespace tyndall::light_shafts {
 // Of a light sample's rows.
@@ -12,27 +13,24 @@ static constexpr double row_s_per_partial_triangle = 2e-6; // which its texels a
 static constexpr double row_s_of_traced = 0.08;            // whose texels ask for strands ray by ray
 static constexpr double row_s_per_ray = 3e-7;              // to ask a lamp's
 
-static Occlusion most_costly(const SceneDescription& description, const Instance& instance) {
-    Occlusion found = Occlusion::None;
-    for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot) {
-        const std::uint32_t material = description.slot_materials[instance.first_slot_material + slot];
-        const Occlusion occlusion = occlusion_of(description.materials[material]);
-        if (occlusion == Occlusion::Partial)
-            return occlusion;
-        if (occlusion != Occlusion::None)
-            found = occlusion;
+/// Of a light sample, with the triangles alone. Maps hold the opaque ones for next to nothing.
+static double row_s_of_triangles(const SceneDescription& description, bool has_maps) {
+    std::vector<double> s_per_triangle; // of each material
+    for (const Material& material : description.materials) {
+        const Occlusion occlusion = occlusion_of(material);
+        s_per_triangle.push_back(occlusion == Occlusion::Partial               ? row_s_per_partial_triangle
+                                 : occlusion == Occlusion::Opaque && !has_maps ? row_s_per_triangle
+                                                                               : 0.0);
     }
-    return found;
-}
-
-/// Of a light sample, with the triangles alone.
-static double row_s_of_triangles(const SceneDescription& description) {
     double seconds = 0.0;
     for (const Instance& instance : description.instances) {
-        const Occlusion occlusion = most_costly(description, instance);
-        if (instance.casts_shadow && occlusion != Occlusion::None)
-            seconds += static_cast<double>(description.meshes[instance.mesh_index]->triangle_count()) *
-                       (occlusion == Occlusion::Partial ? row_s_per_partial_triangle : row_s_per_triangle);
+        if (!instance.casts_shadow)
+            continue;
+        double most = 0.0;
+        for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot)
+            most = std::max(most, s_per_triangle[description.slot_materials[instance.first_slot_material + slot]]);
+        if (most > 0.0)
+            seconds += most * static_cast<double>(description.meshes[instance.mesh_index]->triangle_count());
     }
     return seconds;
 }
@@ -56,13 +54,14 @@ LeftLights find_left(const Scene& scene, const Media& media, const Config& confi
     if (limit.most_s == std::numeric_limits<double>::infinity())
         return {};
     const SceneDescription& description = scene.description();
-    const double s_per_sample = row_s_of_triangles(description) + row_s_of_strands(description);
+    const bool has_maps = config.method == Method::ShadowMap;
+    const double s_per_sample = row_s_of_triangles(description, has_maps) + row_s_of_strands(description);
     const double lamps_s = static_cast<double>(counts.lamp_samples) * s_per_sample +
-                           static_cast<double>(counts.lamps) * row_s_per_ray * limit.ray_count;
+                           (has_maps ? 0.0 : static_cast<double>(counts.lamps) * row_s_per_ray * limit.ray_count);
     const bool is_swallowed = config.attenuates_light && media.fills_world();
     const std::optional<LackOfDirections> lack = lack_of_directions(scene, config);
     return {.lamps = lamps_s > limit.most_s,
             .world = !is_swallowed && (static_cast<double>(counts.world_samples) * s_per_sample > limit.most_s ||
-                                       (lack && lack->is_worth_draws()))};
+                                       (lack && lack->is_worth_draws() && !has_maps))};
 }
 } // namespace tyndall::light_shafts

@@ -5,7 +5,8 @@
 //           of those whose texels ask for cones and spheres. A hair's segment takes 0.02 to 0.6 us, by how much of it a row
 //           shows, and a triangle that lets a part of the light pass 0.3 us as a leaf and 9 as a sea's. Counts alone decide,
 //           so that the same scene gives the same picture.
-// Differs:  a sun's rows, which stand for all of its light, are never left.
+// Differs:  a sun's rows, which stand for all of its light, are never left. With SHADOW_MAP, whose maps hold opaque triangles
+//           for next to nothing, these do not count.
 #pragma once
 #include <cstddef>
 #include <limits>

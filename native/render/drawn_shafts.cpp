@@ -8,16 +8,17 @@ static constexpr std::uint32_t usual_draws = 4;
 static constexpr double draw_s = 3e-6;    // and a camera ray's share of surfaces for each of usual_draws
 static constexpr double most_times = 4.0; // as long as that
 
-std::uint32_t shaft_draws(std::uint32_t pixel_samples) {
-    return std::max(usual_draws, (draws_per_pixel + pixel_samples - 1) / pixel_samples);
+std::uint32_t shaft_draws(const light_shafts::Config& config, std::uint32_t pixel_samples) {
+    return config.walks_maps ? usual_draws
+                             : std::max(usual_draws, (draws_per_pixel + pixel_samples - 1) / pixel_samples);
 }
 
 light_shafts::RowsLimit rows_limit(const Scene& scene, const Media& media, const light_shafts::Config& config,
                                    double ray_count, std::uint32_t pixel_samples) {
     const auto is_edited = [](const Light& light) { return !light.occluder_edits.empty(); };
-    if (config.method != light_shafts::Method::Epipolar || config.resolution != 0 || config.walks_maps ||
-        !media.grids().is_empty() || std::ranges::any_of(scene.lights(), is_edited))
+    if (config.method == light_shafts::Method::Exact || config.resolution != 0 || !media.grids().is_empty() ||
+        std::ranges::any_of(scene.lights(), is_edited))
         return {};
-    return {.most_s = most_times * draw_s * shaft_draws(pixel_samples) * ray_count, .ray_count = ray_count};
+    return {.most_s = most_times * draw_s * shaft_draws(config, pixel_samples) * ray_count, .ray_count = ray_count};
 }
 } // namespace tyndall::render

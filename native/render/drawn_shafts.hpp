@@ -11,9 +11,9 @@
 
 namespace tyndall::render {
 /// Of lamps and of the world each, per camera ray of a picture of so many samples: where these are few, as many draws to a
-/// pixel as of more.
-[[nodiscard]] std::uint32_t shaft_draws(std::uint32_t pixel_samples);
-/// For `ray_count` camera rays of a picture, all samples together. EPIPOLAR alone draws.
+/// pixel as of more, but for a coarse picture that is to come at once (light_shafts::Config::walks_maps).
+[[nodiscard]] std::uint32_t shaft_draws(const light_shafts::Config& config, std::uint32_t pixel_samples);
+/// For `ray_count` camera rays of a picture, all samples together. EXACT never draws.
 [[nodiscard]] light_shafts::RowsLimit rows_limit(const Scene& scene, const Media& media,
                                                  const light_shafts::Config& config, double ray_count,
                                                  std::uint32_t pixel_samples);

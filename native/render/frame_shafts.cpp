@@ -207,7 +207,7 @@ void FrameShafts::add_draws_of(std::size_t part, std::uint32_t number, std::uint
     if (line.is_empty())
         return;
     if (drawn_)
-        draw(shaft_draws(config_.pixel_samples), [&](std::uint32_t index) {
+        draw(shaft_draws(config_.shafts, config_.pixel_samples), [&](std::uint32_t index) {
             drawn_->draw(line, {hash(seed, number, of_camera_rays), index, number}, found);
         });
     if (glow_)

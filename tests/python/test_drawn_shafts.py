@@ -105,6 +105,19 @@ def test_triangles_that_let_a_part_of_the_light_pass_count_for_what_their_rows_t
     assert is_drawn(film, "the world") == (looks == "half")
 
 
+# Seen to fail: with opaque triangles counted as for rows.
+def test_with_maps_opaque_triangles_are_no_reason_to_draw_and_those_that_let_light_pass_are() -> None:
+    scene = with_grid(stage(world=World(name="sky", radiance=(0.3, 0.5, 0.9))), 300)
+    veiled = replace(scene.instances[-1], materials=(len(scene.materials),))
+    veil = Material(name="veil", transparent=(0.5,) * 3)
+    veils = replace(scene, instances=(*scene.instances[:-1], veiled), materials=(*scene.materials, veil))
+    by_maps = replace(DRAWN, shafts=replace(DRAWN.shafts, method="SHADOW_MAP"))
+    assert not is_drawn(rendered(scene, by_maps), "the world")
+    drawn = rendered(veils, by_maps)
+    assert is_drawn(drawn, "the world")
+    assert_same_in_the_mean(drawn, rendered(stage(world=scene.world), ROWS))  # the veil lies below all air
+
+
 def assert_same_in_the_mean(drawn: Film, rows: Film) -> None:
     ours, truth = drawn.planes["Shafts"].astype(float), rows.planes["Shafts"].astype(float)
     difference = (ours - truth).mean(axis=2) / truth.mean()
