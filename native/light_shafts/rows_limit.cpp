@@ -10,15 +10,21 @@ namespace tyndall::light_shafts {
 // Of a light sample's rows.
 static constexpr double row_s_per_triangle = 7e-8;         // or per segment of a strand
 static constexpr double row_s_per_partial_triangle = 2e-6; // which its texels ask how much light it lets pass
+static constexpr double row_s_per_program_triangle = 6e-6; // the same by a program at each of their points
 static constexpr double row_s_of_traced = 0.08;            // whose texels ask for strands ray by ray
 static constexpr double row_s_per_ray = 3e-7;              // to ask a lamp's
+
+static double s_per_partial_triangle(const Material& material) {
+    const bool reads_points = (TransparentOperations(material).reads & OpReads::point) != 0;
+    return reads_points ? row_s_per_program_triangle : row_s_per_partial_triangle;
+}
 
 /// Of a light sample, with the triangles alone. Maps hold the opaque ones for next to nothing.
 static double row_s_of_triangles(const SceneDescription& description, bool has_maps) {
     std::vector<double> s_per_triangle; // of each material
     for (const Material& material : description.materials) {
         const Occlusion occlusion = occlusion_of(material);
-        s_per_triangle.push_back(occlusion == Occlusion::Partial               ? row_s_per_partial_triangle
+        s_per_triangle.push_back(occlusion == Occlusion::Partial               ? s_per_partial_triangle(material)
                                  : occlusion == Occlusion::Opaque && !has_maps ? row_s_per_triangle
                                                                                : 0.0);
     }
