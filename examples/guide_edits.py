@@ -247,6 +247,30 @@ def turn_medium(*, density_factor: float = 1.0, asymmetry_g: float | None = None
         fog["Anisotropy"].default_value = asymmetry_g
 
 
+def lay_banks() -> None:
+    """Have the world's volume in place of the fog box: banks near the floor, by nodes."""
+    bpy.context.scene.objects["Fog Box"].hide_render = True
+    tree = bpy.context.scene.world.node_tree
+    new, link = tree.nodes.new, tree.links.new
+    place, height, falls = new("ShaderNodeNewGeometry"), new("ShaderNodeSeparateXYZ"), new("ShaderNodeMapRange")
+    noise, wisps, banks = new("ShaderNodeTexNoise"), new("ShaderNodeMapRange"), new("ShaderNodeMath")
+    fog = new("ShaderNodeVolumeScatter")
+    falls.inputs["From Max"].default_value = 6.0  # metres
+    falls.inputs["To Min"].default_value, falls.inputs["To Max"].default_value = 0.25, 0.02
+    noise.inputs["Scale"].default_value = 0.6
+    wisps.inputs["From Min"].default_value, wisps.inputs["From Max"].default_value = 0.42, 0.6
+    banks.operation = "MULTIPLY"
+    fog.inputs["Anisotropy"].default_value = 0.3
+    link(place.outputs["Position"], height.inputs["Vector"])
+    link(place.outputs["Position"], noise.inputs["Vector"])
+    link(noise.outputs[0], wisps.inputs["Value"])
+    link(height.outputs["Z"], falls.inputs["Value"])
+    link(falls.outputs["Result"], banks.inputs[0])
+    link(wisps.outputs["Result"], banks.inputs[1])
+    link(banks.outputs["Value"], fog.inputs["Density"])
+    link(fog.outputs["Volume"], tree.nodes["World Output"].inputs["Volume"])
+
+
 def use_function(preset: str, use: str) -> None:
     """Have one function used another way; where it replaces the shafts, it is about as bright as they are."""
     colour(preset)
