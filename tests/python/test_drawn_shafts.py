@@ -204,7 +204,7 @@ def test_a_part_of_a_pictures_samples_has_rows_only_where_they_pay_for_that_part
         replace(DRAWN, passes=frozenset({"Shafts", "Shafts Visibility"})),
     ],
 )
-def test_rows_stay_where_samples_are_few_or_they_are_asked_for(config: RenderConfig) -> None:
+def test_rows_stay_where_they_pay_or_are_asked_for(config: RenderConfig) -> None:
     assert not is_drawn(rendered(stage(lamps(300)), config, (4, 4)), "lamps")
 
 

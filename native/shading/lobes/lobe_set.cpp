@@ -251,6 +251,8 @@ Rgb LobeSet::sum_of(const vec3& incoming, Way way) const {
     Meetings meetings(outgoing, incoming);
     for (const Lobe& lobe : lobes) {
         if (lobe.is_of_fibre()) {
+            if (angles.light <= 0.0f) // it has the other side for that
+                continue;
             sum +=
                 lobe.weight * (of_fibre(lobe, meetings.along(lobe.normal), way) / std::max(angles.light, least_cosine));
             continue;

@@ -108,6 +108,21 @@ TEST_CASE("light behind the point's normal comes back from gloss around a normal
     }
 }
 
+TEST_CASE("a fibre beside such gloss sends nothing back of light behind the point, whose other side has it") {
+    const std::vector<Lobe> both{around(Lobe::Kind::Ggx, at_angle(60.0f)),
+                                 {.kind = Lobe::Kind::Fibre,
+                                  .alpha = 0.3f,
+                                  .ior = 0.3f,
+                                  .weight = Rgb(1.0f),
+                                  .a = Rgb(0.0f, 1.0f, 0.0f),
+                                  .normal = vec3(0, 1, 0)}};
+    const LobeSet set{.lobes = both, .normal = up, .outgoing = at_angle(30.0f)},
+        gloss{.lobes = std::span(both).first(1), .normal = up, .outgoing = set.outgoing};
+    CHECK(set.per_irradiance(at_angle(89.0f)) != gloss.per_irradiance(at_angle(89.0f)));
+    CHECK(set.per_irradiance_as_drawn(at_angle(91.0f)) == gloss.per_irradiance_as_drawn(at_angle(91.0f)));
+    CHECK(set.per_irradiance(at_angle(91.0f)) == gloss.per_irradiance(at_angle(91.0f)));
+}
+
 TEST_CASE("bumps shadow more the flatter light comes in, and never brighten") {
     for (const auto kind : {BumpShadowing::Smooth, BumpShadowing::Facets})
         for (const float tilt : {20.0f, 60.0f}) {
