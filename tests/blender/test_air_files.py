@@ -19,6 +19,8 @@ from support.small_scenes import add, empty_scene
 from tyndall.air_tiles import VOLUME_KINDS
 from tyndall.volumes import from_dense, grid_infos, read_vdb, to_dense, write_vdb
 
+pytestmark = pytest.mark.dealt
+
 RESOLUTION = (20, 16, 12)
 
 

@@ -13,6 +13,8 @@ import pytest
 from support.pass_pictures import render_passes
 from support.small_scenes import Node, cube, empty_scene, light, material, node, plane
 
+pytestmark = pytest.mark.dealt
+
 SIZE_PX = 48
 
 

@@ -20,6 +20,8 @@ from support.small_scenes import empty_scene, light, material, node, plane, read
 from tyndall.linear_colours import linear_colours
 from tyndall.scene_description import LightProjection, LightTexture
 
+pytestmark = pytest.mark.dealt
+
 IS_4 = bpy.app.version >= (4, 0, 0)
 Tree, Socket = bpy.types.NodeTree, bpy.types.NodeSocket
 Pattern = Callable[[Tree], Socket]
@@ -144,7 +146,6 @@ def assert_like_cycles(samples: int = 128) -> None:
     np.testing.assert_allclose(np.mean(ours, axis=(0, 1, 2)), np.mean(theirs, axis=(0, 1, 2)), rtol=4e-3)
 
 
-@pytest.mark.dealt
 @pytest.mark.parametrize(
     ("shape", "scale_x", "pattern"),
     [
@@ -165,7 +166,6 @@ def test_each_part_of_the_light_lights_the_floor_below_it(shape: str, scale_x: f
     assert_like_cycles()
 
 
-@pytest.mark.dealt
 def test_gloss_mirrors_the_picture() -> None:
     shows(stage(roughness=0.15), slide)
     assert_like_cycles()
@@ -199,7 +199,6 @@ def test_lights_that_are_drawn_from_a_tree_show_their_pictures() -> None:
     np.testing.assert_allclose(many.mean(axis=(0, 1)), one.mean(axis=(0, 1)), rtol=2e-3)
 
 
-@pytest.mark.dealt
 def test_the_air_is_lit_in_the_pictures_colours() -> None:
     build(Arrangement("area", "camera inside", "perspective", "grid"))
     lamp = next(thing for thing in bpy.context.scene.objects if thing.type == "LIGHT")

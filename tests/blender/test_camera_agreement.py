@@ -160,6 +160,7 @@ def test_shafts_behind_a_lens() -> None:
     assert off[0] > 3.0 * off[1]
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("method", ["EXACT", "EPIPOLAR"])
 def test_air_behind_a_lens_is_as_bright_with_every_seed(method: str) -> None:
     """Each place on the lens asks for all light samples of its own: no other place has the ones that it leaves out.

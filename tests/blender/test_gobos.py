@@ -29,8 +29,9 @@ from support.lamp_scenes import (
 from support.small_scenes import material, node, plane, read
 from tyndall.scene_description import LightProjection, LightTexture
 
+pytestmark = pytest.mark.dealt
 
-@pytest.mark.dealt
+
 @pytest.mark.parametrize("kind", ["SPOT", "POINT"])
 @pytest.mark.parametrize("place", PLACES)
 def test_an_image_is_read_where_cycles_reads_it(kind: str, place: str) -> None:
@@ -129,7 +130,6 @@ def test_a_missing_image_is_magenta_as_in_cycles() -> None:
 
 
 # --- in the air ------------------------------------------------------------------------------------------------------
-@pytest.mark.dealt
 @pytest.mark.parametrize(
     ("light_name", "place", "is_soft"),
     [
@@ -182,7 +182,6 @@ def pane_before_the_sun(width_m: float) -> bpy.types.Object:
     return pane
 
 
-@pytest.mark.dealt
 def test_a_suns_gobo_is_a_film_before_it() -> None:
     def make_film() -> None:
         build(Arrangement())

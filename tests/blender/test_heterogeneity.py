@@ -25,6 +25,8 @@ from support.small_scenes import add
 from support.textured_air import at, key_wind, read, sent, textured_air
 from tyndall.heterogeneity import AirNoise, Heterogeneity
 
+pytestmark = pytest.mark.dealt
+
 PRESETS = shipped_presets(TYNDALL_PT_air_presets)
 
 
@@ -192,7 +194,6 @@ def test_the_texture_goes_with_the_wind(beams: TyndallHeterogeneity) -> None:
     assert np.array_equal(picture(), carried)
 
 
-@pytest.mark.dealt
 @pytest.mark.parametrize("wind_m_per_s", [(2.5, 0.0, 0.0), (0.0, 1.7, 0.2), (-1.0, 0.0, -4.0)])
 def test_a_looped_wind_ends_where_it_begins(beams: TyndallHeterogeneity, wind_m_per_s: tuple[float, ...]) -> None:
     """The frame after the last is the first, to a ten-thousandth of the brightest pixel: speeds are single floats.

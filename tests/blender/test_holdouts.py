@@ -12,6 +12,8 @@ import pytest
 from support.engine_pictures import cycles_pixels, tyndall_pixels
 from support.small_scenes import Build, Node, add, cube, empty_scene, light, material, node, plane, read
 
+pytestmark = pytest.mark.dealt
+
 New, Link = Callable[[str], Node], Callable[..., object]
 Socket = bpy.types.NodeSocket
 

@@ -37,6 +37,8 @@ from support.small_scenes import node, read
 from tyndall.linear_colours import linear_colours
 from tyndall.scene_description import Light, LightProjection, LightTexture
 
+pytestmark = pytest.mark.dealt
+
 Make = Callable[[New, Link], Socket]
 INCOMING, NORMAL, UV = PLACES["incoming"], PLACES["normal"], PLACES["UV"]
 
@@ -95,7 +97,6 @@ OFTEN = [
 EACH = [(name, kind) for name in PATTERNS for kind in ("SPOT", "POINT")]
 
 
-@pytest.mark.dealt
 @pytest.mark.parametrize(
     ("name", "kind"), [*OFTEN, *(pytest.param(*one, marks=pytest.mark.long) for one in EACH if one not in OFTEN)]
 )
@@ -164,7 +165,6 @@ def test_a_pattern_colours_the_fog(kind: str, name: str) -> None:
     assert_air_like_cycles(f"nodes {kind} {name}", make, make, methods=("EXACT", "EPIPOLAR"))
 
 
-@pytest.mark.dealt
 @pytest.mark.parametrize("kind", ["spot", pytest.param("point", marks=pytest.mark.long)])
 def test_shadow_maps_and_rows_show_the_same_pattern(kind: str) -> None:
     build(Arrangement(light=kind))
@@ -208,7 +208,6 @@ def read_of(lamp: bpy.types.Object) -> Light:
     return next(one for one in read().lights if one.name == lamp.name)
 
 
-@pytest.mark.dealt
 @pytest.mark.parametrize(
     ("make", "is_own"), [(PATTERNS["noise by normal"], True), (PATTERNS["noise by direction"], False)]
 )
@@ -293,7 +292,6 @@ def test_lamps_of_one_tree_may_differ_by_what_their_objects_are(kind: str, name:
         np.testing.assert_allclose(again["Other"], 2.0 * lights["Other"], rtol=1e-6)
 
 
-@pytest.mark.dealt
 def test_lamps_that_are_drawn_from_a_tree_show_their_patterns() -> None:
     """More than 32 of them, in one place, are one."""
     lamp = stage("SPOT")

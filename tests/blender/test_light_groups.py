@@ -14,6 +14,8 @@ from addon.engine.passes import register_passes
 from support.pass_pictures import render_passes
 from support.small_scenes import add, cube, empty_scene, light, material, node, plane, read
 
+pytestmark = pytest.mark.dealt
+
 SIZE_PX = 24
 GROUPS = ("key", "fill", "sky", "glow")
 
@@ -139,7 +141,6 @@ def test_an_instance_without_a_group_has_that_of_its_instancer(stage: bpy.types.
     assert sorted(groups) == ["", "", "sky"]
 
 
-@pytest.mark.dealt
 @pytest.mark.parametrize("is_foggy", [False, True])
 def test_groups_hold_the_light_that_those_of_cycles_hold(
     stage: bpy.types.Scene, tmp_path: Path, *, is_foggy: bool

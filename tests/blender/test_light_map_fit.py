@@ -17,6 +17,8 @@ from addon.sync.reports import Reports
 from support.small_scenes import add, cube, empty_scene, light, material, node, plane
 from tyndall import Progress
 
+pytestmark = pytest.mark.dealt
+
 SIZE_PX = 32
 
 
@@ -92,7 +94,6 @@ def test_strokes_make_an_image_of_the_frames_size_that_is_transparent(sun: bpy.t
     assert texels_of(view.strokes).any()
 
 
-@pytest.mark.dealt
 def test_the_fitted_map_becomes_the_gobo_and_the_render_looks_as_it_was_painted(sun: bpy.types.Object) -> None:
     before = rendered()
     painted(sun)
@@ -201,7 +202,6 @@ def test_undo_takes_the_gobo_away(sun: bpy.types.Object) -> None:
     assert bpy.data.objects[name].data.tyndall.gobo_image is not None
 
 
-@pytest.mark.dealt
 def test_several_cameras_have_a_view_each_and_one_that_is_gone_is_left_out(
     sun: bpy.types.Object, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -257,7 +257,6 @@ def lamp(request: pytest.FixtureRequest, sun: bpy.types.Object) -> bpy.types.Obj
     return thing
 
 
-@pytest.mark.dealt
 def test_a_lamps_fitted_map_becomes_its_gobo_and_the_render_looks_as_it_was_painted(lamp: bpy.types.Object) -> None:
     before = rendered()
     painted(lamp)

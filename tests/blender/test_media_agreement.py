@@ -16,6 +16,8 @@ from support.cycles_reference import tyndall_pixels as pixels_by_methods
 from support.engine_pictures import cycles_pixels, tyndall_pixels
 from support.small_scenes import Build, Node, block_shadow_rays, cube, empty_scene, light, material, node, plane, read
 
+pytestmark = pytest.mark.dealt
+
 IS_4, HAS_COEFFICIENTS = bpy.app.version >= (4, 0, 0), hasattr(bpy.types, "ShaderNodeVolumeCoefficients")
 New, Link = Callable[[str], Node], Callable[..., object]
 Socket = bpy.types.NodeSocket

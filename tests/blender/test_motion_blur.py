@@ -38,6 +38,8 @@ from support.moving_scenes import (
     set_position,
 )
 
+pytestmark = pytest.mark.dealt
+
 
 @pytest.fixture
 def stage() -> Scene:
@@ -45,7 +47,6 @@ def stage() -> Scene:
     return new_stage()
 
 
-@pytest.mark.dealt
 @pytest.mark.parametrize(("position", "opens"), [("START", 0.0), ("CENTER", -0.5), ("END", -1.0)])
 def test_an_edge_that_moves_evenly_is_a_ramp(stage: Scene, position: str, opens: float) -> None:
     """A pixel is covered for the share of the shutter's time in which the edge is beyond it."""
@@ -104,7 +105,6 @@ CHANGES: dict[str, Callable[[Scene], None]] = {
 }
 
 
-@pytest.mark.dealt
 @pytest.mark.parametrize("name", CHANGES)
 def test_all_that_is_animated_blurs(stage: Scene, name: str) -> None:
     """The mean of pictures at the moments, of surfaces, lights, lenses and shafts, at the centres of pixels."""
@@ -264,7 +264,6 @@ def test_tiles_put_together_are_the_frame(stage: Scene) -> None:
     assert np.array_equal(np.concatenate(halves, axis=1), whole)
 
 
-@pytest.mark.dealt
 def test_an_animation_keeps_its_maps(stage: Scene, tmp_path: Path) -> None:
     """Frames of an animation are those of stills, blurred or not."""
     move_occluder_in_fog(stage)

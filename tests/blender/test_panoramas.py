@@ -26,6 +26,8 @@ from support.pass_pictures import PassPictures, render_passes
 from support.small_scenes import cube
 from tyndall.scene_description import CameraKind
 
+pytestmark = pytest.mark.dealt
+
 WIDTH_PX, HEIGHT_PX = 60, 42
 POLYNOMIAL = {f"fisheye_polynomial_k{power}": k for power, k in enumerate((-1e-3, -0.07, 1e-4, 3e-6, -3e-8))}
 CYLINDER = {"u_min": -2.0, "u_max": 2.5, "v_min": -0.5, "v_max": 2.0}
@@ -133,7 +135,6 @@ def test_depth_of_field(stage: bpy.types.Scene, kind: str) -> None:
     assert np.abs(sharp - here).sum() > there.sum()
 
 
-@pytest.mark.dealt
 @pytest.mark.parametrize(
     ("kind", "method"),
     [
@@ -157,7 +158,6 @@ def test_shafts(stage: bpy.types.Scene, kind: str, method: str) -> None:
     agree(f"shafts_{kind}_{method}", ours(stage, 8), cycles(stage, 256), 0.01, 0.02)
 
 
-@pytest.mark.dealt
 @pytest.mark.parametrize("kind", [pytest.param("FISHEYE_EQUISOLID", marks=pytest.mark.long), "MIRRORBALL"])
 def test_the_airs_texture(stage: bpy.types.Scene, kind: str) -> None:
     """Noise looked up in columns, which do not follow the lens, beside noise looked up along each ray."""
@@ -193,7 +193,6 @@ def test_motion_on_a_fisheye(stage: bpy.types.Scene, tmp_path: Path) -> None:
     assert (np.abs(here - there).max(axis=-1) < 0.02).mean() > 0.97
 
 
-@pytest.mark.dealt
 def test_a_fisheye_that_turns_is_blurred(stage: bpy.types.Scene) -> None:
     look(stage, "FISHEYE_EQUISOLID")
     render, camera = stage.render, stage.camera

@@ -17,6 +17,8 @@ from support.patch_nodes import Link, New, Socket
 from support.small_scenes import CUBE_CORNERS, CUBE_FACES, add, light, material, mesh, node, plane, read
 from tyndall.fingerprints import fingerprint
 
+pytestmark = pytest.mark.dealt
+
 #: A picture of Cycles is up to a hundredth of a pixel off its pixels' centres: a plate's edge may lie there.
 EDGES = 0.02
 

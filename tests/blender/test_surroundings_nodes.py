@@ -27,6 +27,8 @@ from support.surroundings_scenes import (
 )
 from tyndall.scene_description import Code
 
+pytestmark = pytest.mark.dealt
+
 _SIDE = box((0.55, -0.6, 0.0), (1.2, 0.7, 0.9))
 _LOW = box((-1.0, -1.0, 0.0), (-0.55, 0.3, 0.5))
 _SLAB = box((-0.9, -0.8, -0.6), (0.7, 0.9, 0.0))
@@ -112,7 +114,6 @@ _BEVELS = {
 
 
 # Seen to fail: with rays spread evenly, with only_local asked in the world, with rays that transparent things let pass.
-@pytest.mark.dealt
 def test_occlusion_is_that_of_cycles() -> None:
     scene = scene_of_cells(_OCCLUSION)
     scene.world.light_settings.distance = 0.7
@@ -135,7 +136,6 @@ def test_one_ray_is_as_noisy_as_that_of_cycles() -> None:
 
 
 # Seen to fail: with probes along the normal alone, with axes turned otherwise, with weights of the balance heuristic.
-@pytest.mark.dealt
 def test_bevels_are_those_of_cycles() -> None:
     off = {}
     for name, (cycles, ours) in pictures(scene_of_cells(_BEVELS), _BEVELS, samples=64).items():

@@ -16,6 +16,8 @@ from support.engine_pictures import tyndall_pixels
 from support.full_disk import largest_file
 from support.small_scenes import add, empty_scene, mesh
 
+pytestmark = pytest.mark.dealt
+
 _SIDE_PX = 300  #: No multiple of a tile's.
 _RANDOM = np.random.default_rng(7)
 

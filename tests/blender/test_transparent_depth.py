@@ -17,6 +17,8 @@ from addon import last_render
 from support.engine_pictures import cycles_pixels, tyndall_pixels
 from support.small_scenes import Build, cube, empty_scene, light, material, node, plane
 
+pytestmark = pytest.mark.dealt
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 

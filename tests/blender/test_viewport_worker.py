@@ -25,6 +25,8 @@ from tyndall import Cancelled, Progress
 from tyndall.renderer import Film, RenderConfig, Session
 from tyndall.scene_description import Camera, SceneDescription
 
+pytestmark = pytest.mark.dealt
+
 
 class PatientSession:
     """Stands in for a native session: each picture takes as long as a test says, and is told by its size."""

@@ -19,6 +19,8 @@ from support.small_scenes import empty_scene, material, node, plane
 from support.small_scenes import read as sent
 from tyndall.scene_description import LightKind
 
+pytestmark = pytest.mark.dealt
+
 HALF_ANGLE_RAD = 0.08
 TOWARDS = Vector((0.5, -0.4, 0.75)).normalized()
 SKY = (0.2, 0.3, 0.5)
@@ -103,7 +105,6 @@ def test_the_image_loses_what_the_sun_takes_and_the_camera_sees_it_all() -> None
     assert np.array_equal(tyndall_pixels(scene), seen)
 
 
-@pytest.mark.dealt
 @pytest.mark.parametrize("normal", [TOWARDS, Vector((0, 0, 1))])
 def test_a_plane_receives_as_much_as_from_the_image_and_as_in_cycles(normal: Vector) -> None:
     """Cycles reads the image alone, for the sun is hidden from it."""
