@@ -29,6 +29,11 @@ class _Pass:
     switch: str  #: Property of the view layer; with a dot, of its Tyndall settings.
 
 
+def _of_cycles(plane: str, short_name: str, long_name: str, switch: str) -> _Pass:
+    """Named as the running version does."""
+    return _Pass(plane, long_name if _HAS_LONG_NAMES else short_name, "RGB", "COLOR", switch)
+
+
 _PASSES = (
     _Pass("Combined", "Combined", "RGBA", "COLOR", ""),
     _Pass("Depth", "Depth", "Z", "VALUE", "use_pass_z"),
@@ -39,10 +44,20 @@ _PASSES = (
     _Pass("UV", "UV", "UVA", "VECTOR", "use_pass_uv"),
     _Pass("IndexOB", "Object Index" if _HAS_LONG_NAMES else "IndexOB", "X", "VALUE", "use_pass_object_index"),
     _Pass("IndexMA", "Material Index" if _HAS_LONG_NAMES else "IndexMA", "X", "VALUE", "use_pass_material_index"),
-    _Pass("DiffCol", "Diffuse Color" if _HAS_LONG_NAMES else "DiffCol", "RGB", "COLOR", "use_pass_diffuse_color"),
-    _Pass("Emit", "Emission" if _HAS_LONG_NAMES else "Emit", "RGB", "COLOR", "use_pass_emit"),
+    _of_cycles("DiffDir", "DiffDir", "Diffuse Direct", "use_pass_diffuse_direct"),
+    _of_cycles("DiffInd", "DiffInd", "Diffuse Indirect", "use_pass_diffuse_indirect"),
+    _of_cycles("DiffCol", "DiffCol", "Diffuse Color", "use_pass_diffuse_color"),
+    _of_cycles("GlossDir", "GlossDir", "Glossy Direct", "use_pass_glossy_direct"),
+    _of_cycles("GlossInd", "GlossInd", "Glossy Indirect", "use_pass_glossy_indirect"),
+    _of_cycles("GlossCol", "GlossCol", "Glossy Color", "use_pass_glossy_color"),
+    _of_cycles("TransDir", "TransDir", "Transmission Direct", "use_pass_transmission_direct"),
+    _of_cycles("TransInd", "TransInd", "Transmission Indirect", "use_pass_transmission_indirect"),
+    _of_cycles("TransCol", "TransCol", "Transmission Color", "use_pass_transmission_color"),
+    _of_cycles("Shafts", "VolumeDir", "Volume Direct", "cycles.use_pass_volume_direct"),
+    _of_cycles("Emit", "Emit", "Emission", "use_pass_emit"),
+    _of_cycles("Env", "Env", "Environment", "use_pass_environment"),
+    _of_cycles("AO", "AO", "Ambient Occlusion", "use_pass_ambient_occlusion"),
     _Pass("Shadow", "Shadow", "RGB", "COLOR", "use_pass_shadow"),
-    _Pass("AO", "Ambient Occlusion" if _HAS_LONG_NAMES else "AO", "RGB", "COLOR", "use_pass_ambient_occlusion"),
     _Pass("Shadow Catcher", "Shadow Catcher", "RGB", "COLOR", "tyndall.use_pass_shadow_catcher"),
     _Pass("Shafts", "Shafts", "RGB", "COLOR", "tyndall.use_pass_shafts"),
     _Pass("Shafts Visibility", "Shafts Visibility", "X", "VALUE", "tyndall.use_pass_shafts_visibility"),
@@ -52,6 +67,8 @@ _PASSES = (
     _Pass("Denoising Albedo", "Denoising Albedo", "RGB", "COLOR", "tyndall.use_pass_denoising_data"),
     _Pass("Denoising Depth", "Denoising Depth", "Z", "VALUE", "tyndall.use_pass_denoising_data"),
 )
+#: Of light, the colour that passes have it without, as in Cycles: compositors multiply by it.
+_COLOUR_OF = {f"{kind}{part}": f"{kind}Col" for kind in ("Diff", "Gloss", "Trans") for part in ("Dir", "Ind")}
 #: Mattes by what they tell apart, with the switch of the view layer.
 _MATTES = {
     "CryptoObject": "use_pass_cryptomatte_object",
@@ -70,7 +87,9 @@ def register_passes(engine: RenderEngine, scene: Scene, view_layer: ViewLayer) -
 
 def wanted_planes(view_layer: ViewLayer) -> frozenset[str]:
     """The planes of the film that the view layer's passes show; of mattes, all of a kind under its name."""
-    return frozenset(render_pass.plane for render_pass in _switched_on(view_layer)).union(matte_kinds(view_layer))
+    shown = {render_pass.plane for render_pass in _switched_on(view_layer)}
+    colours = {_COLOUR_OF[plane] for plane in shown & _COLOUR_OF.keys()}
+    return frozenset(shown | colours).union(matte_kinds(view_layer))
 
 
 def matte_kinds(view_layer: ViewLayer) -> list[str]:
@@ -109,12 +128,26 @@ def write(layer: RenderLayer, planes: Mapping[str, NDArray[np.float32]], exposur
     One call for all passes: ``pass.rect = array`` takes 0.9 to 2.2 s for a full HD pass, this takes 0.004 s.
     """
     shown = {name: exposed(plane, exposure) if _is_light(name) else plane for name, plane in planes.items()}
+    for name in shown.keys() & _COLOUR_OF.keys():
+        shown[name] = without_colour(shown[name], planes[_COLOUR_OF[name]])
     layer.passes.foreach_set("rect", np.concatenate([_pixels(render_pass, shown) for render_pass in layer.passes]))
+
+
+def without_colour(light: NDArray[np.float32], colour: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(height, width, 3) both; where a channel has no colour, the mean of the others, as in Cycles."""
+    has_colour = colour != 0
+    without = np.divide(light, colour, out=np.zeros_like(light), where=has_colour)
+    grey = without.sum(-1, keepdims=True) / np.maximum(has_colour.sum(-1, keepdims=True), np.float32(1))
+    return np.where(has_colour, without, grey.astype(np.float32))
 
 
 def _is_light(plane: str) -> bool:
     """Whether it is radiance, which a film's exposure multiplies, as it does in Cycles; those of light groups are."""
-    return plane in {"Combined", "Emit", "Shafts"} or plane.startswith(("Combined_", "Shafts_"))
+    return (
+        plane in {"Combined", "Emit", "Env", "Shafts"}
+        or plane in _COLOUR_OF
+        or plane.startswith(("Combined_", "Shafts_"))
+    )
 
 
 def _pixels(render_pass: bpy.types.RenderPass, planes: Mapping[str, NDArray[np.float32]]) -> NDArray[np.float32]:
@@ -153,5 +186,5 @@ def _is_on(view_layer: ViewLayer, switch: str) -> bool:
     if not switch:
         return True
     group, _, name = switch.rpartition(".")
-    owner = getattr(view_layer, group) if group else view_layer
+    owner = getattr(view_layer, group, None) if group else view_layer  # Cycles may be switched off
     return bool(getattr(owner, name, False))

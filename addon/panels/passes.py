@@ -45,13 +45,20 @@ class TYNDALL_PT_passes(PropertiesPanel, Panel):
         column = layout.column(heading="Indexes", align=True)
         column.prop(view_layer, "use_pass_object_index")
         column.prop(view_layer, "use_pass_material_index")
+        for kind in ("diffuse", "glossy", "transmission"):
+            column = layout.column(heading=kind.capitalize(), align=True)
+            for part in ("direct", "indirect", "color"):
+                column.prop(view_layer, f"use_pass_{kind}_{part}", text=part.capitalize())
         column = layout.column(heading="Light", align=True)
-        column.prop(view_layer, "use_pass_diffuse_color", text="Diffuse Color")
         column.prop(view_layer, "use_pass_emit", text="Emission")
+        column.prop(view_layer, "use_pass_environment")
         column.prop(view_layer, "use_pass_shadow")
         column.prop(view_layer, "use_pass_ambient_occlusion", text="Ambient Occlusion")
         column.prop(view_layer.tyndall, "use_pass_shadow_catcher")
-        draw_media_passes(layout.column(heading="Media", align=True), view_layer)
+        column = layout.column(heading="Media", align=True)
+        if hasattr(view_layer, "cycles"):
+            column.prop(view_layer.cycles, "use_pass_volume_direct")
+        draw_media_passes(column, view_layer)
         column = layout.column(heading="Cryptomatte", align=True)
         column.prop(view_layer, "use_pass_cryptomatte_object", text="Object")
         column.prop(view_layer, "use_pass_cryptomatte_material", text="Material")

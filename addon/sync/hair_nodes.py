@@ -78,7 +78,7 @@ def principled_hair(reader: ValueReader, at: Socket, weight: Value) -> LobeValue
         of_roughness,
     )
     is_old = bool(bpy.app.version < (4, 0, 0))  # its scales tilt the light's angle, not the viewer's
-    return LobeValues(model, (weight, *inputs, _along(program, "10")), preserves_energy=not is_old)
+    return LobeValues(model, (weight, *inputs, _along(program, "01")), preserves_energy=not is_old)
 
 
 def hair_bsdf(reader: ValueReader, at: Socket, weight: Value) -> LobeValues:

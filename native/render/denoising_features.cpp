@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/denoising_features.hpp"
-#include "shading/lobes/ggx_energy.hpp"
-#include <algorithm>
-#include <cmath>
+#include "render/light_paths.hpp"
 
 namespace tyndall::render {
 // Facets no wider are as sharp as a mirror to Cycles.
@@ -19,14 +17,7 @@ static LobeAlbedos albedos_of(const LobeSet& lobes) {
     LobeAlbedos found;
     for (const Lobe& lobe : lobes.lobes) {
         const bool is_sharp = lobe.is_of_facets() && lobe.alpha <= sharpest_alpha;
-        const LobeSet alone{.lobes = {&lobe, 1}, .normal = lobes.normal, .outgoing = lobes.outgoing};
-        // Weights of facets make up for what these hide from one another.
-        const float cosine =
-            std::clamp(glm::dot(lobe.has_own_normal() ? lobe.normal : lobes.normal, lobes.outgoing), 0.0f, 1.0f);
-        const bool is_ggx = lobe.kind == Lobe::Kind::Ggx || lobe.kind == Lobe::Kind::GgxAlongTangent;
-        const bool is_made_up = is_ggx && !lobe.is_separable;
-        const float seen = is_made_up ? ggx::albedo(std::sqrt(lobe.alpha), cosine).seen : 1.0f;
-        (is_sharp ? found.sharp : found.rough) += seen * alone.albedo();
+        (is_sharp ? found.sharp : found.rough) += lobe_albedo(lobes, lobe);
     }
     return found;
 }

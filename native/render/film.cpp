@@ -59,6 +59,19 @@ void FilmSums::add_colour(std::size_t pixel, Pass pass, const Rgb& colour) {
     sum[2] += sound(colour.z);
 }
 
+void FilmSums::add_paths(std::size_t pixel, const LightPaths& paths) {
+    const auto& [direct, indirect, environment, glossy_colour, transmission_colour] = paths;
+    add_colour(pixel, Pass::DiffuseDirect, direct[0]);
+    add_colour(pixel, Pass::DiffuseIndirect, indirect[0]);
+    add_colour(pixel, Pass::GlossyDirect, direct[1]);
+    add_colour(pixel, Pass::GlossyIndirect, indirect[1]);
+    add_colour(pixel, Pass::TransmissionDirect, direct[2]);
+    add_colour(pixel, Pass::TransmissionIndirect, indirect[2]);
+    add_colour(pixel, Pass::Environment, environment);
+    add_colour(pixel, Pass::GlossyColour, glossy_colour);
+    add_colour(pixel, Pass::TransmissionColour, transmission_colour);
+}
+
 void FilmSums::add(std::size_t pixel, const PathSample& sample) {
     const bool is_first = sample_counts_[pixel]++ == 0;
     add_colour(pixel, Pass::Combined, sample.radiance);
@@ -76,6 +89,8 @@ void FilmSums::add(std::size_t pixel, const PathSample& sample) {
     add_colour(pixel, Pass::Transmittance, sample.transmittance);
     add_colour(pixel, Pass::AmbientOcclusion, sample.ambient);
     add_colour(pixel, Pass::Unshadowed, sample.unshadowed);
+    if (sample.paths != nullptr)
+        add_paths(pixel, *sample.paths);
     if (wants(Pass::Shadow)) {
         add_colour(pixel, Pass::Shadow, sample.lit);
         float* weight = &sums_[pixel * stride_ + shadow_weight_offset_];

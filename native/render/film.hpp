@@ -6,6 +6,7 @@
 #include "core/statistics.hpp"
 #include "render/caught_light.hpp"
 #include "render/data_passes.hpp"
+#include "render/light_paths.hpp"
 #include "render/shared_irradiance.hpp"
 #include <array>
 #include <cstdint>
@@ -32,25 +33,27 @@ enum class Pass : std::uint8_t {
     AmbientOcclusion = 10,
     Unshadowed = 11,    ///< What Shadow is a share of: films that are averaged weigh it by this.
     ShadowCatcher = 12, ///< What the shadows on catchers leave of what lies behind; then Combined does without it.
+    DiffuseDirect = 13, ///< This and the next ones: LightPaths, light not divided by its colour.
+    DiffuseIndirect = 14,
+    GlossyDirect = 15,
+    GlossyIndirect = 16,
+    TransmissionDirect = 17,
+    TransmissionIndirect = 18,
+    Environment = 19,
+    GlossyColour = 20,
+    TransmissionColour = 21,
 };
-inline constexpr std::size_t pass_count = 13;
+inline constexpr std::size_t pass_count = 22;
 struct PassLayout {
     std::string_view name; ///< As Blender names the pass.
     std::uint32_t channel_count;
 };
-inline constexpr std::array<PassLayout, pass_count> pass_layouts{{{"Combined", 4},
-                                                                  {"Depth", 1},
-                                                                  {"Normal", 3},
-                                                                  {"Position", 3},
-                                                                  {"DiffCol", 3},
-                                                                  {"Emit", 3},
-                                                                  {"Shadow", 3},
-                                                                  {"Shafts", 3},
-                                                                  {"Shafts Visibility", 1},
-                                                                  {"Transmittance", 3},
-                                                                  {"AO", 3},
-                                                                  {"Unshadowed", 3},
-                                                                  {"Shadow Catcher", 3}}};
+inline constexpr std::array<PassLayout, pass_count> pass_layouts{
+    {{"Combined", 4}, {"Depth", 1},      {"Normal", 3},         {"Position", 3},          {"DiffCol", 3},
+     {"Emit", 3},     {"Shadow", 3},     {"Shafts", 3},         {"Shafts Visibility", 1}, {"Transmittance", 3},
+     {"AO", 3},       {"Unshadowed", 3}, {"Shadow Catcher", 3}, {"DiffDir", 3},           {"DiffInd", 3},
+     {"GlossDir", 3}, {"GlossInd", 3},   {"TransDir", 3},       {"TransInd", 3},          {"Env", 3},
+     {"GlossCol", 3}, {"TransCol", 3}}};
 [[nodiscard]] constexpr const PassLayout& layout(Pass pass) { return pass_layouts[static_cast<std::size_t>(pass)]; }
 /// The pass of this name; throws InvalidInput that lists the names there are.
 [[nodiscard]] Pass pass_named(std::string_view name);
@@ -60,6 +63,8 @@ class PassSet {
 public:
     void add(Pass pass) { bits_ |= bit(pass); }
     [[nodiscard]] bool has(Pass pass) const { return (bits_ & bit(pass)) != 0; }
+    /// One of those that LightPaths are for.
+    [[nodiscard]] bool tells_paths() const { return bits_ >= bit(Pass::DiffuseDirect); }
 
 private:
     static constexpr std::uint32_t bit(Pass pass) { return 1u << static_cast<unsigned>(pass); }
@@ -97,6 +102,8 @@ struct PathSample {
     std::span<Rgb> by_group = {};
     /// Of shadow catchers, none of which is in what stands above; nothing: the scene has none.
     CaughtLight* caught = nullptr;
+    /// Of `radiance`, by what sent it; nothing: nobody asks.
+    LightPaths* paths = nullptr;
 
     [[nodiscard]] Rgb& light_of(LightOf of) {
         return of == LightOf::Picture ? radiance : of == LightOf::CatcherAmongAll ? caught->lit : caught->alone;
@@ -111,6 +118,11 @@ struct PathSample {
         if (of == LightOf::Picture && group < by_group.size())
             by_group[group] += light;
     }
+    /// Light that is added elsewhere, too. As in Cycles, that of catchers has no path.
+    void tell_path(Scatterer by, bool is_direct, const Rgb& light, LightOf of = LightOf::Picture) {
+        if (paths != nullptr && of == LightOf::Picture)
+            paths->add(by, is_direct, light);
+    }
 };
 
 /// Whether there are shadow catchers, and what is to be seen behind them.
@@ -123,8 +135,11 @@ public:
              CatcherFilm catchers = CatcherFilm::None);
     [[nodiscard]] bool wants(Pass pass) const { return offsets_[static_cast<std::size_t>(pass)].has_value(); }
     void add(std::size_t pixel, const PathSample& sample);
-    /// More light of the sample that was added last to this pixel.
-    void add_light(std::size_t pixel, const Rgb& radiance) { add_colour(pixel, Pass::Combined, radiance); }
+    /// More of what Lambert's share sends back of the world, of the sample that was added last to this pixel.
+    void add_world_light(std::size_t pixel, const Rgb& radiance) {
+        add_colour(pixel, Pass::Combined, radiance);
+        add_colour(pixel, Pass::DiffuseDirect, radiance);
+    }
     /// The light shafts of the sample that was added last to this pixel.
     void add_shafts(std::size_t pixel, const Rgb& radiance, float visibility);
     /// The film so far; a pixel without a sample is 0.
@@ -136,6 +151,7 @@ private:
     }
     [[nodiscard]] float resolved(std::size_t pixel, Pass pass, std::uint32_t channel) const;
     void add_colour(std::size_t pixel, Pass pass, const Rgb& colour);
+    void add_paths(std::size_t pixel, const LightPaths& paths);
     /// What shadow catchers add to a pixel's picture.
     [[nodiscard]] vec4 caught_colour(std::size_t pixel) const;
     [[nodiscard]] Rgb shadow_catcher(std::size_t pixel) const;

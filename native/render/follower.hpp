@@ -21,12 +21,15 @@ struct ViewPath::Follower {
     std::uint32_t sender = 0;                      ///< The instance that sent it on.
     std::uint32_t way = 0;                         ///< Which of all ways it was sent, as a hash.
     std::uint8_t mirror_count = 0, bend_count = 0; ///< Behind it.
+    Scatterer first = Scatterer::None;             ///< What sent it on first.
     bool is_past = false;                          ///< One more than there may be: it sees the world and what glows.
     /// Equal for rays that are followed together; those among catchers alone come last.
     [[nodiscard]] int company() const {
         return (of == LightOf::CatcherAlone ? 4 : 0) + (is_past ? 2 : 0) + (kind == RayKind::Transmission ? 1 : 0);
     }
     [[nodiscard]] Rgb throughput() const { return through_surfaces * through_media; }
+    /// What shines at its end comes from there to what sent it on, and from that to the camera.
+    [[nodiscard]] bool is_direct() const { return mirror_count + bend_count == 1; }
 };
 
 /// What is left of a ray behind a surface. Surfaces that give more than they meet make no infinity of it: 0 times that would
@@ -52,6 +55,9 @@ struct ViewPath::Share {
     Rgb throughput;
     std::uint16_t sample;
     LightOf of;
+    Scatterer first; ///< Of the ray that is there.
+    [[nodiscard]] Scatterer by(Scatterer own) const { return first == Scatterer::None ? own : first; }
+    [[nodiscard]] bool is_direct() const { return first == Scatterer::None; }
 };
 
 /// Points that light what is seen of surfaces from their other sides, and from below.

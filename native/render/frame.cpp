@@ -292,7 +292,7 @@ private:
                     const Rgb gain = shared_light_gain(world_lit_, width(), surfaces_.world_reach_px(), x, y);
                     if (gain == Rgb(0.0f))
                         continue;
-                    sums_.add_light(pixel, gain);
+                    sums_.add_world_light(pixel, gain);
                     if (groups_)
                         groups_->add_light(pixel, scene_.world().light_group(), gain);
                     if (noise_)

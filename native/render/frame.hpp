@@ -40,7 +40,7 @@ struct FrameConfig {
     float voxel_detail_px = 0.0f;
     bool is_film_transparent = false;
     PassSet passes;
-    DataPassConfig data = {}; ///< With them, nothing is kept of surfaces; nor with light groups.
+    DataPassConfig data = {}; ///< With them, nothing is kept of surfaces; nor with light groups and light by its paths.
     /// Names of the scene's light groups, of which the film holds "Combined_…" apart, and with Pass::Shafts "Shafts_…", too.
     std::vector<std::string> light_groups = {};
     light_shafts::Config shafts; ///< Neighbours share the world's light on surfaces as they do strata.

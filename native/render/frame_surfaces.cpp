@@ -46,6 +46,7 @@ ViewPath FrameSurfaces::view_path(bool collects_parts) const {
              .collects_parts = collects_parts,
              .lights_black_surfaces = config_.passes.has(Pass::Shadow),
              .finds_ambient = config_.passes.has(Pass::AmbientOcclusion),
+             .tells_paths = config_.passes.tells_paths(),
              .indirect = config_.indirect,
              .voxel_detail_px = has_detail_ ? config_.voxel_detail_px : 0.0f},
             sent_air_ ? &*sent_air_ : nullptr};
@@ -207,7 +208,8 @@ void FrameSurfaces::choose_what_is_kept(std::uint32_t sample_index, bool collect
     moved_.reset();
     is_new_ = true;
     const SurfaceForm form = config_.kept_surfaces && may_keep && !config_.data.is_wanted() &&
-                                     config_.light_groups.empty() && !scene_.has_shadow_catchers() && !sent_air_
+                                     config_.light_groups.empty() && !config_.passes.tells_paths() &&
+                                     !scene_.has_shadow_catchers() && !sent_air_
                                  ? form_for_pass()
                                  : SurfaceForm::Nothing;
     if (form == SurfaceForm::Nothing)

@@ -29,6 +29,7 @@ struct SurfacePass::Catch {
     std::vector<PathData> data, data_of_square; ///< Of blocks with data, as long as samples and rays of a square.
     std::vector<Rgb> by_group;                  ///< Of the light groups, sample by sample.
     std::vector<CaughtLight> caught;            ///< Per sample; empty without shadow catchers.
+    std::vector<LightPaths> paths;              ///< Per sample; empty where nobody asks.
     SurfaceWalk walk;                           ///< As is the light: of blocks that do not keep it.
     SurfaceLight light;
 };
@@ -84,6 +85,9 @@ void SurfacePass::walk_square(const Call& call, std::uint32_t x0, std::uint32_t 
     for (std::size_t i = 0; !caught.caught.empty() && i < count; ++i)
         if (targets[i] != ViewPath::nowhere)
             samples[i].caught = &caught.caught[targets[i]];
+    for (std::size_t i = 0; !caught.paths.empty() && i < count; ++i)
+        if (targets[i] != ViewPath::nowhere)
+            samples[i].paths = &caught.paths[targets[i]];
     for (std::vector<MediumPart>& parts : caught.parts_of_square)
         parts.clear();
     for (PathData& data : caught.data_of_square)
@@ -114,6 +118,7 @@ void SurfacePass::walk_block(const Call& call, SurfaceBlock& block, Catch& caugh
     caught.data.resize(call.kept.data != nullptr ? caught.samples.size() : 0);
     caught.data_of_square.resize(call.kept.data != nullptr ? rays_per_square : 0);
     caught.caught.resize(path_.catches_shadows() ? caught.samples.size() : 0);
+    caught.paths.resize(path_.config().tells_paths ? caught.samples.size() : 0);
     caught.by_group.assign(caught.samples.size() * call.kept.group_count, Rgb(0.0f));
     for (std::vector<MediumPart>& parts : caught.parts)
         parts.clear();

@@ -3,6 +3,7 @@
 // is asked anew while rays, materials and the other lights stay.
 #pragma once
 #include "render/caught_light.hpp"
+#include "render/light_paths.hpp"
 #include "render/surface_point.hpp"
 #include "shading/lobes/lobe_set.hpp"
 #include <algorithm>
@@ -19,7 +20,9 @@ struct SurfaceWalk {
         Rgb cover{0.0f};          ///< Share of what lies behind the point that it hides from the camera.
         std::uint16_t sample = 0; ///< The ray's, among those that were walked.
         LightOf of = LightOf::Picture;
-        bool is_elsewhere = false; ///< Than its pixel shows: neighbours share nothing of it.
+        bool is_elsewhere = false;         ///< Than its pixel shows: neighbours share nothing of it.
+        Scatterer by = Scatterer::Diffuse; ///< What sends its light to the camera,
+        bool is_direct = true;             ///< and whether nothing else has before.
     };
     /// Points of neighbouring rays in one layer, which are lit together.
     struct Batch {

@@ -43,18 +43,26 @@ void ViewPath::pass_media(Follower& follower, const Hit& hit, const Ray& camera_
         if (const std::optional<float> before_m = goes_on_at(follower, camera_ray))
             parts.push_back(
                 {.near_m = *before_m + inside.near_m, .far_m = *before_m + inside.far_m, .weight = in_front});
-    sample.radiance += in_front * media_.emission(inside);
+    const Rgb emission = in_front * media_.emission(inside);
+    sample.radiance += emission;
+    if (follower.kind == RayKind::Camera)
+        sample.emission += emission;
+    sample.tell_path(follower.first, follower.is_direct(), emission);
     follower.through_media *= media_.transmittance(inside);
     if (!follower.has_first_surface)
         sample.transmittance = follower.through_media;
 }
 
 void ViewPath::reach_world(const Follower& follower, bool is_sent_on, PathSample& sample) const {
-    if (config_.is_film_transparent && !is_sent_on)
+    if (config_.is_film_transparent && !is_sent_on) {
         sample.alpha -= average(follower.throughput());
-    else
-        sample.add_light(follower.throughput() * scene_.world().seen_radiance(follower.part.direction, follower.kind),
-                         scene_.world().light_group(), follower.of);
+        return;
+    }
+    const Rgb seen = follower.throughput() * scene_.world().seen_radiance(follower.part.direction, follower.kind);
+    sample.add_light(seen, scene_.world().light_group(), follower.of);
+    sample.tell_path(follower.first, follower.is_direct(), seen, follower.of);
+    if (sample.paths != nullptr && !is_sent_on)
+        sample.paths->environment += seen;
 }
 
 /// A catcher takes the place of what lies behind it: of the world, if the film shows it, by the share that its shadow leaves.
@@ -71,10 +79,12 @@ void ViewPath::catch_shadow(const Follower& follower, const SurfaceClosures& clo
 void ViewPath::show(Follower& follower, const SurfacePoint& point, const SurfaceClosures& closures, bool is_sent_on,
                     LightOf of, PathSample& sample) const {
     const Rgb throughput = follower.throughput();
-    if (closures.emission != Rgb(0.0f))
+    if (closures.emission != Rgb(0.0f)) {
         sample.add_light(throughput * closures.emission,
                          sample.by_group.empty() ? no_light_group : scene_.object_info(point.hit.instance).light_group,
                          of);
+        sample.tell_path(follower.first, follower.is_direct(), throughput * closures.emission, of);
+    }
     if (is_sent_on)
         return;
     if (!follower.has_first_surface && 1.0f - average(closures.transparent) >= alpha_threshold) {
@@ -112,11 +122,15 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
     for (std::size_t index = 0; index < camera_rays.size(); ++index) {
         const std::span<Rgb> by_group = samples[index].by_group;
         CaughtLight* const caught = samples[index].caught;
+        LightPaths* const paths = samples[index].paths;
         samples[index] = {};
         samples[index].by_group = by_group;
         samples[index].caught = caught;
+        samples[index].paths = paths;
         if (caught != nullptr)
             *caught = {};
+        if (paths != nullptr)
+            *paths = {};
         if (!camera_rays[index].exists())
             continue; // black and opaque beside a fisheye's circle, whatever the film, as in Cycles
         Follower& follower = followers[follower_count++];
@@ -168,6 +182,36 @@ void ViewPath::walk(std::span<const Ray> camera_rays, std::span<const std::uint3
     }
 }
 
+/// Whether lobes wait apart: what is seen in a mirror is all what the mirror sends on.
+static bool tells_apart(const ViewPathConfig& config, Scatterer first) {
+    return config.tells_paths && first == Scatterer::None;
+}
+
+void ViewPath::await_lobes(const Lit& lit, const Share& share, const SurfacePoint& point, std::span<const Lobe> lobes,
+                           SurfaceWalk& walked, SurfaceWalk& apart) const {
+    if (lobes.empty())
+        return;
+    if (!tells_apart(config_, share.first)) {
+        walked.push_lobes(lobes, lit.towards_viewer, share.throughput);
+        return;
+    }
+    thread_local std::vector<Lobe> alike;
+    for (const Scatterer by : {Scatterer::Diffuse, Scatterer::Glossy, Scatterer::Transmission}) {
+        alike.clear();
+        std::ranges::copy_if(lobes, std::back_inserter(alike),
+                             [by](const Lobe& lobe) { return scatterer_of(lobe) == by; });
+        if (alike.empty())
+            continue;
+        SurfaceWalk& to = by == Scatterer::Diffuse ? walked : apart;
+        if (by != Scatterer::Diffuse) {
+            apart.points.push_back(point);
+            apart.points.back().lambert_share = 0.0f;
+            apart.shades.push_back({Rgb(0.0f), Rgb(0.0f), Rgb(0.0f), share.sample, share.of, true, by});
+        }
+        to.push_lobes(alike, lit.towards_viewer, share.throughput);
+    }
+}
+
 void ViewPath::await_light(const Lit& lit, const Share& share, SurfaceWalk& walked, Hidden& hidden) const {
     if (!lit.below.empty())
         await_exits(lit, share, hidden.exits);
@@ -175,28 +219,30 @@ void ViewPath::await_light(const Lit& lit, const Share& share, SurfaceWalk& walk
     const SurfaceClosures& closures = lit.closures;
     const bool has_fibres = std::ranges::any_of(lit.lobes, &Lobe::is_of_fibre); // which light meets from all around
     constexpr float per_irradiance = std::numbers::inv_pi_v<float>;
-    if (closures.diffuse_albedo != Rgb(0.0f) || !lit.lobes.empty() || config_.lights_black_surfaces ||
+    const bool has_lobes =
+        tells_apart(config_, share.first) ? std::ranges::any_of(lit.lobes, &Lobe::is_matte) : !lit.lobes.empty();
+    if (closures.diffuse_albedo != Rgb(0.0f) || has_lobes || config_.lights_black_surfaces ||
         (config_.finds_ambient && !lit.is_unseen && closures.transparent != Rgb(1.0f))) {
         const Rgb seen = lit.is_unseen ? Rgb(0.0f) : share.throughput;
         walked.points.push_back(lit.point);
         walked.points.back().lambert_share = average(closures.diffuse_albedo);
         walked.shades.push_back({seen, share.throughput * (closures.diffuse_albedo * per_irradiance),
-                                 seen * (1.0f - closures.transparent), share.sample, share.of});
-        if (!lit.lobes.empty())
-            walked.push_lobes(lit.lobes, lit.towards_viewer, share.throughput);
+                                 seen * (1.0f - closures.transparent), share.sample, share.of, false,
+                                 share.by(Scatterer::Diffuse), share.is_direct()});
     }
+    await_lobes(lit, share, lit.point, lit.lobes, walked, hidden.exits);
     if (closures.translucent == Rgb(0.0f) && !has_fibres)
         return;
     behind.points.push_back(other_side(scene_, lit.point));
-    behind.shades.push_back(
-        {Rgb(0.0f), share.throughput * closures.translucent * per_irradiance, Rgb(0.0f), share.sample, share.of});
+    behind.shades.push_back({Rgb(0.0f), share.throughput * closures.translucent * per_irradiance, Rgb(0.0f),
+                             share.sample, share.of, false, share.by(Scatterer::Diffuse), share.is_direct()});
     if (!has_fibres)
         return;
     thread_local std::vector<Lobe> fibres;
     fibres.clear();
     std::ranges::copy_if(lit.lobes, std::back_inserter(fibres), &Lobe::is_of_fibre);
     behind.points.back().lambert_share = average(closures.translucent);
-    behind.push_lobes(fibres, lit.towards_viewer, share.throughput);
+    await_lobes(lit, share, behind.points.back(), fibres, behind, hidden.exits);
 }
 
 void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span<std::vector<MediumPart>> parts,
@@ -295,13 +341,18 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
                               footprint_m,
                               {hash(point.pixel_seed, follower.way, layer), rays.sample_index}};
                 const auto target = static_cast<std::uint16_t>(rays.targets[follower.index]);
-                await_light(lit, {throughput, target, of}, *walked, beside.among_all);
+                await_light(lit, {throughput, target, of, follower.first}, *walked, beside.among_all);
                 if (is_caught) // media dim what it is divided by no more than the world behind
-                    await_light(lit, {follower.through_surfaces, target, LightOf::CatcherAlone}, beside.alone,
-                                beside.hidden_alone);
+                    await_light(lit, {follower.through_surfaces, target, LightOf::CatcherAlone, follower.first},
+                                beside.alone, beside.hidden_alone);
             }
             if (!lobes.empty() && !is_sent_on)
                 sample.diffuse_colour += throughput * LobeSet{.lobes = lobes}.diffuse_colour();
+            if (sample.paths != nullptr && !is_sent_on)
+                see_colours(
+                    closures,
+                    {.lobes = lobes, .normal = point.shading.shading_normal, .outgoing = -follower.part.direction},
+                    bent, throughput, *sample.paths);
             if (sent != nullptr) {
                 follower.gain *= gain_of(closures, bent);
                 Sending sending{follower,

@@ -30,6 +30,7 @@ struct ViewPathConfig {
     bool collects_parts = false;        ///< Fill `parts` where there is a medium.
     bool lights_black_surfaces = false; ///< The Shadow pass needs light on surfaces that show none.
     bool finds_ambient = false;         ///< The ambient occlusion pass needs a point on all that covers anything.
+    bool tells_paths = false;           ///< Samples come with LightPaths.
     IndirectConfig indirect = {};
     float voxel_detail_px = 0.0f; ///< Cubes of voxels no wider are not looked into; 0: every voxel is met.
     bool operator==(const ViewPathConfig&) const = default;
@@ -79,6 +80,9 @@ private:
     struct Share;
     /// Appends a surface's points on the viewer's side, behind, and where what is seen of what lies below came in.
     void await_light(const Lit& lit, const Share& share, SurfaceWalk& walked, Hidden& hidden) const;
+    /// Lobes of a point: where passes tell light apart by them, those that are not matte wait at points of their own.
+    void await_lobes(const Lit& lit, const Share& share, const SurfacePoint& point, std::span<const Lobe> lobes,
+                     SurfaceWalk& walked, SurfaceWalk& apart) const;
     void await_exits(const Lit& lit, const Share& share, SurfaceWalk& exits) const;
     void catch_shadow(const Follower& follower, const SurfaceClosures& closures, PathSample& sample) const;
     /// Follows up to most_points rays by their layers; what is mirrored and bent on the way goes to `sent`, where there is

@@ -24,7 +24,9 @@ void ViewPath::await_exits(const Lit& lit, const Share& share, SurfaceWalk& exit
                                     .radiance = has_lobe ? Rgb(0.0f) : throughput * std::numbers::inv_pi_v<float>,
                                     .sample = share.sample,
                                     .of = share.of,
-                                    .is_elsewhere = true});
+                                    .is_elsewhere = true,
+                                    .by = share.by(Scatterer::Diffuse),
+                                    .is_direct = share.is_direct()});
             if (!has_lobe)
                 continue;
             exits.points.back().lambert_share = 0.0f;

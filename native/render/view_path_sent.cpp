@@ -33,6 +33,8 @@ void ViewPath::send_on(const Sending& sending, const SurfaceClosures& closures, 
         next.way = hash(follower.way, way);
         next.sender = point.hit.instance;
         ++(kind == RayKind::Mirror ? next.mirror_count : next.bend_count);
+        if (next.first == Scatterer::None)
+            next.first = kind == RayKind::Mirror ? Scatterer::Glossy : Scatterer::Transmission;
         next.is_past = next.mirror_count > indirect.mirror_depth || next.bend_count > indirect.refraction_depth;
     };
     const Rgb in_front = follower.through_surfaces * through_media / gain;
@@ -66,8 +68,11 @@ void ViewPath::see_air(const Follower& follower, float end_m, std::uint32_t seed
     thread_local std::vector<FogGlow::Found> found;
     found.clear();
     sent_air_->draw({ray.origin, ray.direction, ray.near_m, end_m}, {seed, sample_index, 0}, found);
-    for (const auto& [radiance, group] : found)
-        sample.add_light(follower.throughput() * radiance, group, follower.of);
+    for (const auto& [radiance, group] : found) {
+        const Rgb seen = follower.throughput() * radiance;
+        sample.add_light(seen, group, follower.of);
+        sample.tell_path(follower.first, false, seen, follower.of);
+    }
 }
 
 void ViewPath::see_lamps(const Follower& follower, float end_m, PathSample& sample) const {
@@ -84,7 +89,9 @@ void ViewPath::see_lamps(const Follower& follower, float end_m, PathSample& samp
         before.far_m = hit.far_m;
         if (!media_.is_empty())
             radiance *= media_.transmittance(before);
-        sample.add_light(follower.throughput() * radiance, light.light_group, follower.of);
+        const Rgb seen = follower.throughput() * radiance;
+        sample.add_light(seen, light.light_group, follower.of);
+        sample.tell_path(follower.first, follower.is_direct(), seen, follower.of);
     };
     for (std::size_t lamp = 0; lamp < light_.lamp_count(); ++lamp) {
         const LightAim& aim = light_.aim_of(lamp);

@@ -29,6 +29,16 @@ PASSES = (
     "AO",
     "Unshadowed",
     "Shadow Catcher",
+    #: From here on by what sends light to the camera; light, not divided by the colour of what sends it.
+    "DiffDir",
+    "DiffInd",
+    "GlossDir",
+    "GlossInd",
+    "TransDir",
+    "TransInd",
+    "Env",
+    "GlossCol",
+    "TransCol",
 )
 #: Names of planes; those of mattes have a number of two digits behind it.
 DATA_PASSES = (

@@ -123,11 +123,15 @@ def test_hair_is_lit_as_in_cycles(
     assert not [line for line in read().reports if "Hair look" in line]
 
 
+# Seen to fail: coloured ones from the front, by 15 %, with a direction that is the same from both sides.
 @pytest.mark.dealt
+@pytest.mark.parametrize("side_seen", ["front", "back"])
 @pytest.mark.parametrize("towards", [0.5, 2.6], ids=["from ahead", "from behind"])
 @pytest.mark.parametrize("look", [coloured, reflection, transmission])
-def test_cards_of_hair_are_lit_as_in_cycles(look: Callable[[], bpy.types.Material], towards: float) -> None:
-    """Meshes have a direction along them for each triangle."""
+def test_cards_of_hair_are_lit_as_in_cycles(
+    look: Callable[[], bpy.types.Material], towards: float, side_seen: str
+) -> None:
+    """Meshes have a direction along them for each triangle, which is another one from behind."""
     if look is coloured and bpy.app.version >= (5, 0, 0):
         pytest.skip("Cycles 5.0 leaves out what comes from across the plane through hair and viewer")
     scene = stage()
@@ -144,13 +148,17 @@ def test_cards_of_hair_are_lit_as_in_cycles(look: Callable[[], bpy.types.Materia
         for y in range(side)
     ]
     faces = [(at, at + 1, at + side + 1, at + side) for at in range(side * (side - 1)) if at % side < side - 1]
+    if side_seen == "front":
+        faces = [face[::-1] for face in faces]
     add("Card", mesh("Card", corners, faces, look())).rotation_euler = (0.2, 0.1, 0.3)
     ours, cycles = both_engines(scene, 16)
     is_dark = (look is reflection and towards > 1.0) or (look is transmission and towards < 1.0)
     if is_dark:
         assert ours.max() == cycles.max() == 0.0
     else:
-        agree(f"card_{look.__name__}_{towards}", ours, cycles, block_bound=0.2)  # at edges of sharp mirror images
+        agree(
+            f"card_{look.__name__}_{towards}_{side_seen}", ours, cycles, block_bound=0.2
+        )  # at edges of sharp mirror images
 
 
 def test_colours_that_vary_along_a_hair_are_as_in_cycles() -> None:

@@ -148,7 +148,8 @@ void add_hair_lobes(const LobeSource& source, const LobeInputs& inputs, const Sh
         return;
     const vec3 normal = point.is_backface ? -point.geometric_normal : point.geometric_normal;
     if (hair_input_count(source.model) == hair::principled_inputs) {
-        hair::add_principled(source, inputs, weight, hair::unit_tangent(inputs[12], normal), normal, outgoing,
+        hair::add_principled(source, inputs, weight,
+                             hair::unit_tangent(point.is_backface ? -inputs[12] : inputs[12], normal), normal, outgoing,
                              point.tint, closures, lobes);
         return;
     }

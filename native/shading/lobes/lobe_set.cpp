@@ -349,7 +349,7 @@ Rgb LobeSet::albedo() const {
 Rgb LobeSet::diffuse_colour() const {
     Rgb sum(0.0f);
     for (const Lobe& lobe : lobes)
-        sum += lobe.is_diffuse() ? lobe.weight : Rgb(0.0f);
+        sum += lobe.is_matte() ? lobe.weight : Rgb(0.0f); // velvet's is that of gloss
     return sum;
 }
 } // namespace tyndall

@@ -20,7 +20,7 @@ TEST_CASE("a sample that is no number, infinite, or beyond measure leaves its pi
         for (const std::size_t pixel : {0u, 1u})
             sums.add(pixel, sample);
     }
-    sums.add_light(1, Rgb(nan, 4.0f, -infinite));
+    sums.add_world_light(1, Rgb(nan, 4.0f, -infinite));
     sums.add_shafts(1, Rgb(4.0f, infinite, nan), 1.0f);
     const Film film = sums.resolve(Progress());
     const std::vector<float>& values = film.planes.front().values;
