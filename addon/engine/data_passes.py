@@ -6,6 +6,7 @@ Names, and what they belong to, are Cycles': a file of either is read by the sam
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import bpy
@@ -18,7 +19,7 @@ from .passes import matte_kinds, matte_ranks, valid_aovs
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from bpy.types import Depsgraph, Object, ViewLayer
+    from bpy.types import Depsgraph, Object, ViewLayer, World
 
     from tyndall.scene_description import SceneDescription
 
@@ -27,18 +28,21 @@ _MIST_EXPONENTS = {"LINEAR": 1.0, "QUADRATIC": 2.0, "INVERSE_QUADRATIC": 0.5}
 
 def data_config(depsgraph: Depsgraph, view_layer: ViewLayer) -> DataConfig:
     """What the view layer's data passes need beside the scene; what nobody asks for is not looked for."""
-    world = depsgraph.scene_eval.world
-    plain = DataConfig()
-    mist = world.mist_settings if view_layer.use_pass_mist and world is not None else None
-    return DataConfig(
+    return replace(
+        view_data_config(depsgraph.scene_eval.world if view_layer.use_pass_mist else None),
         matte_ranks=matte_ranks(view_layer),
         asset_of=_assets(depsgraph) if view_layer.use_pass_cryptomatte_asset else {},
         material_index=_material_indices(depsgraph) if view_layer.use_pass_material_index else {},
         aovs=tuple((aov.name, aov.type == "COLOR") for aov in valid_aovs(view_layer)),
-        mist_start_m=plain.mist_start_m if mist is None else mist.start,
-        mist_depth_m=plain.mist_depth_m if mist is None else mist.depth,
-        mist_exponent=plain.mist_exponent if mist is None else _MIST_EXPONENTS[mist.falloff],
     )
+
+
+def view_data_config(world: World | None) -> DataConfig:
+    """What data passes of a viewport need: the world's mist, if there is one."""
+    if world is None:
+        return DataConfig()
+    mist = world.mist_settings
+    return DataConfig(mist_start_m=mist.start, mist_depth_m=mist.depth, mist_exponent=_MIST_EXPONENTS[mist.falloff])
 
 
 class MatteNames:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
+from tyndall.light_paths import COLOUR_OF, is_light, without_colour
+
 from ..sync.object_lighting import light_groups
 
 if TYPE_CHECKING:
@@ -67,8 +69,6 @@ _PASSES = (
     _Pass("Denoising Albedo", "Denoising Albedo", "RGB", "COLOR", "tyndall.use_pass_denoising_data"),
     _Pass("Denoising Depth", "Denoising Depth", "Z", "VALUE", "tyndall.use_pass_denoising_data"),
 )
-#: Of light, the colour that passes have it without, as in Cycles: compositors multiply by it.
-_COLOUR_OF = {f"{kind}{part}": f"{kind}Col" for kind in ("Diff", "Gloss", "Trans") for part in ("Dir", "Ind")}
 #: Mattes by what they tell apart, with the switch of the view layer.
 _MATTES = {
     "CryptoObject": "use_pass_cryptomatte_object",
@@ -88,7 +88,7 @@ def register_passes(engine: RenderEngine, scene: Scene, view_layer: ViewLayer) -
 def wanted_planes(view_layer: ViewLayer) -> frozenset[str]:
     """The planes of the film that the view layer's passes show; of mattes, all of a kind under its name."""
     shown = {render_pass.plane for render_pass in _switched_on(view_layer)}
-    colours = {_COLOUR_OF[plane] for plane in shown & _COLOUR_OF.keys()}
+    colours = {COLOUR_OF[plane] for plane in shown & COLOUR_OF.keys()}
     return frozenset(shown | colours).union(matte_kinds(view_layer))
 
 
@@ -127,27 +127,10 @@ def write(layer: RenderLayer, planes: Mapping[str, NDArray[np.float32]], exposur
 
     One call for all passes: ``pass.rect = array`` takes 0.9 to 2.2 s for a full HD pass, this takes 0.004 s.
     """
-    shown = {name: exposed(plane, exposure) if _is_light(name) else plane for name, plane in planes.items()}
-    for name in shown.keys() & _COLOUR_OF.keys():
-        shown[name] = without_colour(shown[name], planes[_COLOUR_OF[name]])
+    shown = {name: exposed(plane, exposure) if is_light(name) else plane for name, plane in planes.items()}
+    for name in shown.keys() & COLOUR_OF.keys():
+        shown[name] = without_colour(shown[name], planes[COLOUR_OF[name]])
     layer.passes.foreach_set("rect", np.concatenate([_pixels(render_pass, shown) for render_pass in layer.passes]))
-
-
-def without_colour(light: NDArray[np.float32], colour: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(height, width, 3) both; where a channel has no colour, the mean of the others, as in Cycles."""
-    has_colour = colour != 0
-    without = np.divide(light, colour, out=np.zeros_like(light), where=has_colour)
-    grey = without.sum(-1, keepdims=True) / np.maximum(has_colour.sum(-1, keepdims=True), np.float32(1))
-    return np.where(has_colour, without, grey.astype(np.float32))
-
-
-def _is_light(plane: str) -> bool:
-    """Whether it is radiance, which a film's exposure multiplies, as it does in Cycles; those of light groups are."""
-    return (
-        plane in {"Combined", "Emit", "Env", "Shafts"}
-        or plane in _COLOUR_OF
-        or plane.startswith(("Combined_", "Shafts_"))
-    )
 
 
 def _pixels(render_pass: bpy.types.RenderPass, planes: Mapping[str, NDArray[np.float32]]) -> NDArray[np.float32]:

@@ -26,6 +26,8 @@ from ..sync.images import ImageReader
 from ..sync.reports import Reports
 from ..sync.scene import SceneReader
 from ..sync.transfer_functions import read_transfer_functions
+from ..viewport_passes import PLANE_OF
+from .data_passes import view_data_config
 from .error_texts import text_of
 from .passes import exposed, film_exposure
 from .reading_slices import ReadingSlices, SliceOver
@@ -39,6 +41,7 @@ from .viewport_camera import (
     window_beyond_frame,
 )
 from .viewport_hud import draw_hud, hud_lines
+from .viewport_pictures import planes_for
 from .viewport_worker import Picture, View, ViewportWorker
 
 if TYPE_CHECKING:
@@ -133,7 +136,7 @@ class Viewport:
         picture = self.worker.picture
         if picture is None:
             return
-        exposure = film_exposure(context.scene)
+        exposure = film_exposure(context.scene) if picture.is_light else 1.0
         if picture is not self._drawn or exposure != self._exposure:
             height, width = picture.rgba.shape[:2]
             rgba = np.ascontiguousarray(exposed(picture.rgba, exposure))
@@ -246,12 +249,15 @@ def _view_of(
     frame = frame_of_view(context)
     config = render_config(scene, depsgraph.view_layer_eval, frame, functions, heterogeneity)
     tyndall = scene.tyndall
+    plane = PLANE_OF[context.space_data.shading.tyndall.render_pass]
     return View(
         camera=_camera_of(context, depsgraph, frame.size_px),
         config=replace(
             config,
             pixel_samples=tyndall.viewport_samples,
-            passes=frozenset(),
+            passes=planes_for(plane),
+            data=view_data_config(scene.world),
+            keeps_light_groups=False,
             shafts=replace(
                 config.shafts,
                 method=tyndall.shafts.viewport_method,
@@ -259,4 +265,5 @@ def _view_of(
                 world_samples=min(config.shafts.world_samples, WORLD_SAMPLES),
             ),
         ),
+        plane=plane,
     )

@@ -15,9 +15,11 @@ from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from tyndall import Cancelled, Progress
+from tyndall.light_paths import is_light
 from tyndall.renderer import Film, RenderConfig, Session
 
 from .error_texts import text_of
+from .viewport_pictures import shown
 
 if TYPE_CHECKING:
     from tyndall.scene_description import Camera, FloatArray, SceneDescription
@@ -42,6 +44,7 @@ class View:
     #: With ``thread_count`` 0, the first picture takes all threads, for it is there at once; finer ones leave one to
     #: the window.
     config: RenderConfig
+    plane: str = "Combined"  #: Which one is shown, as viewport_pictures has it; the settings ask for it.
 
     def is_like(self, other: View | None) -> bool:
         """Whether both show the same picture of the same scene."""
@@ -51,7 +54,7 @@ class View:
         """Everything that the picture depends on."""
         camera, matrix = self.camera, "world_from_camera"
         rest = (getattr(camera, entry.name) for entry in fields(camera) if entry.name != matrix)
-        return camera.world_from_camera.tobytes(), *rest, self.config
+        return camera.world_from_camera.tobytes(), *rest, self.config, self.plane
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -61,6 +64,7 @@ class Picture:
     rgba: FloatArray  #: (height, width, 4), scene-linear, alpha premultiplied, rows bottom to top.
     bounds: tuple[float, float, float, float]  #: Left, bottom, right, top as shares of the region.
     scale: int = 1  #: Pixels of the region per pixel, along each side.
+    is_light: bool = True  #: The film's exposure multiplies it.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -95,7 +99,8 @@ def coarser(view: View, scale: int) -> View:
     grown_x, grown_y = width * scale / view.camera.size_px[0], height * scale / view.camera.size_px[1]
     left, right, bottom, top = view.camera.window
     window = left, left + (right - left) * grown_x, bottom, bottom + (top - bottom) * grown_y
-    return View(
+    return replace(
+        view,
         camera=replace(view.camera, size_px=(width, height), window=window),
         config=replace(
             config,
@@ -311,7 +316,8 @@ def _picture(film: Film, rendered: View, view: View, scale: int) -> Picture:
     width, height = view.camera.size_px
     x0, y0, x1, y1 = rendered.config.region_px or (0, 0, *rendered.camera.size_px)
     return Picture(
-        rgba=film.planes["Combined"],
+        rgba=shown(film.planes, view.plane),
         bounds=(x0 * scale / width, y0 * scale / height, x1 * scale / width, y1 * scale / height),
         scale=scale,
+        is_light=is_light(view.plane),
     )

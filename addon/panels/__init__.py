@@ -30,6 +30,7 @@ from . import (
     statistics,
     transfer_functions,
     unavailable,
+    viewport_shading,
     voxels,
     world,
 )
@@ -50,6 +51,7 @@ CLASSES = (
     *panorama.CLASSES,
     *objects.CLASSES,
     *light_groups.CLASSES,
+    *viewport_shading.CLASSES,
     *light.CLASSES,
     *occluder_edits.CLASSES,
     *gobo.CLASSES,

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from addon.engine.passes import register_passes, without_colour
+from addon.engine.passes import register_passes
 from support.closure_scenes import IS_OLD, pane_scene
 from support.pass_pictures import render_passes
 from support.small_scenes import Node, cube, empty_scene, light, material, node, plane
+from tyndall.light_paths import without_colour
 
 pytestmark = pytest.mark.dealt
 

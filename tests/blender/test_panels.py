@@ -172,6 +172,7 @@ def test_unregister_leaves_no_trace(scene: bpy.types.Scene) -> None:
     addon.unregister()
     try:
         assert not hasattr(bpy.types.Scene, "tyndall")
+        assert not hasattr(bpy.types.View3DShading, "tyndall")
         assert not any("TYNDALL" in getattr(panel, "COMPAT_ENGINES", ()) for panel in standard_panels())
         assert not hasattr(bpy.types, "TYNDALL_PT_sampling")
     finally:

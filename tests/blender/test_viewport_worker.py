@@ -14,14 +14,18 @@ import bpy
 import numpy as np
 import pytest
 
+from addon.engine.data_passes import view_data_config
 from addon.engine.settings import frame_window, render_config
 from addon.engine.viewport_hud import hud_lines
+from addon.engine.viewport_pictures import planes_for
 from addon.engine.viewport_worker import PATIENCE_S, View, ViewportWorker, Work
 from addon.sync.cameras import read_camera
 from addon.sync.reports import Reports
 from addon.sync.scene import SceneReader
+from addon.viewport_passes import VIEWPORT_PASSES
 from support.viewport_views import a_view
 from tyndall import Cancelled, Progress
+from tyndall.light_paths import COLOUR_OF, is_light, without_colour
 from tyndall.renderer import Film, RenderConfig, Session
 from tyndall.scene_description import Camera, SceneDescription
 
@@ -253,6 +257,38 @@ def test_the_finished_picture_is_the_final_renders(
     film = session.render(camera, config, Progress())
     assert math.isfinite(float(film.planes["Combined"].sum()))
     assert np.array_equal(worker.picture.rgba, film.planes["Combined"])
+
+
+# Seen to fail with light that keeps its colour, and with a picture that is kept whatever pass is asked for.
+def test_each_pass_shows_the_final_renders(scene: bpy.types.Scene, workers: Callable[[object], ViewportWorker]) -> None:
+    """One after the other in one worker; opaque, and grey where a pass is one number."""
+    bpy.ops.tyndall.add_fog_box()
+    scene.world.mist_settings.depth = 12.0
+    size_px = (80, 45)
+    camera = read_camera(scene.camera, scene.render, size_px, Reports())
+    plain = render_config(scene, bpy.context.view_layer, frame_window(scene.render, size_px))
+    plain = replace(plain, pixel_samples=1, data=view_data_config(scene.world))
+    description = SceneReader().read(bpy.context.evaluated_depsgraph_get(), Reports(), lambda: None)
+    session = Session()
+    session.update(description, Progress())
+    everything = frozenset().union(*(planes_for(each.plane) for each in VIEWPORT_PASSES))
+    planes = session.render(camera, replace(plain, passes=everything), Progress()).planes
+    worker = workers(Session())
+    for each in VIEWPORT_PASSES:
+        view = View(camera=camera, config=replace(plain, passes=planes_for(each.plane)), plane=each.plane)
+        before = worker.picture
+        worker.show(view, description if before is None else None)
+        wait_until(lambda: is_finished(worker, size_px) and worker.picture is not before)  # noqa: B023
+        if each.plane == "Combined":
+            continue  # its lobes are not apart: other noise
+        expected = planes[each.plane]
+        if each.plane in COLOUR_OF:
+            expected = without_colour(expected, planes[COLOUR_OF[each.plane]])
+        assert worker.picture.rgba[..., :3] == pytest.approx(np.broadcast_to(expected, (45, 80, 3)), abs=1e-6), each
+        assert (worker.picture.rgba[..., 3] == 1.0).all()
+        assert worker.picture.is_light == is_light(each.plane)
+        if each.plane not in {"DiffInd", "GlossInd", "TransDir", "TransInd", "TransCol", "Emit"}:
+            assert np.ptp(expected) > 0.0, f"nothing is there in {each.name}"
 
 
 def test_only_the_first_picture_takes_all_threads(workers: Callable[[object], ViewportWorker]) -> None:

@@ -54,6 +54,8 @@ def test_the_viewport_shows_the_rendered_picture(play: Callable[..., Any]) -> No
     assert all(rms(seen - expected) < 0.25 * rms(seen - shifted) for shifted in shifts)
 
     assert facts["red_over_blue"] > 3.0
+    assert facts["red_over_blue of DIFFUSE_COLOR"] == pytest.approx(1.0, abs=0.2)
+    assert facts["red_over_blue of COMBINED"] == facts["red_over_blue"]
     # A light changed: nothing was walked again, and no other light was asked.
     assert facts["work"]["surfaces: passes walked"] == 0
     # The window's own bound, whatever the machine does: a fraction of what it would be if it waited for the picture.

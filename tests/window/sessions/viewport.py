@@ -54,6 +54,19 @@ def show_timings(
     scene.tyndall.shows_viewport_work = False
 
 
+def show_passes(
+    window: Any, space: bpy.types.SpaceView3D, worker: Callable[[], Any], finished: Callable[[], Iterator[float]]
+) -> Iterator[float]:
+    """One in place of the picture, and the picture again: what surfaces are like knows no lamp."""
+    for name in ("DIFFUSE_COLOR", "COMBINED"):
+        space.shading.tyndall.render_pass = name
+        yield 0.1
+        yield from finished()
+        window.screenshot(f"viewport_{name.lower()}")
+        mean = worker().picture.rgba.mean(axis=(0, 1))
+        window.facts[f"red_over_blue of {name}"] = float(mean[0] / mean[2])
+
+
 def session(window: Any) -> Iterator[float]:
     from addon.engine import viewport
 
@@ -73,8 +86,9 @@ def session(window: Any) -> Iterator[float]:
     region = window.region("VIEW_3D")
     window.screenshot("viewport")
     np.save(window.folder / "picture.npy", worker().picture.rgba)
-    window.facts["region"] = [region.x, region.y, region.width, region.height]
-    window.facts["window_height"] = window.bpy_window.height
+    window.facts.update(
+        region=[region.x, region.y, region.width, region.height], window_height=window.bpy_window.height
+    )
 
     # A change of the scene arrives by itself.
     before = worker().picture.rgba.sum()
@@ -86,6 +100,7 @@ def session(window: Any) -> Iterator[float]:
     mean = worker().picture.rgba.mean(axis=(0, 1))
     window.facts["red_over_blue"] = float(mean[0] / mean[2])
 
+    yield from show_passes(window, space, worker, finished)
     yield from show_timings(window, scene, worker, finished)
 
     # So many samples that a picture takes long: the window must answer meanwhile.
