@@ -27,7 +27,12 @@ STATISTICS = {
 }
 PANELS = [cls for cls in panels.CLASSES if issubclass(cls, bpy.types.Panel)]
 #: Each has a test of its own.
-ELSEWHERE = {"TYNDALL_PT_unavailable", "TYNDALL_PT_beam_shape", "TYNDALL_PT_panorama"}
+ELSEWHERE = {
+    "TYNDALL_PT_unavailable",
+    "TYNDALL_PT_beam_shape",
+    "TYNDALL_PT_panorama",
+    "TYNDALL_PT_viewport_render_pass",
+}
 LIGHT_TYPES = ("SUN", "POINT", "SPOT", "AREA")
 
 
@@ -227,6 +232,17 @@ def test_a_panorama_shows_its_own_settings(scene: bpy.types.Scene) -> None:
     assert shown["FISHEYE_EQUISOLID"] == {"fisheye_fov", "fisheye_lens"}
     assert not shown["MIRRORBALL"]
     assert set.union(*shown.values()) == owned
+
+
+def test_the_shading_menu_offers_passes_where_ours_are_shown(scene: bpy.types.Scene) -> None:
+    screens = (area for screen in bpy.data.screens for area in screen.areas if area.type == "VIEW_3D")
+    space = next(screens).spaces[0]
+    menu = panels.viewport_shading.TYNDALL_PT_viewport_render_pass
+    space.shading.type = "RENDERED"
+    assert drawn(menu, space_data=space) == ["render_pass"]
+    space.shading.type = "SOLID"
+    assert not menu.poll(HeadlessContext(space_data=space))
+    assert not menu.poll(HeadlessContext(space_data=None))
 
 
 def test_motion_blur_has_its_panel(scene: bpy.types.Scene) -> None:
