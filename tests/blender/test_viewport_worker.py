@@ -259,7 +259,7 @@ def test_the_finished_picture_is_the_final_renders(
     assert np.array_equal(worker.picture.rgba, film.planes["Combined"])
 
 
-# Seen to fail with light that keeps its colour, without the plane of it, and with views that are alike whatever they show.
+# Seen to fail with light that keeps its colour, without the plane of it, and with views alike whatever they show.
 def test_each_pass_shows_the_final_renders(scene: bpy.types.Scene, workers: Callable[[object], ViewportWorker]) -> None:
     """One after the other in one worker; opaque, and grey where a pass is one number."""
     bpy.ops.tyndall.add_fog_box()
