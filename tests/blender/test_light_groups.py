@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from addon.engine.passes import register_passes
-from support.pass_pictures import render_passes
+from support.pass_pictures import passes_of_both, render_passes
 from support.small_scenes import add, cube, empty_scene, light, material, node, plane, read
 
 pytestmark = pytest.mark.dealt
@@ -71,20 +70,8 @@ def largest(values: NDArray[np.float64]) -> float:
 
 
 def test_passes_have_the_names_and_channels_of_cycles(stage: bpy.types.Scene) -> None:
-    class Recorder:
-        def __init__(self) -> None:
-            self.found: list[tuple[object, ...]] = []
-
-        def register_pass(self, _scene: object, _layer: object, *args: object) -> None:
-            self.found.append(args)
-
-    import _cycles  # noqa: F401, PLC0415 - in every build that these tests run in
-    from cycles.engine import list_render_passes  # noqa: PLC0415 - the add-on of the running Blender
-
-    layer, ours = stage.view_layers[0], Recorder()
-    register_passes(ours, stage, layer)
-    theirs = {entry for entry in list_render_passes(stage, layer) if entry[0].startswith("Combined_")}
-    assert {(name, channels, kind) for name, _, channels, kind in ours.found if name.startswith("Combined_")} == theirs
+    ours, theirs = ({entry for entry in found if entry[0].startswith("Combined_")} for found in passes_of_both(stage))
+    assert ours == theirs
     assert len(theirs) == len(GROUPS)
 
 

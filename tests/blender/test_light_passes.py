@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from addon.engine.passes import register_passes
 from support.closure_scenes import IS_OLD, pane_scene
-from support.pass_pictures import render_passes
+from support.pass_pictures import passes_of_both, render_passes
 from support.small_scenes import Node, cube, empty_scene, light, material, node, plane
 from tyndall.light_paths import without_colour
 
@@ -125,20 +124,8 @@ def assert_like_cycles(
 
 
 def test_passes_have_the_names_and_channels_of_cycles(stage: bpy.types.Scene) -> None:
-    class Recorder:
-        def __init__(self) -> None:
-            self.found: list[tuple[object, ...]] = []
-
-        def register_pass(self, _scene: object, _layer: object, *args: object) -> None:
-            self.found.append(args)
-
-    import _cycles  # noqa: F401, PLC0415 - in every build that these tests run in
-    from cycles.engine import list_render_passes  # noqa: PLC0415 - the add-on of the running Blender
-
-    layer, ours = stage.view_layers[0], Recorder()
-    register_passes(ours, stage, layer)
-    theirs = set(list_render_passes(stage, layer))
-    assert {(name, channels, kind) for name, _, channels, kind in ours.found} == theirs
+    ours, theirs = passes_of_both(stage)
+    assert ours == theirs
     assert len(theirs) == 13
 
 

@@ -10,6 +10,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from addon.engine.passes import register_passes
+
 from .exr import read_planes, read_stamps
 
 
@@ -51,3 +53,22 @@ def render_passes(
     path = Path(scene.render.filepath)
     planes = {name.partition(".")[2]: plane for name, plane in read_planes(path).items()}
     return PassPictures(planes, read_stamps(path))
+
+
+def passes_of_both(scene: bpy.types.Scene) -> tuple[set[tuple[str, str, str]], set[tuple[str, str, str]]]:
+    """Names, channels and kinds of the passes of the first view layer: of ours, and of the running Cycles."""
+
+    class Recorder:
+        def __init__(self) -> None:
+            self.found: set[tuple[str, str, str]] = set()
+
+        def register_pass(self, _scene: object, _layer: object, *args: str) -> None:
+            name, _, channels, kind = args
+            self.found.add((name, channels, kind))
+
+    import _cycles  # noqa: F401, PLC0415 - in every build that these tests run in
+    from cycles.engine import list_render_passes  # noqa: PLC0415 - the add-on of the running Blender
+
+    layer, ours = scene.view_layers[0], Recorder()
+    register_passes(ours, scene, layer)
+    return ours.found, set(list_render_passes(scene, layer))
