@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from .light_passes import LIGHT_PASSES
+
 
 @dataclass(frozen=True)
 class ViewportPass:
@@ -14,21 +16,14 @@ class ViewportPass:
     description: str
 
 
-_KINDS = {"Diff": "Diffuse", "Gloss": "Glossy", "Trans": "Transmission"}
-_PARTS = {
-    "Dir": ("Direct", "Light that comes straight from lamps, world and what glows, without the surface's colour"),
-    "Ind": ("Indirect", "Light that has met other surfaces before, without the surface's colour"),
-    "Col": ("Color", "Share of even light that the surface sends to the camera"),
-}
 VIEWPORT_PASSES = (
     ViewportPass("COMBINED", "Combined", "Combined", "The picture"),
     ViewportPass("EMISSION", "Emission", "Emit", "What glows and is seen straight"),
     ViewportPass("ENVIRONMENT", "Environment", "Env", "The world, where it is seen straight"),
     ViewportPass("AO", "Ambient Occlusion", "AO", "Share of the world that surfaces see"),
     *(
-        ViewportPass(f"{kind}_{part}".upper(), f"{kind} {part}", short_kind + short_part, description)
-        for short_kind, kind in _KINDS.items()
-        for short_part, (part, description) in _PARTS.items()
+        ViewportPass(each.name.replace(" ", "_").upper(), each.name, each.plane, each.description)
+        for each in LIGHT_PASSES
     ),
     ViewportPass("SHAFTS", "Shafts", "Shafts", "Light that media scatter towards the camera"),
     ViewportPass("SHAFTS_VISIBILITY", "Shafts Visibility", "Shafts Visibility", "Lit share of each ray in media"),

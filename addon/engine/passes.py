@@ -11,6 +11,7 @@ import numpy as np
 
 from tyndall.light_paths import COLOUR_OF, is_light, without_colour
 
+from ..light_passes import LIGHT_PASSES
 from ..sync.object_lighting import light_groups
 
 if TYPE_CHECKING:
@@ -46,15 +47,7 @@ _PASSES = (
     _Pass("UV", "UV", "UVA", "VECTOR", "use_pass_uv"),
     _Pass("IndexOB", "Object Index" if _HAS_LONG_NAMES else "IndexOB", "X", "VALUE", "use_pass_object_index"),
     _Pass("IndexMA", "Material Index" if _HAS_LONG_NAMES else "IndexMA", "X", "VALUE", "use_pass_material_index"),
-    _of_cycles("DiffDir", "DiffDir", "Diffuse Direct", "use_pass_diffuse_direct"),
-    _of_cycles("DiffInd", "DiffInd", "Diffuse Indirect", "use_pass_diffuse_indirect"),
-    _of_cycles("DiffCol", "DiffCol", "Diffuse Color", "use_pass_diffuse_color"),
-    _of_cycles("GlossDir", "GlossDir", "Glossy Direct", "use_pass_glossy_direct"),
-    _of_cycles("GlossInd", "GlossInd", "Glossy Indirect", "use_pass_glossy_indirect"),
-    _of_cycles("GlossCol", "GlossCol", "Glossy Color", "use_pass_glossy_color"),
-    _of_cycles("TransDir", "TransDir", "Transmission Direct", "use_pass_transmission_direct"),
-    _of_cycles("TransInd", "TransInd", "Transmission Indirect", "use_pass_transmission_indirect"),
-    _of_cycles("TransCol", "TransCol", "Transmission Color", "use_pass_transmission_color"),
+    *(_of_cycles(each.plane, each.plane, each.name, each.switch) for each in LIGHT_PASSES),
     _of_cycles("Shafts", "VolumeDir", "Volume Direct", "cycles.use_pass_volume_direct"),
     _of_cycles("Emit", "Emit", "Emission", "use_pass_emit"),
     _of_cycles("Env", "Env", "Environment", "use_pass_environment"),

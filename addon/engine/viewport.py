@@ -256,7 +256,7 @@ def _view_of(
             config,
             pixel_samples=tyndall.viewport_samples,
             passes=planes_for(plane),
-            data=view_data_config(scene.world),
+            data=view_data_config(scene.world if plane == "Mist" else None),
             keeps_light_groups=False,
             shafts=replace(
                 config.shafts,

@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 from bpy.types import Context, Panel
 
 from .. import denoising
+from ..light_passes import LIGHT_PASSES
 from .base import PropertiesPanel, draw_text
 
 if TYPE_CHECKING:
@@ -45,10 +47,10 @@ class TYNDALL_PT_passes(PropertiesPanel, Panel):
         column = layout.column(heading="Indexes", align=True)
         column.prop(view_layer, "use_pass_object_index")
         column.prop(view_layer, "use_pass_material_index")
-        for kind in ("diffuse", "glossy", "transmission"):
-            column = layout.column(heading=kind.capitalize(), align=True)
-            for part in ("direct", "indirect", "color"):
-                column.prop(view_layer, f"use_pass_{kind}_{part}", text=part.capitalize())
+        for kind, passes in groupby(LIGHT_PASSES, lambda each: each.kind):
+            column = layout.column(heading=kind, align=True)
+            for each in passes:
+                column.prop(view_layer, each.switch, text=each.part)
         column = layout.column(heading="Light", align=True)
         column.prop(view_layer, "use_pass_emit", text="Emission")
         column.prop(view_layer, "use_pass_environment")

@@ -112,16 +112,16 @@ struct PathSample {
     [[nodiscard]] Rgb shadow() const {
         return caught == nullptr ? Rgb(0.0f) : Rgb(caught->weight * (1.0f - caught->kept_as_seen()));
     }
-    /// As in Cycles, light of catchers is in no group.
-    void add_light(const Rgb& light, std::uint8_t group, LightOf of = LightOf::Picture) {
+    /// To no group. As in Cycles, light of catchers is in no group, and comes no way that passes tell.
+    void add_light(const Rgb& light, LightOf of, const LightWay& way) {
         light_of(of) += light;
+        if (paths != nullptr && of == LightOf::Picture)
+            paths->add(way, light);
+    }
+    void add_light(const Rgb& light, std::uint8_t group, LightOf of, const LightWay& way) {
+        add_light(light, of, way);
         if (of == LightOf::Picture && group < by_group.size())
             by_group[group] += light;
-    }
-    /// Light that is added elsewhere, too. As in Cycles, that of catchers has no path.
-    void tell_path(Scatterer by, bool is_direct, const Rgb& light, LightOf of = LightOf::Picture) {
-        if (paths != nullptr && of == LightOf::Picture)
-            paths->add(by, is_direct, light);
     }
 };
 

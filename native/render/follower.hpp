@@ -28,8 +28,8 @@ struct ViewPath::Follower {
         return (of == LightOf::CatcherAlone ? 4 : 0) + (is_past ? 2 : 0) + (kind == RayKind::Transmission ? 1 : 0);
     }
     [[nodiscard]] Rgb throughput() const { return through_surfaces * through_media; }
-    /// What shines at its end comes from there to what sent it on, and from that to the camera.
-    [[nodiscard]] bool is_direct() const { return mirror_count + bend_count == 1; }
+    /// Of what shines at its end: direct, if that comes from there to what sent it on, and from that to the camera.
+    [[nodiscard]] LightWay way_of_shine() const { return {first, mirror_count + bend_count == 1}; }
 };
 
 /// What is left of a ray behind a surface. Surfaces that give more than they meet make no infinity of it: 0 times that would
@@ -56,8 +56,10 @@ struct ViewPath::Share {
     std::uint16_t sample;
     LightOf of;
     Scatterer first; ///< Of the ray that is there.
-    [[nodiscard]] Scatterer by(Scatterer own) const { return first == Scatterer::None ? own : first; }
-    [[nodiscard]] bool is_direct() const { return first == Scatterer::None; }
+    /// Of light that a point by itself sends so.
+    [[nodiscard]] LightWay way(Scatterer own) const {
+        return first == Scatterer::None ? LightWay{own, true} : LightWay{first, false};
+    }
 };
 
 /// Points that light what is seen of surfaces from their other sides, and from below.

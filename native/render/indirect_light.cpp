@@ -65,8 +65,7 @@ void IndirectLight::add(const SurfaceWalk& walked, std::uint32_t sample_index, s
                    std::span(found).first(points.size()), by_group, among);
             const auto add = [&](std::size_t point, const Rgb& share, Rgb Gathered::*of) {
                 PathSample& sample = samples[shades[point].sample];
-                sample.light_of(shades[point].of) += share * found[point].*of;
-                sample.tell_path(shades[point].by, false, share * found[point].*of, shades[point].of);
+                sample.add_light(share * found[point].*of, shades[point].of, {shades[point].way.by, false});
                 if (shades[point].of != LightOf::Picture)
                     return;
                 for (std::size_t group = 0; group < sample.by_group.size(); ++group)

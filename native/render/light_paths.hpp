@@ -20,15 +20,21 @@ inline constexpr std::size_t scatterer_count = 3;
 /// As Cycles sorts closures: all of a Principled Hair BSDF is gloss.
 [[nodiscard]] Scatterer scatterer_of(const Lobe& lobe);
 
+/// By which light comes to the camera: what sent it last, and whether nothing else had before.
+struct LightWay {
+    Scatterer by = Scatterer::None;
+    bool is_direct = true;
+};
+
 /// Of a camera's ray; all of it is in its radiance, too.
 struct LightPaths {
     std::array<Rgb, scatterer_count> direct{}, indirect{}; ///< By what sent it.
     Rgb environment{0.0f};
     Rgb glossy_colour{0.0f}, transmission_colour{0.0f}; ///< Of even light, what surfaces send back and on.
 
-    void add(Scatterer by, bool is_direct, const Rgb& light) {
-        if (by != Scatterer::None)
-            (is_direct ? direct : indirect)[static_cast<std::size_t>(by)] += light;
+    void add(const LightWay& way, const Rgb& light) {
+        if (way.by != Scatterer::None)
+            (way.is_direct ? direct : indirect)[static_cast<std::size_t>(way.by)] += light;
     }
 };
 

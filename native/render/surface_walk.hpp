@@ -20,9 +20,8 @@ struct SurfaceWalk {
         Rgb cover{0.0f};          ///< Share of what lies behind the point that it hides from the camera.
         std::uint16_t sample = 0; ///< The ray's, among those that were walked.
         LightOf of = LightOf::Picture;
-        bool is_elsewhere = false;         ///< Than its pixel shows: neighbours share nothing of it.
-        Scatterer by = Scatterer::Diffuse; ///< What sends its light to the camera,
-        bool is_direct = true;             ///< and whether nothing else has before.
+        bool is_elsewhere = false; ///< Than its pixel shows: neighbours share nothing of it.
+        LightWay way = {Scatterer::Diffuse};
     };
     /// Points of neighbouring rays in one layer, which are lit together.
     struct Batch {

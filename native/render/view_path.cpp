@@ -44,10 +44,9 @@ void ViewPath::pass_media(Follower& follower, const Hit& hit, const Ray& camera_
             parts.push_back(
                 {.near_m = *before_m + inside.near_m, .far_m = *before_m + inside.far_m, .weight = in_front});
     const Rgb emission = in_front * media_.emission(inside);
-    sample.radiance += emission;
+    sample.add_light(emission, LightOf::Picture, follower.way_of_shine());
     if (follower.kind == RayKind::Camera)
         sample.emission += emission;
-    sample.tell_path(follower.first, follower.is_direct(), emission);
     follower.through_media *= media_.transmittance(inside);
     if (!follower.has_first_surface)
         sample.transmittance = follower.through_media;
@@ -59,8 +58,7 @@ void ViewPath::reach_world(const Follower& follower, bool is_sent_on, PathSample
         return;
     }
     const Rgb seen = follower.throughput() * scene_.world().seen_radiance(follower.part.direction, follower.kind);
-    sample.add_light(seen, scene_.world().light_group(), follower.of);
-    sample.tell_path(follower.first, follower.is_direct(), seen, follower.of);
+    sample.add_light(seen, scene_.world().light_group(), follower.of, follower.way_of_shine());
     if (sample.paths != nullptr && !is_sent_on)
         sample.paths->environment += seen;
 }
@@ -79,12 +77,10 @@ void ViewPath::catch_shadow(const Follower& follower, const SurfaceClosures& clo
 void ViewPath::show(Follower& follower, const SurfacePoint& point, const SurfaceClosures& closures, bool is_sent_on,
                     LightOf of, PathSample& sample) const {
     const Rgb throughput = follower.throughput();
-    if (closures.emission != Rgb(0.0f)) {
+    if (closures.emission != Rgb(0.0f))
         sample.add_light(throughput * closures.emission,
                          sample.by_group.empty() ? no_light_group : scene_.object_info(point.hit.instance).light_group,
-                         of);
-        sample.tell_path(follower.first, follower.is_direct(), throughput * closures.emission, of);
-    }
+                         of, follower.way_of_shine());
     if (is_sent_on)
         return;
     if (!follower.has_first_surface && 1.0f - average(closures.transparent) >= alpha_threshold) {
@@ -206,7 +202,7 @@ void ViewPath::await_lobes(const Lit& lit, const Share& share, const SurfacePoin
         if (by != Scatterer::Diffuse) {
             apart.points.push_back(point);
             apart.points.back().lambert_share = 0.0f;
-            apart.shades.push_back({Rgb(0.0f), Rgb(0.0f), Rgb(0.0f), share.sample, share.of, true, by});
+            apart.shades.push_back({Rgb(0.0f), Rgb(0.0f), Rgb(0.0f), share.sample, share.of, true, {by}});
         }
         to.push_lobes(alike, lit.towards_viewer, share.throughput);
     }
@@ -228,14 +224,14 @@ void ViewPath::await_light(const Lit& lit, const Share& share, SurfaceWalk& walk
         walked.points.back().lambert_share = average(closures.diffuse_albedo);
         walked.shades.push_back({seen, share.throughput * (closures.diffuse_albedo * per_irradiance),
                                  seen * (1.0f - closures.transparent), share.sample, share.of, false,
-                                 share.by(Scatterer::Diffuse), share.is_direct()});
+                                 share.way(Scatterer::Diffuse)});
     }
     await_lobes(lit, share, lit.point, lit.lobes, walked, hidden.exits);
     if (closures.translucent == Rgb(0.0f) && !has_fibres)
         return;
     behind.points.push_back(other_side(scene_, lit.point));
     behind.shades.push_back({Rgb(0.0f), share.throughput * closures.translucent * per_irradiance, Rgb(0.0f),
-                             share.sample, share.of, false, share.by(Scatterer::Diffuse), share.is_direct()});
+                             share.sample, share.of, false, share.way(Scatterer::Diffuse)});
     if (!has_fibres)
         return;
     thread_local std::vector<Lobe> fibres;
@@ -325,12 +321,12 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
                           average(throughput) * (1.0f - average(closures.transparent)),
                           follower.has_first_surface && !was_covered, *data.config, of_ray);
             }
+            const LobeSet lobe_set{
+                .lobes = lobes, .normal = point.shading.shading_normal, .outgoing = -follower.part.direction};
             FeatureSearches searches;
             if (has_features)
-                searches = see_features(
-                    follower.features, hit.distance_m, seen,
-                    {.lobes = lobes, .normal = point.shading.shading_normal, .outgoing = -follower.part.direction},
-                    bent, camera_.world_from_camera, sent != nullptr, data.each[follower.index].features);
+                searches = see_features(follower.features, hit.distance_m, seen, lobe_set, bent,
+                                        camera_.world_from_camera, sent != nullptr, data.each[follower.index].features);
             if (walked != nullptr && rays.targets[follower.index] != nowhere) {
                 const Lit lit{point,
                               closures,
@@ -347,12 +343,9 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
                                 beside.alone, beside.hidden_alone);
             }
             if (!lobes.empty() && !is_sent_on)
-                sample.diffuse_colour += throughput * LobeSet{.lobes = lobes}.diffuse_colour();
+                sample.diffuse_colour += throughput * lobe_set.diffuse_colour();
             if (sample.paths != nullptr && !is_sent_on)
-                see_colours(
-                    closures,
-                    {.lobes = lobes, .normal = point.shading.shading_normal, .outgoing = -follower.part.direction},
-                    bent, throughput, *sample.paths);
+                see_colours(closures, lobe_set, bent, throughput, *sample.paths);
             if (sent != nullptr) {
                 follower.gain *= gain_of(closures, bent);
                 Sending sending{follower,

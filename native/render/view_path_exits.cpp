@@ -25,8 +25,7 @@ void ViewPath::await_exits(const Lit& lit, const Share& share, SurfaceWalk& exit
                                     .sample = share.sample,
                                     .of = share.of,
                                     .is_elsewhere = true,
-                                    .by = share.by(Scatterer::Diffuse),
-                                    .is_direct = share.is_direct()});
+                                    .way = share.way(Scatterer::Diffuse)});
             if (!has_lobe)
                 continue;
             exits.points.back().lambert_share = 0.0f;

@@ -114,7 +114,7 @@ std::size_t ViewPath::ask_again(const SurfaceWalk& walked, std::uint32_t sample_
 void ViewPath::add_light(const SurfaceWalk& walked, const SurfaceLight& light, std::span<PathSample> samples) const {
     const std::size_t lamp_count = light_.light_count() - (light_.has_world() ? 1 : 0);
     for (std::size_t point = 0; point < walked.points.size(); ++point) {
-        const auto& [throughput, radiance, cover, target, of, is_elsewhere, by, is_direct] = walked.shades[point];
+        const auto& [throughput, radiance, cover, target, of, is_elsewhere, way] = walked.shades[point];
         PathSample& sample = samples[target];
         Rgb from_lights(0.0f), unshadowed(0.0f), from_world(0.0f);
         for (std::size_t lamp = 0; lamp < lamp_count; ++lamp) {
@@ -124,8 +124,7 @@ void ViewPath::add_light(const SurfaceWalk& walked, const SurfaceLight& light, s
         }
         if (light_.has_world())
             from_world = light.lights.back().irradiance[point];
-        sample.light_of(of) += radiance * (from_lights + from_world);
-        sample.tell_path(by, is_direct, radiance * (from_lights + from_world), of);
+        sample.add_light(radiance * (from_lights + from_world), of, way);
         if (of == LightOf::Picture && !is_elsewhere && sample.world_lit.albedo == Rgb(0.0f)) {
             const ShadingPoint& shading = walked.points[point].shading;
             sample.world_lit = {shading.position, shading.shading_normal, radiance, from_world};
@@ -139,8 +138,7 @@ void ViewPath::add_light(const SurfaceWalk& walked, const SurfaceLight& light, s
             reflected += of_light.reflected[lobed];
         const SurfaceWalk::LobedPoint& of = walked.lobed[lobed];
         const SurfaceWalk::Shade& shade = walked.shades[of.point];
-        samples[shade.sample].light_of(shade.of) += of.throughput * reflected;
-        samples[shade.sample].tell_path(shade.by, shade.is_direct, of.throughput * reflected, shade.of);
+        samples[shade.sample].add_light(of.throughput * reflected, shade.of, shade.way);
     }
     if (!walked.shades.empty() && !samples[walked.shades.front().sample].by_group.empty())
         add_light_to_groups(walked, light, samples);

@@ -68,11 +68,8 @@ void ViewPath::see_air(const Follower& follower, float end_m, std::uint32_t seed
     thread_local std::vector<FogGlow::Found> found;
     found.clear();
     sent_air_->draw({ray.origin, ray.direction, ray.near_m, end_m}, {seed, sample_index, 0}, found);
-    for (const auto& [radiance, group] : found) {
-        const Rgb seen = follower.throughput() * radiance;
-        sample.add_light(seen, group, follower.of);
-        sample.tell_path(follower.first, false, seen, follower.of);
-    }
+    for (const auto& [radiance, group] : found)
+        sample.add_light(follower.throughput() * radiance, group, follower.of, {follower.first, false});
 }
 
 void ViewPath::see_lamps(const Follower& follower, float end_m, PathSample& sample) const {
@@ -89,9 +86,7 @@ void ViewPath::see_lamps(const Follower& follower, float end_m, PathSample& samp
         before.far_m = hit.far_m;
         if (!media_.is_empty())
             radiance *= media_.transmittance(before);
-        const Rgb seen = follower.throughput() * radiance;
-        sample.add_light(seen, light.light_group, follower.of);
-        sample.tell_path(follower.first, follower.is_direct(), seen, follower.of);
+        sample.add_light(follower.throughput() * radiance, light.light_group, follower.of, follower.way_of_shine());
     };
     for (std::size_t lamp = 0; lamp < light_.lamp_count(); ++lamp) {
         const LightAim& aim = light_.aim_of(lamp);

@@ -156,9 +156,8 @@ def test_cards_of_hair_are_lit_as_in_cycles(
     if is_dark:
         assert ours.max() == cycles.max() == 0.0
     else:
-        agree(
-            f"card_{look.__name__}_{towards}_{side_seen}", ours, cycles, block_bound=0.2
-        )  # at edges of sharp mirror images
+        # Blocks: at edges of sharp mirror images.
+        agree(f"card_{look.__name__}_{towards}_{side_seen}", ours, cycles, block_bound=0.2)
 
 
 def test_colours_that_vary_along_a_hair_are_as_in_cycles() -> None:
