@@ -18,7 +18,7 @@ from .shader_nodes import use_nodes
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
-    from bpy.types import Context, Mesh, Node, Object
+    from bpy.types import Context, Mesh, Node, NodeSocket, Object
 
 _CORNERS = tuple(product((0, 1), repeat=3))
 _EDGES = tuple(
@@ -29,6 +29,13 @@ _EDGES = tuple(
 
 #: What materials read of voxels by a Color Attribute and by an Attribute node.
 COLOURS, EMISSION = "Color", "emission"
+
+#: Of a Principled BSDF, by the channel that it takes.
+_INPUT_OF_CHANNEL = {
+    "roughness": "Roughness",
+    "metallic": "Metallic",
+    "reflectance": "Specular" if bpy.app.version < (4, 0, 0) else "Specular IOR Level",
+}
 
 #: Lower and upper corner.
 Bounds = "Sequence[Sequence[float]]"
@@ -56,7 +63,10 @@ def add_voxel_box(context: Context, name: str, path: str, bounds_m: Bounds, loca
 
 
 def add_own_material(box: Object, channels: Collection[str], glow: Sequence[float] | None = None) -> None:
-    """Show what the voxels carry: their colours, and their emission times ``glow``; None: times their colours."""
+    """Show what voxels carry: colours, gloss, metal, and emission times ``glow``; None: times the colours.
+
+    Without channels of gloss they are diffuse; of those that are not there a Principled BSDF has its own.
+    """
     material = bpy.data.materials.new(f"{box.name} Colours")
     tree = use_nodes(material)
     tree.nodes.clear()
@@ -66,30 +76,42 @@ def add_own_material(box: Object, channels: Collection[str], glow: Sequence[floa
         node.location = (220 * column, -200 * row)
         return node
 
-    colours, diffuse = new("ShaderNodeVertexColor", 1, 0), new("ShaderNodeBsdfDiffuse", 2, 0)
+    def channel(name: str, column: int, row: int) -> NodeSocket:
+        node = new("ShaderNodeAttribute", column, row)
+        node.attribute_name = name
+        return node.outputs["Fac"]
+
+    colours = new("ShaderNodeVertexColor", 1, 0)
     colours.layer_name = COLOURS
-    tree.links.new(colours.outputs["Color"], diffuse.inputs["Color"])
-    surface = diffuse.outputs[0]
+    if kept := [name for name in _INPUT_OF_CHANNEL if name in channels]:
+        shader = new("ShaderNodeBsdfPrincipled", 2, 0)
+        for row, name in enumerate(kept, start=1):
+            tree.links.new(channel(name, 1, row), shader.inputs[_INPUT_OF_CHANNEL[name]])
+    else:
+        shader = new("ShaderNodeBsdfDiffuse", 2, 0)
+    tree.links.new(colours.outputs["Color"], shader.inputs[0])
+    surface = shader.outputs[0]
     if EMISSION in channels and (glow is None or any(glow)):
+        row = len(kept) + 1
         how_much, emission, both = (
-            new(kind, column, 1)
-            for column, kind in enumerate(("ShaderNodeAttribute", "ShaderNodeEmission", "ShaderNodeAddShader"), start=1)
+            channel(EMISSION, 1, row),
+            new("ShaderNodeEmission", 3, 1),
+            new("ShaderNodeAddShader", 4, 0),
         )
-        how_much.attribute_name = EMISSION
         if glow is None:
             tree.links.new(colours.outputs["Color"], emission.inputs["Color"])
-            tree.links.new(how_much.outputs["Fac"], emission.inputs["Strength"])
+            tree.links.new(how_much, emission.inputs["Strength"])
         else:
-            strength, times = max(glow), new("ShaderNodeMath", 1, 2)
+            strength, times = max(glow), new("ShaderNodeMath", 2, row)
             emission.inputs["Color"].default_value = (*(part / strength for part in glow), 1.0)
             times.operation = "MULTIPLY"
             times.inputs[1].default_value = strength
-            tree.links.new(how_much.outputs["Fac"], times.inputs[0])
+            tree.links.new(how_much, times.inputs[0])
             tree.links.new(times.outputs[0], emission.inputs["Strength"])
         tree.links.new(surface, both.inputs[0])
         tree.links.new(emission.outputs[0], both.inputs[1])
         surface = both.outputs[0]
-    tree.links.new(surface, new("ShaderNodeOutputMaterial", 4, 0).inputs["Surface"])
+    tree.links.new(surface, new("ShaderNodeOutputMaterial", 5, 0).inputs["Surface"])
     box.data.materials.append(material)
 
 

@@ -106,7 +106,7 @@ class TyndallVoxelizeSettings(PropertyGroup):
     )
     has_colors: BoolProperty(
         name="Colours",
-        description="Keep the diffuse colours of materials: pictures, filtered to the size of a voxel, and colour "
+        description="Keep the colours of materials: pictures, filtered to the size of a voxel, and colour "
         "attributes, as materials use them, or as they are where there is no material",
         default=True,
         options=set(),

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from .node_graph import Socket
     from .seen_camera import SeenCamera
 
+COLOUR = ""  #: What voxels keep, beside the names of channels.
 _OF_ATTRIBUTES = attribute_maps("")[0]  #: What names of their first maps begin with.
 
 
@@ -54,15 +55,14 @@ class MaterialReader:
         *,
         is_lit: bool = True,
         sharp: SharpSurfaces | None = None,
-        with_channels: bool = False,
-        has_lobes: bool = True,
+        is_voxels: bool = False,
         camera: SeenCamera | None = None,
     ) -> None:
         """``override`` is the view layer's: in place of all others, as in Cycles.
 
         Without ``is_lit`` surfaces give no light: they let as much through as they do, and cost no shadow ray.
         ``sharp`` says what mirrors, and bends what is seen through it; None: nothing does.
-        ``with_channels`` fills ``channels``. Without ``has_lobes`` gloss counts as diffuse.
+        ``is_voxels`` fills ``channels``; gloss counts as diffuse.
         ``camera`` is what surfaces may ask for.
         """
         self.materials: list[Material] = []
@@ -73,8 +73,8 @@ class MaterialReader:
         #: Of Ambient Occlusion nodes without a distance; None: surfaces stand alone, and no node traces rays.
         self.occlusion_reach_m: float | None = None
         self.properties: PropertyReader | None = None  #: None: surfaces are on no object whose own are known.
-        #: Of each material, by name: roughness, metallic and reflectance, the diffuse part of a program of which the
-        #: transparent part is their weight; and emission, the diffuse part.
+        #: Of each material, by name: colour (COLOUR), roughness, metallic and reflectance, the diffuse part of a
+        #: program of which the transparent part is their weight; and emission, the diffuse part.
         self.channels: list[dict[str, Material]] = []
         self.media: list[Medium] = []
         self._reports = reports
@@ -82,8 +82,7 @@ class MaterialReader:
         self._override = override
         self._is_lit = is_lit
         self._sharp = sharp if is_lit else None
-        self._with_channels = with_channels
-        self._has_lobes = has_lobes
+        self._is_voxels = is_voxels
         self._camera = camera
         self.asked_camera: SeenCamera | None = None  #: Once a material has asked for it.
         self._placement: Placement | None = None  #: Whose material is read.
@@ -159,10 +158,13 @@ class MaterialReader:
 
     def _read(self, material: bpy.types.Material | None) -> Material:
         if material is None:
-            self.channels[-1] = {"roughness": Material(name="no material", diffuse=WHITE, transparent=WHITE)}
+            self.channels[-1] = {
+                COLOUR: Material(name="no material", transparent=WHITE),
+                "roughness": Material(name="no material", diffuse=WHITE, transparent=WHITE),
+            }
             if not self._is_lit:
                 return Material(name="no material", diffuse=BLACK)
-            if ALWAYS_HAS_NODES and self._has_lobes:
+            if ALWAYS_HAS_NODES and not self._is_voxels:
                 return Material(name="no material", diffuse=BLACK, lobes=(plain_principled().constant(lambda _: -1),))
             return Material(name="no material")
         tree = shader_tree(material)
@@ -170,13 +172,13 @@ class MaterialReader:
             colour = material.diffuse_color
             diffuse = (colour[0], colour[1], colour[2]) if self._is_lit else BLACK
             plain = {
-                "roughness": material.roughness,
-                "metallic": material.metallic,
-                "reflectance": material.specular_intensity,
+                COLOUR: diffuse,
+                "roughness": grey(material.roughness),
+                "metallic": grey(material.metallic),
+                "reflectance": grey(material.specular_intensity),
             }
             self.channels[-1] = {
-                name: Material(name=material.name, diffuse=grey(number), transparent=WHITE)
-                for name, number in plain.items()
+                name: Material(name=material.name, diffuse=value, transparent=WHITE) for name, value in plain.items()
             }
             return Material(name=material.name, diffuse=diffuse)
         surface, volume = (output_input(tree, name) for name in ("Surface", "Volume"))
@@ -191,17 +193,16 @@ class MaterialReader:
         shares = Shares()
         if surface is not None:
             values.displaced_normal = displaced_normal(values, material, output_input(tree, "Displacement"))
-            shares = read_surface(
-                values, surface, self._sharp, with_finish=self._with_channels, has_lobes=self._has_lobes
-            )
+            shares = read_surface(values, surface, self._sharp, is_voxels=self._is_voxels)
         shares.transparent = passable(values.program, shares, material, has_volume=has_volume)
         if not self._is_lit:
             shares.diffuse = shares.emission = shares.held_out = BLACK
         if (finish := shares.finish) is not None:
             program = values.program
             self.channels[-1] = {
-                name: program.material(material.name, (number, finish.weight, BLACK))
-                for name, number in (
+                name: program.material(material.name, (value, finish.weight, BLACK))
+                for name, value in (
+                    (COLOUR, finish.colour),
                     ("roughness", finish.roughness),
                     ("metallic", finish.metallic),
                     ("reflectance", finish.reflectance),

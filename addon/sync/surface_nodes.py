@@ -31,10 +31,11 @@ _DIFFUSE_LIKE = {
     "BSDF_VELVET", "BSDF_SHEEN", "BSDF_TOON", "BSDF_TRANSLUCENT",
     "BSDF_HAIR", "BSDF_HAIR_PRINCIPLED", "SUBSURFACE_SCATTERING", "EEVEE_SPECULAR",
 }  # fmt: skip
+_GREY = (0.8, 0.8, 0.8)
 _GLOSSY = {"BSDF_GLOSSY", "BSDF_ANISOTROPIC", "BSDF_METALLIC"}
 _CAN_MIRROR = {*_GLOSSY, "BSDF_PRINCIPLED"}
 _OF_VOLUMES = {"VOLUME_ABSORPTION", "VOLUME_SCATTER", "PRINCIPLED_VOLUME", "VOLUME_COEFFICIENTS"}
-_TRANSPARENT_LIKE = {"BSDF_GLASS", "BSDF_REFRACTION", "BSDF_RAY_PORTAL"}
+_OPAQUE_GLASS = "glass is opaque on voxels, in its colour"
 
 
 @dataclass(frozen=True)
@@ -55,16 +56,17 @@ class Shares:
     emission: Value = BLACK
     held_out: Value = BLACK
     gloss: GlossValues | None = None
-    lobes: list[LobeValues] | None = None  #: None: shaders with lobes take the nearest share.
+    lobes: list[LobeValues] | None = None  #: None, on voxels: shaders with lobes take the nearest share.
     sharp: SharpSurfaces | None = None  #: What mirrors; None: nothing does.
-    finish: Finish | None = None  #: None: it is not asked for.
+    finish: Finish | None = None  #: What voxels keep; None: of other surfaces.
 
 
 @dataclass
 class Finish:
-    """What scatters light, summed up over closures by their share of the surface, whatever their colour."""
+    """What scatters or bends light, summed up over closures by their share of the surface."""
 
     weight: Value = BLACK  #: Sum of the shares.
+    colour: Value = BLACK
     roughness: Value = BLACK
     metallic: Value = BLACK
     reflectance: Value = BLACK  #: Of Blender's Specular: 0.5 reflects 4 % of what comes from ahead.
@@ -75,14 +77,13 @@ def read_surface(
     at: Socket,
     sharp: SharpSurfaces | None = None,
     *,
-    with_finish: bool = False,
-    has_lobes: bool = True,
+    is_voxels: bool = False,
 ) -> Shares:
     """``at`` is the Surface input of an output node."""
     shares = Shares(
         sharp=sharp,
-        lobes=[] if has_lobes else None,
-        finish=Finish() if with_finish else None,
+        lobes=None if is_voxels else [],
+        finish=Finish() if is_voxels else None,
     )
     _add(reader, at, WHITE, shares)
     return shares
@@ -112,10 +113,6 @@ def _add(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None
         return
     if node_type in _SHADERS:
         _SHADERS[node_type](reader, source, weight, shares)
-    elif node_type in _TRANSPARENT_LIKE:
-        reader.unsupported(source, "is drawn as transparent in its colour")
-        shares.has_glass = True
-        _transparent(reader, source, weight, shares)
     elif node_type in _DIFFUSE_LIKE:
         reader.unsupported(source, "is drawn as diffuse in its colour")
         _diffuse(reader, source, weight, shares)
@@ -123,8 +120,8 @@ def _add(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None
         shares.held_out = reader.program.add(shares.held_out, weight)
     else:
         reader.unsupported(source, "is not supported: drawn as grey diffuse")
-        shares.diffuse = reader.program.add(shares.diffuse, reader.program.multiply(weight, (0.8, 0.8, 0.8)))
-        _add_finish(reader, shares, weight)
+        shares.diffuse = reader.program.add(shares.diffuse, reader.program.multiply(weight, _GREY))
+        _add_finish(reader, shares, weight, _GREY)
 
 
 def _is_mirror(reader: ValueReader, at: Socket, shares: Shares) -> bool:
@@ -134,7 +131,7 @@ def _is_mirror(reader: ValueReader, at: Socket, shares: Shares) -> bool:
 def _colour_of(reader: ValueReader, at: Socket) -> Value:
     if at.node.type == "BSDF_HAIR_PRINCIPLED":
         return principled_hair_colour(reader, at)
-    return reader.colour(at.input("Color") or at.input("Base Color"), (0.8, 0.8, 0.8))
+    return reader.colour(at.input("Color") or at.input("Base Color"), _GREY)
 
 
 def _note_bumps(reader: ValueReader, at: Socket) -> None:
@@ -147,6 +144,7 @@ def _add_finish(
     reader: ValueReader,
     shares: Shares,
     weight: Value,
+    colour: Value,
     roughness: Value = WHITE,
     metallic: Value = BLACK,
     reflectance: Value = BLACK,
@@ -155,6 +153,7 @@ def _add_finish(
     if finish is None:
         return
     finish.weight = program.add(finish.weight, weight)
+    finish.colour = program.add(finish.colour, program.multiply(weight, colour))
     finish.roughness = program.add(finish.roughness, program.multiply(weight, program.clamp(roughness)))
     finish.metallic = program.add(finish.metallic, program.multiply(weight, program.clamp(metallic)))
     finish.reflectance = program.add(finish.reflectance, program.multiply(weight, program.clamp(reflectance)))
@@ -173,13 +172,12 @@ def _diffuse(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> 
     if at.node.type == "BSDF_DIFFUSE" and reader.constant(at.input("Roughness")) > 0.0:
         reader.note("the roughness of a diffuse surface is not drawn")
     _note_bumps(reader, at)
-    program = reader.program
-    shares.diffuse = program.add(shares.diffuse, program.multiply(weight, _colour_of(reader, at)))
-    if at.node.type in _GLOSSY:
-        if shares.finish is not None:
-            _add_finish(reader, shares, weight, reader.number(at.input("Roughness"), 0.5), WHITE, grey(0.5))
+    program, colour = reader.program, _colour_of(reader, at)
+    shares.diffuse = program.add(shares.diffuse, program.multiply(weight, colour))
+    if shares.finish is not None and at.node.type in _GLOSSY:
+        _add_finish(reader, shares, weight, colour, reader.number(at.input("Roughness"), 0.5), WHITE, grey(0.5))
     else:
-        _add_finish(reader, shares, weight)
+        _add_finish(reader, shares, weight, colour)
 
 
 def _note_direction(reader: ValueReader, at: Socket) -> None:
@@ -206,7 +204,8 @@ def _coat(reader: ValueReader, shares: Shares, weight: Value, coated: Value, ior
 
 def _glossy(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None:
     if not is_sharp(reader, at, shares):
-        reader.unsupported(at, "is drawn as diffuse in its colour")
+        if shares.finish is None:
+            reader.unsupported(at, "is drawn as diffuse in its colour")
         _diffuse(reader, at, weight, shares)
         return
     _note_bumps(reader, at)
@@ -218,7 +217,8 @@ def _glossy(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> N
 def _metallic(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None:
     """From 4.3 on. Its edge tint bends the rise to white a little below the edge: left out."""
     if getattr(at.node, "fresnel_type", "F82") != "F82" or not is_sharp(reader, at, shares):
-        reader.unsupported(at, "is drawn as diffuse in its colour")
+        if shares.finish is None:
+            reader.unsupported(at, "is drawn as diffuse in its colour")
         _diffuse(reader, at, weight, shares)
         return
     _note_bumps(reader, at)
@@ -241,6 +241,18 @@ def _principled_index(reader: ValueReader, at: Socket) -> float:
 def _transparent(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None:
     program = reader.program
     shares.transparent = program.add(shares.transparent, program.multiply(weight, _colour_of(reader, at)))
+
+
+def _transparent_like(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None:
+    """Glass, and a Ray Portal."""
+    if shares.finish is None or at.node.type == "BSDF_RAY_PORTAL":
+        reader.unsupported(at, "is drawn as transparent in its colour")
+    else:
+        reader.note(_OPAQUE_GLASS)
+        roughness = reader.number(at.input("Roughness"))
+        _add_finish(reader, shares, weight, _colour_of(reader, at), roughness, BLACK, grey(0.5))
+    shares.has_glass = True
+    _transparent(reader, at, weight, shares)
 
 
 def _emission(reader: ValueReader, at: Socket, weight: Value, shares: Shares) -> None:
@@ -294,7 +306,7 @@ def _transmit(reader: ValueReader, at: Socket, factors: tuple[Value, Value, Valu
     if bends_transmission(reader, at, shares):
         add_bent_transmission(reader, at, program.multiply(weight, transmission), base, shares)
         return True
-    reader.note("transmission is drawn as transparent in its colour")
+    reader.note("transmission is drawn as transparent in its colour" if shares.finish is None else _OPAQUE_GLASS)
     return False
 
 
@@ -306,9 +318,6 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
     program = reader.program
     alpha = program.clamp(reader.number(at.input("Alpha"), 1.0))
     shares.transparent = program.add(shares.transparent, program.multiply(weight, program.complement(alpha)))
-    if shares.finish is not None:
-        roughness, metallic = (reader.number(at.input(name)) for name in ("Roughness", "Metallic"))
-        _add_finish(reader, shares, program.multiply(weight, alpha), roughness, metallic, _reflectance(reader, at))
     weight = program.multiply(weight, alpha)
     _note_layers(reader, at)
 
@@ -318,8 +327,11 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, shares: Shares) 
 
     base = reader.colour(at.input("Base Color"))
     metallic = program.clamp(reader.number(at.input("Metallic")))
+    if shares.finish is not None:
+        finish = reader.number(at.input("Roughness")), metallic, _reflectance(reader, at)
+        _add_finish(reader, shares, weight, base, *finish)
     mirrors = is_sharp(reader, at, shares)
-    if metallic != BLACK and not mirrors:
+    if metallic != BLACK and not mirrors and shares.finish is None:
         reader.note("metal is drawn as diffuse in its colour")
     of_rest = program.clamp(reader.number(at.input("Transmission Weight") or at.input("Transmission")))
     transmission = program.multiply(of_rest, program.complement(metallic))
@@ -364,6 +376,9 @@ _SHADERS: dict[str, Callable[[ValueReader, Socket, Value, Shares], None]] = {
     "BSDF_ANISOTROPIC": _glossy,
     "BSDF_METALLIC": _metallic,
     "BSDF_PRINCIPLED": _principled,
+    "BSDF_GLASS": _transparent_like,
+    "BSDF_REFRACTION": _transparent_like,
+    "BSDF_RAY_PORTAL": _transparent_like,
     "EMISSION": _emission,
     "BACKGROUND": _emission,  # of a world: on a surface it glows, in Cycles, too
     "MIX_SHADER": _mix_shader,

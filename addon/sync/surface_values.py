@@ -47,17 +47,18 @@ class Parts:
     is_product: bool = True  #: Not, where nodes join pictures and attributes in another way.
 
 
-def diffuse_colour(material: Material, read: Read) -> NDArray[Any]:
-    clipped: NDArray[Any] = np.clip(_run(material, "diffuse", read), 0.0, 1.0)
+def colour_per_weight(material: Material, read: Read) -> NDArray[Any]:
+    """A sum and its weight, as MaterialReader.channels has them, (..., 3) from 0 to 1. Without weight it is 0."""
+    total, weight = _run(material, "diffuse", read), _run(material, "transparent", read)[..., :1]
+    shape = np.broadcast_shapes(total.shape, weight.shape)
+    per_weight = np.divide(total, weight, out=np.zeros(shape), where=weight > 0.0)
+    clipped: NDArray[Any] = np.clip(per_weight, 0.0, 1.0)
     return clipped
 
 
-def diffuse_per_transparent(material: Material, read: Read) -> NDArray[Any]:
-    """A number and its weight, as MaterialReader.channels has them, (..., 1). Without weight it is 0."""
-    number, weight = (_run(material, name, read)[..., :1] for name in ("diffuse", "transparent"))
-    shape = np.broadcast_shapes(number.shape, weight.shape)
-    per_weight: NDArray[Any] = np.divide(number, weight, out=np.zeros(shape), where=weight > 0.0)
-    return per_weight
+def number_per_weight(material: Material, read: Read) -> NDArray[Any]:
+    """Likewise, (..., 1)."""
+    return colour_per_weight(material, read)[..., :1]
 
 
 def diffuse_radiance(material: Material, read: Read) -> NDArray[Any]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What voxels of a surface keep of its material: the diffuse part, gloss, metal and glow, as numbers or as pictures.
+"""What voxels of a surface keep of its material: colour, gloss, metal and glow, as numbers or as pictures.
 
 A material's pictures lie on the surface in one way: nodes between an image and a shader change its texels, exactly but
 for what lies between them.
@@ -15,13 +15,13 @@ import numpy as np
 
 from tyndall.scene_description import Extension, Material
 
-from .program import BLACK, Program
+from .program import BLACK, WHITE, Program
 from .surface_values import (
     PICTURES,
     Parts,
-    diffuse_colour,
-    diffuse_per_transparent,
+    colour_per_weight,
     diffuse_radiance,
+    number_per_weight,
     parts_of,
     reads_more,
 )
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from .reports import Reports
     from .surface_values import Read
 
-EMISSION = "emission"
+EMISSION, METALLIC = "emission", "metallic"
 _SAME = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 _LUMINANCE = np.array((0.2126729, 0.7151522, 0.0721750))  #: Of Rec. 709.
 
@@ -67,20 +67,19 @@ class Colouring:
         return placed
 
 
-def colouring_of(material: Material, channels: Mapping[str, Material], reports: Reports) -> Colouring:
-    """``channels``: as MaterialReader.channels has them; emission becomes its luminance, however bright."""
-    parts = parts_of(material, diffuse_colour)
+def colouring_of(colour: Material, channels: Mapping[str, Material], reports: Reports) -> Colouring:
+    """``colour`` and ``channels``: as MaterialReader.channels has them; of emission, luminance, however bright."""
+    parts = parts_of(colour, colour_per_weight)
     of_channels = {
-        name: parts_of(one, _luminance if name == EMISSION else diffuse_per_transparent)
-        for name, one in channels.items()
+        name: parts_of(one, _luminance if name == EMISSION else number_per_weight) for name, one in channels.items()
     }
-    places = [_place(op, one) for one in (material, *channels.values()) for op in one.program if op.code in PICTURES]
-    culprit = f'Material "{material.name}"'
+    places = [_place(op, one) for one in (colour, *channels.values()) for op in one.program if op.code in PICTURES]
+    culprit = f'Material "{colour.name}"'
     if len(set(places)) > 1:
         reports.add(culprit, "its pictures lie differently: voxels have the first one's place")
     if not all(one.is_product for one in (parts, *of_channels.values())):
         reports.add(culprit, "pictures and colour attributes are multiplied, however its nodes join them")
-    if any(reads_more(one) for one in (material, *channels.values())):
+    if any(reads_more(one) for one in (colour, *channels.values())):
         reports.add(culprit, "voxels read what is neither picture nor colour attribute as mid grey")
     glow = np.zeros(3)
     if EMISSION in channels:
@@ -99,8 +98,13 @@ def colouring_of(material: Material, channels: Mapping[str, Material], reports: 
 def plain_colouring() -> Colouring:
     """Of a mesh without a material: its active colour attribute."""
     program = Program()
-    material = program.material("no material", (program.attribute(""), BLACK, BLACK))
-    return Colouring(parts=parts_of(material, diffuse_colour))
+    material = program.material("no material", (program.attribute(""), WHITE, BLACK))
+    return Colouring(parts=parts_of(material, colour_per_weight))
+
+
+def may_be_above_zero(number: Material) -> bool:
+    """As MaterialReader.channels has it."""
+    return bool(number.program) or number.diffuse[0] > 0.0
 
 
 def luminance(radiance: NDArray[Any]) -> NDArray[Any]:

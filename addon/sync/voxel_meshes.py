@@ -20,11 +20,19 @@ from tyndall.voxel_dag import Material, Textures
 
 from .images import ImageReader
 from .instances import materials_of
-from .materials import MaterialReader, note_missing_attributes
+from .materials import COLOUR, MaterialReader, note_missing_attributes
 from .meshes import read_mesh
 from .reports import Reports
 from .unit_vectors import unit_vectors
-from .voxel_colours import EMISSION, Colouring, colouring_of, luminance, plain_colouring
+from .voxel_colours import (
+    EMISSION,
+    METALLIC,
+    Colouring,
+    colouring_of,
+    luminance,
+    may_be_above_zero,
+    plain_colouring,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator
@@ -33,9 +41,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from tyndall.scene_description import Mesh
-
-#: Of what voxels keep, the colour beside the channels.
-COLOUR = ""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -185,7 +190,7 @@ class _Reader:
         self._poll = poll
         self._channels = channels
         self._kept: dict[str, Mesh] = {}
-        self._materials = MaterialReader(self.reports, ImageReader(), with_channels=bool(channels), has_lobes=False)
+        self._materials = MaterialReader(self.reports, ImageReader(), is_voxels=True)
         self._colouring_of_material: dict[int, int] = {}
 
     def placed_meshes(self) -> list[_Placed]:
@@ -249,9 +254,11 @@ class _Reader:
     def _new_colouring(self, material: int) -> Colouring:
         if material == _PLAIN:
             return plain_colouring()
-        of_material = self._materials.channels[material]
+        read, of_material = self._materials.materials[material], self._materials.channels[material]
         channels = {name: of_material[name] for name in self._channels if name in of_material}
-        return colouring_of(self._materials.materials[material], channels, self.reports)
+        if METALLIC in of_material and METALLIC not in self._channels and may_be_above_zero(of_material[METALLIC]):
+            self.reports.add(f'Material "{read.name}"', "metal is diffuse, in its colour, unless voxels keep Metallic")
+        return colouring_of(of_material.get(COLOUR, read), channels, self.reports)
 
     def _factors(self, mesh: Mesh, of_triangle: NDArray[np.uint32]) -> dict[str, NDArray[np.float32]]:
         """Of the attributes that colourings read of corners."""

@@ -23,7 +23,7 @@ def _surface(material: bpy.types.Material) -> tuple[bpy.types.NodeTree, bpy.type
 
 def _read(material: bpy.types.Material) -> tuple[Material, str]:
     reports = Reports()
-    reader = MaterialReader(reports, ImageReader(), has_lobes=False)
+    reader = MaterialReader(reports, ImageReader(), is_voxels=True)
     return reader.materials[reader.index(material)], "\n".join(reports.lines())
 
 

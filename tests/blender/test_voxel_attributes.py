@@ -250,6 +250,34 @@ def test_closures_are_mixed_by_their_share(scene: bpy.types.Scene, tmp_path: Pat
     assert values(dag) == {"roughness": [round(255 * 0.8)], "metallic": [64], "reflectance": [32]}
 
 
+def test_colours_are_those_of_what_scatters_or_bends_light(scene: bpy.types.Scene, tmp_path: Path) -> None:
+    """By their share; voxels are opaque: what is transparent has none, and glass is its own. Seen to fail: the sum."""
+
+    def build(new: New, link: Link) -> bpy.types.NodeSocket:
+        glass, diffuse, inner, outer = (
+            node(new, "ShaderNodeBsdfGlass", Color=(0.2, 0.4, 0.6, 1)),
+            node(new, "ShaderNodeBsdfDiffuse", Color=(0.6, 0.4, 0.2, 1)),
+            new("ShaderNodeMixShader"),
+            new("ShaderNodeMixShader"),
+        )
+        inner.inputs[0].default_value, outer.inputs[0].default_value = 0.25, 0.5
+        link(glass.outputs[0], inner.inputs[1])
+        link(diffuse.outputs[0], inner.inputs[2])
+        link(inner.outputs[0], outer.inputs[1])
+        link(new("ShaderNodeBsdfTransparent").outputs[0], outer.inputs[2])
+        return outer.outputs[0]
+
+    thing = square(material("Mixed", build))
+    dag = voxelized(thing, tmp_path)
+    assert np.allclose(dag.colors_at(voxels_of(dag)), encoded(np.array((0.3, 0.4, 0.5))), atol=1.0)
+    thing.hide_set(False)
+    lines = gather(bpy.context.evaluated_depsgraph_get(), [thing]).reports.lines()
+    assert lines == ('Material "Mixed": glass is opaque on voxels, in its colour',)
+    clear = {"Base_Color": (0.3, 0.4, 0.5, 1), "Transmission_Weight" if IS_4 else "Transmission": 1.0, "Alpha": 0.5}
+    dag = voxelized(square(material("Clear", of_principled(**clear))), tmp_path)
+    assert np.allclose(dag.colors_at(voxels_of(dag)), encoded(np.array((0.3, 0.4, 0.5))), atol=1.0)
+
+
 def test_channels_come_from_pictures_and_attributes(scene: bpy.types.Scene, tmp_path: Path) -> None:
     """Where the colour's pictures lie."""
     image = checks()
@@ -308,3 +336,19 @@ def test_materials_read_channels_of_voxels_by_their_names(scene: bpy.types.Scene
     # The voxels' white by their colours, 0.8, times what the material reads
     shown = tyndall_pixels(scene)
     assert np.allclose(shown, 0.8 * round(255 * 0.5) / 255, atol=0.005)
+
+
+def test_metal_and_gloss_look_as_what_they_stand_for(scene: bpy.types.Scene, tmp_path: Path) -> None:
+    """By the material that the voxels get. Seen to fail: as a diffuse one."""
+    finish = {"Base_Color": (0.9, 0.6, 0.3, 1), "Roughness": 0.4, "Metallic": 0.8, SPECULAR: 0.7}
+    thing = square(material("Brass", of_principled(**finish)))
+    light("SUN", (0.3, 0.2, 1), energy=np.pi, angle=0.0)
+    before = tyndall_pixels(scene)
+    dag = voxelized(thing, tmp_path, channels={"roughness", "metallic", "reflectance"}, has_normals=True)
+    assert set(dag.channels) == {"roughness", "metallic", "reflectance"}
+    assert np.allclose(tyndall_pixels(scene), before, rtol=0.02)
+    thing.hide_set(False)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    told = 'Material "Brass": metal is diffuse, in its colour, unless voxels keep Metallic'
+    assert gather(depsgraph, [thing]).reports.lines() == (told,)
+    assert gather(depsgraph, [thing], channels=["metallic"]).reports.lines() == ()
