@@ -131,11 +131,17 @@ class TYNDALL_OT_voxelize(InThread, Operator):
         return True
 
     def work(self, progress: Progress) -> None:
+        from tyndall import Cancelled
         from tyndall.voxel_dag import voxelize, write_voxels
 
-        from ..sync.voxel_meshes import surface_of
+        from ..sync.voxel_surfaces import surface_of
 
-        positions_m, triangles, fields = surface_of(self._prepared.mesh, **self._carried)
+        def poll() -> None:
+            if progress.is_cancelled:
+                raise Cancelled
+
+        mesh, resolution = self._prepared.mesh, self._config.resolution
+        positions_m, triangles, fields = surface_of(mesh, resolution=resolution, poll=poll, **self._carried)
         config = replace(self._config, **fields)
         positions_m = positions_m - tuple(self._prepared.origin)
         made: FileHeader | VoxelDag
@@ -227,7 +233,7 @@ def _chosen(context: Context) -> tuple[list[Object], str]:
 
 
 def _glow(mesh: VoxelMesh) -> tuple[float, ...]:
-    from ..sync.voxel_meshes import glow_of
+    from ..sync.voxel_surfaces import glow_of
 
     return tuple(glow_of(mesh).tolist())
 

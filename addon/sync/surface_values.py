@@ -44,7 +44,8 @@ class Parts:
     #: Of n corners and a mesh's attributes, each (n, 2) by its name as attribute_maps() has it: (n, channels). None: no
     #: attribute is read.
     at_corners: Callable[[int, Mapping[str, NDArray[np.float32]]], NDArray[np.float32]] | None = None
-    is_product: bool = True  #: Not, where nodes join pictures and attributes in another way.
+    #: Not, where nodes join pictures and attributes otherwise than as a product, or bend what lies between corners.
+    is_exact: bool = True
 
 
 def colour_per_weight(material: Material, read: Read) -> NDArray[Any]:
@@ -99,11 +100,15 @@ def parts_of(material: Material, value: Value) -> Parts:
         return at_each
 
     if not is_divided:
-        return Parts(texels=np.ones((1, 1, at_white.shape[-1]), np.float32), at_corners=at_corners)
+        return Parts(
+            texels=np.ones((1, 1, at_white.shape[-1]), np.float32),
+            at_corners=at_corners,
+            is_exact=_is_linear(material, value),
+        )
     return Parts(
         texels=_texels(value(material, on_texels), size),
         at_corners=at_corners,
-        is_product=_is_product(material, value, at_white),
+        is_exact=_is_linear(material, value) and _is_product(material, value, at_white),
     )
 
 
@@ -117,6 +122,19 @@ def _is_product(material: Material, value: Value, at_white: NDArray[Any]) -> boo
             for texel, rgba in ((picture, attribute), (picture, np.ones(4)), (_WHITE, attribute))
         )
         if not np.allclose(both * at_white, one * other, atol=1e-4):
+            return False
+    return True
+
+
+def _is_linear(material: Material, value: Value) -> bool:
+    """Whether it is between those of corners as attributes are, in a few trials."""
+    random = np.random.default_rng(2)
+    for _ in range(_TRIALS):
+        corners = random.uniform(0.1, 1.0, (2, 4))
+        of_both, first, second = (
+            value(material, _same_everywhere(material, _WHITE, rgba)) for rgba in (corners.mean(axis=0), *corners)
+        )
+        if not np.allclose(2.0 * of_both, first + second, atol=1e-4):
             return False
     return True
 

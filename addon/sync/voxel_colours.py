@@ -15,6 +15,7 @@ import numpy as np
 
 from tyndall.scene_description import Extension, Material
 
+from .materials import COLOUR
 from .program import BLACK, WHITE, Program
 from .surface_values import (
     PICTURES,
@@ -45,6 +46,9 @@ class Colouring:
 
     parts: Parts  #: Of the colour.
     channels: Mapping[str, Parts] = field(default_factory=dict)
+    #: As MaterialReader.channels has them, where they vary in a way that neither texels nor corners have; all but
+    #: emission.
+    programs: Mapping[str, Material] = field(default_factory=dict)
     glow: NDArray[np.floating[Any]] = field(default_factory=lambda: np.zeros(3))  #: Mean of what it emits, (3,).
     extension: Extension = Extension.REPEAT
     uv_map: str = ""  #: "" is the active one.
@@ -74,13 +78,17 @@ def colouring_of(colour: Material, channels: Mapping[str, Material], reports: Re
         name: parts_of(one, _luminance if name == EMISSION else number_per_weight) for name, one in channels.items()
     }
     places = [_place(op, one) for one in (colour, *channels.values()) for op in one.program if op.code in PICTURES]
-    culprit = f'Material "{colour.name}"'
-    if len(set(places)) > 1:
-        reports.add(culprit, "its pictures lie differently: voxels have the first one's place")
-    if not all(one.is_product for one in (parts, *of_channels.values())):
-        reports.add(culprit, "pictures and colour attributes are multiplied, however its nodes join them")
-    if any(reads_more(one) for one in (colour, *channels.values())):
-        reports.add(culprit, "voxels read what is neither picture nor colour attribute as mid grey")
+    programs = {COLOUR: colour} | {name: one for name, one in channels.items() if name != EMISSION}
+    varies = (
+        len(set(places)) > 1
+        or not all(one.is_exact for one in (parts, *of_channels.values()))
+        or any(reads_more(one) for one in programs.values())
+    )
+    if EMISSION in channels and reads_more(channels[EMISSION]):
+        reports.add(
+            f'Material "{colour.name}"',
+            "voxels read what is neither picture nor colour attribute as mid grey in its glow",
+        )
     glow = np.zeros(3)
     if EMISSION in channels:
         glow = parts_of(channels[EMISSION], diffuse_radiance).texels.reshape(-1, 3).mean(axis=0)
@@ -88,6 +96,7 @@ def colouring_of(colour: Material, channels: Mapping[str, Material], reports: Re
     return Colouring(
         parts=parts,
         channels=of_channels,
+        programs=programs if varies else {},
         glow=glow,
         extension=extension,
         uv_map=uv_map,

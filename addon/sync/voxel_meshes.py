@@ -8,36 +8,30 @@ hides in the viewport, was chosen by name here and is taken if the depsgraph has
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
 from tyndall import InvalidInput
-from tyndall.linear_colours import srgb_from_linear
+from tyndall.program_points import PointPlace, asks_of_instances
 from tyndall.scene_description import ATTRIBUTE_MARK
-from tyndall.voxel_dag import Material, Textures
 
 from .images import ImageReader
 from .instances import materials_of
 from .materials import COLOUR, MaterialReader, note_missing_attributes
+from .mesh_attributes import GENERATED, asked_of_meshes, made_maps
 from .meshes import read_mesh
+from .random_numbers import as_unit_floats, random_number_of
 from .reports import Reports
 from .unit_vectors import unit_vectors
-from .voxel_colours import (
-    EMISSION,
-    METALLIC,
-    Colouring,
-    colouring_of,
-    luminance,
-    may_be_above_zero,
-    plain_colouring,
-)
+from .varying_voxels import Varying
+from .voxel_colours import METALLIC, Colouring, colouring_of, may_be_above_zero, plain_colouring
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator
 
-    from bpy.types import Depsgraph, Object
+    from bpy.types import Depsgraph, DepsgraphObjectInstance, Object
     from numpy.typing import NDArray
 
     from tyndall.scene_description import Mesh
@@ -56,6 +50,7 @@ class VoxelMesh:
     #: What colours (COLOUR) and channels of the colourings are multiplied by, of those that attributes of the mesh are
     #: read for, (m, 3, 3) or (m, 3, 1), linear.
     corner_factors: dict[str, NDArray[np.float32]]
+    varying: list[Varying]  #: Of colourings that ask where they are.
     sources: list[str]  #: Names of the chosen objects that have faces here.
     reports: Reports  #: What was left out or replaced.
 
@@ -69,7 +64,7 @@ class _Placed:
     colouring_of_triangle: NDArray[np.uint32]
     corner_uvs: NDArray[np.float32]
     corner_factors: dict[str, NDArray[np.float32]]
-    matrices: list[NDArray[np.float64]] = field(default_factory=list)
+    places: list[PointPlace] = field(default_factory=list)
 
 
 def gather(
@@ -93,6 +88,12 @@ def gather(
     parts = [part for thing in placed for part in _parts(thing)]
     factors = sorted({name for part in parts for name in part.corner_factors})
     firsts = np.cumsum([0, *(len(part.positions_m) for part in parts[:-1])]).astype(np.uint32)
+    first_triangles = iter(np.cumsum([0, *(len(part.triangles) for part in parts[:-1])]).tolist())
+    varying = [
+        one
+        for thing in placed
+        for one in _varying(thing, reader.colourings, [next(first_triangles) for _ in thing.places])
+    ]
     return VoxelMesh(
         positions_m=np.concatenate([part.positions_m for part in parts]),
         triangles=np.concatenate([part.triangles + first for part, first in zip(parts, firsts, strict=True)]),
@@ -101,77 +102,10 @@ def gather(
         corner_uvs=np.concatenate([part.corner_uvs for part in parts]),
         corner_normals=np.concatenate([part.corner_normals for part in parts]),
         corner_factors={name: np.concatenate([part.factors(name) for part in parts]) for name in factors},
+        varying=varying,
         sources=sorted(reader.sources),
         reports=reader.reports,
     )
-
-
-def glow_of(mesh: VoxelMesh) -> NDArray[np.floating[Any]]:
-    """Radiance of a voxel whose emission is 1, (3,): the hue is that of what glows most."""
-    if not any(EMISSION in colouring.channels for colouring in mesh.colourings):
-        return np.zeros(3)
-    most = max(
-        float(colouring.channels[EMISSION].texels.max())
-        for colouring in mesh.colourings
-        if EMISSION in colouring.channels
-    )
-    glow = max((colouring.glow for colouring in mesh.colourings), key=lambda hue: float(luminance(hue)[0]))
-    brightest = float(luminance(glow)[0])
-    if brightest <= 0.0:
-        return np.zeros(3)
-    hues = [colouring.glow / luminance(colouring.glow)[0] for colouring in mesh.colourings if colouring.glow.any()]
-    if not np.allclose(hues, hues[0], atol=0.02):
-        mesh.reports.add("Emission", "voxels glow in one colour, that of what glows most")
-    return glow * (most / brightest)
-
-
-def surface_of(
-    mesh: VoxelMesh, *, has_colors: bool, has_normals: bool, channels: Collection[str]
-) -> tuple[NDArray[np.float64], NDArray[np.uint32], dict[str, Any]]:
-    """Positions and triangles, and what ``tyndall.voxel_dag.Config`` takes of them as voxels are to carry."""
-    wanted = [*([COLOUR] if has_colors else []), *channels]
-    fields: dict[str, Any] = {}
-    if wanted:
-        fields["textures"] = _textures_of(mesh, channels, has_colors=has_colors)
-    factors = {name: mesh.corner_factors[name] for name in wanted if name in mesh.corner_factors}
-    if not (has_normals or factors):
-        return mesh.positions_m, mesh.triangles, fields
-    positions_m, triangles, normals = split_corners(mesh)
-    if has_normals:
-        fields["normals"] = normals
-    if COLOUR in factors:
-        fields["colors"] = srgb_from_linear(factors.pop(COLOUR).reshape(-1, 3))
-    fields["channels"] = {name: np.rint(255.0 * factor.ravel()).astype(np.uint8) for name, factor in factors.items()}
-    return positions_m, triangles, fields
-
-
-def _textures_of(mesh: VoxelMesh, channels: Collection[str], *, has_colors: bool) -> Textures:
-    most = max((float(luminance(glow_of(mesh))[0]), 1e-9)) if EMISSION in channels else 1.0
-    materials = []
-    for colouring in mesh.colourings:
-        kept = {}
-        for name in channels:
-            if (parts := colouring.channels.get(name)) is not None:
-                texels = np.clip(parts.texels[..., 0] / (most if name == EMISSION else 1.0), 0.0, 1.0)
-                kept[name] = texels if texels.size > 1 else float(texels[0, 0])
-        look: dict[str, Any] = {}
-        if has_colors:
-            is_same = colouring.texels.shape[:2] == (1, 1)
-            look = {"color": srgb_from_linear(colouring.texels[0, 0])} if is_same else {"picture": colouring.texels}
-        materials.append(Material(**look, outside=colouring.extension.name.lower(), channels=kept))
-    return Textures(materials=materials, corner_uvs=mesh.corner_uvs, material_of_triangle=mesh.colouring_of_triangle)
-
-
-def split_corners(mesh: VoxelMesh) -> tuple[NDArray[np.float64], NDArray[np.uint32], NDArray[np.float32]]:
-    """Positions, triangles and normals, with a vertex for each corner; flat corners have their triangle's normal."""
-    positions_m = mesh.positions_m[mesh.triangles]
-    across = np.cross(positions_m[:, 1] - positions_m[:, 0], positions_m[:, 2] - positions_m[:, 0])
-    lengths = np.linalg.norm(across, axis=1, keepdims=True)
-    of_faces = np.where(lengths > 0.0, across / np.where(lengths > 0.0, lengths, 1.0), (0.0, 0.0, 1.0))
-    is_flat = ~mesh.corner_normals.any(axis=2, keepdims=True)
-    normals = np.where(is_flat, of_faces[:, None], mesh.corner_normals).astype(np.float32)
-    corners = np.arange(3 * len(mesh.triangles), dtype=np.uint32).reshape(-1, 3)
-    return positions_m.reshape(-1, 3), corners, normals.reshape(-1, 3)
 
 
 #: In place of a material's index: an empty slot, and one of a mesh with colours.
@@ -210,11 +144,12 @@ class _Reader:
                 found[key] = self._read(instance.object.name, data, indices)
             if (thing := found[key]) is not None:
                 self.sources.add(shown_by.name)
-                thing.matrices.append(np.array(instance.matrix_world, np.float64))
+                thing.places.append(_place_of(instance))
         return [thing for thing in found.values() if thing is not None]
 
     def _read(self, name: str, data: bpy.types.Mesh, materials: tuple[int, ...]) -> _Placed | None:
-        mesh = read_mesh(data, self.reports, self._kept, self._poll)
+        asked = asked_of_meshes(self._materials.materials[index] for index in materials if index != _NO_MATERIAL)
+        mesh = read_mesh(data, self.reports, self._kept, self._poll, asked)
         if mesh is None:
             return None
         has_colours = any(map_name.startswith(ATTRIBUTE_MARK) for map_name, _ in mesh.uv_maps)
@@ -263,16 +198,12 @@ class _Reader:
     def _factors(self, mesh: Mesh, of_triangle: NDArray[np.uint32]) -> dict[str, NDArray[np.float32]]:
         """Of the attributes that colourings read of corners."""
         factors: dict[str, NDArray[np.float32]] = {}
-        maps = dict(mesh.uv_maps)
-        for name in (ATTRIBUTE_MARK + kind for kind in ("rg ", "ba ")):  # the active one
-            first = next((uvs for known, uvs in mesh.uv_maps if known.startswith(name)), None)
-            if first is not None:
-                maps[name] = first
+        maps = _maps_by_name(mesh)
         for index in np.unique(of_triangle):
             colouring = self.colourings[index]
             covered = of_triangle == index
             for name, parts in ((COLOUR, colouring.parts), *colouring.channels.items()):
-                if parts.at_corners is None:
+                if parts.at_corners is None or name in colouring.programs:
                     continue
                 there = {known: uvs[covered].reshape(-1, 2) for known, uvs in maps.items()}
                 found = parts.at_corners(3 * int(covered.sum()), there)
@@ -298,6 +229,30 @@ class _Reader:
         return placed
 
 
+def _maps_by_name(mesh: Mesh) -> dict[str, NDArray[np.float32]]:
+    """With the active UV map as "", and the active colours without a name of theirs."""
+    maps = dict(mesh.uv_maps)
+    if (first := next((uvs for known, uvs in mesh.uv_maps if not known.startswith(ATTRIBUTE_MARK)), None)) is not None:
+        maps[""] = first
+    for name in (ATTRIBUTE_MARK + kind for kind in ("rg ", "ba ")):
+        if (first := next((uvs for known, uvs in mesh.uv_maps if known.startswith(name)), None)) is not None:
+            maps[name] = first
+    return maps
+
+
+def _place_of(instance: DepsgraphObjectInstance) -> PointPlace:
+    thing = instance.object
+    random = instance.random_id & 0xFFFFFFFF if instance.is_instance else random_number_of(thing.name)
+    return PointPlace(
+        world_from_object=np.array(instance.matrix_world, np.float64),
+        generated=(np.array(thing.data.texspace_location), np.array(thing.data.texspace_size)),
+        generated_maps=made_maps(GENERATED),
+        color=tuple(thing.color),
+        pass_index=float(thing.pass_index),
+        random=float(as_unit_floats([random])[0]),
+    )
+
+
 def _part_of(mesh: Mesh, is_kept: NDArray[np.bool_]) -> Mesh:
     """The triangles that are kept; their slots have been read."""
     return replace(
@@ -309,17 +264,58 @@ def _part_of(mesh: Mesh, is_kept: NDArray[np.bool_]) -> Mesh:
     )
 
 
+def _corner_normals(mesh: Mesh) -> NDArray[np.float32]:
+    """0: flat."""
+    return np.zeros((len(mesh.triangles), 3, 3), np.float32) if mesh.corner_normals is None else mesh.corner_normals
+
+
+def _is_mirrored(world_from_object: NDArray[np.float64]) -> bool:
+    return bool(np.linalg.det(world_from_object[:3, :3]) < 0.0)
+
+
+def _varying(thing: _Placed, colourings: list[Colouring], firsts: list[int]) -> Iterator[Varying]:
+    """``firsts``: of the triangles of its instances, among all. What is drawn for one does for others of its size."""
+    mesh = thing.mesh
+    for index in np.unique(thing.colouring_of_triangle):
+        programs = colourings[index].programs
+        if not programs:
+            continue
+        covered = np.flatnonzero(thing.colouring_of_triangle == index)
+        is_alike = not any(asks_of_instances(program) for program in programs.values())
+        drawn: dict[object, Varying] = {}
+        for number, (place, first) in enumerate(zip(thing.places, firsts, strict=True)):
+            key = _size_of(place.world_from_object) if is_alike else number
+            if key not in drawn:
+                drawn[key] = Varying(
+                    colouring=int(index),
+                    programs=programs,
+                    place=place,
+                    corners=mesh.positions[mesh.triangles[covered]].astype(np.float64),
+                    normals=_corner_normals(mesh)[covered],
+                    uv_maps={name: uvs[covered] for name, uvs in _maps_by_name(mesh).items()},
+                )
+            drawn[key].triangles.append(first + covered)
+            drawn[key].is_mirrored.append(_is_mirrored(place.world_from_object))
+        yield from drawn.values()
+
+
+def _size_of(world_from_object: NDArray[np.float64]) -> tuple[float, ...]:
+    """The same for matrices that turn and mirror after they have scaled alike."""
+    scales = world_from_object[:3, :3].T @ world_from_object[:3, :3]
+    whole = float(np.trace(scales)) or 1.0
+    return (float(f"{whole:.4g}"), *np.round(scales / whole, 4).ravel().tolist())
+
+
 def _parts(thing: _Placed) -> Iterator[_Part]:
     """Of each of its instances."""
     mesh = thing.mesh
-    local = mesh.positions.astype(np.float64)
-    normals = np.zeros((len(mesh.triangles), 3, 3), np.float32) if mesh.corner_normals is None else mesh.corner_normals
-    for matrix in thing.matrices:
+    local, normals = mesh.positions.astype(np.float64), _corner_normals(mesh)
+    for matrix in (place.world_from_object for place in thing.places):
         positions_m = local @ matrix[:3, :3].T + matrix[:3, 3]
         if not np.isfinite(positions_m).all():
             vertex = int(np.argmin(np.isfinite(positions_m).all(axis=1)))
             raise InvalidInput(f'object "{thing.name}": vertex {vertex} is at {positions_m[vertex].tolist()}')
-        order = slice(None, None, -1) if np.linalg.det(matrix[:3, :3]) < 0.0 else slice(None)  # mirrored
+        order = slice(None, None, -1) if _is_mirrored(matrix) else slice(None)
         yield _Part(
             positions_m=positions_m,
             triangles=mesh.triangles[:, order],
@@ -352,6 +348,6 @@ def _turned(normals: NDArray[np.float32], world_from_object: NDArray[np.float64]
     x, y, z = world_from_object[:3, :3].T
     cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=1)
     turned = normals.astype(np.float64) @ cofactors.T
-    if np.linalg.det(world_from_object[:3, :3]) < 0.0:
+    if _is_mirrored(world_from_object):
         turned = -turned
     return unit_vectors(turned).astype(np.float32)

@@ -8,6 +8,7 @@
 #include "shading/point_values.hpp"
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <pybind11/stl.h>
 
 namespace tyndall::bindings {
@@ -147,14 +148,23 @@ py::array_t<float> displacements(const Material& material, const py::array& posi
 
 py::array_t<float> program_values(const Material& material, const py::array& positions, const py::array& uvs,
                                   const std::array<float, 16>& world_from_object, const std::array<float, 4>& color,
-                                  float pass_index, float random) {
+                                  float pass_index, float random, const std::optional<py::array>& normals,
+                                  const std::optional<py::array>& true_normals) {
     const py::ssize_t count = positions.shape(0);
-    check_array<float>(positions, {count, 3}, "positions");
+    const auto at = rows<vec3, float>(positions, {count, 3}, "positions");
+    const auto directions = [&](const std::optional<py::array>& array, std::string_view name) {
+        return array ? rows<vec3, float>(*array, {count, 3}, name) : std::span<const vec3>();
+    };
+    const auto smooth = directions(normals, "normals"), flat = directions(true_normals, "true_normals");
     const UvsOfPoints uv(material, uvs, count);
     const PointsOfObject points(world_from_object, color, pass_index, random);
-    const auto* const at = static_cast<const vec3*>(positions.data());
-    return finite_rows(
-        count, [&](std::size_t index) { return emission_register_at(material, points.at(at[index]), uv.at(index)); });
+    const auto direction = [](std::span<const vec3> of, std::size_t index) {
+        return of.empty() ? vec3(0.0f) : of[index];
+    };
+    return finite_rows(count, [&](std::size_t index) {
+        const ProgramPoint point = points.at(at[index], direction(smooth, index), direction(flat, index));
+        return emission_register_at(material, point, uv.at(index));
+    });
 }
 } // namespace
 
@@ -177,10 +187,10 @@ InvalidInput: a vertex or a corner that does not exist.)");
 unit normals; but zero, flat, stays. positions, (m, 3) float32; triangles, (t, 3) uint32; is_renewed, (t,) bool.
 TypeError: dtype or shape; InvalidInput: a triangle's vertex that does not exist.)");
     native.def("program_values", &program_values, "material"_a, "positions"_a, "uvs"_a, "world_from_object"_a,
-               "color"_a, "pass_index"_a, "random"_a,
-               R"(A program's emission at points inside an object, (n, 3) float32; 0 where it is not finite.
+               "color"_a, "pass_index"_a, "random"_a, "normals"_a = py::none(), "true_normals"_a = py::none(),
+               R"(A program's emission at points of an object, (n, 3) float32; 0 where it is not finite.
 
-positions, (n, 3), in the object's space; uvs, (n, maps of the material, 2); both float32. There are no normals.
-TypeError: dtype or shape.)");
+positions, (n, 3), in the object's space; uvs, (n, maps of the material, 2); normals and true_normals, unit, (n, 3), likewise,
+of a surface that is looked at along its normal; None: inside. All float32. TypeError: dtype or shape.)");
 }
 } // namespace tyndall::bindings

@@ -83,8 +83,8 @@ class _UsageError(Exception):
 
 
 def _voxelize(options: argparse.Namespace) -> int:
-    def read_blend(path: Path, scene: str | None, with_colors: bool, with_normals: bool) -> Any:  # noqa: ANN401, FBT001
-        return _blender("read_triangles")(path, scene, with_colors=with_colors, with_normals=with_normals)
+    def read_blend(*asked: Any) -> Any:  # noqa: ANN401
+        return _blender("read_triangles")(*asked)
 
     try:
         return voxelize_command.run(options, read_blend)

@@ -15,13 +15,25 @@ from .scene_description import Code
 from .surface_inputs import PointInput
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
+    from typing import Protocol
 
     from numpy.typing import NDArray
 
     from .scene_description import Material
 
     FloatArray = NDArray[np.float32]
+
+    class Values(Protocol):
+        """What ``values_of`` gives."""
+
+        def __call__(  # noqa: D102
+            self,
+            positions: NDArray[np.float64],
+            uv_maps: Mapping[str, FloatArray],
+            normals: tuple[FloatArray, FloatArray] | None = None,
+            /,
+        ) -> FloatArray: ...
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -52,18 +64,21 @@ def asks_of_instances(program: Material) -> bool:
     return any(step.code is Code.INPUT and step.option != PointInput.OBJECT_POSITION for step in program.program)
 
 
-def values_of(
-    program: Material, place: PointPlace, notes: list[str]
-) -> Callable[[NDArray[np.float64], Mapping[str, FloatArray]], FloatArray]:
+def values_of(program: Material, place: PointPlace, notes: list[str]) -> Values:
     """Takes positions (n, 3), metres in the object, and UV maps by name, (n, 2); gives (n, 3), nothing below 0.
 
-    The function raises IoError of textures that lie in a file.
+    Of surfaces it takes normals, too, smooth and true ones, unit, (n, 3) each, in the object. It raises IoError of
+    textures that lie in a file.
     """
     native = build_material(program, [build_texture(use, notes) for use in program.textures])
     location, size = place.generated
     per_metre = np.divide(0.5, size, out=np.zeros(3), where=size != 0.0)
 
-    def values(positions: NDArray[np.float64], uv_maps: Mapping[str, FloatArray]) -> FloatArray:
+    def values(
+        positions: NDArray[np.float64],
+        uv_maps: Mapping[str, FloatArray],
+        normals: tuple[FloatArray, FloatArray] | None = None,
+    ) -> FloatArray:
         uvs = np.zeros((len(positions), len(program.uv_maps), 2), np.float32)
         generated = (positions - location) * per_metre + 0.5
         for index, name in enumerate(program.uv_maps):
@@ -81,6 +96,8 @@ def values_of(
             color=place.color,
             pass_index=place.pass_index,
             random=place.random,
+            normals=None if normals is None else normals[0],
+            true_normals=None if normals is None else normals[1],
         )
         require_whole(program)
         return np.maximum(found, np.float32(0.0))

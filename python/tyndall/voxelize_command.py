@@ -19,9 +19,9 @@ or written; 130 interrupted. Finished parts are kept: the same command goes on f
 _UNITS = {"": 1, "k": 2**10, "m": 2**20, "g": 2**30, "t": 2**40}
 _TOLD_EVERY_S = 2.0
 
-#: ``read(path, scene, with_colors, with_normals)`` gives positions in metres, (n, 3), triangles, (m, 3), and settings
-#: of ``Config`` that say what voxels carry.
-Read = Callable[[Path, str | None, bool, bool], tuple[Any, Any, dict[str, Any]]]
+#: ``read(path, scene, resolution, with_colors, with_normals)`` gives positions in metres, (n, 3), triangles, (m, 3),
+#: and settings of ``Config`` that say what voxels carry.
+Read = Callable[[Path, str | None, int, bool, bool], tuple[Any, Any, dict[str, Any]]]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -111,7 +111,7 @@ def _mesh(options: argparse.Namespace, read_blend: Read) -> tuple[Any, Any, dict
         return mesh.positions_m, mesh.triangles, carried
     if options.file.suffix != ".blend":
         raise ValueError(f"{options.file.name}: it may be a .blend, .ply, .obj or .npz file")
-    return read_blend(options.file.absolute(), options.scene, options.colors, options.normals)
+    return read_blend(options.file.absolute(), options.scene, options.resolution, options.colors, options.normals)
 
 
 def _told(progress: Any, work: Callable[[], Any]) -> Any:  # noqa: ANN401 - of the native part; what work gives

@@ -117,11 +117,17 @@ def _strips(editor: Any) -> Any:  # noqa: ANN401  named anew in 4.4
     return editor.strips if hasattr(editor, "strips") else editor.sequences
 
 
-def read_triangles(path: Path, scene_name: str | None, *, with_colors: bool, with_normals: bool) -> Any:  # noqa: ANN401
+def read_triangles(
+    path: Path,
+    scene_name: str | None,
+    resolution: int,
+    with_colors: bool,  # noqa: FBT001
+    with_normals: bool,  # noqa: FBT001
+) -> Any:  # noqa: ANN401
     """Positions in metres, (n, 3) float64, and triangles, (m, 3) uint32, of all that the scene shows in renders.
 
-    Third, settings of ``tyndall.voxel_dag.Config``: textures, the diffuse part of materials, and smooth normals, where
-    they are asked for. Modifiers and instances are applied. Raises RuntimeError if the file cannot be opened,
+    Third, settings of ``tyndall.voxel_dag.Config``: textures, the colours of materials, and smooth normals, where they
+    are asked for. Modifiers and instances are applied. Raises RuntimeError if the file cannot be opened,
     ValueError for a scene that is not there or has no face.
     """
     enable()
@@ -131,7 +137,9 @@ def read_triangles(path: Path, scene_name: str | None, *, with_colors: bool, wit
         mesh = gather(
             bpy.context.evaluated_depsgraph_get(), [thing for thing in scene.objects if not thing.hide_render]
         )
-    positions_m, triangles, carried = surface_of(mesh, has_colors=with_colors, has_normals=with_normals)
+    positions_m, triangles, carried = surface_of(
+        mesh, resolution=resolution, has_colors=with_colors, has_normals=with_normals
+    )
     return positions_m, triangles, carried
 
 

@@ -20,10 +20,11 @@ def gather(depsgraph: bpy.types.Depsgraph, objects: Iterable[bpy.types.Object]) 
     return _part(".sync.voxel_meshes").gather(depsgraph, objects)
 
 
-def surface_of(mesh: Any, *, has_colors: bool, has_normals: bool) -> Any:  # noqa: ANN401  the add-on's
+def surface_of(mesh: Any, *, resolution: int, has_colors: bool, has_normals: bool) -> Any:  # noqa: ANN401  the add-on's
     """Positions and triangles of what was gathered, and what ``tyndall.voxel_dag.Config`` takes of them.
 
-    That is the diffuse part of materials, and smooth normals, for which each corner has a vertex.
+    That is the colours of materials, those of nodes that vary with a texel for a voxel of this resolution, and smooth
+    normals, for which each corner has a vertex.
     """
     carried = {"has_colors": has_colors, "has_normals": has_normals, "channels": ()}
-    return _part(".sync.voxel_meshes").surface_of(mesh, **carried)
+    return _part(".sync.voxel_surfaces").surface_of(mesh, resolution=resolution, **carried)
