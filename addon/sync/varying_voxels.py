@@ -15,6 +15,7 @@ import numpy as np
 
 from tyndall.linear_colours import srgb_from_linear
 from tyndall.program_points import values_of
+from tyndall.scene_description import Code
 
 from .materials import COLOUR
 from .unit_vectors import unit_vectors
@@ -145,10 +146,15 @@ def _quotient(program: Material, place: PointPlace, notes: list[str]) -> Callabl
 
 def _asked(program: Material, name: str, place: PointPlace, notes: list[str]) -> Values:
     """A result of a program."""
+    constant = getattr(program, name)
     if program.program:
-        return values_of(replace(program, emission_register=getattr(program, f"{name}_register")), place, notes)
-    constant = np.array(getattr(program, name), np.float32)
-    return lambda positions, _uv_maps, _normals=None: np.broadcast_to(constant, positions.shape)
+        register = getattr(program, f"{name}_register")
+        last = next(step for step in reversed(program.program) if step.out == register)
+        if last.code is not Code.CONSTANT:
+            return values_of(replace(program, emission_register=register), place, notes)
+        constant = last.value
+    everywhere = np.array(constant, np.float32)
+    return lambda positions, _uv_maps, _normals=None: np.broadcast_to(everywhere, positions.shape)
 
 
 def _laid_out(corners_m: NDArray[np.float64], texel_m: float) -> _Pieces:

@@ -275,12 +275,13 @@ def _is_mirrored(world_from_object: NDArray[np.float64]) -> bool:
 
 def _varying(thing: _Placed, colourings: list[Colouring], firsts: list[int]) -> Iterator[Varying]:
     """``firsts``: of the triangles of its instances, among all. What is drawn for one does for others of its size."""
-    mesh = thing.mesh
+    mesh, maps = thing.mesh, _maps_by_name(thing.mesh)
     for index in np.unique(thing.colouring_of_triangle):
         programs = colourings[index].programs
         if not programs:
             continue
         covered = np.flatnonzero(thing.colouring_of_triangle == index)
+        asked = {name for program in programs.values() for name in program.uv_maps}
         is_alike = not any(asks_of_instances(program) for program in programs.values())
         drawn: dict[object, Varying] = {}
         for number, (place, first) in enumerate(zip(thing.places, firsts, strict=True)):
@@ -292,7 +293,7 @@ def _varying(thing: _Placed, colourings: list[Colouring], firsts: list[int]) -> 
                     place=place,
                     corners=mesh.positions[mesh.triangles[covered]].astype(np.float64),
                     normals=_corner_normals(mesh)[covered],
-                    uv_maps={name: uvs[covered] for name, uvs in _maps_by_name(mesh).items()},
+                    uv_maps={name: uvs[covered] for name, uvs in maps.items() if name in asked},
                 )
             drawn[key].triangles.append(first + covered)
             drawn[key].is_mirrored.append(_is_mirrored(place.world_from_object))
