@@ -224,8 +224,7 @@ struct DistinctUses {
     }
 };
 
-/// Whether a shape that stands so often in the scene is drawn; else it is traced.
-static bool is_drawn(const ShapeGeometry& shape, std::size_t place_count) {
+bool is_drawn(const ShapeGeometry& shape, std::size_t place_count) {
     if (const CellShape* const cells = shape.cells())
         return cells->cell_count() <= most_cells_with_faces / place_count;
     const Strands* const strands = shape.strands();

@@ -100,6 +100,8 @@ struct Occluders {
 /// The triangles in the order of the cells of a coarse grid, along Morton's curve, so that blocks are small.
 [[nodiscard]] std::vector<std::uint32_t> order_in_space(std::span<const vec3> positions,
                                                         std::span<const uvec3> triangles, const Bounds3& bounds);
+/// Whether maps and rows draw a shape that stands so often in the scene; else they trace it.
+[[nodiscard]] bool is_drawn(const ShapeGeometry& shape, std::size_t place_count);
 /// The scene must outlive the result, which takes over the meshes that another one has. Throws Cancelled.
 [[nodiscard]] Occluders gather_occluders(const SceneDescription& scene, const Progress& progress,
                                          const Occluders* another = nullptr);

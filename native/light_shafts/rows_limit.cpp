@@ -2,6 +2,7 @@
 #include "light_shafts/rows_limit.hpp"
 #include "light_shafts/forward_fog.hpp"
 #include "light_shafts/light_shafts.hpp"
+#include "light_shafts/occluders.hpp"
 #include "light_shafts/transparency_lookup.hpp"
 #include "scene/strands.hpp"
 #include <algorithm>
@@ -11,7 +12,8 @@ namespace tyndall::light_shafts {
 static constexpr double row_s_per_triangle = 7e-8;         // or per segment of a strand
 static constexpr double row_s_per_partial_triangle = 2e-6; // which its texels ask how much light it lets pass
 static constexpr double row_s_per_program_triangle = 6e-6; // the same by a program at each of their points
-static constexpr double row_s_of_traced = 0.08;            // whose texels ask for strands ray by ray
+static constexpr double row_s_per_cell = 3.5e-7;           // drawn by its faces
+static constexpr double row_s_of_traced = 0.08;            // whose texels ask for strands or cells ray by ray
 static constexpr double row_s_per_ray = 3e-7;              // to ask a lamp's
 
 static double s_per_partial_triangle(const Material& material) {
@@ -41,18 +43,26 @@ static double row_s_of_triangles(const SceneDescription& description, bool has_m
     return seconds;
 }
 
-/// Of a light sample, with the strands alone.
-static double row_s_of_strands(const SceneDescription& description) {
-    double segments = 0.0;
+/// Of a light sample, with strands and cells alone.
+static double row_s_of_shapes(const SceneDescription& description) {
+    std::vector<std::size_t> place_counts(description.shapes.size());
+    for (const PlacedShape& placed : description.placed_shapes)
+        place_counts[placed.shape_index] += placed.casts_shadow;
+    double seconds = 0.0;
     bool is_traced = false;
-    for (const PlacedShape& placed : description.placed_shapes) {
-        const Strands* const strands = description.shapes[placed.shape_index]->strands();
-        if (!placed.casts_shadow || strands == nullptr)
+    for (std::size_t index = 0; index < place_counts.size(); ++index) {
+        const ShapeGeometry& shape = *description.shapes[index];
+        const auto places = static_cast<double>(place_counts[index]);
+        if (places == 0.0)
             continue;
-        segments += static_cast<double>(strands->segment_count());
-        is_traced |= !strands->are_splines();
+        const bool is_shape_traced = !is_drawn(shape, place_counts[index]);
+        is_traced |= is_shape_traced;
+        if (const Strands* const strands = shape.strands())
+            seconds += places * static_cast<double>(strands->segment_count()) * row_s_per_triangle;
+        else if (const CellShape* const cells = shape.cells(); cells != nullptr && !is_shape_traced)
+            seconds += places * static_cast<double>(cells->cell_count()) * row_s_per_cell;
     }
-    return segments * row_s_per_triangle + (is_traced ? row_s_of_traced : 0.0);
+    return seconds + (is_traced ? row_s_of_traced : 0.0);
 }
 
 LeftLights find_left(const Scene& scene, const Media& media, const Config& config, const RowsCounts& counts) {
@@ -61,7 +71,7 @@ LeftLights find_left(const Scene& scene, const Media& media, const Config& confi
         return {};
     const SceneDescription& description = scene.description();
     const bool has_maps = config.method == Method::ShadowMap;
-    const double s_per_sample = row_s_of_triangles(description, has_maps) + row_s_of_strands(description);
+    const double s_per_sample = row_s_of_triangles(description, has_maps) + row_s_of_shapes(description);
     const double lamps_s = static_cast<double>(counts.lamp_samples) * s_per_sample +
                            (has_maps ? 0.0 : static_cast<double>(counts.lamps) * row_s_per_ray * limit.ray_count);
     const bool is_swallowed = config.attenuates_light && media.fills_world();

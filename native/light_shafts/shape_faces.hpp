@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How maps and rows draw shapes of cells: a small shape by the faces that its cells show, as triangles of a mesh; a large
 // one by tracing, one ray per sample. Either way a sample holds what it would of a mesh of the same boxes.
-// Bound:    2 triangles per face in the open; 0.3 to 1.5 us per sample that is traced.
+// Bound:    2 triangles per face in the open, 200 bytes per cell of a surface; 0.3 to 1.5 us per sample that is traced, of
+//           which a lamp's rows have millions: more than a million cells' faces take.
 #pragma once
 #include "light_shafts/depth_map.hpp"
 #include "scene/placed_shapes.hpp"
 
 namespace tyndall::light_shafts {
 /// Cells of a shape, times how often it stands in the scene, up to which faces are drawn.
-inline constexpr std::uint64_t most_cells_with_faces = std::uint64_t{1} << 17;
+inline constexpr std::uint64_t most_cells_with_faces = std::uint64_t{1} << 20;
 [[nodiscard]] std::unique_ptr<const OccluderMesh> make_face_mesh(const CellShape& shape);
 
 /// The line of light of a sample: its slope is y / w at the nearest occluder.
