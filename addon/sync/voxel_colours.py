@@ -77,18 +77,17 @@ def colouring_of(colour: Material, channels: Mapping[str, Material], reports: Re
     of_channels = {
         name: parts_of(one, _luminance if name == EMISSION else number_per_weight) for name, one in channels.items()
     }
-    places = [_place(op, one) for one in (colour, *channels.values()) for op in one.program if op.code in PICTURES]
-    programs = {COLOUR: colour} | {name: one for name, one in channels.items() if name != EMISSION}
-    varies = (
-        len(set(places)) > 1
-        or not all(one.is_exact for one in (parts, *of_channels.values()))
-        or any(reads_more(one) for one in programs.values())
-    )
-    if EMISSION in channels and reads_more(channels[EMISSION]):
-        reports.add(
-            f'Material "{colour.name}"',
-            "voxels read what is neither picture nor colour attribute as mid grey in its glow",
-        )
+    programs = {COLOUR: colour, **channels}
+    places = [_place(op, one) for one in programs.values() for op in one.program if op.code in PICTURES]
+    are_simple = {
+        name: found.is_exact and not reads_more(programs[name])
+        for name, found in {COLOUR: parts, **of_channels}.items()
+    }
+    programs.pop(EMISSION, None)
+    if not are_simple.pop(EMISSION, True):
+        told = "its glow is, on voxels, pictures times colour attributes; what else its nodes read is half grey"
+        reports.add(f'Material "{colour.name}"', told)
+    varies = len(set(places)) > 1 or not all(are_simple.values())
     glow = np.zeros(3)
     if EMISSION in channels:
         glow = parts_of(channels[EMISSION], diffuse_radiance).texels.reshape(-1, 3).mean(axis=0)

@@ -157,6 +157,23 @@ def test_channels_vary_too(scene: bpy.types.Scene, tmp_path: Path) -> None:
     assert (np.abs(rough - np.where(is_odd, 153, 0))[is_inside] <= 1).all()
 
 
+def test_glow_that_varies_is_said_and_leaves_colours_as_they_are(scene: bpy.types.Scene) -> None:
+    """Which are a number here. Seen to fail: drawn, and said of pictures alone."""
+
+    def build(new: New, link: Link) -> bpy.types.NodeSocket:
+        shader, pattern = new("ShaderNodeBsdfPrincipled"), new("ShaderNodeTexNoise")
+        (shader.inputs.get("Emission Color") or shader.inputs["Emission"]).default_value = (1, 1, 1, 1)
+        link(pattern.outputs["Fac"], shader.inputs["Emission Strength"])
+        return shader.outputs[0]
+
+    thing = sheet(material("Lava", build), 2)
+    bpy.context.view_layer.update()
+    gathered = gather(bpy.context.evaluated_depsgraph_get(), [thing], channels=["emission"])
+    told = "its glow is, on voxels, pictures times colour attributes; what else its nodes read is half grey"
+    assert gathered.reports.lines() == (f'Material "Lava": {told}',)
+    assert gathered.varying == []
+
+
 def test_too_many_texels_are_larger_and_it_is_said(scene: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(varying_voxels, "MOST_TEXELS", 1000)
     thing = sheet(material("Checks", checks("Position")), 2)
