@@ -45,6 +45,7 @@ from guide_edits import (
 )
 from guide_fire import show_fire
 from guide_glass import show_still_life
+from guide_patterns import show_patterns
 from guide_voxels import show_ambient_pass, show_courtyard
 
 import tyndall.blender
@@ -149,6 +150,8 @@ PICTURES = (
     Picture("voxel_courtyard_direct", "", partial(show_courtyard, is_lit_by_others=False)),
     Picture("voxel_courtyard", "", partial(show_courtyard, is_lit_by_others=True)),
     Picture("voxel_courtyard_ao", "", show_ambient_pass),
+    Picture("voxel_patterns_mesh", "", partial(show_patterns, are_voxels=False)),
+    Picture("voxel_patterns", "", partial(show_patterns, are_voxels=True)),
     Picture("fire", "", show_fire, size_px=FIRE_PX),
     Picture("fire_cycles", "", partial(show_fire, "CYCLES"), size_px=FIRE_PX),
     Picture("glass_straight", "", partial(show_still_life, bends=False)),
