@@ -13,7 +13,7 @@ constexpr std::array candidate_steps{16.0f, 8.0f, 4.0f, 2.0f}; // voxels
 // voxels. 0: no columns, each point's light walks: in density that ends it within a voxel no columns are near enough, and
 // walks are short.
 constexpr std::array candidate_spacings{8.0f, 4.0f, 2.0f, 1.0f, 0.5f, 0.25f, 0.0f};
-constexpr double most_bytes = 0x1p30;
+constexpr double most_bytes = 0x1p30; // of columns, but for the farthest apart, which may take more
 constexpr float coarsest_error = 0.1f;
 
 StepLimits limits_of(float length_voxels) {
@@ -165,13 +165,12 @@ GridResolution choose_grid_resolution(const Media& media, std::span<const ViewRa
         if (result.step_error <= of_steps)
             break;
     }
-    result.loss.spacing_voxels = candidate_spacings.front(); // whatever it takes
     for (const float spacing_voxels : candidate_spacings) {
         GridLoss loss = result.loss;
         loss.spacing_voxels = spacing_voxels;
         pilot.dim(loss);
         const float error = pilot.error(pilot.radiance(result.step_limits), by_steps);
-        if (pilot.most_bytes() > most_bytes) {
+        if (spacing_voxels != candidate_spacings.front() && pilot.most_bytes() > most_bytes) {
             if (result.loss_error > std::max(of_loss, coarsest_error))
                 result.loss.spacing_voxels = result.loss_error = 0.0f;
             break;
