@@ -71,18 +71,17 @@ class _Pieces:
     """Of a picture, one for each triangle, with the corners in the order in which the longest edge comes first."""
 
     corner_order: NDArray[np.intp]  #: (t, 3)
-    steps: NDArray[
-        np.intp
-    ]  #: (t, 2), from texel to texel along the longest edge and upwards; 0 where a voxel is larger.
+    #: (t, 2), from texel to texel along the longest edge and upwards; 0 where a voxel is larger.
+    steps: NDArray[np.intp]
     lower_left: NDArray[np.intp]  #: (t, 2)
     foot: NDArray[np.float64]  #: Of the third corner, as a share of the longest edge, (t,).
     size: tuple[int, int]  #: Width and height of the picture.
 
 
 def texel_size_m(surfaces: Collection[Varying], voxel_m: float) -> float:
-    """A voxel's side, or more where there would be too many texels."""
+    """A voxel's side, or more where there would be too many texels; a metre where all is one point."""
     area_m2 = 2.0 * sum(one.area_m2() for one in surfaces)  # pieces are rectangles
-    return max(voxel_m, math.sqrt(area_m2 / MOST_TEXELS))
+    return max(voxel_m, math.sqrt(area_m2 / MOST_TEXELS)) or 1.0
 
 
 def draw(

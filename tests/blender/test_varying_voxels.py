@@ -185,6 +185,17 @@ def test_too_many_texels_are_larger_and_it_is_said(scene: bpy.types.Scene, monke
     assert gathered.reports.lines() == ("Voxels: nodes that vary are read every 0.0894 m; a voxel is 0.0156 m",)
 
 
+def test_what_is_one_point_has_a_texel_for_each_triangle(scene: bpy.types.Scene) -> None:
+    """Seen to fail: without a size of texels."""
+    thing = sheet(material("Checks", checks("Object")), 2)
+    thing.scale = (0.0, 0.0, 0.0)
+    bpy.context.view_layer.update()
+    gathered = gather(bpy.context.evaluated_depsgraph_get(), [thing])
+    carried = {"has_colors": True, "has_normals": False, "channels": ()}
+    *_, fields = surface_of(gathered, resolution=RESOLUTION, **carried)
+    assert fields["textures"].materials[-1].picture.shape == (4, 2, 3)  # of eight triangles
+
+
 def test_it_can_be_stopped(scene: bpy.types.Scene) -> None:
     thing = sheet(material("Checks", checks("Position")), 2)
     bpy.context.view_layer.update()
