@@ -43,8 +43,8 @@ static double row_s_of_triangles(const SceneDescription& description, bool has_m
     return seconds;
 }
 
-/// Of a light sample, with strands and cells alone.
-static double row_s_of_shapes(const SceneDescription& description) {
+/// Of a light sample, with strands and cells alone. Maps hold faces of cells as they hold triangles.
+static double row_s_of_shapes(const SceneDescription& description, bool has_maps) {
     std::vector<std::size_t> place_counts(description.shapes.size());
     for (const PlacedShape& placed : description.placed_shapes)
         place_counts[placed.shape_index] += placed.casts_shadow;
@@ -59,7 +59,7 @@ static double row_s_of_shapes(const SceneDescription& description) {
         is_traced |= is_shape_traced;
         if (const Strands* const strands = shape.strands())
             seconds += places * static_cast<double>(strands->segment_count()) * row_s_per_triangle;
-        else if (const CellShape* const cells = shape.cells(); cells != nullptr && !is_shape_traced)
+        else if (const CellShape* const cells = shape.cells(); cells != nullptr && !is_shape_traced && !has_maps)
             seconds += places * static_cast<double>(cells->cell_count()) * row_s_per_cell;
     }
     return seconds + (is_traced ? row_s_of_traced : 0.0);
@@ -71,7 +71,7 @@ LeftLights find_left(const Scene& scene, const Media& media, const Config& confi
         return {};
     const SceneDescription& description = scene.description();
     const bool has_maps = config.method == Method::ShadowMap;
-    const double s_per_sample = row_s_of_triangles(description, has_maps) + row_s_of_shapes(description);
+    const double s_per_sample = row_s_of_triangles(description, has_maps) + row_s_of_shapes(description, has_maps);
     const double lamps_s = static_cast<double>(counts.lamp_samples) * s_per_sample +
                            (has_maps ? 0.0 : static_cast<double>(counts.lamps) * row_s_per_ray * limit.ray_count);
     const bool is_swallowed = config.attenuates_light && media.fills_world();
