@@ -25,7 +25,7 @@ LightCluster& LightCluster::operator+=(const LightCluster& other) {
     return *this;
 }
 
-/// Of an angle in [0, 2 pi] and one in [0, pi]. Sines tell small angles apart, cosines those that differ by pi.
+/// Of an angle in [0, 2 pi) and one in [0, pi]. Sines tell small angles apart, cosines those that differ by pi.
 static bool is_at_most(float cos_angle, float sin_angle, float cos_limit, float sin_limit) {
     return sin_angle >= 0.0f && sin_limit * cos_angle >= cos_limit * sin_angle && cos_angle >= cos_limit - 1e-6f;
 }
@@ -33,17 +33,22 @@ static bool is_at_most(float cos_angle, float sin_angle, float cos_limit, float 
 void LightCluster::widen(const vec3& other_axis, float other_cos, float other_sin) {
     if (cos_spread == -1.0f)
         return;
+    if (other_cos == -1.0f) { // before its rim, which may lie a whole turn from this axis
+        axis = other_axis;
+        shine_everywhere();
+        return;
+    }
     const float cosine = glm::dot(axis, other_axis);
     if (other_cos == 1.0f && cosine > cos_spread + 1e-6f) // most lights have one direction, and lie within
         return;
     const vec3 across = other_axis - cosine * axis;
     const float sine = glm::length(across);
-    // How far the other's rim is from this axis, and this one's from the other's: of angles in [0, 2 pi].
+    // How far the other's rim is from this axis, and this one's from the other's: of angles in [0, 2 pi).
     const float cos_rim = cosine * other_cos - sine * other_sin, sin_rim = sine * other_cos + cosine * other_sin;
     if (is_at_most(cos_rim, sin_rim, cos_spread, sin_spread))
         return;
     const float cos_back = cosine * cos_spread - sine * sin_spread, sin_back = sine * cos_spread + cosine * sin_spread;
-    if (other_cos == -1.0f || is_at_most(cos_back, sin_back, other_cos, other_sin)) {
+    if (is_at_most(cos_back, sin_back, other_cos, other_sin)) {
         axis = other_axis, cos_spread = other_cos, sin_spread = other_sin;
         return;
     }

@@ -15,13 +15,14 @@ PICTURES = Path(__file__).parents[2] / "out" / "many_lights"
 SAMPLES = 128
 _MARKS = {"200 lamps": pytest.mark.long}
 #: Each lamp costs Cycles the same, and gloss each lamp once more.
-_FEWER_SAMPLES = {"200 lamps": SAMPLES // 2, "40 over gloss": SAMPLES // 8}
+_FEWER_SAMPLES = {"200 lamps": SAMPLES // 2, "40 spots and points": SAMPLES // 4, "40 over gloss": SAMPLES // 8}
 
 
+# Seen to fail, of spots and points: with spots' cones that leave out the points beside them.
 @pytest.mark.dealt
 @pytest.mark.parametrize(
     "light",
-    [pytest.param(light, marks=_MARKS.get(light, ())) for light in LIT_BY if "points" not in light],
+    [pytest.param(light, marks=_MARKS.get(light, ())) for light in LIT_BY if "0 points" not in light],
 )
 def test_equals_cycles(light: str) -> None:
     """The mean within 1 %, as is the median block, beyond what is noise."""

@@ -84,6 +84,17 @@ def point_lamps(count: int) -> None:
         _link(data.name, data, Matrix.Translation(place))
 
 
+def spots_and_points(count: int) -> None:
+    """Spots that face straight down, as Blender adds them, and every fifth lamp a weak point."""
+    random = np.random.default_rng(6)
+    for number in range(count):
+        data = bpy.data.lights.new(f"Lamp {number}", "POINT" if number % 5 == 0 else "SPOT")
+        data.energy = (1000.0 if data.type == "SPOT" else 30.0) / count
+        data.shadow_soft_size = 0.0
+        place = random.random(3) * (6.0, 3.5, 1.5) + (-3.0, -1.0, 1.2)
+        _link(data.name, data, Matrix.Translation(place))
+
+
 def plates_over_gloss(count: int, roughness: float) -> None:
     """Squares, discs and balls that hang all over the room, mirrored by a floor of metal of that roughness."""
     random = np.random.default_rng(7)
@@ -121,6 +132,7 @@ LIT_BY: dict[str, Callable[[], None]] = {
     "picture": _picture,
     "ball": _ball,
     "200 lamps": lambda: _lamps(200),
+    "40 spots and points": lambda: spots_and_points(40),
     "10 points": lambda: point_lamps(10),
     "10000 points": lambda: point_lamps(10_000),
     "40 over gloss": lambda: plates_over_gloss(40, 0.15),

@@ -14,14 +14,20 @@ using namespace tyndall::render;
 namespace {
 float number(std::uint32_t seed, std::uint32_t index) { return sobol_point(index, hash(seed)).x; }
 
-/// Points, beams and plates that glow on one side or on both, in a room of 10 m.
-std::vector<LightBounds> mixed_lights(std::uint32_t count) {
+vec3 along_an_axis(std::uint32_t index) {
+    vec3 axis(0.0f);
+    axis[static_cast<int>(index % 3)] = index % 2 == 0 ? 1.0f : -1.0f;
+    return axis;
+}
+
+/// Points, beams and plates that glow on one side or on both, in a room of 10 m, turned any way or not at all.
+std::vector<LightBounds> mixed_lights(std::uint32_t count, bool is_turned = true) {
     std::vector<LightBounds> lights;
     for (std::uint32_t index = 0; index < count; ++index) {
         LightBounds light;
         const vec3 place(number(1, index) * 10.0f, number(2, index) * 10.0f, number(3, index) * 4.0f);
         light.box.grow(place);
-        light.axis = sample_uniform_sphere(sobol_point(index, hash(4u)));
+        light.axis = is_turned ? sample_uniform_sphere(sobol_point(index, hash(4u))) : along_an_axis(hash(index));
         light.power = 0.1f + number(5, index);
         light.spread_rad = index % 3 == 0 ? std::numbers::pi_v<float> : index % 3 == 1 ? 0.5f : 0.0f;
         light.reach_rad = index % 3 == 2 ? 0.5f * std::numbers::pi_v<float> : 0.02f;
@@ -94,9 +100,11 @@ TEST_CASE("points in the open are always given one of many lamps without directi
 
 TEST_CASE("no light that shines on a point is out of reach of the tree") {
     std::uint32_t count = 0, places = 0;
+    bool is_turned = true;
     SUBCASE("one branch") { count = 2000, places = 20; }
+    SUBCASE("one branch of lights that look along axes") { count = 2000, places = 20, is_turned = false; }
     SUBCASE("many branches, which grow side by side") { count = 20'000, places = 2; }
-    const std::vector<LightBounds> lights = mixed_lights(count);
+    const std::vector<LightBounds> lights = mixed_lights(count, is_turned);
     const LightTree tree(lights);
     for (std::uint32_t place = 0; place < places; ++place) {
         const vec3 point(number(7, place) * 10.0f, number(8, place) * 10.0f, number(9, place) * 4.0f);
