@@ -11,6 +11,8 @@ Variance times time is one figure of both.
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -27,19 +29,44 @@ from support.small_scenes import cube, empty_scene, light, material, node, plane
 
 SIZE_PX = 240, 160
 SAMPLES = 16
-#: Lamps (none: a sky), whether fog fills the world, and how often the faces of 30 posts are divided.
-SCENES = {
-    "30 lamps in the world's fog": (30, True, 0),
-    "100 lamps in the world's fog": (100, True, 0),
-    "300 lamps in the world's fog": (300, True, 0),
-    "100 lamps, 370,000 triangles": (100, True, 5),
-    "sky over a box of fog": (0, False, 0),
-    "sky over a box of fog, 5.9 million triangles": (0, False, 7),
-}
 
 
-def _fog(new: object, _link: object) -> bpy.types.NodeSocket:
+def _even_fog(new: object, _link: object) -> bpy.types.NodeSocket:
     return node(new, "ShaderNodeVolumeScatter", Density=0.02, Anisotropy=0.2).outputs[0]
+
+
+def _varying_fog(new: object, link: object) -> bpy.types.NodeSocket:
+    """By a noise, with waves of 1.4 m and less."""
+    fog = node(new, "ShaderNodeVolumeScatter", Anisotropy=0.2)
+    density = node(new, "ShaderNodeMath")
+    density.operation = "MULTIPLY"
+    density.inputs[1].default_value = 0.04
+    noise = node(new, "ShaderNodeTexNoise", Scale=0.7)
+    link(node(new, "ShaderNodeTexCoord").outputs["Object"], noise.inputs["Vector"])
+    link(noise.outputs[0], density.inputs[0])
+    link(density.outputs[0], fog.inputs["Density"])
+    return fog.outputs[0]
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """Of 30 posts on a floor."""
+
+    lamps: int = 0  #: 0: a sky.
+    fills_world: bool = False  #: Or else a box.
+    divisions: int = 0  #: Of the posts' faces, so often.
+    fog: Callable[[object, object], bpy.types.NodeSocket] = _even_fog
+
+
+SCENES = {
+    "30 lamps in the world's fog": Surroundings(30, fills_world=True),
+    "100 lamps in the world's fog": Surroundings(100, fills_world=True),
+    "300 lamps in the world's fog": Surroundings(300, fills_world=True),
+    "100 lamps, 370,000 triangles": Surroundings(100, fills_world=True, divisions=5),
+    "100 lamps in fog that a noise varies": Surroundings(100, fog=_varying_fog),
+    "sky over a box of fog": Surroundings(),
+    "sky over a box of fog, 5.9 million triangles": Surroundings(divisions=7),
+}
 
 
 def _posts(random: np.random.Generator, divisions: int) -> None:
@@ -79,15 +106,15 @@ def sky(width: int = 1024) -> NDArray[np.float32]:
     return np.stack([level, 0.95 * level, 0.85 * level, np.ones_like(level)], axis=-1).astype(np.float32)
 
 
-def build(lamps: int, *, fills_world: bool, divisions: int) -> bpy.types.Scene:
+def build(of: Surroundings) -> bpy.types.Scene:
     """A camera over a floor with posts."""
     scene = empty_scene(SIZE_PX[0])
     scene.render.resolution_x, scene.render.resolution_y = SIZE_PX
     scene.camera.data.type = "PERSP"
     scene.camera.location, scene.camera.rotation_euler = (0.0, -18.0, 4.0), (1.45, 0.0, 0.0)
     random = np.random.default_rng(1)
-    _posts(random, divisions)
-    _lamps(random, lamps)
+    _posts(random, of.divisions)
+    _lamps(random, of.lamps)
     world = scene.world or bpy.data.worlds.new("World")
     scene.world, world.use_nodes = world, True
     tree = world.node_tree
@@ -95,8 +122,8 @@ def build(lamps: int, *, fills_world: bool, divisions: int) -> bpy.types.Scene:
     background = next((one for one in tree.nodes if one.type == "BACKGROUND"), None)
     background = background or tree.nodes.new("ShaderNodeBackground")
     tree.links.new(background.outputs[0], output.inputs["Surface"])
-    background.inputs["Strength"].default_value = 0.0 if lamps else 1.0
-    if not lamps:
+    background.inputs["Strength"].default_value = 0.0 if of.lamps else 1.0
+    if not of.lamps:
         pixels = sky()
         image = bpy.data.images.new("Sky", pixels.shape[1], pixels.shape[0], float_buffer=True)
         image.pixels.foreach_set(pixels.ravel())
@@ -104,10 +131,10 @@ def build(lamps: int, *, fills_world: bool, divisions: int) -> bpy.types.Scene:
         environment = tree.nodes.new("ShaderNodeTexEnvironment")
         environment.image = image
         tree.links.new(environment.outputs[0], background.inputs["Color"])
-    if fills_world:
-        tree.links.new(_fog(tree.nodes.new, None), output.inputs["Volume"])
+    if of.fills_world:
+        tree.links.new(of.fog(tree.nodes.new, tree.links.new), output.inputs["Volume"])
     else:
-        box = cube("Fog", material("Fog", volume=_fog))
+        box = cube("Fog", material("Fog", volume=of.fog))
         box.location, box.scale = (0.0, 0.0, 5.0), (40.0, 40.0, 6.0)
     return scene
 
@@ -125,8 +152,7 @@ def run(names: list[str]) -> list[Row]:
     """Measure both engines in all scenes."""
     rows = []
     for name in names or SCENES:
-        lamps, fills_world, divisions = SCENES[name]
-        scene = build(lamps, fills_world=fills_world, divisions=divisions)
+        scene = build(SCENES[name])
         for engine in ("tyndall", "cycles"):
             (first, first_s), (second, second_s) = (_measured(scene, engine, seed) for seed in (1, 2))
             cpu_s, level = min(first_s, second_s), (first.mean() + second.mean()) / 2

@@ -15,6 +15,7 @@ static constexpr double row_s_per_program_triangle = 6e-6; // the same by a prog
 static constexpr double row_s_per_cell = 3.5e-7;           // drawn by its faces
 static constexpr double row_s_of_traced = 0.08;            // whose texels ask for strands or cells ray by ray
 static constexpr double row_s_per_ray = 3e-7;              // to ask a lamp's
+static constexpr double row_s_per_ray_in_grids = 1.6e-6;   // the same of steps through density grids
 
 static double s_per_partial_triangle(const Material& material) {
     const bool reads_points = (TransparentOperations(material).reads & OpReads::point) != 0;
@@ -72,8 +73,9 @@ LeftLights find_left(const Scene& scene, const Media& media, const Config& confi
     const SceneDescription& description = scene.description();
     const bool has_maps = config.method == Method::ShadowMap;
     const double s_per_sample = row_s_of_triangles(description, has_maps) + row_s_of_shapes(description, has_maps);
+    const double s_per_ray = !media.grids().is_empty() ? row_s_per_ray_in_grids : has_maps ? 0.0 : row_s_per_ray;
     const double lamps_s = static_cast<double>(counts.lamp_samples) * s_per_sample +
-                           (has_maps ? 0.0 : static_cast<double>(counts.lamps) * row_s_per_ray * limit.ray_count);
+                           static_cast<double>(counts.lamps) * s_per_ray * limit.ray_count;
     const bool is_swallowed = config.attenuates_light && media.fills_world();
     const std::optional<LackOfDirections> lack = lack_of_directions(scene, config);
     return {.lamps = lamps_s > limit.most_s,

@@ -5,8 +5,9 @@
 namespace tyndall::render {
 static constexpr std::uint32_t draws_per_pixel = 64; // at least
 static constexpr std::uint32_t usual_draws = 4;
-static constexpr double draw_s = 3e-6;    // and a camera ray's share of surfaces for each of usual_draws
-static constexpr double most_times = 4.0; // as long as that
+static constexpr double draw_s = 3e-6;        // and a camera ray's share of surfaces for each of usual_draws
+static constexpr double grid_draw_s = 1.5e-6; // more, where light passes density grids
+static constexpr double most_times = 4.0;     // as long as that
 
 std::uint32_t shaft_draws(const light_shafts::Config& config, std::uint32_t pixel_samples) {
     return config.walks_maps ? usual_draws
@@ -16,9 +17,10 @@ std::uint32_t shaft_draws(const light_shafts::Config& config, std::uint32_t pixe
 light_shafts::RowsLimit rows_limit(const Scene& scene, const Media& media, const light_shafts::Config& config,
                                    double ray_count, std::uint32_t pixel_samples) {
     const auto is_edited = [](const Light& light) { return !light.occluder_edits.empty(); };
-    if (config.method == light_shafts::Method::Exact || config.resolution != 0 || !media.grids().is_empty() ||
+    if (config.method == light_shafts::Method::Exact || config.resolution != 0 ||
         std::ranges::any_of(scene.lights(), is_edited))
         return {};
-    return {.most_s = most_times * draw_s * shaft_draws(config, pixel_samples) * ray_count, .ray_count = ray_count};
+    const double each_s = draw_s + (media.grids().is_empty() ? 0.0 : grid_draw_s);
+    return {.most_s = most_times * each_s * shaft_draws(config, pixel_samples) * ray_count, .ray_count = ray_count};
 }
 } // namespace tyndall::render

@@ -4,7 +4,7 @@
 // Based on: the time of a camera ray and its draws beside those of rows (light_shafts/rows_limit.hpp).
 // Differs:  draws are sent_air.hpp's, a place on the ray and on a light each, whose noise falls with the samples. All
 //           shafts are rows where something reads rows: edits, textures of the air, transfer functions, the pass of their
-//           visibility, density grids.
+//           visibility.
 #pragma once
 #include "light_shafts/light_shafts.hpp"
 #include "scene/media.hpp"
