@@ -21,7 +21,7 @@ wanted() { # STEM: whether it was asked for
 
 names=("$@")
 scripts/setup.sh
-{ cmake --preset release && cmake --build build/release; } >build/logs/bench-build.log 2>&1 ||
+{ cmake --preset release && cmake --build build/release --target all benchmarks; } >build/logs/bench-build.log 2>&1 ||
     fail "the benchmarks do not build, see build/logs/bench-build.log"
 
 # A report names what it was measured on (the CPU, the commit), and neither the host nor the folder.

@@ -116,6 +116,7 @@ beside python_tests blender-3.4 env PATH=/usr/bin:/bin blender -b --factory-star
     --python tests/support/pytest_in_blender.py -- tests/blender
 beside python_tests python $tools/python -m pytest tests/python
 beside package
+beside stage build-benchmarks cmake --build build/release --target benchmarks --parallel 1
 beside stage mypy $tools/mypy
 beside stage clang-format bash -c 'git ls-files -z -- "*.cpp" "*.hpp" | xargs -0 clang-format --dry-run --Werror'
 beside stage ruff-check $tools/ruff check

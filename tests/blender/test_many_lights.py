@@ -12,7 +12,7 @@ from support.cycles_reference import agreement, cycles_pixels, pixels_on_edges, 
 from support.many_light_scenes import LIT_BY, build_lit_by
 
 PICTURES = Path(__file__).parents[2] / "out" / "many_lights"
-SAMPLES = 128
+SAMPLES = 64
 _MARKS = {"200 lamps": pytest.mark.long}
 #: Each lamp costs Cycles the same, and gloss each lamp once more.
 _FEWER_SAMPLES = {"200 lamps": SAMPLES // 2, "40 spots and points": SAMPLES // 4, "40 over gloss": SAMPLES // 8}

@@ -174,7 +174,7 @@ def test_a_coat_has_a_normal_of_its_own(sockets: tuple[str, ...]) -> None:
 @pytest.mark.parametrize("name", SHADERS)
 @pytest.mark.parametrize("light_it", [lamp(0.3), world()], ids=["lamp", "world"])
 def test_lights_with_a_size_on_bumps(name: str, light_it: Callable[[bpy.types.Scene], object]) -> None:
-    check(around(SHADERS[name], bump()), light_it, 256, 1024)
+    check(around(SHADERS[name], bump()), light_it, 128, 512)
 
 
 @pytest.mark.parametrize("name", SHADERS)
