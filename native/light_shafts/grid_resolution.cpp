@@ -75,21 +75,29 @@ public:
             1);
         return result;
     }
-    /// Relative RMS over the rays, of the sum of the lights by their shares.
-    [[nodiscard]] float error(const std::vector<Rgb>& found, const std::vector<Rgb>& reference) const {
-        double sum = 0.0, shares = 0.0;
+    struct Error {
+        float rms = 0.0f;  ///< Over the rays, relative, of the sum of the lights by their shares.
+        float mean = 0.0f; ///< What all rays and lights have in common of it, and more lights do not average out.
+    };
+    [[nodiscard]] Error error(const std::vector<Rgb>& found, const std::vector<Rgb>& reference) const {
+        double sum = 0.0, shares = 0.0, difference_of_all = 0.0;
         for (std::size_t beam = 0; beam < beams_.size(); ++beam) {
-            double difference2 = 0.0, reference2 = 0.0;
+            double difference2 = 0.0, reference2 = 0.0, difference_sum = 0.0, reference_sum = 0.0;
             for (std::size_t at = beam * rays_.size(); at < (beam + 1) * rays_.size(); ++at) {
                 const Rgb difference = found[at] - reference[at];
                 difference2 += glm::dot(difference, difference);
                 reference2 += glm::dot(reference[at], reference[at]);
+                difference_sum += average(difference), reference_sum += average(reference[at]);
             }
+            if (reference_sum > 0.0)
+                difference_of_all += beams_[beam].share * difference_sum / reference_sum;
             if (reference2 > 0.0)
                 sum += double{beams_[beam].share} * beams_[beam].share * difference2 / reference2;
             shares += beams_[beam].share;
         }
-        return shares > 0.0 ? static_cast<float>(std::sqrt(sum) / shares) : 0.0f;
+        if (!(shares > 0.0))
+            return {};
+        return {static_cast<float>(std::sqrt(sum) / shares), static_cast<float>(std::abs(difference_of_all) / shares)};
     }
 
 private:
@@ -161,7 +169,7 @@ GridResolution choose_grid_resolution(const Media& media, std::span<const ViewRa
         result.loss.piece_voxels = length_voxels;
         pilot.dim({.spacing_voxels = 0.0f, .piece_voxels = length_voxels});
         by_steps = pilot.radiance(result.step_limits);
-        result.step_error = pilot.error(by_steps, reference);
+        result.step_error = pilot.error(by_steps, reference).rms;
         if (result.step_error <= of_steps)
             break;
     }
@@ -169,15 +177,15 @@ GridResolution choose_grid_resolution(const Media& media, std::span<const ViewRa
         GridLoss loss = result.loss;
         loss.spacing_voxels = spacing_voxels;
         pilot.dim(loss);
-        const float error = pilot.error(pilot.radiance(result.step_limits), by_steps);
+        const Pilot::Error error = pilot.error(pilot.radiance(result.step_limits), by_steps);
         if (spacing_voxels != candidate_spacings.front() && pilot.most_bytes() > most_bytes) {
             if (result.loss_error > std::max(of_loss, coarsest_error))
                 result.loss.spacing_voxels = result.loss_error = 0.0f;
             break;
         }
         result.loss = loss;
-        result.loss_error = error;
-        if (result.loss_error <= of_loss)
+        result.loss_error = error.rms;
+        if (error.rms <= of_loss && error.mean <= of_steps)
             break;
     }
     return result;
