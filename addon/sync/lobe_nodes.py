@@ -79,6 +79,7 @@ def _normals(reader: ValueReader, at: Socket) -> LobeNormals:
         facets=reader.normal(normal, is_specular=True),
         coat=reader.normal(coat, is_specular=True),
         bump_shadowing=shadowing if reader.corrects_bumps and has_bump else BumpShadowing.NONE,
+        turns_smooth_ones=reader.corrects_bumps,
     )
 
 

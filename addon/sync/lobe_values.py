@@ -29,6 +29,7 @@ class LobeNormals:
     facets: Value | None = None
     coat: Value | None = None
     bump_shadowing: BumpShadowing = BumpShadowing.NONE
+    turns_smooth_ones: bool = True  #: See tyndall.scene_description.Lobes.
 
     def all(self) -> tuple[Value | None, Value | None, Value | None]:
         return self.diffuse, self.facets, self.coat
@@ -85,5 +86,6 @@ class LobeValues:
             subsurface=self.subsurface,
             distribution=self.facets.distribution,
             tangent=-1 if self.facets.tangent is None else register_of(self.facets.tangent),
+            turns_smooth_normals=self.normals.turns_smooth_ones,
             film=None if self.film is None else self.film.spectra,
         )

@@ -65,7 +65,7 @@ static std::shared_ptr<FilmSpectra> make_film(const py::array& seen, float reach
 
 static LobeSource make_lobes(int model, bool preserves_energy, const std::vector<Triple>& constants,
                              const std::vector<int>& registers, const std::array<int, 3>& normals, int bump_shadowing,
-                             int subsurface, int distribution, int tangent,
+                             int subsurface, int distribution, int tangent, bool turns_smooth_normals,
                              const std::optional<std::shared_ptr<FilmSpectra>>& film) {
     const auto register_of = [](int index) {
         return index < 0 ? LobeSource::no_register : static_cast<std::uint16_t>(index);
@@ -78,6 +78,7 @@ static LobeSource make_lobes(int model, bool preserves_energy, const std::vector
                       .facet_normal = register_of(normals[1]),
                       .coat_normal = register_of(normals[2]),
                       .tangent = register_of(tangent),
+                      .turns_smooth_normals = turns_smooth_normals,
                       .bump_shadowing = static_cast<BumpShadowing>(bump_shadowing),
                       .film = film.value_or(nullptr)};
     for (const Triple& constant : constants)
@@ -175,7 +176,7 @@ void bind_materials(py::module_& native) {
              "float32 (n, 6): the cosine's red, green and blue, then the sine's. Raises InvalidInput.");
     py::class_<LobeSource>(native, "Lobes")
         .def(py::init(&make_lobes), "model"_a, "preserves_energy"_a, "constants"_a, "registers"_a, "normals"_a,
-             "bump_shadowing"_a, "subsurface"_a, "distribution"_a, "tangent"_a, "film"_a,
+             "bump_shadowing"_a, "subsurface"_a, "distribution"_a, "tangent"_a, "turns_smooth_normals"_a, "film"_a,
              "Of one shader: its inputs, each a colour, or, where it is not below 0, a register; three registers of "
              "normals, below 0 the point's own: of what is diffuse, of facets, of a coat; and that of the facets' "
              "tangent, below 0: none.");

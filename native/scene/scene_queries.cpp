@@ -194,6 +194,7 @@ ShadingPoint Scene::shading_point(const Ray& ray, const Hit& hit) const {
                        .barycentrics = hit.barycentrics,
                        .is_backface = glm::dot(hit.geometric_normal, ray.direction) > 0.0f};
     if (!mesh.corner_normals.empty()) {
+        point.is_smooth = true;
         const mat3 to_scene = normal_matrix(geometry_->objects_from_scene[hit.instance]);
         std::array<vec3, 3> normals;
         for (std::size_t corner = 0; corner < 3; ++corner) {
@@ -267,7 +268,7 @@ SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& poi
     if (surface.is_constant() && !surface.gloss && surface.lobe_sources.empty()) { // most surfaces, without a call
         closures.diffuse_albedo *= point.tint;
     } else if (surface.is_constant()) {
-        closures = evaluate(surface, {.surface = point}, {}, lobes);
+        closures = evaluate(surface, {.surface = point, .incoming = -asking.ray.direction}, {}, lobes);
     } else {
         thread_local std::vector<vec2> uvs;
         uvs.clear();

@@ -31,6 +31,7 @@ struct ShadingPoint {
     std::uint32_t mesh_index = 0, triangle = 0;
     vec2 barycentrics{0.0f};
     bool is_backface = false;
+    bool is_smooth = false;   ///< Of a mesh whose corners have normals.
     float view_cosine = 1.0f; ///< Between the shading normal and the way back along the ray, [0, 1].
     Rgb tint{1.0f};           ///< Multiplies colours: those of voxels.
 };

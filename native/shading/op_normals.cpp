@@ -16,7 +16,21 @@ float reflected_share(float cosine, float index) {
     return 0.5f * across * across * (1.0f + along * along);
 }
 
-/// Turned towards the geometric normal so far that the mirrored ray leaves the surface.
+vec3 tangent_normal(const ProgramPoint& point, vec3 colour, float strength, const vec3& tangent, float sign,
+                    bool mixes) {
+    vec3 normal = point.object_normal;
+    if (normal == vec3(0.0f))
+        normal = normal_in_object(point, point.surface.geometric_normal);
+    if (!mixes) {
+        colour.x *= strength;
+        colour.y *= strength;
+        colour.z = glm::mix(1.0f, colour.z, std::clamp(strength, 0.0f, 1.0f));
+    }
+    const vec3 bitangent = sign * glm::cross(normal, tangent);
+    return normal_in_scene(point, unit_or(colour.x * tangent + colour.y * bitangent + colour.z * normal, vec3(0.0f)));
+}
+} // namespace
+
 vec3 valid_specular(const ProgramPoint& point, const vec3& normal) {
     const vec3 geometric = true_normal(point), &incoming = point.incoming;
     if (normal == geometric)
@@ -34,21 +48,6 @@ vec3 valid_specular(const ProgramPoint& point, const vec3& normal) {
     const float up_squared = 0.25f * (side < 0.0f ? b + root : b - root) / a;
     return std::sqrt(std::max(1.0f - up_squared, 0.0f)) * across + std::sqrt(std::max(up_squared, 0.0f)) * geometric;
 }
-
-vec3 tangent_normal(const ProgramPoint& point, vec3 colour, float strength, const vec3& tangent, float sign,
-                    bool mixes) {
-    vec3 normal = point.object_normal;
-    if (normal == vec3(0.0f))
-        normal = normal_in_object(point, point.surface.geometric_normal);
-    if (!mixes) {
-        colour.x *= strength;
-        colour.y *= strength;
-        colour.z = glm::mix(1.0f, colour.z, std::clamp(strength, 0.0f, 1.0f));
-    }
-    const vec3 bitangent = sign * glm::cross(normal, tangent);
-    return normal_in_scene(point, unit_or(colour.x * tangent + colour.y * bitangent + colour.z * normal, vec3(0.0f)));
-}
-} // namespace
 
 float fresnel_value(const ProgramPoint& point, const Operands& in) {
     const float index = std::max(in.a.x, 1e-5f);

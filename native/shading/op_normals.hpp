@@ -30,6 +30,8 @@ inline constexpr std::uint8_t bump_is_inverted = 1, bump_is_valid_specular = 2;
 [[nodiscard]] float fresnel_value(const ProgramPoint& point, const Operands& in);
 /// Code::LayerWeight: of the blend `a` at the normal `b`; option 0: Fresnel, 1: facing.
 [[nodiscard]] float layer_weight(const SurfaceOp& op, const ProgramPoint& point, const Operands& in);
+/// The unit normal, turned towards the flat surface's so far that a mirror would not send the ray into the surface.
+[[nodiscard]] vec3 valid_specular(const ProgramPoint& point, const vec3& normal);
 /// Code::NormalMap.
 [[nodiscard]] vec3 mapped_normal(const SurfaceOp& op, const ProgramPoint& point, const Operands& in);
 /// Code::Bump: `a`, `b` and `c` are the heights at the point and beside it, `d` the strength, `e` the distance, `f` the

@@ -190,6 +190,16 @@ static vec3 own_normal(std::uint16_t index, std::span<const Rgb> registers, cons
     return std::abs(glm::dot(normal, normal) - 1.0f) < 1e-3f ? normal : vec3(0.0f);
 }
 
+/// The same of a mirror's: smooth normals of meshes are turned for it, as in Cycles.
+static vec3 mirror_normal(const LobeSource& source, std::uint16_t index, std::span<const Rgb> registers,
+                          const ProgramPoint& at) {
+    const vec3 own = own_normal(index, registers, at.surface), &smooth = at.surface.shading_normal;
+    if (own != vec3(0.0f) || !source.turns_smooth_normals || !at.surface.is_smooth)
+        return own;
+    const vec3 turned = valid_specular(at, smooth);
+    return turned == smooth ? vec3(0.0f) : turned;
+}
+
 /// The registers are those of the program; a material without one has none.
 static void add_sources(const Material& material, std::span<const Rgb> registers, const ProgramPoint& at,
                         SurfaceClosures& closures, Lobes* lobes) {
@@ -202,8 +212,8 @@ static void add_sources(const Material& material, std::span<const Rgb> registers
         }
         add_lobes(source, inputs, point, closures, lobes,
                   {.diffuse = own_normal(source.diffuse_normal, registers, point),
-                   .facets = own_normal(source.facet_normal, registers, point),
-                   .coat = own_normal(source.coat_normal, registers, point),
+                   .facets = mirror_normal(source, source.facet_normal, registers, at),
+                   .coat = mirror_normal(source, source.coat_normal, registers, at),
                    .outgoing = at.incoming,
                    .tangent = source.tangent == LobeSource::no_register ? vec3(0.0f) : registers[source.tangent]});
     }

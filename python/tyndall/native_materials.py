@@ -42,6 +42,7 @@ def build_material(material: Material, textures: list[_native.Texture]) -> _nati
                 subsurface=int(lobes.subsurface),
                 distribution=int(lobes.distribution),
                 tangent=lobes.tangent,
+                turns_smooth_normals=lobes.turns_smooth_normals,
                 film=None if lobes.film is None else _build_film(lobes.film),
             )
             for lobes in material.lobes

@@ -12,7 +12,7 @@ import pytest
 from addon import last_render
 from support.closure_scenes import IS_OLD, ball, errors, lamp, shader, sun, world
 from support.engine_pictures import cycles_pixels, tyndall_pixels
-from support.small_scenes import Build, displace, empty_scene, material, node
+from support.small_scenes import Build, cube, displace, empty_scene, material, node
 
 GOLD, RED = (0.9, 0.6, 0.2, 1.0), (0.8, 0.2, 0.1, 1.0)
 BOUND = 0.01
@@ -196,6 +196,33 @@ def test_a_smooth_ball_with_a_steep_map_mirrors_the_world(
     name: str, light_it: Callable[[bpy.types.Scene], object]
 ) -> None:
     check(around(SHADERS[name], steep_map), light_it, 128, 512, is_smooth=True)
+
+
+#: Up to 3.5 what is diffuse has such normals, too; ours has them for gloss alone.
+SMOOTHED = {"glossy": SHADERS["glossy"], "principled": SHADERS["principled"], "coated": COATED, "metal": MORE["metal"]}
+
+
+# Seen to fail: with smooth normals as they are; turned, too, where nothing is to be corrected.
+@pytest.mark.parametrize("corrects", [True, False])
+@pytest.mark.parametrize("tilt", [20.0, 100.0])
+@pytest.mark.parametrize("name", SMOOTHED)
+def test_gloss_on_a_smooth_cube_is_mirrored_by_normals_that_a_mirror_could_have(
+    name: str, tilt: float, *, corrects: bool
+) -> None:
+    """Smooth normals lean so far there that they would mirror what the faces' backs see."""
+    if IS_OLD and (not corrects or name != "glossy"):
+        pytest.skip("3.4 has no such setting, and turns the normals of what is diffuse, too")
+    scene = empty_scene(64)
+    scene.camera.data.ortho_scale = 4.0
+    body = cube("Body", material("Shown", SMOOTHED[name]))
+    body.data.polygons.foreach_set("use_smooth", [True] * len(body.data.polygons))
+    body.rotation_euler = (0.6, 0.5, 0.3)
+    sun(tilt)(scene)
+    if not IS_OLD:
+        bpy.data.materials["Shown"].cycles.use_bump_map_correction = corrects
+    mean, median = errors(tyndall_pixels(scene, 8), cycles_pixels(scene, 32, seed=1))
+    print(f"mean {mean:.4f}, median block {median:.4f}")
+    assert max(mean, median) <= 0.5 * BOUND
 
 
 @pytest.mark.skipif(IS_OLD, reason="a setting of 4.0")

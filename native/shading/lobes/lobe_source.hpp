@@ -32,6 +32,9 @@ struct LobeSource {
     std::uint16_t diffuse_normal = no_register, facet_normal = no_register, coat_normal = no_register;
     /// Where LobeNormals::tangent is; no_register: facets are as wide along as across.
     std::uint16_t tangent = no_register;
+    /// Facets and coats that have the point's own normal, a smooth one, have it turned until a mirror would not look into
+    /// the surface.
+    bool turns_smooth_normals = true;
     BumpShadowing bump_shadowing = BumpShadowing::None; ///< Of what is diffuse around such a normal.
     std::shared_ptr<const FilmSpectra> film = {};       ///< Nothing: no thin film covers its facets.
     bool operator==(const LobeSource&) const = default;

@@ -191,6 +191,8 @@ class Lobes:
     distribution: FacetDistribution = FacetDistribution.GGX
     #: Register of what facets are wide along, as long as the root of how much wider than across; below 0: nothing.
     tangent: int = -1
+    #: Of microfacets and coats without a normal of their own: until a mirror would not look into the surface.
+    turns_smooth_normals: bool = True
     #: A thin film over its facets, whose thickness in nanometres and index are the last two inputs.
     film: FilmSpectra | None = None
 

@@ -164,6 +164,37 @@ TEST_CASE("directions of lobes with their own normals: their density adds up to 
     }
 }
 
+// Seen to fail: with smooth normals as they are.
+TEST_CASE("smooth normals of facets are turned until a mirror would not look into the surface") {
+    Material material{.name = "Glossy",
+                      .lobe_sources = {{.model = LobeModel::Glossy,
+                                        .constants = {Rgb(1.0f), Rgb(0.8f), Rgb(0.3f)},
+                                        .registers = std::vector(3, LobeSource::no_register)}}};
+    validate(material);
+    const auto normal_at = [&](float lean_degrees, bool is_smooth, bool is_turned) {
+        material.lobe_sources[0].turns_smooth_normals = is_turned;
+        ProgramPoint point;
+        point.incoming = at_angle(60.0f);
+        point.surface.shading_normal = at_angle(lean_degrees);
+        point.surface.is_smooth = is_smooth;
+        point.surface.view_cosine = glm::dot(point.surface.shading_normal, point.incoming);
+        Lobes lobes;
+        (void)evaluate(material, point, {}, &lobes);
+        REQUIRE(lobes.size() == 1);
+        return lobes[0].normal;
+    };
+    for (const float lean : {20.0f, 28.0f}) { // the mirror looks down from 16 degrees of lean on
+        const vec3 normal = normal_at(-lean, true, true), outgoing = at_angle(60.0f);
+        CAPTURE(lean);
+        CHECK(glm::length(normal) == doctest::Approx(1.0f));
+        CHECK(normal.y == doctest::Approx(0.0f)); // in the plane of both normals
+        CHECK((2.0f * glm::dot(normal, outgoing) * normal - outgoing).z == doctest::Approx(0.01f).epsilon(0.01));
+    }
+    CHECK(normal_at(-10.0f, true, true) == vec3(0.0f));
+    CHECK(normal_at(-28.0f, false, true) == vec3(0.0f)); // not a mesh's
+    CHECK(normal_at(-28.0f, true, false) == vec3(0.0f));
+}
+
 TEST_CASE("a diffuse surface has a lobe only around a normal of its own") {
     const vec3 bent = at_angle(20.0f);
     Material material{.name = "Bumpy",
