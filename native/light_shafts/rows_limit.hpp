@@ -4,6 +4,7 @@
 // Based on: the times of rows per triangle and of asking them per ray, measured in scenes of 400 to 3 million triangles, and
 //           of those whose texels ask for cones and spheres. A hair's segment takes 0.02 to 0.6 us, by how much of it a row
 //           shows, a triangle that lets a part of the light pass 0.3 us as a leaf and 9 as a sea's, and a voxel 0.2 to 0.4.
+//           A ray asks a lamp's for 0.3 us, and among density grids for 1 to 7, by how fine its steps have to be.
 //           Counts alone decide, so that the same scene gives the same picture.
 // Differs:  a sun's rows, which stand for all of its light, are never left. With SHADOW_MAP, whose maps hold opaque triangles
 //           for next to nothing, these do not count.
