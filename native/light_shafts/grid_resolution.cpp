@@ -89,11 +89,12 @@ public:
                 reference2 += glm::dot(reference[at], reference[at]);
                 difference_sum += average(difference), reference_sum += average(reference[at]);
             }
-            if (reference_sum > 0.0)
-                difference_of_all += beams_[beam].share * difference_sum / reference_sum;
-            if (reference2 > 0.0)
-                sum += double{beams_[beam].share} * beams_[beam].share * difference2 / reference2;
-            shares += beams_[beam].share;
+            const double share = beams_[beam].share;
+            if (reference2 > 0.0) {
+                sum += share * share * difference2 / reference2;
+                difference_of_all += share * difference_sum / reference_sum;
+            }
+            shares += share;
         }
         if (!(shares > 0.0))
             return {};

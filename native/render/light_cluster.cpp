@@ -31,10 +31,7 @@ static bool is_at_most(float cos_angle, float sin_angle, float cos_limit, float 
 }
 
 void LightCluster::widen(const vec3& other_axis, float other_cos, float other_sin) {
-    if (cos_spread == -1.0f)
-        return;
-    if (other_cos == -1.0f) { // before its rim, which may lie a whole turn from this axis
-        axis = other_axis;
+    if (cos_spread == -1.0f || other_cos == -1.0f) { // a rim may lie a whole turn from the other's axis
         shine_everywhere();
         return;
     }

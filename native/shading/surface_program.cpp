@@ -190,13 +190,10 @@ static vec3 own_normal(std::uint16_t index, std::span<const Rgb> registers, cons
     return std::abs(glm::dot(normal, normal) - 1.0f) < 1e-3f ? normal : vec3(0.0f);
 }
 
-/// The same of a mirror's: smooth normals of meshes are turned for it, as in Cycles.
-static vec3 mirror_normal(const LobeSource& source, std::uint16_t index, std::span<const Rgb> registers,
-                          const ProgramPoint& at) {
-    const vec3 own = own_normal(index, registers, at.surface), &smooth = at.surface.shading_normal;
-    if (own != vec3(0.0f) || !source.turns_smooth_normals || !at.surface.is_smooth)
-        return own;
-    const vec3 turned = valid_specular(at, smooth);
+/// A smooth mesh's, for what mirrors around it, as in Cycles; zero where the point's own will do.
+static vec3 turned_normal(const ProgramPoint& at) {
+    const vec3& smooth = at.surface.shading_normal;
+    const vec3 turned = at.surface.is_smooth ? valid_specular(at, smooth) : smooth;
     return turned == smooth ? vec3(0.0f) : turned;
 }
 
@@ -210,10 +207,15 @@ static void add_sources(const Material& material, std::span<const Rgb> registers
             const std::uint16_t index = source.registers[input];
             inputs[input] = index == LobeSource::no_register ? source.constants[input] : registers[index];
         }
+        const vec3 turned = source.turns_smooth_normals ? turned_normal(at) : vec3(0.0f);
+        const auto mirror_normal = [&](std::uint16_t index) {
+            const vec3 own = own_normal(index, registers, point);
+            return own == vec3(0.0f) ? turned : own;
+        };
         add_lobes(source, inputs, point, closures, lobes,
                   {.diffuse = own_normal(source.diffuse_normal, registers, point),
-                   .facets = mirror_normal(source, source.facet_normal, registers, at),
-                   .coat = mirror_normal(source, source.coat_normal, registers, at),
+                   .facets = mirror_normal(source.facet_normal),
+                   .coat = mirror_normal(source.coat_normal),
                    .outgoing = at.incoming,
                    .tangent = source.tangent == LobeSource::no_register ? vec3(0.0f) : registers[source.tangent]});
     }

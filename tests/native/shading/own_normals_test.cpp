@@ -183,8 +183,8 @@ TEST_CASE("smooth normals of facets are turned until a mirror would not look int
         REQUIRE(lobes.size() == 1);
         return lobes[0].normal;
     };
-    for (const float lean : {20.0f, 28.0f}) { // the mirror looks down from 16 degrees of lean on
-        const vec3 normal = normal_at(-lean, true, true), outgoing = at_angle(60.0f);
+    for (const float lean : {-20.0f, -28.0f}) { // away from the viewer: the mirror looks down from 15 degrees on
+        const vec3 normal = normal_at(lean, true, true), outgoing = at_angle(60.0f);
         CAPTURE(lean);
         CHECK(glm::length(normal) == doctest::Approx(1.0f));
         CHECK(normal.y == doctest::Approx(0.0f)); // in the plane of both normals
