@@ -8,11 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from support.plain_scenes import camera_above, placed, square, translation, unit_cube
+from support.plain_scenes import camera_above, placed, random_smoke, square, translation, unit_cube
 from tyndall import Progress
 from tyndall.renderer import Film, RenderConfig, Session, ShaftConfig
 from tyndall.scene_description import (
-    DensityGrid,
     Light,
     LightBody,
     LightKind,
@@ -23,11 +22,9 @@ from tyndall.scene_description import (
     StrandForm,
     StrandObjects,
     Strands,
-    Volume,
     VoxelObjects,
     World,
 )
-from tyndall.volumes import SparseGrid
 from tyndall.voxel_dag import Config, from_coordinates
 
 SAMPLES = 64
@@ -144,22 +141,13 @@ TRACKED = replace(ROWS, shafts=replace(ROWS.shafts, grid_method="RATIO_TRACKING"
 
 def with_smoke(scene: SceneDescription) -> SceneDescription:
     """And a cloud, which sends on most of the light, in its fog, of another phase function, of random voxels."""
-    values = np.random.default_rng(8).uniform(0.0, 1.0, (4, 8, 8, 8)).astype(np.float32)
-    grid = SparseGrid(
-        name="density",
-        leaf_origins=np.array([[0, 0, 0], [8, 0, 0], [0, 8, 0], [8, 8, 0]], np.int32),
-        leaf_values=values**3,
-        local_from_index=translation(-0.8, -0.8, 0.2) @ np.diag([0.1, 0.1, 0.15, 1.0]),
-        background=0.0,
-    )
     smoke = Medium(
         name="smoke",
         lobes=(ScatterLobe(sigma_s_per_m=(3.0, 2.0, 2.0), asymmetry_g=-0.4),),
         sigma_a_per_m=(0.5, 1.0, 2.0),
     )
-    cloud = Volume(name="cloud", grid=DensityGrid(key="a", grid=grid), world_from_object=np.eye(4), medium=1)
     fog = replace(scene.media[0], lobes=(ScatterLobe(sigma_s_per_m=(0.01, 0.02, 0.02), asymmetry_g=0.3),))
-    return replace(scene, volumes=(cloud,), media=(fog, smoke))
+    return replace(scene, volumes=(random_smoke(1),), media=(fog, smoke))
 
 
 # Seen to fail: with rows wherever there are grids, as it was before; with as many lamps as of even fog; without a tenth

@@ -9,13 +9,16 @@ from numpy.typing import NDArray
 from tyndall.scene_description import (
     Camera,
     CameraKind,
+    DensityGrid,
     Instances,
     Light,
     LightKind,
     Material,
     Mesh,
     SceneDescription,
+    Volume,
 )
+from tyndall.volumes import SparseGrid
 
 
 def translation(x: float, y: float, z: float) -> NDArray[np.float64]:
@@ -59,6 +62,20 @@ def placed(mesh: Mesh, *matrices: NDArray[np.float64], materials: tuple[int, ...
 def sun(irradiance: float = 1.0) -> Light:
     """Straight down."""
     return Light(name="Sun", kind=LightKind.SUN, strength=(irradiance,) * 3, world_from_light=np.eye(4))
+
+
+def random_smoke(medium: int = 0) -> Volume:
+    """1.6 x 1.6 x 1.2 m of random voxels, from 0.2 m up."""
+    values = np.random.default_rng(8).uniform(0.0, 1.0, (4, 8, 8, 8)).astype(np.float32)
+    grid = SparseGrid(
+        name="density",
+        leaf_origins=np.array([[0, 0, 0], [8, 0, 0], [0, 8, 0], [8, 8, 0]], np.int32),
+        leaf_values=values**3,
+        local_from_index=translation(-0.8, -0.8, 0.2) @ np.diag([0.1, 0.1, 0.15, 1.0]),
+        background=0.0,
+    )
+    kept = DensityGrid(key="random smoke", grid=grid)
+    return Volume(name="cloud", grid=kept, world_from_object=np.eye(4), medium=medium)
 
 
 def lit_square(**changes: object) -> SceneDescription:
