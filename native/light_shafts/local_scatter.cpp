@@ -5,6 +5,7 @@
 #include "light_shafts/picture_along_ray.hpp"
 #include <algorithm>
 #include <cmath>
+#include <glm/gtx/component_wise.hpp>
 #include <optional>
 
 namespace tyndall::light_shafts {
@@ -16,6 +17,8 @@ static constexpr float fewest_texture_parts = 6.0f, most_texture_parts = 32.0f;
 static float means_wide(const LightTexture& texture) {
     return texture.projection == LightProjection::Directions ? 0.25f : 0.5f;
 }
+/// More than the ray's least, light is at most 1e-13 of the ray's: the rest of a ray into endless fog.
+static constexpr double nothing_depths = 30.0;
 /// Of one whose light changes with the distance, which grows 6 times along the longest piece.
 static constexpr float fewest_distance_parts = 16.0f;
 
@@ -66,6 +69,7 @@ private:
 
     [[nodiscard]] double distance(LocalSupport::Distance which) const { return support_->distance[which][ray_]; }
     void prepare_splits();
+    [[nodiscard]] dvec3 depth_at(const LocalRays::Segment& segment, double x) const; ///< Between camera and point.
     void cut(std::span<const LitInterval> lit, const Counts& counts);
     /// A piece; of a textured light, as many as its texels ask for.
     void append(const LocalRays::Segment& segment, double x0, double x1, const Target& target);
@@ -78,6 +82,8 @@ private:
     std::span<Rgb> radiance_, unshadowed_;
     std::size_t ray_ = 0;
     double light_x_ = 0.0;
+    double light_side_per_m_ = 0.0; ///< Of optical depth, at most.
+    double least_depth_ = 0.0;      ///< Of what is lit of the ray, on the way over it to the light.
     std::vector<double> splits_; ///< As distances from the light's foot, ascending.
     std::vector<LocalCrossing> crossings_;
     std::optional<PictureAlongRay> picture_; ///< Of a textured light.
@@ -115,6 +121,15 @@ void LocalScatter::Batch::prepare_splits() {
                  .end = distance(LocalSupport::End)},
                 splits_);
     std::ranges::sort(splits_);
+    const auto& at_light = light_->sigma_t_at_light_;
+    dvec3 light_side_per_m(at_light[0], at_light[1], at_light[2]);
+    for (const LocalCrossing& crossing : crossings_)
+        light_side_per_m += glm::max(crossing.signed_sigma_t, dvec3(0.0));
+    light_side_per_m_ = glm::compMax(light_side_per_m);
+}
+
+dvec3 LocalScatter::Batch::depth_at(const LocalRays::Segment& segment, double x) const {
+    return segment.depth_at_near + rays_->sets()[segment.set].sigma_t * (x + light_x_ - segment.near_m);
 }
 
 void LocalScatter::Batch::add(std::size_t ray, std::span<const LitInterval> lit) {
@@ -144,6 +159,7 @@ void LocalScatter::Batch::cut(std::span<const LitInterval> lit, const Counts& co
     auto split = splits_.begin();
     const auto segments = rays_->segments_of(ray_);
     auto segment = segments.begin();
+    least_depth_ = std::numeric_limits<double>::infinity();
     for (const LitInterval& interval : lit) {
         double from = std::max(begin, interval.near_m - light_x_);
         const double lit_to = std::min(end, interval.far_m - light_x_);
@@ -154,6 +170,8 @@ void LocalScatter::Batch::cut(std::span<const LitInterval> lit, const Counts& co
                 continue;
             }
             from = std::max(from, segment->near_m - light_x_);
+            if (glm::compMin(depth_at(*segment, from)) > least_depth_ + nothing_depths)
+                return;
             while (split != splits_.end() && *split <= from)
                 ++split;
             double to = std::min(lit_to, segment_end);
@@ -226,7 +244,10 @@ void LocalScatter::Batch::append_piece(const LocalRays::Segment& segment, double
     pieces_.x0[at] = static_cast<float>(x0), pieces_.x1[at] = static_cast<float>(x1);
     pieces_.length_m[at] = static_cast<float>(length_m);
     const dvec3& sigma_t = rays_->sets()[segment.set].sigma_t;
-    const dvec3 depth = segment.depth_at_near + sigma_t * (x0 + light_x_ - segment.near_m);
+    const dvec3 depth = depth_at(segment, x0);
+    least_depth_ = std::min(least_depth_, glm::compMax(depth) +
+                                              light_side_per_m_ * std::hypot(x0, distance(LocalSupport::LightY)));
+    pieces_.nothing_depth[at] = static_cast<float>(least_depth_ + nothing_depths);
     for (int channel = 0; channel < 3; ++channel) {
         pieces_.depth0[static_cast<std::size_t>(channel)][at] = static_cast<float>(depth[channel]);
         pieces_.depth_gain[static_cast<std::size_t>(channel)][at] = static_cast<float>(sigma_t[channel] * length_m);

@@ -257,9 +257,10 @@ struct Kernel {
             }
         }
         // Coefficients of an analytic function fall like rho^-k, and the rule's error like rho^-12. The points may all miss
-        // what is left of a steep exponential; behind 80 optical depths nothing is. At the rim of a cone the share rises
+        // what is left of a steep exponential; behind `nothing_depth` nothing is. At the rim of a cone the share rises
         // from 0 as a square of what floats know to 1e-7, and halving would not end. Where a patch's lobe ends the share
         // has a bend, next to which there is hardly any light.
+        const V nothing_depth = of_piece(pieces.nothing_depth);
         const V least_share = hn::Max(mean_share, set(1e-12f));
         const V noise =
             hn::MulAdd(set(1e-5 * shape.one_minus_cos_half * shape.per_smooth), reciprocal_root_of(d, least_share),
@@ -275,7 +276,7 @@ struct Kernel {
             const auto may_bend = hn::Or(hn::Gt(angle, set(1e-4f)), hn::Gt(loss, set(0.5f)));
             const auto is_bent =
                 hn::And(hn::Or(exceeds(fourth[channel], 0.03f), exceeds(fifth[channel], 0.012f)), may_bend);
-            is_rough = hn::Or(is_rough, hn::And(hn::Or(is_steep, is_bent), hn::Lt(least[depths], set(80.0f))));
+            is_rough = hn::Or(is_rough, hn::And(hn::Or(is_steep, is_bent), hn::Lt(least[depths], nothing_depth)));
         }
         V sum[3];
         for (std::size_t channel = 0; channel < 3; ++channel)

@@ -31,6 +31,7 @@ struct LocalPieces {
     alignas(64) Column<float> x0, x1, length_m;
     alignas(64) std::array<Column<float>, 3> depth0, depth_gain; ///< Between camera and point: at x0, and on to x1.
     alignas(64) Column<float> lobe0, lobe1;                      ///< normal . (point - light) at both ends.
+    alignas(64) Column<float> nothing_depth;                     ///< Behind which its ray sends nothing to speak of.
     alignas(64) Column<std::int32_t> ray, set, is_grey;          ///< Ray: into LocalSupport. Grey: all depths are.
     Column<std::uint32_t> first_crossing, crossing_count;        ///< Into `crossings`.
     std::vector<PieceCrossing> crossings;
