@@ -16,7 +16,9 @@ std::uint32_t LocalRays::index_of(const Media& media, const MediumSet& set) {
     for (std::uint32_t index = 0; index < sets_.size(); ++index)
         if (sets_[index].set == set)
             return index;
-    SetOfMedia& made = sets_.emplace_back(SetOfMedia{set, dvec3(media.sigma_t_per_m(set)), {}});
+    SetOfMedia& made =
+        sets_.emplace_back(SetOfMedia{.set = set, .sigma_t = dvec3(media.sigma_t_per_m(set)), .lobes = {}});
+    dvec3 least(0.0), most(0.0);
     for (std::size_t index = 0; index < set.count; ++index)
         for (const ScatterLobe& lobe : media.scene().description().media[set.media[index]].lobes) {
             const double g = std::abs(double{lobe.asymmetry_g});
@@ -26,7 +28,11 @@ std::uint32_t LocalRays::index_of(const Media& media, const MediumSet& set) {
                  .least = static_cast<float>((1.0 - g) * (1.0 - g)),
                  .two_g = static_cast<float>(2.0 * g),
                  .is_forward = lobe.asymmetry_g >= 0.0f});
+            least += weight * std::pow(1.0 + g, -3.0);
+            most += weight * std::pow(std::max(1.0 - g, 1e-6), -3.0);
         }
+    made.least_scatter = std::max({least.x, least.y, least.z});
+    made.most_scatter = std::max({most.x, most.y, most.z});
     return static_cast<std::uint32_t>(sets_.size() - 1);
 }
 

@@ -20,6 +20,7 @@ struct SetOfMedia {
     MediumSet set;
     dvec3 sigma_t{0.0};
     std::vector<PhaseLobe> lobes;
+    double least_scatter = 0.0, most_scatter = 0.0; ///< Of the channel that scatters most, by the direction, per m and sr.
 };
 
 /// Is the point in the boundary's box, or outside by no more than this share of it?

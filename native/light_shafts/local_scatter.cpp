@@ -5,7 +5,7 @@
 #include "light_shafts/picture_along_ray.hpp"
 #include <algorithm>
 #include <cmath>
-#include <glm/gtx/component_wise.hpp>
+#include <numbers>
 #include <optional>
 
 namespace tyndall::light_shafts {
@@ -17,8 +17,6 @@ static constexpr float fewest_texture_parts = 6.0f, most_texture_parts = 32.0f;
 static float means_wide(const LightTexture& texture) {
     return texture.projection == LightProjection::Directions ? 0.25f : 0.5f;
 }
-/// More than the ray's least, light is at most 1e-13 of the ray's: the rest of a ray into endless fog.
-static constexpr double nothing_depths = 30.0;
 /// Of one whose light changes with the distance, which grows 6 times along the longest piece.
 static constexpr float fewest_distance_parts = 16.0f;
 
@@ -39,6 +37,7 @@ LocalScatter::LocalScatter(const Media& media, const LightSample& light)
     }
 }
 
+static double largest(const dvec3& value) { return std::max({value.x, value.y, value.z}); }
 /// Cuts lit parts of rays into smooth pieces and integrates them, a few hundred at a time.
 class LocalScatter::Batch {
 public:
@@ -47,6 +46,9 @@ public:
         light_ = &light, rays_ = &rays, support_ = &support, radiance_ = radiance, unshadowed_ = unshadowed;
         pieces_.clear();
         cut_ = nullptr, parts_ = nullptr;
+        most_scatter_ = 0.0;
+        for (const SetOfMedia& set : rays.sets())
+            most_scatter_ = std::max(most_scatter_, set.most_scatter);
         picture_.reset();
         if (light.light_.textured != nullptr)
             picture_.emplace(*light.light_.textured, light.light_.position);
@@ -69,6 +71,10 @@ private:
 
     [[nodiscard]] double distance(LocalSupport::Distance which) const { return support_->distance[which][ray_]; }
     void prepare_splits();
+    /// Of a piece that begins there, as far as it loses little: enters log_sent_.
+    void note_sent(const LocalRays::Segment& segment, double x0, double length_m, const dvec3& depth);
+    /// From there on the ray sends nothing to speak of, beside what is nearer.
+    [[nodiscard]] bool is_lost(const LocalRays::Segment& segment, double from) const;
     [[nodiscard]] dvec3 depth_at(const LocalRays::Segment& segment, double x) const; ///< Between camera and point.
     void cut(std::span<const LitInterval> lit, const Counts& counts);
     /// A piece; of a textured light, as many as its texels ask for.
@@ -82,9 +88,10 @@ private:
     std::span<Rgb> radiance_, unshadowed_;
     std::size_t ray_ = 0;
     double light_x_ = 0.0;
+    double most_scatter_ = 0.0;     ///< Of any set of media.
     double light_side_per_m_ = 0.0; ///< Of optical depth, at most.
-    double least_depth_ = 0.0;      ///< Of what is lit of the ray, on the way over it to the light.
-    std::vector<double> splits_; ///< As distances from the light's foot, ascending.
+    double log_sent_ = 0.0;         ///< Of the least that the ray sends by its pieces so far; for a strength of 1.
+    std::vector<double> splits_;    ///< As distances from the light's foot, ascending.
     std::vector<LocalCrossing> crossings_;
     std::optional<PictureAlongRay> picture_; ///< Of a textured light.
     const CutRay* cut_ = nullptr;
@@ -125,11 +132,30 @@ void LocalScatter::Batch::prepare_splits() {
     dvec3 light_side_per_m(at_light[0], at_light[1], at_light[2]);
     for (const LocalCrossing& crossing : crossings_)
         light_side_per_m += glm::max(crossing.signed_sigma_t, dvec3(0.0));
-    light_side_per_m_ = glm::compMax(light_side_per_m);
+    light_side_per_m_ = largest(light_side_per_m);
 }
 
 dvec3 LocalScatter::Batch::depth_at(const LocalRays::Segment& segment, double x) const {
     return segment.depth_at_near + rays_->sets()[segment.set].sigma_t * (x + light_x_ - segment.near_m);
+}
+
+void LocalScatter::Batch::note_sent(const LocalRays::Segment& segment, double x0, double length_m, const dvec3& depth) {
+    const SetOfMedia& set = rays_->sets()[segment.set];
+    const double y = distance(LocalSupport::LightY), softened_y = support_->term[LocalSupport::SoftenedY][ray_];
+    const double part_m = std::min(length_m, 1.0 / std::max(largest(set.sigma_t) + light_side_per_m_, 1e-30));
+    const double farthest_m = std::max(std::abs(x0), std::abs(x0 + part_m));
+    const double least = set.least_scatter * part_m / (farthest_m * farthest_m + softened_y * softened_y);
+    const double most_depth = largest(depth) + light_side_per_m_ * std::sqrt(x0 * x0 + y * y) + 1.0;
+    log_sent_ = std::max(log_sent_, std::log(least) - most_depth);
+}
+
+bool LocalScatter::Batch::is_lost(const LocalRays::Segment& segment, double from) const {
+    const dvec3 depth = depth_at(segment, from);
+    const double y = support_->term[LocalSupport::SoftenedY][ray_];
+    const double angle_per_m = from > y ? 1.0 / from : std::numbers::pi / y;
+    return std::log(LocalPieces::most_unknown * most_scatter_ * angle_per_m / LocalPieces::nothing) -
+               std::min({depth.x, depth.y, depth.z}) <
+           log_sent_;
 }
 
 void LocalScatter::Batch::add(std::size_t ray, std::span<const LitInterval> lit) {
@@ -159,7 +185,7 @@ void LocalScatter::Batch::cut(std::span<const LitInterval> lit, const Counts& co
     auto split = splits_.begin();
     const auto segments = rays_->segments_of(ray_);
     auto segment = segments.begin();
-    least_depth_ = std::numeric_limits<double>::infinity();
+    log_sent_ = -std::numeric_limits<double>::infinity();
     for (const LitInterval& interval : lit) {
         double from = std::max(begin, interval.near_m - light_x_);
         const double lit_to = std::min(end, interval.far_m - light_x_);
@@ -170,7 +196,7 @@ void LocalScatter::Batch::cut(std::span<const LitInterval> lit, const Counts& co
                 continue;
             }
             from = std::max(from, segment->near_m - light_x_);
-            if (glm::compMin(depth_at(*segment, from)) > least_depth_ + nothing_depths)
+            if (is_lost(*segment, from))
                 return;
             while (split != splits_.end() && *split <= from)
                 ++split;
@@ -245,9 +271,9 @@ void LocalScatter::Batch::append_piece(const LocalRays::Segment& segment, double
     pieces_.length_m[at] = static_cast<float>(length_m);
     const dvec3& sigma_t = rays_->sets()[segment.set].sigma_t;
     const dvec3 depth = depth_at(segment, x0);
-    least_depth_ = std::min(least_depth_, glm::compMax(depth) +
-                                              light_side_per_m_ * std::hypot(x0, distance(LocalSupport::LightY)));
-    pieces_.nothing_depth[at] = static_cast<float>(least_depth_ + nothing_depths);
+    note_sent(segment, x0, length_m, depth);
+    pieces_.log_share[at] =
+        static_cast<float>(std::log(LocalPieces::most_unknown * rays_->sets()[segment.set].most_scatter) - log_sent_);
     for (int channel = 0; channel < 3; ++channel) {
         pieces_.depth0[static_cast<std::size_t>(channel)][at] = static_cast<float>(depth[channel]);
         pieces_.depth_gain[static_cast<std::size_t>(channel)][at] = static_cast<float>(sigma_t[channel] * length_m);

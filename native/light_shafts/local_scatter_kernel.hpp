@@ -26,14 +26,19 @@ struct PieceCrossing {
 /// reaches farther than the light is away.
 struct LocalPieces {
     static constexpr std::size_t capacity = 256;
+    /// What is not known of it: how much less the light shines along what is nearer, by its cone, its face or its picture.
+    static constexpr double most_unknown = 100.0;
+    static constexpr double nothing = 1e-6; ///< A share of what a ray sends that is left out.
     template <class Value>
     using Column = std::array<Value, capacity>;
     alignas(64) Column<float> x0, x1, length_m;
     alignas(64) std::array<Column<float>, 3> depth0, depth_gain; ///< Between camera and point: at x0, and on to x1.
     alignas(64) Column<float> lobe0, lobe1;                      ///< normal . (point - light) at both ends.
-    alignas(64) Column<float> nothing_depth;                     ///< Behind which its ray sends nothing to speak of.
-    alignas(64) Column<std::int32_t> ray, set, is_grey;          ///< Ray: into LocalSupport. Grey: all depths are.
-    Column<std::uint32_t> first_crossing, crossing_count;        ///< Into `crossings`.
+    /// Plus the logarithm of a part's angle over SoftenedY, less its optical depth: the most that it may be of all that the
+    /// ray sends.
+    alignas(64) Column<float> log_share;
+    alignas(64) Column<std::int32_t> ray, set, is_grey;   ///< Ray: into LocalSupport. Grey: all depths are.
+    Column<std::uint32_t> first_crossing, crossing_count; ///< Into `crossings`.
     std::vector<PieceCrossing> crossings;
     std::size_t count = 0;
 
