@@ -65,5 +65,9 @@ void LocalRays::assign(const Media& media, std::span<const ViewRay> rays, std::s
                                    holds(boundary, ray.origin + own.back().far_m * ray.direction, rounding_of_ends));
         }));
     }
+    double most = 1e-30;
+    for (const SetOfMedia& set : sets_)
+        most = std::max(most, set.most_scatter);
+    log_most_scatter_ = std::log(most);
 }
 } // namespace tyndall::light_shafts

@@ -20,7 +20,7 @@ struct SetOfMedia {
     MediumSet set;
     dvec3 sigma_t{0.0};
     std::vector<PhaseLobe> lobes;
-    double least_scatter = 0.0, most_scatter = 0.0; ///< Of the channel that scatters most, by the direction, per m and sr.
+    double least_scatter = 0.0, most_scatter = 0.0; ///< By the direction, of the strongest channel, per m and sr.
 };
 
 /// Is the point in the boundary's box, or outside by no more than this share of it?
@@ -48,9 +48,15 @@ public:
     [[nodiscard]] std::span<const Segment> segments_of(std::size_t ray) const {
         return std::span(segments_).subspan(first_segment_[ray], first_segment_[ray + 1] - first_segment_[ray]);
     }
+    /// Between the camera and a point of the segment, by its distance.
+    [[nodiscard]] dvec3 depth_at(const Segment& segment, double at_m) const {
+        return segment.depth_at_near + sets_[segment.set].sigma_t * (at_m - segment.near_m);
+    }
     /// All media are boxes, and what the ray has in media lies in every one of them.
     [[nodiscard]] bool is_in_all_boxes(std::size_t ray) const { return is_in_all_boxes_[ray] != 0; }
     [[nodiscard]] std::span<const SetOfMedia> sets() const { return sets_; }
+    /// The logarithm of the sets' largest most_scatter.
+    [[nodiscard]] double log_most_scatter() const { return log_most_scatter_; }
 
     /// Columns, each padded to a multiple of `padding` rays: origin, direction, and the ends of what lies in media; a
     /// ray without media ends before it begins.
@@ -75,6 +81,7 @@ private:
     std::span<const std::uint32_t> first_segment_;
     std::vector<Segment> segments_;
     std::vector<SetOfMedia> sets_;
+    double log_most_scatter_ = 0.0;
     std::vector<std::uint8_t> is_in_all_boxes_;
     std::array<std::vector<double>, ColumnCount> columns_;
 };

@@ -2,10 +2,10 @@
 #include "light_shafts/local_scatter.hpp"
 #include "light_shafts/local_reached.hpp"
 #include "light_shafts/local_scatter_kernel.hpp"
+#include "light_shafts/local_sent.hpp"
 #include "light_shafts/picture_along_ray.hpp"
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 namespace tyndall::light_shafts {
@@ -37,7 +37,6 @@ LocalScatter::LocalScatter(const Media& media, const LightSample& light)
     }
 }
 
-static double largest(const dvec3& value) { return std::max({value.x, value.y, value.z}); }
 /// Cuts lit parts of rays into smooth pieces and integrates them, a few hundred at a time.
 class LocalScatter::Batch {
 public:
@@ -46,9 +45,6 @@ public:
         light_ = &light, rays_ = &rays, support_ = &support, radiance_ = radiance, unshadowed_ = unshadowed;
         pieces_.clear();
         cut_ = nullptr, parts_ = nullptr;
-        most_scatter_ = 0.0;
-        for (const SetOfMedia& set : rays.sets())
-            most_scatter_ = std::max(most_scatter_, set.most_scatter);
         picture_.reset();
         if (light.light_.textured != nullptr)
             picture_.emplace(*light.light_.textured, light.light_.position);
@@ -71,11 +67,6 @@ private:
 
     [[nodiscard]] double distance(LocalSupport::Distance which) const { return support_->distance[which][ray_]; }
     void prepare_splits();
-    /// Of a piece that begins there, as far as it loses little: enters log_sent_.
-    void note_sent(const LocalRays::Segment& segment, double x0, double length_m, const dvec3& depth);
-    /// From there on the ray sends nothing to speak of, beside what is nearer.
-    [[nodiscard]] bool is_lost(const LocalRays::Segment& segment, double from) const;
-    [[nodiscard]] dvec3 depth_at(const LocalRays::Segment& segment, double x) const; ///< Between camera and point.
     void cut(std::span<const LitInterval> lit, const Counts& counts);
     /// A piece; of a textured light, as many as its texels ask for.
     void append(const LocalRays::Segment& segment, double x0, double x1, const Target& target);
@@ -88,10 +79,8 @@ private:
     std::span<Rgb> radiance_, unshadowed_;
     std::size_t ray_ = 0;
     double light_x_ = 0.0;
-    double most_scatter_ = 0.0;     ///< Of any set of media.
-    double light_side_per_m_ = 0.0; ///< Of optical depth, at most.
-    double log_sent_ = 0.0;         ///< Of the least that the ray sends by its pieces so far; for a strength of 1.
-    std::vector<double> splits_;    ///< As distances from the light's foot, ascending.
+    LocalSent sent_;
+    std::vector<double> splits_; ///< As distances from the light's foot, ascending.
     std::vector<LocalCrossing> crossings_;
     std::optional<PictureAlongRay> picture_; ///< Of a textured light.
     const CutRay* cut_ = nullptr;
@@ -132,30 +121,8 @@ void LocalScatter::Batch::prepare_splits() {
     dvec3 light_side_per_m(at_light[0], at_light[1], at_light[2]);
     for (const LocalCrossing& crossing : crossings_)
         light_side_per_m += glm::max(crossing.signed_sigma_t, dvec3(0.0));
-    light_side_per_m_ = largest(light_side_per_m);
-}
-
-dvec3 LocalScatter::Batch::depth_at(const LocalRays::Segment& segment, double x) const {
-    return segment.depth_at_near + rays_->sets()[segment.set].sigma_t * (x + light_x_ - segment.near_m);
-}
-
-void LocalScatter::Batch::note_sent(const LocalRays::Segment& segment, double x0, double length_m, const dvec3& depth) {
-    const SetOfMedia& set = rays_->sets()[segment.set];
-    const double y = distance(LocalSupport::LightY), softened_y = support_->term[LocalSupport::SoftenedY][ray_];
-    const double part_m = std::min(length_m, 1.0 / std::max(largest(set.sigma_t) + light_side_per_m_, 1e-30));
-    const double farthest_m = std::max(std::abs(x0), std::abs(x0 + part_m));
-    const double least = set.least_scatter * part_m / (farthest_m * farthest_m + softened_y * softened_y);
-    const double most_depth = largest(depth) + light_side_per_m_ * std::sqrt(x0 * x0 + y * y) + 1.0;
-    log_sent_ = std::max(log_sent_, std::log(least) - most_depth);
-}
-
-bool LocalScatter::Batch::is_lost(const LocalRays::Segment& segment, double from) const {
-    const dvec3 depth = depth_at(segment, from);
-    const double y = support_->term[LocalSupport::SoftenedY][ray_];
-    const double angle_per_m = from > y ? 1.0 / from : std::numbers::pi / y;
-    return std::log(LocalPieces::most_unknown * most_scatter_ * angle_per_m / LocalPieces::nothing) -
-               std::min({depth.x, depth.y, depth.z}) <
-           log_sent_;
+    sent_.begin_ray(*rays_, distance(LocalSupport::LightY), support_->term[LocalSupport::SoftenedY][ray_],
+                    std::max({light_side_per_m.x, light_side_per_m.y, light_side_per_m.z}));
 }
 
 void LocalScatter::Batch::add(std::size_t ray, std::span<const LitInterval> lit) {
@@ -185,7 +152,7 @@ void LocalScatter::Batch::cut(std::span<const LitInterval> lit, const Counts& co
     auto split = splits_.begin();
     const auto segments = rays_->segments_of(ray_);
     auto segment = segments.begin();
-    log_sent_ = -std::numeric_limits<double>::infinity();
+    sent_.forget();
     for (const LitInterval& interval : lit) {
         double from = std::max(begin, interval.near_m - light_x_);
         const double lit_to = std::min(end, interval.far_m - light_x_);
@@ -196,7 +163,7 @@ void LocalScatter::Batch::cut(std::span<const LitInterval> lit, const Counts& co
                 continue;
             }
             from = std::max(from, segment->near_m - light_x_);
-            if (is_lost(*segment, from))
+            if (sent_.is_lost(rays_->depth_at(*segment, light_x_ + from)))
                 return;
             while (split != splits_.end() && *split <= from)
                 ++split;
@@ -270,10 +237,9 @@ void LocalScatter::Batch::append_piece(const LocalRays::Segment& segment, double
     pieces_.x0[at] = static_cast<float>(x0), pieces_.x1[at] = static_cast<float>(x1);
     pieces_.length_m[at] = static_cast<float>(length_m);
     const dvec3& sigma_t = rays_->sets()[segment.set].sigma_t;
-    const dvec3 depth = depth_at(segment, x0);
-    note_sent(segment, x0, length_m, depth);
-    pieces_.log_share[at] =
-        static_cast<float>(std::log(LocalPieces::most_unknown * rays_->sets()[segment.set].most_scatter) - log_sent_);
+    const dvec3 depth = rays_->depth_at(segment, light_x_ + x0);
+    sent_.add(rays_->sets()[segment.set], x0, length_m, depth, target.transmittance);
+    pieces_.log_share[at] = static_cast<float>(sent_.log_share());
     for (int channel = 0; channel < 3; ++channel) {
         pieces_.depth0[static_cast<std::size_t>(channel)][at] = static_cast<float>(depth[channel]);
         pieces_.depth_gain[static_cast<std::size_t>(channel)][at] = static_cast<float>(sigma_t[channel] * length_m);
@@ -328,41 +294,6 @@ void LocalScatter::Batch::flush() {
     pieces_.clear();
 }
 
-/// What of the lit parts of a ray the light shines on: half of it counts within a cone's soft edge.
-static void append_shone_on(std::span<const LitInterval> lit, const LocalSupport& support, std::size_t ray,
-                            bool has_soft_edge, std::vector<LitInterval>& shone_on) {
-    const auto at = [&](LocalSupport::Distance which) {
-        return static_cast<float>(support.distance[LocalSupport::LightX][ray] + support.distance[which][ray]);
-    };
-    const float begin = at(LocalSupport::Begin), end = at(LocalSupport::End);
-    float inner_begin = has_soft_edge ? std::max(begin, at(LocalSupport::Inner0)) : begin;
-    float inner_end = has_soft_edge ? std::min(end, at(LocalSupport::Inner1)) : end;
-    if (!(inner_begin < inner_end)) // only its edge
-        inner_begin = inner_end = end;
-    for (const LitInterval& interval : lit) {
-        const auto append = [&](float from, float to, float weight) {
-            const float near_m = std::max(interval.near_m, from), far_m = std::min(interval.far_m, to);
-            if (near_m < far_m)
-                shone_on.push_back({near_m, far_m, weight * interval.transmittance});
-        };
-        append(begin, inner_begin, 0.5f);
-        append(inner_begin, inner_end, 1.0f);
-        append(inner_end, end, 0.5f);
-    }
-}
-
-/// The lit length of a ray in its media.
-static float lit_length_of(std::span<const LitInterval> lit, std::span<const LocalRays::Segment> segments) {
-    float length_m = 0.0f;
-    for (const LitInterval& interval : lit) {
-        const float share = average(interval.transmittance);
-        for (const LocalRays::Segment& segment : segments)
-            length_m += share * std::max(0.0f, std::min(interval.far_m, segment.far_m) -
-                                                   std::max(interval.near_m, segment.near_m));
-    }
-    return length_m;
-}
-
 void LocalScatter::find_reached(const LocalRays& rays, const Visibility* visibility, Reached& reached) const {
     auto& [support, indices, asked, lit] = reached;
     find_support(shape_, rays, support);
@@ -390,40 +321,22 @@ void LocalScatter::find_reached(const LocalRays& rays, const Visibility* visibil
         }
 }
 
-void LocalScatter::lit_intervals(const LocalRays& rays, const Visibility* visibility, LitRows& lit) const {
-    thread_local Reached reached;
-    find_reached(rays, visibility, reached);
-    std::size_t row = 0;
-    for (std::uint32_t ray = 0; ray < rays.size(); ++ray) {
-        if (row < reached.rays.size() && reached.rays[row] == ray)
-            append_shone_on(reached.lit.of_ray(row++), reached.support, ray, shape_.has_soft_edge, lit.intervals);
-        lit.end_ray();
-    }
-}
-
 void LocalScatter::add_scattered(const LocalRays& rays, const Visibility* visibility, std::span<Rgb> radiance,
                                  std::span<Rgb> unshadowed, std::span<float> lit_length_m) const {
     struct Workspace {
         Reached reached;
         Batch batch;
-        std::vector<LitInterval> shone_on;
     };
     thread_local Workspace workspace;
-    auto& [reached, batch, shone_on] = workspace;
+    auto& [reached, batch] = workspace;
     find_reached(rays, visibility, reached);
     batch.begin(*this, rays, reached.support, radiance, unshadowed);
     for (std::size_t row = 0; row < reached.rays.size(); ++row)
         if (const auto own = reached.lit.of_ray(row); !own.empty() || !unshadowed.empty())
             batch.add(reached.rays[row], own);
     batch.flush();
-    if (lit_length_m.empty())
-        return;
-    for (std::size_t row = 0; row < reached.rays.size(); ++row) {
-        const std::uint32_t ray = reached.rays[row];
-        shone_on.clear();
-        append_shone_on(reached.lit.of_ray(row), reached.support, ray, shape_.has_soft_edge, shone_on);
-        lit_length_m[ray] += lit_length_of(shone_on, rays.segments_of(ray));
-    }
+    if (!lit_length_m.empty())
+        add_lit_lengths(rays, reached, lit_length_m);
 }
 
 void LocalScatter::append_parts(const LocalRays& rays, const Visibility* visibility, const CutRay& cut,

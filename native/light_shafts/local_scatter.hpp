@@ -70,6 +70,7 @@ private:
     class GridPieces;
     struct Reached; // local_reached.hpp
     void find_reached(const LocalRays& rays, const Visibility* visibility, Reached& reached) const;
+    void add_lit_lengths(const LocalRays& rays, const Reached& reached, std::span<float> lit_length_m) const;
 
     const Media& media_;
     LightSample light_;

@@ -26,8 +26,6 @@ struct PieceCrossing {
 /// reaches farther than the light is away.
 struct LocalPieces {
     static constexpr std::size_t capacity = 256;
-    /// What is not known of it: how much less the light shines along what is nearer, by its cone, its face or its picture.
-    static constexpr double most_unknown = 100.0;
     static constexpr double nothing = 1e-6; ///< A share of what a ray sends that is left out.
     template <class Value>
     using Column = std::array<Value, capacity>;
