@@ -10,6 +10,7 @@ hairs that were read when a viewport interrupted.
 from __future__ import annotations
 
 import hashlib
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -286,9 +287,9 @@ def _on_emitter(
     uv_layers, colours = list(mesh.uv_layers), list(mesh.vertex_colors)
     particles = list(system.particles)
 
-    def values(read: Any, layer: int, width: int) -> NDArray[np.float32]:  # noqa: ANN401  a method of Blender's
+    def values(read: Callable[..., Iterable[float]], width: int) -> NDArray[np.float32]:
         rows = [
-            tuple(read(modifier, particles[min(number, len(particles) - 1)], number, layer))[:width]
+            tuple(read(modifier, particles[min(number, len(particles) - 1)], particle_no=number))[:width]
             for number in numbers
         ]
         return np.array(rows, np.float32).reshape(-1, width)
@@ -299,14 +300,14 @@ def _on_emitter(
         is_asked = [one.active_render if not name else one.name == name for one in uv_layers]
         uv = is_asked.index(True) if any(is_asked) else None
         if uv is not None:
-            maps[uv_layers[uv].name] = values(system.uv_on_emitter, uv, 2)
+            maps[uv_layers[uv].name] = values(partial(system.uv_on_emitter, uv_no=uv), 2)
         elif name.startswith(of_colours):
             wanted = name[len(of_colours) :]
             colour = next((at for at, one in enumerate(colours) if not wanted or one.name == wanted), None)
             if colour is not None:
-                stored = linear_from_srgb(values(system.mcol_on_emitter, colour, 3))
+                stored = linear_from_srgb(values(partial(system.mcol_on_emitter, vcol_no=colour), 3))
                 pair = attribute_maps(wanted)
-                maps[pair[0]] = stored[:, :2]
+                maps[pair[0]] = np.ascontiguousarray(stored[:, :2])
                 maps[pair[1]] = np.column_stack([stored[:, 2], np.ones(len(stored), np.float32)])
     return tuple(maps.items())
 
