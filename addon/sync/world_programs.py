@@ -25,6 +25,9 @@ _SMALLEST = 1e-6
 #: Vectors this far from 0 along each axis are colours that nothing clamps.
 _OFFSET = 16.0
 _LEAST_WIDTH, _LARGEST_WIDTH = 1024, 8192  #: 0.35 degrees a texel; 1 GiB
+#: Images that are encoded are interpolated before they are decoded. Those that are wider change little between texels;
+#: others are drawn so many times as wide, up to what takes half a second.
+_MOST_ENCODED_WIDTH, _TIMES_ENCODED, _DECODED_WIDTH = 1024, 4, 2048
 
 
 @dataclass(frozen=True)
@@ -52,11 +55,17 @@ def as_turned_image(program: Program, background: Value) -> TurnedImage | None:
     lookup, use = ops[lookups[0]], material.textures[ops[lookups[0]].texture]
     if lookup.option != EnvironmentProjection.EQUIRECTANGULAR or use.interpolation is not Interpolation.LINEAR:
         return None
+    if _bends_between_texels(use.image):
+        return None
     turn = linear_map(program, Term(lookup.a))
     if turn is None or not np.allclose(turn @ turn.T, np.eye(3), atol=1e-5):
         return None
     factor = _factor(material)
     return None if factor is None else TurnedImage(use.image, turn, factor)
+
+
+def _bends_between_texels(image: Image) -> bool:
+    return image.is_srgb and image.shape[1] <= _MOST_ENCODED_WIDTH
 
 
 def _factor(material: Material) -> tuple[float, float, float] | None:
@@ -104,7 +113,9 @@ def image_width(program: Program, background: Value, *, has_sharp_disc: bool) ->
     for place in _read_by(program.ops, background.place):
         op = program.ops[place]
         if op.code is Code.ENVIRONMENT_AT:
-            width = max(width, textures[op.texture].image.shape[1])
+            image = textures[op.texture].image
+            own = image.shape[1]
+            width = max(width, min(_TIMES_ENCODED * own, _DECODED_WIDTH) if _bends_between_texels(image) else own)
     return min(width, _LARGEST_WIDTH)
 
 

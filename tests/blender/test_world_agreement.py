@@ -115,6 +115,16 @@ def image(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
     return created.outputs[0]
 
 
+def encoded_image(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
+    """16 x 8 bytes, of which half are dark: between two, light is far from the mean of both."""
+    created = tree.nodes.new("ShaderNodeTexEnvironment")
+    created.image = bpy.data.images.new("Encoded", 16, 8)
+    pixels = np.random.default_rng(2).choice([0.2, 1.0], (8, 16, 4)).astype(np.float32)
+    created.image.pixels.foreach_set(pixels.ravel())
+    created.image.update()
+    return created.outputs[0]
+
+
 def mixed(blend: str, first: Pattern, second: Pattern, share: float = 0.5) -> Pattern:
     def build(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
         mix = tree.nodes.new("ShaderNodeMixRGB")
@@ -139,6 +149,7 @@ def for_cameras(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
 PATTERNS: dict[str, Pattern] = {
     "gradient": gradient,
     "noise": noise,
+    "image of bytes": encoded_image,
     "image plus its noise": mixed("ADD", image, noise, 1.0),
     "image and gradient": mixed("MIX", image, gradient),
     "for cameras": for_cameras,
