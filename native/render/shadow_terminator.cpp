@@ -17,7 +17,7 @@ float lift_share(float shading_cosine, float geometric_cosine) {
 }
 
 struct SmoothTriangle {
-    std::array<vec3, 3> corners, normals; ///< Object space.
+    std::array<vec3, 3> corners, normals; ///< Scene space: what a scale stretches bulges by its own normals.
     vec3 point;
     std::array<float, 3> barycentrics;
 
@@ -82,17 +82,20 @@ vec3 terminator_lift(const Scene& scene, const Hit& hit, const ShadingPoint& poi
     SmoothTriangle triangle;
     triangle.barycentrics = {1.0f - hit.barycentrics.x - hit.barycentrics.y, hit.barycentrics.x, hit.barycentrics.y};
     triangle.point = vec3(0.0f);
-    vec3 normal(0.0f);
+    vec3 lift_direction(0.0f);
     for (int corner = 0; corner < 3; ++corner) {
         const auto i = static_cast<std::size_t>(corner);
-        triangle.corners[i] = arrays.positions[arrays.triangles[hit.triangle][corner]];
-        triangle.normals[i] = arrays.corner_normals[3 * std::size_t{hit.triangle} + i];
-        if (triangle.normals[i] == vec3(0.0f)) // flat at that corner
+        triangle.corners[i] =
+            mat3(instance.world_from_object) * arrays.positions[arrays.triangles[hit.triangle][corner]];
+        const vec3 normal =
+            scene.normal_in_scene(hit.instance, arrays.corner_normals[3 * std::size_t{hit.triangle} + i]);
+        const float length = glm::length(normal);
+        if (!(length > 0.0f)) // flat at that corner
             return vec3(0.0f);
+        triangle.normals[i] = normal / length;
         triangle.point += triangle.barycentrics[i] * triangle.corners[i];
-        normal += triangle.barycentrics[i] * triangle.normals[i];
+        lift_direction += triangle.barycentrics[i] * triangle.normals[i];
     }
-    const vec3 lift_direction = mat3(instance.world_from_object) * normal;
     const bool is_outer_side = glm::dot(lift_direction, viewed_normal) > 0.0f;
     const float height = is_outer_side ? std::max(triangle.lowest_envelope(1.0f), 0.5f * triangle.bulge())
                                        : std::min(-triangle.lowest_envelope(-1.0f), 0.5f * triangle.bulge());

@@ -272,12 +272,12 @@ public:
     void append_hits(const Ray& ray, std::uint32_t instance, std::vector<Hit>& hits) const;
     /// Per instance the bit of its object's blocker set; empty where all are in set 0.
     [[nodiscard]] std::span<const std::uint64_t> blocker_bits() const { return geometry_->blocker_bits; }
-
-private:
     /// Of an instance, to be normalized.
     [[nodiscard]] vec3 normal_in_scene(std::uint32_t instance, const vec3& normal) const {
         return normal_matrix(geometry_->objects_from_scene[instance]) * normal;
     }
+
+private:
     [[nodiscard]] static mat3 normal_matrix(const mat4& object_from_scene);
     [[nodiscard]] ProgramPoint program_point(const AskingRay& asking, const ShadingPoint& point, const Hit& hit,
                                              const Material& surface) const;
