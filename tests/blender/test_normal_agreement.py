@@ -225,6 +225,32 @@ def test_gloss_on_a_smooth_cube_is_mirrored_by_normals_that_a_mirror_could_have(
     assert max(mean, median) <= 0.5 * BOUND
 
 
+BROAD = {name: MORE[name] for name in ("rough diffuse", "toon", "velvet")}
+if not IS_OLD:
+    BROAD["sheen"] = shader("ShaderNodeBsdfSheen", Color=RED, Roughness=0.5, node_distribution="MICROFIBER")
+    BROAD["sheen on a surface"] = principled(Sheen_Weight=1.0)
+
+
+# Seen to fail: without light where the viewer is behind the smooth normal (sheen: half of all it sends).
+@pytest.mark.skipif(IS_OLD, reason="3.4 turns the normals of what is diffuse")
+@pytest.mark.parametrize("light_it", [sun(80.0), world()], ids=["sun", "world"])
+@pytest.mark.parametrize("name", BROAD)
+def test_what_is_broad_on_a_smooth_cone_is_seen_past_its_normals(
+    name: str, light_it: Callable[[bpy.types.Scene], object]
+) -> None:
+    scene = empty_scene(64)
+    scene.camera.data.ortho_scale = 2.6
+    bpy.ops.mesh.primitive_cone_add(vertices=8)
+    body = bpy.context.object
+    body.data.materials.append(material("Shown", BROAD[name]))
+    bpy.ops.object.shade_smooth()
+    body.rotation_euler = (1.3, 0.2, 0.3)
+    light_it(scene)
+    mean, median = errors(tyndall_pixels(scene, 64), cycles_pixels(scene, 256, seed=1))
+    print(f"mean {mean:.4f}, median block {median:.4f}")
+    assert max(mean, median) <= BOUND
+
+
 @pytest.mark.skipif(IS_OLD, reason="a setting of 4.0")
 @pytest.mark.parametrize("name", SHADERS)
 def test_a_material_may_leave_bumps_uncorrected(name: str) -> None:

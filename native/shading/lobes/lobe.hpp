@@ -67,8 +67,10 @@ struct Lobe {
 
     /// Cycles counts it among what is diffuse.
     [[nodiscard]] bool is_diffuse() const { return kind <= Kind::Velvet; }
-    /// It is seen from every side, and bumps shadow it.
+    /// Bumps shadow it.
     [[nodiscard]] bool is_matte() const { return kind <= Kind::DiffuseToon; }
+    /// It is seen from every side.
+    [[nodiscard]] bool is_broad() const { return is_matte() && kind != Kind::BurleySheen && kind != Kind::Velvet; }
     [[nodiscard]] bool is_toon() const { return kind == Kind::DiffuseToon || kind == Kind::GlossyToon; }
     [[nodiscard]] bool is_of_facets() const { return kind >= Kind::Ggx && kind <= Kind::AshikhminShirley; }
     [[nodiscard]] bool is_anisotropic() const { return tangent != vec3(0.0f); }

@@ -95,15 +95,24 @@ Rgb reflected(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const 
            framed_facets::per_irradiance(lobe, normal_of(lobe, set), set.outgoing, incoming);
 }
 
+/// Of what is seen past its smooth normal, along a coarse mesh's silhouette, only what is broad sends light there.
+bool sees(const Lobe& lobe, const Angles& angles) {
+    return angles.light > 0.0f && (angles.view > 0.0f || lobe.is_broad());
+}
+/// It looks as it does from along the surface; sheen has axes by the view.
+void limit_view(const Lobe& lobe, Angles& angles) {
+    if (lobe.kind != Lobe::Kind::Sheen)
+        angles.view = std::max(angles.view, 0.0f);
+}
+
 /// The same around the lobe's own normal; `light`: the cosine that is in the irradiance.
 Rgb reflected_around_own(const Lobe& lobe, const LobeSet& set, const vec3& incoming, float light) {
     Angles angles(lobe.normal, set.outgoing, incoming);
     const float between = glm::dot(set.normal, lobe.normal);
-    const bool is_turned_away = lobe.is_matte() ? light <= 0.0f || between <= 0.0f : angles.view <= 0.0f;
-    if (angles.light <= 0.0f || is_turned_away)
+    const bool is_turned_away = lobe.is_matte() && (light <= 0.0f || between <= 0.0f);
+    if (is_turned_away || !sees(lobe, angles))
         return Rgb(0.0f);
-    if (lobe.kind != Lobe::Kind::Sheen)
-        angles.view = std::max(angles.view, 0.0f);
+    limit_view(lobe, angles);
     const float left = unshadowed_by_bumps(lobe.bump_shadowing, light, angles.light, between);
     const Rgb found = lobe.is_framed() ? reflected_by_framed(lobe, set, incoming, angles.view_half)
                                        : reflected(lobe, set, incoming, angles);
@@ -202,10 +211,13 @@ namespace {
 Rgb reflected_by_any(const Lobe& lobe, const LobeSet& set, const vec3& incoming, const Angles& angles) {
     if (lobe.has_own_normal())
         return reflected_around_own(lobe, set, incoming, angles.light);
-    if (angles.view <= 0.0f || angles.light <= 0.0f)
+    if (!sees(lobe, angles))
         return Rgb(0.0f);
-    return lobe.is_framed() ? reflected_by_framed(lobe, set, incoming, angles.view_half)
-                            : reflected(lobe, set, incoming, angles);
+    if (lobe.is_framed())
+        return reflected_by_framed(lobe, set, incoming, angles.view_half);
+    Angles limited = angles;
+    limit_view(lobe, limited);
+    return reflected(lobe, set, incoming, limited);
 }
 
 /// By facets as narrow as they are.
