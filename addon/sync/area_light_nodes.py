@@ -19,7 +19,7 @@ from tyndall.surface_inputs import ImageProjection, PointInput
 
 from .coordinates import point_input
 from .emitter_nodes import IS_OBJECT, NODES, EmitterReader
-from .light_nodes import emission_value
+from .light_nodes import NO_DISTANCE, WHITE_IMAGE, Distance, at_distances, emission_and_distance
 from .light_textures import gobo_use
 from .node_graph import output_input
 from .program import BLACK, WHITE, Program, Term, Value, grey
@@ -75,6 +75,7 @@ class AreaEmission:
     name: str
     program: Program
     value: Value
+    distance: Distance = NO_DISTANCE
 
     def on(self, emitter: Emitter, pictures: EmitterPictures) -> EmitterPicture:
         """One instance of it."""
@@ -86,14 +87,17 @@ class AreaEmission:
 def read_area_emission(light: bpy.types.AreaLight, images: ImageReader, reports: Reports, culprit: str) -> AreaEmission:
     reader = EmitterReader(culprit, "an area light", _NODES, reports, images)
     surface = output_input(light.node_tree if light.use_nodes else None, "Surface")
-    value: Value = WHITE if surface is None else emission_value(reader, surface)
+    value: Value = WHITE
+    distance = NO_DISTANCE
+    if surface is not None:
+        value, distance = emission_and_distance(reader, surface)
     gobo = gobo_use(light, images, reports, culprit)
     if gobo is not None:
         if isinstance(value, Term):
             reports.add(culprit, "its gobo takes the place of its nodes' pattern")
             value = WHITE
         value = reader.program.multiply(value, _gobo_value(reader.program, gobo, light.tyndall.gobo_strength))
-    return AreaEmission(light.name, reader.program, value)
+    return AreaEmission(light.name, reader.program, value, distance)
 
 
 def _gobo_value(program: Program, use: TextureUse, share: float) -> Value:
@@ -111,15 +115,21 @@ def emitter_of(
     )
 
 
-def emitter_texture(picture: EmitterPicture, world_from_light: NDArray[np.float64]) -> LightTexture | None:
-    """Of mean 1: the light's strength has the picture's mean. None: it shines alike all over."""
+def emitter_texture(
+    picture: EmitterPicture, world_from_light: NDArray[np.float64], distance: Distance
+) -> LightTexture | None:
+    """Of mean 1: the light's strength has the picture's mean. None: it shines alike all over, at any distance."""
     if picture.image is None:
-        return None
+        if distance == NO_DISTANCE:
+            return None
+        use = TextureUse(image=WHITE_IMAGE, extension=Extension.EXTEND)
+        return at_distances(LightTexture(use=use, projection=LightProjection.EMITTER), distance)
     # Our axes are right-handed; those of a mirrored light are not.
     flips = float(np.linalg.det(world_from_light[:3, :3])) < 0.0
-    return LightTexture(
+    texture = LightTexture(
         use=TextureUse(image=picture.image, extension=Extension.EXTEND),
         projection=LightProjection.EMITTER,
         uv_from_projected=np.array([[1, 0, 0], [0, -1, 1], [0, 0, 1]], np.float64) if flips else np.eye(3),
         gain=np.diag([1.0 / mean if mean else 0.0 for mean in picture.mean]),
     )
+    return at_distances(texture, distance)

@@ -7,20 +7,20 @@ normal and the ray that asks both point to where the light goes. Up to 3.x the l
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
 from tyndall.lamp_programs import Lamp, LampView, colour_of_sun, vectors_of
-from tyndall.scene_description import Code, Extension, Image, LightProjection, LightTexture, TextureUse
+from tyndall.scene_description import Code, Extension, LightProjection, LightTexture, TextureUse
 from tyndall.surface_inputs import PointInput
 
 from .affine_colours import AffineColour, affine_colour
 from .coordinates import point_input
 from .emitter_nodes import IS_OBJECT, NODES, EmitterReader
-from .light_nodes import Distance, emission_and_distance
+from .light_nodes import NO_DISTANCE, WHITE_IMAGE, Distance, at_distances, emission_and_distance
 from .light_textures import LightValueReader
 from .light_vectors import CannotBeRead
 from .node_graph import output_input
@@ -35,9 +35,6 @@ if TYPE_CHECKING:
     from .emitter_nodes import Read
     from .images import ImageReader
     from .node_graph import Socket
-
-_NO_DISTANCE = Distance()
-_WHITE = Image(key="white", name="white", pixels=np.ones((1, 1, 4), np.float32), is_srgb=False)
 
 
 class _LampReader(EmitterReader):
@@ -82,7 +79,7 @@ class LampEmission:
     image: tuple[AffineColour, LightValueReader] | None = None
     program: Program | None = None
     value: Value = BLACK
-    distance: Distance = _NO_DISTANCE
+    distance: Distance = NO_DISTANCE
 
     @property
     def is_constant(self) -> bool:
@@ -164,16 +161,15 @@ def read_lamp_emission(light: bpy.types.Light, images: ImageReader, reports: Rep
     return LampEmission(light, culprit, reports, program=reader.program, value=value, distance=distance)
 
 
-def at_distances(texture: LightTexture | None, lamp: LampEmission) -> LightTexture | None:
+def lamp_at_distances(texture: LightTexture | None, lamp: LampEmission) -> LightTexture | None:
     """The same picture, or none, where its light falls off as its nodes say."""
-    distance = lamp.distance
-    if distance == _NO_DISTANCE:
+    if lamp.distance == NO_DISTANCE:
         return texture
     if lamp.light.type == "SUN":
         if not IS_OBJECT:  # later versions leave it as it is
             lamp.reports.add(lamp.culprit, "its falloff, which is without bounds in Cycles 3.x, is left out")
         return texture
     if texture is None:
-        use = TextureUse(image=_WHITE, extension=Extension.EXTEND)
+        use = TextureUse(image=WHITE_IMAGE, extension=Extension.EXTEND)
         texture = LightTexture(use=use, projection=LightProjection.DIRECTIONS)
-    return replace(texture, distance_power=distance.power, smooth_m2=distance.smooth_m2)
+    return at_distances(texture, lamp.distance)

@@ -3,14 +3,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tyndall.scene_description import Image
 
 from .node_graph import Socket
 from .program import BLACK, WHITE, Value
 from .shader_limits import followed
 
 if TYPE_CHECKING:
+    from tyndall.scene_description import LightTexture
+
     from .value_nodes import ValueReader
 
 
@@ -58,10 +64,19 @@ _LARGEST_SMOOTH_M2 = 1e12
 
 @dataclass(frozen=True)
 class Distance:
-    """What a lamp's light is multiplied by at a distance d: d to this power, and d^2 / (d^2 + smooth_m2)."""
+    """What a light is multiplied by at a distance d: d to this power, and d^2 / (d^2 + smooth_m2)."""
 
     power: int = 0
     smooth_m2: float = 0.0
+
+
+NO_DISTANCE = Distance()
+#: What a light without a picture shows.
+WHITE_IMAGE = Image(key="white", name="white", pixels=np.ones((1, 1, 4), np.float32), is_srgb=False)
+
+
+def at_distances(texture: LightTexture, distance: Distance) -> LightTexture:
+    return replace(texture, distance_power=distance.power, smooth_m2=distance.smooth_m2)
 
 
 def emission_and_distance(reader: ValueReader, at: Socket) -> tuple[Value, Distance]:

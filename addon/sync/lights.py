@@ -14,7 +14,7 @@ from tyndall.emitter_programs import EmitterObject, EmitterPictures
 from tyndall.scene_description import Light, LightBody, LightKind, ObjectLighting, SpotFalloff
 
 from .area_light_nodes import emitter_of, emitter_texture, read_area_emission
-from .lamp_nodes import at_distances, read_lamp_emission
+from .lamp_nodes import lamp_at_distances, read_lamp_emission
 from .light_textures import read_gobo
 from .random_numbers import as_unit_floats
 
@@ -59,7 +59,7 @@ def read_lights(
             if (light := _area_light(data, name, matrix, strength * picture.mean, reports)) is not None:
                 yield replace(
                     light,
-                    texture=emitter_texture(picture, matrix),
+                    texture=emitter_texture(picture, matrix, emission.distance),
                     casts_shadow=_casts_shadow(data),
                     lights_surfaces=thing.visible_diffuse,
                     lights_catchers=placement.is_shadow_catcher,
@@ -94,7 +94,7 @@ def read_lights(
             lights_catchers=placement.is_shadow_catcher,
             scatters_in_media=scatters_in_media,
             occluder_edits=occluder_edits,
-            texture=at_distances(texture, lamp),
+            texture=lamp_at_distances(texture, lamp),
             light_group=lighting.light_group,
             links=lighting.links,
         )

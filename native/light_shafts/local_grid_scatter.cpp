@@ -79,7 +79,7 @@ private:
             const PlacedGrid& placed = media_.grids().all()[share.grid];
             scatter += share.density * placed.density_scale * media_.scatter_per_m_sr(placed.medium, cosine);
         }
-        const Rgb colour = light.textured ? texture_colour(*light.textured, light.position, at) : Rgb(1.0f);
+        const Rgb colour = light.textured ? texture_colour(light, at) : Rgb(1.0f);
         return scatter * colour * view.irradiance;
     }
     [[nodiscard]] Rgb light_depth(double at_m, bool is_reached) const {

@@ -46,7 +46,7 @@ public:
         pieces_.clear();
         cut_ = nullptr, parts_ = nullptr;
         picture_.reset();
-        if (light.light_.textured != nullptr)
+        if (const Light* textured = light.light_.textured; textured != nullptr && textured->kind != LightKind::Area)
             picture_.emplace(*light.light_.textured, light.light_.position);
     }
     /// From now on parts are told apart, and nothing is summed.
@@ -82,7 +82,7 @@ private:
     LocalSent sent_;
     std::vector<double> splits_; ///< As distances from the light's foot, ascending.
     std::vector<LocalCrossing> crossings_;
-    std::optional<PictureAlongRay> picture_; ///< Of a textured light.
+    std::optional<PictureAlongRay> picture_; ///< Of a textured light that is no area light.
     const CutRay* cut_ = nullptr;
     std::vector<LocalPart>* parts_ = nullptr; ///< Where parts are told apart.
     LocalPieces pieces_;
@@ -202,8 +202,9 @@ void LocalScatter::Batch::append_textured(const LocalRays::Segment& segment, dou
     const auto first = static_cast<float>(x0), last = static_cast<float>(x1);
     const auto turned = [&](float x, float tangent) { return y * (x + y * tangent) / (y - x * tangent); };
     const float angle_rad = std::atan2(y * (last - first), y * y + first * last);
-    const LightTexture& texture = picture_->texture();
-    const float texels = picture_->texels(first, turned(first, std::tan(0.5f * angle_rad)), last, angle_rad);
+    const LightTexture& texture = *light_->light_.textured->texture;
+    const float texels =
+        picture_ ? picture_->texels(first, turned(first, std::tan(0.5f * angle_rad)), last, angle_rad) : 0.0f;
     const bool has_distance = changes_with_distance(texture);
     const float fewest = has_distance ? fewest_distance_parts : fewest_texture_parts;
     const float count = std::ceil(std::clamp(2.0f * texels, fewest, most_texture_parts));
@@ -216,7 +217,8 @@ void LocalScatter::Batch::append_textured(const LocalRays::Segment& segment, dou
     for (float part = 1.0f; part <= count; ++part) {
         const float to = part < count ? std::clamp(turned(from, to_end), from, last) : last;
         const float near = turned(from, to_near), far = turned(from, to_far);
-        Rgb at_near = texture.colour(picture_->uv(near), width), at_far = texture.colour(picture_->uv(far), width);
+        const auto colour_at = [&](float x) { return picture_ ? texture.colour(picture_->uv(x), width) : Rgb(1.0f); };
+        Rgb at_near = colour_at(near), at_far = colour_at(far);
         if (has_distance) {
             at_near *= distance_share(texture, y * y + near * near);
             at_far *= distance_share(texture, y * y + far * far);

@@ -93,7 +93,7 @@ static std::vector<std::uint8_t> assign_slots(const Scene& scene, std::span<Ligh
 static bool has_pattern(const LightSample& sample, const Light& lamp, const View& view) {
     const bool has_cone =
         sample.spot != nullptr && (sample.spot->kind == LightKind::Spot || is_narrow_area(*sample.spot));
-    if (sample.is_directional || !(has_cone || sample.textured != nullptr))
+    if (sample.is_directional || !(has_cone || (sample.textured != nullptr && lamp.kind != LightKind::Area)))
         return false;
     constexpr float wide_px = 8.0f; // twice the width over which pixels share
     const float radius_m =

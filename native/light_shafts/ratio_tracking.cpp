@@ -72,8 +72,7 @@ public:
             from_light = view.from_light, to_light.far_m = view.distance_m, irradiance = view.irradiance;
         }
         if (light_.textured != nullptr)
-            irradiance *= texture_colour(*light_.textured,
-                                         light_.is_directional ? point + light_.towards_light : light_.position, point);
+            irradiance *= texture_colour(light_, point);
         const Rgb source = irradiance * scatter_per_m_sr(point, set, -glm::dot(ray_.direction, from_light));
         if (source == Rgb(0.0f))
             return source;

@@ -10,6 +10,7 @@
 #include "scene/light.hpp"
 #include "core/sampling.hpp"
 #include "scene/area_light.hpp"
+#include "scene/light_texture.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -58,6 +59,11 @@ float irradiance_per_intensity(const LightSample& sample, const vec3& point) {
     return sample.faces_receivers ? std::sqrt(distance2 / softened2) / softened2 : 1.0f / softened2;
 }
 
+/// What an area light shows is in the strength of its samples.
+static bool is_textured_sample(const Light& light) {
+    return light.texture && (light.kind != LightKind::Area || changes_with_distance(*light.texture));
+}
+
 /// What all samples of a light have in common; complete for a light without a size.
 static LightSample centre_sample(const Light& light, std::uint32_t light_index) {
     return {.is_directional = light.kind == LightKind::Sun,
@@ -66,7 +72,7 @@ static LightSample centre_sample(const Light& light, std::uint32_t light_index) 
             .strength = light.strength,
             .emission_normal = light.kind == LightKind::Area ? light.spot_axis : vec3(0.0f),
             .spot = light.kind == LightKind::Spot || light.kind == LightKind::Area ? &light : nullptr,
-            .textured = light.texture && light.kind != LightKind::Area ? &light : nullptr,
+            .textured = is_textured_sample(light) ? &light : nullptr,
             .light_index = light_index,
             .casts_shadow = light.casts_shadow,
             .is_dimmed_by_media = light.is_dimmed_by_media()};

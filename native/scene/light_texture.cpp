@@ -28,9 +28,8 @@ void require_usable(const LightTexture& texture) {
     constexpr float most_smooth_m2 = 1e12f;
     require(texture.distance_power <= 2, "distance to the power of ", int{texture.distance_power});
     require_in(texture.smooth_m2, 0.0f, most_smooth_m2, "smooth_m2");
-    require(!changes_with_distance(texture) ||
-                (texture.projection != LightProjection::Planar && texture.projection != LightProjection::Emitter),
-            "only lamps change with the distance");
+    require(!changes_with_distance(texture) || texture.projection != LightProjection::Planar,
+            "suns do not change with the distance");
     require(is_finite(mat3(texture.offset, vec3(0.0f), vec3(0.0f))) && is_finite(texture.gain),
             "its colours are not finite");
 }
@@ -106,6 +105,14 @@ Rgb texture_colour(const Light& light, const vec3& emitter, const vec3& point) {
     const Rgb colour = light.texture->colour(texture_uv(light, emitter, point));
     const vec3 way = point - emitter;
     return changes_with_distance(*light.texture) ? colour * distance_share(*light.texture, glm::dot(way, way)) : colour;
+}
+
+Rgb texture_colour(const LightSample& sample, const vec3& point) {
+    const Light& light = *sample.textured;
+    if (light.kind != LightKind::Area)
+        return texture_colour(light, sample.is_directional ? point + sample.towards_light : sample.position, point);
+    const vec3 way = point - sample.position;
+    return Rgb(distance_share(*light.texture, glm::dot(way, way)));
 }
 
 Rgb mean_colour(const Light& light, const vec3& emitter, std::uint32_t part_count) {

@@ -40,7 +40,7 @@ struct LightTexture {
     /// The light's strength is multiplied by offset + gain * image.
     Rgb offset{0.0f};
     mat3 gain{1.0f};
-    /// Point, spot: by the distance d from where the light leaves, times d^distance_power, [0, 2], and d^2 / (d^2 + smooth).
+    /// But of a sun: by the distance d from where the light leaves, times d^distance_power, [0, 2], and d^2 / (d^2 + smooth).
     std::uint8_t distance_power = 0;
     float smooth_m2 = 0.0f; ///< [0, 1e12]
 
@@ -72,6 +72,9 @@ void require_usable(const LightTexture& texture);
 [[nodiscard]] vec2 uv_of_axes(const LightTexture& texture, const vec3& axes);
 /// offset + gain * image there, times the distance_share; white for a light without a texture.
 [[nodiscard]] Rgb texture_colour(const Light& light, const vec3& emitter, const vec3& point);
+/// Of a sample that is textured: what multiplies its strength for a point. Patches of an area light have their part of the
+/// picture in it.
+[[nodiscard]] Rgb texture_colour(const LightSample& sample, const vec3& point);
 /// Of an area light, the mean over one of `part_count` equal parts of it around a point on it; 1: over all of it.
 [[nodiscard]] Rgb mean_colour(const Light& light, const vec3& emitter, std::uint32_t part_count);
 /// How a planar picture lies across a sun.

@@ -7,7 +7,7 @@ import bpy
 import pytest
 
 from support.agreement_scenes import Arrangement, build
-from support.engine_pictures import tyndall_pixels
+from support.engine_pictures import cycles_pixels, tyndall_pixels
 from support.lamp_scenes import (
     IS_4,
     assert_air_like_cycles,
@@ -16,11 +16,13 @@ from support.lamp_scenes import (
     bands,
     mixed,
     output,
+    read_through,
     shows,
     stage,
     tree_of,
 )
-from support.small_scenes import node, read
+from support.sky_scenes import errors
+from support.small_scenes import empty_scene, light, material, node, plane, read
 
 
 def falls(lamp: bpy.types.Object, output_name: str, smooth: float = 0.0, strength: float = 0.2) -> None:
@@ -51,6 +53,29 @@ def test_light_falls_off_as_its_node_says(
         shows(lamp, bands)
     assert read().reports == ()
     assert_like_cycles(4e-3)
+
+
+# Seen to fail: with the square of the distance, half and a quarter of the light.
+@pytest.mark.parametrize(
+    ("output_name", "smooth", "has_picture"),
+    [("Linear", 0.0, False), ("Constant", 3.0, True), ("Quadratic", 5.0, True)],
+)
+def test_an_area_lights_light_falls_off_as_its_node_says(
+    output_name: str,
+    smooth: float,
+    has_picture: bool,  # noqa: FBT001
+) -> None:
+    scene = empty_scene(32)
+    plane(material=material("Lambert", lambda new, _: node(new, "ShaderNodeBsdfDiffuse").outputs[0]))
+    lamp = light("AREA", (0.4, -0.3, 1.6), energy=50.0, size=1.2)
+    lamp.rotation_euler = (0.3, 0.2, 0.0)
+    if has_picture:
+        read_through(lamp, lambda _new, _link: None)
+    falls(lamp, output_name, smooth)
+    assert read().reports == ()
+    ours, cycles = tyndall_pixels(scene, 64), cycles_pixels(scene, 256, seed=1)
+    assert ours.mean(axis=(0, 1)) == pytest.approx(cycles.mean(axis=(0, 1)), rel=3e-3)
+    assert max(errors(ours, cycles)) <= 0.01
 
 
 def test_a_suns_light_does_not_fall_off() -> None:
