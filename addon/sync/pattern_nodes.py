@@ -29,8 +29,7 @@ _PERMUTED_POINTS, _NOTHING_FAR = 8, 16  #: Of Voronoi's selector.
 
 
 def _vector(reader: ValueReader, at: Socket) -> Value:
-    vector = reader.vector(at.input("Vector"))
-    return vector if at.node.type == "TEX_WHITE_NOISE" else mapped(reader, at, vector)
+    return mapped(reader, at, reader.vector(at.input("Vector")))
 
 
 def _packed(reader: ValueReader, at: Socket, *inputs: tuple[str, float]) -> Value:
@@ -146,7 +145,7 @@ def _brick(reader: ValueReader, at: Socket) -> Value:
 def _white_noise(reader: ValueReader, at: Socket) -> Value:
     return reader.program.operation(
         Code.WHITE_NOISE,
-        _vector(reader, at),
+        reader.colour(at.input("Vector")),  # unlike other patterns it is one point's, where nothing is linked
         reader.number(at.input("W")),
         option=_dimensions(at.node.noise_dimensions),
         selector=1 if at.socket.identifier == "Color" else 0,

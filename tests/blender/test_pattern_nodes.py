@@ -3,12 +3,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
+import bpy
+import numpy as np
 import pytest
 
+from support.engine_pictures import cycles_pixels, tyndall_pixels
 from support.flat_nodes import deviations
 from support.pattern_setups import Case, all_cases, setups_of, usual_cases
+from support.small_scenes import empty_scene, material, plane
 
 BOUND = 1e-4
 #: Green and blue of a Noise node are noise 100 to 200 cells away, where float32 keeps 1.5e-5 of a cell; the fourth
@@ -34,6 +38,31 @@ def check(cases: Iterator[Case], seed: int) -> None:
 # Seen to fail with noise normalized where it should not be, and with Voronoi's points of Blender 5 in 4.5.
 def test_patterns_are_as_in_cycles() -> None:
     check(usual_cases(), seed=2)
+
+
+def without_a_vector(kind: str) -> bpy.types.Scene:
+    def glowing(new: Callable[[str], bpy.types.Node], link: Callable[..., object]) -> bpy.types.NodeSocket:
+        emission, pattern = new("ShaderNodeEmission"), new(kind)
+        shown = [one for one in pattern.outputs if one.enabled]
+        link(next((one for one in shown if one.type == "RGBA"), shown[0]), emission.inputs["Color"])
+        return emission.outputs[0]
+
+    scene = empty_scene(16)
+    scene.camera.location.x = 0.3  # on no border of a cell
+    plane(0.2, material("Shown", glowing))
+    return scene
+
+
+NO_PATTERNS = {f"ShaderNodeTex{name}" for name in ("Coord", "Image", "Environment", "IES", "Sky", "PointDensity")}
+PATTERNS = {name for name in dir(bpy.types) if name.startswith("ShaderNodeTex")} - NO_PATTERNS
+
+
+# Seen to fail: White Noise has one value then, and had one of each place.
+@pytest.mark.parametrize("kind", sorted(PATTERNS))
+def test_patterns_without_a_vector_are_as_in_cycles(kind: str) -> None:
+    scene = without_a_vector(kind)
+    expected = np.maximum(cycles_pixels(scene, 4, seed=1), 0.0)  # Musgrave's may be less
+    assert tyndall_pixels(scene, 4) == pytest.approx(expected, abs=1e-3)
 
 
 @pytest.mark.long

@@ -125,7 +125,7 @@ TEST_CASE("an area light's strata scatter what marching with the light itself sa
         CHECK(support::relative_rmse(ours, marched) < 0.04); // of which marching has most
     }
 }
-// Seen to fail (means of a half and of 3) where strata fall off with the square of the distance.
+// Seen to fail (by 15 % of the mean) where strata fall off with the square of the distance.
 TEST_CASE("an area light's light may fall off in any way with the distance, and show a picture beside it") {
     auto halves = std::make_shared<Texture>();
     halves->width = 2, halves->height = 1, halves->extension = TextureExtension::Extend;
