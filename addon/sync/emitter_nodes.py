@@ -16,7 +16,7 @@ from .coordinates import point_input
 from .domains import Domain
 from .light_nodes import strength_of_falloff
 from .program import BLACK, Value, grey
-from .value_nodes import ValueReader
+from .value_nodes import ValueReader, is_place
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -46,7 +46,7 @@ class EmitterReader(ValueReader):
         return point_input(self.program, PointInput.OBJECT_POSITION)
 
     def vector(self, at: Socket | None, default: Value = BLACK) -> Value:
-        if at is not None and at.socket.hide_value and at.source().socket == at.socket:
+        if is_place(at):
             return self.place()
         return self.colour(at, default)
 

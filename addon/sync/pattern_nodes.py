@@ -145,7 +145,7 @@ def _brick(reader: ValueReader, at: Socket) -> Value:
 def _white_noise(reader: ValueReader, at: Socket) -> Value:
     return reader.program.operation(
         Code.WHITE_NOISE,
-        reader.colour(at.input("Vector")),  # unlike other patterns it is one point's, where nothing is linked
+        reader.vector(at.input("Vector")),
         reader.number(at.input("W")),
         option=_dimensions(at.node.noise_dimensions),
         selector=1 if at.socket.identifier == "Color" else 0,

@@ -48,6 +48,18 @@ _MOST_NESTED = 40
 _NUMBERS = {"VALUE", "INT", "BOOLEAN"}  #: Types of sockets.
 
 
+#: Their hidden vectors are 0 where nothing is linked; textures' are places.
+_WITHOUT_PLACE = frozenset({"MAP_RANGE", "VECTOR_ROTATE", "TEX_WHITE_NOISE"})
+
+
+def is_place(at: Socket | None) -> bool:
+    """Nothing is linked to an input of a texture, which then is read where the surface lies."""
+    if at is None or not at.socket.hide_value or at.node.type in _WITHOUT_PLACE:
+        return False
+    source: object = at.source().socket
+    return source == at.socket
+
+
 class ValueReader:
     """Evaluates sockets for one culprit, into one program."""
 
@@ -120,8 +132,7 @@ class ValueReader:
 
     def vector(self, at: Socket | None, default: Value = BLACK) -> Value:
         """The value of an input as a vector. Of textures, what is not linked is where the surface lies in its mesh."""
-        is_free = at is not None and at.socket.hide_value and at.source().socket == at.socket
-        if is_free and self.domain is Domain.SURFACE:
+        if is_place(at) and self.domain is Domain.SURFACE:
             return coordinates.generated(self.program)
         return self.colour(at, default)
 

@@ -11,7 +11,7 @@ from .coordinates import point_input
 from .domains import Domain
 from .program import BLACK, Value
 from .sky_nodes import SunDisc, sky_value
-from .value_nodes import ValueReader
+from .value_nodes import ValueReader, is_place
 
 if TYPE_CHECKING:
     from .images import ImageReader
@@ -28,7 +28,7 @@ class WorldReader(ValueReader):
         self.discs: list[SunDisc] = []
 
     def vector(self, at: Socket | None, default: Value = BLACK) -> Value:
-        if at is not None and at.socket.hide_value and at.source().socket == at.socket:
+        if is_place(at):
             return point_input(self.program, PointInput.POSITION)
         return self.colour(at, default)
 
