@@ -28,6 +28,7 @@ from .instancer_values import InstancerReader
 from .object_lighting import LightingReader
 from .particles import ParticleReader
 from .random_numbers import random_number_of
+from .terminator_offsets import note_terminator
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -295,6 +296,8 @@ class _Grouping:
         asks_instancer = isinstance(thing.data, bpy.types.Mesh) and self.instancers.is_asked_for(materials)
         if has_shape:
             note_adaptive(source, self._depsgraph, self._reports)
+        if isinstance(thing.data, bpy.types.Mesh):
+            note_terminator(source, self._reports)
         return Placement(
             object_name=owner.name,
             data=thing.data if has_shape else None,
