@@ -87,13 +87,14 @@ def test_a_suns_light_does_not_fall_off() -> None:
     assert read().reports == ('Light "Sun": its falloff, which is without bounds in Cycles 3.x, is left out',)
 
 
-@pytest.mark.long
-def test_fog_is_lit_by_the_same_falloff() -> None:
+@pytest.mark.dealt
+@pytest.mark.parametrize("kind", ["spot", "area"])
+def test_fog_is_lit_by_the_same_falloff(kind: str) -> None:
     def make() -> None:
-        build(Arrangement(light="spot"))
+        build(Arrangement(light=kind))
         falls(next(thing for thing in bpy.context.scene.objects if thing.type == "LIGHT"), "Linear", 1.0)
 
-    assert_air_like_cycles("falloff", make, make, methods=("EXACT", "EPIPOLAR"))
+    assert_air_like_cycles(f"falloff_{kind}", make, make, methods=("EXACT", "EPIPOLAR"))
 
 
 # Seen to fail: beyond 1e12 the falloff was left out, and the lamp shone in full.
