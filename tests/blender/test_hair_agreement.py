@@ -95,6 +95,7 @@ def test_hair_info_is_as_in_cycles(output: str) -> None:
     agree("info_" + output.lower().replace(" ", "_"), ours, cycles)
 
 
+@pytest.mark.dealt
 @pytest.mark.parametrize("source", ["ShaderNodeUVMap", "ShaderNodeVertexColor"])
 @pytest.mark.parametrize("child_type", ["NONE", "SIMPLE"])
 def test_hair_has_the_colours_of_its_emitter_as_in_cycles(source: str, child_type: str) -> None:
