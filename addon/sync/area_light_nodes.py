@@ -19,7 +19,7 @@ from tyndall.surface_inputs import ImageProjection, PointInput
 
 from .coordinates import point_input
 from .emitter_nodes import IS_OBJECT, NODES, EmitterReader
-from .light_nodes import NO_DISTANCE, WHITE_IMAGE, Distance, at_distances, emission_and_distance
+from .light_nodes import NO_DISTANCE, Distance, emission_and_distance
 from .light_textures import gobo_use
 from .node_graph import output_input
 from .program import BLACK, WHITE, Program, Term, Value, grey
@@ -75,7 +75,7 @@ class AreaEmission:
     name: str
     program: Program
     value: Value
-    distance: Distance = NO_DISTANCE
+    distance: Distance
 
     def on(self, emitter: Emitter, pictures: EmitterPictures) -> EmitterPicture:
         """One instance of it."""
@@ -115,21 +115,15 @@ def emitter_of(
     )
 
 
-def emitter_texture(
-    picture: EmitterPicture, world_from_light: NDArray[np.float64], distance: Distance
-) -> LightTexture | None:
-    """Of mean 1: the light's strength has the picture's mean. None: it shines alike all over, at any distance."""
+def emitter_texture(picture: EmitterPicture, world_from_light: NDArray[np.float64]) -> LightTexture | None:
+    """Of mean 1: the light's strength has the picture's mean. None: it shines alike all over."""
     if picture.image is None:
-        if distance == NO_DISTANCE:
-            return None
-        use = TextureUse(image=WHITE_IMAGE, extension=Extension.EXTEND)
-        return at_distances(LightTexture(use=use, projection=LightProjection.EMITTER), distance)
+        return None
     # Our axes are right-handed; those of a mirrored light are not.
     flips = float(np.linalg.det(world_from_light[:3, :3])) < 0.0
-    texture = LightTexture(
+    return LightTexture(
         use=TextureUse(image=picture.image, extension=Extension.EXTEND),
         projection=LightProjection.EMITTER,
         uv_from_projected=np.array([[1, 0, 0], [0, -1, 1], [0, 0, 1]], np.float64) if flips else np.eye(3),
         gain=np.diag([1.0 / mean if mean else 0.0 for mean in picture.mean]),
     )
-    return at_distances(texture, distance)

@@ -14,13 +14,13 @@ import bpy
 import numpy as np
 
 from tyndall.lamp_programs import Lamp, LampView, colour_of_sun, vectors_of
-from tyndall.scene_description import Code, Extension, LightProjection, LightTexture, TextureUse
+from tyndall.scene_description import Code, LightProjection, LightTexture
 from tyndall.surface_inputs import PointInput
 
 from .affine_colours import AffineColour, affine_colour
 from .coordinates import point_input
 from .emitter_nodes import IS_OBJECT, NODES, EmitterReader
-from .light_nodes import NO_DISTANCE, WHITE_IMAGE, Distance, at_distances, emission_and_distance
+from .light_nodes import NO_DISTANCE, Distance, at_distances, emission_and_distance
 from .light_textures import LightValueReader
 from .light_vectors import CannotBeRead
 from .node_graph import output_input
@@ -162,14 +162,9 @@ def read_lamp_emission(light: bpy.types.Light, images: ImageReader, reports: Rep
 
 
 def lamp_at_distances(texture: LightTexture | None, lamp: LampEmission) -> LightTexture | None:
-    """The same picture, or none, where its light falls off as its nodes say."""
-    if lamp.distance == NO_DISTANCE:
-        return texture
-    if lamp.light.type == "SUN":
-        if not IS_OBJECT:  # later versions leave it as it is
-            lamp.reports.add(lamp.culprit, "its falloff, which is without bounds in Cycles 3.x, is left out")
-        return texture
-    if texture is None:
-        use = TextureUse(image=WHITE_IMAGE, extension=Extension.EXTEND)
-        texture = LightTexture(use=use, projection=LightProjection.DIRECTIONS)
-    return at_distances(texture, lamp.distance)
+    """Of a lamp or a sun, which does not fall off."""
+    if lamp.light.type != "SUN":
+        return at_distances(texture, lamp.distance, LightProjection.DIRECTIONS)
+    if lamp.distance != NO_DISTANCE and not IS_OBJECT:  # later versions leave it as it is
+        lamp.reports.add(lamp.culprit, "its falloff, which is without bounds in Cycles 3.x, is left out")
+    return texture

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tyndall.scene_description import Image
+from tyndall.scene_description import Extension, Image, LightTexture, TextureUse
 
 from .node_graph import Socket
 from .program import BLACK, WHITE, Value
 from .shader_limits import followed
 
 if TYPE_CHECKING:
-    from tyndall.scene_description import LightTexture
+    from tyndall.scene_description import LightProjection
 
     from .value_nodes import ValueReader
 
@@ -71,11 +71,15 @@ class Distance:
 
 
 NO_DISTANCE = Distance()
-#: What a light without a picture shows.
-WHITE_IMAGE = Image(key="white", name="white", pixels=np.ones((1, 1, 4), np.float32), is_srgb=False)
+_WHITE = Image(key="white", name="white", pixels=np.ones((1, 1, 4), np.float32), is_srgb=False)
 
 
-def at_distances(texture: LightTexture, distance: Distance) -> LightTexture:
+def at_distances(texture: LightTexture | None, distance: Distance, projection: LightProjection) -> LightTexture | None:
+    """The same picture, or a white one of this projection, where the light falls off as its nodes say."""
+    if distance == NO_DISTANCE:
+        return texture
+    if texture is None:
+        texture = LightTexture(use=TextureUse(image=_WHITE, extension=Extension.EXTEND), projection=projection)
     return replace(texture, distance_power=distance.power, smooth_m2=distance.smooth_m2)
 
 

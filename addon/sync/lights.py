@@ -11,10 +11,11 @@ import bpy
 import numpy as np
 
 from tyndall.emitter_programs import EmitterObject, EmitterPictures
-from tyndall.scene_description import Light, LightBody, LightKind, ObjectLighting, SpotFalloff
+from tyndall.scene_description import Light, LightBody, LightKind, LightProjection, ObjectLighting, SpotFalloff
 
 from .area_light_nodes import emitter_of, emitter_texture, read_area_emission
 from .lamp_nodes import lamp_at_distances, read_lamp_emission
+from .light_nodes import at_distances
 from .light_textures import read_gobo
 from .random_numbers import as_unit_floats
 
@@ -59,7 +60,7 @@ def read_lights(
             if (light := _area_light(data, name, matrix, strength * picture.mean, reports)) is not None:
                 yield replace(
                     light,
-                    texture=emitter_texture(picture, matrix, emission.distance),
+                    texture=at_distances(emitter_texture(picture, matrix), emission.distance, LightProjection.EMITTER),
                     casts_shadow=_casts_shadow(data),
                     lights_surfaces=thing.visible_diffuse,
                     lights_catchers=placement.is_shadow_catcher,

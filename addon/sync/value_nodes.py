@@ -56,8 +56,7 @@ def is_place(at: Socket | None) -> bool:
     """Nothing is linked to an input of a texture, which then is read where the surface lies."""
     if at is None or not at.socket.hide_value or at.node.type in _WITHOUT_PLACE:
         return False
-    source: object = at.source().socket
-    return source == at.socket
+    return bool(at.source().socket == at.socket)
 
 
 class ValueReader:
