@@ -52,6 +52,11 @@ public:
     [[nodiscard]] dvec3 depth_at(const Segment& segment, double at_m) const {
         return segment.depth_at_near + sets_[segment.set].sigma_t * (at_m - segment.near_m);
     }
+    /// Of all that the ray has in media; it has some.
+    [[nodiscard]] dvec3 depth_at_end(std::size_t ray) const {
+        const Segment& last = segments_of(ray).back();
+        return depth_at(last, last.far_m);
+    }
     /// All media are boxes, and what the ray has in media lies in every one of them.
     [[nodiscard]] bool is_in_all_boxes(std::size_t ray) const { return is_in_all_boxes_[ray] != 0; }
     [[nodiscard]] std::span<const SetOfMedia> sets() const { return sets_; }

@@ -122,7 +122,8 @@ void LocalScatter::Batch::prepare_splits() {
     for (const LocalCrossing& crossing : crossings_)
         light_side_per_m += glm::max(crossing.signed_sigma_t, dvec3(0.0));
     sent_.begin_ray(*rays_, distance(LocalSupport::LightY), support_->term[LocalSupport::SoftenedY][ray_],
-                    std::max({light_side_per_m.x, light_side_per_m.y, light_side_per_m.z}));
+                    std::max({light_side_per_m.x, light_side_per_m.y, light_side_per_m.z}),
+                    std::max(-distance(LocalSupport::Begin), distance(LocalSupport::End)), rays_->depth_at_end(ray_));
 }
 
 void LocalScatter::Batch::add(std::size_t ray, std::span<const LitInterval> lit) {

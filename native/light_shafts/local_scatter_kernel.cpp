@@ -257,9 +257,9 @@ struct Kernel {
             }
         }
         // Coefficients of an analytic function fall like rho^-k, and the rule's error like rho^-12. The points may all miss
-        // what is left of a steep exponential, unless that is nothing beside what is nearer. At the rim of a cone the share rises
-        // from 0 as a square of what floats know to 1e-7, and halving would not end. Where a patch's lobe ends the share
-        // has a bend, next to which there is hardly any light.
+        // what is left of a steep exponential, unless that is nothing beside what is nearer, or at all, behind 80 optical
+        // depths. At the rim of a cone the share rises from 0 as a square of what floats know to 1e-7, and halving would not
+        // end. Where a patch's lobe ends the share has a bend, next to which there is hardly any light.
         const V log_share = of_piece(pieces.log_share), angle_per_m = hn::Div(angle, softened_y);
         const V least_share = hn::Max(mean_share, set(1e-12f));
         const V noise =
@@ -270,18 +270,23 @@ struct Kernel {
             const std::size_t depths = is_grey ? 0 : channel;
             const V loss = hn::Sub(most[depths], least[depths]);
             const auto is_steep = hn::Gt(loss, set(20.0f));
+            const auto may_bend = hn::Or(hn::Gt(angle, set(1e-4f)), hn::Gt(loss, set(0.5f)));
+            const auto is_bent = [&](V less_exact) {
+                const auto exceeds = [&](V coefficient, float limit) {
+                    return hn::Gt(hn::Abs(coefficient),
+                                  hn::Mul(hn::MulAdd(less_exact, set(limit), noise), mean[channel]));
+                };
+                return hn::And(hn::Or(exceeds(fourth[channel], 0.03f), exceeds(fifth[channel], 0.012f)), may_bend);
+            };
+            if (hn::AllFalse(d, hn::Or(is_steep, is_bent(set(1.0f)))))
+                continue;
             const V most_share =
                 hn::Mul(angle_per_m, exp_of(d, hn::Min(hn::Sub(log_share, least[depths]), set(40.0f))));
             // The rule's error is the cube of the coefficients; of a smaller share, more of it will do.
             const V less_exact = hn::Max(set(1.0f), hn::Sqrt(reciprocal_root_of(d, hn::Max(most_share, set(1e-20f)))));
-            const auto exceeds = [&](V coefficient, float limit) {
-                return hn::Gt(hn::Abs(coefficient), hn::Mul(hn::MulAdd(less_exact, set(limit), noise), mean[channel]));
-            };
-            const auto may_bend = hn::Or(hn::Gt(angle, set(1e-4f)), hn::Gt(loss, set(0.5f)));
-            const auto is_bent =
-                hn::And(hn::Or(exceeds(fourth[channel], 0.03f), exceeds(fifth[channel], 0.012f)), may_bend);
-            is_rough = hn::Or(is_rough, hn::And(hn::Or(is_steep, is_bent),
-                                                hn::Gt(most_share, set(static_cast<float>(LocalPieces::nothing)))));
+            const auto is_something = hn::And(hn::Gt(most_share, set(static_cast<float>(LocalPieces::nothing))),
+                                              hn::Lt(least[depths], set(80.0f)));
+            is_rough = hn::Or(is_rough, hn::And(hn::Or(is_steep, is_bent(less_exact)), is_something));
         }
         V sum[3];
         for (std::size_t channel = 0; channel < 3; ++channel)
