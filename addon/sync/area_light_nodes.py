@@ -86,8 +86,9 @@ class AreaEmission:
 
 def read_area_emission(light: bpy.types.AreaLight, images: ImageReader, reports: Reports, culprit: str) -> AreaEmission:
     reader = EmitterReader(culprit, "an area light", _NODES, reports, images)
-    surface = output_input(light.node_tree if light.use_nodes else None, "Surface")
-    value: Value = WHITE
+    tree = light.node_tree if light.use_nodes else None
+    surface = output_input(tree, "Surface")
+    value: Value = WHITE if tree is None else BLACK  # nodes without an output send nothing, as in Cycles
     distance = NO_DISTANCE
     if surface is not None:
         value, distance = emission_and_distance(reader, surface)

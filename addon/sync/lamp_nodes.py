@@ -24,7 +24,7 @@ from .light_nodes import NO_DISTANCE, Distance, at_distances, emission_and_dista
 from .light_textures import LightValueReader
 from .light_vectors import CannotBeRead
 from .node_graph import output_input
-from .program import BLACK, Program, Term, Value
+from .program import BLACK, WHITE, Program, Term, Value
 from .reports import Reports
 
 if TYPE_CHECKING:
@@ -142,10 +142,10 @@ def _without_factors(program: Program, value: Term) -> tuple[Term, NDArray[np.fl
 
 
 def read_lamp_emission(light: bpy.types.Light, images: ImageReader, reports: Reports, culprit: str) -> LampEmission:
-    surface = output_input(light.node_tree if light.use_nodes else None, "Surface")
-    known = LampEmission(light, culprit, reports, program=Program(), value=(1.0, 1.0, 1.0))
-    if surface is None:
-        return known
+    tree = light.node_tree if light.use_nodes else None
+    surface = output_input(tree, "Surface")
+    if surface is None:  # nodes without an output send nothing, as in Cycles
+        return LampEmission(light, culprit, reports, program=Program(), value=WHITE if tree is None else BLACK)
     said = Reports()
     linear = LightValueReader(light, culprit, said, images)
     try:

@@ -82,9 +82,10 @@ def _ends_at(path: list[Socket]) -> int:
 
 
 def output_input(tree: NodeTree | None, name: str) -> Socket | None:
-    """The input of the tree's active output for Cycles; None without one."""
+    """The input of the tree's active output for Cycles; None without one, or where a script disabled the socket."""
     output = tree and tree.get_output_node("CYCLES")
-    return output and Socket(output.inputs[name])
+    socket = output and output.inputs.get(name)
+    return Socket(socket) if socket and socket.enabled else None
 
 
 def _step(at: Socket) -> Socket | None:

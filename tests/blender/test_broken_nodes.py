@@ -77,6 +77,14 @@ def test_more_ways_than_can_be_counted_end_with_a_note() -> None:
     assert 'Material "Diamonds"' in _read(material)[1]
 
 
+def test_an_output_whose_surface_a_script_disabled_shows_nothing() -> None:
+    """Seen to fail where the socket is looked up by its name."""
+    material = diffuse((0.5, 0.5, 0.5))
+    _surface(material)[2].inputs["Surface"].enabled = False
+    read, notes = _read(material)
+    assert (read.diffuse, read.transparent, notes) == ((0.0,) * 3, (0.0,) * 3, "")
+
+
 @pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])
 def test_what_is_no_number_is_named_and_does_not_reach_the_core(number: float) -> None:
     """Blender itself keeps infinite ones as the largest that are finite."""

@@ -317,6 +317,18 @@ def test_what_is_not_known_of_a_lamp_is_named(kind: str, output_name: str, says:
     assert texture() is not None
 
 
+@pytest.mark.parametrize("kind", ["SUN", "POINT", "SPOT", "AREA"])
+def test_nodes_without_an_output_send_no_light(kind: str) -> None:
+    """As in Cycles. Seen to fail where such a light passes for one without nodes."""
+    lamp = stage(kind, size_px=16, **({"size": 1.0} if kind == "AREA" else {}))
+    lamp.data.use_nodes = True
+    scene = bpy.context.scene
+    assert min(tyndall_pixels(scene, 1).max(), cycles_pixels(scene, 1, seed=1).max()) > 0.01
+    tree = lamp.data.node_tree
+    tree.nodes.remove(next(one for one in tree.nodes if one.bl_idname == "ShaderNodeOutputLight"))
+    assert max(tyndall_pixels(scene, 1).max(), cycles_pixels(scene, 1, seed=1).max()) == 0.0
+
+
 def test_a_gobo_goes_before_a_pattern() -> None:
     plain = read_of(stage("SPOT")).strength
     lamp = stage("SPOT")
