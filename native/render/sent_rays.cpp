@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/sent_rays.hpp"
 #include "core/sobol.hpp"
-#include "scene/strand_spawn.hpp"
+#include "scene/strand_surface.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -40,7 +40,7 @@ std::optional<Ray> bent_ray(const Scene& scene, const SurfacePoint& point, const
         direction = refracted(dvec3(ray.direction), dvec3(outside), double{ior});
     if (!direction || glm::dot(*direction, outside) >= 0.0f)
         return std::nullopt;
-    return Ray{.origin = strand_spawn_point(scene, point.hit, point.spawn).towards(*direction),
+    return Ray{.origin = other_side_spawn_point(scene, point.hit, point.spawn).towards(*direction),
                .direction = *direction};
 }
 

@@ -3,7 +3,7 @@
 #pragma once
 #include "core/random.hpp"
 #include "scene/scene.hpp"
-#include "scene/strand_spawn.hpp"
+#include "scene/strand_surface.hpp"
 
 namespace tyndall::render {
 struct SurfacePoint {
@@ -36,7 +36,7 @@ struct SurfacePoint {
 }
 /// The point as light from behind meets it, with random numbers of its own.
 [[nodiscard]] inline SurfacePoint other_side(const Scene& scene, SurfacePoint point) {
-    point.spawn = strand_spawn_point(scene, point.hit, point.spawn);
+    point.spawn = other_side_spawn_point(scene, point.hit, point.spawn);
     point.shading.shading_normal = -point.shading.shading_normal;
     point.shading.is_backface = !point.shading.is_backface;
     point.pixel_seed = hash(point.pixel_seed, 1);

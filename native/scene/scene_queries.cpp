@@ -3,6 +3,7 @@
 #include "scene/attribute_pairs.hpp"
 #include "scene/scene.hpp"
 #include "scene/scene_surroundings.hpp"
+#include "scene/strand_surface.hpp"
 #include "scene/strands.hpp"
 #include "shading/op_inputs.hpp"
 #include "shading/pixel_steps.hpp"
@@ -119,38 +120,9 @@ const ShapeGeometry& Scene::shape_of(const PlacedShape& placed) const {
     return *description().shapes[placed.shape_index];
 }
 
-namespace {
-struct StrandSurface {
-    vec3 in_object, position; ///< In the scene's space.
-    float radius_m;           ///< There.
-};
-} // namespace
-
-/// Where light falls on a strand.
-static StrandSurface surface_of(const Strands& strands, const Hit& hit, const mat4& scene_from_object) {
-    const StrandPoint at = strands.on_spline(static_cast<std::uint32_t>(hit.cell), hit.barycentrics.x);
-    vec3 normal = glm::transpose(mat3(scene_from_object)) * hit.geometric_normal;
-    if (const float squared = glm::dot(at.tangent, at.tangent); squared > 0.0f) // that of a cone is tilted
-        normal -= glm::dot(normal, at.tangent) / squared * at.tangent;
-    vec3 way = glm::normalize(normal);
-    if (strands.form() == StrandForm::Ribbon) {
-        // On the band, as in Cycles: Embree's bands let rays pass that begin within twice their radius.
-        const float sine = std::clamp(hit.barycentrics.y, -1.0f, 1.0f);
-        way = sine * (sine * way + std::sqrt(1.0f - sine * sine) * glm::cross(glm::normalize(at.tangent), way));
-    }
-    const vec3 in_object = at.centre + at.radius_m * way;
-    return {.in_object = in_object,
-            .position = vec3(scene_from_object * vec4(in_object, 1.0f)),
-            .radius_m = at.radius_m * glm::length(mat3(scene_from_object) * glm::normalize(normal))};
-}
-
 ShadingPoint Scene::shading_point(const PlacedShape& placed, const Ray& ray, const Hit& hit) const {
     if (const Strands* strands = shape_of(placed).strands()) {
-        ShadingPoint point{.position = surface_of(*strands, hit, placed.world_from_object).position,
-                           .geometric_normal = hit.geometric_normal,
-                           .shading_normal = hit.geometric_normal,
-                           .triangle = hit.triangle,
-                           .barycentrics = hit.barycentrics};
+        ShadingPoint point = strand_shading_point(*strands, placed.world_from_object, ray, hit);
         point.view_cosine = view_cosine(point, ray);
         return point;
     }
@@ -344,15 +316,8 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit, RayKind kind) const {
 SpawnPoint Scene::spawn_point(const Hit& hit) const {
     const mat4& object_from_scene = geometry_->objects_from_scene[hit.instance];
     if (const PlacedShape* placed = placed_shape(hit.instance)) {
-        if (const Strands* strands = shape_of(*placed).strands()) {
-            const StrandSurface surface = surface_of(*strands, hit, placed->world_from_object);
-            const vec3 reach = glm::max(glm::abs(surface.position), glm::abs(vec3(placed->world_from_object[3])));
-            const vec3 in_object = glm::abs(mat3(placed->world_from_object) * glm::abs(surface.in_object));
-            // Embree's curves are met where an iteration ends; what rounds is as with triangles.
-            return {.position = surface.position,
-                    .normal = hit.geometric_normal,
-                    .offset_m = 1e-3f * surface.radius_m + 4e-7f * glm::length(glm::max(reach, in_object))};
-        }
+        if (const Strands* strands = shape_of(*placed).strands())
+            return strand_spawn_point(*strands, placed->world_from_object, hit);
         const auto [corner, first_edge, second_edge] = shape_of(*placed).cells()->face(hit.cell);
         return tyndall::spawn_point({corner, corner + first_edge, corner + second_edge}, hit.barycentrics,
                                     placed->world_from_object, object_from_scene);

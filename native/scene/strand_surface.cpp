@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/strand_surface.hpp"
+#include <algorithm>
+
+namespace tyndall {
+namespace {
+struct StrandSurface {
+    vec3 in_object, position; ///< In the scene's space.
+    float radius_m;           ///< There.
+};
+} // namespace
+
+/// Where light falls on a strand.
+static StrandSurface surface_of(const Strands& strands, const Hit& hit, const mat4& scene_from_object) {
+    const StrandPoint at = strands.on_spline(static_cast<std::uint32_t>(hit.cell), hit.barycentrics.x);
+    vec3 normal = glm::transpose(mat3(scene_from_object)) * hit.geometric_normal;
+    if (const float squared = glm::dot(at.tangent, at.tangent); squared > 0.0f) // that of a cone is tilted
+        normal -= glm::dot(normal, at.tangent) / squared * at.tangent;
+    vec3 way = glm::normalize(normal);
+    if (strands.form() == StrandForm::Ribbon) {
+        // On the band, as in Cycles: Embree's bands let rays pass that begin within twice their radius.
+        const float sine = std::clamp(hit.barycentrics.y, -1.0f, 1.0f);
+        way = sine * (sine * way + std::sqrt(1.0f - sine * sine) * glm::cross(glm::normalize(at.tangent), way));
+    }
+    const vec3 in_object = at.centre + at.radius_m * way;
+    return {.in_object = in_object,
+            .position = vec3(scene_from_object * vec4(in_object, 1.0f)),
+            .radius_m = at.radius_m * glm::length(mat3(scene_from_object) * glm::normalize(normal))};
+}
+
+/// Of a sphere, in the scene's space.
+static vec3 middle_of(const Strands& spheres, const Hit& hit, const mat4& scene_from_object) {
+    return vec3(scene_from_object * vec4(spheres.on_spline(static_cast<std::uint32_t>(hit.cell), 0.0f).centre, 1.0f));
+}
+
+ShadingPoint strand_shading_point(const Strands& strands, const mat4& scene_from_object, const Ray& ray,
+                                  const Hit& hit) {
+    ShadingPoint point{.position = surface_of(strands, hit, scene_from_object).position,
+                       .geometric_normal = hit.geometric_normal,
+                       .shading_normal = hit.geometric_normal,
+                       .triangle = hit.triangle,
+                       .barycentrics = hit.barycentrics};
+    if (strands.form() != StrandForm::Spheres)
+        return point;
+    point.geometric_normal = glm::normalize(point.position - middle_of(strands, hit, scene_from_object));
+    point.is_backface = glm::dot(point.geometric_normal, ray.direction) > 0.0f;
+    point.shading_normal = point.is_backface ? -point.geometric_normal : point.geometric_normal;
+    return point;
+}
+
+SpawnPoint strand_spawn_point(const Strands& strands, const mat4& scene_from_object, const Hit& hit) {
+    const StrandSurface surface = surface_of(strands, hit, scene_from_object);
+    const vec3 reach = glm::max(glm::abs(surface.position), glm::abs(vec3(scene_from_object[3])));
+    const vec3 in_object = glm::abs(mat3(scene_from_object) * glm::abs(surface.in_object));
+    // Embree's curves are met where an iteration ends; what rounds is as with triangles.
+    const float offset_m = 1e-3f * surface.radius_m + 4e-7f * glm::length(glm::max(reach, in_object));
+    if (strands.form() != StrandForm::Spheres)
+        return {.position = surface.position, .normal = hit.geometric_normal, .offset_m = offset_m};
+    // From within, whichever way: a sphere shades nothing of itself, as in Cycles.
+    const vec3 inwards = middle_of(strands, hit, scene_from_object) - surface.position;
+    const float share = std::min(offset_m / std::abs(glm::dot(inwards, hit.geometric_normal)), 0.5f);
+    return {.position = surface.position + share * inwards, .normal = hit.geometric_normal, .offset_m = 0.0f};
+}
+
+SpawnPoint other_side_spawn_point(const Scene& scene, const Hit& hit, const SpawnPoint& spawn) {
+    const PlacedShape* placed = scene.placed_shape(hit.instance);
+    const Strands* strands = placed != nullptr ? scene.description().shapes[placed->shape_index]->strands() : nullptr;
+    if (strands == nullptr || strands->form() != StrandForm::Ribbon)
+        return spawn;
+    const StrandPoint at = strands->on_spline(static_cast<std::uint32_t>(hit.cell), hit.barycentrics.x);
+    const vec3 centre(placed->world_from_object * vec4(at.centre, 1.0f)), aside = spawn.position - centre;
+    const float aside_m = glm::length(aside);
+    if (!(aside_m > 0.0f))
+        return spawn;
+    return {.position = centre, .normal = aside / aside_m, .offset_m = aside_m};
+}
+} // namespace tyndall
