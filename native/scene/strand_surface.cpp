@@ -53,13 +53,9 @@ SpawnPoint strand_spawn_point(const Strands& strands, const mat4& scene_from_obj
     const vec3 reach = glm::max(glm::abs(surface.position), glm::abs(vec3(scene_from_object[3])));
     const vec3 in_object = glm::abs(mat3(scene_from_object) * glm::abs(surface.in_object));
     // Embree's curves are met where an iteration ends; what rounds is as with triangles.
-    const float offset_m = 1e-3f * surface.radius_m + 4e-7f * glm::length(glm::max(reach, in_object));
-    if (strands.form() != StrandForm::Spheres)
-        return {.position = surface.position, .normal = hit.geometric_normal, .offset_m = offset_m};
-    // From within, whichever way: a sphere shades nothing of itself, as in Cycles.
-    const vec3 inwards = middle_of(strands, hit, scene_from_object) - surface.position;
-    const float share = std::min(offset_m / std::abs(glm::dot(inwards, hit.geometric_normal)), 0.5f);
-    return {.position = surface.position + share * inwards, .normal = hit.geometric_normal, .offset_m = 0.0f};
+    return {.position = surface.position,
+            .normal = hit.geometric_normal, // of an ellipsoid its own: rays into it begin within, and leave it
+            .offset_m = 1e-3f * surface.radius_m + 4e-7f * glm::length(glm::max(reach, in_object))};
 }
 
 SpawnPoint other_side_spawn_point(const Scene& scene, const Hit& hit, const SpawnPoint& spawn) {

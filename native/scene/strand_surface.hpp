@@ -10,7 +10,7 @@ namespace tyndall {
 /// they are ellipsoids.
 [[nodiscard]] ShadingPoint strand_shading_point(const Strands& strands, const mat4& scene_from_object, const Ray& ray,
                                                 const Hit& hit);
-/// Of rays on the side that was met; of spheres to any.
+/// Of rays on the side that was met; a sphere shades nothing of itself, whichever way they go.
 [[nodiscard]] SpawnPoint strand_spawn_point(const Strands& strands, const mat4& scene_from_object, const Hit& hit);
 
 /// Of rays to the other side than was met: of a band, on its middle line's side that they go to, as far from it as where

@@ -140,7 +140,7 @@ TEST_CASE("turned, mirrored and stretched spheres are met where their quadric is
     CHECK(hits > 500);
 }
 
-// As Cycles leaves it out for rays that begin on it. Seen to fail where they begin outside.
+// As Cycles leaves it out for rays that begin on it. Seen to fail where they begin beside it as its shading normals say.
 TEST_CASE("a stretched sphere shades nothing of itself") {
     for (const float distance_m : {0.0f, 2000.0f}) {
         StrandArrays arrays{.name = "points", .form = StrandForm::Spheres};
