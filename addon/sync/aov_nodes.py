@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .node_graph import Socket
-from .program import BLACK, Term
+from .program import BLACK
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -33,17 +33,8 @@ def read_aovs(
         value = values.colour(at) if is_colour[name] else values.number(at)
         sums[name] = values.program.add(sums.get(name, BLACK), value)
     return tuple(
-        (name, values.program.material(material_name, _results(values, value))) for name, value in sums.items()
+        (name, values.program.material(material_name, (BLACK, BLACK, value))) for name, value in sums.items()
     )
-
-
-def _results(values: ValueReader, value: Value) -> tuple[Value, Value, Value]:
-    """Diffuse, transparent and emission: of constants, nothing below 0; of others, the program sees to that."""
-    if isinstance(value, Term):
-        return values.program.subtract(BLACK, value), BLACK, value
-    red, green, blue = value
-    below = max(-red, 0.0), max(-green, 0.0), max(-blue, 0.0)
-    return below, BLACK, (max(red, 0.0), max(green, 0.0), max(blue, 0.0))
 
 
 def _output_nodes(tree: NodeTree, groups: tuple[Node, ...]) -> Iterator[tuple[Node, tuple[Node, ...]]]:

@@ -95,6 +95,11 @@ def read_asked(
     """Of the pairs asked for those that are not known and that the mesh can have: (corners, 2) each."""
     maps: list[tuple[str, NDArray[np.float32]]] = []
     has = set(known)
+    colours = {name for name in (*asked, *has) if name.startswith(_OF_COLOURS)}
+    if _OF_COLOURS in colours and len(colours) > 1 and not any(name in colours for name in has):
+        # A mesh without colours: what goes by no name is the first pair, and not another attribute.
+        maps = [(name, np.zeros((len(vertex_of_corner), 2), np.float32)) for name in attribute_maps("")]
+        has |= {_OF_COLOURS}
     for name in sorted(asked):
         if name in has or name == VERTEX_NORMALS:
             continue

@@ -303,7 +303,7 @@ def _on_emitter(
             maps[uv_layers[uv].name] = values(partial(system.uv_on_emitter, uv_no=uv), 2)
         elif name.startswith(of_colours):
             wanted = name[len(of_colours) :]
-            colour = next((at for at, one in enumerate(colours) if not wanted or one.name == wanted), None)
+            colour = next((at for at, one in enumerate(colours) if one.name == wanted), None)
             if colour is not None:
                 stored = linear_from_srgb(values(partial(system.mcol_on_emitter, vcol_no=colour), 3))
                 pair = attribute_maps(wanted)

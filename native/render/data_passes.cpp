@@ -64,13 +64,10 @@ void see_aovs(const Scene& scene, const AskingRay& asking, const ShadingPoint& p
     const auto material_index =
         static_cast<std::uint32_t>(&scene.material(hit.instance, hit.triangle) - materials.data());
     AskingRay about = asking;
-    ShadingPoint untinted = point;
-    untinted.tint = Rgb(1.0f);
     for (std::size_t index = 0; index < aovs.size(); ++index)
         if (const auto found = aovs[index].program_of.find(material_index); found != aovs[index].program_of.end()) {
             about.material = &materials[found->second];
-            const SurfaceClosures closures = scene.closures(about, untinted, hit);
-            data.aovs[index] += reached * vec4(closures.emission - closures.diffuse_albedo, 1.0f);
+            data.aovs[index] += reached * vec4(scene.closures(about, point, hit).emission, 1.0f);
         }
 }
 

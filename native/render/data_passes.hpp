@@ -45,8 +45,7 @@ struct MistRange {
     float exponent = 2.0f;                 ///< Of the way from one to the other.
 };
 
-/// A pass that materials fill by programs of their own: what these emit, less their diffuse albedo, since neither is below
-/// 0; and 0 where a material has none.
+/// A pass that materials fill by programs of their own: what these emit; 0 where a material has none.
 struct Aov {
     std::string name;
     bool is_colour = true; ///< Four channels, the last one the share of samples that have it; else one.

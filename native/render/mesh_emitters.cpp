@@ -32,6 +32,9 @@ Rgb MeshEmitters::radiance(const Scene& scene, const EmissiveTriangle& triangle,
     return scene.closures({.ray = ray, .kind = kind}, scene.shading_point(ray, hit), hit).emission;
 }
 
+/// How far from dark it is: what glows below 0 takes light away, in Cycles, too.
+static float size_of(const Rgb& radiance) { return average(glm::abs(radiance)); }
+
 /// Mean of some places, seen from both sides.
 static float mean_radiance(const Scene& scene, const EmissiveTriangle& triangle, std::uint32_t place_count) {
     float sum = 0.0f;
@@ -43,7 +46,7 @@ static float mean_radiance(const Scene& scene, const EmissiveTriangle& triangle,
                               barycentrics.x * triangle.corners[1] + barycentrics.y * triangle.corners[2];
         const vec3 side = place % 2 == 0 ? triangle.normal : -triangle.normal;
         const Ray ray{.origin = position + side, .direction = -side};
-        sum += average(MeshEmitters::radiance(scene, triangle, ray, hit_at(triangle, barycentrics, 1.0f)));
+        sum += size_of(MeshEmitters::radiance(scene, triangle, ray, hit_at(triangle, barycentrics, 1.0f)));
     }
     return sum / static_cast<float>(place_count);
 }
@@ -110,7 +113,7 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
         static_cast<std::uint32_t>(std::clamp<std::size_t>(65536 / (triangles_.size() + 1), 2, 64));
     parallel_for(triangles_.size(), Progress{}, [&](std::size_t index) {
         EmissiveTriangle& triangle = triangles_[index];
-        triangle.radiance = triangle.is_constant ? average(constant_emission(*materials[index]))
+        triangle.radiance = triangle.is_constant ? size_of(constant_emission(*materials[index]))
                                                  : mean_radiance(scene, triangle, place_count);
     });
     for (std::size_t index = 0; index < triangles_.size(); ++index) {

@@ -15,7 +15,7 @@ struct EmissiveTriangle {
     std::array<vec3, 3> corners;
     vec3 normal; ///< Unit, as a Hit has it.
     float area_m2;
-    float radiance;   ///< Mean of its channels, about.
+    float radiance;   ///< Mean of its channels, without their signs, about.
     bool is_constant; ///< Its material emits the same everywhere.
     float back;       ///< How likely its back is seen: less of a closed mesh.
 };

@@ -315,6 +315,8 @@ vec2 Strands::look_up(std::string_view name, std::uint32_t segment, vec2 on, con
         }
         return {length_m > 0.0f ? before_m / length_m : 0.0f, length_m};
     }
+    if (name == attribute_pairs::red_green || name == attribute_pairs::blue_alpha)
+        return {0.0f, 0.0f}; // hair and points have no active colour, as in Cycles
     const auto found = std::ranges::find_if(
         arrays_.maps, [&](const StrandArrays::Map& map) { return attribute_pairs::answers(map.name, name); });
     return found == arrays_.maps.end() ? vec2(0.0f) : value_of(*found, segment, on.x);

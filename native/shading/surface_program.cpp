@@ -163,6 +163,13 @@ Rgb share(const Rgb& value) {
 /// Beyond it, light on what it lights would be so large that the film counts it as none: all would be dark.
 constexpr float largest_radiance = 1e18f;
 Rgb bounded(const Rgb& radiance) { return glm::min(radiance, Rgb(largest_radiance)); }
+/// Cycles shows what glows below 0, too: normals as colours, say.
+Rgb sound_radiance(const Rgb& value) {
+    const auto channel = [](float x) {
+        return std::isfinite(x) ? std::clamp(x, -largest_radiance, largest_radiance) : 0.0f;
+    };
+    return {channel(value.x), channel(value.y), channel(value.z)};
+}
 /// What a program makes of a division by nearly 0 is no light.
 Rgb sound_colour(const Rgb& value) {
     const auto channel = [](float x) { return x > 0.0f && x <= std::numeric_limits<float>::max() ? x : 0.0f; };
@@ -253,7 +260,7 @@ SurfaceClosures evaluate(const Material& material, const ProgramPoint& at, std::
     const Registers registers = run(material, at, uvs);
     SurfaceClosures closures{.diffuse_albedo = point.tint * sound_colour(registers[material.diffuse_register]),
                              .transparent = share(registers[material.transparent_register]),
-                             .emission = sound_colour(registers[material.emission_register])};
+                             .emission = sound_radiance(registers[material.emission_register])};
     if (material.held_out_register)
         closures.held_out = average(share(registers[*material.held_out_register]));
     if (const auto& gloss = material.gloss)

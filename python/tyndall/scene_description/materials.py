@@ -217,7 +217,7 @@ class Material:
     tables: tuple[NDArray[np.float32], ...] = ()  #: (steps, 4) each, RGBA over [0, 1].
     gloss: Gloss | None = None  #: What it mirrors; None: nothing.
     lobes: tuple[Lobes, ...] = ()
-    #: Passes that it fills, by name: what programs of their own emit, less their diffuse part: neither is below 0.
+    #: Passes that it fills, by name: what programs of their own emit.
     aovs: tuple[tuple[str, Material], ...] = ()
     displacement: Displacement | None = None  #: Sync has moved the meshes by it already.
     medium: int = -1  #: Into SceneDescription.media; -1: none.
