@@ -79,6 +79,8 @@ MAKERS: dict[str, Callable[[], None]] = {
 @pytest.mark.parametrize("name", MAKERS)
 def test_light_below_0_is_taken_away_as_in_cycles(name: str, air: str) -> None:
     """Beside a sun. Seen to fail where what varies is black below 0, and where what glows below 0 lights nothing."""
+    if name == "a world that varies" and bpy.app.version < (4, 0, 0):
+        pytest.skip("3.x draws a world's directions by brightness with its sign, and so finds no light, or too much")
     scene = empty_scene(48)
     scene.camera.data.ortho_scale, scene.camera.location.z = 5.0, 8.0
     plane(-1.0, half_side=4.0)
