@@ -32,9 +32,7 @@ def read_aovs(
         at = Socket(next(socket for socket in node.inputs if socket.identifier == wanted), groups)
         value = values.colour(at) if is_colour[name] else values.number(at)
         sums[name] = values.program.add(sums.get(name, BLACK), value)
-    return tuple(
-        (name, values.program.material(material_name, (BLACK, BLACK, value))) for name, value in sums.items()
-    )
+    return tuple((name, values.program.material(material_name, (BLACK, BLACK, value))) for name, value in sums.items())
 
 
 def _output_nodes(tree: NodeTree, groups: tuple[Node, ...]) -> Iterator[tuple[Node, tuple[Node, ...]]]:

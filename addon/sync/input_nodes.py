@@ -16,7 +16,7 @@ from .coordinates import point_input
 from .domains import MID_GREY, Domain, on_surfaces
 from .hair_nodes import hair_number, hair_vector
 from .math_nodes import math_operation, vector_operation
-from .mesh_attributes import ISLAND, POINTINESS, tangent_of
+from .mesh_attributes import ISLAND, POINTINESS, tangent_of, told_of
 from .point_nodes import point_position, point_radius, point_random
 from .program import BLACK, WHITE, Value, grey
 
@@ -92,8 +92,15 @@ def _attribute(reader: ValueReader, at: Socket) -> Value:
     if not name and not is_colour_node:
         # No mesh has it, and all are opaque; the colour that is rendered goes by no name with Color Attribute alone.
         return WHITE if at.socket.identifier == "Alpha" else BLACK
-    value = reader.program.attribute(name, alpha=at.socket.identifier == "Alpha")
-    return reader.program.average(value) if at.socket.identifier == "Fac" else value
+    program, wanted = reader.program, at.socket.identifier
+    value = program.attribute(name, alpha=wanted == "Alpha")
+    if is_colour_node or wanted not in {"Alpha", "Fac"}:
+        return value
+    has, is_pair = program.is_attribute(told_of(name))
+    if wanted == "Alpha":  # 1 without the attribute; of Color Attribute it is 0
+        return program.mix(WHITE, value, has)
+    first = program.multiply(value, (3.0, 0.0, 0.0))  # of which the average is the first number
+    return program.average(program.mix(value, first, is_pair))
 
 
 def _property(reader: ValueReader, at: Socket) -> Value:

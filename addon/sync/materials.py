@@ -274,7 +274,9 @@ def note_missing_attributes(
             reports.add(f'Object "{object_name}"', f"has no {what}, which its material reads")
         for name in asked:
             _, mark, attribute = name.partition(_OF_ATTRIBUTES)
-            if mark and not any(known == name if attribute else known.startswith(name) for known, _ in mesh.uv_maps):
+            if mark and not any(
+                known == name if attribute else known > name and known.startswith(name) for known in has
+            ):
                 wanted = f'colour attribute "{attribute}"' if attribute else "colour attribute"
                 reports.add(f'Object "{object_name}"', f"has no {wanted}, which its material reads: black")
 

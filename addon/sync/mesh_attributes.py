@@ -30,6 +30,7 @@ POINTINESS = "pointiness"
 ISLAND = "random per island"
 _TANGENT = "tangent "  #: And the name of a UV map.
 _OF_COLOURS = attribute_maps("")[0]
+_TOLD = f"{ATTRIBUTE_MARK}is "  #: And the name of an attribute.
 #: Properties of an attribute's elements, and how many numbers they are; a fourth number is 1.
 _VALUES = {
     "FLOAT": ("value", 1),
@@ -53,12 +54,23 @@ def tangent_of(uv_map: str) -> str:
     return _TANGENT + uv_map
 
 
-def asked_of_meshes(materials: Iterable[Material]) -> frozenset[str]:
-    """What materials read beside UV maps: the first names of pairs, and ``VERTEX_NORMALS``."""
-    firsts, used = (made_maps("")[0], _OF_COLOURS), list(materials)
-    pairs = {name for material in used for name in uv_maps_of(material) if name.startswith(firsts)}
+def told_of(attribute: str) -> str:
+    """What to ask for: a map of whether there is such an attribute, and whether that is a pair, 1 or 0 each."""
+    return _TOLD + attribute
+
+
+def asked_of_meshes(materials: Iterable[Material], data: bpy.types.ID | None = None) -> frozenset[str]:
+    """What materials read beside UV maps: first names of pairs, ``VERTEX_NORMALS``, and of other maps.
+
+    Of ``data``, a mesh, also attributes that are read as UV maps, and are none.
+    """
+    firsts, used = (made_maps("")[0], _OF_COLOURS, _TOLD), list(materials)
+    names = {name for material in used for name in uv_maps_of(material)}
+    asked = {name for name in names if name.startswith(firsts)}
+    if isinstance(data, bpy.types.Mesh):
+        asked |= {name for name in names - asked if name in data.attributes and name not in data.uv_layers}
     are_moved = any(material.displacement is not None for material in used)
-    return frozenset(pairs | {VERTEX_NORMALS} if are_moved else pairs)
+    return frozenset(asked | {VERTEX_NORMALS} if are_moved else asked)
 
 
 def uv_maps_of(material: Material) -> tuple[str, ...]:
@@ -95,13 +107,27 @@ def read_asked(
     """Of the pairs asked for those that are not known and that the mesh can have: (corners, 2) each."""
     maps: list[tuple[str, NDArray[np.float32]]] = []
     has = set(known)
+
+    def stand_in(names: Iterable[str]) -> None:
+        """For what goes by no name, which is the first of its kind, where there is none: not another attribute."""
+        maps.extend((name, np.zeros((len(vertex_of_corner), 2), np.float32)) for name in names)
+
     colours = {name for name in (*asked, *has) if name.startswith(_OF_COLOURS)}
     if _OF_COLOURS in colours and len(colours) > 1 and not any(name in colours for name in has):
-        # A mesh without colours: what goes by no name is the first pair, and not another attribute.
-        maps = [(name, np.zeros((len(vertex_of_corner), 2), np.float32)) for name in attribute_maps("")]
+        stand_in(attribute_maps(""))
         has |= {_OF_COLOURS}
+    has_other_uvs = any(not name.startswith(ATTRIBUTE_MARK) and name != VERTEX_NORMALS for name in asked)
+    if has_other_uvs and len(mesh.uv_layers) == 0:
+        stand_in([""])
     for name in sorted(asked):
         if name in has or name == VERTEX_NORMALS:
+            continue
+        if name.startswith(_TOLD):
+            maps += _told(mesh, name, vertex_of_corner)
+            continue
+        if not name.startswith(ATTRIBUTE_MARK):
+            as_uvs = _any_attribute(mesh, name, vertex_of_corner)
+            maps += [] if as_uvs is None else [(name, as_uvs[:, :2])]
             continue
         if name.startswith(_OF_COLOURS):
             attribute = name[len(_OF_COLOURS) :]
@@ -112,6 +138,16 @@ def read_asked(
         if values is not None:
             maps += [(pair[0], values[:, :2]), (pair[1], values[:, 2:])]
     return tuple(maps)
+
+
+def _told(
+    mesh: bpy.types.Mesh, name: str, vertex_of_corner: NDArray[np.uint32]
+) -> list[tuple[str, NDArray[np.float32]]]:
+    attribute = name[len(_TOLD) :]
+    if _any_attribute(mesh, attribute, vertex_of_corner) is None:
+        return []
+    is_pair = attribute in mesh.uv_layers or mesh.attributes[attribute].data_type == "FLOAT2"
+    return [(name, np.full((len(vertex_of_corner), 2), (1.0, 1.0 if is_pair else 0.0), np.float32))]
 
 
 def _made(mesh: bpy.types.Mesh, name: str, vertex_of_corner: NDArray[np.uint32]) -> NDArray[np.float32] | None:

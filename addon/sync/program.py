@@ -96,6 +96,12 @@ class Program:
             self._op(Code.UV, uv_map=blue_alpha, uv_matrix=(0, 0, 0, 0, 0, 0, 1, 0, 0)),
         )
 
+    def is_attribute(self, told: str) -> tuple[Value, Value]:
+        """Whether the surface has an attribute, and whether that is a pair of numbers: of a map that tells, 1 or 0."""
+        index = self.uv_map_index(told)
+        has = self._op(Code.UV, uv_map=index, uv_matrix=(1, 0, 0, 1, 0, 0, 1, 0, 0))
+        return has, self._op(Code.UV, uv_map=index, uv_matrix=(0, 1, 0, 0, 1, 0, 0, 1, 0))
+
     def operation(self, code: Code, *operands: Value, **fields: object) -> Value:
         """One operation; its value, where all operands are known and it reads nothing else but a table.
 

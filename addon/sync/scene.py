@@ -314,7 +314,7 @@ class SceneReader:
         for placement in placements:
             poll()
             slots = [materials.materials[index] for index in materials.indices(placement)]
-            asked = asked_of_meshes(slots)
+            asked = asked_of_meshes(slots, placement.data)
             key = placement.data.as_pointer(), asked
             if key not in seen:
                 seen[key] = self._live.get(key) or (

@@ -20,7 +20,7 @@ from tyndall.linear_colours import linear_from_srgb
 from tyndall.scene_description import StrandForm, StrandObjects, Strands, attribute_maps, point_maps
 
 from .asking_materials import note_unread
-from .mesh_attributes import uv_maps_of
+from .mesh_attributes import told_of, uv_maps_of
 from .random_numbers import as_unit_floats, hashes_of_two
 
 if TYPE_CHECKING:
@@ -365,11 +365,16 @@ def _attributes(
 ) -> tuple[tuple[str, NDArray[np.float32]], ...]:
     """Of what materials ask, one per strand or per point, as it is stored."""
     maps: dict[str, NDArray[np.float32]] = {}
-    of_colours = attribute_maps("")[0]
+    of_colours, tells = attribute_maps("")[0], told_of("")
     for name in sorted(asked):
         is_colour = name.startswith(of_colours)
-        attribute = data.attributes.get(name[len(of_colours) :] if is_colour else name or _ROOT_UVS)
+        wanted = name[len(of_colours) :] if is_colour else name.removeprefix(tells) or _ROOT_UVS
+        attribute = data.attributes.get(wanted)
         if attribute is None or attribute.data_type not in _VALUES:
+            continue
+        if name.startswith(tells):
+            is_pair = attribute.data_type == "FLOAT2"
+            maps[name] = np.full((len(attribute.data), 2), (1.0, 1.0 if is_pair else 0.0), np.float32)
             continue
         field, width = _VALUES[attribute.data_type]
         stored = np.empty(len(attribute.data) * width, np.float32)
