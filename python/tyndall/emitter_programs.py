@@ -65,7 +65,7 @@ class EmitterPicture:
     """Rows of the image run along the object's Y."""
 
     image: Image | None  #: None: it shines in its mean all over.
-    mean: tuple[float, float, float]  #: Over the light.
+    mean: tuple[float, float, float]  #: Over the light; without signs, where it is below 0 in places.
 
 
 class EmitterView(Protocol):
@@ -163,7 +163,7 @@ def _drawn(material: Material, emitter: Emitter) -> NDArray[np.float32]:
         width, height = 2 * width, 2 * height
         finer = at(width, height)
         apart = np.abs(_twice_as_fine(pixels) - finer)[1:-1, 1:-1]  # images that repeat jump at their borders
-        if not apart.mean(dtype=np.float64) > _TOLERANCE * finer.mean(dtype=np.float64):
+        if not apart.mean(dtype=np.float64) > _TOLERANCE * np.abs(finer).mean(dtype=np.float64):
             break
         pixels = finer
     return pixels
@@ -201,7 +201,7 @@ def _distance_from_middle(shape: tuple[int, ...]) -> NDArray[np.float64]:
 
 
 def _mean(pixels: NDArray[np.float32], emitter: Emitter) -> tuple[float, float, float]:
-    values = pixels[_distance_from_middle(pixels.shape) <= 1.0] if emitter.is_ellipse else pixels
+    values = np.abs(pixels[_distance_from_middle(pixels.shape) <= 1.0] if emitter.is_ellipse else pixels)
     red, green, blue = values.reshape(-1, 3).mean(axis=0, dtype=np.float64)
     return float(red), float(green), float(blue)
 

@@ -153,7 +153,7 @@ class LampView:
             red, green, blue = pixels[0, 0].astype(np.float64)
             return EmitterPicture(None, (float(red), float(green), float(blue)))
         weights = self._weights(len(pixels))
-        mean = (pixels * weights[..., None]).sum(axis=(0, 1), dtype=np.float64) / weights.sum()
+        mean = (np.abs(pixels) * weights[..., None]).sum(axis=(0, 1), dtype=np.float64) / weights.sum()
         texels = np.ones((*pixels.shape[:2], 4), np.float32)
         texels[..., :3] = pixels
         image = Image(key=key, name=self._material.name, pixels=texels, is_srgb=False)
@@ -203,7 +203,7 @@ class LampView:
             between -= pixels
             np.abs(between, out=between)
             apart = (between * weights).sum(dtype=np.float64)
-            if not apart > _TOLERANCE * (pixels * weights).sum(dtype=np.float64):
+            if not apart > _TOLERANCE * (np.abs(pixels) * weights).sum(dtype=np.float64):
                 break
         return pixels
 

@@ -21,10 +21,13 @@ pytestmark = pytest.mark.dealt
 BLOCK_PX = 8
 
 
-def normals(new: New, link: Link) -> Socket:
+LESS = (0.4, 0.2, 0.1)
+
+
+def normals(new: New, link: Link, subtracted: tuple[float, float, float] = LESS) -> Socket:
     """Each direction's, less so much of each colour that all have parts below 0."""
     less = node(new, "ShaderNodeVectorMath")
-    less.operation, less.inputs[1].default_value = "SUBTRACT", (0.4, 0.2, 0.1)
+    less.operation, less.inputs[1].default_value = "SUBTRACT", subtracted
     link(new("ShaderNodeNewGeometry").outputs["Normal"], less.inputs[0])
     return less.outputs[0]
 
@@ -55,17 +58,18 @@ def world(*, varies: bool) -> None:
         tree.links.new(normals(tree.nodes.new, tree.links.new), background.inputs["Color"])
 
 
-def lamp(kind: str, *, varies: bool) -> None:
+def lamp(kind: str, *, varies: bool, subtracted: tuple[float, float, float] = LESS) -> None:
     size = {"size": 0.5} if kind == "AREA" else {}
     made = light(kind, (1.2, 1.0, 1.5), energy=(1.0 if kind == "SUN" else 60.0) * (1.0 if varies else -1.0), **size)
     if varies:
         made.data.use_nodes = True
         tree = made.data.node_tree
         emission = next(one for one in tree.nodes if one.type == "EMISSION")
-        tree.links.new(normals(tree.nodes.new, tree.links.new), emission.inputs["Color"])
+        tree.links.new(normals(tree.nodes.new, tree.links.new, subtracted), emission.inputs["Color"])
 
 
 MAKERS: dict[str, Callable[[], None]] = {
+    "POINT that sends as much as it takes": lambda: lamp("POINT", varies=True, subtracted=(0.0, 0.0, 0.0)),
     "a ball in the colours of its normals": lambda: ball(glows),
     "a ball that is dark": lambda: ball(is_dark),
     "a world that varies": lambda: world(varies=True),
