@@ -15,7 +15,7 @@ FrameSurfaces::FrameSurfaces(const Scene& scene, const Media& media, const Camer
       indirect_(scene, media, light_, config.indirect, config.passes.has(Pass::AmbientOcclusion)) {
     if (config.indirect.has_ambient_occlusion && !light_.has_world())
         statistics.skip("ambient occlusion", "the world is black");
-    if (config.indirect.has_bounce && !indirect_.has_bounce())
+    if (config.indirect.has_bounce && !indirect_.sees_surfaces())
         statistics.skip("colour bleeding", "nothing shines");
     follows_mirrors_ = find_mirrors();
     if (follows_mirrors_ && !media.is_empty()) {
@@ -126,7 +126,9 @@ void FrameSurfaces::set_shadow_rays() {
     light_.set_turns(std::move(counts.turn_of_light));
     indirect_.set_bounce_rays(bounce != nullptr ? counts.of_bounce : std::max(config_.indirect.bounce_samples, 1u));
     if (indirect_.has_bounce())
-        statistics_.count("colour bleeding: rays per surface point", indirect_.bounce_rays());
+        statistics_.count(indirect_.sees_surfaces() ? "colour bleeding: rays per surface point"
+                                                    : "media that glow: rays per surface point",
+                          indirect_.bounce_rays());
 }
 
 std::optional<light_shafts::SurfaceShadows::Config> FrameSurfaces::edited_shadows(std::span<const Light> lights) const {

@@ -36,7 +36,8 @@ static bool shines(const Scene& scene, const Media& media, const DirectLight& li
 IndirectLight::IndirectLight(const Scene& scene, const Media& media, const DirectLight& light,
                              const IndirectConfig& config, bool finds_ambient)
     : scene_(scene), media_(media), light_(light), config_(config), finds_ambient_(finds_ambient),
-      has_bounce_(config.has_bounce && shines(scene, media, light)) {}
+      sees_surfaces_(config.has_bounce && shines(scene, media, light)),
+      has_bounce_(sees_surfaces_ || (media.emits() && !media.is_empty())) {}
 
 void IndirectLight::add(const SurfaceWalk& walked, std::uint32_t sample_index, std::span<PathSample> samples,
                         std::size_t group_count, const Progress& progress) const {
@@ -54,7 +55,7 @@ void IndirectLight::add(const SurfaceWalk& walked, std::uint32_t sample_index, s
             for (std::size_t i = 0; i < points.size(); ++i)
                 samples[shades[i].sample].ambient += shades[i].cover * seen[i];
         }
-        if (has_bounce_) {
+        if (has_bounce_ && (sees_surfaces_ || among == Among::All)) {
             found.fill({});
             by_group.assign(group_count * points.size(), {});
             const std::span<const SurfaceWalk::LobedPoint> lobed = walked.lobed_of(first, end);
@@ -65,7 +66,7 @@ void IndirectLight::add(const SurfaceWalk& walked, std::uint32_t sample_index, s
                    std::span(found).first(points.size()), by_group, among);
             const auto add = [&](std::size_t point, const Rgb& share, Rgb Gathered::*of) {
                 PathSample& sample = samples[shades[point].sample];
-                sample.add_light(share * found[point].*of, shades[point].of, {shades[point].way.by, false});
+                sample.add_light(share * found[point].*of, shades[point].of, {shades[point].way.by, !sees_surfaces_});
                 if (shades[point].of != LightOf::Picture)
                     return;
                 for (std::size_t group = 0; group < sample.by_group.size(); ++group)
@@ -202,11 +203,36 @@ void IndirectLight::gather(std::span<const SurfacePoint> points, std::uint32_t s
             push_drawn(points[point], (*lobes)[point], u, {point, part, share, 0.0f}, gatherers);
         }
         for (std::uint32_t passed = 0; passed < max_layer_count && !gatherers.empty(); ++passed) {
+            if (!sees_surfaces_) {
+                catch_glow(gatherers, gathered);
+                continue;
+            }
             const std::uint32_t place = layer * layers_apart + std::min(passed, layers_apart - 1);
             catch_light(points, gatherers, {sample, first_gathered_pair + place * pairs_per_gathered_layer}, gathered,
                         by_group, among);
         }
     }
+}
+
+void IndirectLight::catch_glow(std::vector<Gatherer>& gatherers, std::span<Gathered> gathered) const {
+    std::erase_if(gatherers, [&](Gatherer& gatherer) {
+        Ray inside = gatherer.part;
+        Rgb glow = media_.emission(inside);
+        if (glow == Rgb(0.0f))
+            return true;
+        const Hit hit = scene_.closest_hit(gatherer.part, mask_among(Among::All, blocking_mask(gatherer.kind)));
+        if (hit.is_hit()) {
+            inside.far_m = hit.distance_m;
+            glow = media_.emission(inside);
+        }
+        gathered[gatherer.point] += gatherer.of(glow);
+        if (!hit.is_hit())
+            return true;
+        gatherer.weight *= media_.transmittance(inside) * scene_.transparency(gatherer.part, hit, gatherer.kind);
+        gatherer.part.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), gatherer.part.far_m);
+        ++gatherer.part.passed_count;
+        return gatherer.weight == Rgb(0.0f);
+    });
 }
 
 void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vector<Gatherer>& gatherers,

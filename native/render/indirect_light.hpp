@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What surfaces that the camera sees catch of others: how much of the world they see (the ambient occlusion pass), and
-// the light of one bounce, which bleeds colours.
+// What surfaces that the camera sees catch of others: how much of the world they see (the ambient occlusion pass), the
+// light of one bounce, which bleeds colours, and that of media that glow, as fire.
 // Based on: Kol, dissertation, TU Delft 2018, 2.5.6: rays over the hemisphere, and from what they hit rays to the lights;
 //           Ward, Rubinstein, Clear, A Ray Tracing Solution for Diffuse Interreflection, SIGGRAPH 1988: by the cosine.
 // Differs:  Owen-scrambled Sobol points instead of jittered strata, over all samples of a pixel, each pixel with its own;
@@ -26,8 +26,10 @@ public:
 
     /// False: add() adds nothing.
     [[nodiscard]] bool is_wanted() const { return finds_ambient_ || has_bounce_; }
-    /// There is light that a bounce could bring.
+    /// Rays are sent for light: of media that glow always, of all that shines with IndirectConfig::has_bounce.
     [[nodiscard]] bool has_bounce() const { return has_bounce_; }
+    /// They bring the light of surfaces, too.
+    [[nodiscard]] bool sees_surfaces() const { return sees_surfaces_; }
     [[nodiscard]] std::uint32_t bounce_rays() const { return has_bounce_ ? bounce_rays_ : 0; }
     /// Per surface point.
     void set_bounce_rays(std::uint32_t count) { bounce_rays_ = count; }
@@ -58,6 +60,8 @@ private:
     /// By a pair of random numbers: a direction of the lobes or one by the cosine, of so many rays.
     static void push_drawn(const SurfacePoint& point, const LobeSet& lobes, vec2 u, Gatherer ray,
                            std::vector<Gatherer>& gatherers);
+    /// Up to the next surface: what media emit on the way; of those that end, or see none of it, no more is left.
+    void catch_glow(std::vector<Gatherer>& gatherers, std::span<Gathered> gathered) const;
     /// Up to the next surface: its light comes to the points; what passes goes on.
     void catch_light(std::span<const SurfacePoint> points, std::vector<Gatherer>& gatherers,
                      const PairIndex& first_pair, std::span<Gathered> gathered, std::span<Gathered> by_group,
@@ -73,7 +77,7 @@ private:
     const Media& media_;
     const DirectLight& light_;
     IndirectConfig config_;
-    bool finds_ambient_, has_bounce_;
+    bool finds_ambient_, sees_surfaces_, has_bounce_;
     std::uint32_t bounce_rays_ = 1;
 };
 } // namespace tyndall::render

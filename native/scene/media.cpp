@@ -104,6 +104,7 @@ Media::Media(const Scene& scene, const Progress& progress) : scene_(scene) {
 Media::~Media() = default;
 
 bool Media::is_empty() const { return boundaries_->all.empty() && !fills_world() && grids().is_empty(); }
+bool Media::emits() const { return boundaries_->emits; }
 Bounds3 Media::bounds() const { return boundaries_->bounds; }
 bool Media::fills_world() const { return boundaries_->world_medium >= 0; }
 std::int32_t Media::world_medium_index() const { return boundaries_->world_medium; }

@@ -71,6 +71,8 @@ public:
     [[nodiscard]] Rgb homogeneous_depth(const Ray& ray) const;
     /// Multiplies the same of each ray into `passing`: a tenth of the time where a fog box is all there is.
     void attenuate(std::span<const Ray> rays, std::span<Rgb> passing) const;
+    /// Some medium of the scene does.
+    [[nodiscard]] bool emits() const;
     /// Radiance that the media emit along the ray towards its origin, attenuated. An endless segment that emits in a
     /// channel without extinction has no finite answer: that channel of it adds nothing.
     [[nodiscard]] Rgb emission(const Ray& ray) const;
