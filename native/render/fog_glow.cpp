@@ -8,7 +8,7 @@
 
 namespace tyndall::render {
 /// Far behind those of lights on surfaces; as many for each part of a ray.
-static constexpr std::uint32_t first_pair = 0x2000'0000, pairs_of_part = 4;
+static constexpr std::uint32_t first_pair = 0x2000'0000, first_pair_of_media = 0x3000'0000, pairs_of_part = 4;
 /// Surfaces that let light through, on a ray by chance.
 static constexpr int most_panes = 16;
 
@@ -18,7 +18,10 @@ FogGlow::FogGlow(const Scene& scene, const Media& media, const MeshEmitters& emi
                  Statistics& statistics, KeptLightTrees* kept)
     : scene_(scene), media_(media), emitters_(emitters), attenuates_light_(attenuates_light) {
     const SceneDescription& description = scene.description();
-    if (emitters.triangles().empty() || media.is_empty() || std::ranges::none_of(description.media, scatters))
+    if (media.is_empty() || std::ranges::none_of(description.media, scatters))
+        return;
+    has_glowing_media_ = media.emits();
+    if (emitters.triangles().empty())
         return;
     std::vector<LightBounds> bounds;
     std::uint32_t reported = ~0u;
@@ -42,6 +45,8 @@ FogGlow::FogGlow(const Scene& scene, const Media& media, const MeshEmitters& emi
 
 std::vector<std::uint8_t> FogGlow::light_groups() const {
     std::vector<std::uint8_t> groups;
+    if (has_glowing_media_)
+        groups.push_back(no_light_group);
     std::uint32_t instance = ~0u;
     for (const EmissiveTriangle& triangle : emitters_.triangles()) {
         if (triangle.instance == instance || !scene_.description().instances[triangle.instance].lights_media)
@@ -75,11 +80,15 @@ LightTree::Line tree_line(const MediaLine& line) {
     return {line.origin(), line.direction(), line.pieces().front().near_m, line.pieces().back().far_m,
             line.sigma_t_per_m()};
 }
-static vec2 pair_of(const FogGlow::Numbers& numbers, std::uint32_t pair) {
-    return pixel_pair(numbers.pixel_seed, numbers.draw, first_pair + pairs_of_part * numbers.part + pair);
+static vec2 pair_of(const FogGlow::Numbers& numbers, std::uint32_t pair, std::uint32_t first = first_pair) {
+    return pixel_pair(numbers.pixel_seed, numbers.draw, first + pairs_of_part * numbers.part + pair);
 }
 
 void FogGlow::draw(const MediaLine& line, const Numbers& numbers, std::vector<Found>& found) const {
+    if (has_glowing_media_)
+        draw_media(line, numbers, found);
+    if (tree_ == nullptr)
+        return;
     if (!draws_directions_ && !line.has_peak())
         return draw_triangle(line, numbers, nullptr, found);
     const PhaseDirections directions(line);
@@ -147,6 +156,37 @@ Rgb FogGlow::met(const MediaLine& line, const PhaseDirections& directions, const
 static bool casts_shadow(const Scene& scene, const Hit& hit) {
     const PlacedShape* const placed = scene.placed_shape(hit.instance);
     return placed != nullptr ? placed->casts_shadow : scene.description().instances[hit.instance].casts_shadow;
+}
+
+void FogGlow::draw_media(const MediaLine& line, const Numbers& numbers, std::vector<Found>& found) const {
+    const PhaseDirections directions(line);
+    const PhaseDirections::Drawn drawn =
+        directions.at(pair_of(numbers, 0, first_pair_of_media), pair_of(numbers, 1, first_pair_of_media));
+    if (drawn.piece == nullptr)
+        return;
+    const float density = directions.density(*drawn.piece, drawn.at_m, drawn.direction);
+    Rgb share = line.scatter_per_m_sr(*drawn.piece, drawn.at_m, drawn.direction, nullptr) *
+                line.transmittance(*drawn.piece, drawn.at_m);
+    if (!(density > 0.0f) || share == Rgb(0.0f))
+        return;
+    share /= density;
+    Ray ray{.origin = line.origin() + drawn.at_m * line.direction(), .direction = drawn.direction, .near_m = 0.0f};
+    Rgb radiance(0.0f);
+    for (int passed = 0; passed < most_panes && share != Rgb(0.0f); ++passed) {
+        const Hit hit = scene_.closest_hit(ray, bounce_mask);
+        Ray inside = ray;
+        if (hit.is_hit())
+            inside.far_m = hit.distance_m;
+        radiance += share * media_.emission(inside);
+        if (!hit.is_hit())
+            break;
+        share *= media_.transmittance(inside);
+        if (casts_shadow(scene_, hit))
+            share *= scene_.transparency(ray, hit);
+        ray.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), ray.far_m);
+        ++ray.passed_count;
+    }
+    found.push_back({radiance, no_light_group});
 }
 
 void FogGlow::draw_direction(const MediaLine& line, const Numbers& numbers, const PhaseDirections& directions,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Light of meshes that glow, scattered once by media towards the camera: a few draws per part of a view ray.
+// Light of meshes and media that glow, scattered once by media towards the camera: a few draws per part of a view ray.
 // Based on: next event estimation; light_tree_along.cpp chooses a triangle for the ray, glow_distances.hpp where its light
 //           is scattered, and triangle_point() a place on it, evenly in the solid angle from there. Where fog scatters
 //           mostly onwards, and among what glows all around, multiple importance sampling (Veach 1997, section 9.2) with
@@ -7,6 +7,7 @@
 // Differs:  from lamps' light shafts, which have no noise: rows of what shadows a lamp serve many rays, and an area of
 //           thousands of triangles has no few strata. Directions are drawn only where a pilot finds that worth its time: the
 //           light per metre and steradian has no singularity that triangles' draws would leave over.
+//           Media that glow are met by directions alone.
 // Data flow: part of a view ray -> its pieces in media, once (media_line.hpp) -> per draw: triangle, distance, place, one
 //           shadow ray -> radiance, by light groups where these are kept apart.
 // Bound:    a draw takes 1 us in a fog box and its shadow ray, half as much again where directions are drawn, too; the error
@@ -32,7 +33,7 @@ public:
             Statistics& statistics, KeptLightTrees* kept = nullptr);
 
     /// Nothing glows that lights media, or no medium scatters.
-    [[nodiscard]] bool is_empty() const { return tree_ == nullptr; }
+    [[nodiscard]] bool is_empty() const { return tree_ == nullptr && !has_glowing_media_; }
     /// Of what glows, each once; see LightLinks.
     [[nodiscard]] std::vector<std::uint8_t> light_groups() const;
 
@@ -46,7 +47,7 @@ public:
         Rgb radiance{0.0f};
         std::uint8_t light_group = no_light_group;
     };
-    /// One draw of a triangle, and where that helps, one of a direction; appends what they find. Together, and in the
+    /// One draw of a triangle, and where that helps, one of a direction, and one of media that glow; appends what they find. Together, and in the
     /// mean over all draws, that is what all triangles give.
     void draw(const MediaLine& line, const Numbers& numbers, std::vector<Found>& found) const;
     /// The pieces of a part.
@@ -72,6 +73,7 @@ private:
                        std::vector<Found>& found) const;
     void draw_direction(const MediaLine& line, const Numbers& numbers, const PhaseDirections& directions,
                         std::vector<Found>& found) const;
+    void draw_media(const MediaLine& line, const Numbers& numbers, std::vector<Found>& found) const;
     /// What a direction that was drawn brings of the triangle that it meets there, weighed against draw_triangle().
     [[nodiscard]] Rgb met(const MediaLine& line, const PhaseDirections& directions, const PhaseDirections::Drawn& drawn,
                           std::uint32_t index, const Hit& hit) const;
@@ -93,7 +95,7 @@ private:
     const Media& media_;
     const MeshEmitters& emitters_;
     std::shared_ptr<const LightTree> tree_; ///< Of those of its triangles that light media; none: nothing does.
-    bool attenuates_light_, draws_directions_ = false;
+    bool attenuates_light_, has_glowing_media_ = false, draws_directions_ = false;
     std::uint32_t draw_count_ = 1;
 };
 } // namespace tyndall::render

@@ -50,11 +50,13 @@ void FogGlow::prepare(std::span<const light_shafts::ViewRay> parts, const Wanted
     if (wanted.is_coarse)
         return;
     Noise noise = noise_of(parts, progress);
-    draws_directions_ = true;
-    const Noise with_directions = noise_of(parts, progress);
-    draws_directions_ = with_directions.variance * (1.0 + direction_cost) < noise.variance;
-    if (draws_directions_)
-        noise = with_directions;
+    if (tree_ != nullptr) {
+        draws_directions_ = true;
+        const Noise with_directions = noise_of(parts, progress);
+        draws_directions_ = with_directions.variance * (1.0 + direction_cost) < noise.variance;
+        if (draws_directions_)
+            noise = with_directions;
+    }
     if (!(noise.variance > 0.0))
         return;
     const double error = wanted.error_target;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Media that glow, as fire does, light surfaces as in Cycles."""
+"""Media that glow, as fire does, light surfaces and what scatters as in Cycles."""
 
 from __future__ import annotations
 
@@ -37,6 +37,14 @@ def smoky(new: New, link: Link) -> Socket:
     return both.outputs[0]
 
 
+def foggy(new: New, link: Link) -> Socket:
+    """Which scatters its own light, too, mostly onwards."""
+    both = new("ShaderNodeAddShader")
+    link(even(new, link), both.inputs[0])
+    link(node(new, "ShaderNodeVolumeScatter", Density=1.5, Anisotropy=0.3).outputs[0], both.inputs[1])
+    return both.outputs[0]
+
+
 def varied(new: New, link: Link) -> Socket:
     emission, noise = node(new, "ShaderNodeEmission"), node(new, "ShaderNodeTexNoise", Scale=2.0)
     link(node(new, "ShaderNodeTexCoord").outputs["Object"], noise.inputs["Vector"])
@@ -68,7 +76,7 @@ def lid_shader(new: New, link: Link) -> Socket:
     return mix.outputs[0]
 
 
-@pytest.mark.parametrize("fire", [even, smoky, varied])
+@pytest.mark.parametrize("fire", [even, smoky, foggy, varied])
 def test_fire_lights_what_stands_around_it_as_in_cycles(fire: Build) -> None:
     """Seen to fail where surfaces send no ray for it: two thirds of the light on them."""
     scene = stage(fire)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Surfaces that media light, which glow: a furnace, and what stands between.
+// Surfaces and media that media light, which glow: furnaces, and what stands between.
 #include "render/indirect_light.hpp"
 #include "support/whole_and_part.hpp"
 #include <doctest/doctest.h>
@@ -19,8 +19,9 @@ FrameConfig samples(std::uint32_t count) {
 }
 
 /// Parts in air that fills the world.
-Rgb seen_in_glowing_air(const std::vector<Part>& parts) {
-    const Medium air{.name = "glow", .lobes = {}, .sigma_a_per_m = absorption, .emission_w_per_m3_sr = glow};
+Rgb seen_in_glowing_air(const std::vector<Part>& parts, std::vector<ScatterLobe> lobes = {}) {
+    const Medium air{
+        .name = "glow", .lobes = std::move(lobes), .sigma_a_per_m = absorption, .emission_w_per_m3_sr = glow};
     SceneDescription description = description_of(*make_scene(parts, {air}));
     description.world_medium_index = 0;
     const Scene scene(std::move(description), Progress());
@@ -36,6 +37,16 @@ TEST_CASE("a floor of albedo a in endless air that glows shows a times what that
     const Rgb none = seen_in_glowing_air({floor_at(vec3(0.0f), 1e4f, diffuse(Rgb(0.0f)))});
     const Rgb passing = 1.0f - none / everywhere; // the air before a black floor
     CHECK(relative_error(found - none, passing * albedo * everywhere) < 1e-2);
+}
+
+// Seen to fail where no draw asks for what media emit.
+TEST_CASE(
+    "endless air that glows and scatters shows itself, and what of that it scatters once, whichever way it does") {
+    const Rgb scattering(0.3f, 0.1f, 0.2f), sigma_t = absorption + scattering, everywhere = glow / sigma_t;
+    for (const float anisotropy : {0.0f, 0.7f}) {
+        const Rgb found = seen_in_glowing_air({}, {{scattering, anisotropy}});
+        CHECK(relative_error(found, everywhere * (1.0f + scattering / sigma_t)) < 1e-2);
+    }
 }
 
 TEST_CASE("what stands near a floor hides the air behind it, and glass as clear as c lets c of that pass") {
