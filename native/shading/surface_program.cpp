@@ -162,7 +162,7 @@ Rgb share(const Rgb& value) {
 }
 /// Beyond it, light on what it lights would be so large that the film counts it as none: all would be dark.
 constexpr float largest_radiance = 1e18f;
-Rgb bounded(const Rgb& radiance) { return glm::min(radiance, Rgb(largest_radiance)); }
+Rgb bounded(const Rgb& radiance) { return glm::clamp(radiance, -largest_radiance, largest_radiance); }
 /// Cycles shows what glows below 0, too: normals as colours, say.
 Rgb sound_radiance(const Rgb& value) {
     const auto channel = [](float x) {

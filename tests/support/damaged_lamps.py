@@ -171,7 +171,7 @@ def _(_scene: Scene, random: Random) -> None:
         tree.links.new(math.outputs[0], emission.inputs[str(random.choice(["Color", "Strength"]))])
 
 
-@damage("emission strengths at the end of floats", None, "light")
+@damage("emission strengths at the end of floats", None, "darkness")  # below 0, too, which takes all light away
 def _(_scene: Scene, random: Random) -> None:
     for kind in ("POINT", "SPOT", "AREA", "SUN"):
         tree, emission = lamp_of_nodes(f"Strong {kind}", kind)

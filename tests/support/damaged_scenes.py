@@ -36,7 +36,7 @@ from support.agreement_shapes import diffuse
 from support.damages import DAMAGES, Damage, Scene
 
 #: A picture may be black, or absent, after these; after all others the cube must still be lit.
-HIDES_ALL = frozenset({"camera", "frame"})
+HIDES_ALL = frozenset({"camera", "frame", "darkness"})
 
 
 METHODS = ("EXACT", "EPIPOLAR", "SHADOW_MAP")
