@@ -104,7 +104,7 @@ def what_is_missing(asked: Iterable[str], has: Iterable[str]) -> list[str]:
 def read_asked(
     mesh: bpy.types.Mesh, asked: Iterable[str], known: Iterable[str], vertex_of_corner: NDArray[np.uint32]
 ) -> tuple[tuple[str, NDArray[np.float32]], ...]:
-    """Of the pairs asked for those that are not known and that the mesh can have: (corners, 2) each."""
+    """Of the maps asked for those that are not known and that the mesh can have: (corners, 2) each."""
     maps: list[tuple[str, NDArray[np.float32]]] = []
     has = set(known)
 

@@ -47,8 +47,8 @@ public:
         Rgb radiance{0.0f};
         std::uint8_t light_group = no_light_group;
     };
-    /// One draw of a triangle, and where that helps, one of a direction, and one of media that glow; appends what they find. Together, and in the
-    /// mean over all draws, that is what all triangles give.
+    /// One draw of a triangle, and where that helps, one of a direction, and one of media that glow; appends what they
+    /// find. Together, and in the mean over all draws, that is what all triangles and media give.
     void draw(const MediaLine& line, const Numbers& numbers, std::vector<Found>& found) const;
     /// The pieces of a part.
     void assign(MediaLine& line, const light_shafts::ViewRay& part) const { line.assign(media_, part, StepLimits{}); }
