@@ -37,7 +37,7 @@ IndirectLight::IndirectLight(const Scene& scene, const Media& media, const Direc
                              const IndirectConfig& config, bool finds_ambient)
     : scene_(scene), media_(media), light_(light), config_(config), finds_ambient_(finds_ambient),
       sees_surfaces_(config.has_bounce && shines(scene, media, light)),
-      has_bounce_(sees_surfaces_ || (media.emits() && !media.is_empty())) {}
+      has_bounce_(sees_surfaces_ || (media.emits(GlowSeenBy::Surfaces) && !media.is_empty())) {}
 
 void IndirectLight::add(const SurfaceWalk& walked, std::uint32_t sample_index, std::span<PathSample> samples,
                         std::size_t group_count, const Progress& progress) const {
@@ -217,13 +217,13 @@ void IndirectLight::gather(std::span<const SurfacePoint> points, std::uint32_t s
 void IndirectLight::catch_glow(std::vector<Gatherer>& gatherers, std::span<Gathered> gathered) const {
     std::erase_if(gatherers, [&](Gatherer& gatherer) {
         Ray inside = gatherer.part;
-        Rgb glow = media_.emission(inside);
+        Rgb glow = media_.emission(inside, GlowSeenBy::Surfaces);
         if (glow == Rgb(0.0f))
             return true;
         const Hit hit = scene_.closest_hit(gatherer.part, mask_among(Among::All, blocking_mask(gatherer.kind)));
         if (hit.is_hit()) {
             inside.far_m = hit.distance_m;
-            glow = media_.emission(inside);
+            glow = media_.emission(inside, GlowSeenBy::Surfaces);
         }
         gathered[gatherer.point] += gatherer.of(glow);
         if (!hit.is_hit())
@@ -250,7 +250,7 @@ void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vecto
             Ray inside = part;
             if (hit.is_hit())
                 inside.far_m = hit.distance_m;
-            gathered[point] += gatherer.of(media_.emission(inside));
+            gathered[point] += gatherer.of(media_.emission(inside, GlowSeenBy::Surfaces));
             gatherer.weight *= media_.transmittance(inside);
         }
         if (!hit.is_hit())

@@ -44,8 +44,11 @@ struct Media::Boundaries {
     std::vector<Rgb> sigma_t_per_m, sigma_s_per_m; ///< Per medium of the scene.
     std::vector<std::uint32_t> boxes;              ///< Into all.
     std::unique_ptr<const MediumCrossings> meshes; ///< Of the boundaries that are not boxes; null without one.
-    bool emits = false;                            ///< Some medium of the scene does.
+    /// By who sees it, see emits(): per medium of the scene.
+    std::array<std::vector<Rgb>, 3> emission_w_per_m3_sr;
     GridMedia grids;
+
+    void find_emission(const SceneDescription& description);
 
     /// The boundary of all there is, if that is a box: most fog.
     [[nodiscard]] const MediumBoundary* only_box() const {
@@ -77,7 +80,6 @@ Media::Media(const Scene& scene, const Progress& progress) : scene_(scene) {
     for (const Medium& medium : description.media) {
         boundaries->sigma_t_per_m.push_back(medium.sigma_t_per_m());
         boundaries->sigma_s_per_m.push_back(medium.sigma_s_per_m());
-        boundaries->emits |= medium.emission_w_per_m3_sr != Rgb(0.0f);
     }
     if (description.world_medium_index >= 0 &&
         acts(description.media[static_cast<std::size_t>(description.world_medium_index)]))
@@ -97,14 +99,40 @@ Media::Media(const Scene& scene, const Progress& progress) : scene_(scene) {
     if (has_meshes)
         boundaries->meshes = std::make_unique<const MediumCrossings>(scene, boundaries->all, progress);
     boundaries->grids = GridMedia(description);
+    boundaries->find_emission(description);
     for (const PlacedGrid& grid : boundaries->grids.all())
         boundaries->bounds.grow(grid.bounds);
     boundaries_ = std::move(boundaries);
 }
 Media::~Media() = default;
 
+void Media::Boundaries::find_emission(const SceneDescription& description) {
+    std::vector<std::uint8_t> lights_surfaces(description.media.size()), lights_media(description.media.size());
+    const auto hold = [&](std::size_t medium, bool by_surfaces, bool by_media) {
+        lights_surfaces[medium] |= by_surfaces ? 1 : 0;
+        lights_media[medium] |= by_media ? 1 : 0;
+    };
+    if (world_medium >= 0)
+        hold(static_cast<std::size_t>(world_medium), true, true);
+    for (const VolumeInstance& volume : description.volumes)
+        hold(volume.medium_index, true, true);
+    for (const MediumBoundary& boundary : all) {
+        const Instance& instance = description.instances[boundary.instance];
+        hold(boundary.medium, instance.is_bounce_visible, instance.lights_media);
+    }
+    for (std::size_t medium = 0; medium < description.media.size(); ++medium) {
+        const Rgb& emission = description.media[medium].emission_w_per_m3_sr;
+        emission_w_per_m3_sr[0].push_back(emission);
+        emission_w_per_m3_sr[1].push_back(lights_surfaces[medium] != 0 ? emission : Rgb(0.0f));
+        emission_w_per_m3_sr[2].push_back(lights_media[medium] != 0 ? emission : Rgb(0.0f));
+    }
+}
+
 bool Media::is_empty() const { return boundaries_->all.empty() && !fills_world() && grids().is_empty(); }
-bool Media::emits() const { return boundaries_->emits; }
+bool Media::emits(GlowSeenBy by) const {
+    return std::ranges::any_of(boundaries_->emission_w_per_m3_sr[static_cast<std::size_t>(by)],
+                               [](const Rgb& emission) { return emission != Rgb(0.0f); });
+}
 Bounds3 Media::bounds() const { return boundaries_->bounds; }
 bool Media::fills_world() const { return boundaries_->world_medium >= 0; }
 std::int32_t Media::world_medium_index() const { return boundaries_->world_medium; }
@@ -280,16 +308,17 @@ struct Emitted {
 };
 } // namespace
 
-Rgb Media::emission(const Ray& ray) const {
-    if (!boundaries_->emits)
+Rgb Media::emission(const Ray& ray, GlowSeenBy by) const {
+    if (!emits(by))
         return Rgb(0.0f);
+    const std::vector<Rgb>& emission_w_per_m3_sr = boundaries_->emission_w_per_m3_sr[static_cast<std::size_t>(by)];
     thread_local std::vector<MediumSegment> along;
     along.clear();
     segments(ray, along);
     const auto of_set = [&](const MediumSet& set) {
         Rgb emitted_per_m(0.0f);
         for (std::size_t index = 0; index < set.count; ++index)
-            emitted_per_m += scene_.description().media[set.media[index]].emission_w_per_m3_sr;
+            emitted_per_m += emission_w_per_m3_sr[set.media[index]];
         return emitted_per_m;
     };
     Emitted emitted;
