@@ -20,7 +20,7 @@ FogGlow::FogGlow(const Scene& scene, const Media& media, const MeshEmitters& emi
     const SceneDescription& description = scene.description();
     if (media.is_empty() || std::ranges::none_of(description.media, scatters))
         return;
-    has_glowing_media_ = media.emits(GlowSeenBy::Media);
+    has_glowing_media_ = media.emits();
     if (emitters.triangles().empty())
         return;
     std::vector<LightBounds> bounds;
@@ -177,7 +177,7 @@ void FogGlow::draw_media(const MediaLine& line, const Numbers& numbers, std::vec
         Ray inside = ray;
         if (hit.is_hit())
             inside.far_m = hit.distance_m;
-        radiance += share * media_.emission(inside, GlowSeenBy::Media);
+        radiance += share * media_.emission(inside);
         if (!hit.is_hit())
             break;
         share *= media_.transmittance(inside);

@@ -45,7 +45,7 @@ struct Media::Boundaries {
     std::vector<std::uint32_t> boxes;              ///< Into all.
     std::unique_ptr<const MediumCrossings> meshes; ///< Of the boundaries that are not boxes; null without one.
     /// By who sees it, see emits(): per medium of the scene.
-    std::array<std::vector<Rgb>, 3> emission_w_per_m3_sr;
+    std::array<std::vector<Rgb>, 2> emission_w_per_m3_sr;
     GridMedia grids;
 
     void find_emission(const SceneDescription& description);
@@ -107,24 +107,18 @@ Media::Media(const Scene& scene, const Progress& progress) : scene_(scene) {
 Media::~Media() = default;
 
 void Media::Boundaries::find_emission(const SceneDescription& description) {
-    std::vector<std::uint8_t> lights_surfaces(description.media.size()), lights_media(description.media.size());
-    const auto hold = [&](std::size_t medium, bool by_surfaces, bool by_media) {
-        lights_surfaces[medium] |= by_surfaces ? 1 : 0;
-        lights_media[medium] |= by_media ? 1 : 0;
-    };
+    std::vector<std::uint8_t> lights_surfaces(description.media.size());
     if (world_medium >= 0)
-        hold(static_cast<std::size_t>(world_medium), true, true);
+        lights_surfaces[static_cast<std::size_t>(world_medium)] = 1;
     for (const VolumeInstance& volume : description.volumes)
-        hold(volume.medium_index, true, true);
-    for (const MediumBoundary& boundary : all) {
-        const Instance& instance = description.instances[boundary.instance];
-        hold(boundary.medium, instance.is_bounce_visible, instance.lights_media);
-    }
+        lights_surfaces[volume.medium_index] = 1;
+    for (const MediumBoundary& boundary : all)
+        if (description.instances[boundary.instance].is_bounce_visible)
+            lights_surfaces[boundary.medium] = 1;
     for (std::size_t medium = 0; medium < description.media.size(); ++medium) {
         const Rgb& emission = description.media[medium].emission_w_per_m3_sr;
         emission_w_per_m3_sr[0].push_back(emission);
         emission_w_per_m3_sr[1].push_back(lights_surfaces[medium] != 0 ? emission : Rgb(0.0f));
-        emission_w_per_m3_sr[2].push_back(lights_media[medium] != 0 ? emission : Rgb(0.0f));
     }
 }
 

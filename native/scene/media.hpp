@@ -42,8 +42,8 @@ struct MediumBoundary {
 [[nodiscard]] std::int32_t medium_of_slot(const SceneDescription& description, const Instance& instance,
                                           std::uint16_t slot);
 
-/// Who sees what media emit: their objects may be hidden from some.
-enum class GlowSeenBy : std::uint8_t { Cameras = 0, Surfaces = 1, Media = 2 };
+/// Who sees what media emit: their objects may be hidden from surfaces.
+enum class GlowSeenBy : std::uint8_t { All = 0, Surfaces = 1 };
 
 /// The media of a scene with an Embree scene of their boundaries. Immutable; safe from any thread.
 /// A medium is where the winding number of its boundary is positive, so that meshes may overlap themselves; an open
@@ -74,12 +74,12 @@ public:
     [[nodiscard]] Rgb homogeneous_depth(const Ray& ray) const;
     /// Multiplies the same of each ray into `passing`: a tenth of the time where a fog box is all there is.
     void attenuate(std::span<const Ray> rays, std::span<Rgb> passing) const;
-    /// Some medium of the scene does, as these see it: surfaces none whose objects are hidden from bounces, media none
-    /// whose objects light no media. A medium of several objects is seen if one of them is.
-    [[nodiscard]] bool emits(GlowSeenBy by = GlowSeenBy::Cameras) const;
+    /// Some medium of the scene does, as these see it: surfaces none whose objects are hidden from bounces. A medium of
+    /// several objects is seen if one of them is.
+    [[nodiscard]] bool emits(GlowSeenBy by = GlowSeenBy::All) const;
     /// Radiance that the media emit along the ray towards its origin, attenuated. An endless segment that emits in a
     /// channel without extinction has no finite answer: that channel of it adds nothing.
-    [[nodiscard]] Rgb emission(const Ray& ray, GlowSeenBy by = GlowSeenBy::Cameras) const;
+    [[nodiscard]] Rgb emission(const Ray& ray, GlowSeenBy by = GlowSeenBy::All) const;
 
     [[nodiscard]] Rgb sigma_t_per_m(const MediumSet& set) const;
     [[nodiscard]] Rgb sigma_s_per_m(const MediumSet& set) const;
