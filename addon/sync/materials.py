@@ -275,7 +275,7 @@ def note_missing_attributes(
         for name in asked:
             _, mark, attribute = name.partition(_OF_ATTRIBUTES)
             if mark and not any(
-                known == name if attribute else known > name and known.startswith(name) for known in has
+                known == name if attribute else known != name and known.startswith(name) for known in has
             ):
                 wanted = f'colour attribute "{attribute}"' if attribute else "colour attribute"
                 reports.add(f'Object "{object_name}"', f"has no {wanted}, which its material reads: black")

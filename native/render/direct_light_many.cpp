@@ -5,6 +5,7 @@
 #include "core/sampling.hpp"
 #include "render/direct_light.hpp"
 #include "render/light_groups.hpp"
+#include "render/passed_surface.hpp"
 #include "render/shadow_rays.hpp"
 #include <algorithm>
 
@@ -198,8 +199,7 @@ Rgb DirectLight::of_triangles(const SurfacePoint& point, const DrawnDirection& d
         }
         if (scene_.transparency(ray, hit) == Rgb(0.0f))
             break;
-        ray.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), ray.far_m);
-        ++ray.passed_count;
+        go_on_behind(ray, hit);
     }
     return sum;
 }

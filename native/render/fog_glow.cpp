@@ -2,6 +2,7 @@
 #include "render/fog_glow.hpp"
 #include "core/sampling.hpp"
 #include "render/glow_distances.hpp"
+#include "render/passed_surface.hpp"
 #include "render/pixel_samples.hpp"
 #include <algorithm>
 #include <array>
@@ -85,15 +86,17 @@ static vec2 pair_of(const FogGlow::Numbers& numbers, std::uint32_t pair, std::ui
 }
 
 void FogGlow::draw(const MediaLine& line, const Numbers& numbers, std::vector<Found>& found) const {
-    if (has_glowing_media_)
-        draw_media(line, numbers, found);
-    if (tree_ == nullptr)
-        return;
-    if (!draws_directions_ && !line.has_peak())
+    const bool draws_direction = draws_directions_ || line.has_peak();
+    if (!draws_direction && !has_glowing_media_)
         return draw_triangle(line, numbers, nullptr, found);
     const PhaseDirections directions(line);
-    draw_triangle(line, numbers, &directions, found);
-    draw_direction(line, numbers, directions, found);
+    if (has_glowing_media_)
+        draw_media(line, numbers, directions, found);
+    if (tree_ == nullptr)
+        return;
+    draw_triangle(line, numbers, draws_direction ? &directions : nullptr, found);
+    if (draws_direction)
+        draw_direction(line, numbers, directions, found);
 }
 
 void FogGlow::draw_triangle(const MediaLine& line, const Numbers& numbers, const PhaseDirections* directions,
@@ -158,8 +161,8 @@ static bool casts_shadow(const Scene& scene, const Hit& hit) {
     return placed != nullptr ? placed->casts_shadow : scene.description().instances[hit.instance].casts_shadow;
 }
 
-void FogGlow::draw_media(const MediaLine& line, const Numbers& numbers, std::vector<Found>& found) const {
-    const PhaseDirections directions(line);
+void FogGlow::draw_media(const MediaLine& line, const Numbers& numbers, const PhaseDirections& directions,
+                         std::vector<Found>& found) const {
     const PhaseDirections::Drawn drawn =
         directions.at(pair_of(numbers, 0, first_pair_of_media), pair_of(numbers, 1, first_pair_of_media));
     if (drawn.piece == nullptr)
@@ -183,8 +186,7 @@ void FogGlow::draw_media(const MediaLine& line, const Numbers& numbers, std::vec
         share *= media_.transmittance(inside);
         if (casts_shadow(scene_, hit))
             share *= scene_.transparency(ray, hit);
-        ray.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), ray.far_m);
-        ++ray.passed_count;
+        go_on_behind(ray, hit);
     }
     found.push_back({radiance, no_light_group});
 }
@@ -206,8 +208,7 @@ void FogGlow::draw_direction(const MediaLine& line, const Numbers& numbers, cons
             found.push_back({met(line, directions, drawn, index, hit), scene_.object_info(hit.instance).light_group});
         if (casts_shadow(scene_, hit) && scene_.transparency(ray, hit) == Rgb(0.0f))
             return;
-        ray.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), ray.far_m);
-        ++ray.passed_count;
+        go_on_behind(ray, hit);
     }
 }
 } // namespace tyndall::render

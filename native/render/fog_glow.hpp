@@ -73,7 +73,8 @@ private:
                        std::vector<Found>& found) const;
     void draw_direction(const MediaLine& line, const Numbers& numbers, const PhaseDirections& directions,
                         std::vector<Found>& found) const;
-    void draw_media(const MediaLine& line, const Numbers& numbers, std::vector<Found>& found) const;
+    void draw_media(const MediaLine& line, const Numbers& numbers, const PhaseDirections& directions,
+                    std::vector<Found>& found) const;
     /// What a direction that was drawn brings of the triangle that it meets there, weighed against draw_triangle().
     [[nodiscard]] Rgb met(const MediaLine& line, const PhaseDirections& directions, const PhaseDirections::Drawn& drawn,
                           std::uint32_t index, const Hit& hit) const;

@@ -3,6 +3,7 @@
 #include "core/errors.hpp"
 #include "core/sampling.hpp"
 #include "render/light_groups.hpp"
+#include "render/passed_surface.hpp"
 #include "render/surface_directions.hpp"
 #include "render/view_path.hpp"
 #include "shading/surface_program.hpp"
@@ -229,8 +230,7 @@ void IndirectLight::catch_glow(std::vector<Gatherer>& gatherers, std::span<Gathe
         if (!hit.is_hit())
             return true;
         gatherer.weight *= media_.transmittance(inside) * scene_.transparency(gatherer.part, hit, gatherer.kind);
-        gatherer.part.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), gatherer.part.far_m);
-        ++gatherer.part.passed_count;
+        go_on_behind(gatherer.part, hit);
         return gatherer.weight == Rgb(0.0f);
     });
 }
@@ -275,8 +275,7 @@ void IndirectLight::catch_light(std::span<const SurfacePoint> points, std::vecto
         gatherer.weight *= closures.transparent;
         if (gatherer.weight == Rgb(0.0f))
             continue;
-        gatherer.part.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), gatherer.part.far_m);
-        ++gatherer.part.passed_count;
+        go_on_behind(gatherer.part, hit);
         gatherers[going_on++] = gatherer;
     }
     gatherers.resize(going_on);

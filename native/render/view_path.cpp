@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/view_path.hpp"
 #include "render/follower.hpp"
+#include "render/passed_surface.hpp"
 #include "render/pixel_footprint.hpp"
 #include "render/sent_rays.hpp"
 #include "scene/seen_part.hpp"
@@ -367,9 +368,7 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
             follower.through_surfaces = left_behind(follower.through_surfaces, closures.transparent);
             if (follower.through_surfaces == Rgb(0.0f))
                 continue;
-            // The same ray meets the same triangle at the same distance, bit for bit: one step further is behind it.
-            follower.part.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), follower.part.far_m);
-            ++follower.part.passed_count;
+            go_on_behind(follower.part, hit);
             followers[going_on++] = follower;
         }
         count = going_on;

@@ -46,6 +46,7 @@ struct Media::Boundaries {
     std::unique_ptr<const MediumCrossings> meshes; ///< Of the boundaries that are not boxes; null without one.
     /// By who sees it, see emits(): per medium of the scene.
     std::array<std::vector<Rgb>, 2> emission_w_per_m3_sr;
+    std::array<bool, 2> emits{}; ///< Some of these do.
     GridMedia grids;
 
     void find_emission(const SceneDescription& description);
@@ -120,13 +121,13 @@ void Media::Boundaries::find_emission(const SceneDescription& description) {
         emission_w_per_m3_sr[0].push_back(emission);
         emission_w_per_m3_sr[1].push_back(lights_surfaces[medium] != 0 ? emission : Rgb(0.0f));
     }
+    for (std::size_t by = 0; by < emits.size(); ++by)
+        emits[by] =
+            std::ranges::any_of(emission_w_per_m3_sr[by], [](const Rgb& emission) { return emission != Rgb(0.0f); });
 }
 
 bool Media::is_empty() const { return boundaries_->all.empty() && !fills_world() && grids().is_empty(); }
-bool Media::emits(GlowSeenBy by) const {
-    return std::ranges::any_of(boundaries_->emission_w_per_m3_sr[static_cast<std::size_t>(by)],
-                               [](const Rgb& emission) { return emission != Rgb(0.0f); });
-}
+bool Media::emits(GlowSeenBy by) const { return boundaries_->emits[static_cast<std::size_t>(by)]; }
 Bounds3 Media::bounds() const { return boundaries_->bounds; }
 bool Media::fills_world() const { return boundaries_->world_medium >= 0; }
 std::int32_t Media::world_medium_index() const { return boundaries_->world_medium; }
