@@ -16,7 +16,7 @@ import numpy as np
 
 from tyndall import InvalidInput, IoError
 from tyndall.closed_meshes import open_edge_count
-from tyndall.density_fields import SampledField, field_key, sampled
+from tyndall.density_fields import Field, SampledFields, fields_key, sampled
 from tyndall.scene_description import Medium, Volume
 
 from .point_places import places_of
@@ -128,7 +128,7 @@ class FieldVolumes:
     """The grids of frames one after another; what the next frame has, too, is kept."""
 
     def __init__(self) -> None:
-        self._kept: dict[str, SampledField] = {}
+        self._kept: dict[str, SampledFields] = {}
 
     def read(
         self,
@@ -147,25 +147,21 @@ class FieldVolumes:
             if open_edge_count(mesh):
                 reports.add(varying.culprit, "its varying volume is not drawn: its mesh is open, and has no inside")
                 continue
+            fields = [
+                Field(field.program, field.channel, max(field.medium.sigma_t_per_m())) for field, _ in varying.fields
+            ]
             for place in varying.places():
-                for field, medium in varying.fields:
-                    sigma_t_per_m = max(field.medium.sigma_t_per_m())
-                    program = field.program, field.channel
-                    key = field_key(program, mesh, place, sigma_t_per_m, most_voxels)
-                    known = self._kept.get(key) or kept.get(key)
-                    try:
-                        self._kept[key] = known or sampled(program, mesh, place, key, sigma_t_per_m, most_voxels, poll)
-                    except (InvalidInput, IoError) as error:
-                        reports.add(varying.culprit, f"its varying volume is not drawn: {error}")
-                        continue
-                    for note in self._kept[key].notes:
-                        reports.add(varying.culprit, note)
-                    volumes.append(
-                        Volume(
-                            name=varying.name,
-                            grid=self._kept[key].grid,
-                            world_from_object=place.world_from_object,
-                            medium=medium,
-                        )
-                    )
+                key = fields_key(fields, mesh, place, most_voxels)
+                known = self._kept.get(key) or kept.get(key)
+                try:
+                    found = self._kept[key] = known or sampled(fields, mesh, place, key, most_voxels, poll)
+                except (InvalidInput, IoError) as error:
+                    reports.add(varying.culprit, f"its varying volume is not drawn: {error}")
+                    continue
+                for note in found.notes:
+                    reports.add(varying.culprit, note)
+                volumes += [
+                    Volume(name=varying.name, grid=grid, world_from_object=place.world_from_object, medium=medium)
+                    for grid, (_, medium) in zip(found.grids, varying.fields, strict=True)
+                ]
         return tuple(volume for volume in volumes if len(volume.grid.grid.leaf_origins))

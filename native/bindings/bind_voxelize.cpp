@@ -4,6 +4,7 @@
 #include "bindings/voxel_dag.hpp"
 #include "bindings/voxel_surface.hpp"
 #include "voxel_dag/encode_attributes.hpp"
+#include "voxel_dag/filled_shares.hpp"
 #include "voxel_dag/listed_voxels.hpp"
 #include "voxel_dag/pack_dag.hpp"
 #include "voxel_dag/snapped_mesh.hpp"
@@ -104,6 +105,18 @@ static std::shared_ptr<PlacedDag> dag_of_voxels(const py::array& coordinates, st
     });
 }
 
+static py::array_t<float> shares_filled(const py::array& positions, const py::array& triangles,
+                                        const std::array<double, 3>& lower, const std::array<double, 3>& step,
+                                        const std::array<std::uint32_t, 3>& counts, const Progress& progress) {
+    const auto points = rows<vec3, float>(positions, {-1, 3}, "positions");
+    const auto corners = rows<uvec3, std::uint32_t>(triangles, {-1, 3}, "triangles");
+    const BoxLattice lattice{.lower_m = {lower[0], lower[1], lower[2]},
+                             .step_m = {step[0], step[1], step[2]},
+                             .counts = {counts[0], counts[1], counts[2]}};
+    return to_numpy(without_gil([&] { return filled_shares(points, corners, lattice, progress); }),
+                    {counts[0], counts[1], counts[2]});
+}
+
 void bind_voxelize(py::module_& native) {
     bind_voxel_surface(native);
     py::enum_<VoxelizeRule>(native, "VoxelizeRule")
@@ -126,6 +139,10 @@ void bind_voxelize(py::module_& native) {
         "is_solid"_a, "symmetry"_a, "attribute_config"_a, "memory_budget_bytes"_a, "progress"_a,
         R"(positions: float32 or float64 (n, 3); triangles: uint32 (m, 3); bounds: lower corner and side of a cube, or None.
 Releases the GIL. TypeError: dtype or shape; InvalidInput: a value; Cancelled.)");
+    native.def(
+        "filled_shares", &shares_filled, "positions"_a, "triangles"_a, "lower"_a, "step"_a, "counts"_a, "progress"_a,
+        R"(positions: float32 (n, 3); triangles: uint32 (m, 3); gives float32 of shape counts. Releases the GIL. TypeError:
+dtype or shape; InvalidInput: a value; Cancelled.)");
     native.def(
         "voxel_dag_of", &dag_of_voxels, "coordinates"_a, "level"_a, "bounds"_a, "symmetry"_a, "colors"_a, "normals"_a,
         "channels"_a, "attribute_config"_a, "memory_budget_bytes"_a, "progress"_a,

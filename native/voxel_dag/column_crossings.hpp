@@ -7,6 +7,7 @@
 #pragma once
 #include "voxel_dag/snapped_mesh.hpp"
 #include "voxel_dag/tile.hpp"
+#include <span>
 
 namespace tyndall::voxel_dag {
 /// Crossings in order: those of 64 x 64 columns of a row of tiles, of one column after the other, lower ones first.
@@ -34,4 +35,29 @@ struct ColumnCrossings {
 /// sums_before: of those before all voxels a column has as many as they add up to, and 4 bytes; where most lie there.
 [[nodiscard]] ColumnCrossings cross_columns(const SnappedMesh& mesh, const Progress& progress,
                                             bool sums_before = false);
+
+/// use(the crossings of one column) for each column.
+template <typename Use>
+void for_each_column(std::span<const std::uint64_t> entries, const Use& use) {
+    constexpr int below = 1 + ColumnCrossings::first_bits;
+    while (!entries.empty()) {
+        std::size_t count = 1;
+        while (count < entries.size() && entries[count] >> below == entries.front() >> below)
+            ++count;
+        use(entries.first(count));
+        entries = entries.subspan(count);
+    }
+}
+/// use(from, to) for the runs of voxels, without the last, that the mesh winds around; of one column.
+template <typename Use>
+void for_each_run(std::span<const std::uint64_t> column, std::uint32_t resolution, const Use& use) {
+    int winding = 0;
+    for (std::size_t i = 0; i < column.size(); ++i) {
+        winding += ColumnCrossings::turn(column[i]);
+        const std::uint32_t from = ColumnCrossings::first(column[i]),
+                            to = i + 1 < column.size() ? ColumnCrossings::first(column[i + 1]) : resolution;
+        if (winding != 0 && from < to)
+            use(from, to);
+    }
+}
 } // namespace tyndall::voxel_dag

@@ -3,11 +3,12 @@
 
 Based on: trilinear interpolation between the centres of voxels, halved until it is as near to the program as asked.
 Differs:  voxels are halved along those axes alone along which straight lines miss the program: air in layers has thin
-          ones. Where the mesh does not fill a voxel its density is that share of it, of 8 places: an edge is a voxel
-          wide, half of it outside. Where a voxel is no small part of a free path, the light that the field scatters
-          counts, too (field_light.py).
-Bound:    one evaluation of the program per voxel, at most as many more for coarser grids, a fifth more where it is
-          dense; 4 bytes per voxel.
+          ones. Where the mesh does not fill a voxel its density is that share of it: an edge is a voxel wide, half
+          of it outside. Where a voxel is no small part of a free path, the light that the field scatters
+          counts, too (field_light.py). All fields of a mesh have the same voxels, as fine as the one that bends most
+          asks for: a ray walks through them together.
+Bound:    one evaluation of each program per voxel, at most as many more for coarser grids, a fifth more where it is
+          dense; 4 bytes per voxel and field.
 """
 
 from __future__ import annotations
@@ -23,10 +24,10 @@ from .fingerprints import fingerprint
 from .program_points import values_of
 from .scene_description import DensityGrid
 from .volumes import from_dense
-from .voxel_dag import Config, voxelize
+from .voxel_dag import filled_shares
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -48,36 +49,43 @@ _POINTS_AT_ONCE = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)
-class SampledField:
-    """A grid, and what is to be said of it."""
+class Field:
+    """What varies: one channel of what a program gives."""
 
-    grid: DensityGrid
+    program: Material
+    channel: int
+    sigma_t_per_m: float  #: The greatest extinction coefficient where it is 1.
+
+
+@dataclass(frozen=True, eq=False)
+class SampledFields:
+    """A grid of each field, all of the same voxels, and what is to be said of them."""
+
+    grids: tuple[DensityGrid, ...]
     notes: tuple[str, ...]
 
 
-#: And the channel of what it gives that is the density.
-ChannelOf = tuple["Material", int]
+def fields_key(fields: Sequence[Field], mesh: Mesh, place: PointPlace, most_voxels: int) -> str:
+    """Equal where the grids are: of all instances, wherever they go, that ask for no more than places in the mesh."""
+    read = tuple(
+        (field.program, field.channel, place.read_by(field.program), _optical(field, place)) for field in fields
+    )
+    return f"{mesh.key} holds {fingerprint((read, most_voxels)).hex()}"
 
 
-def field_key(program: ChannelOf, mesh: Mesh, place: PointPlace, sigma_t_per_m: float, most_voxels: int) -> str:
-    """Equal where the grid is: of all instances, wherever they go, if no more is asked for than places in the mesh."""
-    of_object = place.read_by(program[0])
-    optical = f"{sigma_t_per_m * place.unit_m():.3g}"  # turned instances differ by rounding
-    return f"{mesh.key} holds {fingerprint((program, of_object, optical, most_voxels)).hex()}"
+def _optical(field: Field, place: PointPlace) -> str:
+    return f"{field.sigma_t_per_m * place.unit_m():.3g}"  # turned instances differ by rounding
 
 
 def sampled(
-    program: ChannelOf,
+    fields: Sequence[Field],
     mesh: Mesh,
     place: PointPlace,
     key: str,
-    sigma_t_per_m: float,
     most_voxels: int,
     poll: Callable[[], None],
-) -> SampledField:
+) -> SampledFields:
     """At most ``most_voxels`` to the third in the box of a closed mesh; ``poll`` may raise between parts.
-
-    ``sigma_t_per_m`` is the greatest extinction coefficient where the program gives 1.
 
     Raises InvalidInput of a mesh without a volume, and IoError of textures that lie in a file.
     """
@@ -86,42 +94,31 @@ def sampled(
     if not (np.isfinite(sides).all() and (sides > 0.0).all()):
         raise InvalidInput(f'mesh "{mesh.name}" is flat or not finite, and holds no volume')
     notes: list[str] = []
-    values, channel = values_of(program[0], place, notes), program[1]
-
-    def values_at(positions: NDArray[np.float64]) -> FloatArray:
-        return values(positions, {})[:, channel]
-
+    values_at = _Together(fields, place, notes)
     probes = lower + np.random.default_rng(1).random((_PROBES, 3)) * sides
     truth = values_at(probes)
-    size = float(np.sqrt(np.mean(truth**2)))
-    sigma_t = sigma_t_per_m * place.unit_m()
+    sizes = np.sqrt(np.mean(truth**2, axis=0, dtype=np.float64))
+    sizes[sizes == 0.0] = 1.0
     counts = np.maximum(np.ceil(_FIRST_VOXELS * sides / sides.max() - 1e-6).astype(np.int64), 1)
     while True:
         step = sides / counts
-        dense = _evaluated(values_at, lower, step, counts, poll)
-
-        def between(
-            positions: NDArray[np.float64], dense: FloatArray = dense, step: NDArray[np.float64] = step
-        ) -> FloatArray:
-            return _interpolated(dense, (positions - lower) / step)
-
-        error = float(np.sqrt(np.mean((between(probes) - truth) ** 2)))
-        is_near = error <= ERROR_TARGET * size
-        bends = np.zeros(3) if is_near else _bends(values_at, probes, truth, (lower, upper), step)
-        finer = _halved(counts, step, bends, most_voxels)
+        dense = _evaluated(values_at, len(fields), lower, step, counts, poll)
+        errors = _rms(_interpolated(dense, (probes - lower) / step) - truth) / sizes
+        is_far = errors > ERROR_TARGET
+        bends = _bends(values_at, probes, truth, (lower, upper), step) / sizes
+        finer = _halved(counts, step, bends[:, is_far].max(axis=1, initial=0.0), most_voxels)
         of_light = LightError(0.0, 0.0)
-        if (is_near or finer is None) and sigma_t * float(dense.max() * step.max()) > _THICK:
-            poll()
-            of_light = light_error(values_at, between, lower, step, counts, sigma_t)
-        if finer is None or (is_near and of_light.rms <= LIGHT_ERROR_TARGET):
+        if finer is None or not is_far.any():
+            of_light = _light_error(fields, values_at, dense, place, lower, step, counts, poll)
+        if finer is None or (not is_far.any() and of_light.rms <= LIGHT_ERROR_TARGET):
             break
         counts = finer
-    dense *= _coverage(mesh, lower, step, counts)
+    dense *= filled_shares(mesh.positions, mesh.triangles, lower, step, counts)[..., np.newaxis]
     local_from_index = np.diag([*step, 1.0])
     local_from_index[:3, 3] = lower + 0.5 * step
-    if error > ERROR_TARGET * size or of_light.rms > LIGHT_ERROR_TARGET:
+    if is_far.any() or of_light.rms > LIGHT_ERROR_TARGET:
         by = " x ".join(str(count) for count in counts)
-        said = f"its varying volume is drawn from {by} voxels, {100.0 * error / size:.0f} % off between them"
+        said = f"its varying volume is drawn from {by} voxels, {100.0 * errors.max():.0f} % off between them"
         if of_light.rms > LIGHT_ERROR_TARGET:
             said += (
                 "; light ends within a few of them: what it scatters is about"
@@ -129,23 +126,79 @@ def sampled(
                 f" {100.0 * of_light.of_sum:+.0f} % on the whole"
             )
         notes.append(said)
-    return SampledField(DensityGrid(key=key, grid=from_dense("density", dense, local_from_index)), tuple(notes))
+    grids = (
+        from_dense("density", np.ascontiguousarray(values), local_from_index) for values in np.moveaxis(dense, -1, 0)
+    )
+    return SampledFields(
+        tuple(DensityGrid(key=f"{key} {index}", grid=grid) for index, grid in enumerate(grids)), tuple(notes)
+    )
+
+
+class _Together:
+    """All fields at once: each program is asked once for all of its channels."""
+
+    def __init__(self, fields: Sequence[Field], place: PointPlace, notes: list[str]) -> None:
+        programs = dict.fromkeys(field.program for field in fields)
+        self._values = [values_of(program, place, notes) for program in programs]
+        order = {program: index for index, program in enumerate(programs)}
+        self._parts = [(order[field.program], field.channel) for field in fields]
+
+    def __call__(self, positions: NDArray[np.float64]) -> FloatArray:
+        """(n, fields), for positions (n, 3)."""
+        found = [values(positions, {}) for values in self._values]
+        return np.stack([found[program][:, channel] for program, channel in self._parts], axis=-1)
+
+    def of_field(self, index: int) -> Callable[[NDArray[np.float64]], FloatArray]:
+        """Gives (n,)."""
+        program, channel = self._parts[index]
+        return lambda positions: self._values[program](positions, {})[:, channel]
+
+
+def _rms(values: FloatArray) -> NDArray[np.float64]:
+    """Of each column."""
+    return np.asarray(np.sqrt(np.mean(values**2, axis=0, dtype=np.float64)))
+
+
+def _light_error(
+    fields: Sequence[Field],
+    values_at: _Together,
+    dense: FloatArray,
+    place: PointPlace,
+    lower: NDArray[np.float64],
+    step: NDArray[np.float64],
+    counts: NDArray[np.int64],
+    poll: Callable[[], None],
+) -> LightError:
+    """The worst one of those fields of which a voxel is no small part of a free path."""
+    worst = LightError(0.0, 0.0)
+    for index, field in enumerate(fields):
+        sigma_t = field.sigma_t_per_m * place.unit_m()
+        if sigma_t * float(dense[..., index].max() * step.max()) <= _THICK:
+            continue
+        poll()
+
+        def between(positions: NDArray[np.float64], index: int = index) -> FloatArray:
+            return _interpolated(dense[..., index, np.newaxis], (positions - lower) / step)[:, 0]
+
+        found = light_error(values_at.of_field(index), between, lower, step, counts, sigma_t)
+        worst = max(worst, found, key=lambda error: error.rms)
+    return worst
 
 
 def _bends(
-    values_at: Callable[[NDArray[np.float64]], FloatArray],
+    values_at: _Together,
     probes: NDArray[np.float64],
     truth: FloatArray,
     box: tuple[NDArray[np.float64], NDArray[np.float64]],
     step: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Per axis: how far the program is off a straight line through one voxel, RMS."""
-    found = np.zeros(3)
+    """Per axis and field, (3, fields): how far it is off a straight line through one voxel, RMS."""
+    found = np.zeros((3, truth.shape[1]))
     for axis in range(3):
         half = np.zeros(3)
         half[axis] = 0.5 * step[axis]
         before, behind = (values_at(np.clip(probes + way * half, *box)) for way in (-1.0, 1.0))
-        found[axis] = np.sqrt(np.mean((0.5 * (before + behind) - truth) ** 2))
+        found[axis] = _rms(0.5 * (before + behind) - truth)
     return found
 
 
@@ -166,62 +219,33 @@ def _halved(
 
 
 def _evaluated(
-    values_at: Callable[[NDArray[np.float64]], FloatArray],
+    values_at: _Together,
+    field_count: int,
     lower: NDArray[np.float64],
     step: NDArray[np.float64],
     counts: NDArray[np.int64],
     poll: Callable[[], None],
 ) -> FloatArray:
-    """(nx, ny, nz), at the centres of voxels."""
-    dense = np.empty(tuple(counts), np.float32)
+    """(nx, ny, nz, fields), at the centres of voxels."""
+    dense = np.empty((*counts, field_count), np.float32)
     y, z = (lower[axis] + (np.arange(counts[axis]) + 0.5) * step[axis] for axis in (1, 2))
     slices = max(int(_POINTS_AT_ONCE // (counts[1] * counts[2])), 1)
     for first in range(0, int(counts[0]), slices):
         poll()
         x = lower[0] + (np.arange(first, min(first + slices, counts[0])) + 0.5) * step[0]
         points = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
-        dense[first : first + slices] = values_at(points).reshape(len(x), len(y), len(z))
+        dense[first : first + slices] = values_at(points).reshape(len(x), len(y), len(z), field_count)
     return dense
 
 
 def _interpolated(dense: FloatArray, at: NDArray[np.float64]) -> FloatArray:
-    """Trilinear at places in voxels; what lies before the first centres and behind the last has their values."""
-    last = np.array(dense.shape) - 1
+    """Trilinear at places in voxels, (n, fields); before the first centres and behind the last it is as there."""
+    last = np.array(dense.shape[:3]) - 1
     place = np.clip(at - 0.5, 0.0, last)
     first = np.minimum(place.astype(np.int64), np.maximum(last - 1, 0))
     share = place - first
-    found = np.zeros(len(at))
+    found = np.zeros((len(at), dense.shape[3]))
     for corner in np.ndindex(2, 2, 2):
         index = np.minimum(first + corner, last)
-        found += dense[tuple(index.T)] * np.where(corner, share, 1.0 - share).prod(axis=1)
+        found += dense[tuple(index.T)] * np.where(corner, share, 1.0 - share).prod(axis=1)[:, np.newaxis]
     return found.astype(np.float32)
-
-
-def _coverage(
-    mesh: Mesh, lower: NDArray[np.float64], step: NDArray[np.float64], counts: NDArray[np.int64]
-) -> FloatArray | np.float32:
-    """Shares of voxels inside the mesh; 1 of all where it fills its box."""
-    corners = mesh.positions.astype(np.float64)[mesh.triangles] - lower
-    volume = abs(np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum()) / 6.0
-    if volume > (1.0 - 1e-4) * float((counts * step).prod()):
-        return np.float32(1.0)
-    longest = float((counts * step).max())
-    resolution = 1 << int(np.ceil(np.log2(min(2.0 * longest / float(step.min()), _MOST_ALONG_AXIS))))
-    solid = voxelize(
-        mesh.positions,
-        mesh.triangles,
-        Config(resolution=resolution, solid=True, bounds_m=(tuple(lower), tuple(lower + longest))),
-    )
-    inside = np.zeros(tuple(counts), np.uint8)
-    for corner in np.ndindex(2, 2, 2):
-        x, y, z = (
-            ((np.arange(counts[axis]) + 0.25 + 0.5 * corner[axis]) * step[axis] * (resolution / longest)).astype(
-                np.uint32
-            )
-            for axis in range(3)
-        )
-        across, up = (axis.ravel() for axis in np.meshgrid(y, z, indexing="ij"))
-        for index, place in enumerate(x):
-            column = np.full(across.size, place, np.uint32)
-            inside[index] += solid.contains(np.column_stack([column, across, up])).reshape(len(y), len(z))
-    return inside.astype(np.float32) / np.float32(8.0)

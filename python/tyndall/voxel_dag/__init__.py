@@ -10,7 +10,7 @@ from .exports import VoxelMesh
 from .file_header import FileHeader, checked_header, read_header
 from .forecast import Forecast, forecast
 from .grids import from_array, import_vdb
-from .meshes import from_coordinates, voxelize
+from .meshes import filled_shares, from_coordinates, voxelize
 from .out_of_core import voxelize_to_file, write_voxels
 from .textures import Material, Textures
 from .vox_files import import_vox
@@ -31,6 +31,7 @@ __all__ = [
     "exposed_cubes",
     "exposed_faces",
     "extent_of",
+    "filled_shares",
     "forecast",
     "from_array",
     "from_coordinates",

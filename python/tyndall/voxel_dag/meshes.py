@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
-from numpy.typing import ArrayLike
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from tyndall import _native
 from tyndall._native import Progress
@@ -25,6 +27,9 @@ from .checks import (
 from .config import Config
 from .dag import VoxelDag
 from .surfaces import surface
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
 
 
 def voxelize(
@@ -86,4 +91,29 @@ def from_coordinates(
             memory_budget_bytes=budget(config),
             progress=progress or Progress(),
         )
+    )
+
+
+def filled_shares(
+    positions_m: ArrayLike,
+    triangles: ArrayLike,
+    lower_m: ArrayLike,
+    step_m: ArrayLike,
+    counts: ArrayLike,
+    progress: Progress | None = None,
+) -> NDArray[np.float32]:
+    """How much of each box of a lattice a closed mesh fills, in [0, 1], of shape ``counts``.
+
+    ``lower_m`` is the first box's lower corner, ``step_m`` a box's sides: (3,) each. Parts of the mesh that overlap
+    count once. Raises InvalidInput, which names the vertex, the edge at which it is open, or the setting; and
+    Cancelled.
+    """
+    lower, step = (np.asarray(value, np.float64).tolist() for value in (lower_m, step_m))
+    return _native.filled_shares(
+        positions=points(np.asarray(positions_m, np.float32), "positions_m"),
+        triangles=indices(triangles, "triangles"),
+        lower=lower,
+        step=step,
+        counts=[int(count) for count in np.asarray(counts)],
+        progress=progress or Progress(),
     )
