@@ -160,8 +160,12 @@ class FieldVolumes:
                     continue
                 for note in found.notes:
                     reports.add(varying.culprit, note)
-                volumes += [
-                    Volume(name=varying.name, grid=grid, world_from_object=place.world_from_object, medium=medium)
-                    for grid, (_, medium) in zip(found.grids, varying.fields, strict=True)
-                ]
-        return tuple(volume for volume in volumes if len(volume.grid.grid.leaf_origins))
+                for part, (_, medium) in zip(found.grids, varying.fields, strict=True):
+                    if part is None:
+                        continue
+                    grid, channel = part
+                    matrix = place.world_from_object
+                    volumes.append(
+                        Volume(name=varying.name, grid=grid, channel=channel, world_from_object=matrix, medium=medium)
+                    )
+        return tuple(volumes)

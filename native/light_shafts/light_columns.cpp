@@ -5,6 +5,9 @@
 #include <tuple>
 
 namespace tyndall::light_shafts {
+/// Voxels between columns from which on a look per voxel tells as much as the integral over each cell.
+static constexpr float sampled_from = 2.0f;
+
 void LightColumns::add_face(const vec3& forward, const vec2& low, const vec2& high) {
     Face& face = faces_.emplace_back();
     face.forward = forward;
@@ -20,9 +23,32 @@ void LightColumns::add_face(const vec3& forward, const vec2& low, const vec2& hi
     }
 }
 
+void LightColumns::find_colour() {
+    Rgb of_all(0.0f);
+    for (const GridField& field : placed_->used_fields())
+        of_all += field.sigma_t_per_m;
+    const float sum = of_all.x + of_all.y + of_all.z;
+    if (!(sum > 0.0f)) {
+        colour_ = Rgb(0.0f);
+        return;
+    }
+    constexpr float rounding = 1e-6f;
+    colour_ = of_all;
+    for (int channel = 0; const GridField& field : placed_->used_fields()) {
+        const Rgb& own = field.sigma_t_per_m;
+        const float share = (own.x + own.y + own.z) / sum;
+        shares_[channel++] = share;
+        if (glm::any(glm::greaterThan(glm::abs(own - share * of_all), Rgb(rounding * sum)))) {
+            colour_.reset();
+            return;
+        }
+    }
+}
+
 LightColumns::LightColumns(const PlacedGrid& placed, const LightSample& light, float spacing_voxels)
     : placed_(&placed), is_directional_(light.is_directional), origin_(light.position),
-      spacing_m_(spacing_voxels * placed.voxel_m) {
+      spacing_m_(spacing_voxels * placed.voxel_m), is_sampled_(spacing_voxels >= sampled_from) {
+    find_colour();
     const vec3 centre = placed.bounds.centre();
     const float radius_m = 0.5f * placed.bounds.diagonal_m();
     if (is_directional_) {
@@ -76,28 +102,85 @@ GridLine LightColumns::line_of(const Face& face, std::uint32_t x, std::uint32_t 
 
 LightColumns::Column LightColumns::walk(const GridLine& line) const {
     Column column;
-    double sum = 0.0, place_m = 0.0; // of the next place
+    glm::dvec4 sum(0.0);
+    double place_m = 0.0; // of the next place
     const auto add_place = [&] {
-        column.values.push_back(static_cast<float>(sum));
+        append(sum, column.values);
         place_m += spacing_m_;
     };
-    for_each_cell(*placed_->grid, line, first_m_, std::numeric_limits<double>::infinity(), [&](const CellSpan& span) {
-        if (column.values.empty()) {
-            column.begin = static_cast<std::uint32_t>(std::max(0.0, std::floor((span.near_m - first_m_) / spacing_m_)));
-            place_m = first_m_ + column.begin * double{spacing_m_};
-            add_place();
-        }
-        double at = span.near_m;
-        for (; place_m < span.far_m; at = std::max(at, place_m), add_place())
-            if (place_m > at)
-                sum += span.integral(at, place_m), at = place_m;
-        sum += span.integral(at, span.far_m);
-        return true;
+    with_density_type(*placed_->grid, [&]<class Density>(const Density&) {
+        constexpr double endless = std::numeric_limits<double>::infinity();
+        for_each_cell<Density>(*placed_->grid, line, first_m_, endless, [&](const CellSpan<Density>& span) {
+            if (column.values.empty()) {
+                column.begin =
+                    static_cast<std::uint32_t>(std::max(0.0, std::floor((span.near_m - first_m_) / spacing_m_)));
+                place_m = first_m_ + column.begin * double{spacing_m_};
+                add_place();
+            }
+            double at = span.near_m;
+            for (; place_m < span.far_m; at = std::max(at, place_m), add_place())
+                if (place_m > at)
+                    add_integral(sum, span.integral(at, place_m)), at = place_m;
+            add_integral(sum, span.integral(at, span.far_m));
+            return true;
+        });
     });
     if (!column.values.empty())
         add_place(); // all that there is
     column.values.shrink_to_fit();
     return column;
+}
+
+/// By the midpoint rule, in steps over which the line stays within a voxel's side along each axis.
+LightColumns::Column LightColumns::sampled(const GridLine& line) const {
+    Column column;
+    const DensityGrid& grid = *placed_->grid;
+    const glm::dvec3 sides = glm::abs(line.direction);
+    const double per_place = std::max(1.0, std::ceil(double{spacing_m_} * std::max({sides.x, sides.y, sides.z})));
+    const double step_m = spacing_m_ / per_place;
+    glm::dvec4 sum(0.0);
+    double next_place = 0.0; // in steps
+    const auto add_place = [&] {
+        append(step_m * sum, column.values);
+        next_place += per_place;
+    };
+    with_density_type(grid, [&]<class Density>(const Density&) {
+        constexpr double endless = std::numeric_limits<double>::infinity();
+        for_each_brick(grid, line, first_m_, endless,
+                       [&](const DensityGrid::Brick& brick, double near_m, double far_m, const glm::ivec3& place) {
+                           double step = std::ceil((near_m - first_m_) / step_m - 0.5);
+                           const double end = std::ceil((far_m - first_m_) / step_m - 0.5);
+                           if (step < end && column.values.empty()) {
+                               column.begin = static_cast<std::uint32_t>(std::max(0.0, std::floor(step / per_place)));
+                               next_place = column.begin * per_place;
+                               add_place();
+                           }
+                           const glm::dvec3 corner = double{DensityGrid::brick_cells} * glm::dvec3(place);
+                           for (; step < end; step += 1.0) {
+                               while (next_place <= step)
+                                   add_place();
+                               const vec3 at = glm::clamp(vec3(line.at(first_m_ + (step + 0.5) * step_m) - corner),
+                                                          0.0f, static_cast<float>(DensityGrid::brick_cells));
+                               const glm::ivec3 cell = glm::min(glm::ivec3(at), DensityGrid::brick_cells - 1);
+                               add_integral(sum, trilinear<Density>(cell_corner(brick, cell, density_stride<Density>),
+                                                                    at - vec3(cell)));
+                           }
+                           return true;
+                       });
+    });
+    if (!column.values.empty())
+        add_place(); // all that there is
+    column.values.shrink_to_fit();
+    return column;
+}
+
+void LightColumns::append(const glm::dvec4& integral, std::vector<float>& values) const {
+    if (colour_) {
+        values.push_back(glm::dot(vec4(integral), shares_));
+        return;
+    }
+    const Rgb depth = placed_->sigma_t_per_m(vec4(integral));
+    values.insert(values.end(), {depth.x, depth.y, depth.z});
 }
 
 const LightColumns::Column& LightColumns::column(const Face& face, std::uint32_t x, std::uint32_t y) const {
@@ -106,36 +189,46 @@ const LightColumns::Column& LightColumns::column(const Face& face, std::uint32_t
     if (known != nullptr)
         return *known;
     // Whoever makes the same one at the same time makes the same values: the first one to be done counts.
-    auto made = std::make_unique<const Column>(walk(line_of(face, x, y)));
+    const GridLine line = line_of(face, x, y);
+    auto made = std::make_unique<const Column>(is_sampled_ ? sampled(line) : walk(line));
     if (place.compare_exchange_strong(known, made.get(), std::memory_order_acq_rel, std::memory_order_acquire))
         known = made.release();
     return *known;
 }
 
-float LightColumns::Column::at(float place) const {
-    if (values.empty())
-        return 0.0f;
-    const float inside = std::clamp(place - static_cast<float>(begin), 0.0f, static_cast<float>(values.size() - 1));
-    const std::size_t index = std::min(static_cast<std::size_t>(inside), values.size() - 2);
-    return values[index] + (inside - static_cast<float>(index)) * (values[index + 1] - values[index]);
+Rgb LightColumns::depth_at(const Column& column, float place) const {
+    if (column.values.empty())
+        return Rgb(0.0f);
+    const std::size_t count = column.values.size() / (colour_ ? 1 : 3);
+    const float inside = std::clamp(place - static_cast<float>(column.begin), 0.0f, static_cast<float>(count - 1));
+    const std::size_t index = std::min(static_cast<std::size_t>(inside), count - 2);
+    const float share = inside - static_cast<float>(index);
+    const auto between = [&](std::size_t at, std::size_t stride) {
+        const float value = column.values[at];
+        return value + share * (column.values[at + stride] - value);
+    };
+    if (colour_) // times the colour, in the end
+        return Rgb(between(index, 1), 0.0f, 0.0f);
+    return {between(3 * index, 3), between(3 * index + 1, 3), between(3 * index + 2, 3)};
 }
 
-float LightColumns::depth(const Face& face, const vec2& uv, float way_m) const {
+Rgb LightColumns::depth(const Face& face, const vec2& uv, float way_m) const {
     const vec2 place = (uv - face.first) / spacing_uv_;
     if (!(place.x >= 0.0f && place.y >= 0.0f && place.x <= static_cast<float>(face.width - 1) &&
           place.y <= static_cast<float>(face.height - 1)))
-        return 0.0f;
+        return Rgb(0.0f);
     const auto x = std::min(static_cast<std::uint32_t>(place.x), face.width - 2);
     const auto y = std::min(static_cast<std::uint32_t>(place.y), face.height - 2);
     const float along = (way_m - first_m_) / spacing_m_;
     const float share = place.x - static_cast<float>(x);
     const auto across = [&](std::uint32_t row) {
-        return std::lerp(column(face, x, row).at(along), column(face, x + 1, row).at(along), share);
+        return glm::mix(depth_at(column(face, x, row), along), depth_at(column(face, x + 1, row), along), share);
     };
-    return std::lerp(across(y), across(y + 1), place.y - static_cast<float>(y));
+    const Rgb found = glm::mix(across(y), across(y + 1), place.y - static_cast<float>(y));
+    return colour_ ? found.x * *colour_ : found;
 }
 
-float LightColumns::depth(const vec3& point) const {
+Rgb LightColumns::depth(const vec3& point) const {
     const vec3 way = point - origin_;
     if (is_directional_) {
         const Face& face = faces_.front();
@@ -147,7 +240,7 @@ float LightColumns::depth(const vec3& point) const {
             nearest = &face;
     const float ahead_m = glm::dot(way, nearest->forward);
     if (!(ahead_m > 0.0f))
-        return 0.0f;
+        return Rgb(0.0f);
     return depth(*nearest, vec2(glm::dot(way, nearest->across), glm::dot(way, nearest->up)) / ahead_m,
                  glm::length(way));
 }
@@ -174,8 +267,8 @@ Rgb GridLightDepth::depth(const vec3& point) const {
     if (columns_.empty())
         return exact_depth(point);
     Rgb depth(0.0f);
-    for (std::size_t grid = 0; grid < columns_.size(); ++grid)
-        depth += columns_[grid].depth(point) * grids_.all()[grid].sigma_t_per_m;
+    for (const LightColumns& columns : columns_)
+        depth += columns.depth(point);
     return depth;
 }
 

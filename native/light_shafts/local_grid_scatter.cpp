@@ -76,8 +76,8 @@ private:
             -glm::dot(ray_->direction, view.from_light); // from the light's way to the way to the camera
         Rgb scatter = media_.scatter_per_m_sr(set, cosine);
         for (const GridShare& share : shares) {
-            const PlacedGrid& placed = media_.grids().all()[share.grid];
-            scatter += share.density * placed.density_scale * media_.scatter_per_m_sr(placed.medium, cosine);
+            const GridField& field = media_.grids().field(share.grid, share.channel);
+            scatter += share.density * field.density_scale * media_.scatter_per_m_sr(field.medium, cosine);
         }
         const Rgb colour = light.textured ? texture_colour(light, at) : Rgb(1.0f);
         return scatter * colour * view.irradiance;

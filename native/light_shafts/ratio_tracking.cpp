@@ -27,15 +27,13 @@ Rgb ratio_transmittance(const GridMedia& grids, const Ray& ray, RandomStream& ra
     Rgb passing(1.0f);
     for (const PlacedGrid& placed : grids.all()) {
         const GridLine line = placed.line(ray.origin, ray.direction);
-        const float densest = std::max({placed.sigma_t_per_m.x, placed.sigma_t_per_m.y, placed.sigma_t_per_m.z});
-        if (!(densest > 0.0f))
-            continue;
         for_each_brick(*placed.grid, line, ray.near_m, ray.far_m,
                        [&](const DensityGrid::Brick& brick, double near_m, double far_m, const glm::ivec3&) {
-                           const float majorant = densest * brick.greatest;
+                           const Rgb greatest = placed.sigma_t_per_m(brick.greatest);
+                           const float majorant = std::max({greatest.x, greatest.y, greatest.z});
                            double at = near_m;
-                           while ((at -= std::log1p(-double{random.next()}) / majorant) < far_m)
-                               passing *= 1.0f - placed.grid->at(vec3(line.at(at))) * placed.sigma_t_per_m / majorant;
+                           while (majorant > 0.0f && (at -= std::log1p(-double{random.next()}) / majorant) < far_m)
+                               passing *= 1.0f - placed.sigma_t_per_m(placed.grid->at(vec3(line.at(at)))) / majorant;
                            return passing != Rgb(0.0f);
                        });
     }
@@ -93,12 +91,9 @@ private:
     }
     [[nodiscard]] Rgb scatter_per_m_sr(const vec3& point, const MediumSet& set, float cosine) const {
         Rgb sum = media_.scatter_per_m_sr(set, cosine);
-        for (const PlacedGrid& placed : media_.grids().all()) {
-            const float density = placed.grid->at(vec3(placed.line(point, ray_.direction).origin));
-            if (!(density > 0.0f))
-                continue;
-            sum += density * placed.density_scale * media_.scatter_per_m_sr(placed.medium, cosine);
-        }
+        media_.grids().for_each_density(point, [&](const GridField& field, float density) {
+            sum += density * field.density_scale * media_.scatter_per_m_sr(field.medium, cosine);
+        });
         return sum;
     }
     [[nodiscard]] Rgb passing(const Ray& ray) {

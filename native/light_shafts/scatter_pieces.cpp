@@ -169,14 +169,17 @@ void DirectionalScatter::append_grid_pieces(const ViewRay& ray, std::span<const 
     if (segments.empty() || steps.empty())
         return;
     LightSideSweep& sweep = begin_sweep(media_, ray, segments, light_);
-    thread_local std::vector<LinePart> reached; // through grids
-    thread_local std::vector<Rgb> scatter_of_grid;
+    thread_local std::vector<LinePart> reached;                                            // through grids
+    thread_local std::vector<std::array<Rgb, DensityGrid::most_channels>> scatter_of_grid; // and channel
     reached.clear(), scatter_of_grid.clear();
     if (grid_depth_)
         grid_depth_->append_reached(ray.origin, ray.direction, steps.front().near_m, steps.back().far_m, reached);
     const float cosine = glm::dot(ray.direction, light_.towards_light);
-    for (const PlacedGrid& placed : media_.grids().all())
-        scatter_of_grid.push_back(placed.density_scale * media_.scatter_per_m_sr(placed.medium, cosine));
+    for (const PlacedGrid& placed : media_.grids().all()) {
+        auto scatter = scatter_of_grid.emplace_back().begin();
+        for (const GridField& field : placed.used_fields())
+            *scatter++ = field.density_scale * media_.scatter_per_m_sr(field.medium, cosine);
+    }
     dvec3 camera_depth(0.0);
     double known_at = -1.0; // where known_depth holds
     Rgb known_depth(0.0f);
@@ -190,7 +193,7 @@ void DirectionalScatter::append_grid_pieces(const ViewRay& ray, std::span<const 
     for (const MediumStep& step : steps) {
         Rgb source = media_.scatter_per_m_sr(segments[step.segment].set, cosine);
         for (const GridShare& share : all_steps.shares_of(step))
-            source += share.density * scatter_of_grid[share.grid];
+            source += share.density * scatter_of_grid[share.grid][share.channel];
         source *= irradiance_;
         const dvec3 sigma_t = dvec3(step.depth_gain) / (double{step.far_m} - step.near_m);
         const bool is_asked = source != Rgb(0.0f);

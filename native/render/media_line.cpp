@@ -39,8 +39,8 @@ void MediaLine::append(const MediumSegment& segment, std::uint32_t index, const 
     if (step == nullptr)
         return;
     for (const GridShare& share : steps_.shares_of(*step)) {
-        const PlacedGrid& placed = media_->grids().all()[share.grid];
-        append_lobes(placed.medium, share.density * placed.density_scale);
+        const GridField& field = media_->grids().field(share.grid, share.channel);
+        append_lobes(field.medium, share.density * field.density_scale);
     }
 }
 
@@ -106,9 +106,9 @@ Rgb MediaLine::scatter_per_m_sr(const Piece& piece, float at_m, const vec3& to_l
     if (media_->grids().is_empty())
         return sum;
     const vec3 place = part_.origin + at_m * part_.direction;
-    for (const PlacedGrid& placed : media_->grids().all())
-        if (const float density = placed.grid->at(vec3(placed.line(place, part_.direction).origin)); density > 0.0f)
-            sum += density * placed.density_scale * media_->scatter_per_m_sr(placed.medium, cosine);
+    media_->grids().for_each_density(place, [&](const GridField& field, float density) {
+        sum += density * field.density_scale * media_->scatter_per_m_sr(field.medium, cosine);
+    });
     return sum;
 }
 } // namespace tyndall::render

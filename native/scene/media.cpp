@@ -329,9 +329,9 @@ Rgb Media::emission(const Ray& ray, GlowSeenBy by) const {
         const MediumSet& set = along[step.segment].set;
         Rgb emitted_per_m = of_set(set), sigma_t = sigma_t_per_m(set);
         for (const GridShare& share : steps.shares_of(step)) {
-            const PlacedGrid& placed = grids().all()[share.grid];
-            emitted_per_m += share.density * placed.emission_w_per_m3_sr;
-            sigma_t += share.density * placed.sigma_t_per_m;
+            const GridField& field = grids().field(share.grid, share.channel);
+            emitted_per_m += share.density * field.emission_w_per_m3_sr;
+            sigma_t += share.density * field.sigma_t_per_m;
         }
         emitted.add(emitted_per_m, sigma_t, step.far_m - step.near_m);
     }

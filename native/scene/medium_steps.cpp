@@ -74,23 +74,25 @@ private:
     double next_m_ = 0.0;
 };
 
-/// Adds the integral of a grid's density over each cut to its column of `integrals`.
-void integrate(const PlacedGrid& placed, const Ray& ray, std::span<const Cut> cuts, std::span<double> integrals) {
-    std::size_t cut = 0;
-    for_each_cell(
-        *placed.grid, placed.line(ray.origin, ray.direction), ray.near_m, ray.far_m, [&](const CellSpan& span) {
-            while (cut < cuts.size() && cuts[cut].far_m <= span.near_m)
-                ++cut;
-            for (std::size_t at = cut; at < cuts.size() && cuts[at].near_m < span.far_m; ++at)
-                integrals[at] +=
-                    span.integral(std::max(span.near_m, cuts[at].near_m), std::min(span.far_m, cuts[at].far_m));
-            return cut < cuts.size();
-        });
+/// Adds the integrals of a grid's densities over each cut to its column of `integrals`.
+void integrate(const PlacedGrid& placed, const Ray& ray, std::span<const Cut> cuts, std::span<glm::dvec4> integrals) {
+    with_density_type(*placed.grid, [&]<class Density>(const Density&) {
+        std::size_t cut = 0;
+        for_each_cell<Density>(*placed.grid, placed.line(ray.origin, ray.direction), ray.near_m, ray.far_m,
+                               [&](const CellSpan<Density>& span) {
+                                   while (cut < cuts.size() && cuts[cut].far_m <= span.near_m)
+                                       ++cut;
+                                   for (std::size_t at = cut; at < cuts.size() && cuts[at].near_m < span.far_m; ++at)
+                                       add_integral(integrals[at], span.integral(std::max(span.near_m, cuts[at].near_m),
+                                                                                 std::min(span.far_m, cuts[at].far_m)));
+                                   return cut < cuts.size();
+                               });
+    });
 }
 
 struct Workspace {
     std::vector<Cut> cuts, finer;
-    std::vector<double> integrals; ///< Grid by grid, cut by cut.
+    std::vector<glm::dvec4> integrals; ///< Of each channel's density; grid by grid, cut by cut.
 };
 
 Rgb depth_gain(const Media& media, const Workspace& work, std::size_t cut, const Rgb& sigma_t_of_segment) {
@@ -101,7 +103,7 @@ Rgb depth_gain(const Media& media, const Workspace& work, std::size_t cut, const
             gain[channel] = sigma_t_of_segment[channel] * length_m;
     std::size_t row = cut;
     for (const PlacedGrid& placed : media.grids().all()) {
-        gain += placed.sigma_t_per_m * static_cast<float>(work.integrals[row]);
+        gain += placed.sigma_t_per_m(vec4(work.integrals[row]));
         row += work.cuts.size();
     }
     return gain;
@@ -109,7 +111,7 @@ Rgb depth_gain(const Media& media, const Workspace& work, std::size_t cut, const
 
 void integrate_all(const Media& media, const Ray& ray, Workspace& work) {
     const std::size_t count = work.cuts.size();
-    work.integrals.assign(count * media.grids().all().size(), 0.0);
+    work.integrals.assign(count * media.grids().all().size(), glm::dvec4(0.0));
     Ray reached = ray;
     reached.far_m = static_cast<float>(count == 0 ? ray.near_m : work.cuts.back().far_m);
     std::size_t row = 0;
@@ -167,9 +169,11 @@ void append_steps(const Media& media, const Ray& ray, std::span<const MediumSegm
         if (!(step.near_m < step.far_m))
             continue;
         for (std::size_t grid = 0; grid < media.grids().all().size(); ++grid)
-            if (const double integral = work.integrals[grid * work.cuts.size() + cut]; integral > 0.0)
-                steps.shares.push_back(
-                    {static_cast<std::uint16_t>(grid), static_cast<float>(integral / (far_m - near_m))});
+            for (std::size_t channel = 0; channel < media.grids().all()[grid].grid->channel_count(); ++channel)
+                if (const double integral = work.integrals[grid * work.cuts.size() + cut][static_cast<int>(channel)];
+                    integral > 0.0)
+                    steps.shares.push_back({static_cast<std::uint16_t>(grid), static_cast<std::uint16_t>(channel),
+                                            static_cast<float>(integral / (far_m - near_m))});
         step.share_count = static_cast<std::uint32_t>(steps.shares.size()) - step.first_share;
         depth += step.depth_gain;
         if (steps.steps.size() > steps.first.back() && step.share_count == 0)

@@ -6,9 +6,10 @@
 #include "scene/media.hpp"
 
 namespace tyndall {
-/// The mean density of a grid over a step.
+/// The mean density of a grid's channel over a step.
 struct GridShare {
     std::uint16_t grid; ///< Into GridMedia::all.
+    std::uint16_t channel;
     float density;
 };
 struct MediumStep {

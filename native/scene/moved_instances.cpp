@@ -40,8 +40,8 @@ static bool are_same(const Medium& a, const Medium& b) {
 }
 static bool are_same(const VolumeInstance& a, const VolumeInstance& b) {
     const auto all = [](const VolumeInstance& volume) {
-        const auto& [name, grid, medium_index, world_from_local, density_scale] = volume;
-        return std::tie(name, grid, medium_index, world_from_local, density_scale);
+        const auto& [name, grid, channel, medium_index, world_from_local, density_scale] = volume;
+        return std::tie(name, grid, channel, medium_index, world_from_local, density_scale);
     };
     return all(a) == all(b);
 }

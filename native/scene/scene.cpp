@@ -134,8 +134,10 @@ void Scene::Geometry::validate() const {
                 "' asks for medium ", material.medium_index, " of ", medium_count);
     }
     for (const VolumeInstance& volume : scene.volumes)
-        require(volume.grid != nullptr && volume.medium_index < scene.media.size(), "volume '", volume.name,
-                "' asks for medium ", volume.medium_index, " of ", scene.media.size());
+        require(volume.grid != nullptr && volume.medium_index < scene.media.size() &&
+                    volume.channel < volume.grid->channel_count(),
+                "volume '", volume.name, "' asks for medium ", volume.medium_index, " of ", scene.media.size(),
+                " and channel ", volume.channel, " of its grid");
     require(scene.world_medium_index >= -1 && scene.world_medium_index < medium_count, "the world asks for medium ",
             scene.world_medium_index, " of ", medium_count);
 }

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A sparse grid of densities, trilinear between the centres of its voxels, as bricks that are read without a gather.
+// A sparse grid of densities, trilinear between the centres of its voxels, as bricks that are read without a gather. Up to
+// four densities of the same voxels lie side by side and are read together.
 // Based on: Museth, VDB, ACM Trans. Graph. 32(3), 2013, for leaves of 8^3 voxels; Cycles for what lies between voxels.
 // Differs:  a brick is 8^3 cells with the 9^3 voxels at their corners: a lookup reads one brick, and never a neighbour.
 //           The tree above the leaves is a table of bricks, of which those without density are skipped whole.
-// Bound:    2,920 bytes per brick that has density, 4 per brick of the bounding box; 8 loads and 7 lerps per lookup.
+// Bound:    2,916 bytes per brick that has density, four times as many of several, and 24 more; 4 per brick of the bounding
+//           box; 8 loads and 7 lerps per lookup, of four floats each for several.
 #pragma once
 #include "core/math.hpp"
 #include "core/progress.hpp"
-#include <array>
 #include <cstdint>
+#include <cstring>
+#include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace tyndall {
@@ -26,14 +30,23 @@ struct GridLeaves {
 class DensityGrid {
 public:
     static constexpr int brick_cells = 8, brick_corners = 9; ///< Per side of a brick.
+    static constexpr std::size_t most_channels = 4;
     struct Brick {
-        std::array<float, brick_corners * brick_corners * brick_corners> corners; ///< z fastest.
-        float greatest;
+        const float* corners; ///< z fastest; stride() of them each.
+        vec4 greatest{0.0f};  ///< Of each channel.
     };
 
     /// Throws InvalidInput, which names the grid, for a density that is not finite or too large, leaves that overlap or
     /// lie too far apart, and a matrix without an inverse. Densities below 0 are 0, as in Cycles.
-    DensityGrid(const GridLeaves& leaves, const Progress& progress);
+    DensityGrid(const GridLeaves& leaves, const Progress& progress) : DensityGrid(std::span(&leaves, 1), progress) {}
+    /// One to four channels, whose voxels have to be the same. Throws as the other.
+    DensityGrid(std::span<const GridLeaves> channels, const Progress& progress);
+    DensityGrid(const DensityGrid&) = delete; // bricks point to what it owns
+    DensityGrid& operator=(const DensityGrid&) = delete;
+
+    [[nodiscard]] std::size_t channel_count() const { return channel_count_; }
+    /// Floats from one corner to the next: 1 or 4, of which those beyond the channels are 0.
+    [[nodiscard]] int stride() const { return channel_count_ == 1 ? 1 : static_cast<int>(most_channels); }
 
     [[nodiscard]] bool is_empty() const { return bricks_.empty(); }
     /// Of the cells with density, grid space; empty without any.
@@ -48,8 +61,8 @@ public:
         const std::int32_t index = table_[table_index(at)];
         return index < 0 ? nullptr : &bricks_[static_cast<std::size_t>(index)];
     }
-    /// Density at a point of grid space; 0 outside.
-    [[nodiscard]] float at(const vec3& point) const;
+    /// Densities at a point of grid space, channel by channel; 0 outside.
+    [[nodiscard]] vec4 at(const vec3& point) const;
 
 private:
     [[nodiscard]] std::size_t table_index(const glm::ivec3& at) const {
@@ -59,22 +72,43 @@ private:
                static_cast<std::size_t>(at.z);
     }
 
+    std::size_t channel_count_ = 1;
     glm::ivec3 table_size_{0};
     std::vector<std::int32_t> table_; ///< Into bricks_, z fastest; -1: none.
     std::vector<Brick> bricks_;
+    std::vector<float> corners_; ///< Brick by brick.
     Bounds3 bounds_;
     glm::dmat4 local_from_grid_{1.0};
 };
 
+/// Those of up to four channels in one register: GLM's vec4 is added float by float.
+using Densities = float __attribute__((vector_size(DensityGrid::most_channels * sizeof(float))));
+/// The density of a grid of one channel, a float, or Densities.
+template <class Density>
+inline constexpr int density_stride = std::is_same_v<Density, float> ? 1 : static_cast<int>(DensityGrid::most_channels);
+/// use(Density()) with the type that a grid has.
+template <class Use>
+decltype(auto) with_density_type(const DensityGrid& grid, const Use& use) {
+    return grid.channel_count() == 1 ? use(0.0f) : use(Densities{});
+}
+
 /// Between the corners of a brick's cell; `place` in [0, 1]^3.
-[[nodiscard]] inline float trilinear(const float* corner, const vec3& place) {
-    constexpr int dx = DensityGrid::brick_corners * DensityGrid::brick_corners, dy = DensityGrid::brick_corners;
-    const auto lerp = [](float a, float b, float share) { return a + share * (b - a); };
-    const auto along_z = [&](int offset) { return lerp(corner[offset], corner[offset + 1], place.z); };
+template <class Density>
+[[nodiscard]] Density trilinear(const float* corner, const vec3& place) {
+    constexpr int stride = density_stride<Density>;
+    constexpr int dy = DensityGrid::brick_corners * stride, dx = DensityGrid::brick_corners * dy;
+    const auto lerp = [](const Density& a, const Density& b, float share) { return a + share * (b - a); };
+    const auto at = [&](int offset) {
+        Density density;
+        std::memcpy(&density, corner + offset, sizeof(density));
+        return density;
+    };
+    const auto along_z = [&](int offset) { return lerp(at(offset), at(offset + stride), place.z); };
     return lerp(lerp(along_z(0), along_z(dy), place.y), lerp(along_z(dx), along_z(dx + dy), place.y), place.x);
 }
 /// First corner of a cell of a brick.
-[[nodiscard]] inline const float* cell_corner(const DensityGrid::Brick& brick, const glm::ivec3& cell) {
-    return brick.corners.data() + (cell.x * DensityGrid::brick_corners + cell.y) * DensityGrid::brick_corners + cell.z;
+[[nodiscard]] inline const float* cell_corner(const DensityGrid::Brick& brick, const glm::ivec3& cell, int stride) {
+    return brick.corners +
+           stride * ((cell.x * DensityGrid::brick_corners + cell.y) * DensityGrid::brick_corners + cell.z);
 }
 } // namespace tyndall

@@ -16,22 +16,36 @@ struct GridLine {
     [[nodiscard]] glm::dvec3 at(double t) const { return origin + t * direction; }
 };
 
-/// A stretch of a line within one cell.
+/// A stretch of a line within one cell of a grid of one channel, float, or of several, Densities.
+template <class Density>
 struct CellSpan {
+    using Integral = std::conditional_t<std::is_same_v<Density, float>, double, Densities>;
+
     double near_m, far_m;
     const float* corner;   ///< Of its brick.
     vec3 entry, direction; ///< Place in the cell at near_m, and its change per metre.
 
-    [[nodiscard]] float density(double t) const {
-        return trilinear(corner, glm::clamp(entry + static_cast<float>(t - near_m) * direction, 0.0f, 1.0f));
+    [[nodiscard]] Density density(double t) const {
+        return trilinear<Density>(corner, glm::clamp(entry + static_cast<float>(t - near_m) * direction, 0.0f, 1.0f));
     }
     /// Of the density over [from_m, to_m], a part of the span: density times metres.
-    [[nodiscard]] double integral(double from_m, double to_m) const {
+    [[nodiscard]] Integral integral(double from_m, double to_m) const {
         constexpr double gauss = 0.57735026918962576; // 1 / sqrt(3)
         const double middle = 0.5 * (from_m + to_m), half = 0.5 * (to_m - from_m);
-        return half * (double{density(middle - gauss * half)} + density(middle + gauss * half));
+        const Density before = density(middle - gauss * half), behind = density(middle + gauss * half);
+        if constexpr (std::is_same_v<Density, float>)
+            return half * (double{before} + behind);
+        else
+            return static_cast<float>(half) * (before + behind);
     }
 };
+
+/// Adds what CellSpan::integral() gives to the sums of all channels.
+inline void add_integral(glm::dvec4& sum, double integral) { sum.x += integral; }
+inline void add_integral(glm::dvec4& sum, const Densities& integral) {
+    for (int channel = 0; channel < 4; ++channel)
+        sum[channel] += integral[channel];
+}
 
 struct LinePart {
     double near_m, far_m;
@@ -120,8 +134,9 @@ void for_each_brick(const DensityGrid& grid, const GridLine& line, double near_m
     }
 }
 
-/// Calls visit(const CellSpan&) for the cells of each brick with density, near to far, until it returns false.
-template <class Visit>
+/// Calls visit(const CellSpan<Density>&) for the cells of each brick with density, near to far, until it returns false.
+/// Density is what with_density_type() says of the grid.
+template <class Density, class Visit>
 void for_each_cell(const DensityGrid& grid, const GridLine& line, double near_m, double far_m, const Visit& visit) {
     for_each_brick(
         grid, line, near_m, far_m,
@@ -131,8 +146,8 @@ void for_each_cell(const DensityGrid& grid, const GridLine& line, double near_m,
             for (double at = from_m; at < to_m;) {
                 const double until = std::min(cells.exit_m(), to_m);
                 if (at < until) {
-                    const CellSpan span{at, until, cell_corner(brick, cells.cube()),
-                                        vec3(inside.at(at) - glm::dvec3(cells.cube())), vec3(line.direction)};
+                    const CellSpan<Density> span{at, until, cell_corner(brick, cells.cube(), density_stride<Density>),
+                                                 vec3(inside.at(at) - glm::dvec3(cells.cube())), vec3(line.direction)};
                     if (!visit(span))
                         return false;
                     at = until;
@@ -144,13 +159,15 @@ void for_each_cell(const DensityGrid& grid, const GridLine& line, double near_m,
         });
 }
 
-/// Of the density over [near_m, far_m]: density times metres.
-[[nodiscard]] inline double density_integral(const DensityGrid& grid, const GridLine& line, double near_m,
-                                             double far_m) {
-    double sum = 0.0;
-    for_each_cell(grid, line, near_m, far_m, [&](const CellSpan& span) {
-        sum += span.integral(span.near_m, span.far_m);
-        return true;
+/// Of the densities over [near_m, far_m]: density times metres.
+[[nodiscard]] inline glm::dvec4 density_integral(const DensityGrid& grid, const GridLine& line, double near_m,
+                                                 double far_m) {
+    glm::dvec4 sum(0.0);
+    with_density_type(grid, [&]<class Density>(const Density&) {
+        for_each_cell<Density>(grid, line, near_m, far_m, [&](const CellSpan<Density>& span) {
+            add_integral(sum, span.integral(span.near_m, span.far_m));
+            return true;
+        });
     });
     return sum;
 }

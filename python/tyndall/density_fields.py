@@ -46,6 +46,7 @@ _ABOUT_AS_MUCH = 0.5  #: Relative, of the axes that are halved together.
 _MOST_ALONG_AXIS = 2048  #: Voxels.
 _PROBES = 4096  #: Places at which the error is measured.
 _POINTS_AT_ONCE = 1 << 20
+_MOST_CHANNELS = 4  #: Of a grid.
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,9 +60,9 @@ class Field:
 
 @dataclass(frozen=True, eq=False)
 class SampledFields:
-    """A grid of each field, all of the same voxels, and what is to be said of them."""
+    """The grid of each field that is not 0 everywhere, all of the same voxels, and what is to be said of them."""
 
-    grids: tuple[DensityGrid, ...]
+    grids: tuple[tuple[DensityGrid, int] | None, ...]  #: And its channel.
     notes: tuple[str, ...]
 
 
@@ -126,12 +127,22 @@ def sampled(
                 f" {100.0 * of_light.of_sum:+.0f} % on the whole"
             )
         notes.append(said)
-    grids = (
-        from_dense("density", np.ascontiguousarray(values), local_from_index) for values in np.moveaxis(dense, -1, 0)
-    )
-    return SampledFields(
-        tuple(DensityGrid(key=f"{key} {index}", grid=grid) for index, grid in enumerate(grids)), tuple(notes)
-    )
+    return SampledFields(_together(dense, local_from_index, key), tuple(notes))
+
+
+def _together(
+    dense: FloatArray, local_from_index: NDArray[np.float64], key: str
+) -> tuple[tuple[DensityGrid, int] | None, ...]:
+    """As SampledFields has them, of the values of all fields in each voxel."""
+    found: list[tuple[DensityGrid, int] | None] = [None] * dense.shape[3]
+    there = np.flatnonzero(dense.any(axis=(0, 1, 2)))
+    for first in range(0, len(there), _MOST_CHANNELS):
+        fields = there[first : first + _MOST_CHANNELS]
+        parts = [from_dense("density", np.ascontiguousarray(dense[..., field]), local_from_index) for field in fields]
+        grid = DensityGrid(key=f"{key} {first}", grid=parts[0], further=tuple(parts[1:]))
+        for channel, field in enumerate(fields):
+            found[field] = grid, channel
+    return tuple(found)
 
 
 class _Together:

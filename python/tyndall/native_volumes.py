@@ -50,17 +50,23 @@ def _native_grid(
     parts.counts["grids sent" if native is None else "grids reused"] += 1
     if native is not None:
         return native
-    grid = source.grid
-    if grid.background != 0.0:
-        reports.append(
-            f'grid "{grid.name}" has a background of {grid.background:g}, read as 0: its density would have no end'
-        )
-    progress.message = f"Sending {grid.name}"
+    grids = (source.grid, *source.further)
+    reports += [
+        f'grid "{grid.name}" has a background of {grid.background:g}, read as 0: its density would have no end'
+        for grid in grids
+        if grid.background != 0.0
+    ]
+    progress.message = f"Sending {source.grid.name}"
     native = _native.DensityGrid(
-        name=grid.name,
-        leaf_origins=np.ascontiguousarray(grid.leaf_origins, np.int32),
-        leaf_values=np.ascontiguousarray(grid.leaf_values, np.float32),
-        local_from_index=np.ascontiguousarray(grid.local_from_index, np.float64),
+        channels=[
+            (
+                grid.name,
+                np.ascontiguousarray(grid.leaf_origins, np.int32),
+                np.ascontiguousarray(grid.leaf_values, np.float32),
+            )
+            for grid in grids
+        ],
+        local_from_index=np.ascontiguousarray(source.grid.local_from_index, np.float64),
         progress=progress,
     )
     parts.grids[source.key] = native  # what a cancelled update has built serves the next one
@@ -74,6 +80,7 @@ def _build_volume(volume: Volume, grid: _native.DensityGrid, origin: NDArray[np.
         return _native.VolumeInstance(
             name=volume.name,
             grid=grid,
+            channel=volume.channel,
             medium=volume.medium,
             world_from_local=matrix.astype(np.float32, order="C"),
             density_scale=volume.density_scale,

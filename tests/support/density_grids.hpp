@@ -21,11 +21,13 @@ inline GridLeaves leaves_of(int size, const DensityOfVoxel& density, const glm::
             }
     return leaves;
 }
-/// The same, fitted to [-1, 1]^3 by the centres of its outer voxels.
+/// [-1, 1]^3 by the centres of the outer voxels.
+inline glm::dmat4 unit_from_index(int size) {
+    return glm::scale(glm::translate(glm::dmat4(1.0), glm::dvec3(-1.0)), glm::dvec3(2.0 / (size - 1)));
+}
+/// The same, fitted to that.
 inline std::shared_ptr<const DensityGrid> unit_grid(int size, const DensityOfVoxel& density) {
-    const glm::dmat4 local_from_index =
-        glm::scale(glm::translate(glm::dmat4(1.0), glm::dvec3(-1.0)), glm::dvec3(2.0 / (size - 1)));
-    return std::make_shared<const DensityGrid>(leaves_of(size, density, local_from_index), Progress());
+    return std::make_shared<const DensityGrid>(leaves_of(size, density, unit_from_index(size)), Progress());
 }
 /// A lumpy ball of radius 1 in [-1, 1]^3, empty outside.
 inline float blob(int size, int x, int y, int z) {

@@ -19,9 +19,6 @@ inline Rgb march(const Scene& scene, const ViewRay& ray, int steps, bool attenua
         media.segments({.origin = point, .direction = ray.direction, .far_m = 1e-3f}, here);
         if (here.empty())
             continue;
-        std::vector<float> densities; // of each grid
-        for (const PlacedGrid& placed : media.grids().all())
-            densities.push_back(placed.density_scale * placed.grid->at(vec3(placed.line(point, ray.direction).origin)));
         const Rgb to_camera =
             media.transmittance({.origin = ray.origin, .direction = ray.direction, .near_m = ray.near_m, .far_m = t});
         for (std::uint32_t index = 0; index < scene.lights().size(); ++index) {
@@ -36,11 +33,11 @@ inline Rgb march(const Scene& scene, const ViewRay& ray, int steps, bool attenua
             }
             const float cosine = glm::dot(ray.direction, to_light.direction);
             Rgb phase = media.scatter_per_m_sr(here[0].set, cosine);
-            for (std::size_t grid = 0; grid < densities.size(); ++grid) {
+            media.grids().for_each_density(point, [&](const GridField& field, float density) {
                 MediumSet alone;
-                alone.insert(media.grids().all()[grid].medium);
-                phase += densities[grid] * media.scatter_per_m_sr(alone, cosine);
-            }
+                alone.insert(field.medium);
+                phase += density * field.density_scale * media.scatter_per_m_sr(alone, cosine);
+            });
             const Rgb to_the_light = attenuates_light ? media.transmittance(to_light) : Rgb(1.0f);
             sum += glm::dvec3(irradiance * phase * to_camera * to_the_light * scene.shadow_transmittance(to_light));
         }

@@ -44,10 +44,14 @@ class Medium:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DensityGrid:
-    """Densities in an object's space, trilinear between the centres of voxels; below 0 they are 0."""
+    """Densities in an object's space, trilinear between the centres of voxels; below 0 they are 0.
+
+    Rays pass up to four of the same voxels together: the channels.
+    """
 
     key: str
-    grid: SparseGrid
+    grid: SparseGrid  #: Channel 0.
+    further: tuple[SparseGrid, ...] = ()  #: Channels 1 to 3.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -58,4 +62,5 @@ class Volume:
     grid: DensityGrid
     world_from_object: NDArray[np.float64]  #: (4, 4), affine, may mirror.
     medium: int  #: Into SceneDescription.media.
+    channel: int = 0  #: Of the grid.
     density_scale: float = 1.0  #: Multiplies the densities, [0, 1e9].

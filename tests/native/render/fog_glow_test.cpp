@@ -178,7 +178,7 @@ TEST_CASE("smoke of a density grid is lit as the march of its densities says") {
                    way = vec3(0.3f, 0.2f, 1.5f) - point;
         const float distance = glm::length(way);
         const vec3 local = vec3(media.grids().all()[0].line(point, way).origin);
-        const Rgb sigma_s = Rgb(2.0f, 1.0f, 4.0f) * grid->at(local);
+        const Rgb sigma_s = Rgb(2.0f, 1.0f, 4.0f) * grid->at(local).x;
         const Rgb passing = media.transmittance({along_x.origin, along_x.direction, 0.0f, static_cast<float>(at)}) *
                             media.transmittance({point, way / distance, 0.0f, distance});
         return glm::dvec3(Rgb(400.0f) * (4e-4f * way.z / (distance * distance * distance)) * sigma_s * passing *
