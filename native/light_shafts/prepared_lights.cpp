@@ -196,16 +196,15 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         for (Beam& beam : light.beams)
             all_beams.push_back({&beam, 1.0f / static_cast<float>(light.beams.size()), of_light, blocked_by});
     }
-    GridLoss grid_loss;
     tracks_ratios = config.grid_method == GridMethod::RatioTracking;
     seed = config.seed;
-    if (!media.grids().is_empty() && !tracks_ratios) {
+    if (!grid_loss && !media.grids().is_empty() && !tracks_ratios) {
         const StageTimer timer(statistics, "light shafts: resolution in grids");
         const GridResolution resolution = choose_grid_resolution(media, clipped, lights, shares, config, progress);
         step_limits = resolution.step_limits;
         grid_loss = resolution.loss;
         statistics.count("light shafts in grids: voxels per step", step_limits.length_voxels);
-        statistics.count("light shafts in grids: voxels per light column", grid_loss.spacing_voxels);
+        statistics.count("light shafts in grids: voxels per light column", grid_loss->spacing_voxels);
         statistics.count("light shafts in grids: error of steps", resolution.step_error);
         statistics.count("light shafts in grids: error of light columns", resolution.loss_error);
     }
@@ -245,7 +244,7 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         all_beams.size(), progress,
         [&](std::size_t index) {
             auto& [beam, share_of_light, of_light, blocked_by, error_target] = all_beams[index];
-            beam->dim_by_grids(grid_loss);
+            beam->dim_by_grids(grid_loss.value_or(GridLoss()));
             if (config.method == Method::Exact && of_light == nullptr) {
                 beam->visibility = make_exact_strip(scene, beam->sample, blocked_by->strip);
                 return;

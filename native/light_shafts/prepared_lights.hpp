@@ -81,8 +81,9 @@ struct Block {
 struct PreparedLights {
     const Media& media;
     std::vector<LightBeams> lights;
-    StepLimits step_limits = {}; ///< Among density grids.
-    bool tracks_ratios = false;  ///< See GridMethod.
+    StepLimits step_limits = {};            ///< Among density grids.
+    std::optional<GridLoss> grid_loss = {}; ///< Given with step_limits, or found with them where there are grids.
+    bool tracks_ratios = false;             ///< See GridMethod.
     std::uint32_t seed = 0;
     std::vector<std::vector<DiscCell>> disc_cells = {}; ///< What samples point to.
     std::optional<std::uint32_t> visibility_light = {}; ///< See Config.

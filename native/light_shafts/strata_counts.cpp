@@ -103,9 +103,11 @@ public:
                 lights.push_back(lights_[index]); // what its samples refer to stays here
         if (lights.empty())
             return;
-        PreparedLights prepared{.media = media_, .lights = {}, .statistics = {}};
+        PreparedLights prepared{
+            .media = media_, .lights = {}, .step_limits = step_limits_, .grid_loss = grid_loss_, .statistics = {}};
         config_.resolution = lines;
         prepared.prepare(scene_, view_, rays_, std::move(lights), config_, progress);
+        step_limits_ = prepared.step_limits, grid_loss_ = prepared.grid_loss; // once, whatever the rows
         Block block;
         std::vector<std::uint32_t> all(rays_.size());
         std::iota(all.begin(), all.end(), 0u);
@@ -127,6 +129,8 @@ private:
     std::vector<ScatteringLight> lights_;
     std::vector<ViewRay> rays_;
     std::vector<Piloted> found_;
+    StepLimits step_limits_;
+    std::optional<GridLoss> grid_loss_;
 };
 } // namespace
 
