@@ -13,18 +13,18 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import bpy
 import numpy as np
+from noise_and_time import both_engines
 from numpy.typing import NDArray
-from timed_render import timed_pixels
 
-from report import Row, row, run_scenes
+from report import Row, run_scenes
 
 sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
-from support.cycles_reference import prepare_cycles
 from support.small_scenes import cube, empty_scene, light, material, node, plane
 
 SIZE_PX = 240, 160
@@ -139,38 +139,9 @@ def build(of: Surroundings) -> bpy.types.Scene:
     return scene
 
 
-def _measured(scene: bpy.types.Scene, engine: str, seed: int) -> tuple[NDArray[np.float64], float]:
-    if engine == "cycles":
-        prepare_cycles(scene, SAMPLES, seed)
-        scene.cycles.use_light_tree, scene.cycles.filter_width = True, 1.5
-    else:
-        scene.render.engine, scene.tyndall.seed, scene.tyndall.pixel_samples = "TYNDALL", seed, SAMPLES
-    return timed_pixels(scene)
-
-
 def run(names: list[str]) -> list[Row]:
     """Measure both engines in all scenes."""
-    rows = []
-    for name in names or SCENES:
-        scene = build(SCENES[name])
-        for engine in ("tyndall", "cycles"):
-            (first, first_s), (second, second_s) = (_measured(scene, engine, seed) for seed in (1, 2))
-            cpu_s, level = min(first_s, second_s), (first.mean() + second.mean()) / 2
-            noise = np.sqrt(((first - second) ** 2).mean(axis=2) / 2) / level
-            rms, median = float(np.sqrt((noise**2).mean())), float(np.median(noise))
-            rows.append(
-                row(
-                    f"{name}, {engine}",
-                    cpu_s,
-                    samples=SAMPLES,
-                    mean=float(level),
-                    rms_noise=rms,
-                    median_noise=median,
-                    variance_times_s=rms**2 * cpu_s,
-                )
-            )
-            print(rows[-1], flush=True)
-    return rows
+    return both_engines({name: partial(build, SCENES[name]) for name in names or SCENES}, SAMPLES)
 
 
 if __name__ == "__main__":
