@@ -8,8 +8,8 @@
 //           first asks for it: of a lamp among many grids, or one of thousands of cells, few are.
 //           Where columns are two voxels apart or more the integral is a sum of the densities at every voxel, as precise
 //           as what lies between columns then is. What has one colour of all channels is one number per place, else three.
-// Bound:    one walk through the grid per column that is asked for, two looks per cell or one per voxel; 8 bytes per column, 4 or 12 per place of those with
-//           density before it and behind it; 8 or 24 loads per lookup.
+// Bound:    one walk through the grid per column that is asked for, two looks per cell or one per voxel; 8 bytes per
+//           column, 4 or 12 per place of those with density before it and behind it; 8 or 24 loads per lookup.
 #pragma once
 #include "scene/light.hpp"
 #include "scene/media.hpp"

@@ -127,10 +127,10 @@ def sampled(
                 f" {100.0 * of_light.of_sum:+.0f} % on the whole"
             )
         notes.append(said)
-    return SampledFields(_together(dense, local_from_index, key), tuple(notes))
+    return SampledFields(_joined(dense, local_from_index, key), tuple(notes))
 
 
-def _together(
+def _joined(
     dense: FloatArray, local_from_index: NDArray[np.float64], key: str
 ) -> tuple[tuple[DensityGrid, int] | None, ...]:
     """As SampledFields has them, of the values of all fields in each voxel."""
