@@ -66,6 +66,19 @@ class SampledFields:
     notes: tuple[str, ...]
 
 
+@dataclass(frozen=True, eq=False)
+class _Voxels:
+    """Of a box that begins at ``lower``; (3,) each."""
+
+    lower: NDArray[np.float64]
+    step: NDArray[np.float64]
+    counts: NDArray[np.int64]
+
+    def places(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """In voxels."""
+        return (positions - self.lower) / self.step
+
+
 def fields_key(fields: Sequence[Field], mesh: Mesh, place: PointPlace, most_voxels: int) -> str:
     """Equal where the grids are: of all instances, wherever they go, that ask for no more than places in the mesh."""
     read = tuple(
@@ -102,21 +115,21 @@ def sampled(
     sizes[sizes == 0.0] = 1.0
     counts = np.maximum(np.ceil(_FIRST_VOXELS * sides / sides.max() - 1e-6).astype(np.int64), 1)
     while True:
-        step = sides / counts
-        dense = _evaluated(values_at, len(fields), lower, step, counts, poll)
-        errors = _rms(_interpolated(dense, (probes - lower) / step) - truth) / sizes
+        voxels = _Voxels(lower, sides / counts, counts)
+        dense = _evaluated(values_at, len(fields), voxels, poll)
+        errors = _rms(_interpolated(dense, voxels.places(probes)) - truth) / sizes
         is_far = errors > ERROR_TARGET
-        bends = _bends(values_at, probes, truth, (lower, upper), step) / sizes
-        finer = _halved(counts, step, bends[:, is_far].max(axis=1, initial=0.0), most_voxels)
+        bends = _bends(values_at, probes, truth, (lower, upper), voxels.step) / sizes
+        finer = _halved(counts, voxels.step, bends[:, is_far].max(axis=1, initial=0.0), most_voxels)
         of_light = LightError(0.0, 0.0)
         if finer is None or not is_far.any():
-            of_light = _light_error(fields, values_at, dense, place, lower, step, counts, poll)
+            of_light = _light_error(fields, values_at, dense, place, voxels, poll)
         if finer is None or (not is_far.any() and of_light.rms <= LIGHT_ERROR_TARGET):
             break
         counts = finer
-    dense *= filled_shares(mesh.positions, mesh.triangles, lower, step, counts)[..., np.newaxis]
-    local_from_index = np.diag([*step, 1.0])
-    local_from_index[:3, 3] = lower + 0.5 * step
+    dense *= filled_shares(mesh.positions, mesh.triangles, lower, voxels.step, counts)[..., np.newaxis]
+    local_from_index = np.diag([*voxels.step, 1.0])
+    local_from_index[:3, 3] = lower + 0.5 * voxels.step
     if is_far.any() or of_light.rms > LIGHT_ERROR_TARGET:
         by = " x ".join(str(count) for count in counts)
         said = f"its varying volume is drawn from {by} voxels, {100.0 * errors.max():.0f} % off between them"
@@ -175,23 +188,21 @@ def _light_error(
     values_at: _Together,
     dense: FloatArray,
     place: PointPlace,
-    lower: NDArray[np.float64],
-    step: NDArray[np.float64],
-    counts: NDArray[np.int64],
+    voxels: _Voxels,
     poll: Callable[[], None],
 ) -> LightError:
     """The worst one of those fields of which a voxel is no small part of a free path."""
     worst = LightError(0.0, 0.0)
     for index, field in enumerate(fields):
         sigma_t = field.sigma_t_per_m * place.unit_m()
-        if sigma_t * float(dense[..., index].max() * step.max()) <= _THICK:
+        if sigma_t * float(dense[..., index].max() * voxels.step.max()) <= _THICK:
             continue
         poll()
 
         def between(positions: NDArray[np.float64], index: int = index) -> FloatArray:
-            return _interpolated(dense[..., index, np.newaxis], (positions - lower) / step)[:, 0]
+            return _interpolated(dense[..., index, np.newaxis], voxels.places(positions))[:, 0]
 
-        found = light_error(values_at.of_field(index), between, lower, step, counts, sigma_t)
+        found = light_error(values_at.of_field(index), between, voxels.lower, voxels.step, voxels.counts, sigma_t)
         worst = max(worst, found, key=lambda error: error.rms)
     return worst
 
@@ -229,23 +240,16 @@ def _halved(
     return None if (finer == counts).all() else finer
 
 
-def _evaluated(
-    values_at: _Together,
-    field_count: int,
-    lower: NDArray[np.float64],
-    step: NDArray[np.float64],
-    counts: NDArray[np.int64],
-    poll: Callable[[], None],
-) -> FloatArray:
+def _evaluated(values_at: _Together, field_count: int, voxels: _Voxels, poll: Callable[[], None]) -> FloatArray:
     """(nx, ny, nz, fields), at the centres of voxels."""
-    dense = np.empty((*counts, field_count), np.float32)
-    y, z = (lower[axis] + (np.arange(counts[axis]) + 0.5) * step[axis] for axis in (1, 2))
-    slices = max(int(_POINTS_AT_ONCE // (counts[1] * counts[2])), 1)
-    for first in range(0, int(counts[0]), slices):
+    nx, ny, nz = voxels.counts
+    dense = np.empty((nx, ny, nz, field_count), np.float32)
+    x, y, z = (voxels.lower[axis] + (np.arange(voxels.counts[axis]) + 0.5) * voxels.step[axis] for axis in range(3))
+    slices = max(int(_POINTS_AT_ONCE // (ny * nz)), 1)
+    for first in range(0, int(nx), slices):
         poll()
-        x = lower[0] + (np.arange(first, min(first + slices, counts[0])) + 0.5) * step[0]
-        points = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
-        dense[first : first + slices] = values_at(points).reshape(len(x), len(y), len(z), field_count)
+        points = np.stack(np.meshgrid(x[first : first + slices], y, z, indexing="ij"), axis=-1).reshape(-1, 3)
+        dense[first : first + slices] = values_at(points).reshape(-1, ny, nz, field_count)
     return dense
 
 
