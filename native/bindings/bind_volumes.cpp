@@ -42,8 +42,8 @@ void bind_volumes(py::module_& native) {
         .def(
             py::init(&make_grid), "channels"_a, "local_from_index"_a, "progress"_a,
             R"(channels: one to four of (name, leaf_origins, leaf_values), int32 (n, 3) and float32 (n, 8, 8, 8), by x, y, z;
-local_from_index: float64 (4, 4), voxels' centres to the object's space. Densities below 0 are 0. Releases the GIL. TypeError: dtype or shape;
-InvalidInput: a value; Cancelled.)");
+local_from_index: float64 (4, 4), voxels' centres to the object's space. Densities below 0 are 0. Releases the GIL.
+TypeError: dtype or shape; InvalidInput: a value; Cancelled.)");
     py::class_<VolumeInstance>(native, "VolumeInstance")
         .def(py::init(&make_volume), "name"_a, "grid"_a, "channel"_a, "medium"_a, "world_from_local"_a,
              "density_scale"_a, "world_from_local: float32 (4, 4), relative to the scene's origin.");

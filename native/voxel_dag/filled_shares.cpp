@@ -16,13 +16,13 @@ static_assert(tile_side % across_places == 0);
 
 std::vector<float> filled_shares(std::span<const vec3> positions_m, std::span<const uvec3> triangles,
                                  const BoxLattice& lattice, const Progress& progress) {
-    int along = 0; // the axis of columns: there are the fewest
+    int along = 0; // the axis of columns: there are the fewest, and of several such the one that lies together
     for (int axis = 0; axis < 3; ++axis) {
         require(lattice.counts[axis] >= 1 && lattice.counts[axis] <= most_boxes, "counts: ", lattice.counts[axis],
                 " boxes along an axis; 1 to ", most_boxes, " are possible");
         require(std::isfinite(lattice.step_m[axis]) && lattice.step_m[axis] > 0.0, "step_m is ", lattice.step_m[axis],
                 " along an axis");
-        if (lattice.counts[axis] > lattice.counts[along])
+        if (lattice.counts[axis] >= lattice.counts[along])
             along = axis;
     }
     const std::array<int, 3> axes{along, (along + 1) % 3, (along + 2) % 3};

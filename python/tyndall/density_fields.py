@@ -112,15 +112,18 @@ def sampled(
     probes = lower + np.random.default_rng(1).random((_PROBES, 3)) * sides
     truth = values_at(probes)
     sizes = np.sqrt(np.mean(truth**2, axis=0, dtype=np.float64))
-    sizes[sizes == 0.0] = 1.0
+    scales = np.where(sizes > 0.0, sizes, 1.0)
     counts = np.maximum(np.ceil(_FIRST_VOXELS * sides / sides.max() - 1e-6).astype(np.int64), 1)
     while True:
         voxels = _Voxels(lower, sides / counts, counts)
         dense = _evaluated(values_at, len(fields), voxels, poll)
-        errors = _rms(_interpolated(dense, voxels.places(probes)) - truth) / sizes
-        is_far = errors > ERROR_TARGET
-        bends = _bends(values_at, probes, truth, (lower, upper), voxels.step) / sizes
-        finer = _halved(counts, voxels.step, bends[:, is_far].max(axis=1, initial=0.0), most_voxels)
+        errors = _rms(_interpolated(dense, voxels.places(probes)) - truth)
+        is_far = errors > ERROR_TARGET * sizes
+        bends = np.zeros(3)
+        if is_far.any():
+            of_fields = _bends(values_at, probes, truth, (lower, upper), voxels.step) / scales
+            bends = of_fields[:, is_far].max(axis=1)
+        finer = _halved(counts, voxels.step, bends, most_voxels)
         of_light = LightError(0.0, 0.0)
         if finer is None or not is_far.any():
             of_light = _light_error(fields, values_at, dense, place, voxels, poll)
@@ -132,7 +135,7 @@ def sampled(
     local_from_index[:3, 3] = lower + 0.5 * voxels.step
     if is_far.any() or of_light.rms > LIGHT_ERROR_TARGET:
         by = " x ".join(str(count) for count in counts)
-        said = f"its varying volume is drawn from {by} voxels, {100.0 * errors.max():.0f} % off between them"
+        said = f"its varying volume is drawn from {by} voxels, {100.0 * (errors / scales).max():.0f} % off between them"
         if of_light.rms > LIGHT_ERROR_TARGET:
             said += (
                 "; light ends within a few of them: what it scatters is about"
