@@ -20,6 +20,7 @@ from tyndall.scene_description import Medium, ScatterLobe
 from .blackbody import blackbody
 from .colour_tables import colour_at, of_blackbody
 from .math_nodes import math_operation
+from .phase_functions import RAYLEIGH, draine, fournier_forand, mie
 from .program import BLACK, WHITE, Term, grey
 from .shader_limits import followed
 
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from .instances import Placement
     from .materials import MaterialReader
     from .node_graph import Socket
+    from .phase_functions import Phase, Shares
     from .program import Value
     from .reports import Reports
     from .value_nodes import ValueReader
@@ -36,7 +38,6 @@ if TYPE_CHECKING:
     Rgb64 = NDArray[np.float64]
 
 IGNORES_RAY_VISIBILITY = "ray visibility does not reach its volume, which the camera sees and which dims light"
-_LARGEST_ASYMMETRY = 0.999  #: Cycles, too, keeps away from the limit, at which all light goes straight on.
 
 
 def note_hidden_medium(placement: Placement, materials: MaterialReader, reports: Reports) -> None:
@@ -50,16 +51,21 @@ def note_hidden_medium(placement: Placement, materials: MaterialReader, reports:
 class Coefficients:
     """Sums over the shaders of one volume; each entry (3,), per metre."""
 
-    scatter: list[tuple[Rgb64, float]] = field(default_factory=list)  #: sigma_s and asymmetry.
+    scatter: list[tuple[Rgb64, Phase]] = field(default_factory=list)  #: sigma_s and how it is spread.
     absorption: Rgb64 = field(default_factory=lambda: np.zeros(3))
     emission: Rgb64 = field(default_factory=lambda: np.zeros(3))
 
-    def lobes(self) -> dict[float, Rgb64]:
-        """By asymmetry: sigma_s, (3,)."""
-        lobes: dict[float, Rgb64] = {}
-        for sigma_s, asymmetry in self.scatter:
-            lobes[asymmetry] = lobes.get(asymmetry, np.zeros(3)) + sigma_s
+    def lobes(self) -> dict[Phase, Rgb64]:
+        """By phase function: sigma_s, (3,)."""
+        lobes: dict[Phase, Rgb64] = {}
+        for sigma_s, phase in self.scatter:
+            lobes[phase] = lobes.get(phase, np.zeros(3)) + sigma_s
         return lobes
+
+    def add_scatter(self, sigma_s: Rgb64, shares: Shares) -> None:
+        """What the shares lack of 1 is dimmed, and not seen again."""
+        self.scatter += [(share * sigma_s, phase) for share, phase in shares]
+        self.absorption = self.absorption + max(1.0 - sum(share for share, _ in shares), 0.0) * sigma_s
 
 
 def read_coefficients(reader: ValueReader, at: Socket) -> Coefficients:
@@ -71,12 +77,15 @@ def read_coefficients(reader: ValueReader, at: Socket) -> Coefficients:
 
 def medium_of(coefficients: Coefficients, name: str) -> Medium | None:
     """None for a medium that does nothing."""
-    lobes = {g: sigma_s for g, sigma_s in coefficients.lobes().items() if sigma_s.any()}
+    lobes = {phase: sigma_s for phase, sigma_s in coefficients.lobes().items() if sigma_s.any()}
     if not lobes and not (coefficients.absorption.any() or coefficients.emission.any()):
         return None
     return Medium(
         name=name,
-        lobes=tuple(ScatterLobe(sigma_s_per_m=_rgb(sigma_s), asymmetry_g=g) for g, sigma_s in lobes.items()),
+        lobes=tuple(
+            ScatterLobe(sigma_s_per_m=_rgb(sigma_s), asymmetry_g=phase.asymmetry_g, draine_alpha=phase.draine_alpha)
+            for phase, sigma_s in lobes.items()
+        ),
         sigma_a_per_m=_rgb(coefficients.absorption),
         emission_w_per_m3_sr=_rgb(coefficients.emission),
     )
@@ -107,7 +116,10 @@ def difference(here: Coefficients, nothing: Coefficients) -> Coefficients:
     """What there is more of; not below 0."""
     before = nothing.lobes()
     return Coefficients(
-        scatter=[(np.maximum(sigma_s - before.get(g, np.zeros(3)), 0.0), g) for g, sigma_s in here.lobes().items()],
+        scatter=[
+            (np.maximum(sigma_s - before.get(phase, np.zeros(3)), 0.0), phase)
+            for phase, sigma_s in here.lobes().items()
+        ],
         absorption=np.maximum(here.absorption - nothing.absorption, 0.0),
         emission=np.maximum(here.emission - nothing.emission, 0.0),
     )
@@ -135,20 +147,26 @@ def _of_grid(reader: ValueReader, at: Socket, attribute: str, value: Value) -> V
     return value if grid is None else reader.varying.multiply(value, grid)
 
 
-def _asymmetry(reader: ValueReader, at: Socket) -> float:
-    phase = getattr(at.node, "phase", "HENYEY_GREENSTEIN")
-    if phase != "HENYEY_GREENSTEIN":  # 4.3 added others
-        reader.note(f"phase function {phase.replace('_', ' ').lower()} is read as Henyey-Greenstein")
-        if phase == "RAYLEIGH":
-            return 0.0
+def _phase(reader: ValueReader, at: Socket) -> Shares:
+    phase = getattr(at.node, "phase", "HENYEY_GREENSTEIN")  # 4.3 added others
+    if phase == "RAYLEIGH":
+        return RAYLEIGH
+    if phase == "MIE":
+        return mie(reader.constant(at.input("Diameter")))
+    if phase == "FOURNIER_FORAND":
+        return fournier_forand(reader.constant(at.input("Backscatter")), reader.constant(at.input("IOR")))
     asymmetry = reader.constant(at.input("Anisotropy"))
-    return min(max(asymmetry, -_LARGEST_ASYMMETRY), _LARGEST_ASYMMETRY)
+    if phase == "DRAINE":
+        return draine(asymmetry, reader.constant(at.input("Alpha")))
+    if phase != "HENYEY_GREENSTEIN":
+        reader.note(f"phase function {phase.replace('_', ' ').lower()} is read as Henyey-Greenstein")
+    return draine(asymmetry)
 
 
 def _scatter(reader: ValueReader, at: Socket, weight: Value, coefficients: Coefficients) -> None:
     density = reader.varying.multiply(weight, reader.linear_number(at.input("Density")))
     tint = reader.linear_colour(at.input("Color"))
-    coefficients.scatter.append((_product(reader, density, tint), _asymmetry(reader, at)))
+    coefficients.add_scatter(_product(reader, density, tint), _phase(reader, at))
 
 
 def _absorption(reader: ValueReader, at: Socket, weight: Value, coefficients: Coefficients) -> None:
@@ -162,7 +180,7 @@ def _principled(reader: ValueReader, at: Socket, weight: Value, coefficients: Co
     density = _of_grid(reader, at, "Density Attribute", reader.linear_number(at.input("Density")))
     density = program.multiply(weight, density)
     tint = _of_grid(reader, at, "Color Attribute", reader.linear_colour(at.input("Color")))
-    coefficients.scatter.append((_product(reader, density, tint), _asymmetry(reader, at)))
+    coefficients.add_scatter(_product(reader, density, tint), _phase(reader, at))
     coefficients.absorption += _absorbed(reader, density, tint, reader.linear_colour(at.input("Absorption Color")))
     glow_weight = _glow_weight(reader, weight)  # whatever the density
     strength = program.multiply(glow_weight, reader.linear_number(at.input("Emission Strength")))
@@ -206,7 +224,7 @@ def _volume_coefficients(reader: ValueReader, at: Socket, weight: Value, coeffic
     def read(name: str) -> Rgb64:
         return _product(reader, weight, reader.linear_colour(at.input(name)))
 
-    coefficients.scatter.append((read("Scatter Coefficients"), _asymmetry(reader, at)))
+    coefficients.add_scatter(read("Scatter Coefficients"), _phase(reader, at))
     coefficients.absorption += read("Absorption Coefficients")
     coefficients.emission += read("Emission Coefficients")
 

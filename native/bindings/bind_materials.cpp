@@ -144,15 +144,16 @@ static py::array_t<float> run_material(const Material& material, std::uint16_t r
     return to_numpy(std::move(values), {static_cast<py::ssize_t>(count), 3});
 }
 
-static Medium make_medium(std::string name, const std::vector<std::pair<Triple, float>>& lobes,
+static Medium make_medium(std::string name, const std::vector<std::tuple<Triple, float, float>>& lobes,
                           const Triple& sigma_a_per_m, const Triple& emission_w_per_m3_sr, std::uint8_t receiver_set) {
     Medium medium{.name = std::move(name),
                   .lobes = {},
                   .sigma_a_per_m = to_vec3(sigma_a_per_m),
                   .emission_w_per_m3_sr = to_vec3(emission_w_per_m3_sr),
                   .receiver_set = receiver_set};
-    for (const auto& [sigma_s_per_m, asymmetry_g] : lobes)
-        medium.lobes.push_back({.sigma_s_per_m = to_vec3(sigma_s_per_m), .asymmetry_g = asymmetry_g});
+    for (const auto& [sigma_s_per_m, asymmetry_g, draine_alpha] : lobes)
+        medium.lobes.push_back(
+            {.sigma_s_per_m = to_vec3(sigma_s_per_m), .asymmetry_g = asymmetry_g, .draine_alpha = draine_alpha});
     return medium;
 }
 
@@ -192,6 +193,6 @@ answers: by place in the program, float32 (count, 3): what operations read besid
 InvalidInput where one is missing.)");
     py::class_<Medium>(native, "Medium")
         .def(py::init(&make_medium), "name"_a, "lobes"_a, "sigma_a_per_m"_a, "emission_w_per_m3_sr"_a,
-             "receiver_set"_a = 0, "lobes: pairs of sigma_s_per_m and asymmetry_g.");
+             "receiver_set"_a = 0, "lobes: triples of sigma_s_per_m, asymmetry_g and draine_alpha.");
 }
 } // namespace tyndall::bindings

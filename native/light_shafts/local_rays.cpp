@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light_shafts/local_rays.hpp"
+#include "volume/phase_function.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -22,14 +23,16 @@ std::uint32_t LocalRays::index_of(const Media& media, const MediumSet& set) {
     for (std::size_t index = 0; index < set.count; ++index)
         for (const ScatterLobe& lobe : media.scene().description().media[set.media[index]].lobes) {
             const double g = std::abs(double{lobe.asymmetry_g});
-            const dvec3 weight = dvec3(lobe.sigma_s_per_m) * ((1.0 - g * g) * 0.25 * std::numbers::inv_pi);
+            const double alpha = double{lobe.draine_alpha}, total = draine_total(lobe.asymmetry_g, lobe.draine_alpha);
+            const dvec3 weight = dvec3(lobe.sigma_s_per_m) * ((1.0 - g * g) * 0.25 * std::numbers::inv_pi / total);
             made.lobes.push_back(
                 {.weight = {static_cast<float>(weight.x), static_cast<float>(weight.y), static_cast<float>(weight.z)},
                  .least = static_cast<float>((1.0 - g) * (1.0 - g)),
                  .two_g = static_cast<float>(2.0 * g),
+                 .draine_alpha = lobe.draine_alpha,
                  .is_forward = lobe.asymmetry_g >= 0.0f});
             least += weight * std::pow(1.0 + g, -3.0);
-            most += weight * std::pow(std::max(1.0 - g, 1e-6), -3.0);
+            most += (1.0 + alpha) * weight * std::pow(std::max(1.0 - g, 1e-6), -3.0);
         }
     made.least_scatter = std::max({least.x, least.y, least.z});
     made.most_scatter = std::max({most.x, most.y, most.z});

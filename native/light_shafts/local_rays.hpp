@@ -9,10 +9,12 @@
 
 namespace tyndall::light_shafts {
 /// Henyey and Greenstein's lobe [1941], (1 - g^2) sigma_s / (4 pi) over ((1 - |g|)^2 + 2 |g| (1 -+ cosine))^1.5: a sum of
-/// terms that are not negative, however sharp the peak.
+/// terms that are not negative, however sharp the peak. Draine's, which is this times 1 + alpha cosine^2 [2003, eq. 5], has
+/// its norm in the weight.
 struct PhaseLobe {
     std::array<float, 3> weight;
     float least, two_g; ///< (1 - |g|)^2 and 2 |g|.
+    float draine_alpha;
     bool is_forward;
 };
 /// What a set of media does to light.

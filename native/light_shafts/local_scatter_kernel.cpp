@@ -69,10 +69,13 @@ struct Kernel {
     std::vector<LaneCrossing>& crossings;
 
     /// sigma_s times the phase function, where the light has come the way -x with this inverse distance.
-    static HWY_INLINE void add_lobes(const SetOfMedia& media, V towards, V away, V (&scatter)[3]) {
+    static HWY_INLINE void add_lobes(const SetOfMedia& media, V towards, V away, V cosine2, V (&scatter)[3]) {
         for (const PhaseLobe& lobe : media.lobes) {
             const V base = hn::MulAdd(set(lobe.two_g), lobe.is_forward ? towards : away, set(lobe.least));
-            const V root = reciprocal_root_of(d, base), phase = hn::Mul(root, hn::Mul(root, root));
+            const V root = reciprocal_root_of(d, base);
+            V phase = hn::Mul(root, hn::Mul(root, root));
+            if (lobe.draine_alpha != 0.0f)
+                phase = hn::Mul(phase, hn::MulAdd(set(lobe.draine_alpha), cosine2, set(1.0f)));
             for (std::size_t channel = 0; channel < 3; ++channel)
                 scatter[channel] = hn::MulAdd(phase, set(lobe.weight[channel]), scatter[channel]);
         }
@@ -237,11 +240,12 @@ struct Kernel {
             const V more = hn::Sub(set(2.0f), less);
             const auto turns_back = hn::Gt(cosine, hn::Zero(d)); // the ray has passed the light, and looks back at it
             const V towards = hn::IfThenElse(turns_back, more, less), away = hn::IfThenElse(turns_back, less, more);
+            const V cosine2 = hn::Sub(set(1.0f), sine2);
             V scatter[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
             if (is_one_set)
-                add_lobes(sets[static_cast<std::size_t>(set_of[0])], towards, away, scatter);
+                add_lobes(sets[static_cast<std::size_t>(set_of[0])], towards, away, cosine2, scatter);
             else
-                scatter_of_sets(set_of, set_index, towards, away, scatter);
+                scatter_of_sets(set_of, set_index, towards, away, cosine2, scatter);
             mean_share = hn::MulAdd(set(rule.weight[i]), share, mean_share);
             V sigma_t[3], transmittance{};
             light_side(before, after, sigma_t);
@@ -321,12 +325,12 @@ struct Kernel {
     }
 
     void scatter_of_sets(const std::int32_t (&set_of)[lanes], hn::Vec<decltype(di)> set_index, V towards, V away,
-                         V (&scatter)[3]) const {
+                         V cosine2, V (&scatter)[3]) const {
         for (std::size_t lane = 0; lane < lanes; ++lane) {
             if (std::find(set_of, set_of + lane, set_of[lane]) != set_of + lane)
                 continue;
             V own[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-            add_lobes(sets[static_cast<std::size_t>(set_of[lane])], towards, away, own);
+            add_lobes(sets[static_cast<std::size_t>(set_of[lane])], towards, away, cosine2, own);
             const auto is_mine = hn::RebindMask(d, hn::Eq(set_index, hn::Set(di, set_of[lane])));
             for (std::size_t channel = 0; channel < 3; ++channel)
                 scatter[channel] = hn::IfThenElse(is_mine, own[channel], scatter[channel]);

@@ -121,9 +121,10 @@ float GlowDistances::brightness(const MediaLine::Piece& piece, float at_m) const
         return 0.0f;
     const float cosine = glm::dot(way, line_.direction()) / std::sqrt(distance2); // back along both: 1 is straight on
     float scattered = 0.0f;
-    for (const auto& [sigma_s_per_m, asymmetry_g] : line_.lobes_of(piece))
-        scattered += sigma_s_per_m * (asymmetry_g == 0.0f ? 0.25f * std::numbers::inv_pi_v<float>
-                                                          : henyey_greenstein_per_sr(cosine, asymmetry_g));
+    for (const auto& [sigma_s_per_m, asymmetry_g, draine_alpha] : line_.lobes_of(piece))
+        scattered += sigma_s_per_m * (asymmetry_g == 0.0f && draine_alpha == 0.0f
+                                          ? 0.25f * std::numbers::inv_pi_v<float>
+                                          : draine_per_sr(cosine, asymmetry_g, draine_alpha));
     const Rgb depth = piece.depth_at(at_m) + light_side_depth(at_m);
     const float passing = depth.x == depth.y && depth.y == depth.z ? std::exp(-depth.x) : average(glm::exp(-depth));
     return seen_sr(point, way, distance2) * scattered * passing;

@@ -19,7 +19,7 @@ static float passing_of(const Rgb& depth) {
 
 void MediaLine::append_lobes(std::uint16_t medium, float density) {
     for (const ScatterLobe& lobe : media_->scene().description().media[medium].lobes) {
-        lobes_.push_back({density * average(lobe.sigma_s_per_m), lobe.asymmetry_g});
+        lobes_.push_back({density * average(lobe.sigma_s_per_m), lobe.asymmetry_g, lobe.draine_alpha});
         ++pieces_.back().lobe_count;
         pieces_.back().sigma_s_per_m += lobes_.back().sigma_s_per_m;
         has_peak_ |= std::abs(lobe.asymmetry_g) >= least_peak;

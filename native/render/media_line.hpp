@@ -14,7 +14,7 @@ public:
     /// A phase function and how much it scatters.
     struct Lobe {
         float sigma_s_per_m; ///< Mean of the channels.
-        float asymmetry_g;
+        float asymmetry_g, draine_alpha;
     };
     struct Piece {
         float near_m, far_m;

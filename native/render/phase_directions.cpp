@@ -72,8 +72,8 @@ float PhaseDirections::density(const MediaLine::Piece& piece, float at_m, const 
         return 0.0f;
     const float cosine = glm::dot(direction, line_.direction());
     float scattered = 0.0f;
-    for (const auto& [sigma_s_per_m, asymmetry_g] : line_.lobes_of(piece))
-        scattered += sigma_s_per_m * henyey_greenstein_per_sr(cosine, asymmetry_g);
+    for (const MediaLine::Lobe& lobe : line_.lobes_of(piece))
+        scattered += lobe.sigma_s_per_m * henyey_greenstein_per_sr(cosine, lobe.asymmetry_g);
     return scattered * std::exp(-average(piece.depth_at(at_m))) / sum_;
 }
 } // namespace tyndall::render

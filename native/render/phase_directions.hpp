@@ -4,7 +4,8 @@
 // Based on: Henyey and Greenstein's function, inverted (Witt, Astrophysical Journal Supplement 35, 1977); distances by the
 //           transmittance, as in Kulla and Fajardo 2012.
 // Differs:  the same media that scatter are weighed, in the mean of their channels: the density is told for any place and
-//           direction, so that these draws can be weighed against others (Veach 1997, section 9.2).
+//           direction, so that these draws can be weighed against others (Veach 1997, section 9.2). Draine's factor is
+//           left out of the draws: their weights have it.
 // Bound:    an exponential a piece; 50 ns a draw.
 #pragma once
 #include "render/media_line.hpp"

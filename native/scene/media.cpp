@@ -354,7 +354,7 @@ Rgb Media::sigma_s_per_m(const MediumSet& set) const {
 
 static void add_scattered(const Medium& medium, float cosine, Rgb& sum) {
     for (const ScatterLobe& lobe : medium.lobes)
-        sum += lobe.sigma_s_per_m * henyey_greenstein_per_sr(cosine, lobe.asymmetry_g);
+        sum += lobe.sigma_s_per_m * draine_per_sr(cosine, lobe.asymmetry_g, lobe.draine_alpha);
 }
 
 Rgb Media::scatter_per_m_sr(const MediumSet& set, float cosine) const {

@@ -83,7 +83,7 @@ public:
 
     [[nodiscard]] Rgb sigma_t_per_m(const MediumSet& set) const;
     [[nodiscard]] Rgb sigma_s_per_m(const MediumSet& set) const;
-    /// sum of sigma_s * Henyey-Greenstein over the lobes, 1/(m sr); cosine between the light's way and the way on to
+    /// sum of sigma_s * phase function over the lobes, 1/(m sr); cosine between the light's way and the way on to
     /// the camera: 1 is straight forward scattering.
     [[nodiscard]] Rgb scatter_per_m_sr(const MediumSet& set, float cosine) const;
     /// The same of one, which a density grid may modulate.

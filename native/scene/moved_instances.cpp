@@ -30,8 +30,8 @@ static bool are_same(const Medium& a, const Medium& b) {
         return std::tie(name, sigma_a_per_m, emission_w_per_m3_sr, receiver_set);
     };
     const auto of_lobe = [](const ScatterLobe& lobe) {
-        const auto& [sigma_s_per_m, asymmetry_g] = lobe;
-        return std::tie(sigma_s_per_m, asymmetry_g);
+        const auto& [sigma_s_per_m, asymmetry_g, draine_alpha] = lobe;
+        return std::tie(sigma_s_per_m, asymmetry_g, draine_alpha);
     };
     return all(a) == all(b) &&
            std::ranges::equal(a.lobes, b.lobes, [&](const ScatterLobe& lobe, const ScatterLobe& other) {

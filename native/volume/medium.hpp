@@ -8,10 +8,12 @@
 #include <vector>
 
 namespace tyndall {
-/// Scattering with one phase function. A medium made of several scatter nodes has several lobes.
+/// Scattering with one phase function, Draine's; without its alpha, Henyey and Greenstein's. A medium made of several
+/// scatter nodes has several lobes.
 struct ScatterLobe {
-    Rgb sigma_s_per_m{0.0f};  ///< Scattering coefficient per channel, [0, 1e6].
-    float asymmetry_g = 0.0f; ///< Henyey-Greenstein, (-1, 1); positive scatters forward.
+    Rgb sigma_s_per_m{0.0f};   ///< Scattering coefficient per channel, [0, 1e6].
+    float asymmetry_g = 0.0f;  ///< (-1, 1); positive scatters forward.
+    float draine_alpha = 0.0f; ///< [0, 1e6]: of the squared cosine; see phase_function.hpp.
 };
 
 struct Medium {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Henyey-Greenstein phase function: how a medium spreads the light that it scatters once.
-// Based on: Henyey and Greenstein, Diffuse Radiation in the Galaxy, Astrophysical Journal 93, 1941.
+// Phase functions: how a medium spreads the light that it scatters once.
+// Based on: Henyey and Greenstein, Diffuse Radiation in the Galaxy, Astrophysical Journal 93, 1941; Draine, Scattering by
+//           Interstellar Dust Grains I, Astrophysical Journal 598, 2003, eq. 5: that times 1 + alpha cos^2, of which
+//           Rayleigh's (g 0, alpha 1) and Cornette and Shanks' (alpha 1) are members.
 // Differs:  the denominator 1 + g^2 - 2 g cos is written as (1 - |g|)^2 + 2 |g| (1 - sign(g) cos): near the peak of a
 //           narrow lobe the printed form cancels, and at g = 0.999 it is 10 % off in float32.
 // Bound:    one square root and one division.
@@ -21,7 +23,18 @@ namespace tyndall {
     return peak / (denominator * std::sqrt(denominator));
 }
 
-/// Cosine to straight on, distributed as the light is.
+/// What Draine's factor 1 + alpha cos^2 makes of all light that Henyey and Greenstein's function scatters.
+[[nodiscard]] constexpr float draine_total(float asymmetry_g, float alpha) {
+    return 1.0f + alpha * (1.0f + 2.0f * asymmetry_g * asymmetry_g) / 3.0f;
+}
+
+/// As henyey_greenstein_per_sr, which it is where alpha is 0.
+[[nodiscard]] inline float draine_per_sr(float cosine, float asymmetry_g, float alpha) {
+    const float base = henyey_greenstein_per_sr(cosine, asymmetry_g);
+    return alpha == 0.0f ? base : base * (1.0f + alpha * cosine * cosine) / draine_total(asymmetry_g, alpha);
+}
+
+/// Cosine to straight on, distributed as Henyey and Greenstein's light is.
 /// @param u  In [0, 1); 0 is straight on.
 [[nodiscard]] inline float sample_henyey_greenstein_cosine(float asymmetry_g, float u) {
     const float g = asymmetry_g;

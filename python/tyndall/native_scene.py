@@ -388,7 +388,7 @@ def _build_materials(materials: tuple[Material, ...], parts: NativeParts, report
 def _build_medium(medium: Medium) -> _native.Medium:
     return _native.Medium(
         name=medium.name,
-        lobes=[(lobe.sigma_s_per_m, lobe.asymmetry_g) for lobe in medium.lobes],
+        lobes=[(lobe.sigma_s_per_m, lobe.asymmetry_g, lobe.draine_alpha) for lobe in medium.lobes],
         sigma_a_per_m=medium.sigma_a_per_m,
         emission_w_per_m3_sr=medium.emission_w_per_m3_sr,
         receiver_set=medium.receiver_set,

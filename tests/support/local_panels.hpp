@@ -124,9 +124,10 @@ inline dvec3 scattered_at(const std::vector<FogBox>& boxes, const LightSample& l
         if (glm::any(glm::greaterThan(glm::abs(point - box.centre), box.half)))
             continue;
         for (const ScatterLobe& lobe : box.medium.lobes) {
-            const double g = lobe.asymmetry_g;
-            scatter += dvec3(lobe.sigma_s_per_m) * (1.0 - g * g) /
-                       (4.0 * std::numbers::pi * std::pow(1.0 + g * g - 2.0 * g * cosine, 1.5));
+            const double g = lobe.asymmetry_g, alpha = lobe.draine_alpha;
+            scatter += dvec3(lobe.sigma_s_per_m) * (1.0 - g * g) * (1.0 + alpha * cosine * cosine) /
+                       ((1.0 + alpha * (1.0 + 2.0 * g * g) / 3.0) * 4.0 * std::numbers::pi *
+                        std::pow(1.0 + g * g - 2.0 * g * cosine, 1.5));
         }
     }
     return intensity * scatter *

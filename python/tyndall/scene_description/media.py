@@ -17,10 +17,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ScatterLobe:
-    """Scattering with one Henyey-Greenstein phase function."""
+    """Scattering with one phase function: Draine's, which is Henyey and Greenstein's where its alpha is 0."""
 
     sigma_s_per_m: Rgb
     asymmetry_g: float = 0.0  #: (-1, 1); positive scatters forward.
+    draine_alpha: float = 0.0  #: [0, 1e6]; with an asymmetry of 0, 1 is Rayleigh's.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -20,8 +20,10 @@ Rgb random_rgb(SceneRandom& random, float most) {
 }
 Medium random_medium(SceneRandom& random, bool is_grey) {
     Medium medium{.name = "fog", .lobes = {{random_rgb(random, 0.2f), random.uniform(-0.9f, 0.9f)}}};
-    if (random.uniform() < 0.3f)
+    if (random.uniform() < 0.3f) {
         medium.lobes.push_back({random_rgb(random, 0.1f), random.uniform(-0.9f, 0.9f)});
+        medium.lobes[0].draine_alpha = 20.0f * std::abs(medium.lobes[0].asymmetry_g);
+    }
     medium.sigma_a_per_m = random_rgb(random, 0.1f);
     if (is_grey) {
         for (ScatterLobe& lobe : medium.lobes)
@@ -79,7 +81,7 @@ void add_random_rays(MediaRays& rays, const vec3& light, int count, SceneRandom&
 struct Nest {
     std::vector<FogBox> boxes{
         {{0, 0, 0}, {6, 5, 4}, {.name = "haze", .lobes = {{{0.02f, 0.04f, 0.08f}, 0.6f}}, .sigma_a_per_m = Rgb(0.01f)}},
-        {{1, 0.5, 0}, {2, 1.5, 1}, {.name = "smoke", .lobes = {{Rgb(0.3f), -0.4f}}}}};
+        {{1, 0.5, 0}, {2, 1.5, 1}, {.name = "smoke", .lobes = {{Rgb(0.3f), -0.4f, 3.0f}}}}};
     std::unique_ptr<Scene> scene = scene_of(boxes);
     Progress progress;
     Media media{*scene, progress};

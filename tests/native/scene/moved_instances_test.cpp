@@ -43,6 +43,7 @@ TEST_CASE("whatever else differs, nothing is told: the scene is another one") {
         [](auto& scene) { scene.materials[0].constant.diffuse_albedo.x = 0.1f; },
         [](auto& scene) { scene.materials[0].program.emplace_back(); },
         [](auto& scene) { scene.media[0].lobes[0].asymmetry_g = 0.5f; },
+        [](auto& scene) { scene.media[0].lobes[0].draine_alpha = 1.0f; },
         [](auto& scene) { scene.media[0].sigma_a_per_m = Rgb(1.0f); },
         [](auto& scene) { scene.volumes.emplace_back(); },
         [](auto& scene) { scene.world_medium_index = 0; },

@@ -8,13 +8,13 @@ using namespace tyndall;
 /// Integral over the sphere of weight(cosine) * phase. The angle is split at 30 degrees from the peak, where its
 /// fourth root flattens what a lobe of g = 0.999 does within a tenth of a degree.
 template <typename Weight>
-static double over_sphere(float g, const Weight& weight) {
+static double over_sphere(float g, const Weight& weight, float alpha = 0.0f) {
     constexpr int steps = 200000;
     double sum = 0.0;
     for (int step = 0; step < steps; ++step) {
         const double s = (step + 0.5) / steps, angle = std::numbers::pi * s * s * s * s;
         const double cosine = std::copysign(1.0, g) * std::cos(angle);
-        sum += weight(cosine) * henyey_greenstein_per_sr(static_cast<float>(cosine), g) * std::sin(angle) *
+        sum += weight(cosine) * draine_per_sr(static_cast<float>(cosine), g, alpha) * std::sin(angle) *
                (4.0 * std::numbers::pi * s * s * s / steps);
     }
     return 2.0 * std::numbers::pi * sum;
@@ -28,6 +28,25 @@ TEST_CASE("the phase function scatters all of the light, and g is its mean cosin
         CHECK(std::abs(over_sphere(g, [](double) { return 1.0; }) - 1.0) < bound);
         CHECK(std::abs(over_sphere(g, [](double cosine) { return cosine; }) - double{g}) < bound);
     }
+}
+TEST_CASE("Draine's function scatters all of the light, with the mean cosine of its closed form") {
+    for (const float g : {-0.7f, 0.0f, 0.3f, 0.95f})
+        for (const float alpha : {0.5f, 1.0f, 20.0f, 250.0f}) {
+            CAPTURE(g);
+            CAPTURE(alpha);
+            CHECK(std::abs(over_sphere(
+                               g, [](double) { return 1.0; }, alpha) -
+                           1.0) < 1e-4);
+            // Draine 2003, eq. 6
+            const double g2 = double{g} * g;
+            const double mean = g * (1.0 + alpha * (3.0 + 2.0 * g2) / 5.0) / (1.0 + alpha * (1.0 + 2.0 * g2) / 3.0);
+            CHECK(std::abs(over_sphere(
+                               g, [](double cosine) { return cosine; }, alpha) -
+                           mean) < 1e-4);
+        }
+    for (const float cosine : {-1.0f, -0.3f, 0.0f, 0.8f}) // Rayleigh's
+        CHECK(draine_per_sr(cosine, 0.0f, 1.0f) ==
+              doctest::Approx(3.0 / (16.0 * std::numbers::pi) * (1.0 + double{cosine} * cosine)));
 }
 TEST_CASE("light that goes straight on in a narrow lobe keeps its precision") {
     // With the printed denominator, 1 + g^2 - 2 g, float32 is 10 % off here.
