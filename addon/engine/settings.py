@@ -10,6 +10,7 @@ import numpy as np
 
 from tyndall.renderer import IndirectConfig, RenderConfig, ShaftConfig
 
+from ..sync.worlds import occlusion_reach_m
 from .passes import wanted_planes
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ KEPT_MAPS_BYTES = 512 << 20
 #: Of what camera rays met, in a viewport: a sample of full HD, with points to be lit, beside its coarse pictures.
 KEPT_SURFACES_BYTES = 1 << 30
 _LEAST_RESOLUTION = 16  #: The property starts at 0, which picks a resolution; between them lies nothing useful.
+_LEAST_REACH_M = 1e-6  #: Of a world whose distance is 0, within which nothing stands.
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,9 +71,12 @@ def shaft_config(scene: Scene) -> ShaftConfig:
 def indirect_config(scene: Scene) -> IndirectConfig:
     """What surfaces see of one another."""
     indirect = scene.tyndall.indirect
+    has_ambient_occlusion = indirect.has_ambient_occlusion
     return IndirectConfig(
-        ambient_occlusion=indirect.has_ambient_occlusion,
-        ambient_distance_m=indirect.ambient_distance_m,
+        ambient_occlusion=has_ambient_occlusion,
+        ambient_distance_m=(
+            indirect.ambient_distance_m if has_ambient_occlusion else max(occlusion_reach_m(scene), _LEAST_REACH_M)
+        ),
         ambient_samples=indirect.ambient_samples,
         bounce=indirect.has_bounce,
         bounce_samples=indirect.bounce_samples,

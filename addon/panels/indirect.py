@@ -21,7 +21,7 @@ class TYNDALL_PT_indirect(PropertiesPanel, Panel):
         column = layout.column(align=True)
         column.prop(settings, "has_ambient_occlusion")
         row = column.row()
-        row.active = settings.has_ambient_occlusion or has_pass
+        row.active = settings.has_ambient_occlusion
         row.prop(settings, "ambient_distance_m")
         row = column.row()
         row.active = has_pass

@@ -19,8 +19,8 @@ class TyndallIndirectSettings(PropertyGroup):
     )
     ambient_distance_m: FloatProperty(
         name="Distance",
-        description="What stands farther away than this hides nothing of the world; of the pass Ambient Occlusion, "
-        "too. 0: any distance",
+        description="What stands farther away than this hides nothing of the world, nor in the pass Ambient Occlusion, "
+        "which without the option above looks as far as the world says (Light Paths in Cycles' panels). 0: any distance",
         min=0.0,
         max=1e9,
         soft_max=100.0,

@@ -70,8 +70,10 @@ class WorldBakes:
 
 
 def occlusion_reach_m(scene: bpy.types.Scene) -> float:
-    """How far Ambient Occlusion nodes look that have no distance of their own."""
-    return _ANY_DISTANCE_M if scene.world is None else scene.world.light_settings.distance
+    """How far Ambient Occlusion nodes look that have no distance of their own, and the pass."""
+    if scene.world is None:
+        return _ANY_DISTANCE_M
+    return min(max(scene.world.light_settings.distance, 0.0), _ANY_DISTANCE_M)
 
 
 def world_of(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:

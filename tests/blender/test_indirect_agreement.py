@@ -280,14 +280,15 @@ def ambient_pass(scene: bpy.types.Scene) -> FloatArray:
     return planes["Ambient Occlusion" if IS_5 else "AO"][..., :3].astype(np.float64)
 
 
+# Seen to fail: with a distance of our own, which the world's was not asked for.
 @pytest.mark.dealt
-@pytest.mark.parametrize("distance_m", [0.0, 0.8])
+@pytest.mark.parametrize("distance_m", [1e4, 0.8])
 def test_the_ambient_occlusion_pass_is_that_of_cycles(distance_m: float) -> None:
-    """Its distance is a setting of the world there; 0 is none here."""
+    """Its distance is the world's."""
     scene = lit("world")
     left_out = pixels_on_edges(scene)
-    scene.world.light_settings.distance = distance_m or 1e4
-    scene.tyndall.indirect.ambient_distance_m, scene.tyndall.indirect.ambient_samples = distance_m, 16
+    scene.world.light_settings.distance = distance_m
+    scene.tyndall.indirect.ambient_samples = 16
     ours, cycles = [], []
     for seed in (1, 2):
         scene.render.engine = "TYNDALL"
@@ -298,6 +299,14 @@ def test_the_ambient_occlusion_pass_is_that_of_cycles(distance_m: float) -> None
         cycles.append(ambient_pass(scene))
     assert ours[0][~left_out].min() < 0.6 < ours[0].max()
     assert_agree(tuple(ours), tuple(cycles), left_out)
+
+
+def test_nothing_stands_within_no_distance() -> None:
+    """As in Cycles, where the world's distance is 0."""
+    scene = lit("world")
+    scene.world.light_settings.distance = 0.0
+    scene.render.engine = "TYNDALL"
+    assert ambient_pass(scene)[:24].min() == 1.0  # the lower rows show surfaces alone
 
 
 def test_with_ambient_occlusion_the_world_lights_surfaces_as_the_pass_says() -> None:
